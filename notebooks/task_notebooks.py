@@ -1,0 +1,25 @@
+"""One task per notebook of the catalogue: stale when it, the library or its data changed."""
+
+import json
+import os
+from pathlib import Path
+from typing import Annotated
+
+from pytask import Product, PythonNode, task
+
+from study import notebooks
+
+settings = json.loads(os.environ.get(notebooks.PARAMETERS_VARIABLE, "{}"))
+
+for notebook in notebooks.CATALOGUE:
+    chosen = json.dumps(settings.get(notebook.name, {}), sort_keys=True)
+
+    @task(id=notebook.name)
+    def task_notebook(
+        parameters: Annotated[str, PythonNode(value=chosen, hash=True)],
+        name: str = notebook.name,
+        inputs: list[Path] = notebook.inputs(),
+        products: Annotated[list[Path], Product] = notebook.products(),
+    ):
+        (selected,) = notebooks.select([name])
+        notebooks.execute(selected, json.loads(parameters))

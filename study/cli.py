@@ -1,0 +1,297 @@
+"""The command line: ``study run``, ``list``, ``data``, ``law`` and ``joint``.
+
+A user's mistake is one line on standard error and exit status 2; a failure is exit status 1.
+"""
+
+import json
+import sys
+from collections import Counter
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from study.checks import StudyError
+
+app = typer.Typer(
+    help="Contact force laws for spherical clearance joints: rebuild, inspect, evaluate.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+data_app = typer.Typer(help="The cached finite-element dataset.", no_args_is_help=True)
+app.add_typer(data_app, name="data")
+
+UsageError = typer.BadParameter.__base__  # of every wrong option or argument
+LawName = StrEnum(
+    "LawName", ["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler"]
+)
+Drive = StrEnum("Drive", ["plane", "clamped"])
+Rim = StrEnum("Rim", ["free", "mirror"])
+Kinematics = StrEnum("Kinematics", ["small", "linear"])
+
+R2Star = Annotated[
+    float, typer.Option("--r2-star", help="Dimensionless socket radius R2/dR, > 1.")
+]
+DepthStars = Annotated[
+    list[float],
+    typer.Option("--depth-star", help="Dimensionless penetration depth d/dR; may be repeated."),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, help="Processes; by default one per core.")
+]
+
+
+def main():
+    """Run the command line and exit with its status."""
+    try:
+        status = app(standalone_mode=False)
+    except (UsageError, ValueError) as error:
+        text = error.format_message() if isinstance(error, UsageError) else str(error)
+        _complain(text, 2)
+    except (StudyError, OSError) as error:
+        _complain(str(error), 1)
+    except (KeyboardInterrupt, typer.Abort):
+        _complain("interrupted; what was finished is kept", 130)
+    sys.exit(status or 0)
+
+
+def _complain(text, status):
+    print(f"study: {' '.join(text.split())}", file=sys.stderr)
+    sys.exit(status)
+
+
+@app.command("run")
+def run_notebooks(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[NAME]...", help="Figures, tables or notebooks; default all."),
+    ] = None,
+    jobs: Jobs = None,
+    force: Annotated[bool, typer.Option("--force", help="Run fresh notebooks too.")] = False,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("-p", metavar="KEY=VALUE", help="Set a notebook's parameter; repeatable."),
+    ] = None,
+    dask: Annotated[
+        str | None,
+        typer.Option("--dask", metavar="ADDRESS", help="Dask scheduler that runs the tasks."),
+    ] = None,
+):
+    """Run the stale notebooks and leave figures and tables in figures/."""
+    from study import dataset, notebooks
+
+    selected = notebooks.select(names or [])
+    parameters = notebooks.check_parameters(selected, settings or [])
+    dataset.verify_files()
+    session = notebooks.run(
+        selected, parameters, jobs=jobs, force=force, dask_address=dask
+    )
+    _report(selected, session)
+
+
+def _report(selected, session):
+    """Say what was made and where, or what failed."""
+    from pytask import TaskOutcome
+
+    from study import paths
+
+    outcomes = {r.task.name.split("[")[-1].rstrip("]"): r for r in session.execution_reports}
+    made = Counter()
+    for notebook in selected:
+        report = outcomes.get(notebook.name)
+        if report is None or report.outcome == TaskOutcome.FAIL:
+            made["failed"] += 1
+            reason = report.exc_info[1] if report else "not run"
+            print(f"failed: {' '.join(str(reason).split())}", file=sys.stderr)
+        elif report.outcome == TaskOutcome.SUCCESS:
+            made["run"] += 1
+            for name, shows in notebook.results.items():
+                suffix = "csv" if name in notebook.tables else "png"
+                print(f"made  figures/{name}.{suffix:<4}  {shows}")
+            print(f"      {notebook.executed.relative_to(paths.ROOT)}")
+    if session.exit_code != 0 and not made["failed"]:
+        print("failed: the tasks could not be collected", file=sys.stderr)
+        made["failed"] = 1
+    if made["failed"]:
+        raise typer.Exit(1)
+    if not made["run"]:
+        print("Nothing was stale: every figure and table in figures/ is up to date.")
+
+
+@app.command("list")
+def list_results():
+    """List every figure and table: what it shows, its notebook, fresh or stale."""
+    from pytask import TaskOutcome
+
+    from study import notebooks
+
+    session = notebooks.run(list(notebooks.CATALOGUE), {}, dry=True)
+    fresh = {
+        r.task.name.split("[")[-1].rstrip("]")
+        for r in session.execution_reports
+        if r.outcome == TaskOutcome.SKIP_UNCHANGED
+    }
+    rows = [
+        (name, "fresh" if notebook.name in fresh else "stale", notebook.name, shows)
+        for notebook in notebooks.CATALOGUE
+        for name, shows in notebook.results.items()
+    ]
+    _table(["name", "state", "notebook", "shows"], rows)
+
+
+@app.command("law")
+def evaluate_law(
+    law: Annotated[LawName, typer.Argument(metavar="NAME", help=f"One of {', '.join(LawName)}.")],
+    r2_star: R2Star,
+    depth_star: DepthStars,
+    socket_ratio: Annotated[
+        float | None,
+        typer.Option(help="Outer over inner radius of the socket, for laws that use it."),
+    ] = None,
+    poisson: Annotated[
+        float | None, typer.Option(help="Poisson's ratio, for laws that use it.")
+    ] = None,
+    as_json: AsJson = False,
+):
+    """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths."""
+    from study.contact import LAWS
+
+    for option, value in (("--socket-ratio", socket_ratio), ("--poisson", poisson)):
+        if value is not None:
+            raise ValueError(f"{option} must be left out: {law} does not depend on it")
+    force = LAWS[law](depth_star, r2_star)
+    _print_curve({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
+
+
+@app.command("joint")
+def solve_joint(
+    r2_star: R2Star,
+    depth_star: DepthStars,
+    socket_ratio: Annotated[
+        float, typer.Option(help="Outer over inner radius of the socket, > 1.")
+    ] = 1.19,
+    poisson: Annotated[
+        float, typer.Option(help="Poisson's ratio of both bodies, in (-1, 0.5).")
+    ] = 0.3,
+    drive: Annotated[
+        Drive, typer.Option(help="Ball's equatorial plane: radially free or clamped.")
+    ] = Drive.plane,
+    rim: Annotated[Rim, typer.Option(help="Socket's edge: traction-free or mirror.")] = Rim.free,
+    kinematics: Annotated[
+        Kinematics, typer.Option(help="Pairing of the surfaces, see study.joint.Joint.")
+    ] = Kinematics.small,
+    as_json: AsJson = False,
+):
+    """Solve one joint by finite elements: force, contact half-angle and error estimate."""
+    import numpy as np
+
+    from study.joint import Joint, Material, force_curve
+
+    material = Material(poisson=poisson)
+    joint = Joint(
+        r2_star=r2_star,
+        socket_ratio=socket_ratio,
+        ball=material,
+        socket=material,
+        ball_drive=str(drive),
+        rim=str(rim),
+        kinematics=str(kinematics),
+    )
+    curve = force_curve(joint, depth_star)
+    columns = {
+        "depth_star": depth_star,
+        "force_star": curve.force_star.tolist(),
+        "contact_half_angle_deg": np.degrees(curve.contact_half_angle).tolist(),
+        "peak_pressure_star": curve.peak_pressure.tolist(),
+        "error_estimate": curve.error_estimate.tolist(),
+    }
+    _print_curve(columns, as_json)
+
+
+@data_app.command("show")
+def show_data(
+    r2_star: Annotated[
+        list[float] | None, typer.Option("--r2-star", help="Keep these values of R2/dR.")
+    ] = None,
+    socket_ratio: Annotated[
+        list[float] | None, typer.Option("--socket-ratio", help="Keep these socket ratios.")
+    ] = None,
+    drive: Annotated[Drive | None, typer.Option(help="Keep this drive.")] = None,
+    rim: Annotated[Rim | None, typer.Option(help="Keep this rim.")] = None,
+    kinematics: Annotated[Kinematics | None, typer.Option(help="Keep these kinematics.")] = None,
+    case: Annotated[
+        str | None, typer.Option("--case", help="One case, every depth of it.")
+    ] = None,
+):
+    """Show a summary of the dataset's cases (forces are P/(E* dR^2), angles in deg)."""
+    from study import dataset
+
+    chosen = {
+        "r2_star": r2_star,
+        "socket_ratio": socket_ratio,
+        "ball_drive": drive,
+        "rim": rim,
+        "kinematics": kinematics,
+        "case": case,
+    }
+    frame = dataset.load(**{key: value for key, value in chosen.items() if value})
+    table = dataset.summary(frame) if case is None else frame.iloc[:, 9:]
+    _table(table.columns, table.map(_text).itertuples(index=False))
+
+
+@data_app.command("check")
+def check_data():
+    """Check files, schema and physics of the dataset, and solve one case anew."""
+    from study import dataset
+
+    _table(["checked", "found"], dataset.check())
+
+
+@data_app.command("build")
+def build_data(jobs: Jobs = None):
+    """Build the dataset from nothing; an interrupted build resumes."""
+    from pytask import TaskOutcome
+
+    from study import notebooks, paths
+
+    session = notebooks.build(paths.DATA, jobs=jobs)
+    for report in session.execution_reports:
+        if report.outcome == TaskOutcome.FAIL:
+            print(f"failed: {report.task.name}: {report.exc_info[1]}", file=sys.stderr)
+    if session.exit_code != 0:
+        raise typer.Exit(1)
+    print("The dataset is up to date: data/force_curves.csv, data/datapackage.json.")
+
+
+def _print_curve(columns, as_json):
+    if as_json:
+        print(json.dumps({key: columns[key] for key in columns}))
+    else:
+        rows = [[_text(value) for value in row] for row in zip(*columns.values(), strict=True)]
+        _table(list(columns), rows)
+
+
+def _text(value):
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _table(header, rows):
+    """Print a table; in full width when the output is not a terminal."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(width=None if sys.stdout.isatty() else 200)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for name in header:
+        table.add_column(name, overflow="fold")
+    for row in rows:
+        table.add_row(*map(str, row))
+    console.print(table)
+
+
+if __name__ == "__main__":
+    main()

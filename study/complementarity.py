@@ -1,0 +1,78 @@
+"""Linear complementarity: find p >= 0 with w = A p + b >= 0 and p w = 0.
+
+Unilateral contact is this problem, p the pressure and w the gap. A is symmetric and positive
+definite here, so that there is exactly one solution and block principal pivoting ends.
+"""
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from study.checks import StudyError
+
+TOLERANCE = 1e-11  # share of the largest p, or of the largest |b|, that counts as zero
+PATIENCE = 10
+
+
+class ComplementarityError(StudyError):
+    """The pivoting did not end; the message carries the residual."""
+
+
+def solve(matrix, vector, active=None, max_pivots=None):
+    """Solve a linear complementarity problem by block principal pivoting.
+
+    All indices whose sign is wrong change sides at once as long as this makes progress; else
+    only the last of them does, which ends for every positive definite matrix (Murty). After
+    Judice and Pires, Computers & Operations Research 21 (1994) 587-596.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (n, n)
+        Symmetric positive definite.
+    vector : ndarray, shape (n,)
+        Value of w at p = 0.
+    active : ndarray of bool, shape (n,), optional
+        First guess of where p > 0; by default where ``vector`` < 0.
+    max_pivots : int, optional
+        Limit of pivoting steps, by default 20 n + 100.
+
+    Returns
+    -------
+    p : ndarray, shape (n,)
+    active : ndarray of bool, shape (n,)
+        Where p is positive; a first guess for a neighbouring problem.
+
+    Raises
+    ------
+    ValueError
+        For a non-finite entry.
+    ComplementarityError
+        If the limit of steps is reached, with the residual max |min(p, w)|.
+    """
+    if not (np.isfinite(vector).all() and np.isfinite(matrix).all()):
+        raise ValueError("complementarity problem must be finite, got NaN or infinity")
+    size = len(vector)
+    zero = TOLERANCE * np.abs(vector).max(initial=0.0)
+    active = vector < 0 if active is None else active.copy()
+    fewest, patience = size + 1, PATIENCE
+    for _ in range(20 * size + 100 if max_pivots is None else max_pivots):
+        p = np.zeros(size)
+        if active.any():
+            block = cho_factor(matrix[np.ix_(active, active)], check_finite=False)
+            p[active] = cho_solve(block, -vector[active], check_finite=False)
+        w = vector + matrix[:, active] @ p[active]
+        wrong = np.where(active, p < -TOLERANCE * np.abs(p).max(initial=0.0), w < -zero)
+        count = np.count_nonzero(wrong)
+        if count == 0:
+            p = np.maximum(p, 0.0)  # within the tolerance
+            return p, p > 0
+        if count < fewest:
+            fewest, patience = count, PATIENCE
+        elif patience > 0:
+            patience -= 1
+        else:
+            wrong[: np.flatnonzero(wrong)[-1]] = False
+        active ^= wrong
+    residual = np.abs(np.minimum(p, w)).max()
+    raise ComplementarityError(
+        f"contact did not converge: residual {residual:.3g}, {count} of {size} points undecided"
+    )

@@ -1,0 +1,81 @@
+"""How an elastic body's spherical surface gives way under normal pressure.
+
+A `Compliance` is all that contact needs to know of a body. It is computed once, for unit
+radius and unit Young's modulus, and serves every clearance, depth and modulus.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Compliance:
+    """Inward normal displacement of a unit sphere's surface under axisymmetric pressure.
+
+    Pressure is piecewise linear in the polar angle between ``angles`` (hat functions h_i);
+    w_j is the inward normal displacement under the pressure h_j.
+
+    Attributes
+    ----------
+    angles : ndarray, shape (n,)
+        Polar angles of the pressure nodes, from 0 (contact axis) to pi/2, in rad.
+    flexibility : ndarray, shape (n, n)
+        Integral of h_i w_j over the surface, for radius 1 and Young's modulus 1; symmetric
+        and positive definite. For radius R and modulus E the displacement scales by R/E.
+    reaction : ndarray, shape (n,)
+        Axial reaction of the body's supports to the pressure h_j on a unit sphere.
+    unknowns : int
+        Unknowns of the linear system behind it.
+    """
+
+    angles: np.ndarray
+    flexibility: np.ndarray
+    reaction: np.ndarray
+    unknowns: int
+
+
+class HatFunctions:
+    """Hat functions of the polar angle on a unit hemisphere: where pressures live.
+
+    Parameters
+    ----------
+    angles : ndarray, shape (n,)
+        Increasing polar angles of the nodes, in rad.
+    """
+
+    _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+
+    def __init__(self, angles):
+        self.angles = angles
+        width = np.diff(angles)[:, None]
+        self._right = (1 + self._POINTS) / 2  # value of an element's right hat; left is 1 - it
+        self._theta = angles[:-1, None] + width * self._right
+        self._area = np.pi * np.sin(self._theta) * width * self._WEIGHTS  # 2 pi sin / 2
+
+    def integrate(self, function):
+        """Integral of ``function(theta)`` times each hat over the unit sphere, shape (n,)."""
+        density = self._area * function(self._theta)
+        return self._to_nodes((density * (1 - self._right)).sum(1), (density * self._right).sum(1))
+
+    def mass(self):
+        """Integrals of products of two hats over the unit sphere, shape (n, n)."""
+        left, right = 1 - self._right, self._right
+        diagonal = self._to_nodes(
+            (self._area * left**2).sum(1), (self._area * right**2).sum(1)
+        )
+        beside = (self._area * left * right).sum(1)
+        return np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
+
+    def values(self, theta):
+        """Value of every hat at every angle of ``theta``, shape (len(theta), n)."""
+        return np.column_stack(
+            [np.interp(theta, self.angles, hat) for hat in np.eye(len(self.angles))]
+        )
+
+    @staticmethod
+    def _to_nodes(left, right):
+        nodes = np.zeros(len(left) + 1)
+        nodes[:-1] += left
+        nodes[1:] += right
+        return nodes

@@ -1,0 +1,182 @@
+"""One style for every figure, one colour and marker per law, and saving with the numbers drawn.
+
+A figure is written as PNG together with a CSV of what it shows; both have the same bytes
+whenever their content is the same.
+"""
+
+from dataclasses import dataclass
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+
+from study import paths
+
+STYLE = {
+    "figure.dpi": 100,
+    "savefig.dpi": 200,
+    "figure.constrained_layout.use": True,
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "0.9",
+    "legend.frameon": False,
+    "lines.linewidth": 1.5,
+    "lines.markersize": 4,
+}
+
+DEPTH = "penetration depth $\\delta^*=\\delta/\\Delta R$"
+FORCE = "contact force $P^*=P/(E^*\\Delta R^2)$"
+RADIUS = "socket radius $R_2^*=R_2/\\Delta R$"
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a law or the finite elements are drawn, everywhere."""
+
+    label: str
+    color: str
+    marker: str
+    line: str = "-"
+
+
+# Okabe and Ito's colours, which colour-blind readers can tell apart
+LOOKS = {
+    "fem": Look("finite elements", "#000000", "o", "none"),
+    "hertz": Look("Hertz", "#0072B2", "s", "--"),
+    "steuermann": Look("Steuermann", "#56B4E9", "v", "-."),
+    "liu": Look("Liu (reconstructed)", "#009E73", "^", ":"),
+    "winkler": Look("Winkler (fitted)", "#E69F00", "D", "--"),
+    "hyperbolic_winkler": Look("hyperbolic Winkler", "#D55E00", "P", "-"),
+}
+
+
+def new(columns=1, rows=1, width=4.2, height=3.2, **options):
+    """Figure and axes in the study's style.
+
+    Parameters
+    ----------
+    columns, rows : int
+        Number of panels.
+    width, height : float
+        Size of one panel, in inches.
+    **options
+        Passed to ``matplotlib.pyplot.subplots``.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    axes : matplotlib.axes.Axes or ndarray of them
+    """
+    plt.rcParams.update(mpl.rcParamsDefault | {"backend": plt.rcParams["backend"]} | STYLE)
+    return plt.subplots(rows, columns, figsize=(columns * width, rows * height), **options)
+
+
+def draw(axes, law, x, y, **options):
+    """Draw a law as a line, or the finite elements as markers, in its look."""
+    look = LOOKS[law]
+    style = {"color": look.color, "label": look.label}
+    if look.line == "none":
+        style |= {"linestyle": "none", "marker": look.marker, "zorder": 3}
+    else:
+        style |= {"linestyle": look.line}
+    axes.plot(x, y, **(style | options))
+
+
+def shade_map(axes, x, y, percent, levels):
+    """Map of a relative error in percent: shades, and labelled contours at ``levels``.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    x, y : ndarray, shapes (n,) and (m,)
+    percent : ndarray, shape (m, n)
+    levels : sequence of float
+
+    Returns
+    -------
+    matplotlib.collections.QuadMesh
+        For the colour bar.
+    """
+    limit = np.ceil(np.abs(percent).max() / 5) * 5
+    shades = axes.pcolormesh(
+        x, y, percent, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud", rasterized=True
+    )
+    lines = axes.contour(x, y, percent, levels=levels, colors="k", linewidths=0.8)
+    axes.clabel(lines, fmt="%+g %%", fontsize=7)
+    return shades
+
+
+def draw_mesh(axes, mesh, color, radius=1.0, shift=0.0):
+    """Draw a meridian's triangles upside down (contact below), scaled and moved along z."""
+    r, z = radius * mesh.p[:, : mesh.t.max() + 1] * np.array([[1], [-1]])
+    axes.triplot(r, z + shift, mesh.t.T, color=color, linewidth=0.3)
+    axes.set_aspect("equal")
+
+
+def draw_joint(axes, ball_radius, socket_ratio, drop):
+    """Draw the meridian of ball and socket, with radii and supports named (lengths in R2)."""
+    angles = np.linspace(0, np.pi / 2, 181)
+    r, z = np.sin(angles), -np.cos(angles)
+    socket = np.hstack([np.array([r, z]), socket_ratio * np.array([r[::-1], z[::-1]])])
+    ball = np.array([[0, *ball_radius * r], [drop, *(ball_radius * z + drop)]])
+    for outline, law, name, at in (
+        (socket, "hertz", "socket", (0.66, -0.87)),
+        (ball, "hyperbolic_winkler", "ball", (0.25, -0.35)),
+    ):
+        color = LOOKS[law].color
+        axes.fill(*outline, facecolor=color, alpha=0.2, edgecolor=color)
+        axes.annotate(name, at, color=color, fontsize=8)
+    axes.plot(*(socket_ratio * np.array([r, z])), color="k", linewidth=3, label="fixed")
+    axes.plot([0, ball_radius], [drop, drop], "k--", linewidth=1.5, label="displaced")
+    for radius, angle, name, centre in (
+        (ball_radius, 1.2, "$R_1$", drop),
+        (1.0, 0.75, "$R_2$", 0.0),
+        (socket_ratio, 0.35, "$R_{2o}$", 0.0),
+    ):
+        tip = (radius * np.sin(angle), centre - radius * np.cos(angle))
+        axes.annotate("", tip, (0, centre), arrowprops={"arrowstyle": "->", "linewidth": 0.8})
+        axes.annotate(name, (0.55 * tip[0], centre + 0.55 * (tip[1] - centre) + 0.03), fontsize=8)
+    axes.set(xlabel="$r/R_2$", ylabel="$z/R_2$", aspect="equal")
+    axes.legend(loc="lower right", fontsize=7)
+    axes.grid(False)
+
+
+def save(figure, name, numbers):
+    """Write ``figures/name.png`` and the numbers it draws to ``figures/name.csv``.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    name : str
+    numbers : pandas.DataFrame
+        What the figure draws, in tidy form.
+    """
+    save_table(numbers, name)
+    with paths.whole(paths.FIGURES / f"{name}.png") as temporary:
+        figure.savefig(temporary, metadata={"Software": None})
+
+
+def save_table(table, name):
+    """Write a table to ``figures/name.csv``, with 9 significant digits.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+    name : str
+
+    Raises
+    ------
+    ValueError
+        If a number of the table is NaN or infinite.
+    """
+    numeric = table.select_dtypes("number")
+    bad = ~np.isfinite(numeric.to_numpy())
+    if bad.any():
+        column = numeric.columns[bad.any(axis=0)][0]
+        raise ValueError(f"every number of {name} must be finite, column {column!r} is not")
+    with paths.whole(paths.FIGURES / f"{name}.csv") as temporary:
+        table.to_csv(temporary, index=False, float_format="%.9g", lineterminator="\n")

@@ -1,0 +1,327 @@
+"""The notebooks: what each makes and reads, how one is executed, how all stale ones are run.
+
+pytask decides what is stale and runs it in parallel; papermill executes a notebook. This
+module holds the catalogue and the few checks that neither of the two makes.
+"""
+
+import ast
+import json
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from study import contact, dataset, paths
+from study.checks import StudyError
+
+PARAMETERS_VARIABLE = "STUDY_PARAMETERS"  # hands parameters to notebooks/task_notebooks.py
+
+
+class NotebookError(StudyError):
+    """A cell of a notebook failed; the message names notebook, cell and error."""
+
+
+@dataclass(frozen=True)
+class Notebook:
+    """A notebook and the results it makes.
+
+    Attributes
+    ----------
+    name : str
+        File name without suffix.
+    figures, tables : dict
+        Name of each figure and table -> what it shows.
+    solves : bool
+        Whether it runs the finite elements itself, besides reading the dataset.
+    """
+
+    name: str
+    figures: dict
+    tables: dict
+
+    @property
+    def path(self):
+        return paths.NOTEBOOKS / f"{self.name}.ipynb"
+
+    @property
+    def executed(self):
+        """Where the executed copy goes."""
+        return paths.BUILD / "notebooks" / f"{self.name}.ipynb"
+
+    @property
+    def results(self):
+        """Name of every figure and table -> what it shows."""
+        return self.figures | self.tables
+
+    def products(self):
+        """Files it makes: a PNG and a CSV per figure, a CSV per table, and its executed copy."""
+        images = [paths.FIGURES / f"{name}.png" for name in self.figures]
+        numbers = [paths.FIGURES / f"{name}.csv" for name in self.results]
+        return [*images, *numbers, self.executed]
+
+    def inputs(self):
+        """Files it depends on: itself, the library but for the command line, and the data."""
+        library = sorted((paths.ROOT / "study").rglob("*.py"))
+        data = [dataset.CURVES, paths.DATA / "published/tables.csv", contact.laws.COEFFICIENTS]
+        return [self.path, *(p for p in library if p.name != "cli.py"), *data]
+
+
+CATALOGUE = (
+    Notebook(
+        "01-joint-and-mesh",
+        {"fig08": "geometry and finite-element mesh of ball and socket"},
+        {},
+    ),
+    Notebook(
+        "02-coefficient-over-socket-radius",
+        {"fig09": "coefficient f1 of the hyperbolic Winkler law over R2*, fits and surrogate"},
+        {"table1": "agreement of the surrogate with the fits"},
+    ),
+    Notebook(
+        "03-force-against-depth",
+        {"fig10": "force against depth: finite elements and all laws, four ranges"},
+        {},
+    ),
+    Notebook(
+        "04-agreement-of-the-laws",
+        {"fig11": "R2, adjusted R2 and RMSE of all laws"},
+        {
+            "table2": "agreement of all laws with the finite elements",
+            "assumptions": "how much socket ratio, drive, rim and kinematics matter",
+        },
+    ),
+    Notebook(
+        "05-range-of-depth",
+        {
+            "fig12": "the hyperbolic Winkler law up to depth dR, and its relative error",
+            "fig13": "map of its relative error over depth and socket radius",
+        },
+        {},
+    ),
+    Notebook(
+        "06-range-of-socket-radius",
+        {
+            "fig14": "agreement of the hyperbolic Winkler law over R2*",
+            "fig15": "its largest error over R2*, from 20 to 10,000",
+        },
+        {},
+    ),
+)
+
+
+def select(names):
+    """Notebooks by their own names or by those of their results; all for no name.
+
+    Parameters
+    ----------
+    names : sequence of str
+
+    Returns
+    -------
+    list of Notebook
+        In the order of the catalogue, each once.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name; lists the known ones.
+    """
+    known = [name for nb in CATALOGUE for name in (nb.name, *nb.results)]
+    for name in names:
+        if name not in known:
+            raise ValueError(f"NAME must be one of {', '.join(known)}, got {name!r}")
+    wanted = set(names)
+    return [nb for nb in CATALOGUE if not names or wanted & {nb.name, *nb.results}]
+
+
+def parameters(notebook):
+    """Parameters of a notebook with their default values, from its ``parameters`` cell.
+
+    Parameters
+    ----------
+    notebook : Notebook
+
+    Returns
+    -------
+    dict
+    """
+    import papermill
+
+    found = papermill.inspect_notebook(str(notebook.path))
+    return {name: ast.literal_eval(entry["default"]) for name, entry in found.items()}
+
+
+def check_parameters(notebooks, settings):
+    """Turn ``key=value`` settings into parameters per notebook, before anything runs.
+
+    Papermill itself only warns of an unknown parameter and runs the default.
+
+    Parameters
+    ----------
+    notebooks : list of Notebook
+    settings : list of str
+        Each ``key=value``, the value a Python literal or a bare word.
+
+    Returns
+    -------
+    dict
+        Notebook name -> {parameter: value}; a notebook gets the parameters it has.
+
+    Raises
+    ------
+    ValueError
+        For a setting without ``=``, a parameter that no selected notebook has, or a value of
+        another type than the default's.
+    """
+    defaults = {nb.name: parameters(nb) for nb in notebooks} if settings else {}
+    chosen = {nb.name: {} for nb in notebooks}
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        if not equals:
+            raise ValueError(f"-p must be key=value, got {setting!r}")
+        owners = [name for name, known in defaults.items() if key in known]
+        if not owners:
+            known = sorted({k for keys in defaults.values() for k in keys})
+            raise ValueError(f"parameter must be one of {', '.join(known)}, got {key!r}")
+        try:
+            value = ast.literal_eval(text)
+        except (SyntaxError, ValueError):
+            value = text
+        for name in owners:
+            chosen[name][key] = _as_default(key, value, defaults[name][key])
+    return chosen
+
+
+def _as_default(key, value, default):
+    """``value`` in the type of ``default``: a whole number may stand for a float."""
+    if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    same = type(value) is type(default)
+    if same and isinstance(default, (list, tuple)) and default:
+        value = type(default)(_as_default(key, item, default[0]) for item in value)
+    if not same:
+        kind = type(default).__name__
+        raise ValueError(f"parameter {key} must be of type {kind}, got {value!r}")
+    return value
+
+
+def execute(notebook, settings):
+    """Execute one notebook with papermill; its executed copy lands in ``build/notebooks``.
+
+    The kernel talks through sockets in a folder of its own, so that kernels started at the
+    same time cannot take each other's ports.
+
+    Parameters
+    ----------
+    notebook : Notebook
+    settings : dict
+        Values for its parameters.
+
+    Raises
+    ------
+    NotebookError
+        If a cell fails; names notebook, cell and error.
+    """
+    import papermill
+    from traitlets.config import Config
+
+    notebook.executed.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="kernel-", ignore_cleanup_errors=True) as folder:
+        config = Config()
+        if os.name == "posix":
+            config.KernelManager.transport = "ipc"
+            config.KernelManager.ip = str(Path(folder, "socket"))
+        try:
+            papermill.execute_notebook(
+                notebook.path,
+                notebook.executed,
+                parameters=settings,
+                kernel_name="python3",
+                progress_bar=False,
+                cwd=folder,
+                config=config,
+            )
+        except papermill.PapermillExecutionError as error:
+            message = (
+                f"{notebook.name}, cell {error.cell_index}: {error.ename}: {error.evalue}"
+            )
+            raise NotebookError(message) from None
+
+
+def run(notebooks, settings, *, jobs=None, force=False, dask_address=None, dry=False):
+    """Run the stale ones of some notebooks as pytask tasks.
+
+    Parameters
+    ----------
+    notebooks : list of Notebook
+    settings : dict
+        Parameters per notebook, from `check_parameters`.
+    jobs : int, optional
+        Processes, by default one per core.
+    force : bool
+        Run fresh ones too.
+    dask_address : str, optional
+        Address of a Dask scheduler whose workers run the tasks instead.
+    dry : bool
+        Run nothing, only find what is stale.
+
+    Returns
+    -------
+    pytask.Session
+    """
+    os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
+    selected = " or ".join(f"[{nb.name}]" for nb in notebooks)
+    return build(
+        paths.NOTEBOOKS, selected, jobs=jobs, force=force, dask_address=dask_address, dry=dry
+    )
+
+
+def build(folder, expression="", *, jobs=None, force=False, dask_address=None, dry=False):
+    """Run the tasks of a folder with pytask; see `run` for the arguments.
+
+    Returns
+    -------
+    pytask.Session
+    """
+    import pytask
+
+    options = {"n_workers": jobs or len(os.sched_getaffinity(0))}
+    options["parallel_backend"] = "loky" if options["n_workers"] > 1 else "none"
+    client = None
+    if dask_address:
+        client = _dask_client(dask_address)
+        options = {"parallel_backend": "dask", "n_workers": sum(client.nthreads().values())}
+    pytask.console.quiet = dry
+    try:
+        return pytask.build(
+            paths=[folder],
+            config=paths.ROOT / "pyproject.toml",
+            expression=expression,
+            force=force,
+            dry_run=dry,
+            show_traceback=False,
+            capture="fd" if not dry else "no",
+            show_capture="no",
+            **options,
+        )
+    finally:
+        pytask.console.quiet = False
+        if client:
+            client.close()
+
+
+def _dask_client(address):
+    try:
+        from distributed import Client
+    except ImportError:
+        raise NotebookError(
+            "--dask needs the extra [dask]; install it with: pip install '.[dask]'"
+        ) from None
+    try:
+        client = Client(address, timeout=10)
+    except (OSError, ValueError) as error:
+        raise NotebookError(f"no Dask scheduler answers at {address} ({error})") from None
+    if not client.nthreads():
+        client.close()
+        raise NotebookError(f"the Dask scheduler at {address} has no workers")
+    return client

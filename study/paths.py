@@ -1,0 +1,38 @@
+"""Where the project's folders are, found from this file: whatever folder one works in."""
+
+import os
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+DATA = ROOT / "data"
+FIGURES = ROOT / "figures"
+NOTEBOOKS = ROOT / "notebooks"
+BUILD = ROOT / "build"
+
+
+@contextmanager
+def whole(path):
+    """Give a temporary path beside ``path``, and rename it to ``path`` only on success.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        File to write; its folder is made if missing.
+
+    Yields
+    ------
+    pathlib.Path
+        Temporary file with the same suffix.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        temporary.chmod(0o644)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)

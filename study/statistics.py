@@ -1,0 +1,117 @@
+"""How well a law agrees with the finite-element forces, by the paper's measures.
+
+Each takes the truth first (the finite-element values) and the prediction second (the law's).
+"""
+
+import numpy as np
+
+
+def _pair(truth, prediction):
+    truth, prediction = np.asarray(truth, float), np.asarray(prediction, float)
+    if truth.shape != prediction.shape or truth.ndim != 1 or truth.size < 2:
+        raise ValueError(
+            "truth and prediction must be two lists of the same length >= 2, got shapes "
+            f"{truth.shape} and {prediction.shape}"
+        )
+    if not (np.isfinite(truth).all() and np.isfinite(prediction).all()):
+        raise ValueError("truth and prediction must be finite, got NaN or infinity")
+    return truth, prediction
+
+
+def r_squared(truth, prediction):
+    """Multicorrelation coefficient R2 = 1 - SSE/SST.
+
+    SSE is the sum of squared differences, SST that of the truth about its mean. It is negative
+    for a prediction worse than that mean; the paper's Table 2 prints its absolute value.
+
+    Parameters
+    ----------
+    truth, prediction : array_like, shape (n,)
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        For different shapes, fewer than two values, NaN, or a constant truth.
+    """
+    truth, prediction = _pair(truth, prediction)
+    total = np.sum((truth - truth.mean()) ** 2)
+    if total == 0:
+        raise ValueError(f"truth must vary, got only {truth[0]:g}")
+    return float(1 - np.sum((truth - prediction) ** 2) / total)
+
+
+def adjusted_r_squared(truth, prediction, predictors=1):
+    """Adjusted coefficient 1 - (1 - R2) (n - 1)/(n - p - 1) with p = 1 predictor.
+
+    With n = 20 the factor is 19/18, which all five rows of the paper's Table 2 obey.
+
+    Parameters
+    ----------
+    truth, prediction : array_like, shape (n,)
+    predictors : int
+        Number p of predictors, >= 0 and < n - 1.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        As for `r_squared`, or for too many predictors.
+    """
+    size = len(truth)
+    if not 0 <= predictors < size - 1:
+        raise ValueError(f"predictors must be >= 0 and < {size - 1}, got {predictors}")
+    return 1 - (1 - r_squared(truth, prediction)) * (size - 1) / (size - predictors - 1)
+
+
+def rmse(truth, prediction):
+    """Root-mean-square error sqrt(SSE/n), in the unit of the data.
+
+    Parameters
+    ----------
+    truth, prediction : array_like, shape (n,)
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        As for `r_squared`.
+    """
+    truth, prediction = _pair(truth, prediction)
+    return float(np.sqrt(np.mean((truth - prediction) ** 2)))
+
+
+def relative_rmse(truth, prediction):
+    """Root-mean-square error over the mean of the truth (the paper's RMSE/mean(P*), Fig. 14)."""
+    return rmse(truth, prediction) / float(np.mean(truth))
+
+
+def relative_error(truth, prediction):
+    """Relative error (prediction - truth)/truth of each value.
+
+    Parameters
+    ----------
+    truth, prediction : array_like, shape (n,)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Raises
+    ------
+    ValueError
+        As for `r_squared`, or for a zero in ``truth``.
+    """
+    truth, prediction = _pair(truth, prediction)
+    if (truth == 0).any():
+        raise ValueError("truth must be non-zero for a relative error, got 0")
+    return (prediction - truth) / truth
