@@ -17,7 +17,9 @@ for set_up, part, seconds in zip(dataset.DESIGN, PARTS, TIMES, strict=True):
 
     @task(id=set_up.name)
     def task_curves(
-        design: Annotated[str, PythonNode(value=repr((set_up, dataset.DEPTHS.tolist())), hash=True)],
+        design: Annotated[
+            str, PythonNode(value=repr((set_up, dataset.DEPTHS.tolist())), hash=True)
+        ],
         set_up: dataset.SetUp = set_up,
         code: tuple[Path, ...] = dataset.SOURCES,
         part: Annotated[Path, Product] = part,
@@ -28,9 +30,7 @@ for set_up, part, seconds in zip(dataset.DESIGN, PARTS, TIMES, strict=True):
         seconds.write_text(json.dumps(time.perf_counter() - start))
 
 
-def task_table(
-    parts: list[Path] = PARTS, table: Annotated[Path, Product] = dataset.CURVES
-):
+def task_table(parts: list[Path] = PARTS, table: Annotated[Path, Product] = dataset.CURVES):
     frames = [pd.read_csv(part, float_precision="round_trip") for part in parts]
     dataset.write_curves(pd.concat(frames), table)
 

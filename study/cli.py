@@ -24,16 +24,12 @@ data_app = typer.Typer(help="The cached finite-element dataset.", no_args_is_hel
 app.add_typer(data_app, name="data")
 
 UsageError = typer.BadParameter.__base__  # of every wrong option or argument
-LawName = StrEnum(
-    "LawName", ["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler"]
-)
+LawName = StrEnum("LawName", ["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler"])
 Drive = StrEnum("Drive", ["plane", "clamped"])
 Rim = StrEnum("Rim", ["free", "mirror"])
 Kinematics = StrEnum("Kinematics", ["small", "linear"])
 
-R2Star = Annotated[
-    float, typer.Option("--r2-star", help="Dimensionless socket radius R2/dR, > 1.")
-]
+R2Star = Annotated[float, typer.Option("--r2-star", help="Dimensionless socket radius R2/dR, > 1.")]
 DepthStars = Annotated[
     list[float],
     typer.Option("--depth-star", help="Dimensionless penetration depth d/dR; may be repeated."),
@@ -86,9 +82,7 @@ def run_notebooks(
     selected = notebooks.select(names or [])
     parameters = notebooks.check_parameters(selected, settings or [])
     dataset.verify_files()
-    session = notebooks.run(
-        selected, parameters, jobs=jobs, force=force, dask_address=dask
-    )
+    session = notebooks.run(selected, parameters, jobs=jobs, force=force, dask_address=dask)
     _report(selected, session)
 
 
@@ -222,9 +216,7 @@ def show_data(
     drive: Annotated[Drive | None, typer.Option(help="Keep this drive.")] = None,
     rim: Annotated[Rim | None, typer.Option(help="Keep this rim.")] = None,
     kinematics: Annotated[Kinematics | None, typer.Option(help="Keep these kinematics.")] = None,
-    case: Annotated[
-        str | None, typer.Option("--case", help="One case, every depth of it.")
-    ] = None,
+    case: Annotated[str | None, typer.Option("--case", help="One case, every depth of it.")] = None,
 ):
     """Show a summary of the dataset's cases (forces are P/(E* dR^2), angles in deg)."""
     from study import dataset
@@ -245,9 +237,9 @@ def show_data(
 @data_app.command("check")
 def check_data():
     """Check files, schema and physics of the dataset, and solve one case anew."""
-    from study import dataset
+    from study import quality
 
-    _table(["checked", "found"], dataset.check())
+    _table(["checked", "found"], quality.check())
 
 
 @data_app.command("build")

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from study import checks, fitting, paths
+from study import checks, paths
 from study.elastic import fem
 from study.joint import SOCKET_RATIO, Joint, force_curve
 
@@ -79,7 +79,11 @@ DESIGN = (
         kinematics=("linear", "small"),
     ),
     *(
-        SetUp(f"ratio-{ratio:g}", "how much the unstated socket ratio matters", {"socket_ratio": ratio})
+        SetUp(
+            f"ratio-{ratio:g}",
+            "how much the unstated socket ratio matters",
+            {"socket_ratio": ratio},
+        )
         for ratio in (1.1, 1.15, 1.25, 1.5, 2.0, 3.0)
     ),
     SetUp("clamped", "how much the unstated drive matters", {"ball_drive": "clamped"}),
@@ -376,94 +380,6 @@ def verify_files():
             f"data/{CURVES.name} is out of date (the solver or the design has changed since it "
             f"was made); make it anew with: {MEND}"
         )
-
-
-ERROR_LIMIT = 5e-3  # largest discretisation error estimate that a row may have
-HERTZ_SLOPE = (1.45, 1.75)  # d ln P / d ln d at the smallest depths; Hertz has 1.5
-
-
-def check():
-    """Check files, schema and physics of the dataset, and solve one case anew.
-
-    Returns
-    -------
-    list of (str, str)
-        What was checked, and the number found; in the order of checking.
-
-    Raises
-    ------
-    DatasetError
-        At the first check that fails; names the file, the case and the remedy.
-    """
-    verify_files()
-    report = [("files", "every hash as stated, made by this code and design")]
-    report.append(("schema", _check_schema()))
-    frame = load()
-    report += _check_physics(frame)
-    report.append(("solved anew", _check_anew(frame)))
-    return report
-
-
-def _fail(what):
-    raise DatasetError(f"data/{CURVES.name}: {what}; make it anew with: {MEND}")
-
-
-def _check_schema():
-    from frictionless import Package  # takes a second to import, and only this needs it
-
-    report = Package(PACKAGE).validate()
-    errors = report.flatten(["note", "rowNumber", "fieldName"])
-    if errors:
-        note, row, column = errors[0]
-        place = f" (row {row}, column {column})" if row else ""
-        raise DatasetError(f"data/{PACKAGE.name}: {note}{place}; make it anew with: {MEND}")
-    frame = pd.read_csv(CURVES)
-    wanted = sum(len(s.r2_stars) * len(s.kinematics) for s in DESIGN)
-    if frame.case.nunique() != wanted or len(frame) != wanted * len(DEPTHS):
-        _fail(f"must hold {wanted} cases of {len(DEPTHS)} depths, got {len(frame)} rows")
-    return f"{wanted} cases of {len(DEPTHS)} depths, {len(_SCHEMA)} columns"
-
-
-def _check_physics(frame):
-    table = frame.pivot(index="case", columns="depth_star", values="force_star")
-    force, depth = table.to_numpy(), table.columns.to_numpy()
-    steps = np.diff(force, axis=1)
-    slopes = np.log(force[:, 1] / force[:, 0]) / np.log(depth[1] / depth[0])
-    stiffening = np.diff(steps, axis=1) / steps[:, 1:]
-    found = [
-        ("force increases", steps.min(axis=1), 0, np.inf, "smallest step {:.3g}"),
-        ("force is convex", stiffening.min(axis=1), -1e-2, np.inf, "least stiffening {:.2g}"),
-        ("slope as Hertz", slopes, *HERTZ_SLOPE, "exponent {:.3f} at least"),
-        (
-            "error estimate",
-            frame.groupby("case").error_estimate.max().to_numpy(),
-            0,
-            ERROR_LIMIT,
-            "largest {:.2g}",
-        ),
-    ]
-    report = []
-    for what, values, low, high, text in found:
-        bad = ~((values >= low) & (values <= high))
-        if bad.any():
-            _fail(f"case {table.index[bad][0]}: {what} must be in [{low:g}, {high:g}], got "
-                  f"{values[bad][0]:.4g}")
-        shown = values.max() if what == "error estimate" else values.min()
-        report.append((what, text.format(shown)))
-    return report
-
-
-def _check_anew(frame):
-    set_up = next(s for s in DESIGN if s.name == "ratio-1.25")
-    name, joint = next(set_up.cases())
-    depths = DEPTHS[[1, 9, 39]]
-    with threadpool_limits(limits=1):
-        anew = force_curve(joint, depths).force_star
-    cached = frame[(frame.case == name) & frame.depth_star.isin(depths)].force_star.to_numpy()
-    difference = float(np.abs(anew / cached - 1).max())
-    if difference > 1e-6:
-        _fail(f"case {name} solved anew must agree to 1e-06, got {difference:.2g}")
-    return f"{name} agrees to {difference:.1g}"
 
 
 def summary(frame):

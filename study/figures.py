@@ -22,6 +22,7 @@ STYLE = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
+    "axes.axisbelow": True,
     "grid.color": "0.9",
     "legend.frameon": False,
     "lines.linewidth": 1.5,
@@ -106,8 +107,30 @@ def shade_map(axes, x, y, percent, levels):
         x, y, percent, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud", rasterized=True
     )
     lines = axes.contour(x, y, percent, levels=levels, colors="k", linewidths=0.8)
-    axes.clabel(lines, fmt="%+g %%", fontsize=7)
+    for text in axes.clabel(lines, fmt="%+g %%", fontsize=7, inline=False):
+        text.set(rotation=0, bbox={"facecolor": "w", "edgecolor": "none", "pad": 1})
+    axes.grid(False)
     return shades
+
+
+def draw_bars(axes, laws, series):
+    """Bars of several series side by side, one group per law.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    laws : sequence of str
+        Keys of `LOOKS`.
+    series : dict
+        Label -> (values, colour).
+    """
+    places, width = np.arange(len(laws)), 0.8 / len(series)
+    for k, (label, (values, color)) in enumerate(series.items()):
+        shift = (k - (len(series) - 1) / 2) * width
+        axes.bar(places + shift, values, 0.9 * width, color=color, label=label)
+    names = [LOOKS[law].label.split(" (")[0].replace(" ", "\n") for law in laws]
+    axes.set_xticks(places, names, rotation=30)
+    axes.grid(False, axis="x")
 
 
 def draw_mesh(axes, mesh, color, radius=1.0, shift=0.0):
@@ -124,8 +147,8 @@ def draw_joint(axes, ball_radius, socket_ratio, drop):
     socket = np.hstack([np.array([r, z]), socket_ratio * np.array([r[::-1], z[::-1]])])
     ball = np.array([[0, *ball_radius * r], [drop, *(ball_radius * z + drop)]])
     for outline, law, name, at in (
-        (socket, "hertz", "socket", (0.66, -0.87)),
-        (ball, "hyperbolic_winkler", "ball", (0.25, -0.35)),
+        (socket, "hertz", "socket", (0.05, -1.12)),
+        (ball, "hyperbolic_winkler", "ball", (0.05, -0.9)),
     ):
         color = LOOKS[law].color
         axes.fill(*outline, facecolor=color, alpha=0.2, edgecolor=color)

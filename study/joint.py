@@ -182,9 +182,7 @@ def force_curve(joint, depth_star, resolution=fem.RESOLUTION):
 def _solve(joint, depths, resolution):
     """Pressure profiles (k, n) and forces (k,) on one mesh."""
     ball = fem.ball_compliance(joint.ball.poisson, joint.ball_drive, resolution)
-    socket = fem.socket_compliance(
-        joint.socket_ratio, joint.socket.poisson, joint.rim, resolution
-    )
+    socket = fem.socket_compliance(joint.socket_ratio, joint.socket.poisson, joint.rim, resolution)
     hats = HatFunctions(ball.angles)
     problem, axial = {"small": _small, "linear": _linear}[joint.kinematics](
         joint, ball, socket, hats

@@ -31,8 +31,6 @@ class Notebook:
         File name without suffix.
     figures, tables : dict
         Name of each figure and table -> what it shows.
-    solves : bool
-        Whether it runs the finite elements itself, besides reading the dataset.
     """
 
     name: str
@@ -41,6 +39,7 @@ class Notebook:
 
     @property
     def path(self):
+        """Where the notebook is."""
         return paths.NOTEBOOKS / f"{self.name}.ipynb"
 
     @property
@@ -242,9 +241,7 @@ def execute(notebook, settings):
                 config=config,
             )
         except papermill.PapermillExecutionError as error:
-            message = (
-                f"{notebook.name}, cell {error.cell_index}: {error.ename}: {error.evalue}"
-            )
+            message = f"{notebook.name}, cell {error.cell_index}: {error.ename}: {error.evalue}"
             raise NotebookError(message) from None
 
 

@@ -95,6 +95,31 @@ def relative_rmse(truth, prediction):
     return rmse(truth, prediction) / float(np.mean(truth))
 
 
+def agreement(truth, prediction):
+    """All measures of agreement at once.
+
+    Parameters
+    ----------
+    truth, prediction : array_like, shape (n,)
+
+    Returns
+    -------
+    dict
+        ``R2``, ``R2_adj``, ``RMSE`` and ``relative_RMSE``.
+
+    Raises
+    ------
+    ValueError
+        As for `r_squared`.
+    """
+    return {
+        "R2": r_squared(truth, prediction),
+        "R2_adj": adjusted_r_squared(truth, prediction),
+        "RMSE": rmse(truth, prediction),
+        "relative_RMSE": relative_rmse(truth, prediction),
+    }
+
+
 def relative_error(truth, prediction):
     """Relative error (prediction - truth)/truth of each value.
 
@@ -115,3 +140,30 @@ def relative_error(truth, prediction):
     if (truth == 0).any():
         raise ValueError("truth must be non-zero for a relative error, got 0")
     return (prediction - truth) / truth
+
+
+def last_crossing(x, lead):
+    """Where a sampled lead turns positive for good, by linear interpolation.
+
+    Parameters
+    ----------
+    x, lead : array_like, shape (n,)
+
+    Returns
+    -------
+    float
+        The first x if the lead is positive throughout.
+
+    Raises
+    ------
+    ValueError
+        If the lead is not positive at the end.
+    """
+    x, lead = np.asarray(x), np.asarray(lead)
+    if lead[-1] <= 0:
+        raise ValueError(f"the lead must be positive at the end, got {lead[-1]:g}")
+    behind = np.flatnonzero(lead <= 0)
+    if behind.size == 0:
+        return float(x[0])
+    pair = slice(behind[-1], behind[-1] + 2)
+    return float(np.interp(0, lead[pair], x[pair]))

@@ -61,9 +61,7 @@ class HatFunctions:
     def mass(self):
         """Integrals of products of two hats over the unit sphere, shape (n, n)."""
         left, right = 1 - self._right, self._right
-        diagonal = self._to_nodes(
-            (self._area * left**2).sum(1), (self._area * right**2).sum(1)
-        )
+        diagonal = self._to_nodes((self._area * left**2).sum(1), (self._area * right**2).sum(1))
         beside = (self._area * left * right).sum(1)
         return np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
 

@@ -182,9 +182,7 @@ def _ring_mesh(radii, angles, centre):
         points.append(np.zeros((2, 1)))
         triangles.append((last[:-1], last[1:], np.full(len(last) - 1, last[-1] + 1)))
     triangles = np.hstack([np.vstack(corners) for corners in triangles])
-    linear = MeshTri(
-        np.ascontiguousarray(np.hstack(points)), np.ascontiguousarray(triangles)
-    )
+    linear = MeshTri(np.ascontiguousarray(np.hstack(points)), np.ascontiguousarray(triangles))
     return _curved(linear, radii[-1] if not centre else None)
 
 

@@ -1,0 +1,61 @@
+# Two commands: `make reproduce` rebuilds every figure and table, `make test` runs every test.
+# Both first create .venv and install the locked packages; `make help` names the others.
+
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+CANDIDATES := python3 python3.14 python3.13 python3.12 python3.11
+NEW_ENOUGH := import sys; sys.exit(sys.version_info < (3, 11))
+PYTHON ?= $(shell for p in $(CANDIDATES); do \
+	"$$p" -c "$(NEW_ENOUGH)" 2>/dev/null && { echo "$$p"; break; }; done)
+
+.PHONY: help reproduce test lab data bench lock clean
+
+help:
+	@echo "make reproduce   set up, run every stale notebook, leave results in figures/"
+	@echo "make test        set up, run the whole test suite"
+	@echo "make lab         set up, open the notebooks in JupyterLab"
+	@echo "make data        set up, build the finite-element dataset from nothing"
+	@echo "make bench       set up, measure the solver's speed"
+	@echo "make lock        renew requirements.lock (needs uv)"
+	@echo "make clean       remove .venv, build/ and all caches"
+
+reproduce: $(READY)
+	@$(BIN)/study run
+
+test: $(READY)
+	@$(BIN)/python -m pytest
+
+lab: $(READY)
+	@cd notebooks && ../$(BIN)/jupyter lab
+
+data: $(READY)
+	@$(BIN)/study data build
+
+bench: $(READY)
+	@$(BIN)/python -m pytest tests/bench_joint.py --benchmark-columns=median,iqr,rounds
+
+lock:
+	@uv pip compile --quiet --universal --python-version 3.11 --all-extras --upgrade \
+		--generate-hashes --no-emit-index-url --no-annotate \
+		--custom-compile-command "make lock" pyproject.toml --output-file requirements.lock
+
+clean:
+	@rm -rf $(VENV) build .pytask pytask.lock .hypothesis .benchmarks .ruff_cache
+	@find . -name __pycache__ -prune -exec rm -rf {} +
+
+$(READY): requirements.lock pyproject.toml
+	@"$(PYTHON)" -c "$(NEW_ENOUGH)" 2>/dev/null || { \
+		echo "Missing: Python >= 3.11. Install it, or name it: make PYTHON=/path/to/python" >&2; \
+		exit 1; }
+	@"$(PYTHON)" -c "import ensurepip, venv" 2>/dev/null || { \
+		echo "Missing: Python's venv module (on Debian and Ubuntu: python3-venv)" >&2; exit 1; }
+	@echo "Setting up $(VENV) with the packages of requirements.lock (a minute or two) ..."
+	@"$(PYTHON)" -m venv --clear $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps \
+		--require-hashes --requirement requirements.lock || { \
+		echo "Missing: packages of requirements.lock. Is the package index reachable?" >&2; \
+		exit 1; }
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-index \
+		--no-build-isolation --editable .
+	@touch $@
