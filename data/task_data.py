@@ -31,7 +31,7 @@ for set_up, part, seconds in zip(dataset.DESIGN, PARTS, TIMES, strict=True):
 
 
 def task_table(parts: list[Path] = PARTS, table: Annotated[Path, Product] = dataset.CURVES):
-    frames = [pd.read_csv(part, float_precision="round_trip") for part in parts]
+    frames = [pd.read_csv(part) for part in parts]
     dataset.write_curves(pd.concat(frames), table)
 
 

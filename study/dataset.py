@@ -160,7 +160,7 @@ def load(**filters):
         For an unknown column, or filters that leave no row.
     """
     verify_files()
-    frame = pd.read_csv(CURVES, float_precision="round_trip")
+    frame = pd.read_csv(CURVES)
     for column, wanted in filters.items():
         checks.choice("column", column, tuple(frame.columns))
         values = [wanted] if np.ndim(wanted) == 0 else list(wanted)

@@ -67,9 +67,12 @@ class HatFunctions:
 
     def values(self, theta):
         """Value of every hat at every angle of ``theta``, shape (len(theta), n)."""
-        return np.column_stack(
-            [np.interp(theta, self.angles, hat) for hat in np.eye(len(self.angles))]
-        )
+        element = np.clip(np.searchsorted(self.angles, theta) - 1, 0, len(self.angles) - 2)
+        right = (theta - self.angles[element]) / np.diff(self.angles)[element]
+        values = np.zeros((len(theta), len(self.angles)))
+        rows = np.arange(len(theta))
+        values[rows, element], values[rows, element + 1] = 1 - right, right
+        return values
 
     @staticmethod
     def _to_nodes(left, right):

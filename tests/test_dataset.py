@@ -1,0 +1,153 @@
+"""The cached dataset: what it holds, what it refuses, and that it is written whole."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from study import dataset, joint, paths, quality
+
+
+@pytest.fixture
+def copy(tmp_path, monkeypatch):
+    """A copy of the data folder that the module takes for its own."""
+    root = tmp_path / "project"
+    shutil.copytree(paths.DATA, root / "data")
+    monkeypatch.setattr(paths, "ROOT", root)
+    monkeypatch.setattr(paths, "DATA", root / "data")
+    monkeypatch.setattr(dataset, "CURVES", root / "data" / "force_curves.csv")
+    monkeypatch.setattr(dataset, "PACKAGE", root / "data" / "datapackage.json")
+    return root / "data"
+
+
+def test_dataset_holds_the_papers_design_and_the_wider_sweep():
+    paper = dataset.paper_curves()
+    assert sorted(set(paper.r2_star)) == [*range(20, 301, 20), 400, 600, 1000, 2000, 5000, 10000]
+    assert (paper.groupby("r2_star").size() == 40).all()
+    assert np.allclose(sorted(set(paper.depth_star)), np.arange(1, 41) * 0.025)
+    assert not dataset.load().isna().any().any()
+
+
+def test_filters_select_rows():
+    rows = dataset.load(r2_star=[20, 200], kinematics="small", rim="free")
+    assert set(rows.r2_star) == {20, 200}
+    assert set(rows.kinematics) == {"small"}
+    assert list(rows.index) == list(range(80))
+    with pytest.raises(ValueError, match="r2_star must be one of 20, 40.*got 77"):
+        dataset.load(r2_star=77)
+    with pytest.raises(ValueError, match="column must be one of case.*got 'radius'"):
+        dataset.load(radius=1)
+
+
+def test_every_check_passes():
+    report = dict(quality.check())
+    assert set(report) == {
+        "files",
+        "schema",
+        "force increases",
+        "force is convex",
+        "slope as Hertz",
+        "error estimate",
+        "solved anew",
+    }
+
+
+def test_columns_have_units_and_meaning():
+    package = json.loads(dataset.PACKAGE.read_text())
+    fields = package["resources"][0]["schema"]["fields"]
+    assert [f["name"] for f in fields] == list(dataset.load().columns)
+    assert all(f["description"] for f in fields)
+    assert all("unit" in f for f in fields if f["type"] == "number")
+    for field in fields:
+        assert f"``{field['name']}``" in dataset.load.__doc__
+
+
+@pytest.mark.parametrize("name", ["force_curves.csv", "published/joint.csv"])
+def test_damaged_and_missing_files_are_named_with_a_remedy(copy, name):
+    path = copy / name
+    path.write_text(path.read_text().replace("200", "201", 1))
+    remedy = "study data build" if name == "force_curves.csv" else f"git checkout -- data/{name}"
+    with pytest.raises(dataset.DatasetError, match=rf"data/{name} is damaged.*{remedy}"):
+        dataset.load()
+    path.unlink()
+    with pytest.raises(dataset.DatasetError, match=rf"data/{name} is missing.*{remedy}"):
+        dataset.load()
+
+
+def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
+    package = copy / "datapackage.json"
+    package.write_text("{")
+    with pytest.raises(dataset.DatasetError, match=r"datapackage.json is damaged.*data build"):
+        dataset.load()
+    package.unlink()
+    with pytest.raises(dataset.DatasetError, match=r"datapackage.json is missing.*data build"):
+        dataset.load()
+
+
+def test_a_changed_solver_makes_the_dataset_out_of_date(copy, monkeypatch):
+    changed = copy / "joint.py"
+    changed.write_text("# another solver\n")
+    monkeypatch.setattr(dataset, "SOURCES", (*dataset.SOURCES[:-1], changed))
+    with pytest.raises(dataset.DatasetError, match="out of date.*study data build"):
+        dataset.load()
+
+
+def test_a_changed_design_makes_the_dataset_out_of_date(copy, monkeypatch):
+    monkeypatch.setattr(dataset, "DEPTHS", dataset.DEPTHS[:-1])
+    with pytest.raises(dataset.DatasetError, match="out of date"):
+        dataset.load()
+
+
+def rewrite(copy, change):
+    """Change the curves and state the new hash, as a wrong build would."""
+    frame = dataset.load()
+    change(frame)
+    dataset.write_curves(frame, dataset.CURVES)
+    dataset.write_package(1.0)
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "message"),
+    [
+        ("force_star", 1.0, "case .*: force increases must be in"),
+        ("error_estimate", 0.1, "case .*: error estimate must be in"),
+        ("contact_half_angle", 95.0, "datapackage.json: .*maximum.*row 6"),
+        ("rim", "open", "datapackage.json: .*enum"),
+    ],
+)
+def test_wrong_values_fail_the_check(copy, column, value, message):
+    def change(frame):
+        frame.loc[4, column] = value
+
+    rewrite(copy, change)
+    with pytest.raises(dataset.DatasetError, match=message):
+        quality.check()
+
+
+def test_a_curve_unlike_the_solver_fails_the_check(copy):
+    def change(frame):
+        frame.loc[frame.case == "ratio-1.25-linear-200", "force_star"] *= 1.00001
+
+    rewrite(copy, change)
+    with pytest.raises(dataset.DatasetError, match=r"ratio-1.25-linear-200 solved anew"):
+        quality.check()
+
+
+def test_a_set_up_is_solved_to_the_same_bytes(tmp_path):
+    set_up = dataset.SetUp("one", "test", {"socket_ratio": 1.5}, (20, 200), ("small",))
+    for name in ("first.csv", "second.csv"):
+        joint.fem.socket_compliance.cache_clear()
+        dataset.write_curves(dataset.solve_set_up(set_up), tmp_path / name)
+    assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "second.csv").read_bytes()
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path):
+    path = tmp_path / "folder" / "table.csv"
+    with paths.whole(path) as temporary:
+        temporary.write_text("old")
+    with pytest.raises(KeyboardInterrupt), paths.whole(path) as temporary:
+        temporary.write_text("half")
+        raise KeyboardInterrupt
+    assert path.read_text() == "old"
+    assert [p.name for p in path.parent.iterdir()] == ["table.csv"]

@@ -1,0 +1,175 @@
+"""Laws against closed forms, high-precision arithmetic, and their own derivatives."""
+
+import json
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from study import contact, dataset, fitting
+from study.contact import laws
+
+depths = st.floats(1e-6, 1.2)
+radii = st.floats(1.5, 1e5)
+VARIANTS = [
+    ("hertz", {}),
+    ("steuermann", {}),
+    ("steuermann", {"n": 3}),
+    ("steuermann", {"n": 2, "radius": "profile"}),
+    ("liu", {}),
+    ("liu", {"reading": "half-angle"}),
+    ("winkler", {}),
+    ("winkler", {"coefficient": 3.0}),
+    ("hyperbolic_winkler", {}),
+    ("hyperbolic_winkler", {"coefficient": 3.0}),
+]
+every_variant = pytest.mark.parametrize(("name", "options"), VARIANTS)
+
+
+@pytest.mark.parametrize("ds", [1e-12, 1e-9, 1e-6, 1e-3, 0.025, 0.1, 0.5, 1.0, 1.2337])
+def test_bracket_is_exact_to_1e_12(ds):
+    bracket, slope = laws.hyperbolic_bracket(ds)
+    with mpmath.workdps(80):
+        a = mpmath.sqrt(2 * mpmath.mpf(ds))
+        sine, sine2, cosine2 = mpmath.sin(a), mpmath.sin(2 * a), mpmath.cos(2 * a)
+        exact = mpmath.mpf(1) / 2 - sine2 / (2 * a) + sine**2 / (2 * a**2)
+        by_angle = -cosine2 / a + sine2 / a**2 - sine**2 / a**3  # d/da; da/d(ds) = 1/a
+        assert abs(bracket / exact - 1) < 1e-12
+        assert abs(slope / (by_angle / a) - 1) < 1e-12
+
+
+def test_hertz_is_the_textbook_formula():
+    r1, r2, modulus, d = 9.95e-3, 10e-3, 1.1e11, 2e-5
+    radius = 1 / (1 / r1 - 1 / r2)
+    expected = 4 / 3 * modulus * np.sqrt(radius) * d**1.5
+    assert contact.contact_force("hertz", d, r1, r2, modulus) == pytest.approx(expected, rel=1e-12)
+
+
+@given(depths, radii)
+def test_steuermann_of_a_parabola_is_hertz(ds, r2_star):
+    parabola = contact.steuermann(ds, r2_star, n=1, radius="profile")
+    assert parabola == pytest.approx(contact.hertz(ds, r2_star), rel=1e-9)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 5])
+def test_steuermann_profile_is_johnsons_formula(n):
+    r2 = mpmath.mpf(200)
+    gap = mpmath.binomial(mpmath.mpf(1) / 2, n) * (-1) ** (n + 1)  # of R - sqrt(R^2 - r^2)
+    a_n = gap * ((r2 - 1) ** (1 - 2 * n) - r2 ** (1 - 2 * n))
+    even = mpmath.fprod(range(2, 2 * n + 1, 2))
+    c_n = even / mpmath.fprod(range(1, 2 * n, 2))
+    radius = (mpmath.mpf("0.3") / (c_n * a_n)) ** (mpmath.mpf(1) / (2 * n))
+    expected = mpmath.mpf(4 * n) / (2 * n + 1) * radius * mpmath.mpf("0.3")
+    assert contact.steuermann(0.3, 200, n=n, radius="profile") == pytest.approx(
+        float(expected), rel=1e-11
+    )
+
+
+def test_steuermann_and_liu_as_identified_from_table_2():
+    eps = np.arccos(1 / 1.5)
+    assert contact.steuermann(0.5, 200) == pytest.approx(4 / 3 * 200 * np.sin(eps) * 0.5)
+    assert contact.liu(0.5, 200) == pytest.approx(np.pi * 200 * 0.5 * np.sqrt(0.5 / 3))
+    assert contact.liu(0.5, 200, reading="half-angle") == pytest.approx(np.pi / 2 * 200 * eps * 0.5)
+
+
+@given(st.floats(1e-9, 1e-4), radii)
+def test_hyperbolic_law_becomes_the_classical_one_at_small_depth(ds, r2_star):
+    hyperbolic = contact.hyperbolic_winkler(ds, r2_star, coefficient=2.0)
+    assert hyperbolic == pytest.approx(contact.winkler(ds, r2_star, coefficient=2.0), rel=ds)
+
+
+@every_variant
+@given(ds=depths, r2_star=radii)
+def test_derivative_is_that_of_the_force(name, options, ds, r2_star):
+    law, step = contact.LAWS[name], 1e-5 * ds
+    slope = (law(ds + step, r2_star, **options) - law(ds - step, r2_star, **options)) / (2 * step)
+    assert law(ds, r2_star, derivative=True, **options) == pytest.approx(slope, rel=1e-6)
+
+
+@every_variant
+@given(ds=depths, r2_star=radii, factor=st.floats(1.001, 2))
+def test_force_increases_with_depth_and_vanishes_without_contact(
+    name, options, ds, r2_star, factor
+):
+    law = contact.LAWS[name]
+    deeper = min(ds * factor, 1.23)
+    assert law(deeper, r2_star, **options) > law(ds, r2_star, **options) > 0
+    for derivative in (False, True):
+        assert law(-ds, r2_star, derivative=derivative, **options) == 0
+        assert law(0.0, r2_star, derivative=derivative, **options) == 0
+
+
+@every_variant
+def test_laws_broadcast(name, options):
+    law = contact.LAWS[name]
+    ds, r2 = np.array([-0.1, 0.0, 0.2, 0.5]), np.array([[20.0], [300.0]])
+    table = law(ds, r2, **options)
+    assert table.shape == (2, 4)
+    assert table[1, 3] == law(0.5, 300.0, **options)
+    assert isinstance(law(0.5, 300.0, **options), float)
+
+
+@every_variant
+def test_si_wrapper_scales_force_and_stiffness(name, options):
+    r1, r2, modulus = 9.95e-3, 10e-3, 1.137e11
+    clearance, d = r2 - r1, 1.7e-5
+    force = contact.contact_force(name, d, r1, r2, modulus, **options)
+    expected = contact.LAWS[name](d / clearance, r2 / clearance, **options)
+    assert force == pytest.approx(modulus * clearance**2 * expected)
+    step = 1e-5 * d
+    slope = (
+        contact.contact_force(name, d + step, r1, r2, modulus, **options)
+        - contact.contact_force(name, d - step, r1, r2, modulus, **options)
+    ) / (2 * step)
+    stiffness = contact.contact_stiffness(name, d, r1, r2, modulus, **options)
+    assert stiffness == pytest.approx(slope, rel=1e-6)
+    assert contact.contact_force(name, -d, r1, r2, modulus, **options) == 0
+
+
+def test_composite_modulus_of_equal_bodies():
+    assert contact.composite_modulus(2e11, 0.3, 2e11, 0.3) == pytest.approx(2e11 / (2 * 0.91))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: contact.hertz(np.nan, 200), "depth_star must be finite, got nan"),
+        (lambda: contact.hertz(0.1, 1.0), "r2_star must be > 1, got 1"),
+        (lambda: contact.hertz([0.1, np.inf], 200), "depth_star must be finite, got inf"),
+        (lambda: contact.hertz("deep", 200), "depth_star must be a number, got 'deep'"),
+        (lambda: contact.steuermann(0.1, 200, n=0), "n must be >= 1, got 0"),
+        (lambda: contact.steuermann(0.1, 200, n=1.5), "n must be a whole number >= 1, got 1.5"),
+        (lambda: contact.liu(0.1, 200, reading="x"), "reading must be one of spherical"),
+        (lambda: contact.winkler(0.1, 200, coefficient=-1), "coefficient of winkler must be > 0"),
+        (lambda: contact.hyperbolic_winkler(1.3, 200), "must be >= 0 and <= 1.2337, got 1.3"),
+        (
+            lambda: contact.contact_force("hertz", 1e-6, 1e-2, 1.01e-2, -1.0),
+            "composite modulus must be > 0 Pa, got -1 Pa",
+        ),
+        (
+            lambda: contact.contact_force("hertz", 1e-6, 1e-2, 0.9e-2, 1e11),
+            "socket_radius must be > 0.01 m, got 0.009 m",
+        ),
+        (lambda: contact.contact_force("hooke", 1e-6, 1e-2, 1.01e-2, 1e11), "law must be one of"),
+        (
+            lambda: contact.composite_modulus(2e11, 0.5, 2e11, 0.3),
+            "ball Poisson's ratio must be > -1 and < 0.5, got 0.5",
+        ),
+        (
+            lambda: contact.composite_modulus(2e11, 0.3, 0, 0.3),
+            "socket Young's modulus must be > 0 Pa, got 0 Pa",
+        ),
+    ],
+)
+def test_bad_input_is_one_clear_error(call, message):
+    with pytest.raises(ValueError, match=message.replace("(", r"\(")):
+        call()
+
+
+def test_stored_coefficients_are_the_fit_to_the_stored_curves():
+    stored = json.loads(laws.COEFFICIENTS.read_text())
+    fitted = fitting.fit_laws(dataset.paper_curves())
+    for law in fitting.FITTED_LAWS:
+        assert stored[law] == pytest.approx(fitted[law], rel=1e-9)
