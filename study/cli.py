@@ -23,6 +23,7 @@ app = typer.Typer(
 data_app = typer.Typer(help="The cached finite-element dataset.", no_args_is_help=True)
 app.add_typer(data_app, name="data")
 
+INTERRUPTED = 130  # typer's status after Ctrl-C
 UsageError = typer.BadParameter.__base__  # of every wrong option or argument
 LawName = StrEnum("LawName", ["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler"])
 Drive = StrEnum("Drive", ["plane", "clamped"])
@@ -49,8 +50,8 @@ def main():
         _complain(text, 2)
     except (StudyError, OSError) as error:
         _complain(str(error), 1)
-    except (KeyboardInterrupt, typer.Abort):
-        _complain("interrupted; what was finished is kept", 130)
+    if status == INTERRUPTED:
+        _complain("interrupted; what was finished is kept", status)
     sys.exit(status or 0)
 
 

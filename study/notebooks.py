@@ -279,8 +279,14 @@ def build(folder, expression="", *, jobs=None, force=False, dask_address=None, d
     Returns
     -------
     pytask.Session
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If interrupted; finished tasks stay finished, and the next call resumes.
     """
     import pytask
+    from loky import get_reusable_executor
 
     options = {"n_workers": jobs or len(os.sched_getaffinity(0))}
     options["parallel_backend"] = "loky" if options["n_workers"] > 1 else "none"
@@ -289,8 +295,9 @@ def build(folder, expression="", *, jobs=None, force=False, dask_address=None, d
         client = _dask_client(dask_address)
         options = {"parallel_backend": "dask", "n_workers": sum(client.nthreads().values())}
     pytask.console.quiet = dry
+    finished = False
     try:
-        return pytask.build(
+        session = pytask.build(
             paths=[folder],
             config=paths.ROOT / "pyproject.toml",
             expression=expression,
@@ -301,10 +308,16 @@ def build(folder, expression="", *, jobs=None, force=False, dask_address=None, d
             show_capture="no",
             **options,
         )
+        finished = session.scheduler is None or not session.scheduler.is_active()
     finally:
         pytask.console.quiet = False
         if client:
             client.close()
+        if not finished:  # a worker left alone would keep the interpreter from ending
+            get_reusable_executor(reuse=False, kill_workers=True).shutdown()
+    if not finished:
+        raise KeyboardInterrupt  # pytask-parallel swallows it and leaves its tasks undone
+    return session
 
 
 def _dask_client(address):
@@ -315,7 +328,7 @@ def _dask_client(address):
             "--dask needs the extra [dask]; install it with: pip install '.[dask]'"
         ) from None
     try:
-        client = Client(address, timeout=10)
+        client = Client(address, timeout=5)
     except (OSError, ValueError) as error:
         raise NotebookError(f"no Dask scheduler answers at {address} ({error})") from None
     if not client.nthreads():

@@ -1,0 +1,128 @@
+"""The command line as a user types it: results, one-line errors, exit statuses."""
+
+import json
+
+import numpy as np
+import pytest
+
+from study import cli, contact, dataset
+from study.joint import Joint, force_curve
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    def run(*words):
+        monkeypatch.setattr("sys.argv", ["study", *map(str, words)])
+        with pytest.raises(SystemExit) as stop:
+            cli.main()
+        out, err = capsys.readouterr()
+        return stop.value.code, out, err
+
+    return run
+
+
+@pytest.mark.parametrize("law", contact.LAWS)
+def test_law_prints_one_json_object(run, law):
+    status, out, err = run(
+        "law", law, "--r2-star", 200, "--depth-star", 0.5, "--depth-star", 0.1, "--json"
+    )
+    assert (status, err) == (0, "")
+    force = json.loads(out)["force_star"]
+    assert force == pytest.approx(list(contact.LAWS[law](np.array([0.5, 0.1]), 200)))
+
+
+def test_joint_prints_one_json_object_in_the_order_asked(run):
+    words = ["--r2-star", 75, "--socket-ratio", 1.4, "--poisson", 0.3]
+    status, out, err = run(
+        "joint", *words, "--depth-star", 0.5, "--depth-star", 0.1, "--drive", "plane", "--json"
+    )
+    assert (status, err) == (0, "")
+    found = json.loads(out)
+    curve = force_curve(Joint(75, socket_ratio=1.4), [0.5, 0.1])
+    assert found["force_star"] == pytest.approx(list(curve.force_star))
+    assert found["contact_half_angle_deg"] == pytest.approx(
+        list(np.degrees(curve.contact_half_angle))
+    )
+    assert found["error_estimate"] == pytest.approx(list(curve.error_estimate))
+
+
+def test_joint_without_json_is_a_table(run):
+    status, out, _ = run("joint", "--r2-star", 75, "--depth-star", 0.1, "--rim", "mirror")
+    assert status == 0
+    assert "force_star" in out
+    assert "error_estimate" in out
+
+
+def test_data_show_filters(run):
+    status, out, _ = run("data", "show", "--r2-star", 200, "--kinematics", "small")
+    assert status == 0
+    assert "paper-small-200" in out
+    assert "paper-small-220" not in out
+    status, out, _ = run("data", "show", "--case", "paper-small-200")
+    assert status == 0
+    assert out.count("\n") > 40
+
+
+def test_help_names_units(run):
+    for command in ("law", "joint"):
+        status, out, _ = run(command, "--help")
+        assert status == 0
+        assert "P/(E* dR^2)" in out or "d/dR" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["law", "hertz", "--r2-star", "0.5", "--depth-star", "1"], "r2_star must be > 1, got 0.5"),
+        (["law", "hertz", "--r2-star", "nan", "--depth-star", "1"], "r2_star must be finite"),
+        (["law", "hooke", "--r2-star", "200", "--depth-star", "1"], "'hooke' is not one of"),
+        (["law", "hertz", "--r2-star", "200"], "Missing option '--depth-star'"),
+        (["law", "hertz", "--r2-star", "x", "--depth-star", "1"], "valid number"),
+        (
+            ["law", "liu", "--r2-star", "9", "--depth-star", "1", "--poisson", "0.3"],
+            "--poisson must be left out: liu does not depend on it",
+        ),
+        (["joint", "--r2-star", "9", "--depth-star", "-1"], "depth_star must be >= 0, got -1"),
+        (["joint", "--r2-star", "9", "--depth-star", "1", "--poisson", "0.5"], "< 0.5, got 0.5"),
+        (["joint", "--r2-star", "9", "--depth-star", "1", "--drive", "x"], "'x' is not one of"),
+        (["joint", "--r2star", "9", "--depth-star", "1"], "No such option: --r2star"),
+        (["data", "show", "--r2-star", "77"], "r2_star must be one of 20, 40"),
+        (["run", "fig99"], "NAME must be one of"),
+        (["run", "fig10", "-p", "r2_star"], "-p must be key=value"),
+        (["run", "fig10", "-p", "radius=1"], "parameter must be one of"),
+        (["run", "fig10", "-p", "r2_star=big"], "parameter r2_star must be of type float"),
+        (["run", "--jobs", "0"], "--jobs"),
+        (["walk"], "No such command 'walk'"),
+    ],
+)
+def test_wrong_use_is_one_line_and_status_2(run, words, message):
+    status, out, err = run(*words)
+    assert status == 2
+    assert out == ""
+    assert err.count("\n") == 1
+    assert message in err
+
+
+def test_a_failure_is_one_line_and_status_1(run, monkeypatch, tmp_path):
+    monkeypatch.setattr(dataset, "PACKAGE", dataset.paths.ROOT / "missing.json")
+    status, _, err = run("data", "show")
+    assert status == 1
+    assert err == "study: missing.json is missing; make it with: study data build\n"
+
+
+def test_no_dask_scheduler_is_one_line_and_status_1(run):
+    pytest.importorskip("distributed")
+    status, _, err = run("run", "fig09", "--dask", "tcp://127.0.0.1:9")
+    assert status == 1
+    assert err.startswith("study: no Dask scheduler answers at tcp://127.0.0.1:9")
+    assert err.count("\n") == 1
+
+
+def test_interruption_is_one_line_and_status_130(run, monkeypatch):
+    def interrupt(**_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(dataset, "load", interrupt)
+    status, _, err = run("data", "show")
+    assert status == 130
+    assert err == "study: interrupted; what was finished is kept\n"

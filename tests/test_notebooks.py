@@ -1,0 +1,90 @@
+"""The notebooks as files, their catalogue, and the checks made before one runs."""
+
+import re
+import subprocess
+import sys
+
+import nbformat
+import pytest
+
+from study import notebooks, paths
+
+every_notebook = pytest.mark.parametrize("notebook", notebooks.CATALOGUE, ids=lambda n: n.name)
+
+
+def code_cells(notebook):
+    cells = nbformat.read(notebook.path, as_version=4).cells
+    return [cell for cell in cells if cell.cell_type == "code"]
+
+
+def test_catalogue_and_folder_agree():
+    assert sorted(paths.NOTEBOOKS.glob("*.ipynb")) == [n.path for n in notebooks.CATALOGUE]
+    results = [name for n in notebooks.CATALOGUE for name in n.results]
+    assert len(results) == len(set(results))
+
+
+def test_notebooks_are_stripped():
+    files = [str(notebook.path) for notebook in notebooks.CATALOGUE]
+    command = [sys.executable, "-m", "nbstripout", "--verify", *files]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@every_notebook
+def test_notebook_holds_no_outputs(notebook):
+    for cell in code_cells(notebook):
+        assert cell.outputs == []
+        assert cell.execution_count is None
+
+
+@every_notebook
+def test_cells_load_call_and_show(notebook):
+    cells = code_cells(notebook)
+    assert sum("parameters" in cell.metadata.get("tags", []) for cell in cells) == 1
+    for cell in cells:
+        assert cell.source.count("\n") < 15
+        assert not re.search(r"^\s*(def|class) ", cell.source, re.MULTILINE)
+        assert not re.search(r"""["'](\.{0,2}/|data/|figures/)""", cell.source)
+
+
+@every_notebook
+def test_parameters_are_documented_literals(notebook):
+    assert notebooks.parameters(notebook)
+    (cell,) = [c for c in code_cells(notebook) if "parameters" in c.metadata.get("tags", [])]
+    assert all("#" in line for line in cell.source.splitlines())
+
+
+def test_results_and_notebooks_select_notebooks():
+    selected = notebooks.select(["table2", "fig11", "02-coefficient-over-socket-radius"])
+    assert [n.name[:2] for n in selected] == ["02", "04"]
+    assert notebooks.select([]) == list(notebooks.CATALOGUE)
+    with pytest.raises(ValueError, match="NAME must be one of .*, got 'fig1'"):
+        notebooks.select(["fig1"])
+
+
+def test_settings_reach_the_notebooks_that_have_them():
+    chosen = notebooks.check_parameters(
+        notebooks.select(["fig09", "fig10", "fig13"]),
+        ["kinematics=small", "r2_star=100", "levels=[-5,5]"],
+    )
+    assert chosen == {
+        "02-coefficient-over-socket-radius": {"kinematics": "small"},
+        "03-force-against-depth": {"kinematics": "small", "r2_star": 100.0},
+        "05-range-of-depth": {"kinematics": "small", "r2_star": 100.0, "levels": [-5.0, 5.0]},
+    }
+    assert isinstance(chosen["03-force-against-depth"]["r2_star"], float)
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("r2star=100", "parameter must be one of kinematics, largest_depth, r2_star, got 'r2star'"),
+        ("r2_star=many", "parameter r2_star must be of type float, got 'many'"),
+        ("r2_star=True", "parameter r2_star must be of type float, got True"),
+        ("kinematics=3", "parameter kinematics must be of type str, got 3"),
+        ("r2_star", "-p must be key=value, got 'r2_star'"),
+    ],
+)
+def test_wrong_settings_stop_before_anything_runs(setting, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        notebooks.check_parameters(notebooks.select(["fig10"]), [setting])

@@ -1,0 +1,43 @@
+"""The repository as text: ruff, and nothing that belongs to one machine only."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+from study import paths
+
+LISTED = ("*.py", "*.md", "*.toml", "*.lock", "*.cff", "*.json", "*.ipynb", "Makefile")
+
+
+def texts():
+    hidden = {".venv", "build", ".pytask", ".git"}
+    for pattern in LISTED:
+        for path in paths.ROOT.rglob(pattern):
+            if not hidden & set(path.relative_to(paths.ROOT).parts):
+                yield path
+
+
+@pytest.mark.parametrize("words", [["check"], ["format", "--check"]])
+def test_ruff(words):
+    command = [sys.executable, "-m", "ruff", *words, "--no-cache", str(paths.ROOT)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_lock_pins_every_package_by_hash_and_names_no_index():
+    lock = (paths.ROOT / "requirements.lock").read_text()
+    pinned = re.findall(r"^\S+==\S+.*\\$", lock, re.MULTILINE)
+    assert len(pinned) > 100
+    assert len(pinned) == len(re.findall(r"^\S", lock, re.MULTILINE)) - 2  # two comment lines
+    assert "://" not in lock
+    assert "index-url" not in lock
+
+
+def test_no_path_of_a_machine():
+    root = str(paths.ROOT)
+    for path in texts():
+        text = path.read_text(encoding="utf-8")
+        assert root not in text, path
+        assert not re.search(r"/(home|Users)/\w+/", text), path
