@@ -4,6 +4,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -108,6 +109,38 @@ def test_a_damaged_dataset_stops_the_run_with_a_remedy(project):
     assert "data/force_curves.csv is damaged" in done.stderr
     assert "study data build" in done.stderr
     curves.write_bytes(whole)
+
+
+def test_an_interrupted_build_of_the_data_resumes_to_the_same_bytes(project):
+    (project / "data/force_curves.csv").unlink()
+    command = [sys.executable, "-m", "study.cli", "data", "build"]
+    process = subprocess.Popen(
+        command,
+        cwd=project,
+        env=environment(project),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    deadline = time.monotonic() + 60
+    while not list((project / "build/curves").glob("[!.]*.json")):
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+    time.sleep(0.5)  # until the finished part is noted down
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert err.splitlines()[-1] == "study: interrupted; what was finished is kept"
+    assert not (project / "data/force_curves.csv").exists()
+
+    resumed = study(project, "data", "build")
+    assert resumed.returncode == 0, resumed.stderr
+    assert "Skipped because unchanged" in resumed.stdout
+    kept = paths.DATA / "force_curves.csv"
+    assert (project / "data/force_curves.csv").read_bytes() == kept.read_bytes()
+    assert study(project, "data", "show").returncode == 0
 
 
 def free_port():
