@@ -248,9 +248,9 @@ def build_data(jobs: Jobs = None):
     """Build the dataset from nothing; an interrupted build resumes."""
     from pytask import TaskOutcome
 
-    from study import notebooks, paths
+    from study import paths, tasks
 
-    session = notebooks.build(paths.DATA, jobs=jobs)
+    session = tasks.build(paths.DATA, jobs=jobs)
     for report in session.execution_reports:
         if report.outcome == TaskOutcome.FAIL:
             print(f"failed: {report.task.name}: {report.exc_info[1]}", file=sys.stderr)

@@ -1,7 +1,7 @@
-"""The notebooks: what each makes and reads, how one is executed, how all stale ones are run.
+"""The notebooks: what each makes and reads, and how one is executed with parameters.
 
-pytask decides what is stale and runs it in parallel; papermill executes a notebook. This
-module holds the catalogue and the few checks that neither of the two makes.
+This module holds the catalogue and the few checks that papermill does not make. What is stale
+is decided in `study.tasks`.
 """
 
 import ast
@@ -11,7 +11,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from study import contact, dataset, paths
+from study import contact, dataset, paths, tasks
 from study.checks import StudyError
 
 PARAMETERS_VARIABLE = "STUDY_PARAMETERS"  # hands parameters to notebooks/task_notebooks.py
@@ -268,70 +268,6 @@ def run(notebooks, settings, *, jobs=None, force=False, dask_address=None, dry=F
     """
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
     selected = " or ".join(f"[{nb.name}]" for nb in notebooks)
-    return build(
+    return tasks.build(
         paths.NOTEBOOKS, selected, jobs=jobs, force=force, dask_address=dask_address, dry=dry
     )
-
-
-def build(folder, expression="", *, jobs=None, force=False, dask_address=None, dry=False):
-    """Run the tasks of a folder with pytask; see `run` for the arguments.
-
-    Returns
-    -------
-    pytask.Session
-
-    Raises
-    ------
-    KeyboardInterrupt
-        If interrupted; finished tasks stay finished, and the next call resumes.
-    """
-    import pytask
-    from loky import get_reusable_executor
-
-    options = {"n_workers": jobs or len(os.sched_getaffinity(0))}
-    options["parallel_backend"] = "loky" if options["n_workers"] > 1 else "none"
-    client = None
-    if dask_address:
-        client = _dask_client(dask_address)
-        options = {"parallel_backend": "dask", "n_workers": sum(client.nthreads().values())}
-    pytask.console.quiet = dry
-    finished = False
-    try:
-        session = pytask.build(
-            paths=[folder],
-            config=paths.ROOT / "pyproject.toml",
-            expression=expression,
-            force=force,
-            dry_run=dry,
-            show_traceback=False,
-            capture="fd" if not dry else "no",
-            show_capture="no",
-            **options,
-        )
-        finished = session.scheduler is None or not session.scheduler.is_active()
-    finally:
-        pytask.console.quiet = False
-        if client:
-            client.close()
-        if not finished:  # a worker left alone would keep the interpreter from ending
-            get_reusable_executor(reuse=False, kill_workers=True).shutdown()
-    if not finished:
-        raise KeyboardInterrupt  # pytask-parallel swallows it and leaves its tasks undone
-    return session
-
-
-def _dask_client(address):
-    try:
-        from distributed import Client
-    except ImportError:
-        raise NotebookError(
-            "--dask needs the extra [dask]; install it with: pip install '.[dask]'"
-        ) from None
-    try:
-        client = Client(address, timeout=5)
-    except (OSError, ValueError) as error:
-        raise NotebookError(f"no Dask scheduler answers at {address} ({error})") from None
-    if not client.nthreads():
-        client.close()
-        raise NotebookError(f"the Dask scheduler at {address} has no workers")
-    return client

@@ -1,0 +1,85 @@
+"""Runs tasks with pytask: what is stale, in parallel, on this machine or on a Dask cluster."""
+
+import pytask
+from loky import cpu_count, get_reusable_executor
+
+from study import paths
+from study.checks import StudyError
+
+
+def build(folder, expression="", *, jobs=None, force=False, dask_address=None, dry=False):
+    """Run the stale tasks of a folder.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+        Where the ``task_*.py`` files are.
+    expression : str
+        Which tasks, as for ``pytask -k``; all by default.
+    jobs : int, optional
+        Processes, by default one per core.
+    force : bool
+        Run fresh ones too.
+    dask_address : str, optional
+        Address of a Dask scheduler whose workers run the tasks instead.
+    dry : bool
+        Run nothing and print nothing, only find what is stale.
+
+    Returns
+    -------
+    pytask.Session
+
+    Raises
+    ------
+    study.checks.StudyError
+        If the Dask scheduler does not answer or has no workers.
+    KeyboardInterrupt
+        If interrupted; finished tasks stay finished, and the next call resumes.
+    """
+    options = {"n_workers": jobs or cpu_count()}
+    options["parallel_backend"] = "loky" if options["n_workers"] > 1 else "none"
+    client = None
+    if dask_address:
+        client = _dask_client(dask_address)
+        options = {"parallel_backend": "dask", "n_workers": sum(client.nthreads().values())}
+    pytask.console.quiet = dry
+    finished = False
+    try:
+        session = pytask.build(
+            paths=[folder],
+            config=paths.ROOT / "pyproject.toml",
+            expression=expression,
+            force=force,
+            dry_run=dry,
+            show_traceback=False,
+            capture="fd" if not dry else "no",
+            show_capture="no",
+            **options,
+        )
+        finished = session.scheduler is None or not session.scheduler.is_active()
+    finally:
+        pytask.console.quiet = False
+        if client:
+            client.close()
+        if not finished:  # a worker left alone would keep the interpreter from ending
+            get_reusable_executor(reuse=False, kill_workers=True).shutdown()
+    if not finished:
+        raise KeyboardInterrupt  # pytask-parallel swallows it and leaves its tasks undone
+    return session
+
+
+def _dask_client(address):
+    try:
+        from distributed import Client
+    except ImportError:
+        raise StudyError(
+            "--dask needs the extra [dask]; install it with: pip install '.[dask]'"
+        ) from None
+    try:
+        client = Client(address, timeout=5)
+    except (OSError, ValueError) as error:
+        raise StudyError(f"no Dask scheduler answers at {address} ({error})") from None
+    if not client.nthreads():
+        client.close()
+        raise StudyError(f"the Dask scheduler at {address} has no workers")
+    return client
