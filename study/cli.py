@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from study.checks import StudyError
+from study.contact import LAWS
 
 app = typer.Typer(
     help="Contact force laws for spherical clearance joints: rebuild, inspect, evaluate.",
@@ -25,7 +26,7 @@ app.add_typer(data_app, name="data")
 
 INTERRUPTED = 130  # typer's status after Ctrl-C
 UsageError = typer.BadParameter.__base__  # of every wrong option or argument
-LawName = StrEnum("LawName", ["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler"])
+LawName = StrEnum("LawName", list(LAWS))
 Drive = StrEnum("Drive", ["plane", "clamped"])
 Rim = StrEnum("Rim", ["free", "mirror"])
 Kinematics = StrEnum("Kinematics", ["small", "linear"])
@@ -152,8 +153,6 @@ def evaluate_law(
     as_json: AsJson = False,
 ):
     """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths."""
-    from study.contact import LAWS
-
     for option, value in (("--socket-ratio", socket_ratio), ("--poisson", poisson)):
         if value is not None:
             raise ValueError(f"{option} must be left out: {law} does not depend on it")

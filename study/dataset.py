@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 
 from study import checks, paths
 from study.elastic import fem
-from study.joint import SOCKET_RATIO, Joint, force_curve
+from study.joint import KINEMATICS, SOCKET_RATIO, Joint, force_curve
 
 CURVES = paths.DATA / "force_curves.csv"
 PACKAGE = paths.DATA / "datapackage.json"
@@ -116,7 +116,7 @@ _CONSTRAINTS = {
     "socket_ratio": {"minimum": 1},
     "ball_drive": {"enum": list(fem.DRIVES)},
     "rim": {"enum": list(fem.RIMS)},
-    "kinematics": {"enum": ["small", "linear"]},
+    "kinematics": {"enum": list(KINEMATICS)},
     "depth_star": {"minimum": 0},
     "force_star": {"minimum": 0},
     "contact_half_angle": {"minimum": 0, "maximum": 90},

@@ -1,11 +1,12 @@
 """The command line as a user types it: results, one-line errors, exit statuses."""
 
+import inspect
 import json
 
 import numpy as np
 import pytest
 
-from study import cli, contact, dataset
+from study import cli, contact, dataset, joint
 from study.joint import Joint, force_curve
 
 
@@ -61,6 +62,15 @@ def test_data_show_filters(run):
     status, out, _ = run("data", "show", "--case", "paper-small-200")
     assert status == 0
     assert out.count("\n") > 40
+
+
+def test_choices_and_defaults_are_those_of_the_library():
+    signature = inspect.signature(cli.solve_joint)
+    assert signature.parameters["socket_ratio"].default == joint.SOCKET_RATIO
+    assert str(signature.parameters["kinematics"].default) == joint.Joint(200).kinematics
+    assert tuple(cli.Kinematics) == joint.KINEMATICS
+    assert tuple(cli.Drive) == joint.fem.DRIVES
+    assert tuple(cli.Rim) == joint.fem.RIMS
 
 
 def test_help_names_units(run):
