@@ -245,7 +245,7 @@ def execute(notebook, settings):
             raise NotebookError(message) from None
 
 
-def run(notebooks, settings, *, jobs=None, force=False, dask_address=None, dry=False):
+def run(notebooks, settings, **options):
     """Run the stale ones of some notebooks as pytask tasks.
 
     Parameters
@@ -253,14 +253,8 @@ def run(notebooks, settings, *, jobs=None, force=False, dask_address=None, dry=F
     notebooks : list of Notebook
     settings : dict
         Parameters per notebook, from `check_parameters`.
-    jobs : int, optional
-        Processes, by default one per core.
-    force : bool
-        Run fresh ones too.
-    dask_address : str, optional
-        Address of a Dask scheduler whose workers run the tasks instead.
-    dry : bool
-        Run nothing, only find what is stale.
+    **options
+        As for `study.tasks.build`.
 
     Returns
     -------
@@ -268,6 +262,4 @@ def run(notebooks, settings, *, jobs=None, force=False, dask_address=None, dry=F
     """
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
     selected = " or ".join(f"[{nb.name}]" for nb in notebooks)
-    return tasks.build(
-        paths.NOTEBOOKS, selected, jobs=jobs, force=force, dask_address=dask_address, dry=dry
-    )
+    return tasks.build(paths.NOTEBOOKS, selected, **options)
