@@ -157,7 +157,8 @@ def force_curve(joint, depth_star, resolution=fem.RESOLUTION):
     Raises
     ------
     ValueError
-        For a negative depth or NaN, or contact that reaches the socket's rim.
+        For a negative depth or NaN, contact that reaches the socket's rim, or contact smaller
+        than the mesh can resolve.
     study.complementarity.ComplementarityError
         If the contact does not converge; carries the residual.
     """
@@ -173,8 +174,14 @@ def force_curve(joint, depth_star, resolution=fem.RESOLUTION):
     if pressure[:, -2:].any():
         least = depths[pressure[:, -2:].any(axis=1)].min()
         raise ValueError(
-            f"depth_star must keep the contact off the socket's rim (half-angle < 90 deg), "
+            "depth_star must keep the contact off the socket's rim (half-angle < 90 deg), "
             f"got {least:g}"
+        )
+    unseen = (np.minimum(fine, coarse) == 0) & (beside.ravel() > 0)
+    if unseen.any():
+        raise ValueError(
+            "depth_star must be 0 or so large that the mesh resolves the contact, got "
+            f"{beside.ravel()[unseen].max():.3g} with elements of {np.degrees(angles[1]):.2g} deg"
         )
     relative = np.divide(np.abs(fine - coarse), fine, out=np.zeros_like(fine), where=fine > 0)
     return ForceCurve(

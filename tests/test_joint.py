@@ -160,6 +160,7 @@ def test_any_joint_stiffens_with_depth(r2_star, ratio, poisson, stiffer, drive, 
         (lambda: force_curve(Joint(200), -0.1), "depth_star must be >= 0, got -0.1"),
         (lambda: force_curve(Joint(200), []), "depth_star must be a list of depths"),
         (lambda: force_curve(Joint(200), 0.1, 48), "resolution must be a multiple of 32"),
+        (lambda: force_curve(Joint(200), 1e-9, 32), "depth_star must be 0 or so large that"),
         (lambda: force_curve(Joint(200), 1e4, 32), "depth_star must keep the contact off"),
     ],
 )
