@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pytask import Product, PythonNode, task
 
-from study import notebooks
+from study import notebooks, tasks
 
 settings = json.loads(os.environ.get(notebooks.PARAMETERS_VARIABLE, "{}"))
 
@@ -21,5 +21,6 @@ for notebook in notebooks.CATALOGUE:
         inputs: list[Path] = notebook.inputs(),
         products: Annotated[list[Path], Product] = notebook.products(),
     ):
+        tasks.leave_interrupts_to_the_runner()
         (selected,) = notebooks.select([name])
         notebooks.execute(selected, json.loads(parameters))

@@ -13,7 +13,7 @@ class StudyError(RuntimeError):
     """A failure that is nobody's wrong input; the message says what failed and what mends it."""
 
 
-def number(name, value, unit="", *, above=None, least=None, below=None, most=None):
+def number(name, value, unit="", *, above=None, least=None, below=None, most=None, scalar=False):
     """Return ``value`` as floats if all of it lies in the stated range.
 
     Parameters
@@ -26,6 +26,8 @@ def number(name, value, unit="", *, above=None, least=None, below=None, most=Non
         Unit named in the message; empty for a pure number.
     above, least, below, most : float, optional
         Open lower, closed lower, open upper and closed upper limit.
+    scalar : bool
+        Refuse an array.
 
     Returns
     -------
@@ -38,12 +40,11 @@ def number(name, value, unit="", *, above=None, least=None, below=None, most=Non
         If any element is not a finite number or lies outside the range.
     """
     unit = f" {unit}" if unit else ""
-    if isinstance(value, (bool, np.bool_)):
-        raise ValueError(f"{name} must be a number, got {value!r}")
-    try:
-        array = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be a number, got {value!r}") from None
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf" or (scalar and array.ndim):
+        kind = "one number" if scalar else "a number"
+        raise ValueError(f"{name} must be {kind}, got {value!r}")
+    array = array.astype(float)
     good = np.isfinite(array)
     limits = []
     if above is not None:

@@ -48,6 +48,9 @@ def main():
         status = app(standalone_mode=False)
     except (UsageError, ValueError) as error:
         text = error.format_message() if isinstance(error, UsageError) else str(error)
+        if text.startswith("Usage:"):  # a command group alone: its help is the answer
+            print(text, file=sys.stderr)
+            sys.exit(2)
         _complain(text, 2)
     except (StudyError, OSError) as error:
         _complain(str(error), 1)
@@ -92,7 +95,7 @@ def _report(selected, session):
     """Say what was made and where, or what failed."""
     from pytask import TaskOutcome
 
-    from study import paths
+    from study import notebooks, paths
 
     outcomes = {r.task.name.split("[")[-1].rstrip("]"): r for r in session.execution_reports}
     made = Counter()
@@ -114,7 +117,9 @@ def _report(selected, session):
     if made["failed"]:
         raise typer.Exit(1)
     if not made["run"]:
-        print("Nothing was stale: every figure and table in figures/ is up to date.")
+        whole = len(selected) == len(notebooks.CATALOGUE)
+        names = "" if whole else f" of {', '.join(notebook.name for notebook in selected)}"
+        print(f"Nothing was stale: every figure and table{names} in figures/ is up to date.")
 
 
 @app.command("list")
@@ -165,7 +170,7 @@ def solve_joint(
     r2_star: R2Star,
     depth_star: DepthStars,
     socket_ratio: Annotated[
-        float, typer.Option(help="Outer over inner radius of the socket, > 1.")
+        float, typer.Option(help="Outer over inner radius of the socket, >= 1.02.")
     ] = 1.19,
     poisson: Annotated[
         float, typer.Option(help="Poisson's ratio of both bodies, in (-1, 0.5).")
@@ -229,7 +234,7 @@ def show_data(
         "kinematics": kinematics,
         "case": case,
     }
-    frame = dataset.load(**{key: value for key, value in chosen.items() if value})
+    frame = dataset.load(**{key: value for key, value in chosen.items() if value not in (None, [])})
     table = dataset.summary(frame) if case is None else frame.iloc[:, 9:]
     _table(table.columns, table.map(_text).itertuples(index=False))
 

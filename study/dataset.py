@@ -15,6 +15,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from study import checks, paths
+from study.contact.laws import COEFFICIENTS
 from study.elastic import fem
 from study.joint import KINEMATICS, SOCKET_RATIO, Joint, force_curve
 
@@ -161,16 +162,21 @@ def load(**filters):
     """
     verify_files()
     frame = pd.read_csv(CURVES)
+    keep = np.ones(len(frame), dtype=bool)
     for column, wanted in filters.items():
         checks.choice("column", column, tuple(frame.columns))
-        values = [wanted] if np.ndim(wanted) == 0 else list(wanted)
         held = frame[column].unique()
-        frame = frame[frame[column].isin(values)]
-        if frame.empty:
-            raise ValueError(
-                f"{column} must be one of {', '.join(map(str, held))}, got "
-                f"{', '.join(map(str, values))}"
-            )
+        values = [wanted] if np.ndim(wanted) == 0 else list(wanted)
+        for value in values:
+            if value not in held:
+                raise ValueError(
+                    f"{column} must be one of {', '.join(map(str, held))}, got {value}"
+                )
+        keep &= frame[column].isin(values)
+    if not keep.any():
+        asked = ", ".join(f"{column} = {wanted}" for column, wanted in filters.items())
+        raise ValueError(f"filters must leave a case, but none has {asked}")
+    frame = frame[keep]
     return frame.reset_index(drop=True)
 
 
@@ -278,8 +284,10 @@ def write_package(wall_time):
         for name, kind, unit, text in _SCHEMA
     ]
     schema = {"fields": fields, "primaryKey": ["case", "depth_star"]}
+    _refuse_damaged_published_files()
     provenance = {
         "command": MEND,
+        "coefficients_sha256": _sha256(COEFFICIENTS),
         "code_sha256": _code_hash(),
         "design": _design(),
         "versions": {p: version(p) for p in ("numpy", "scipy", "scikit-fem")}
@@ -319,6 +327,46 @@ def _resource(path, name, origin, schema):
     return resource | ({"profile": "tabular-data-resource", "schema": schema} if schema else {})
 
 
+def _refuse_damaged_published_files():
+    """Transcribed files keep the hash they have: a build does not bless a damaged one."""
+    try:
+        package = _read_package()
+    except DatasetError:
+        return  # there is nothing to compare with
+    stated = {r["path"]: r["hash"] for r in package["resources"]}
+    for name in _PUBLISHED:
+        _verify(name, stated.get(name))
+
+
+def _read_package():
+    """Content of the description, with the keys that are used here present."""
+    name = PACKAGE.relative_to(paths.ROOT)
+    try:
+        package = json.loads(PACKAGE.read_text(encoding="utf-8"))
+        for key in ("code_sha256", "design", "coefficients_sha256"):
+            package["provenance"][key]
+        for resource in package["resources"]:
+            resource["path"], resource["hash"]
+    except FileNotFoundError:
+        raise DatasetError(f"{name} is missing; make it with: {MEND}") from None
+    except (ValueError, KeyError, TypeError):
+        raise DatasetError(f"{name} is damaged; make it anew with: {MEND}") from None
+    return package
+
+
+def _verify(name, stated):
+    """Compare one data file with the hash stated for it."""
+    path = paths.DATA / name
+    remedy = MEND if path == CURVES else f"git checkout -- data/{name}"
+    if not path.is_file():
+        raise DatasetError(f"data/{name} is missing; mend it with: {remedy}")
+    if stated != f"sha256:{_sha256(path)}":
+        raise DatasetError(
+            f"data/{name} is damaged (its sha256 is not the one in data/{PACKAGE.name}); "
+            f"mend it with: {remedy}"
+        )
+
+
 def _sha256(path):
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
@@ -354,27 +402,15 @@ def verify_files():
         If a file is missing, damaged (its hash differs) or out of date (other code or another
         design made it); the message names the file and the command that mends it.
     """
-    name = PACKAGE.relative_to(paths.ROOT)
-    if not PACKAGE.is_file():
-        raise DatasetError(f"{name} is missing; make it with: {MEND}")
-    try:
-        package = json.loads(PACKAGE.read_text(encoding="utf-8"))
-        resources = {r["path"]: r["hash"] for r in package["resources"]}
-        provenance = package["provenance"]
-        made_by = provenance["code_sha256"], provenance["design"]
-    except (ValueError, KeyError, TypeError):
-        raise DatasetError(f"{name} is damaged; make it anew with: {MEND}") from None
-    for resource, stated in resources.items():
-        path = paths.DATA / resource
-        generated = path == CURVES
-        remedy = MEND if generated else f"git checkout -- data/{resource}"
-        if not path.is_file():
-            raise DatasetError(f"data/{resource} is missing; mend it with: {remedy}")
-        if stated != f"sha256:{_sha256(path)}":
-            raise DatasetError(
-                f"data/{resource} is damaged (its sha256 is not the one in {name}); "
-                f"mend it with: {remedy}"
-            )
+    package = _read_package()
+    provenance = package["provenance"]
+    for resource in package["resources"]:
+        _verify(resource["path"], resource["hash"])
+    if not COEFFICIENTS.is_file() or provenance["coefficients_sha256"] != _sha256(COEFFICIENTS):
+        raise DatasetError(
+            f"study/contact/{COEFFICIENTS.name} is missing or damaged; make it anew with: {MEND}"
+        )
+    made_by = provenance["code_sha256"], provenance["design"]
     if made_by != (_code_hash(), _design()):
         raise DatasetError(
             f"data/{CURVES.name} is out of date (the solver or the design has changed since it "

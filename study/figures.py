@@ -7,8 +7,9 @@ whenever their content is the same.
 from dataclasses import dataclass
 
 import matplotlib as mpl
-import matplotlib.pyplot as plt
 import numpy as np
+from IPython.display import Image, display
+from matplotlib.figure import Figure
 
 from study import paths
 
@@ -65,15 +66,17 @@ def new(columns=1, rows=1, width=4.2, height=3.2, **options):
     width, height : float
         Size of one panel, in inches.
     **options
-        Passed to ``matplotlib.pyplot.subplots``.
+        Passed to ``matplotlib.figure.Figure.subplots``.
 
     Returns
     -------
     figure : matplotlib.figure.Figure
     axes : matplotlib.axes.Axes or ndarray of them
     """
-    plt.rcParams.update(mpl.rcParamsDefault | {"backend": plt.rcParams["backend"]} | STYLE)
-    return plt.subplots(rows, columns, figsize=(columns * width, rows * height), **options)
+    mpl.rcdefaults()
+    mpl.rcParams.update(STYLE)
+    figure = Figure(figsize=(columns * width, rows * height))
+    return figure, figure.subplots(rows, columns, **options)
 
 
 def draw(axes, law, x, y, **options):
@@ -169,7 +172,7 @@ def draw_joint(axes, ball_radius, socket_ratio, drop):
 
 
 def save(figure, name, numbers):
-    """Write ``figures/name.png`` and the numbers it draws to ``figures/name.csv``.
+    """Write ``figures/name.png`` and its numbers to ``figures/name.csv``, and show the image.
 
     Parameters
     ----------
@@ -179,8 +182,10 @@ def save(figure, name, numbers):
         What the figure draws, in tidy form.
     """
     save_table(numbers, name)
-    with paths.whole(paths.FIGURES / f"{name}.png") as temporary:
+    path = paths.results() / f"{name}.png"
+    with paths.whole(path) as temporary:
         figure.savefig(temporary, metadata={"Software": None})
+    display(Image(path, width=round(72 * figure.get_figwidth())))
 
 
 def save_table(table, name):
@@ -201,5 +206,5 @@ def save_table(table, name):
     if bad.any():
         column = numeric.columns[bad.any(axis=0)][0]
         raise ValueError(f"every number of {name} must be finite, column {column!r} is not")
-    with paths.whole(paths.FIGURES / f"{name}.csv") as temporary:
+    with paths.whole(paths.results() / f"{name}.csv") as temporary:
         table.to_csv(temporary, index=False, float_format="%.9g", lineterminator="\n")

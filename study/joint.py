@@ -51,7 +51,7 @@ class Joint:
     r2_star : float
         Dimensionless socket radius R2/dR, > 1.
     socket_ratio : float
-        Outer over inner radius of the socket, > 1.
+        Outer over inner radius of the socket, >= 1.02.
     ball, socket : Material
         Materials of the two bodies.
     ball_drive : {"plane", "clamped"}
@@ -80,8 +80,11 @@ class Joint:
     kinematics: str = "small"
 
     def __post_init__(self):
-        checks.number("r2_star", self.r2_star, above=1)
-        checks.number("socket_ratio", self.socket_ratio, above=1)
+        checks.number("r2_star", self.r2_star, above=1, scalar=True)
+        checks.number("socket_ratio", self.socket_ratio, least=fem.THINNEST_RATIO, scalar=True)
+        for name in ("ball", "socket"):
+            if not isinstance(getattr(self, name), Material):
+                raise ValueError(f"{name} must be a Material, got {getattr(self, name)!r}")
         checks.choice("ball_drive", self.ball_drive, fem.DRIVES)
         checks.choice("rim", self.rim, fem.RIMS)
         checks.choice("kinematics", self.kinematics, KINEMATICS)
@@ -146,7 +149,7 @@ def force_curve(joint, depth_star, resolution=fem.RESOLUTION):
     ----------
     joint : Joint
     depth_star : float or array_like, shape (k,)
-        Dimensionless penetration depths, >= 0.
+        Dimensionless penetration depths, >= 0 and < sqrt(2 R2* - 1) - 1.
     resolution : int
         Elements along the surface, a multiple of 32; the error estimate uses half of it.
 
@@ -163,6 +166,8 @@ def force_curve(joint, depth_star, resolution=fem.RESOLUTION):
         If the contact does not converge; carries the residual.
     """
     depths = np.atleast_1d(checks.number("depth_star", depth_star, least=0))
+    widest = np.sqrt(2 * joint.r2_star - 1) - 1  # beyond it the spheres' overlap gets narrower
+    checks.number("depth_star", depths, below=widest)
     if depths.ndim != 1 or depths.size == 0:
         raise ValueError(f"depth_star must be a list of depths, got shape {depths.shape}")
     if resolution % 32:

@@ -207,8 +207,9 @@ def _as_default(key, value, default):
 def execute(notebook, settings):
     """Execute one notebook with papermill; its executed copy lands in ``build/notebooks``.
 
-    The kernel talks through sockets in a folder of its own, so that kernels started at the
-    same time cannot take each other's ports.
+    Figures and tables reach ``figures/`` only if every cell succeeds. The kernel talks through
+    sockets in a folder of its own, so that kernels started at the same time cannot take each
+    other's ports.
 
     Parameters
     ----------
@@ -221,11 +222,16 @@ def execute(notebook, settings):
     NotebookError
         If a cell fails; names notebook, cell and error.
     """
+    import nbformat
     import papermill
     from traitlets.config import Config
 
     notebook.executed.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix="kernel-", ignore_cleanup_errors=True) as folder:
+    with (
+        tempfile.TemporaryDirectory(prefix="kernel-", ignore_cleanup_errors=True) as folder,
+        tempfile.TemporaryDirectory(prefix="results-", dir=paths.BUILD) as results,
+    ):
+        os.environ[paths.RESULTS_VARIABLE] = results
         config = Config()
         if os.name == "posix":
             config.KernelManager.transport = "ipc"
@@ -241,8 +247,12 @@ def execute(notebook, settings):
                 config=config,
             )
         except papermill.PapermillExecutionError as error:
-            message = f"{notebook.name}, cell {error.cell_index}: {error.ename}: {error.evalue}"
-            raise NotebookError(message) from None
+            cell = f"cell In[{error.exec_count}]"
+            raise NotebookError(f"{notebook.name}, {cell}: {error.ename}: {error.evalue}") from None
+        except nbformat.reader.NotJSONError:
+            raise NotebookError(f"{notebook.name}: the file is no notebook") from None
+        for result in sorted(Path(results).iterdir()):
+            result.replace(paths.FIGURES / result.name)
 
 
 def run(notebooks, settings, **options):
@@ -260,6 +270,14 @@ def run(notebooks, settings, **options):
     -------
     pytask.Session
     """
+    for notebook in notebooks:
+        if not notebook.path.is_file():
+            raise NotebookError(f"notebooks/{notebook.path.name} is missing")
+        for product in notebook.products():
+            if product.is_dir():
+                raise NotebookError(
+                    f"{product.relative_to(paths.ROOT)} must be a file, not a folder"
+                )
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
     selected = " or ".join(f"[{nb.name}]" for nb in notebooks)
     return tasks.build(paths.NOTEBOOKS, selected, **options)

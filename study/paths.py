@@ -11,6 +11,13 @@ FIGURES = ROOT / "figures"
 NOTEBOOKS = ROOT / "notebooks"
 BUILD = ROOT / "build"
 
+RESULTS_VARIABLE = "STUDY_RESULTS"  # folder for results while a notebook runs as a task
+
+
+def results():
+    """Folder that figures and tables are written to: ``figures/``, or a task's own for a while."""
+    return Path(os.environ.get(RESULTS_VARIABLE, FIGURES))
+
 
 @contextmanager
 def whole(path):

@@ -1,10 +1,23 @@
 """Runs tasks with pytask: what is stale, in parallel, on this machine or on a Dask cluster."""
 
+import os
+import signal
+import threading
+
 import pytask
 from loky import cpu_count, get_reusable_executor
 
 from study import paths
 from study.checks import StudyError
+
+_RUNNER = "STUDY_RUNNER"  # process number of the runner, for its workers
+
+
+def leave_interrupts_to_the_runner():
+    """Ignore Ctrl-C in a worker process: the runner stops it, and says so once."""
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    if in_main_thread and os.environ.get(_RUNNER) == str(os.getppid()):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def build(folder, expression="", *, jobs=None, force=False, dask_address=None, dry=False):
@@ -39,7 +52,8 @@ def build(folder, expression="", *, jobs=None, force=False, dask_address=None, d
     options = {"n_workers": jobs or cpu_count()}
     options["parallel_backend"] = "loky" if options["n_workers"] > 1 else "none"
     client = None
-    if dask_address:
+    os.environ[_RUNNER] = str(os.getpid())
+    if dask_address is not None:
         client = _dask_client(dask_address)
         options = {"parallel_backend": "dask", "n_workers": sum(client.nthreads().values())}
     pytask.console.quiet = dry

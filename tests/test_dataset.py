@@ -18,6 +18,10 @@ def copy(tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "DATA", root / "data")
     monkeypatch.setattr(dataset, "CURVES", root / "data" / "force_curves.csv")
     monkeypatch.setattr(dataset, "PACKAGE", root / "data" / "datapackage.json")
+    coefficients = root / "study" / "contact" / dataset.COEFFICIENTS.name
+    coefficients.parent.mkdir(parents=True)
+    shutil.copy(dataset.COEFFICIENTS, coefficients)
+    monkeypatch.setattr(dataset, "COEFFICIENTS", coefficients)
     return root / "data"
 
 
@@ -36,6 +40,8 @@ def test_filters_select_rows():
     assert list(rows.index) == list(range(80))
     with pytest.raises(ValueError, match="r2_star must be one of 20, 40.*got 77"):
         dataset.load(r2_star=77)
+    with pytest.raises(ValueError, match="filters must leave a case, but none has rim = mirror"):
+        dataset.load(rim="mirror", ball_drive="clamped")
     with pytest.raises(ValueError, match="column must be one of case.*got 'radius'"):
         dataset.load(radius=1)
 
@@ -61,6 +67,24 @@ def test_columns_have_units_and_meaning():
     assert all("unit" in f for f in fields if f["type"] == "number")
     for field in fields:
         assert f"``{field['name']}``" in dataset.load.__doc__
+
+
+def test_damaged_and_missing_coefficients_are_named_with_a_remedy(copy):
+    text = dataset.COEFFICIENTS.read_text()
+    dataset.COEFFICIENTS.write_text(text.replace("5.2", "5.3", 1))
+    message = r"coefficients.json is missing or damaged.*study data build"
+    with pytest.raises(dataset.DatasetError, match=message):
+        dataset.load()
+    dataset.COEFFICIENTS.unlink()
+    with pytest.raises(dataset.DatasetError, match=message):
+        dataset.load()
+
+
+def test_a_build_does_not_bless_damaged_published_numbers(copy):
+    path = copy / "published" / "tables.csv"
+    path.write_text("x,y\n")
+    with pytest.raises(dataset.DatasetError, match=r"published/tables.csv is damaged"):
+        dataset.write_package(1.0)
 
 
 @pytest.mark.parametrize("name", ["force_curves.csv", "published/joint.csv"])

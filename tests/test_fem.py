@@ -31,7 +31,7 @@ def test_socket_under_uniform_pressure_widens_as_lame(ratio, poisson):
         abs(mean_displacement(fem.socket_compliance(ratio, poisson, "mirror", n)) / expected - 1)
         for n in (32, 128)
     )
-    assert fine < 2e-5
+    assert fine < 5e-6
     assert fine < coarse / 4**3  # at least of order 3, as a displacement by quadratic elements
 
 
@@ -89,7 +89,7 @@ def test_hat_functions_integrate_and_interpolate():
         (lambda: fem.ball_compliance(0.5), "poisson must be > -1 and < 0.5, got 0.5"),
         (lambda: fem.ball_compliance(drive="point"), "ball_drive must be one of plane, clamped"),
         (lambda: fem.ball_compliance(resolution=50), "resolution must be a multiple of 16"),
-        (lambda: fem.socket_compliance(1.0), "socket_ratio must be > 1, got 1"),
+        (lambda: fem.socket_compliance(1.0), "socket_ratio must be >= 1.02, got 1"),
         (lambda: fem.socket_compliance(1.2, rim="fixed"), "rim must be one of free, mirror"),
     ],
 )

@@ -65,7 +65,10 @@ def _law(function):
         depth, r2 = np.broadcast_arrays(depth, r2)
         result = np.zeros(depth.shape)
         contact = depth > 0
-        result[contact] = function(depth[contact], r2[contact], **options)[int(derivative)]
+        with np.errstate(over="ignore"):
+            result[contact] = function(depth[contact], r2[contact], **options)[int(derivative)]
+        if not np.isfinite(result).all():
+            raise ValueError(f"depth_star must not overflow the force, got {depth.max():g}")
         return float(result) if result.ndim == 0 else result
 
     return law
@@ -113,7 +116,7 @@ def steuermann(depth_star, r2_star, *, n=1, radius="geometric"):
     depth_star, r2_star, derivative
         As for `hertz`.
     n : int
-        Half the order of the profile, >= 1.
+        Half the order of the profile, from 1 to 50.
     radius : {"geometric", "profile"}
         Where the contact radius comes from.
 
@@ -125,11 +128,11 @@ def steuermann(depth_star, r2_star, *, n=1, radius="geometric"):
     Raises
     ------
     ValueError
-        As for `hertz`; for n not a whole number >= 1, or an unknown ``radius``.
+        As for `hertz`; for n not a whole number from 1 to 50, or an unknown ``radius``.
     """
     checks.choice("radius", radius, ("geometric", "profile"))
-    if checks.number("n", n, least=1) != int(n):
-        raise ValueError(f"n must be a whole number >= 1, got {n}")
+    if checks.number("n", n, least=1, most=50, scalar=True) != int(n):
+        raise ValueError(f"n must be a whole number >= 1 and <= 50, got {n}")
     factor = 4 * n / (2 * n + 1)
     if radius == "geometric":
         chord = np.sqrt(depth_star * (2 + depth_star))
@@ -139,15 +142,16 @@ def steuermann(depth_star, r2_star, *, n=1, radius="geometric"):
     c_n = sqrt(pi) * gamma(n + 1) / gamma(n + 0.5)
     taylor = factorial(2 * n - 2) / (2 ** (2 * n - 1) * factorial(n - 1) * factorial(n))
     power = 2 * n - 1
-    difference = np.expm1(-power * np.log1p(-1 / r2_star)) * r2_star**-power  # R1^-m - R2^-m
-    radius_star = (depth_star / (c_n * taylor * difference)) ** (1 / (2 * n))
+    # ln(R1^-power - R2^-power), in units of dR: the powers themselves may underflow
+    difference = np.log(np.expm1(-power * np.log1p(-1 / r2_star))) - power * np.log(r2_star)
+    radius_star = np.exp((np.log(depth_star / (c_n * taylor)) - difference) / (2 * n))
     force = factor * radius_star * depth_star
     return force, (1 + 1 / (2 * n)) * force / depth_star
 
 
 @_law
 def liu(depth_star, r2_star, *, reading="spherical"):
-    """Liu et al. 2006, a reconstruction (Eq. 8 is lost; identified weakly, RMSE within 4 %).
+    """Liu et al. 2006, a reconstruction (Eq. 8 is lost; identified weakly, RMSE within 5 %).
 
     ``reading="spherical"``: P = pi E* R2 d sqrt(d / (2 (dR + d))), the sphere's analogue of
     Liu's cylindrical law. ``reading="half-angle"``: P = (pi/2) E* R2 eps d with
@@ -189,7 +193,7 @@ def winkler(depth_star, r2_star, *, coefficient=None):
     ----------
     depth_star, r2_star, derivative
         As for `hertz`.
-    coefficient : float or ndarray, optional
+    coefficient : float, optional
         Value of f1w, > 0; by default this study's fit, linear in R2*.
 
     Returns
@@ -217,7 +221,7 @@ def hyperbolic_winkler(depth_star, r2_star, *, coefficient=None):
     ----------
     depth_star, r2_star, derivative
         As for `hertz`; depth_star <= pi^2/8, where the half-angle is 90 deg.
-    coefficient : float or ndarray, optional
+    coefficient : float, optional
         Value of f1, > 0; by default this study's fit, linear in R2*.
 
     Returns
@@ -313,9 +317,9 @@ def contact_stiffness(law, depth, ball_radius, socket_radius, composite, **optio
 def _dimensional(law, depth, ball_radius, socket_radius, composite, derivative, options):
     checks.choice("law", law, LAWS)
     depth = checks.number("depth", depth, "m")
-    r1 = checks.number("ball_radius", ball_radius, "m", above=0)
-    r2 = checks.number("socket_radius", socket_radius, "m", above=r1)
-    modulus = checks.number("composite modulus", composite, "Pa", above=0)
+    r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
+    r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
+    modulus = checks.number("composite modulus", composite, "Pa", above=0, scalar=True)
     clearance = r2 - r1
     value = LAWS[law](depth / clearance, r2 / clearance, derivative=derivative, **options)
     return modulus * clearance ** (1 if derivative else 2) * value
@@ -323,25 +327,34 @@ def _dimensional(law, depth, ball_radius, socket_radius, composite, derivative, 
 
 def _coefficient(law, r2_star, coefficient):
     if coefficient is not None:
-        return checks.number(f"coefficient of {law}", coefficient, above=0)
-    fit = fitted_coefficients()[law]
+        return checks.number(f"coefficient of {law}", coefficient, above=0, scalar=True)
+    fit = fitted_coefficients().get(law)
+    if fit is None:
+        raise checks.StudyError(
+            f"study/contact/{COEFFICIENTS.name} lacks {law}; make it anew with: study data build"
+        )
     return fit["slope"] * r2_star + fit["intercept"]
 
 
 @lru_cache(maxsize=1)
 def fitted_coefficients():
-    """Coefficients of the fitted laws, f1 = slope R2* + intercept, and what they were fitted to.
+    """Coefficients of the fitted laws, f1 = slope R2* + intercept, for 20 <= R2* <= 300.
 
     Returns
     -------
     dict
-        Law name -> ``slope`` and ``intercept`` (dimensionless); ``setup`` -> the joint.
+        Law name -> ``slope`` and ``intercept``, dimensionless.
 
     Raises
     ------
-    FileNotFoundError
-        If the file is missing; names the command that makes it.
+    study.checks.StudyError
+        If the file is missing or damaged; names the command that makes it.
     """
-    if not COEFFICIENTS.is_file():
-        raise FileNotFoundError(f"{COEFFICIENTS.name} is missing; make it with: study data build")
-    return json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
+    try:
+        fits = json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
+        return {law: {key: float(fits[law][key]) for key in ("slope", "intercept")} for law in fits}
+    except (OSError, ValueError, KeyError, TypeError):
+        raise checks.StudyError(
+            f"study/contact/{COEFFICIENTS.name} is missing or damaged; make it anew with: "
+            "study data build"
+        ) from None

@@ -30,6 +30,8 @@ from study.elastic import Compliance
 DRIVES = ("plane", "clamped")
 RIMS = ("free", "mirror")
 RESOLUTION = 160
+THINNEST_RATIO = 1.02
+"""Least ratio of the socket's radii: elements of a thinner shell are too flat to be mapped."""
 
 # Element size grows from these distances on: the polar angle of a small contact (rad), and
 # the depth below the surface (radii) that its stresses reach.
@@ -79,14 +81,16 @@ def socket_mesh(ratio, resolution=RESOLUTION):
     Parameters
     ----------
     ratio : float
-        Outer over inner radius, > 1.
+        Outer over inner radius, >= 1.02.
 
     Returns
     -------
     skfem.MeshTri2
         As `ball_mesh`, with the boundary ``outside`` besides.
     """
-    thickness = checks.number("socket_ratio", ratio, above=1.0) - 1.0
+    thickness = checks.number("socket_ratio", ratio, least=THINNEST_RATIO, scalar=True) - 1.0
+    if thickness < 0.05 and resolution < 32:
+        raise ValueError(f"resolution must be >= 32 for socket_ratio < 1.05, got {resolution}")
     layers = round(_RADIAL_ELEMENTS * resolution * np.log1p(thickness / _DEPTH_SCALE))
     depths = _graded(thickness, _DEPTH_SCALE, max(resolution // 16, layers, 2))
     return _ring_mesh(1.0 + depths, surface_angles(resolution), centre=False)
@@ -128,7 +132,7 @@ def socket_compliance(ratio, poisson=0.3, rim="free", resolution=RESOLUTION):
     Parameters
     ----------
     ratio : float
-        Outer over inner radius, > 1.
+        Outer over inner radius, >= 1.02.
     poisson : float
         Poisson's ratio, in (-1, 0.5).
     rim : {"free", "mirror"}
@@ -193,7 +197,7 @@ def _ring(radius, angles):
 
 
 def _curved(linear, outer_radius):
-    """Quadratic mesh whose spherical boundaries are curved, with named boundaries."""
+    """Quadratic mesh that follows the rings, however thin, with named boundaries."""
     radius = np.hypot(*linear.p)
 
     def edges(on_boundary):
@@ -204,9 +208,8 @@ def _curved(linear, outer_radius):
     named |= {"axis": edges(linear.p[0] == 0), "equator": edges(linear.p[1] == 0)}
     mesh = MeshTri2.from_mesh(linear)
     locations = mesh.doflocs.copy()
-    for name, r in spheres.items():
-        nodes = np.unique(mesh.dofs.get_facet_dofs(named[name]).flatten())
-        locations[:, nodes] *= r / np.hypot(*locations[:, nodes])
+    middles = mesh.dofs.facet_dofs[0]  # at the mean radius of their edge's ends: arcs and spirals
+    locations[:, middles] *= radius[linear.facets].mean(axis=0) / np.hypot(*locations[:, middles])
     return replace(mesh, doflocs=locations).with_boundaries(named)
 
 
