@@ -111,6 +111,11 @@ def test_a_damaged_dataset_stops_the_run_with_a_remedy(project):
     curves.write_bytes(whole)
 
 
+def heed_interrupts():
+    """Undo what a shell does to a background job, whose children ignore Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def noted_down(root):
     """Whether pytask has noted a finished set-up, in its lock file or the journal beside it."""
     return any("task_curves[" in path.read_text() for path in root.glob("pytask.lock*"))
@@ -127,6 +132,7 @@ def test_an_interrupted_build_of_the_data_resumes_to_the_same_bytes(project):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=heed_interrupts,
     )
     deadline = time.monotonic() + 60
     while not noted_down(project):
