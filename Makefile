@@ -36,7 +36,7 @@ bench: $(READY)
 	@$(BIN)/python -m pytest tests/bench_joint.py --benchmark-columns=median,iqr,rounds
 
 lock:
-	@uv pip compile --quiet --universal --python-version 3.11 --all-extras --upgrade \
+	@uv pip compile --quiet --universal --python-version 3.11 --extra dask --extra test --upgrade \
 		--generate-hashes --no-emit-index-url --no-annotate \
 		--custom-compile-command "make lock" pyproject.toml --output-file requirements.lock
 

@@ -51,6 +51,7 @@ def task_description(
     coefficients: Path = contact.laws.COEFFICIENTS,
     code: tuple[Path, ...] = dataset.SOURCES,
     times: list[Path] = TIMES,
+    published: tuple[Path, ...] = tuple(paths.DATA / name for name in dataset.PUBLISHED),
     description: Annotated[Path, Product] = dataset.PACKAGE,
 ):
     dataset.write_package(sum(json.loads(path.read_text()) for path in times))

@@ -1,4 +1,4 @@
-"""The command line: ``study run``, ``list``, ``data``, ``law`` and ``joint``.
+"""The command line: ``study run``, ``list``, ``data``, ``law``, ``joint`` and ``simulate``.
 
 A user's mistake is one line on standard error and exit status 2; a failure is exit status 1.
 """
@@ -6,7 +6,10 @@ A user's mistake is one line on standard error and exit status 2; a failure is e
 import json
 import sys
 from collections import Counter
+from contextlib import contextmanager
+from dataclasses import fields
 from enum import StrEnum
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -30,6 +33,8 @@ LawName = StrEnum("LawName", list(LAWS))
 Drive = StrEnum("Drive", ["plane", "clamped"])
 Rim = StrEnum("Rim", ["free", "mirror"])
 Kinematics = StrEnum("Kinematics", ["small", "linear"])
+Model = StrEnum("Model", ["rigid", "particles", "beams"])
+MechanismJoint = StrEnum("MechanismJoint", ["clearance", "ideal"])
 
 R2Star = Annotated[float, typer.Option("--r2-star", help="Dimensionless socket radius R2/dR, > 1.")]
 DepthStars = Annotated[
@@ -210,6 +215,140 @@ def solve_joint(
     _print_curve(columns, as_json)
 
 
+@app.command("simulate")
+def simulate_mechanism(
+    model: Annotated[Model, typer.Option(help="Links: rigid, particles or beams.")] = Model.rigid,
+    joint: Annotated[
+        MechanismJoint, typer.Option(help="Joint of coupler and slider.")
+    ] = MechanismJoint.clearance,
+    law: Annotated[LawName, typer.Option(help="Contact law.")] = LawName.hertz,
+    duration: Annotated[float, typer.Option(help="Simulated time, in s.")] = 0.1,
+    outputs: Annotated[int, typer.Option(help="Equal intervals between times of output.")] = 1000,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Rigid links with clearance: 1e-12 to 1e-2 [1e-8].")
+    ] = None,
+    step: Annotated[
+        float | None, typer.Option(help="Flexible links: largest time step, in s.")
+    ] = None,
+    elements: Annotated[
+        str | None, typer.Option(metavar="N,N", help="Elements of crank and coupler [4,8].")
+    ] = None,
+    method: Annotated[
+        str | None, typer.Option(help="Particles: centred, lagged or unguarded [centred].")
+    ] = None,
+    inertia: Annotated[
+        str,
+        typer.Option(
+            metavar="rods|I1,I2",
+            help="Moments of inertia of crank and coupler about their centres, in kg m^2.",
+        ),
+    ] = "rods",
+    scene: Annotated[
+        list[str] | None,
+        typer.Option(metavar="KEY=VALUE", help="Change the scene, e.g. restitution=0.9; SI units."),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Write the motion to this CSV file as well.")
+    ] = None,
+    as_json: AsJson = False,
+):
+    """Simulate the crank-slider: where it is at the end, and every impact (SI units)."""
+    from study.mechanism import simulate
+
+    changed = _scene(scene or [], inertia)
+    if output is not None and output.suffix != ".csv":
+        raise ValueError(f"--output must end in .csv, got {output}")
+    pair = None if elements is None else _numbers("--elements", elements, int)
+    with _progress(duration) as progress:
+        response = simulate(
+            changed,
+            model=str(model),
+            joint=str(joint),
+            law=str(law),
+            duration=duration,
+            outputs=outputs,
+            tolerance=tolerance,
+            step=step,
+            elements=pair,
+            method=method,
+            progress=progress,
+        )
+    if output is not None:
+        response.save(output)
+    last = response.motion.iloc[-1]
+    end = {
+        "time": last.time,
+        "theta": last.crank_angle,
+        "x_slider": last.slider_position,
+        "v_slider": last.slider_velocity,
+        "a_slider": last.slider_acceleration,
+        "energy_error": response.energy_error,
+        "complete": response.complete,
+    }
+    impacts = response.impacts.astype(object).where(response.impacts.notna(), None)
+    if as_json:
+        print(json.dumps(end | {"impacts": impacts.to_dict("records")}))
+    else:
+        _table(list(end), [[_text(value) for value in end.values()]])
+        _table(impacts.columns, impacts.map(_text).itertuples(index=False))
+    return 0 if response.complete else INTERRUPTED
+
+
+def _scene(settings, inertia):
+    """The paper's scene with settings ``KEY=VALUE`` and the inertias changed."""
+    from study.mechanism import Scene
+
+    changes = {}
+    if inertia != "rods":
+        values = _numbers("--inertia", inertia, float)
+        changes |= {"crank_inertia": values[0], "coupler_inertia": values[1]}
+    known = {field.name: field.default for field in fields(Scene)}
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        if not equals or key not in known:
+            raise ValueError(
+                f"--scene must be KEY=VALUE with KEY one of {', '.join(known)}, got {setting!r}"
+            )
+        if key == "damping":
+            changes[key] = text
+        elif key == "initial_eccentricity":
+            changes[key] = _numbers(key, text, float)
+        else:
+            changes[key] = _number(key, text, float)
+    return Scene(**changes)
+
+
+def _numbers(name, text, kind):
+    """Two numbers, separated by a comma."""
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise ValueError(f"{name} must be two numbers separated by a comma, got {text!r}")
+    return tuple(_number(name, part, kind) for part in parts)
+
+
+def _number(name, text, kind):
+    try:
+        return kind(text)
+    except ValueError:
+        what = "a whole number" if kind is int else "a number"
+        raise ValueError(f"{name} must be {what}, got {text!r}") from None
+
+
+@contextmanager
+def _progress(duration):
+    """Bar of simulated time on standard error, gone at the end; none off the terminal."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    text = TextColumn("simulated {task.completed:.4g} of {task.total:g} s")
+    columns = (text, BarColumn(), TimeRemainingColumn())
+    console = Console(stderr=True)
+    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+    with bar:
+        task = bar.add_task("", total=duration)
+        yield lambda time: bar.update(task, completed=time)
+
+
 @data_app.command("show")
 def show_data(
     r2_star: Annotated[
@@ -272,6 +411,8 @@ def _print_curve(columns, as_json):
 
 
 def _text(value):
+    if value is None:
+        return "-"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

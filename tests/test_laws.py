@@ -31,7 +31,8 @@ every_variant = pytest.mark.parametrize(("name", "options"), VARIANTS)
 
 @pytest.mark.parametrize("ds", [1e-12, 1e-9, 1e-6, 1e-3, 0.025, 0.1, 0.5, 1.0, 1.2337])
 def test_bracket_is_exact_to_1e_12(ds):
-    bracket, slope = laws.hyperbolic_bracket(ds)
+    value, derivative = laws.shapes.hyperbolic(ds, ())
+    bracket, slope = value / ds, (derivative - value / ds) / ds
     with mpmath.workdps(80):
         a = mpmath.sqrt(2 * mpmath.mpf(ds))
         sine, sine2, cosine2 = mpmath.sin(a), mpmath.sin(2 * a), mpmath.cos(2 * a)
@@ -147,7 +148,7 @@ def test_composite_modulus_of_equal_bodies():
         ),
         (lambda: contact.liu(0.1, 200, reading="x"), "reading must be one of spherical"),
         (lambda: contact.winkler(0.1, 200, coefficient=-1), "coefficient of winkler must be > 0"),
-        (lambda: contact.hyperbolic_winkler(1.3, 200), "must be >= 0 and <= 1.2337, got 1.3"),
+        (lambda: contact.hyperbolic_winkler(1.3, 200), "must be <= 1.2337, got 1.3"),
         (
             lambda: contact.contact_force("hertz", 1e-6, 1e-2, 1.01e-2, -1.0),
             "composite modulus must be > 0 Pa, got -1 Pa",

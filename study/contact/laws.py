@@ -10,12 +10,14 @@ its docstring; "Eq." numbers are those of the paper the study reproduces.
 
 import json
 from functools import lru_cache, wraps
+from inspect import Parameter, Signature, signature
 from math import factorial, gamma, pi, sqrt
 from pathlib import Path
 
 import numpy as np
 
 from study import checks
+from study.contact import shapes
 
 COEFFICIENTS = Path(__file__).with_name("coefficients.json")
 
@@ -51,31 +53,39 @@ def composite_modulus(ball_modulus, ball_poisson, socket_modulus, socket_poisson
     return 1 / sum((1 - nu**2) / e for e, nu in zip(moduli, ratios, strict=True))
 
 
-def _law(function):
-    """Check a law's arguments, and let it see penetrating depths only.
+def _law(parts):
+    """Make a law of its parts: ``parts(r2_star, **options)`` is (scale, shape, constants).
 
-    The wrapped function returns the force and its derivative with respect to depth_star, both
-    for depth_star > 0; the public one returns either.
+    The law checks its arguments, sees penetrating depths only, and returns the force or its
+    derivative; ``law.parts`` stays at hand for the compiled loops.
     """
 
-    @wraps(function)
+    @wraps(parts)
     def law(depth_star, r2_star, *, derivative=False, **options):
         depth = np.asarray(checks.number("depth_star", depth_star))
         r2 = np.asarray(checks.number("r2_star", r2_star, above=1))
         depth, r2 = np.broadcast_arrays(depth, r2)
-        result = np.zeros(depth.shape)
         contact = depth > 0
+        scale, shape, constants = parts(r2[contact], **options)
+        if shape is shapes.hyperbolic:
+            checks.number(f"depth_star of {parts.__name__}", depth, most=pi**2 / 8)
+        result = np.zeros(depth.shape)
         with np.errstate(over="ignore"):
-            result[contact] = function(depth[contact], r2[contact], **options)[int(derivative)]
+            result[contact] = scale * shape(depth[contact], constants)[int(derivative)]
         if not np.isfinite(result).all():
             raise ValueError(f"depth_star must not overflow the force, got {depth.max():g}")
         return float(result) if result.ndim == 0 else result
 
+    given = list(signature(parts).parameters.values())
+    first = Parameter("depth_star", Parameter.POSITIONAL_OR_KEYWORD)
+    which = Parameter("derivative", Parameter.KEYWORD_ONLY, default=False)
+    law.__signature__ = Signature([first, given[0], which, *given[1:]])
+    law.parts = parts
     return law
 
 
 @_law
-def hertz(depth_star, r2_star):
+def hertz(r2_star):
     """Hertz: P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) (Eqs. 4-6, given).
 
     Parameters
@@ -97,12 +107,11 @@ def hertz(depth_star, r2_star):
     ValueError
         For NaN, or ``r2_star`` <= 1.
     """
-    scale = 4 / 3 * np.sqrt(r2_star * (r2_star - 1))
-    return scale * depth_star**1.5, 1.5 * scale * np.sqrt(depth_star)
+    return 4 / 3 * np.sqrt(r2_star * (r2_star - 1)), shapes.hertz, ()
 
 
 @_law
-def steuermann(depth_star, r2_star, *, n=1, radius="geometric"):
+def steuermann(r2_star, *, n=1, radius="geometric"):
     """Steuermann: P = (4n/(2n+1)) E* a d for a profile of order 2n (Eq. 7; Johnson, sec. 5.3).
 
     ``radius="geometric"`` takes the contact radius a = R2 sin(eps) with
@@ -135,22 +144,18 @@ def steuermann(depth_star, r2_star, *, n=1, radius="geometric"):
         raise ValueError(f"n must be a whole number >= 1 and <= 50, got {n}")
     factor = 4 * n / (2 * n + 1)
     if radius == "geometric":
-        chord = np.sqrt(depth_star * (2 + depth_star))
-        sine = chord / (1 + depth_star)
-        slope = sine + depth_star / (chord * (1 + depth_star) ** 2)
-        return factor * r2_star * sine * depth_star, factor * r2_star * slope
+        return factor * r2_star, shapes.chord, ()
     c_n = sqrt(pi) * gamma(n + 1) / gamma(n + 0.5)
     taylor = factorial(2 * n - 2) / (2 ** (2 * n - 1) * factorial(n - 1) * factorial(n))
-    power = 2 * n - 1
-    # ln(R1^-power - R2^-power), in units of dR: the powers themselves may underflow
-    difference = np.log(np.expm1(-power * np.log1p(-1 / r2_star))) - power * np.log(r2_star)
-    radius_star = np.exp((np.log(depth_star / (c_n * taylor)) - difference) / (2 * n))
-    force = factor * radius_star * depth_star
-    return force, (1 + 1 / (2 * n)) * force / depth_star
+    odd = 2 * n - 1
+    # ln(R1^-odd - R2^-odd), in units of dR: the powers themselves may underflow
+    difference = np.log(np.expm1(-odd * np.log1p(-1 / r2_star))) - odd * np.log(r2_star)
+    radius_star = np.exp(-(np.log(c_n * taylor) + difference) / (2 * n))  # at ds = 1
+    return factor * radius_star, shapes.power, (1 + 1 / (2 * n),)
 
 
 @_law
-def liu(depth_star, r2_star, *, reading="spherical"):
+def liu(r2_star, *, reading="spherical"):
     """Liu et al. 2006, a reconstruction (Eq. 8 is lost; identified weakly, RMSE within 5 %).
 
     ``reading="spherical"``: P = pi E* R2 d sqrt(d / (2 (dR + d))), the sphere's analogue of
@@ -176,17 +181,12 @@ def liu(depth_star, r2_star, *, reading="spherical"):
     """
     checks.choice("reading", reading, ("spherical", "half-angle"))
     if reading == "spherical":
-        root = np.sqrt(depth_star / (2 * (1 + depth_star)))
-        slope = root * (1.5 + depth_star) / (1 + depth_star)
-        return pi * r2_star * depth_star * root, pi * r2_star * slope
-    chord = np.sqrt(depth_star * (2 + depth_star))
-    eps = np.arctan(chord)
-    slope = eps + depth_star / (chord * (1 + depth_star))
-    return pi / 2 * r2_star * eps * depth_star, pi / 2 * r2_star * slope
+        return pi * r2_star, shapes.liu, ()
+    return pi / 2 * r2_star, shapes.half_angle, ()
 
 
 @_law
-def winkler(depth_star, r2_star, *, coefficient=None):
+def winkler(r2_star, *, coefficient=None):
     """Winkler with fitted coefficient: P* = f1w(R2*) ds^2 (Eq. 28, derived; f1w fitted).
 
     Parameters
@@ -206,16 +206,15 @@ def winkler(depth_star, r2_star, *, coefficient=None):
     ValueError
         As for `hertz`, or for a coefficient <= 0.
     """
-    f1 = _coefficient("winkler", r2_star, coefficient)
-    return f1 * depth_star**2, 2 * f1 * depth_star
+    return _coefficient("winkler", r2_star, coefficient), shapes.winkler, ()
 
 
 @_law
-def hyperbolic_winkler(depth_star, r2_star, *, coefficient=None):
+def hyperbolic_winkler(r2_star, *, coefficient=None):
     """The paper's law: P* = f1(R2*) f2(ds) (Eqs. 20-27, f2 derived; f1 fitted by this study).
 
     f2 = ds [1/2 - sin(2a)/(2a) + sin(a)^2/(2 a^2)] with the contact half-angle
-    a = sqrt(2 ds), evaluated without cancellation (see `hyperbolic_bracket`).
+    a = sqrt(2 ds), evaluated without cancellation (`study.contact.shapes.hyperbolic`).
 
     Parameters
     ----------
@@ -234,42 +233,8 @@ def hyperbolic_winkler(depth_star, r2_star, *, coefficient=None):
     ValueError
         As for `hertz`, for depth_star > pi^2/8, or for a coefficient <= 0.
     """
-    f1 = _coefficient("hyperbolic_winkler", r2_star, coefficient)
-    bracket, slope = hyperbolic_bracket(depth_star)
-    return f1 * depth_star * bracket, f1 * (bracket + depth_star * slope)
+    return _coefficient("hyperbolic_winkler", r2_star, coefficient), shapes.hyperbolic, ()
 
-
-def hyperbolic_bracket(depth_star):
-    """Bracket of Eq. 20 and its derivative with respect to depth_star.
-
-    In t = 2a = sqrt(8 ds) the bracket is the entire function
-    sum_{k>=1} (-1)^(k+1) (2k+1)/(2k+2)! t^(2k), a rapidly converging series in ds: no
-    cancellation as ds -> 0, and full accuracy up to a = pi/2.
-
-    Parameters
-    ----------
-    depth_star : float or ndarray
-        Dimensionless depth, in [0, pi^2/8].
-
-    Returns
-    -------
-    bracket, slope : float or ndarray
-
-    Raises
-    ------
-    ValueError
-        For a depth outside the range.
-    """
-    limit = pi**2 / 8
-    ds = checks.number("depth_star of hyperbolic_winkler", depth_star, least=0, most=limit)
-    bracket = np.polynomial.polynomial.polyval(ds, _BRACKET)
-    return bracket, np.polynomial.polynomial.polyval(ds, _BRACKET_SLOPE)
-
-
-_BRACKET = [0.0] + [
-    (-1) ** (k + 1) * (2 * k + 1) * 8.0**k / factorial(2 * k + 2) for k in range(1, 20)
-]
-_BRACKET_SLOPE = np.polynomial.polynomial.polyder(_BRACKET)
 
 LAWS = {
     "hertz": hertz,

@@ -1,0 +1,82 @@
+"""Damping of the normal contact force: F_N = P(d) (1 + D d'/v0).
+
+v0 is the approach speed at the start of the impact, latched until the surfaces part, and
+D the damping factor; four ways to choose it from the coefficient of restitution.
+"""
+
+from math import expm1, inf, log1p
+
+from scipy.optimize import brentq
+
+from study import checks
+
+
+def lankarani_nikravesh(restitution):
+    """D = 3 (1 - cr^2) / 4: from the energy lost in a nearly elastic impact (Eq. 31)."""
+    return 3 * (1 - restitution**2) / 4
+
+
+def hunt_crossley(restitution):
+    """D = 3 (1 - cr) / 2, right to first order in 1 - cr (Hunt & Crossley 1975)."""
+    return 3 * (1 - restitution) / 2
+
+
+def flores(restitution):
+    """D = 8 (1 - cr) / (5 cr) (Flores, Machado, Silva & Martins 2011); infinite for cr = 0."""
+    return 8 * (1 - restitution) / (5 * restitution) if restitution > 0 else inf
+
+
+def exact(restitution):
+    """The D that delivers cr in a free impact, whatever P: D (1 + cr) = ln((1+D)/(1-cr D)).
+
+    Follows from dv/dd of the free impact, which separates for a force of this form (this study).
+    """
+    if restitution == 1:
+        return 0.0
+    if restitution == 0:
+        return inf
+
+    def factor(w):  # in w = -ln(1 - cr D), which reaches D -> 1/cr without cancellation
+        return -expm1(-w) / restitution
+
+    def surplus(w):
+        return log1p(factor(w)) + w - (1 + restitution) * factor(w)
+
+    low, high = 1e-3 * restitution * (1 - restitution), (1 + restitution) / restitution
+    return factor(brentq(surplus, low, high, xtol=1e-15 * low))
+
+
+DAMPINGS = {
+    "lankarani-nikravesh": lankarani_nikravesh,
+    "hunt-crossley": hunt_crossley,
+    "flores": flores,
+    "exact": exact,
+}
+
+
+def damping_factor(damping, restitution):
+    """Damping factor D of one of `DAMPINGS`.
+
+    Parameters
+    ----------
+    damping : str
+        Name of the rule.
+    restitution : float
+        Coefficient of restitution asked for, from 0 to 1 (> 0 for ``flores`` and ``exact``).
+
+    Returns
+    -------
+    float
+        D >= 0, dimensionless.
+
+    Raises
+    ------
+    ValueError
+        For an unknown rule, or a restitution outside its range.
+    """
+    checks.choice("damping", damping, DAMPINGS)
+    cr = checks.number("restitution", restitution, least=0, most=1, scalar=True)
+    factor = DAMPINGS[damping](cr)
+    if factor == inf:
+        raise ValueError(f"restitution must be > 0 for damping {damping}, got {cr:g}")
+    return factor

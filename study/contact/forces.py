@@ -1,0 +1,113 @@
+"""Contact force at one point, compiled for the stepping loops of the mechanism.
+
+A law with its dimensions is packed into one array of numbers, because compiled code that is
+kept on disk cannot hold Python functions; every formula stays in `shapes` and `friction`.
+"""
+
+import numpy as np
+
+from study import checks
+from study.compiled import compiled
+from study.contact import shapes
+from study.contact.friction import friction_factor
+from study.contact.laws import LAWS
+
+_hertz = compiled(shapes.hertz)
+_winkler = compiled(shapes.winkler)
+_power = compiled(shapes.power)
+_chord = compiled(shapes.chord)
+_liu = compiled(shapes.liu)
+_half_angle = compiled(shapes.half_angle)
+_hyperbolic = compiled(shapes.hyperbolic)
+
+
+def pack(law, ball_radius, socket_radius, composite, **options):
+    """Numbers that `elastic_force` needs, for one law and one joint.
+
+    Parameters
+    ----------
+    law : str
+        Key of ``study.contact.LAWS``.
+    ball_radius, socket_radius : float
+        In m, ball smaller than socket.
+    composite : float
+        Composite modulus, in Pa.
+    **options
+        Of the law.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Index of the shape, clearance in m, force scale in N, constants of the shape.
+
+    Raises
+    ------
+    ValueError
+        For an unknown law or a value out of range.
+    """
+    checks.choice("law", law, LAWS)
+    r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
+    r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
+    modulus = checks.number("composite modulus", composite, "Pa", above=0, scalar=True)
+    clearance = r2 - r1
+    scale, shape, constants = LAWS[law].parts(r2 / clearance, **options)
+    index = shapes.SHAPES.index(shape)
+    return np.array([index, clearance, modulus * clearance**2 * scale, *constants], dtype=float)
+
+
+@compiled
+def elastic_force(law, depth):
+    """Force of a packed law in N, and its derivative in N/m, at a depth > 0 in m."""
+    depth_star = depth / law[1]
+    constants = law[3:]
+    shape = int(law[0])
+    if shape == 0:
+        value, slope = _hertz(depth_star, constants)
+    elif shape == 1:
+        value, slope = _winkler(depth_star, constants)
+    elif shape == 2:
+        value, slope = _power(depth_star, constants)
+    elif shape == 3:
+        value, slope = _chord(depth_star, constants)
+    elif shape == 4:
+        value, slope = _liu(depth_star, constants)
+    elif shape == 5:
+        value, slope = _half_angle(depth_star, constants)
+    else:
+        value, slope = _hyperbolic(depth_star, constants)
+    return law[2] * value, law[2] / law[1] * slope
+
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
+_NODES, _WEIGHTS = (1 + _NODES) / 2, _WEIGHTS / 2
+
+
+@compiled
+def stored_energy(law, depth):
+    """Elastic energy at a depth, in J: the force integrated over the depth.
+
+    By Gauss's rule in the square root of the depth, in which every shape is analytic.
+    """
+    energy = 0.0
+    if depth > 0:
+        for node, weight in zip(_NODES, _WEIGHTS):  # noqa: B905 (compiled code has no strict)
+            energy += weight * 2 * node * depth * elastic_force(law, node * node * depth)[0]
+    return energy
+
+
+@compiled
+def joint_forces(law, depth, rate, sliding, branch, approach, damping, friction, v0, v1):
+    """Normal and tangential force at a depth > 0, and what they change with.
+
+    Returns the normal force and its derivatives to depth and rate, its elastic part and that
+    part's to depth, the tangential force and its derivatives to the normal force and to the
+    sliding speed (Eqs. 31-33; ``branch`` is the linear piece of the friction law to use).
+    """
+    elastic, slope = elastic_force(law, depth)
+    loss = damping / approach
+    normal = elastic * (1 + loss * rate)
+    factor, steep = friction_factor(sliding, branch, v0, v1)
+    tangential = -friction * normal * factor
+    by_depth, by_rate = slope * (1 + loss * rate), elastic * loss
+    by_normal, by_sliding = -friction * factor, -friction * normal * steep
+    return normal, by_depth, by_rate, elastic, slope, tangential, by_normal, by_sliding

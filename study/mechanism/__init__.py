@@ -1,0 +1,7 @@
+"""The crank-slider with a clearance joint: scene, models of its links, responses."""
+
+from study.mechanism.response import MechanismError, Response
+from study.mechanism.scene import Scene
+from study.mechanism.simulate import simulate
+
+__all__ = ["MechanismError", "Response", "Scene", "simulate"]

@@ -1,0 +1,119 @@
+"""What a simulation gives: the motion, the joint, the impacts and the energies, by time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from study import paths
+from study.checks import StudyError
+
+COLUMNS = {
+    "time": "s",
+    "crank_angle": "rad",
+    "slider_position": "m",
+    "crank_speed": "rad/s",
+    "slider_velocity": "m/s",
+    "crank_acceleration": "rad/s^2",
+    "slider_acceleration": "m/s^2",
+    "coupler_angle": "rad",
+    "coupler_speed": "rad/s",
+    "eccentricity_x": "m",
+    "eccentricity_y": "m",
+    "depth": "m",
+    "normal_force": "N",
+    "tangential_force": "N",
+    "force_x": "N",
+    "force_y": "N",
+    "work": "J",
+    "kinetic": "J",
+    "elastic": "J",
+    "lost_damping": "J",
+    "lost_friction": "J",
+}
+IMPACT_COLUMNS = {
+    "time": "s",
+    "approach_speed": "m/s",
+    "peak_force": "N",
+    "peak_depth": "m",
+    "duration": "s",
+    "separation_speed": "m/s",
+    "lost": "J",
+}
+
+
+class MechanismError(StudyError):
+    """A simulation that cannot go on; says at which time, and what limit was passed."""
+
+
+def too_deep(time, step, scene):
+    """Error for a ball that entered deeper than any law is meant for."""
+    return MechanismError(
+        f"the depth must stay <= one clearance ({scene.clearance:g} m), exceeded at time "
+        f"{time:.9g} s with step {step:.3g} s"
+    )
+
+
+@dataclass(frozen=True)
+class Response:
+    """Motion of the mechanism at equally spaced times.
+
+    Attributes
+    ----------
+    motion : pandas.DataFrame
+        Columns of `COLUMNS`, SI units. Places of slider and crank count from the crank's axis;
+        the eccentricity is the ball's centre from the socket's; ``depth`` is negative in
+        flight; ``force_x``, ``force_y`` act on the slider; for an ideal joint ``normal_force``
+        is the size of that force. ``work`` is that of drive and gravity.
+    impacts : pandas.DataFrame
+        Columns of `IMPACT_COLUMNS`, a row per contact: ``separation_speed`` is missing (NaN) for a contact
+        that has not ended, and ``duration`` and ``lost`` count up to the end of the simulation.
+    complete : bool
+        False if the simulation was interrupted.
+    """
+
+    motion: pd.DataFrame
+    impacts: pd.DataFrame
+    complete: bool = True
+
+    def __getattr__(self, name):
+        if name in COLUMNS:
+            return self.motion[name].to_numpy()
+        raise AttributeError(name)
+
+    @property
+    def energy_error(self):
+        """Largest |work - kinetic - elastic - lost| over the largest |work|."""
+        rest = self.work - self.kinetic - self.elastic - self.lost_damping - self.lost_friction
+        return float(np.abs(rest).max() / np.abs(self.work).max())
+
+    def save(self, path):
+        """Write the motion as CSV, whole or not at all.
+
+        Parameters
+        ----------
+        path : pathlib.Path
+        """
+        with paths.whole(path) as temporary:
+            self.motion.to_csv(temporary, index=False, float_format="%.12g", lineterminator="\n")
+
+
+def collect(blocks, impacts, ended, complete):
+    """Make a `Response` of rows of numbers.
+
+    Parameters
+    ----------
+    blocks : list of ndarray, shapes (n, 21)
+        Rows in the order of `COLUMNS`.
+    impacts : ndarray, shape (m, 7)
+        In the order of `IMPACT_COLUMNS`, with the end's time for the duration.
+    ended : bool
+        Whether the last impact has ended.
+    complete : bool
+    """
+    motion = pd.DataFrame(np.vstack(blocks), columns=list(COLUMNS))
+    table = pd.DataFrame(impacts, columns=list(IMPACT_COLUMNS))
+    table["duration"] -= table["time"]
+    if not ended:
+        table.loc[len(table) - 1, "separation_speed"] = np.nan
+    return Response(motion, table, complete)

@@ -1,0 +1,228 @@
+"""The crank-slider of the paper's section 4.3, in one place: what it states and what we assume.
+
+Tables 3 and 4 state lengths, masses, clearance, material, restitution, friction and drive. The
+rest is an assumption of this study, named in `ASSUMPTIONS` and open to change in `Scene`.
+"""
+
+from dataclasses import dataclass, fields, replace
+from math import hypot, sqrt
+
+import pandas as pd
+
+from study import checks
+from study.contact import composite_modulus
+from study.contact.damping import damping_factor
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A crank-slider in a plane, its slide along +x, at rest at t = 0 with both links on +x.
+
+    The clearance joint is between coupler and slider: the ball on the coupler's end, the
+    socket in the slider, which does not turn. With an ideal joint the same scene has no gap.
+
+    Attributes
+    ----------
+    crank_length, coupler_length : float
+        In m, crank shorter than coupler by more than the clearance.
+    crank_mass, coupler_mass, slider_mass : float
+        In kg.
+    crank_inertia, coupler_inertia : float or None
+        Moment of inertia about the link's own centre, in kg m^2; None: uniform rod, m L^2/12.
+    clearance, socket_radius : float
+        In m; the ball's radius is the difference.
+    youngs_modulus, poisson : float
+        Of ball, socket and links; modulus in Pa.
+    link_modulus : float or None
+        Young's modulus of the links alone, in Pa; None: that of the material.
+    density : float
+        In kg/m^3: with mass and length it gives the links' square sections.
+    restitution : float
+        Coefficient of restitution, from 0 to 1.
+    damping : str
+        Rule for the damping factor, a key of ``study.contact.damping.DAMPINGS``.
+    friction : float
+        Coefficient of sliding friction, >= 0.
+    slow_speed, full_speed : float
+        Tolerance speeds v0 and v1 of the friction law, in m/s.
+    driving_moment : float
+        Constant moment on the crank, in N m.
+    gravity : float
+        Acceleration along -y, in m/s^2.
+    initial_eccentricity : tuple of float
+        Ball's centre from the socket's at t = 0, in m, inside the clearance.
+    """
+
+    crank_length: float = 0.05
+    crank_mass: float = 0.3
+    coupler_length: float = 0.12
+    coupler_mass: float = 0.21
+    slider_mass: float = 0.14
+    clearance: float = 5e-5
+    youngs_modulus: float = 207e9
+    poisson: float = 0.3
+    restitution: float = 0.5
+    friction: float = 0.05
+    slow_speed: float = 1e-4
+    full_speed: float = 0.01
+    driving_moment: float = 0.5
+    socket_radius: float = 10e-3
+    crank_inertia: float | None = None
+    coupler_inertia: float | None = None
+    link_modulus: float | None = None
+    density: float = 7850.0
+    damping: str = "lankarani-nikravesh"
+    gravity: float = 0.0
+    initial_eccentricity: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self):
+        for name, unit in _POSITIVE.items():
+            value = getattr(self, name)
+            if value is not None:
+                checks.number(name.replace("_", " "), value, unit, above=0, scalar=True)
+        for body in ("crank", "coupler"):
+            inertia = getattr(self, f"{body}_inertia")
+            if inertia is not None:
+                checks.number(f"{body} inertia", inertia, "kg m^2", least=0, scalar=True)
+        checks.poisson("poisson", self.poisson)
+        checks.number("clearance", self.clearance, "m", below=self.socket_radius)
+        longest = self.coupler_length - self.clearance
+        checks.number("crank length", self.crank_length, "m", below=longest)
+        checks.number("friction", self.friction, least=0, scalar=True)
+        checks.number("slow speed", self.slow_speed, "m/s", least=0, below=self.full_speed)
+        checks.number("driving moment", self.driving_moment, "N m", scalar=True)
+        checks.number("gravity", self.gravity, "m/s^2", scalar=True)
+        damping_factor(self.damping, self.restitution)
+        checks.number("x of initial eccentricity", self.initial_eccentricity[0], "m", scalar=True)
+        checks.number("y of initial eccentricity", self.initial_eccentricity[1], "m", scalar=True)
+        gap = hypot(*self.initial_eccentricity)
+        checks.number("initial eccentricity", gap, "m", most=self.clearance)
+
+    @property
+    def ball_radius(self):
+        """Radius of the ball, in m."""
+        return self.socket_radius - self.clearance
+
+    @property
+    def composite_modulus(self):
+        """Composite modulus of ball and socket, in Pa."""
+        body = self.youngs_modulus, self.poisson
+        return composite_modulus(*body, *body)
+
+    @property
+    def damping_factor(self):
+        """Factor D of the damping term."""
+        return damping_factor(self.damping, self.restitution)
+
+    @property
+    def inertias(self):
+        """Moments of inertia of crank and coupler about their centres, in kg m^2."""
+        links = (
+            (self.crank_inertia, self.crank_mass, self.crank_length),
+            (self.coupler_inertia, self.coupler_mass, self.coupler_length),
+        )
+        return tuple(m * l**2 / 12 if i is None else i for i, m, l in links)  # noqa: E741
+
+    def link(self, body):
+        """Beam that stands for a flexible link.
+
+        Parameters
+        ----------
+        body : {"crank", "coupler"}
+
+        Returns
+        -------
+        Link
+
+        Raises
+        ------
+        ValueError
+            If the link's moment of inertia is below that of a thin rod, which a beam has at least.
+        """
+        length, mass = getattr(self, f"{body}_length"), getattr(self, f"{body}_mass")
+        rod = mass * length**2 / 12
+        own = self.inertias[("crank", "coupler").index(body)]
+        if own < rod * (1 - 1e-12):
+            raise ValueError(
+                f"{body} inertia of a flexible link must be >= {rod:g} kg m^2, got {own:g} kg m^2"
+            )
+        modulus = self.link_modulus or self.youngs_modulus
+        area = mass / (self.density * length)
+        shear = 5 / 6 * modulus / (2 * (1 + self.poisson)) * area
+        return Link(
+            length=length,
+            mass_per_length=mass / length,
+            rotary_per_length=max(own - rod, 0.0) / length,
+            axial=modulus * area,
+            shear=shear,
+            bending=modulus * area**2 / 12,
+        )
+
+    def parameters(self):
+        """Every parameter with value, unit, symbol, and whether the paper states it.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        rows = []
+        for field in fields(self):
+            value = getattr(self, field.name)
+            unit = _UNITS.get(field.name, "")
+            source = ASSUMPTIONS.get(field.name, "paper, Tables 3 and 4")
+            rows.append((field.name.replace("_", " "), value, unit, source))
+        return pd.DataFrame(rows, columns=["parameter", "value", "unit", "source"])
+
+    def but(self, **changes):
+        """Copy with some attributes changed."""
+        return replace(self, **changes)
+
+
+@dataclass(frozen=True)
+class Link:
+    """Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
+
+    length: float
+    mass_per_length: float
+    rotary_per_length: float
+    axial: float
+    shear: float
+    bending: float
+
+    @property
+    def wave_speed(self):
+        """Speed of axial waves, in m/s."""
+        return sqrt(self.axial / self.mass_per_length)
+
+
+_POSITIVE = {
+    "crank_length": "m",
+    "coupler_length": "m",
+    "crank_mass": "kg",
+    "coupler_mass": "kg",
+    "slider_mass": "kg",
+    "clearance": "m",
+    "socket_radius": "m",
+    "youngs_modulus": "Pa",
+    "link_modulus": "Pa",
+    "density": "kg/m^3",
+    "full_speed": "m/s",
+}
+_UNITS = _POSITIVE | {
+    "crank_inertia": "kg m^2",
+    "coupler_inertia": "kg m^2",
+    "slow_speed": "m/s",
+    "driving_moment": "N m",
+    "gravity": "m/s^2",
+    "initial_eccentricity": "m",
+}
+ASSUMPTIONS = {
+    "socket_radius": "assumed: R2* = 200, the paper's static case",
+    "crank_inertia": "assumed: uniform rod about its centre, m L^2/12",
+    "coupler_inertia": "assumed: uniform rod about its centre, m L^2/12",
+    "link_modulus": "assumed: that of ball and socket",
+    "density": "assumed: steel, with square sections from mass and length",
+    "damping": "paper, Eq. 31",
+    "gravity": "assumed: none",
+    "initial_eccentricity": "assumed: concentric, and at rest",
+}

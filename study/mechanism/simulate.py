@@ -1,0 +1,141 @@
+"""One call for every model of the crank-slider: ``simulate(scene, model=...)``.
+
+Three models with a clearance joint or an ideal one: rigid links, links of particles (the
+paper's finite particle method), links of beam elements.
+"""
+
+import numpy as np
+
+from study import checks
+from study.contact.forces import pack
+from study.mechanism import beams, particles, rigid
+from study.mechanism.response import collect
+from study.mechanism.scene import Scene
+
+MODELS = ("rigid", "particles", "beams")
+JOINTS = ("clearance", "ideal")
+TOLERANCE = 1e-8
+BEAM_STEP = 1e-6
+ELEMENTS = (4, 8)
+BLOCKS = 200  # after each the progress is told, and an interruption is heeded
+
+
+def simulate(
+    scene=None,
+    *,
+    model="rigid",
+    joint="clearance",
+    law="hertz",
+    duration=0.1,
+    outputs=1000,
+    tolerance=None,
+    step=None,
+    elements=None,
+    method=None,
+    progress=None,
+    **law_options,
+):
+    """Simulate the crank-slider from rest.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        By default the paper's.
+    model : {"rigid", "particles", "beams"}
+        Links.
+    joint : {"clearance", "ideal"}
+        Joint between coupler and slider.
+    law : str
+        Contact law, a key of ``study.contact.LAWS``.
+    duration : float
+        In s.
+    outputs : int
+        Number of equal intervals between the times of output.
+    tolerance : float, optional
+        Rigid links with clearance: largest local error of places and speeds, relative to the
+        clearance, the depth of the impact and the speed that the drive gives; default 1e-8.
+    step : float, optional
+        Flexible links: largest time step, in s. Default for particles: half their limit of
+        stability; for beams 1e-6 s.
+    elements : tuple of int, optional
+        Flexible links: number of elements of crank and coupler; default (4, 8).
+    method : {"centred", "lagged", "unguarded"}, optional
+        Particles: velocity in damping and friction at the joint, centred (default) or half a
+        step old; ``unguarded`` is the latter without the check of its limit of stability.
+    progress : callable, optional
+        Called with the simulated time, in s, after each of 200 parts.
+    **law_options
+        Of the law.
+
+    Returns
+    -------
+    study.mechanism.response.Response
+        What was computed so far, and ``complete=False``, if interrupted by Ctrl-C.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name, a value out of range, or an option that the model does not have.
+    study.mechanism.response.MechanismError
+        If the simulation cannot go on; says when, with which step, and what limit was passed.
+    """
+    scene = Scene() if scene is None else scene
+    checks.choice("model", model, MODELS)
+    checks.choice("joint", joint, JOINTS)
+    flexible, ideal = model != "rigid", joint == "ideal"
+    for name, value, used in (
+        ("tolerance", tolerance, not flexible and not ideal),
+        ("step", step, flexible),
+        ("elements", elements, flexible),
+        ("method", method, model == "particles"),
+    ):
+        if value is not None and not used:
+            raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
+    checks.number("duration", duration, "s", above=0, scalar=True)
+    outputs = _whole("outputs", outputs)
+    packed = pack(
+        law, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **law_options
+    )
+    times = np.array_split(duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1))
+    if model == "rigid" and ideal:
+        blocks = rigid.ideal(scene, times)
+    elif model == "rigid":
+        tolerance = TOLERANCE if tolerance is None else tolerance
+        checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
+        blocks = rigid.clearance(scene, packed, times, tolerance)
+    else:
+        pair = ELEMENTS if elements is None else tuple(elements)
+        if len(pair) != 2:
+            raise ValueError(f"elements must be two numbers, of crank and coupler, got {elements}")
+        pair = tuple(_whole("elements", n) for n in pair)
+        if step is not None:
+            checks.number("step", step, "s", above=0, scalar=True)
+        if model == "particles":
+            method = particles.METHODS[0] if method is None else method
+            checks.choice("method", method, particles.METHODS)
+            blocks = particles.simulate(scene, packed, times, ideal, step, pair, method)
+        else:
+            step = BEAM_STEP if step is None else step
+            blocks = beams.simulate(scene, packed, times, ideal, step, pair)
+    return _gather(blocks, progress)
+
+
+def _gather(blocks, progress):
+    """Run a model to its end or to an interruption."""
+    rows, impacts, ended, complete = [], None, True, True
+    try:
+        for block, impacts, ended in blocks:  # noqa: B007
+            rows.append(block)
+            if progress is not None:
+                progress(block[-1, 0])
+    except KeyboardInterrupt:
+        if not rows:
+            raise
+        complete = False
+    return collect(rows, impacts, ended, complete)
+
+
+def _whole(name, value):
+    if checks.number(name, value, least=1, scalar=True) != int(value):
+        raise ValueError(f"{name} must be a whole number >= 1, got {value}")
+    return int(value)
