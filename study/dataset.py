@@ -338,8 +338,8 @@ def _refuse_damaged_published_files():
     except DatasetError:
         return  # there is nothing to compare with
     stated = {r["path"]: r["hash"] for r in package["resources"]}
-    for name in PUBLISHED:
-        _verify(name, stated.get(name))
+    for name in set(PUBLISHED) & set(stated):  # a new file has no hash yet
+        _verify(name, stated[name])
 
 
 def _read_package():
