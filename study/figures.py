@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import matplotlib as mpl
 import numpy as np
 from IPython.display import Image, display
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import Arc, Circle, Rectangle
 
 from study import paths
 
@@ -53,6 +55,14 @@ LOOKS = {
     "liu": Look("Liu (reconstructed)", "#009E73", "^", ":"),
     "winkler": Look("Winkler (fitted)", "#E69F00", "D", "--"),
     "hyperbolic_winkler": Look("hyperbolic Winkler", "#D55E00", "P", "-"),
+}
+
+
+# Models of the mechanism's links; the rigid ones are drawn behind the others
+MODEL_LOOKS = {
+    "rigid": Look("rigid links", "#000000", "o"),
+    "particles": Look("particles", "#0072B2", "s"),
+    "beams": Look("finite elements", "#D55E00", "^", "--"),
 }
 
 
@@ -168,6 +178,115 @@ def draw_joint(axes, ball_radius, socket_ratio, drop):
         axes.annotate(name, (0.55 * tip[0], centre + 0.55 * (tip[1] - centre) + 0.03), fontsize=8)
     axes.set(xlabel="$r/R_2$", ylabel="$z/R_2$", aspect="equal")
     axes.legend(loc="lower right", fontsize=7)
+    axes.grid(False)
+
+
+def draw_models(axes, responses, column, scale=1.0):
+    """Draw one quantity of several models over time, the rigid one as a broad line behind.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    responses : dict
+        Key of `MODEL_LOOKS` -> study.mechanism.Response.
+    column : str
+        Quantity, a column of the response.
+    scale : float
+        Factor to the drawn unit.
+    """
+    for model, response in responses.items():
+        look = MODEL_LOOKS[model]
+        style = {"color": look.color, "linewidth": 0.9, "linestyle": look.line}
+        if model == "rigid":
+            style |= {"color": "0.75", "linewidth": 3.5}
+        axes.plot(1e3 * response.time, scale * getattr(response, column), label=look.label, **style)
+    axes.set_xlabel("time (ms)")
+
+
+def draw_trajectory(axes, response, clearance):
+    """Draw the ball's centre in the circle of the clearance, in micrometres, time as colour.
+
+    Returns the collection, for a colour bar in ms.
+    """
+    x, y = 1e6 * response.eccentricity_x, 1e6 * response.eccentricity_y
+    axes.add_patch(Circle((0, 0), 1e6 * clearance, fill=False, color="k", linewidth=0.8))
+    points = np.column_stack([x, y])[:, None]
+    path = LineCollection(np.hstack([points[:-1], points[1:]]), cmap="viridis", linewidth=1)
+    path.set_array(1e3 * response.time[:-1])
+    axes.add_collection(path)
+    limit = 1.08e6 * clearance
+    axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
+    axes.set(xlabel="$e_x$ (µm)", ylabel="$e_y$ (µm)")
+    return path
+
+
+def draw_impacts(over_time, over_depth, response):
+    """Draw each impact's force over time, and over depth as a loop, one shade per impact."""
+    depth, force, time = 1e6 * response.depth, response.normal_force, 1e3 * response.time
+    shades = mpl.colormaps["viridis"](np.linspace(0, 0.9, max(len(response.impacts), 1)))
+    ends = response.impacts.time + response.impacts.duration
+    for shade, start, end in zip(shades, 1e3 * response.impacts.time, 1e3 * ends, strict=True):
+        during = (time >= start) & (time <= end)
+        over_time.plot(time[during], force[during], color=shade, linewidth=1)
+        over_depth.plot(depth[during], force[during], color=shade, linewidth=1)
+    over_time.set(xlabel="time (ms)", ylabel="normal force (N)")
+    over_depth.set(xlabel="depth (µm)", ylabel="normal force (N)")
+
+
+def draw_contact_times(axes, impacts, duration):
+    """Draw when each of several runs is in contact: a row per run, bars from touch to parting.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    impacts : dict
+        (links, variant) -> impacts of its response.
+    duration : float
+        In ms.
+    """
+    names = {"rigid links": LOOKS["fem"].color, "particles": MODEL_LOOKS["particles"].color}
+    for row, ((links, _), table) in enumerate(impacts.items()):
+        spans = 1e3 * table[["time", "duration"]].to_numpy()
+        axes.broken_barh(spans, (row - 0.35, 0.7), facecolor=names[links], alpha=0.35)
+        axes.vlines(spans[:, 0], row - 0.35, row + 0.35, color=names[links], linewidth=0.6)
+    axes.set_yticks(range(len(impacts)), [f"{name} · {links}" for links, name in impacts])
+    axes.set(xlim=(0, duration), ylim=(len(impacts) - 0.5, -0.5), xlabel="time (ms)")
+    axes.grid(False, axis="y")
+
+
+def draw_mechanism(axes, scene, angle):
+    """Draw the crank-slider to scale at a crank's angle, lengths in mm, and its gap enlarged."""
+    crank, coupler = 1e3 * scene.crank_length, 1e3 * scene.coupler_length
+    pin = crank * np.array([np.cos(angle), np.sin(angle)])
+    end = np.array([pin[0] + np.sqrt(coupler**2 - pin[1] ** 2), 0.0])
+    radius = 1e3 * scene.socket_radius
+    slider = 3.2 * radius
+    axes.axhline(-slider / 2, color="0.6", linewidth=1)
+    axes.axhline(slider / 2, color="0.6", linewidth=1)
+    corner = end - slider / 2
+    axes.add_patch(Rectangle(corner, slider, slider, facecolor="0.9", edgecolor="k"))
+    axes.add_patch(Circle(end, radius, facecolor="w", edgecolor=LOOKS["hertz"].color, linewidth=2))
+    ball = LOOKS["hyperbolic_winkler"].color
+    axes.plot(*np.array([pin, end]).T, color=ball, linewidth=5, solid_capstyle="round")
+    axes.add_patch(Circle(end, 0.8 * radius, facecolor=ball, alpha=0.6, edgecolor=ball))
+    axes.plot(*np.array([(0, 0), pin]).T, color="0.3", linewidth=7, solid_capstyle="round")
+    for place in ((0, 0), pin):
+        axes.plot(*place, "wo", markeredgecolor="k", markersize=6, zorder=4)
+    axes.add_patch(Arc((0, 0), 36, 36, theta1=0, theta2=np.degrees(angle), linewidth=0.8))
+    axes.annotate(r"$\theta$", (20 * np.cos(angle / 2), 20 * np.sin(angle / 2)))
+    texts = (
+        (f"crank {crank:g} mm, {scene.crank_mass:g} kg", 0.5 * pin, (-75, 12)),
+        (f"coupler {coupler:g} mm, {scene.coupler_mass:g} kg", (pin + end) / 2, (0, 22)),
+        (f"slider {scene.slider_mass:g} kg", (end[0], -slider / 2), (-20, -22)),
+        (f"moment {scene.driving_moment:g} N m", (0, 0), (-60, -28)),
+        (f"clearance {1e6 * scene.clearance:g} µm (enlarged)", (end[0], radius), (-30, 42)),
+    )
+    for text, place, shift in texts:
+        arrow = {"arrowstyle": "-", "linewidth": 0.6, "color": "0.4"}
+        axes.annotate(text, place, shift, textcoords="offset points", fontsize=8, arrowprops=arrow)
+    axes.plot([0, end[0] + slider], [0, 0], "k-.", linewidth=0.5)
+    axes.set(xlabel="$x$ (mm)", ylabel="$y$ (mm)", aspect="equal")
+    axes.set(xlim=(-60, end[0] + slider), ylim=(-55, 75))
     axes.grid(False)
 
 

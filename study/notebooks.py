@@ -105,6 +105,43 @@ CATALOGUE = (
         },
         {},
     ),
+    Notebook(
+        "07-crank-slider-and-its-parameters",
+        {"fig16": "crank-slider with a clearance joint, to scale"},
+        {
+            "table3": "geometry and masses of the crank-slider",
+            "table4": "material, joint and drive of the crank-slider",
+            "scene": "what the paper leaves out, and what is assumed instead",
+        },
+    ),
+    Notebook(
+        "08-motion-of-the-slider",
+        {
+            "fig17": "displacement of the slider, ideal and clearance joint",
+            "fig18": "velocity of the slider, ideal and clearance joint",
+            "fig19": "acceleration of the slider, ideal and clearance joint",
+        },
+        {"agreement": "how far particles, finite elements and rigid links agree"},
+    ),
+    Notebook(
+        "09-force-and-path-in-the-joint",
+        {
+            "fig20": "force in the joint, ideal and clearance",
+            "fig21": "path of the ball's centre in the clearance",
+            "first_impacts": "the first 12 ms: depth, force and hysteresis of each impact",
+        },
+        {"impacts": "every impact of rigid links, particles and finite elements"},
+    ),
+    Notebook(
+        "10-what-keeps-impacts-going",
+        {"persistence": "when impacts happen, one assumption changed at a time"},
+        {"variants": "impacts, last separation and lead, one assumption changed at a time"},
+    ),
+    Notebook(
+        "11-convergence-of-the-models",
+        {"convergence": "the flexible models towards each other and towards rigid links"},
+        {},
+    ),
 )
 
 

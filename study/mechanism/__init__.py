@@ -1,7 +1,8 @@
 """The crank-slider with a clearance joint: scene, models of its links, responses."""
 
+from study.mechanism.particles import stable_step
 from study.mechanism.response import MechanismError, Response
 from study.mechanism.scene import Scene
 from study.mechanism.simulate import simulate
 
-__all__ = ["MechanismError", "Response", "Scene", "simulate"]
+__all__ = ["MechanismError", "Response", "Scene", "simulate", "stable_step"]

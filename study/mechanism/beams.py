@@ -8,7 +8,7 @@ generalised-alpha method (Chung & Hulbert 1993) with Newton's method on a banded
 the scene and the contact law are shared with `particles`.
 """
 
-from math import atan2, ceil, cos, hypot, inf, sin
+from math import asin, atan2, ceil, cos, hypot, inf, sin
 
 import numpy as np
 
@@ -63,19 +63,20 @@ class Mesh:
             return len(initial) - 1
 
         near = [-1, -1, number(0.0)]
-        x = 0.0
+        x = y = angle = 0.0
         for body, n in zip(("crank", "coupler"), elements, strict=True):
             link = scene.link(body)
             length = link.length / n
             shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
             section = length, link.axial, shear, link.bending
             section += link.mass_per_length, link.rotary_per_length
-            if body == "coupler":
-                near = [*near[:2], number(0.0)]  # the pin: same place, a rotation of its own
+            if body == "coupler":  # at the pin: the same place, a rotation of its own
+                angle = 0.0 if ideal else asin(scene.initial_eccentricity[1] / link.length)
+                near = [*near[:2], number(angle)]
             for e in range(n):
-                x += length
+                x, y = x + length * cos(angle), y + length * sin(angle)
                 held = ideal and body == "coupler" and e == n - 1
-                far = [number(x), -1 if held else number(0.0), number(0.0)]
+                far = [number(x), -1 if held else number(y), number(angle)]
                 sections.append(section)
                 unknowns.append(near + far)
                 near = far
@@ -265,7 +266,7 @@ def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, 
     ``motion`` has the rows places, rates, the method's own accelerations, and those one step
     before. Returns the number of rows filled and a status.
     """
-    size, ball, ideal = motion.shape[1], mesh[2], mesh[3]
+    size, ideal = motion.shape[1], mesh[3]
     q, v, a, before = motion[0], motion[1], motion[2], motion[3]
     alpha_m = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)
     alpha_f = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1)
@@ -382,6 +383,32 @@ def _record(row, t, motion, mesh, mass, load, now, strain, state, p, law):
     row[19], row[20] = state[LOST_DAMPING], state[LOST_FRICTION]
 
 
+def _start(mesh, arrays, mass, load):
+    """Places and accelerations at t = 0, in the rows of ``advance``'s ``motion``.
+
+    Rotations without inertia follow the load at once: they balance it before anything moves.
+    """
+    size = len(load)
+    motion = np.zeros((4, size))
+    motion[0] = mesh.initial
+    dense = np.zeros((size, size))
+    force, band = -load, np.zeros_like(mass)
+    _internal(motion[0], arrays[0], arrays[1], force, band, 1.0)
+    stiffness = np.zeros((size, size))
+    for i in range(size):
+        for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
+            dense[i, j], stiffness[i, j] = mass[i, BAND + j - i], band[i, BAND + j - i]
+    light = np.diag(dense) == 0
+    if light.any():
+        motion[0, light] -= np.linalg.solve(stiffness[np.ix_(light, light)], force[light])
+        force = -load
+        _internal(motion[0], arrays[0], arrays[1], force, band, 0.0)
+    heavy = ~light
+    motion[2, heavy] = np.linalg.solve(dense[np.ix_(heavy, heavy)], -force[heavy])
+    motion[3] = motion[2]
+    return motion
+
+
 def simulate(scene, law, times, ideal, step, elements):
     """Simulate the scene with flexible links made of beam elements.
 
@@ -422,11 +449,10 @@ def simulate(scene, law, times, ideal, step, elements):
         for y in (at[1], at[4]):
             if y >= 0:
                 load[y] -= scene.gravity * section[0] * section[4] / 2
-    motion = np.zeros((4, len(load)))
-    motion[0] = mesh.initial
     pin = mesh.unknowns[elements[0] - 1, 3]
     arrays = (mesh.sections, mesh.unknowns, mesh.ball, ideal, pin)
     mass = mesh.mass(scene.slider_mass)
+    motion = _start(mesh, arrays, mass, load)
     state = np.zeros(6)
     impacts = np.zeros((64, 8))
     for block in times:

@@ -8,7 +8,7 @@ the centred one, which is solved for in closed form, or the one half a step ago 
 ``unguarded`` is the latter without the check of its limit of stability in contact.
 """
 
-from math import atan2, ceil, hypot, inf, pi, sqrt
+from math import asin, atan2, ceil, hypot, inf, pi, sqrt
 
 import numpy as np
 import scipy.linalg
@@ -121,6 +121,11 @@ class Frame:
         return sqrt(scipy.linalg.eigvalsh(scaled)[-1])
 
 
+def stable_step(scene, elements):
+    """Limit of stability of the explicit step with a clearance joint out of contact, in s."""
+    return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
+
+
 @compiled
 def _internal_forces(places, turns, elements, pin, forces, moments):
     """Subtract the elements' forces on particles and return the strain energy."""
@@ -171,7 +176,8 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
     """Step to each output, ``strides`` steps apart, and fill ``rows``; all else goes on.
 
     ``x`` and ``turns`` are at the current time, ``v`` and ``spins`` half a step before it;
-    ``slide`` is (x, v) of the slider. Returns the number of rows filled, a status, and what goes with it: the depth or step's limit.
+    ``slide`` is (x, v) of the slider. Returns the number of rows filled, a status, and what
+    goes with it: the depth, or the limit of the step.
     """
     elements, masses, rotaries, pin = frame
     last = len(masses) - 1
@@ -304,8 +310,8 @@ def simulate(scene, law, times, ideal, step, elements, method):
     ideal : bool
         Whether the ball is fixed to the slider.
     step : float or None
-        Largest step, in s, shortened to divide the outputs' distance; None: half the limit of stability
-        of the free frame.
+        Largest step, in s, shortened to divide the outputs' distance; None: half the limit of
+        stability of the free frame.
     elements : tuple of int
         Of crank and coupler.
     method : {"centred", "lagged", "unguarded"}
@@ -349,17 +355,18 @@ def simulate(scene, law, times, ideal, step, elements, method):
     )
     particles = len(frame.masses)
     places = np.zeros((particles, 2))
-    places[1:, 0] = np.cumsum(frame.elements[:, 0])
-    turns = np.zeros(particles + 1)
-    slide = np.array([places[-1, 0], 0.0])
-    if not ideal:  # the socket is where the eccentricity puts it, on the slide
-        slide[0] -= scene.initial_eccentricity[0]
+    angle = 0.0 if ideal else asin(scene.initial_eccentricity[1] / scene.coupler_length)
+    angles = np.where(np.arange(particles - 1) < frame.pin, 0.0, angle)
+    chords = frame.elements[:, :1] * np.column_stack([np.cos(angles), np.sin(angles)])
+    places[1:] = np.cumsum(chords, axis=0)
+    turns = np.where(np.arange(particles + 1) <= frame.pin, 0.0, angle)
+    slide = np.array([places[-1, 0] - (0 if ideal else scene.initial_eccentricity[0]), 0.0])
     # at rest at t = 0, half a step earlier by the accelerations of that time
     velocities, spins = np.zeros((particles, 2)), np.zeros(particles + 1)
     spins[0] = -h / 2 * scene.driving_moment / frame.rotaries[0]
     velocities[1 : -1 if ideal else None, 1] = h / 2 * scene.gravity
     state = np.zeros(8)
-    state[GAP] = hypot(places[-1, 0] - slide[0], 0.0) - scene.clearance
+    state[GAP] = hypot(places[-1, 0] - slide[0], places[-1, 1]) - scene.clearance
     impacts = np.zeros((64, 8))
     arrays = (frame.elements, frame.masses, frame.rotaries, frame.pin)
     for block in times:

@@ -66,8 +66,8 @@ class Response:
         flight; ``force_x``, ``force_y`` act on the slider; for an ideal joint ``normal_force``
         is the size of that force. ``work`` is that of drive and gravity.
     impacts : pandas.DataFrame
-        Columns of `IMPACT_COLUMNS`, a row per contact: ``separation_speed`` is missing (NaN) for a contact
-        that has not ended, and ``duration`` and ``lost`` count up to the end of the simulation.
+        Columns of `IMPACT_COLUMNS`, a row per contact. For one that has not ended,
+        ``separation_speed`` is missing (NaN), and ``duration`` and ``lost`` are those so far.
     complete : bool
         False if the simulation was interrupted.
     """

@@ -599,7 +599,9 @@ def ideal(scene, times):
     pull = x1 * alpha + x2 * omega**2
     fx = m3 * pull  # on the slider; on the coupler the opposite, and fy from its moments
     fy = -(a22 * beta + a12 * (cd * alpha - sd * omega**2) + g2 * cp - l2 * sp * fx) / (l2 * cp)
-    kinetic = 0.5 * (a11 * omega**2 + a22 * psi**2 + m3 * (x1 * omega) ** 2) + a12 * cd * omega * psi
+    kinetic = (
+        0.5 * (a11 * omega**2 + a22 * psi**2 + m3 * (x1 * omega) ** 2) + a12 * cd * omega * psi
+    )
     zero = np.zeros_like(theta)
     columns = (outputs, theta, l1 * ct + l2 * cp, omega, x1 * omega, alpha, pull)
     columns += (np.arctan2(sp, cp), psi, zero, zero, zero, np.hypot(fx, fy), zero, fx, fy)

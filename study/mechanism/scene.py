@@ -96,7 +96,7 @@ class Scene:
         checks.number("x of initial eccentricity", self.initial_eccentricity[0], "m", scalar=True)
         checks.number("y of initial eccentricity", self.initial_eccentricity[1], "m", scalar=True)
         gap = hypot(*self.initial_eccentricity)
-        checks.number("initial eccentricity", gap, "m", most=self.clearance)
+        checks.number("initial eccentricity", gap, "m", below=self.clearance)
 
     @property
     def ball_radius(self):
@@ -159,19 +159,23 @@ class Scene:
         )
 
     def parameters(self):
-        """Every parameter with value, unit, symbol, and whether the paper states it.
+        """Every parameter: where the paper states it, or what this study assumes instead.
 
         Returns
         -------
         pandas.DataFrame
+            Columns parameter, value, unit, table, source.
         """
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        values["crank_inertia"], values["coupler_inertia"] = self.inertias
+        values["link_modulus"] = self.link_modulus or self.youngs_modulus
+        values["initial_eccentricity"] = hypot(*self.initial_eccentricity)
         rows = []
-        for field in fields(self):
-            value = getattr(self, field.name)
-            unit = _UNITS.get(field.name, "")
-            source = ASSUMPTIONS.get(field.name, "paper, Tables 3 and 4")
-            rows.append((field.name.replace("_", " "), value, unit, source))
-        return pd.DataFrame(rows, columns=["parameter", "value", "unit", "source"])
+        for name, value in values.items():
+            table = "Table 3" if name in _TABLE_3 else "Table 4" if name in _TABLE_4 else "-"
+            source = ASSUMPTIONS.get(name, "given by the paper")
+            rows.append((name.replace("_", " "), value, _UNITS.get(name, "1"), table, source))
+        return pd.DataFrame(rows, columns=["parameter", "value", "unit", "table", "source"])
 
     def but(self, **changes):
         """Copy with some attributes changed."""
@@ -216,13 +220,15 @@ _UNITS = _POSITIVE | {
     "gravity": "m/s^2",
     "initial_eccentricity": "m",
 }
+_TABLE_3 = list(Scene.__dataclass_fields__)[:6]
+_TABLE_4 = list(Scene.__dataclass_fields__)[6:13]
 ASSUMPTIONS = {
-    "socket_radius": "assumed: R2* = 200, the paper's static case",
-    "crank_inertia": "assumed: uniform rod about its centre, m L^2/12",
-    "coupler_inertia": "assumed: uniform rod about its centre, m L^2/12",
-    "link_modulus": "assumed: that of ball and socket",
-    "density": "assumed: steel, with square sections from mass and length",
-    "damping": "paper, Eq. 31",
-    "gravity": "assumed: none",
-    "initial_eccentricity": "assumed: concentric, and at rest",
+    "socket_radius": "assumed, R2* = 200, the paper's static case",
+    "crank_inertia": "assumed, uniform rod about its centre, m L^2/12",
+    "coupler_inertia": "assumed, uniform rod about its centre, m L^2/12",
+    "link_modulus": "assumed, that of ball and socket",
+    "density": "assumed, steel, with square sections from mass and length",
+    "damping": "given by the paper, Eq. 31",
+    "gravity": "assumed, none",
+    "initial_eccentricity": "assumed, concentric, and at rest",
 }

@@ -96,7 +96,9 @@ def simulate(
     packed = pack(
         law, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **law_options
     )
-    times = np.array_split(duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1))
+    times = np.array_split(
+        duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1)
+    )
     if model == "rigid" and ideal:
         blocks = rigid.ideal(scene, times)
     elif model == "rigid":
@@ -117,17 +119,18 @@ def simulate(
         else:
             step = BEAM_STEP if step is None else step
             blocks = beams.simulate(scene, packed, times, ideal, step, pair)
-    return _gather(blocks, progress)
+    return _gather(blocks, times, progress)
 
 
-def _gather(blocks, progress):
+def _gather(blocks, times, progress):
     """Run a model to its end or to an interruption."""
     rows, impacts, ended, complete = [], None, True, True
     try:
-        for block, impacts, ended in blocks:  # noqa: B007
+        for at, (block, impacts, ended) in zip(times, blocks, strict=True):  # noqa: B007
+            block[:, 0] = at  # the times asked for, to the last bit
             rows.append(block)
             if progress is not None:
-                progress(block[-1, 0])
+                progress(at[-1])
     except KeyboardInterrupt:
         if not rows:
             raise

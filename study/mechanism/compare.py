@@ -1,0 +1,145 @@
+"""Comparing responses: how far they agree, which is ahead, and how models approach each other."""
+
+import numpy as np
+import pandas as pd
+
+from study.mechanism.simulate import simulate
+
+
+def difference(response, truth, column):
+    """Relative RMS difference of one quantity of two responses at the same times.
+
+    Parameters
+    ----------
+    response, truth : Response
+    column : str
+        Quantity, a column of the motion.
+
+    Returns
+    -------
+    float
+        RMS of the difference over the RMS of ``truth``.
+
+    Raises
+    ------
+    ValueError
+        If the times differ.
+    """
+    if not np.array_equal(response.time, truth.time):
+        raise ValueError("responses must have the same times")
+    one, other = getattr(response, column), getattr(truth, column)
+    return float(np.sqrt(np.mean((one - other) ** 2) / np.mean(other**2)))
+
+
+def lead(response, ideal):
+    """How far the crank is ahead of the ideal mechanism's, as time, at each output.
+
+    Parameters
+    ----------
+    response, ideal : Response
+        At the same times.
+
+    Returns
+    -------
+    ndarray
+        In s, negative where it is behind; 0 at the start, where nothing moves.
+    """
+    ahead = response.crank_angle - ideal.crank_angle
+    return np.divide(ahead, ideal.crank_speed, out=np.zeros_like(ahead), where=ideal.time > 0)
+
+
+def last_separation(response):
+    """Time at which the surfaces part for the last time, in s; 0 if they never do."""
+    ends = (response.impacts.time + response.impacts.duration)[
+        response.impacts.separation_speed.notna()
+    ]
+    return float(ends.max()) if len(ends) else 0.0
+
+
+def summary(response, ideal):
+    """What tells whether impacts keep going, in one row.
+
+    Parameters
+    ----------
+    response, ideal : Response
+        With clearance, and of the same scene with an ideal joint, at the same times.
+
+    Returns
+    -------
+    dict
+        Number of contacts, last separation (s), lead of the crank at the end (s), largest
+        normal force (N), and the energy error.
+    """
+    return {
+        "contacts": len(response.impacts),
+        "last_separation": last_separation(response),
+        "lead_at_end": float(lead(response, ideal)[-1]),
+        "peak_force": float(response.impacts.peak_force.max()),
+        "energy_error": response.energy_error,
+    }
+
+
+def refinement(scene, crank_elements, **options):
+    """Largest difference of the slider's place between particles and finite elements.
+
+    Parameters
+    ----------
+    scene : Scene
+    crank_elements : sequence of int
+        Of the crank; the coupler has twice as many.
+    **options
+        Of `simulate`; ``step`` is that of the finite elements.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns elements, difference (m).
+    """
+    step, rows = options.pop("step"), []
+    for n in crank_elements:
+        pair = {"elements": (n, 2 * n), "joint": "ideal"}
+        particles = simulate(scene, model="particles", **pair, **options)
+        beams = simulate(scene, model="beams", step=step, **pair, **options)
+        apart = np.abs(particles.slider_position - beams.slider_position).max()
+        rows.append((n, float(apart)))
+    return pd.DataFrame(rows, columns=["elements", "difference"])
+
+
+def stiffening(scene, factors, **options):
+    """How the flexible models come to rigid links when the links' modulus grows.
+
+    Parameters
+    ----------
+    scene : Scene
+    factors : sequence of float
+        On the links' Young's modulus.
+    **options
+        Of `simulate`, for an ideal joint; ``step`` is that of the finite elements, and the
+        particles' first impact is followed for twice the duration.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns factor; particles, beams (largest differences of the slider's place, in m);
+        approach_speed, peak_force (relative differences of the particles' first impact).
+    """
+    step, elements, rows = options.pop("step"), {"elements": (2, 4)}, []
+    rigid = simulate(scene, joint="ideal", **options)
+    longer = options | {"duration": 2 * options["duration"]}
+    truth = simulate(scene, **longer).impacts.iloc[0]
+    for factor in factors:
+        stiff = scene.but(link_modulus=factor * scene.youngs_modulus)
+        apart = []
+        for model, own in (("particles", {}), ("beams", {"step": step})):
+            response = simulate(stiff, model=model, joint="ideal", **elements, **own, **options)
+            apart.append(np.abs(response.slider_position - rigid.slider_position).max())
+        first = simulate(stiff, model="particles", **elements, **longer).impacts.iloc[0]
+        changes = [abs(first[c] / truth[c] - 1) for c in ("approach_speed", "peak_force")]
+        rows.append((factor, *apart, *changes))
+    columns = ["factor", "particles", "beams", "approach_speed", "peak_force"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def order(x, y):
+    """Slope of ``y`` over ``x`` in logarithms, by least squares."""
+    return float(np.polyfit(np.log(x), np.log(y), 1)[0])
