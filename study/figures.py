@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import matplotlib as mpl
 import numpy as np
+from cycler import cycler
 from IPython.display import Image, display
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -30,6 +31,9 @@ STYLE = {
     "legend.frameon": False,
     "lines.linewidth": 1.5,
     "lines.markersize": 4,
+    "axes.prop_cycle": cycler(
+        color=["#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#000000"]
+    ),
 }
 
 DEPTH = "penetration depth $\\delta^*=\\delta/\\Delta R$"
@@ -203,6 +207,15 @@ def draw_models(axes, responses, column, scale=1.0):
     axes.set_xlabel("time (ms)")
 
 
+def mark_peaks(axes, responses):
+    """Mark the force's peak of every impact that has ended, which outputs may miss."""
+    for model, response in responses.items():
+        ended = response.impacts.dropna()
+        look = MODEL_LOOKS[model]
+        style = {"color": "0.45" if model == "rigid" else look.color, "markersize": 3}
+        axes.plot(1e3 * ended.time, ended.peak_force, look.marker, linestyle="none", **style)
+
+
 def draw_trajectory(axes, response, clearance):
     """Draw the ball's centre in the circle of the clearance, in micrometres, time as colour.
 
@@ -275,10 +288,10 @@ def draw_mechanism(axes, scene, angle):
     axes.add_patch(Arc((0, 0), 36, 36, theta1=0, theta2=np.degrees(angle), linewidth=0.8))
     axes.annotate(r"$\theta$", (20 * np.cos(angle / 2), 20 * np.sin(angle / 2)))
     texts = (
-        (f"crank {crank:g} mm, {scene.crank_mass:g} kg", 0.5 * pin, (-75, 12)),
-        (f"coupler {coupler:g} mm, {scene.coupler_mass:g} kg", (pin + end) / 2, (0, 22)),
+        (f"crank {crank:g} mm, {scene.crank_mass:g} kg", 0.6 * pin, (-115, 16)),
+        (f"coupler {coupler:g} mm, {scene.coupler_mass:g} kg", (pin + end) / 2, (-20, 34)),
         (f"slider {scene.slider_mass:g} kg", (end[0], -slider / 2), (-20, -22)),
-        (f"moment {scene.driving_moment:g} N m", (0, 0), (-60, -28)),
+        (f"moment {scene.driving_moment:g} N m", (0, 0), (-52, -52)),
         (f"clearance {1e6 * scene.clearance:g} µm (enlarged)", (end[0], radius), (-30, 42)),
     )
     for text, place, shift in texts:

@@ -164,7 +164,7 @@ class Scene:
         Returns
         -------
         pandas.DataFrame
-            Columns parameter, value, unit, table, source.
+            Columns parameter, value (as text), unit, table, source.
         """
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         values["crank_inertia"], values["coupler_inertia"] = self.inertias
@@ -174,7 +174,8 @@ class Scene:
         for name, value in values.items():
             table = "Table 3" if name in _TABLE_3 else "Table 4" if name in _TABLE_4 else "-"
             source = ASSUMPTIONS.get(name, "given by the paper")
-            rows.append((name.replace("_", " "), value, _UNITS.get(name, "1"), table, source))
+            text = value if isinstance(value, str) else f"{value:.9g}"
+            rows.append((name.replace("_", " "), text, _UNITS.get(name, "1"), table, source))
         return pd.DataFrame(rows, columns=["parameter", "value", "unit", "table", "source"])
 
     def but(self, **changes):
@@ -219,6 +220,7 @@ _UNITS = _POSITIVE | {
     "driving_moment": "N m",
     "gravity": "m/s^2",
     "initial_eccentricity": "m",
+    "damping": "",
 }
 _TABLE_3 = list(Scene.__dataclass_fields__)[:6]
 _TABLE_4 = list(Scene.__dataclass_fields__)[6:13]
