@@ -16,7 +16,7 @@ help:
 	@echo "make test        set up, run the whole test suite"
 	@echo "make lab         set up, open the notebooks in JupyterLab"
 	@echo "make data        set up, build the finite-element dataset from nothing"
-	@echo "make bench       set up, measure the solver's speed"
+	@echo "make bench       set up, measure the speed of solver and steppers"
 	@echo "make lock        renew requirements.lock (needs uv)"
 	@echo "make clean       remove .venv, build/ and all caches"
 
@@ -33,7 +33,7 @@ data: $(READY)
 	@$(BIN)/study data build
 
 bench: $(READY)
-	@$(BIN)/python -m pytest tests/bench_joint.py --benchmark-columns=median,iqr,rounds
+	@$(BIN)/python -m pytest tests/bench_*.py --benchmark-columns=median,iqr,rounds
 
 lock:
 	@uv pip compile --quiet --universal --python-version 3.11 --extra dask --extra test --upgrade \

@@ -4,10 +4,12 @@ import inspect
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from study import cli, contact, dataset, joint
 from study.joint import Joint, force_curve
+from study.mechanism import Scene, simulate
 
 
 @pytest.fixture
@@ -136,3 +138,69 @@ def test_interruption_is_one_line_and_status_130(run, monkeypatch):
     status, _, err = run("data", "show")
     assert status == 130
     assert err == "study: interrupted; what was finished is kept\n"
+
+
+def test_simulate_prints_the_end_and_every_impact(run):
+    words = ["--model", "rigid", "--joint", "clearance", "--law", "hertz", "--duration", 0.1]
+    status, out, err = run("simulate", *words, "--json")
+    assert (status, err) == (0, "")
+    found, response = json.loads(out), simulate()
+    assert found["x_slider"] == response.slider_position[-1]
+    assert found["theta"] == response.crank_angle[-1]
+    assert {"v_slider", "a_slider", "energy_error"} < set(found)
+    assert len(found["impacts"]) == 9
+    first = found["impacts"][0]
+    assert first["time"] == response.impacts.time[0]
+    assert {"approach_speed", "peak_force"} < set(first)
+    assert found["impacts"][-1]["separation_speed"] is None
+
+
+def test_simulate_takes_scene_inertia_and_options(run, tmp_path):
+    table = tmp_path / "motion.csv"
+    words = ["--inertia", "1e-4,3e-4", "--scene", "restitution=0.9", "--duration", 0.004]
+    words += ["--model", "particles", "--elements", "2,4", "--method", "lagged", "--output", table]
+    status, out, _ = run("simulate", *words, "--json")
+    assert status == 0
+    scene = Scene(restitution=0.9, crank_inertia=1e-4, coupler_inertia=3e-4)
+    options = {"model": "particles", "elements": (2, 4), "method": "lagged", "duration": 0.004}
+    response = simulate(scene, **options)
+    assert json.loads(out)["x_slider"] == response.slider_position[-1]
+    assert pd.read_csv(table).slider_position.to_numpy() == pytest.approx(
+        response.slider_position, rel=1e-11
+    )
+    status, out, _ = run("simulate", "--joint", "ideal", "--duration", 0.01)
+    assert status == 0
+    assert "x_slider" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--law", "hooke"], "Invalid value for '--law': 'hooke' is not one of 'hertz'"),
+        (["--model", "soft"], "'soft' is not one of 'rigid', 'particles', 'beams'"),
+        (["--duration", "-1"], "duration must be > 0 s, got -1 s"),
+        (["--duration", "nan"], "duration must be finite and > 0 s, got nan s"),
+        (["--inertia", "1e-4"], "--inertia must be two numbers separated by a comma, got '1e-4'"),
+        (["--inertia", "a,b"], "--inertia must be a number, got 'a'"),
+        (["--inertia", "0,-1"], "coupler inertia must be >= 0 kg m^2, got -1 kg m^2"),
+        (["--elements", "2.5,4"], "--elements must be a whole number, got '2.5'"),
+        (["--scene", "mass=1"], "--scene must be KEY=VALUE with KEY one of crank_length"),
+        (["--scene", "friction"], "--scene must be KEY=VALUE"),
+        (["--scene", "friction=high"], "friction must be a number, got 'high'"),
+        (["--scene", "damping=none"], "damping must be one of"),
+        (["--output", "motion.xls"], "--output must end in .csv, got motion.xls"),
+        (["--model", "particles", "--step", "1"], "step must be <= 1.101e-06 s, the limit of sta"),
+    ],
+)
+def test_simulate_refuses_bad_input_in_one_line(run, words, message):
+    status, out, err = run("simulate", *words)
+    assert (status, out) == (2, "")
+    assert err.count("\n") == 1
+    assert message in err
+
+
+def test_simulate_fails_in_one_line(run):
+    status, out, err = run("simulate", "--scene", "youngs_modulus=2e4", "--json")
+    assert (status, out) == (1, "")
+    assert err.count("\n") == 1
+    assert "exceeded at time 0.0" in err

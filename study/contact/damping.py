@@ -10,6 +10,8 @@ from scipy.optimize import brentq
 
 from study import checks
 
+POWERS = range(2, 60)  # of a series that converges as 0.5^k
+
 
 def lankarani_nikravesh(restitution):
     """D = 3 (1 - cr^2) / 4: from the energy lost in a nearly elastic impact (Eq. 31)."""
@@ -36,14 +38,22 @@ def exact(restitution):
     if restitution == 0:
         return inf
 
+    if restitution > 0.8:  # the logarithms' series over D^2: nothing cancels as cr -> 1
+
+        def series(factor):
+            terms = (((-1) ** (k + 1) + restitution**k) * factor ** (k - 2) / k for k in POWERS)
+            return sum(terms)
+
+        return brentq(series, 0.0, 0.5, xtol=1e-15 * (1 - restitution))
+
     def factor(w):  # in w = -ln(1 - cr D), which reaches D -> 1/cr without cancellation
         return -expm1(-w) / restitution
 
     def surplus(w):
         return log1p(factor(w)) + w - (1 + restitution) * factor(w)
 
-    low, high = 1e-3 * restitution * (1 - restitution), (1 + restitution) / restitution
-    return factor(brentq(surplus, low, high, xtol=1e-15 * low))
+    high = (1 + restitution) / restitution
+    return factor(brentq(surplus, 1e-3 * restitution, high, xtol=1e-15))
 
 
 DAMPINGS = {

@@ -58,23 +58,22 @@ def pack(law, ball_radius, socket_radius, composite, **options):
 @compiled
 def elastic_force(law, depth):
     """Force of a packed law in N, and its derivative in N/m, at a depth > 0 in m."""
-    depth_star = depth / law[1]
-    constants = law[3:]
+    depth_star = depth / law[1]  # shapes without constants ignore what they get: no slice
     shape = int(law[0])
     if shape == 0:
-        value, slope = _hertz(depth_star, constants)
+        value, slope = _hertz(depth_star, law)
     elif shape == 1:
-        value, slope = _winkler(depth_star, constants)
+        value, slope = _winkler(depth_star, law)
     elif shape == 2:
-        value, slope = _power(depth_star, constants)
+        value, slope = _power(depth_star, law[3:])
     elif shape == 3:
-        value, slope = _chord(depth_star, constants)
+        value, slope = _chord(depth_star, law)
     elif shape == 4:
-        value, slope = _liu(depth_star, constants)
+        value, slope = _liu(depth_star, law)
     elif shape == 5:
-        value, slope = _half_angle(depth_star, constants)
+        value, slope = _half_angle(depth_star, law)
     else:
-        value, slope = _hyperbolic(depth_star, constants)
+        value, slope = _hyperbolic(depth_star, law)
     return law[2] * value, law[2] / law[1] * slope
 
 

@@ -222,7 +222,7 @@ def _step(y, h, piece, p, law, f0, k, scratch, new):
     reduced to 3, as the first half of the system is the definition of z'.
     """
     u, work, f, seen = scratch
-    g = GAMMA * h
+    g, rate = GAMMA * h, 1 / h
     # W = I/g - df/dz' - g df/dz, inverted by cofactors
     w00, w01, w02 = 1 / g - k[0, 3] - g * k[0, 0], -k[0, 4] - g * k[0, 1], -k[0, 5] - g * k[0, 2]
     w10, w11, w12 = -k[1, 3] - g * k[1, 0], 1 / g - k[1, 4] - g * k[1, 1], -k[1, 5] - g * k[1, 2]
@@ -236,7 +236,7 @@ def _step(y, h, piece, p, law, f0, k, scratch, new):
             new[n] = y[n]
             work[n] = 0.0
         for j in range(i):
-            a, c = _A[i, j], _C[i, j] / h
+            a, c = _A[i, j], _C[i, j] * rate
             for n in range(8):
                 new[n] += a * u[j, n]
                 work[n] += c * u[j, n]
@@ -410,7 +410,7 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
     Returns the number of rows filled, a status, and the number of steps tried.
     """
     f0, f1, seen, seen1 = np.zeros(5), np.zeros(5), np.zeros(10), np.zeros(10)
-    k, new, trial = np.zeros((5, 6)), np.zeros(8), np.zeros(8)
+    k, k1, new, trial = np.zeros((5, 6)), np.zeros((5, 6)), np.zeros(8), np.zeros(8)
     scratch = (np.zeros((8, 8)), np.zeros(8), np.zeros(5), np.zeros(10))
     y = state[:8]
     piece = (state[CONTACT] > 0, int(state[BRANCH]), state[APPROACH])
@@ -434,7 +434,7 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
             if h > 1e-15 * t:
                 continue
             return done, STUCK, steps
-        motion(new, piece, p, law, False, f1, seen1, k)
+        motion(new, piece, p, law, True, f1, seen1, k1)
         if seen1[DEPTH] > deepest:
             return done, TOO_DEEP, steps
         grown = length * min(5.0, 0.9 * max(error, 1e-12) ** -0.2)
@@ -470,7 +470,7 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
             impact[2], impact[3] = max(impact[2], seen1[NORMAL]), max(impact[3], seen1[DEPTH])
         t = times[done] if landing else t + ahead
         y[:] = new
-        known = False
+        known = first < 0
         state[TIME] = t
         if piece[0]:
             impact = impacts[count - 1]
@@ -490,6 +490,8 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
             impacts[count] = t, y[4], 0.0, 0.0, t, 0.0, 0.0, y[6] + y[7]
             state[IMPACTS] = count + 1
             piece = (True, friction_branch(seen1[SLIDING], p[V0], p[V1]), y[4])
+        if known:
+            f0, f1, seen, seen1, k, k1 = f1, f0, seen1, seen, k1, k
         state[CONTACT], state[BRANCH], state[APPROACH] = piece[0], piece[1], piece[2]
         state[STEP] = h
     return done, FINE, steps

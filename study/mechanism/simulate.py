@@ -17,7 +17,7 @@ JOINTS = ("clearance", "ideal")
 TOLERANCE = 1e-8
 BEAM_STEP = 1e-6
 ELEMENTS = (4, 8)
-BLOCKS = 200  # after each the progress is told, and an interruption is heeded
+BLOCKS = 100  # after each the progress is told, and an interruption is heeded
 
 
 def simulate(
@@ -63,7 +63,7 @@ def simulate(
         Particles: velocity in damping and friction at the joint, centred (default) or half a
         step old; ``unguarded`` is the latter without the check of its limit of stability.
     progress : callable, optional
-        Called with the simulated time, in s, after each of 200 parts.
+        Called with the simulated time, in s, after each of 100 parts.
     **law_options
         Of the law.
 

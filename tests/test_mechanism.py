@@ -1,0 +1,358 @@
+"""The scene, the ideal mechanism, and rigid links with clearance, against independent numbers."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.integrate import solve_ivp
+
+from study import dataset, paths
+from study.contact import LAWS
+from study.contact.damping import DAMPINGS
+from study.contact.forces import pack
+from study.mechanism import MechanismError, Scene, compare, rigid, simulate
+
+PAPER = Scene()
+HERTZ = pack("hertz", PAPER.ball_radius, PAPER.socket_radius, PAPER.composite_modulus)
+LOSSLESS = PAPER.but(restitution=1.0, friction=0.0)
+KNOWN = pd.read_csv(paths.DATA / "published/mechanism.csv").set_index(["model", "quantity"]).value
+
+
+def test_scene_is_the_papers():
+    stated = dataset.published().to_dict()
+    s = PAPER
+    for (table, row, quantity), value in {
+        ("Table 3", "crank", "length_m"): s.crank_length,
+        ("Table 3", "crank", "mass_kg"): s.crank_mass,
+        ("Table 3", "coupler", "length_m"): s.coupler_length,
+        ("Table 3", "coupler", "mass_kg"): s.coupler_mass,
+        ("Table 3", "slider", "mass_kg"): s.slider_mass,
+        ("Table 3", "joint", "clearance_m"): s.clearance,
+        ("Table 4", "material", "youngs_modulus_GPa"): 1e-9 * s.youngs_modulus,
+        ("Table 4", "material", "poisson"): s.poisson,
+        ("Table 4", "joint", "restitution"): s.restitution,
+        ("Table 4", "joint", "friction"): s.friction,
+        ("Table 4", "joint", "v0_m_per_s"): s.slow_speed,
+        ("Table 4", "joint", "v1_m_per_s"): s.full_speed,
+        ("Table 4", "drive", "moment_Nm"): s.driving_moment,
+    }.items():
+        assert value == pytest.approx(stated.pop((table, row, quantity)), rel=1e-12)
+    assert not [key for key in stated if key[0] in ("Table 3", "Table 4")]
+
+
+def test_tables_3_and_4_hold_the_scene():
+    parameters = PAPER.parameters()
+    for number in (3, 4):
+        table = pd.read_csv(paths.FIGURES / f"table{number}.csv")
+        mine = parameters[parameters.table == f"Table {number}"]
+        assert table.parameter.tolist() == mine.parameter.tolist()
+        assert table.value.tolist() == mine.value.astype(float).tolist()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"crank_length": -1.0}, "crank length must be > 0 m, got -1 m"),
+        ({"crank_length": 0.2}, "crank length must be < 0.11995 m, got 0.2 m"),
+        ({"clearance": 0.02}, "clearance must be < 0.01 m, got 0.02 m"),
+        ({"slider_mass": float("nan")}, "slider mass must be finite"),
+        ({"restitution": 1.1}, "restitution must be >= 0 and <= 1, got 1.1"),
+        ({"friction": -0.1}, "friction must be >= 0, got -0.1"),
+        ({"slow_speed": 0.1}, "slow speed must be >= 0 and < 0.01 m/s, got 0.1 m/s"),
+        ({"poisson": 0.5}, "poisson must be > -1 and < 0.5, got 0.5"),
+        ({"damping": "none"}, "damping must be one of"),
+        ({"initial_eccentricity": (3e-5, 4e-5)}, "initial eccentricity must be < 5e-05 m"),
+        ({"driving_moment": "big"}, "driving moment must be one number, got 'big'"),
+        ({"coupler_inertia": -1.0}, "coupler inertia must be >= 0 kg m^2, got -1 kg m^2"),
+    ],
+)
+def test_bad_scene_is_one_clear_error(changes, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        PAPER.but(**changes)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"model": "soft"}, "model must be one of rigid, particles, beams, got 'soft'"),
+        ({"joint": "glued"}, "joint must be one of clearance, ideal, got 'glued'"),
+        ({"law": "hooke"}, "law must be one of hertz"),
+        ({"duration": 0.0}, "duration must be > 0 s, got 0 s"),
+        ({"outputs": 2.5}, "outputs must be a whole number >= 1, got 2.5"),
+        ({"tolerance": 1.0}, "tolerance must be >= 1e-12 and <= 0.01, got 1"),
+        ({"step": 1e-6}, "step must be left out: model rigid, joint clearance has none"),
+        ({"joint": "ideal", "tolerance": 1e-6}, "tolerance must be left out: model rigid, joint"),
+        ({"model": "beams", "method": "lagged"}, "method must be left out: model beams"),
+        ({"model": "particles", "method": "late"}, "method must be one of centred, lagged, ung"),
+        ({"model": "beams", "elements": (4,)}, "elements must be two numbers, of crank and coup"),
+        ({"model": "beams", "elements": (0, 4)}, "elements must be >= 1, got 0"),
+    ],
+)
+def test_bad_options_are_one_clear_error(options, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        simulate(**options)
+
+
+@pytest.mark.parametrize("time", [0.02, 0.1])
+def test_ideal_mechanism_is_known_to_1e_9(time):
+    response = simulate(joint="ideal", duration=0.1, outputs=500)
+    last = response.motion.iloc[round(5000 * time)]
+    columns = {
+        "theta": "crank_angle",
+        "x_slider": "slider_position",
+        "v_slider": "slider_velocity",
+        "a_slider": "slider_acceleration",
+    }
+    for quantity, column in columns.items():
+        known = KNOWN["ideal", f"{quantity}({time:g} s)"]
+        assert last[column] == pytest.approx(known, rel=1e-9)
+    assert response.energy_error < 1e-11
+
+
+def test_ideal_joint_force_moves_slider_and_coupler():
+    scene = PAPER.but(gravity=9.81, coupler_inertia=4e-4)
+    r = simulate(scene, joint="ideal", duration=0.05, outputs=2000)
+    assert r.force_x == pytest.approx(scene.slider_mass * r.slider_acceleration, rel=1e-12)
+    # the coupler's centre and its turning, by differences of the simulated motion
+    centre = [
+        r.slider_position - 0.06 * np.cos(r.coupler_angle),
+        -0.06 * np.sin(r.coupler_angle),
+    ]
+    ax, ay, turning = (
+        np.gradient(np.gradient(q, r.time), r.time) for q in (*centre, r.coupler_angle)
+    )
+    fx, fy = scene.coupler_mass * ax + r.force_x, scene.coupler_mass * (ay + 9.81) + r.force_y
+    arm = 0.06 * np.cos(r.coupler_angle), 0.06 * np.sin(r.coupler_angle)
+    moment = -arm[0] * fy + arm[1] * fx - (arm[0] * r.force_y - arm[1] * r.force_x)
+    inside = slice(20, -20)
+    assert moment[inside] == pytest.approx(4e-4 * turning[inside], abs=2e-3)
+    assert np.abs(4e-4 * turning[inside]).max() > 0.1
+
+
+def test_clearance_with_hertz_is_known():
+    response = simulate(law="hertz")
+    first = response.impacts.iloc[0]
+    assert first.time == pytest.approx(KNOWN["clearance", "first impact time"], rel=1e-8)
+    speed = KNOWN["clearance", "first impact approach speed"]
+    assert first.approach_speed == pytest.approx(speed, rel=1e-7)
+    assert first.peak_force == pytest.approx(
+        KNOWN["clearance", "first impact peak force"], rel=1e-5
+    )
+    assert len(response.impacts) == 9
+    x = KNOWN["clearance", "x_slider(0.1 s)"]
+    assert response.slider_position[-1] == pytest.approx(x, abs=1e-11)
+    assert response.energy_error < 1e-10
+    assert response.impacts.separation_speed.isna().tolist() == [False] * 8 + [True]
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-12])
+def test_any_tolerance_finds_nine_impacts(tolerance):
+    response = simulate(tolerance=tolerance)
+    assert len(response.impacts) == 9
+    x = KNOWN["clearance", "x_slider(0.1 s)"]
+    assert abs(response.slider_position[-1] - x) < 1e-7 * tolerance**0.5 + 2e-12
+
+
+def test_accuracy_follows_the_tolerance():
+    truth = simulate(duration=0.3, outputs=3000, tolerance=1e-11)
+    for tolerance, bound in ((1e-5, 2e-5), (1e-7, 3e-7), (1e-9, 3e-9)):
+        response = simulate(duration=0.3, outputs=3000, tolerance=tolerance)
+        assert compare.difference(response, truth, "slider_acceleration") < bound
+
+
+def test_energy_is_kept_without_losses():
+    response = simulate(LOSSLESS, duration=0.05)
+    assert len(response.impacts) > 20
+    assert response.energy_error < 1e-8
+    assert (response.lost_damping == 0).all()
+    assert (response.lost_friction == 0).all()
+
+
+@pytest.mark.parametrize("damping", DAMPINGS)
+@pytest.mark.parametrize("law", LAWS)
+def test_energy_balance_closes_with_losses(law, damping):
+    scene = PAPER.but(damping=damping, gravity=9.81)
+    response = simulate(scene, law=law, duration=0.03, outputs=300)
+    assert response.energy_error < 1e-8
+    assert response.lost_damping[-1] > 0
+    assert (np.diff(response.lost_friction) >= -1e-15).all()
+
+
+def test_impacts_table_balances_each_impact():
+    response = simulate(duration=0.0095, outputs=200)
+    ended = response.impacts.dropna()
+    assert len(ended) == 6
+    lost = response.lost_damping[-1] + response.lost_friction[-1]
+    assert response.impacts.lost.sum() == pytest.approx(lost, rel=1e-12)
+    fine = simulate(duration=0.0019, outputs=20000)
+    assert ended.peak_force[0] == pytest.approx(fine.normal_force.max(), rel=1e-5)
+    assert ended.peak_depth[0] == pytest.approx(fine.depth.max(), rel=1e-3)
+
+
+def test_jacobian_is_the_derivative():
+    p = rigid.describe(PAPER.but(gravity=9.81))
+    cases = [
+        (np.array([0.7, 1.3e-5, -2e-5, 11.0, 0.03, -0.05, 0, 0]), (False, 0, 1.0)),
+        (np.array([0.7, 8e-7, 2.1, 11.0, 0.02, 900.0, 0, 0]), (True, 1, 0.06)),
+        (np.array([4.0, 8e-7, -0.4, -30.0, -0.02, -900.0, 0, 0]), (True, -2, 0.06)),
+    ]
+    for y, piece in cases:
+        found, seen, k = np.zeros(5), np.zeros(10), np.zeros((5, 6))
+        rigid.motion(y, piece, p, HERTZ, True, found, seen, k)
+        for j in range(6):
+            h = 1e-6 * max(abs(y[j]), 1e-5)
+            ends = []
+            for sign in (1, -1):
+                moved, f = y.copy(), np.zeros(5)
+                moved[j] += sign * h
+                rigid.motion(moved, piece, p, HERTZ, False, f, seen, np.zeros((5, 6)))
+                ends.append(f)
+            by_difference = (ends[0] - ends[1]) / (2 * h)
+            size = np.abs(k).max(axis=1) * 1e-7 + np.abs(found) * 1e-8 / h
+            assert (np.abs(k[:, j] - by_difference) <= size + 1e-4 * np.abs(k[:, j])).all()
+
+
+def test_rosenbrock_step_has_order_5_in_contact():
+    p = rigid.describe(PAPER)
+    y0, piece = np.array([0.5, 8e-7, 2.1, 11.0, 0.0, 900.0, 0, 0]), (True, 2, 0.06)
+    scratch = (np.zeros((8, 8)), np.zeros(8), np.zeros(5), np.zeros(10))
+
+    def after(steps, h=2e-5):
+        y, new = y0.copy(), np.zeros(8)
+        f, seen, k = np.zeros(5), np.zeros(10), np.zeros((5, 6))
+        for _ in range(steps):
+            rigid.motion(y, piece, p, HERTZ, True, f, seen, k)
+            rigid._step(y, h / steps, piece, p, HERTZ, f, k, scratch, new)
+            y[:] = new
+        return y
+
+    truth = after(256)
+    errors = [np.abs(after(n)[1] - truth[1]) for n in (4, 8, 16)]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert (np.abs(orders - 5) < 0.4).all()
+
+
+def test_rigid_links_agree_with_another_integrator():
+    """Other coordinates (theta, phi, x), SciPy's integrator, sections between located events."""
+    s, r1 = PAPER, PAPER.ball_radius
+    i1, i2 = s.inertias
+    l1, l2, m2 = s.crank_length, s.coupler_length, s.coupler_mass
+    a11, a22 = i1 + s.crank_mass * l1**2 / 4 + m2 * l1**2, i2 + m2 * l2**2 / 4
+
+    def gap(y):
+        e = l1 * np.cos(y[0]) + l2 * np.cos(y[1]) - y[2], l1 * np.sin(y[0]) + l2 * np.sin(y[1])
+        n = np.array(e) / max(np.hypot(*e), 1e-300)
+        w = np.array(
+            [
+                -l1 * np.sin(y[0]) * y[3] - l2 * np.sin(y[1]) * y[4] - y[5],
+                l1 * np.cos(y[0]) * y[3] + l2 * np.cos(y[1]) * y[4],
+            ]
+        )
+        return np.hypot(*e) - s.clearance, n, w
+
+    def slopes(_, y, approach):
+        depth, n, w = gap(y)
+        force, moment = np.zeros(2), 0.0
+        if approach and depth > 0:
+            elastic = HERTZ[2] * (depth / s.clearance) ** 1.5
+            normal = elastic * (1 + s.damping_factor * (w @ n) / approach)
+            sliding = w @ (-n[1], n[0]) + r1 * y[4]
+            share = np.clip((abs(sliding) - s.slow_speed) / (s.full_speed - s.slow_speed), 0, 1)
+            tangential = -s.friction * normal * share * np.sign(sliding)
+            force = -normal * n + tangential * np.array([-n[1], n[0]])
+            moment = r1 * tangential
+        a12, d = m2 * l1 * l2 / 2, y[0] - y[1]
+        q1 = s.driving_moment - a12 * np.sin(d) * y[4] ** 2
+        q1 += l1 * (np.cos(y[0]) * force[1] - np.sin(y[0]) * force[0])
+        q2 = a12 * np.sin(d) * y[3] ** 2 + moment
+        q2 += l2 * (np.cos(y[1]) * force[1] - np.sin(y[1]) * force[0])
+        mass = [[a11, a12 * np.cos(d)], [a12 * np.cos(d), a22]]
+        return [*y[3:], *np.linalg.solve(mass, [q1, q2]), -force[0] / s.slider_mass]
+
+    def meet(_, y, approach):
+        return gap(y)[0]
+
+    meet.terminal = True
+    y, t, approach, times = np.array([0, 0, l1 + l2, 0, 0, 0.0]), 0.0, 0.0, []
+    for _ in range(4):  # two impacts: begin, end, begin, end
+        meet.direction = -1 if approach else 1
+        span = (t, 0.006)
+        options = {"rtol": 1e-11, "atol": 1e-16, "max_step": 2e-6 if approach else np.inf}
+        part = solve_ivp(slopes, span, y, "DOP853", events=meet, args=(approach,), **options)
+        t, y = part.t_events[0][0], part.y_events[0][0]
+        times.append(t)
+        _, n, w = gap(y)
+        approach = 0.0 if approach else w @ n
+        y = y + np.array(slopes(t, y, approach)) * 1e-12  # off the event
+        t += 1e-12
+    mine = simulate(duration=0.006).impacts
+    ends = np.column_stack([mine.time, mine.time + mine.duration]).ravel()
+    assert ends[:4] == pytest.approx(times, rel=1e-8)
+
+
+def test_slow_scene_down_to_approach_speeds_of_a_nanometre_per_second():
+    scene = PAPER.but(driving_moment=1e-16)
+    response = simulate(scene, duration=1e6, outputs=500)
+    assert response.impacts.approach_speed[0] < 1e-9
+    assert len(response.impacts) > 3
+    assert response.energy_error < 1e-6
+
+
+def test_no_drive_no_motion():
+    response = simulate(PAPER.but(driving_moment=0.0), outputs=10)
+    assert (response.crank_angle == 0).all()
+    assert response.impacts.empty
+
+
+def test_too_deep_a_contact_says_when():
+    soft = PAPER.but(youngs_modulus=2e4)
+    with pytest.raises(MechanismError, match=r"the depth must stay <= one clearance \(5e-05 m\), "):
+        simulate(soft)
+
+
+def test_mirrored_drive_gives_the_mirrored_motion():
+    up, down = (simulate(PAPER.but(driving_moment=m), duration=0.02) for m in (0.5, -0.5))
+    assert down.slider_position == pytest.approx(up.slider_position, abs=1e-12)
+    assert down.crank_angle == pytest.approx(-up.crank_angle, abs=1e-10)
+    assert down.eccentricity_y == pytest.approx(-up.eccentricity_y, abs=1e-12)
+
+
+def test_results_do_not_depend_on_the_outputs():
+    few, many = simulate(duration=0.02, outputs=10), simulate(duration=0.02, outputs=1000)
+    assert few.slider_position[-1] == pytest.approx(many.slider_position[-1], abs=1e-12)
+    assert few.impacts.peak_force.tolist() == pytest.approx(many.impacts.peak_force, rel=1e-4)
+
+
+def test_same_inputs_same_numbers(tmp_path):
+    for name in ("one.csv", "two.csv"):
+        simulate(duration=0.01).save(tmp_path / name)
+    assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "two.csv").read_bytes()
+
+
+def test_interruption_leaves_what_was_computed():
+    told = []
+
+    def stop(time):
+        told.append(time)
+        if time > 0.02:
+            raise KeyboardInterrupt
+
+    response = simulate(duration=0.1, outputs=1000, progress=stop)
+    assert not response.complete
+    assert response.time[-1] == told[-1]
+    whole = simulate(duration=0.1, outputs=1000)
+    assert response.motion.equals(whole.motion.iloc[: len(response.motion)])
+
+
+def test_lead_and_last_separation():
+    ideal, clearance = simulate(joint="ideal"), simulate()
+    lead = compare.lead(clearance, ideal)
+    assert lead[0] == 0
+    k = 800
+    shifted = np.interp(ideal.time[k] + lead[k], ideal.time, ideal.crank_angle)
+    assert shifted == pytest.approx(clearance.crank_angle[k], abs=2e-4)
+    ends = clearance.impacts.time + clearance.impacts.duration
+    assert compare.last_separation(clearance) == ends[7]
+    with pytest.raises(ValueError, match="responses must have the same times"):
+        compare.difference(ideal, simulate(joint="ideal", outputs=10), "crank_angle")
