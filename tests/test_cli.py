@@ -2,6 +2,8 @@
 
 import inspect
 import json
+import os
+import signal
 
 import numpy as np
 import pandas as pd
@@ -176,7 +178,7 @@ def test_simulate_takes_scene_inertia_and_options(run, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--law", "hooke"], "Invalid value for '--law': 'hooke' is not one of 'hertz'"),
+        (["--law", "hooke"], "'hooke' is not one of 'hertz', 'steuermann'"),
         (["--model", "soft"], "'soft' is not one of 'rigid', 'particles', 'beams'"),
         (["--duration", "-1"], "duration must be > 0 s, got -1 s"),
         (["--duration", "nan"], "duration must be finite and > 0 s, got nan s"),
@@ -204,3 +206,21 @@ def test_simulate_fails_in_one_line(run):
     assert (status, out) == (1, "")
     assert err.count("\n") == 1
     assert "exceeded at time 0.0" in err
+
+
+def test_interrupted_simulation_prints_and_writes_what_it_has(run, tmp_path, monkeypatch):
+    def interrupted(*words, progress, **options):
+        def stop(time):
+            if time > 0.02:
+                os.kill(os.getpid(), signal.SIGINT)  # as Ctrl-C does
+
+        return simulate(*words, progress=stop, **options)
+
+    monkeypatch.setattr("study.mechanism.simulate", interrupted)
+    table = tmp_path / "motion.csv"
+    status, out, err = run("simulate", "--json", "--output", table)
+    assert (status, err) == (130, "study: interrupted; what was finished is kept\n")
+    found = json.loads(out)
+    assert not found["complete"]
+    assert 0.02 < found["time"] < 0.03
+    assert pd.read_csv(table).time.iloc[-1] == pytest.approx(found["time"])

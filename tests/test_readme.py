@@ -8,6 +8,7 @@ import pytest
 
 from study import dataset, paths
 from study.joint import Joint, force_curve
+from study.mechanism import compare, simulate
 
 README = " ".join((paths.ROOT / "README.md").read_text(encoding="utf-8").split())
 
@@ -72,6 +73,47 @@ def test_accuracy_as_claimed():
         assert 100 * np.abs(force / rows.force_star - 1).max() < bound + 0.005
 
 
+def test_agreement_of_the_models_as_claimed():
+    table = pd.read_csv(paths.FIGURES / "agreement.csv")
+    pair = table[(table.model == "particles") & (table.against == "beams")]
+    place, percent = claimed(r"displacements within (\S+), accelerations within ([\d.]+) %")
+    assert 0.8 * place < pair.slider_position.max() < 1.05 * place
+    assert 100 * pair.slider_acceleration.max() == pytest.approx(percent, abs=0.1)
+
+
+def test_impacts_as_claimed():
+    impacts = pd.read_csv(paths.FIGURES / "impacts.csv")
+    last = (1e3 * (impacts.time + impacts.duration)).groupby(impacts.model).max()
+    rigid, contacts, low, high = claimed(
+        r"impacts end at (\d+) ms \(rigid links, (\d) contacts\) or (\d+) to (\d+) ms \(flexible\)"
+    )
+    assert last["rigid"] == pytest.approx(rigid, abs=0.5)
+    assert (impacts.model == "rigid").sum() == contacts - 1  # the last contact does not end
+    assert sorted(last[["particles", "beams"]]) == pytest.approx([low, high], abs=0.5)
+    (delivered,) = claimed(r"a restitution of 0.5 delivers ([\d.]+\d)")
+    assert impacts[impacts.model == "rigid"].delivered_restitution[0] == pytest.approx(
+        delivered, abs=0.005
+    )
+
+
+def test_what_keeps_impacts_going_as_claimed():
+    variants = pd.read_csv(paths.FIGURES / "variants.csv")
+    going = variants[variants.last_separation > 0.1]
+    assert set(going.variant) == {"restitution 0.99", "restitution 1", going.variant.iloc[-1]}
+    assert "velocity" in going.variant.iloc[-1]
+    assert going[going.variant == "restitution 0.99"].links.tolist() == ["rigid links"]
+    assert going.energy_error.iloc[-1] > 1e-4 > going.energy_error.iloc[:-1].max()
+
+
+def test_lead_as_claimed():
+    until, behind, end = claimed(r"first (\d+) ms only, then behind, by ([\d.]+) ms after (\d+) ms")
+    options = {"duration": 1e-3 * end, "outputs": 4000}
+    ideal = simulate(joint="ideal", **options)
+    lead = compare.lead(simulate(law="hyperbolic_winkler", **options), ideal)
+    assert -1e3 * lead[-1] == pytest.approx(behind, abs=0.05)
+    assert 1e3 * ideal.time[lead > 0].max() == pytest.approx(until, abs=0.6)
+
+
 def test_dataset_size_as_claimed():
     text = (paths.DATA / "README.md").read_text(encoding="utf-8")
     frame = dataset.load()
@@ -85,3 +127,4 @@ def test_python_example_runs():
     exec(compile(example, "README.md", "exec"), names)
     assert names["force"] > 0
     assert names["curve"].force_star.shape == (2,)
+    assert len(names["response"].impacts) > 5
