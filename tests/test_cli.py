@@ -205,7 +205,7 @@ def test_simulate_fails_in_one_line(run):
     status, out, err = run("simulate", "--scene", "youngs_modulus=2e4", "--json")
     assert (status, out) == (1, "")
     assert err.count("\n") == 1
-    assert "exceeded at time 0.0" in err
+    assert "stopped at time 0.0" in err
 
 
 def test_interrupted_simulation_prints_and_writes_what_it_has(run, tmp_path, monkeypatch):

@@ -307,7 +307,10 @@ def test_no_drive_no_motion():
 
 def test_too_deep_a_contact_says_when():
     soft = PAPER.but(youngs_modulus=2e4)
-    with pytest.raises(MechanismError, match=r"the depth must stay <= one clearance \(5e-05 m\), "):
+    with pytest.raises(
+        MechanismError,
+        match=r"the depth must stay <= one clearance \(5e-05 m\); stopped at time 0.00\d+ s, ",
+    ):
         simulate(soft)
 
 

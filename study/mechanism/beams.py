@@ -15,7 +15,15 @@ import numpy as np
 from study.compiled import compiled
 from study.contact.forces import joint_forces, stored_energy
 from study.contact.friction import friction_branch
-from study.mechanism.response import COLUMNS, MechanismError, too_deep
+from study.mechanism.response import (
+    CONTACT,
+    FAILED,
+    FINE,
+    FULL,
+    IMPACTS,
+    TOO_DEEP,
+    advance_in_blocks,
+)
 
 SPECTRAL_RADIUS = 0.8
 """At infinite frequency: what the steps leave of the motions that they cannot follow."""
@@ -26,10 +34,9 @@ BAND = 6  # unknowns of neighbouring nodes are at most this far apart
 # Places in the array of numbers that describes the scene
 M3, R1, DAMPING, FRICTION, V0, V1 = range(6)
 # ... in the state of the stepper
-CONTACT, APPROACH, STEPS, IMPACTS, LOST_DAMPING, LOST_FRICTION = range(6)
+APPROACH, STEPS, LOST_DAMPING, LOST_FRICTION = range(4)
 # ... in what `_contact` finds
 DEPTH, NORMAL, TANGENTIAL, ELASTIC, RATE, SLIDING, FORCE_X, FORCE_Y, EX, EY = range(10)
-FINE, TOO_DEEP, NO_BALANCE, FULL = range(4)
 
 
 class Mesh:
@@ -264,7 +271,7 @@ def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, 
     """Step to each output, ``strides`` steps apart, and fill ``rows``; all else goes on.
 
     ``motion`` has the rows places, rates, the method's own accelerations, and those one step
-    before. Returns the number of rows filled and a status.
+    before. Returns the number of rows filled, how it ended, and 0.
     """
     size, ideal = motion.shape[1], mesh[3]
     q, v, a, before = motion[0], motion[1], motion[2], motion[3]
@@ -316,7 +323,7 @@ def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, 
                     settled = True
                     break
             if not settled:
-                return done, NO_BALANCE
+                return done, FAILED, 0.0
             strain = _forces(
                 q1, v1, load, mesh, contact, approach, p, law, found, force, matrix, 0.0, 0.0
             )
@@ -324,7 +331,7 @@ def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, 
                 break
             count = int(state[IMPACTS])
             if count == len(impacts):
-                return done, FULL
+                return done, FULL, 0.0
             after, approach = _meet(now[DEPTH], now[RATE], found[DEPTH], found[RATE], h)
             contact, lasting = True, True
             lost = state[LOST_DAMPING] + state[LOST_FRICTION]
@@ -333,7 +340,7 @@ def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, 
         state[STEPS] = steps + 1
         if contact:
             if found[DEPTH] > deepest:
-                return done, TOO_DEEP
+                return done, TOO_DEEP, 0.0
             for which in (now, found):
                 damping = (which[NORMAL] - which[ELASTIC]) * which[RATE]
                 state[LOST_DAMPING] += 0.5 * h * damping
@@ -350,7 +357,7 @@ def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, 
         before[:], q[:], v[:], a[:] = a, q1, v1, a1
         old[:], now[:] = force, found
         if done == len(rows):
-            return done, FINE
+            return done, FINE, 0.0
 
 
 @compiled
@@ -419,10 +426,10 @@ def simulate(scene, law, times, ideal, step, elements):
     step : float
         Largest step, in s, shortened to divide the outputs' distance.
 
-    Yields
-    ------
-    rows, impacts, ended
-        As ``study.mechanism.rigid.clearance``.
+    Returns
+    -------
+    iterator
+        Of what `advance_in_blocks` yields.
 
     Raises
     ------
@@ -454,33 +461,13 @@ def simulate(scene, law, times, ideal, step, elements):
     mass = mesh.mass(scene.slider_mass)
     motion = _start(mesh, arrays, mass, load)
     state = np.zeros(6)
-    impacts = np.zeros((64, 8))
-    for block in times:
-        rows = np.zeros((len(block), len(COLUMNS)))
-        done = 0
-        while done < len(block):
-            part, status = advance(
-                state,
-                motion,
-                arrays,
-                mass,
-                load,
-                p,
-                law,
-                h,
-                strides,
-                rows[done:],
-                impacts,
-                scene.clearance,
-            )
-            done += part
-            if status == FULL:
-                impacts = np.vstack([impacts, np.zeros_like(impacts)])
-            elif status == TOO_DEEP:
-                raise too_deep(state[STEPS] * h, h, scene)
-            elif status == NO_BALANCE:
-                raise MechanismError(
-                    f"Newton's method found no balance at time {state[STEPS] * h:.9g} s "
-                    f"with step {h:.3g} s; a shorter step may"
-                )
-        yield rows, impacts[: int(state[IMPACTS]), :7].copy(), state[CONTACT] == 0
+    return advance_in_blocks(
+        lambda _, *block: advance(
+            state, motion, arrays, mass, load, p, law, h, strides, *block, scene.clearance
+        ),
+        times,
+        state,
+        scene,
+        lambda: (state[STEPS] * h, h),
+        lambda _: "Newton's method found no balance (a shorter step may)",
+    )

@@ -16,15 +16,22 @@ import scipy.linalg
 from study.compiled import compiled
 from study.contact.forces import elastic_force, stored_energy
 from study.contact.friction import friction_branch, friction_factor
-from study.mechanism.response import COLUMNS, MechanismError, too_deep
+from study.mechanism.response import (
+    CONTACT,
+    FAILED,
+    FINE,
+    FULL,
+    IMPACTS,
+    TOO_DEEP,
+    advance_in_blocks,
+)
 
 METHODS = ("centred", "lagged", "unguarded")
 
 # Places in the array of numbers that describes the scene
 M3, MOMENT, GRAVITY, R1, DAMPING, FRICTION, V0, V1, FREQUENCY, LAGGED, GUARDED, IDEAL = range(12)
 # ... in the state of the stepper
-CONTACT, APPROACH, STEPS, IMPACTS, GAP, GAP_RATE, LOST_DAMPING, LOST_FRICTION = range(8)
-FINE, TOO_DEEP, UNSTABLE, FULL = range(4)
+APPROACH, STEPS, GAP, GAP_RATE, LOST_DAMPING, LOST_FRICTION = range(6)
 
 
 def lump(link, elements):
@@ -200,7 +207,7 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
             r = hypot(ex, ey)
             depth = r - law[1]
             if depth > deepest or not r < inf:
-                return done, TOO_DEEP, depth
+                return done, TOO_DEEP, 0.0
             gap_rate = (depth - state[GAP]) / h
             if depth <= 0:
                 if state[CONTACT] > 0:
@@ -229,7 +236,7 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
                 if p[LAGGED] > 0:  # (h w)^2 + 2 h c/m < 4
                     limit = (sqrt((loss * ease) ** 2 + 4 * stiff) - loss * ease) / stiff
                 if h > limit and p[GUARDED] > 0:
-                    return done, UNSTABLE, limit
+                    return done, FAILED, limit
                 if p[LAGGED] > 0:
                     normal = elastic + loss * rate
                     branch = friction_branch(sliding, p[V0], p[V1])
@@ -274,7 +281,7 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
         if not held:
             kinetic += 0.5 * p[M3] * speed * speed
         if not kinetic < inf:
-            return done, UNSTABLE, 2 / p[FREQUENCY]
+            return done, FAILED, 2 / p[FREQUENCY]
         if output:
             row = rows[done]
             turning = moments[0] / rotaries[0]
@@ -317,10 +324,10 @@ def simulate(scene, law, times, ideal, step, elements, method):
     method : {"centred", "lagged", "unguarded"}
         Velocity in damping and friction.
 
-    Yields
-    ------
-    rows, impacts, ended
-        As ``study.mechanism.rigid.clearance``.
+    Returns
+    -------
+    iterator
+        Of what `advance_in_blocks` yields.
 
     Raises
     ------
@@ -367,36 +374,15 @@ def simulate(scene, law, times, ideal, step, elements, method):
     velocities[1 : -1 if ideal else None, 1] = h / 2 * scene.gravity
     state = np.zeros(8)
     state[GAP] = hypot(places[-1, 0] - slide[0], places[-1, 1]) - scene.clearance
-    impacts = np.zeros((64, 8))
     arrays = (frame.elements, frame.masses, frame.rotaries, frame.pin)
-    for block in times:
-        rows = np.empty((len(block), len(COLUMNS)))
-        done = 0
-        while done < len(block):
-            part, status, told = advance(
-                state,
-                places,
-                velocities,
-                turns,
-                spins,
-                slide,
-                arrays,
-                p,
-                law,
-                h,
-                strides,
-                rows[done:],
-                impacts,
-                scene.clearance,
-            )
-            done += part
-            if status == FULL:
-                impacts = np.vstack([impacts, np.zeros_like(impacts)])
-            elif status == TOO_DEEP:
-                raise too_deep(state[STEPS] * h, h, scene)
-            elif status == UNSTABLE:
-                raise MechanismError(
-                    f"the step must stay <= {told:.4g} s, the limit of stability at time "
-                    f"{state[STEPS] * h:.9g} s, got {h:.4g} s"
-                )
-        yield rows, impacts[: int(state[IMPACTS]), :7].copy(), state[CONTACT] == 0
+    moving = (places, velocities, turns, spins, slide)
+    return advance_in_blocks(
+        lambda _, *block: advance(
+            state, *moving, arrays, p, law, h, strides, *block, scene.clearance
+        ),
+        times,
+        state,
+        scene,
+        lambda: (state[STEPS] * h, h),
+        lambda limit: f"the step must stay <= {limit:.4g} s, the limit of stability",
+    )

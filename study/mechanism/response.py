@@ -46,12 +46,59 @@ class MechanismError(StudyError):
     """A simulation that cannot go on; says at which time, and what limit was passed."""
 
 
-def too_deep(time, step, scene):
-    """Error for a ball that entered deeper than any law is meant for."""
-    return MechanismError(
-        f"the depth must stay <= one clearance ({scene.clearance:g} m), exceeded at time "
-        f"{time:.9g} s with step {step:.3g} s"
-    )
+# What the models' compiled loops have in common: how they end, and where their state tells of
+# the contact and of the number of impacts
+FINE, TOO_DEEP, FULL, FAILED = range(4)
+CONTACT, IMPACTS = -2, -1
+
+
+def advance_in_blocks(advance, times, state, scene, clock, failure):
+    """Call a model's compiled loop, block by block.
+
+    Parameters
+    ----------
+    advance : callable
+        ``advance(times, rows, impacts)`` fills rows, goes on with the impacts, and returns the
+        number of rows filled, how it ended, and a number that belongs to a failure.
+    times : list of ndarray
+        Outputs, in blocks.
+    state : ndarray
+        Of the loop.
+    scene : study.mechanism.scene.Scene
+    clock : callable
+        Gives the time reached and the last step, in s.
+    failure : callable
+        ``failure(number)`` says what failed.
+
+    Yields
+    ------
+    rows : ndarray, shape (n, 21)
+        In the order of `COLUMNS`, one block.
+    impacts : ndarray, shape (m, 7)
+        All so far, in the order of `IMPACT_COLUMNS`, with the end's time for the duration.
+    ended : bool
+        Whether the last of them has ended.
+
+    Raises
+    ------
+    MechanismError
+        If the ball goes deeper than one clearance, or the loop fails; says when, and the step.
+    """
+    impacts = np.zeros((64, 8))
+    for block in times:
+        rows, done = np.zeros((len(block), len(COLUMNS))), 0
+        while done < len(block):
+            part, status, number = advance(block[done:], rows[done:], impacts)
+            done += part
+            if status == FULL:
+                impacts = np.vstack([impacts, np.zeros_like(impacts)])
+            elif status != FINE:
+                what = f"the depth must stay <= one clearance ({scene.clearance:g} m)"
+                if status == FAILED:
+                    what = failure(number)
+                time, step = clock()
+                raise MechanismError(f"{what}; stopped at time {time:.9g} s, step {step:.4g} s")
+        yield rows, impacts[: int(state[IMPACTS]), :7].copy(), state[CONTACT] == 0
 
 
 @dataclass(frozen=True)

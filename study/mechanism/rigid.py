@@ -19,7 +19,15 @@ from scipy.integrate import solve_ivp
 from study.compiled import compiled
 from study.contact.forces import elastic_force, joint_forces, stored_energy
 from study.contact.friction import friction_branch
-from study.mechanism.response import COLUMNS, MechanismError, too_deep
+from study.mechanism.response import (
+    CONTACT,
+    FAILED,
+    FINE,
+    FULL,
+    IMPACTS,
+    TOO_DEEP,
+    advance_in_blocks,
+)
 
 # Rodas5P in the form that needs no product with the Jacobian: (I/(gamma h) - J) u_i =
 # f(y + sum_j A_ij u_j) + sum_j C_ij u_j / h. Coefficients: Steinebach, BIT 63 (2023), 27.
@@ -71,10 +79,9 @@ _C[7, :7] = (
 # Places in the array of numbers that describes the scene
 L1, L2, A11, A22, A12, M3, MOMENT, G1, G2, R1, DAMPING, FRICTION, V0, V1 = range(14)
 # ... in the state of the stepper, after z, z' and the energies lost to damping and friction
-CONTACT, BRANCH, APPROACH, TIME, STEP, DEEP, REACH, IMPACTS = range(8, 16)
+BRANCH, APPROACH, TIME, STEP, DEEP, REACH = range(8, 14)
 # ... in what `motion` tells besides z'' and the powers lost
 DEPTH, RATE, SLIDING, NORMAL, TANGENTIAL, NORMAL_RATE, SINE, COSINE, PSI, SLIDER = range(10)
-FINE, TOO_DEEP, STUCK, FULL = range(4)
 ROUNDING = 1e-16
 _UNIT = np.eye(6)
 
@@ -407,7 +414,7 @@ def _record(row, t, y, f, seen, contact, p, law):
 def advance(state, p, law, tolerance, times, rows, impacts, deepest):
     """Integrate to each of ``times`` and fill ``rows``; ``state`` and ``impacts`` go on.
 
-    Returns the number of rows filled, a status, and the number of steps tried.
+    Returns the number of rows filled, how it ended, and the number of steps tried.
     """
     f0, f1, seen, seen1 = np.zeros(5), np.zeros(5), np.zeros(10), np.zeros(10)
     k, k1, new, trial = np.zeros((5, 6)), np.zeros((5, 6)), np.zeros(8), np.zeros(8)
@@ -433,7 +440,7 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
             h = length * (max(0.2, 0.9 * error**-0.2) if error < inf else 0.1)
             if h > 1e-15 * t:
                 continue
-            return done, STUCK, steps
+            return done, FAILED, steps
         motion(new, piece, p, law, True, f1, seen1, k1)
         if seen1[DEPTH] > deepest:
             return done, TOO_DEEP, steps
@@ -457,7 +464,7 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
             motion(new, piece, p, law, False, f1, seen1, k)
             idle = idle + 1 if ahead <= 1e-14 * t else 0
             if idle > 100:
-                return done, STUCK, steps
+                return done, FAILED, steps
         count = int(state[IMPACTS])
         if piece[0]:
             impact = impacts[count - 1]
@@ -510,14 +517,10 @@ def clearance(scene, law, times, tolerance):
     tolerance : float
         Of the local error, see `_error`.
 
-    Yields
-    ------
-    rows : ndarray, shape (n, 21)
-        In the order of ``study.mechanism.response.COLUMNS``, one block.
-    impacts : ndarray, shape (m, 7)
-        All so far.
-    ended : bool
-        Whether the last of them has ended.
+    Returns
+    -------
+    iterator
+        Of what `advance_in_blocks` yields.
 
     Raises
     ------
@@ -534,26 +537,14 @@ def clearance(scene, law, times, tolerance):
     state[REACH] = max(reach, scene.clearance / horizon)
     state[STEP] = min(1e-3 * scene.clearance / state[REACH], horizon)
     state[DEEP] = scene.clearance
-    impacts = np.zeros((64, 8))
-    for block in times:
-        rows = np.empty((len(block), len(COLUMNS)))
-        done = 0
-        while done < len(block):
-            part, status, _ = advance(
-                state, p, law, tolerance, block[done:], rows[done:], impacts, scene.clearance
-            )
-            done += part
-            if status == FULL:
-                impacts = np.vstack([impacts, np.zeros_like(impacts)])
-            elif status == TOO_DEEP:
-                raise too_deep(state[TIME], state[STEP], scene)
-            elif status == STUCK:
-                raise MechanismError(
-                    f"the stepper found no step small enough at time {state[TIME]:.9g} s, "
-                    f"last step {state[STEP]:.3g} s, tolerance {tolerance:g}"
-                )
-        count = int(state[IMPACTS])
-        yield rows, impacts[:count, :7].copy(), state[CONTACT] == 0
+    return advance_in_blocks(
+        lambda *block: advance(state, p, law, tolerance, *block, scene.clearance),
+        times,
+        state,
+        scene,
+        lambda: (state[TIME], state[STEP]),
+        lambda steps: f"no step is small enough for tolerance {tolerance:g}",
+    )
 
 
 def ideal(scene, times):
