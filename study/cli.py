@@ -4,6 +4,7 @@ A user's mistake is one line on standard error and exit status 2; a failure is e
 """
 
 import json
+import os
 import sys
 from collections import Counter
 from contextlib import contextmanager
@@ -35,6 +36,7 @@ Rim = StrEnum("Rim", ["free", "mirror"])
 Kinematics = StrEnum("Kinematics", ["small", "linear"])
 Model = StrEnum("Model", ["rigid", "particles", "beams"])
 MechanismJoint = StrEnum("MechanismJoint", ["clearance", "ideal"])
+Method = StrEnum("Method", ["centred", "lagged", "unguarded"])
 
 R2Star = Annotated[float, typer.Option("--r2-star", help="Dimensionless socket radius R2/dR, > 1.")]
 DepthStars = Annotated[
@@ -234,7 +236,7 @@ def simulate_mechanism(
         str | None, typer.Option(metavar="N,N", help="Elements of crank and coupler [4,8].")
     ] = None,
     method: Annotated[
-        str | None, typer.Option(help="Particles: centred, lagged or unguarded [centred].")
+        Method | None, typer.Option(help="Particles: velocity in damping and friction [centred].")
     ] = None,
     inertia: Annotated[
         str,
@@ -256,8 +258,11 @@ def simulate_mechanism(
     from study.mechanism import simulate
 
     changed = _scene(scene or [], inertia)
-    if output is not None and output.suffix != ".csv":
-        raise ValueError(f"--output must end in .csv, got {output}")
+    if output is not None:
+        if output.suffix != ".csv":
+            raise ValueError(f"--output must end in .csv, got {output}")
+        if not os.access(output.parent, os.W_OK):
+            raise ValueError(f"--output must be in a folder that can be written to, got {output}")
     pair = None if elements is None else _numbers("--elements", elements, int)
     with _progress(duration) as progress:
         response = simulate(
@@ -270,7 +275,7 @@ def simulate_mechanism(
             tolerance=tolerance,
             step=step,
             elements=pair,
-            method=method,
+            method=None if method is None else str(method),
             progress=progress,
         )
     if output is not None:

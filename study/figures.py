@@ -185,7 +185,7 @@ def draw_joint(axes, ball_radius, socket_ratio, drop):
     axes.grid(False)
 
 
-def draw_models(axes, responses, column, scale=1.0):
+def draw_models(axes, responses, column, scale=1.0, others=None):
     """Draw one quantity of several models over time, the rigid one as a broad line behind.
 
     Parameters
@@ -197,13 +197,17 @@ def draw_models(axes, responses, column, scale=1.0):
         Quantity, a column of the response.
     scale : float
         Factor to the drawn unit.
+    others : dict, optional
+        Responses whose quantity is subtracted, model by model.
     """
     for model, response in responses.items():
         look = MODEL_LOOKS[model]
         style = {"color": look.color, "linewidth": 0.9, "linestyle": look.line}
         if model == "rigid":
             style |= {"color": "0.75", "linewidth": 3.5}
-        axes.plot(1e3 * response.time, scale * getattr(response, column), label=look.label, **style)
+        base = getattr(others[model], column) if others else 0.0
+        values = scale * (getattr(response, column) - base)
+        axes.plot(1e3 * response.time, values, label=look.label, **style)
     axes.set_xlabel("time (ms)")
 
 

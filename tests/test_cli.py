@@ -4,6 +4,7 @@ import inspect
 import json
 import os
 import signal
+from importlib import import_module
 
 import numpy as np
 import pandas as pd
@@ -11,7 +12,9 @@ import pytest
 
 from study import cli, contact, dataset, joint
 from study.joint import Joint, force_curve
-from study.mechanism import Scene, simulate
+from study.mechanism import Scene, particles, simulate
+
+models = import_module("study.mechanism.simulate")  # the name is also that of its function
 
 
 @pytest.fixture
@@ -180,8 +183,8 @@ def test_simulate_takes_scene_inertia_and_options(run, tmp_path):
     [
         (["--law", "hooke"], "'hooke' is not one of 'hertz', 'steuermann'"),
         (["--model", "soft"], "'soft' is not one of 'rigid', 'particles', 'beams'"),
-        (["--duration", "-1"], "duration must be > 0 s, got -1 s"),
-        (["--duration", "nan"], "duration must be finite and > 0 s, got nan s"),
+        (["--duration", "-1"], "duration must be > 0 and <= 1e+09 s, got -1 s"),
+        (["--duration", "nan"], "duration must be finite and > 0 and <= 1e+09 s, got nan s"),
         (["--inertia", "1e-4"], "--inertia must be two numbers separated by a comma, got '1e-4'"),
         (["--inertia", "a,b"], "--inertia must be a number, got 'a'"),
         (["--inertia", "0,-1"], "coupler inertia must be >= 0 kg m^2, got -1 kg m^2"),
@@ -191,6 +194,12 @@ def test_simulate_takes_scene_inertia_and_options(run, tmp_path):
         (["--scene", "friction=high"], "friction must be a number, got 'high'"),
         (["--scene", "damping=none"], "damping must be one of"),
         (["--output", "motion.xls"], "--output must end in .csv, got motion.xls"),
+        (["--output", "nowhere/motion.csv"], "--output must be in a folder that can be written"),
+        (["--outputs", "1000000000000"], "outputs must be >= 1 and <= 1e+07, got 1e+12"),
+        (["--model", "beams", "--elements", "9999,1"], "elements must be >= 1 and <= 500, got 9"),
+        (["--model", "beams", "--step", "1e-300"], "step must be >= 1e-11 s, got 1e-300 s"),
+        (["--model", "particles", "--method", "late"], "'late' is not one of 'centred', 'lagged'"),
+        (["--scene", "driving_moment=1e300"], "driving moment must be >= -1e+06 and <= 1e+06 N m"),
         (["--model", "particles", "--step", "1"], "step must be <= 1.101e-06 s, the limit of sta"),
     ],
 )
@@ -199,6 +208,12 @@ def test_simulate_refuses_bad_input_in_one_line(run, words, message):
     assert (status, out) == (2, "")
     assert err.count("\n") == 1
     assert message in err
+
+
+def test_simulate_offers_what_there_is():
+    assert list(cli.Model) == list(models.MODELS)
+    assert list(cli.MechanismJoint) == list(models.JOINTS)
+    assert list(cli.Method) == list(particles.METHODS)
 
 
 def test_simulate_fails_in_one_line(run):

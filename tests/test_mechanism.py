@@ -55,7 +55,7 @@ def test_tables_3_and_4_hold_the_scene():
     [
         ({"crank_length": -1.0}, "crank length must be > 0 m, got -1 m"),
         ({"crank_length": 0.2}, "crank length must be < 0.11995 m, got 0.2 m"),
-        ({"clearance": 0.02}, "clearance must be < 0.01 m, got 0.02 m"),
+        ({"clearance": 0.02}, "clearance must be >= 1e-11 and < 0.01 m, got 0.02 m"),
         ({"slider_mass": float("nan")}, "slider mass must be finite"),
         ({"restitution": 1.1}, "restitution must be >= 0 and <= 1, got 1.1"),
         ({"friction": -0.1}, "friction must be >= 0, got -0.1"),
@@ -78,7 +78,7 @@ def test_bad_scene_is_one_clear_error(changes, message):
         ({"model": "soft"}, "model must be one of rigid, particles, beams, got 'soft'"),
         ({"joint": "glued"}, "joint must be one of clearance, ideal, got 'glued'"),
         ({"law": "hooke"}, "law must be one of hertz"),
-        ({"duration": 0.0}, "duration must be > 0 s, got 0 s"),
+        ({"duration": 0.0}, "duration must be > 0 and <= 1e+09 s, got 0 s"),
         ({"outputs": 2.5}, "outputs must be a whole number >= 1, got 2.5"),
         ({"tolerance": 1.0}, "tolerance must be >= 1e-12 and <= 0.01, got 1"),
         ({"step": 1e-6}, "step must be left out: model rigid, joint clearance has none"),
@@ -86,7 +86,7 @@ def test_bad_scene_is_one_clear_error(changes, message):
         ({"model": "beams", "method": "lagged"}, "method must be left out: model beams"),
         ({"model": "particles", "method": "late"}, "method must be one of centred, lagged, ung"),
         ({"model": "beams", "elements": (4,)}, "elements must be two numbers, of crank and coup"),
-        ({"model": "beams", "elements": (0, 4)}, "elements must be >= 1, got 0"),
+        ({"model": "beams", "elements": (0, 4)}, "elements must be >= 1 and <= 500, got 0"),
     ],
 )
 def test_bad_options_are_one_clear_error(options, message):
@@ -187,7 +187,7 @@ def test_impacts_table_balances_each_impact():
     assert response.impacts.lost.sum() == pytest.approx(lost, rel=1e-12)
     fine = simulate(duration=0.0019, outputs=20000)
     assert ended.peak_force[0] == pytest.approx(fine.normal_force.max(), rel=1e-5)
-    assert ended.peak_depth[0] == pytest.approx(fine.depth.max(), rel=1e-3)
+    assert ended.peak_depth[0] == pytest.approx(fine.depth.max(), rel=1e-5)
 
 
 def test_jacobian_is_the_derivative():
@@ -299,10 +299,70 @@ def test_slow_scene_down_to_approach_speeds_of_a_nanometre_per_second():
     assert response.energy_error < 1e-6
 
 
-def test_no_drive_no_motion():
-    response = simulate(PAPER.but(driving_moment=0.0), outputs=10)
-    assert (response.crank_angle == 0).all()
+@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+@pytest.mark.parametrize("joint", ["ideal", "clearance"])
+def test_no_drive_no_motion(model, joint):
+    scene = PAPER.but(driving_moment=0.0)
+    response = simulate(scene, model=model, joint=joint, duration=0.001, outputs=10)
+    assert np.abs(response.crank_angle).max() < 1e-15
     assert response.impacts.empty
+    assert response.energy_error < 1e-25 or model != "rigid"
+    assert (compare.lead(response, response) == 0).all()
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-8])
+@pytest.mark.parametrize("outputs", [1, 5])
+def test_few_outputs_let_steps_be_long(tolerance, outputs):
+    response = simulate(tolerance=tolerance, outputs=outputs)
+    assert len(response.impacts) == 9
+
+
+@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+def test_energy_counts_from_the_start(model):
+    scene = PAPER.but(gravity=9.81, initial_eccentricity=(0.0, -4.9e-5))
+    response = simulate(scene, model=model, duration=0.01)
+    assert response.work[0] == 0
+    assert response.energy_error < (1e-8 if model == "rigid" else 2e-5)
+
+
+def random_scenes(count):
+    generator = np.random.default_rng(7)
+    for _ in range(count):
+        size = generator.uniform
+        crank = 10 ** size(-2, -0.7)
+        yield Scene(
+            crank_length=crank,
+            coupler_length=crank * size(1.5, 5),
+            crank_mass=10 ** size(-1.5, 0.5),
+            coupler_mass=10 ** size(-1.5, 0.5),
+            slider_mass=10 ** size(-1.5, 0.5),
+            clearance=10 ** size(-5.5, -3.5),
+            restitution=size(0.05, 1),
+            friction=size(0, 0.9),
+            damping=str(generator.choice(list(DAMPINGS))),
+            driving_moment=size(-1, 1) * 10 ** size(-2, 0),
+            gravity=size(-20, 20),
+        )
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-7])
+def test_random_scenes_end_well(tolerance):
+    ended = 0
+    for number, scene in enumerate(random_scenes(100)):
+        law = list(LAWS)[number % len(LAWS)]
+        try:
+            response = simulate(scene, law=law, tolerance=tolerance, outputs=10)
+        except MechanismError as error:
+            assert "the depth must stay" in str(error)  # noqa: PT017
+            continue
+        ended += 1
+        assert np.isfinite(response.motion.to_numpy()).all()
+        assert (response.impacts.approach_speed > 0).all()
+        assert (response.impacts.duration > 0).all()
+        assert (np.diff(response.impacts.time) > 0).all()
+        assert (response.impacts.peak_depth <= scene.clearance).all()
+        assert response.energy_error < max(1e-9, 100 * tolerance)
+    assert ended > 85
 
 
 def test_too_deep_a_contact_says_when():

@@ -4,7 +4,7 @@ v0 is the approach speed at the start of the impact, latched until the surfaces 
 D the damping factor; four ways to choose it from the coefficient of restitution.
 """
 
-from math import expm1, inf, log1p
+from math import expm1, log1p
 
 from scipy.optimize import brentq
 
@@ -24,8 +24,8 @@ def hunt_crossley(restitution):
 
 
 def flores(restitution):
-    """D = 8 (1 - cr) / (5 cr) (Flores, Machado, Silva & Martins 2011); infinite for cr = 0."""
-    return 8 * (1 - restitution) / (5 * restitution) if restitution > 0 else inf
+    """D = 8 (1 - cr) / (5 cr) (Flores, Machado, Silva & Martins 2011)."""
+    return 8 * (1 - restitution) / (5 * restitution)
 
 
 def exact(restitution):
@@ -35,8 +35,6 @@ def exact(restitution):
     """
     if restitution == 1:
         return 0.0
-    if restitution == 0:
-        return inf
 
     if restitution > 0.8:  # the logarithms' series over D^2: nothing cancels as cr -> 1
 
@@ -72,7 +70,8 @@ def damping_factor(damping, restitution):
     damping : str
         Name of the rule.
     restitution : float
-        Coefficient of restitution asked for, from 0 to 1 (> 0 for ``flores`` and ``exact``).
+        Coefficient of restitution asked for, from 0 to 1; from 0.001 for ``flores`` and
+        ``exact``, whose D grows as 1/cr.
 
     Returns
     -------
@@ -86,7 +85,6 @@ def damping_factor(damping, restitution):
     """
     checks.choice("damping", damping, DAMPINGS)
     cr = checks.number("restitution", restitution, least=0, most=1, scalar=True)
-    factor = DAMPINGS[damping](cr)
-    if factor == inf:
-        raise ValueError(f"restitution must be > 0 for damping {damping}, got {cr:g}")
-    return factor
+    if damping in ("flores", "exact"):
+        checks.number(f"restitution for damping {damping}", cr, least=1e-3)
+    return DAMPINGS[damping](cr)

@@ -85,7 +85,8 @@ _NODES, _WEIGHTS = (1 + _NODES) / 2, _WEIGHTS / 2
 def stored_energy(law, depth):
     """Elastic energy at a depth, in J: the force integrated over the depth.
 
-    By Gauss's rule in the square root of the depth, in which every shape is analytic.
+    By Gauss's rule in the square root of the depth, in which all shapes but Steuermann's
+    profiles of n > 1 are analytic (those come to 1e-11).
     """
     energy = 0.0
     if depth > 0:
@@ -101,11 +102,14 @@ def joint_forces(law, depth, rate, sliding, branch, approach, damping, friction,
     Returns the normal force and its derivatives to depth and rate, its elastic part and that
     part's to depth, the tangential force and its derivatives to the normal force and to the
     sliding speed (Eqs. 31-33; ``branch`` is the linear piece of the friction law to use).
+    Where the ball leaves faster than approach speed over D, Eq. 31 pulls; it is kept as
+    published, without friction while it pulls.
     """
     elastic, slope = elastic_force(law, depth)
     loss = damping / approach
     normal = elastic * (1 + loss * rate)
     factor, steep = friction_factor(sliding, branch, v0, v1)
+    friction *= normal > 0
     tangential = -friction * normal * factor
     by_depth, by_rate = slope * (1 + loss * rate), elastic * loss
     by_normal, by_sliding = -friction * factor, -friction * normal * steep

@@ -23,4 +23,4 @@ def friction_factor(speed, branch, v0, v1):
     sign = 1.0 if branch > 0 else -1.0
     if abs(branch) == 2:
         return sign, 0.0
-    return sign * (abs(speed) - v0) / (v1 - v0), 1 / (v1 - v0)
+    return (speed - sign * v0) / (v1 - v0), 1 / (v1 - v0)

@@ -32,9 +32,10 @@ NEWTON_TOLERANCE = 1e-9
 BAND = 6  # unknowns of neighbouring nodes are at most this far apart
 
 # Places in the array of numbers that describes the scene
-M3, R1, DAMPING, FRICTION, V0, V1 = range(6)
+M3, R1, DAMPING, FRICTION, V0, V1, GRAVITY = range(7)
 # ... in the state of the stepper
 APPROACH, STEPS, LOST_DAMPING, LOST_FRICTION = range(4)
+ANY = 3  # friction branch: that of the sliding speed found
 # ... in what `_contact` finds
 DEPTH, NORMAL, TANGENTIAL, ELASTIC, RATE, SLIDING, FORCE_X, FORCE_Y, EX, EY = range(10)
 
@@ -151,7 +152,15 @@ def _internal(q, sections, unknowns, force, matrix, factor):
 
 
 @compiled
-def _contact(q, v, ball, contact, approach, p, law, found):
+def _sliding(q, v, ball, p):
+    """Sliding speed of the ball's surface on the socket's."""
+    ex, ey = q[ball[0]] - q[ball[3]], q[ball[1]]
+    across = (v[ball[1]] * ex - (v[ball[0]] - v[ball[3]]) * ey) / hypot(ex, ey)
+    return across + p[R1] * v[ball[2]]
+
+
+@compiled
+def _contact(q, v, ball, contact, approach, branch, p, law, found):
     """Contact forces on the slider and their derivatives to (x, y, spin; rates) of the joint.
 
     Returns two 3x3 blocks: of force x, force y on the ball and moment on the coupler, to the
@@ -170,7 +179,8 @@ def _contact(q, v, ball, contact, approach, p, law, found):
     found[RATE], found[SLIDING] = rate, sliding
     if not contact or found[DEPTH] <= 0:
         return stiff, damp
-    branch = friction_branch(sliding, p[V0], p[V1])
+    if branch == ANY:
+        branch = friction_branch(sliding, p[V0], p[V1])
     normal, normal_d, normal_r, elastic, _, tangential, tangential_n, tangential_s = joint_forces(
         law, r - law[1], rate, sliding, branch, approach, p[DAMPING], p[FRICTION], p[V0], p[V1]
     )
@@ -214,13 +224,13 @@ def _solve(matrix, right):
 
 
 @compiled
-def _forces(q, v, load, mesh, contact, approach, p, law, found, force, matrix, by_q, by_v):
+def _forces(q, v, load, mesh, contact, approach, branch, p, law, found, force, matrix, by_q, by_v):
     """Forces that resist (internal, contact, load), tangent times ``by_q``, and strain energy."""
     sections, unknowns, ball, ideal, _ = mesh
     force[:] = -load
     energy = _internal(q, sections, unknowns, force, matrix, by_q)
     if not ideal:
-        stiff, damp = _contact(q, v, ball, contact, approach, p, law, found)
+        stiff, damp = _contact(q, v, ball, contact, approach, branch, p, law, found)
         if found[NORMAL] != 0 or found[ELASTIC] != 0:
             force[ball[0]] += found[FORCE_X]
             force[ball[1]] += found[FORCE_Y]
@@ -237,7 +247,7 @@ def _forces(q, v, load, mesh, contact, approach, p, law, found, force, matrix, b
 
 
 @compiled
-def _reaction(q, a, mesh):
+def _reaction(q, a, mesh, gravity):
     """Force along y that holds the ball of an ideal joint on the slide."""
     sections, unknowns = mesh[0][-1:], mesh[1][-1:].copy()
     at, free = unknowns[0], np.zeros(6)
@@ -246,7 +256,8 @@ def _reaction(q, a, mesh):
         local[i] = q[at[i]] if at[i] >= 0 else 0.0
     whole = np.arange(6).reshape(1, 6)
     _internal(local, sections, whole, free, np.zeros((6, 2 * BAND + 1)), 0.0)
-    return free[4] + sections[0, 4] * sections[0, 0] / 6 * a[at[1]]
+    half = sections[0, 4] * sections[0, 0] / 2
+    return free[4] + half * (a[at[1]] / 3 + gravity)
 
 
 @compiled
@@ -263,7 +274,7 @@ def _meet(gap0, rate0, gap1, rate1, h):
             high = s
     slope = 6 * s * (1 - s) * (gap1 - gap0) / h
     slope += (1 - s) * (1 - 3 * s) * rate0 + s * (3 * s - 2) * rate1
-    return s * h, slope
+    return s * h, slope if slope > 0 else (gap1 - gap0) / h
 
 
 @compiled
@@ -286,8 +297,8 @@ def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, 
     found, now = np.zeros(10), np.zeros(10)
     q1, v1, a1 = np.zeros(size), np.zeros(size), np.zeros(size)
     contact, approach = state[CONTACT] > 0, state[APPROACH]
-    strain = _forces(q, v, load, mesh, contact, approach, p, law, now, old, matrix, 0.0, 0.0)
-    done = 0
+    strain = _forces(q, v, load, mesh, contact, approach, ANY, p, law, now, old, matrix, 0.0, 0.0)
+    done, rounding = 0, 1e-13 * abs(q[mesh[2][3]])
     while True:
         steps = int(state[STEPS])
         if steps % strides == 0:
@@ -300,10 +311,26 @@ def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, 
                 v1[i] = v[i] + h * a[i]
                 q1[i] = q[i] + h * v[i] + 0.5 * h * h * a[i]
             settled = False
-            for _ in range(30):
+            # Newton's method on one linear piece of the friction law, which then moves by one:
+            # free to jump, it would go to and fro between the law's ends
+            branch = 0 if ideal else friction_branch(now[SLIDING], p[V0], p[V1])
+            for _ in range(60):
                 matrix[:] = by_a * mass
                 strain = _forces(
-                    q1, v1, load, mesh, contact, approach, p, law, found, force, matrix, by_q, by_v
+                    q1,
+                    v1,
+                    load,
+                    mesh,
+                    contact,
+                    approach,
+                    branch,
+                    p,
+                    law,
+                    found,
+                    force,
+                    matrix,
+                    by_q,
+                    by_v,
                 )
                 for i in range(size):
                     right[i] = -(1 - alpha_f) * force[i] - alpha_f * old[i]
@@ -319,13 +346,18 @@ def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, 
                     a1[i] += right[i] / (beta * h * h)
                 if not change < inf:
                     break
-                if change <= NEWTON_TOLERANCE * law[1]:
+                away = 0
+                if contact:
+                    speed = _sliding(q1, v1, mesh[2], p)
+                    away = friction_branch(speed, p[V0], p[V1]) - branch
+                if change <= NEWTON_TOLERANCE * law[1] + rounding and abs(away) <= 1:
                     settled = True
                     break
+                branch += min(max(away, -1), 1)
             if not settled:
                 return done, FAILED, 0.0
             strain = _forces(
-                q1, v1, load, mesh, contact, approach, p, law, found, force, matrix, 0.0, 0.0
+                q1, v1, load, mesh, contact, approach, ANY, p, law, found, force, matrix, 0.0, 0.0
             )
             if ideal or contact or lasting or found[DEPTH] <= 0:
                 break
@@ -375,7 +407,7 @@ def _record(row, t, motion, mesh, mass, load, now, strain, state, p, law):
             kinetic += 0.5 * v[i] * mass[i, BAND + j - i] * v[j]
     fx, fy = now[FORCE_X], now[FORCE_Y]
     if ideal:
-        fx, fy = p[M3] * a[ball[0]], -_reaction(q, a, mesh)
+        fx, fy = p[M3] * a[ball[0]], -_reaction(q, a, mesh, p[GRAVITY])
     y = 0.0 if ideal else q[ball[1]]
     row[0], row[1], row[2] = t, q[0], q[ball[3]]
     row[3], row[4], row[5], row[6] = v[0], v[ball[3]], a[0], fx / p[M3]
@@ -448,6 +480,7 @@ def simulate(scene, law, times, ideal, step, elements):
             scene.friction,
             scene.slow_speed,
             scene.full_speed,
+            scene.gravity,
         ]
     )
     load = np.zeros(len(mesh.initial))
@@ -469,5 +502,5 @@ def simulate(scene, law, times, ideal, step, elements):
         state,
         scene,
         lambda: (state[STEPS] * h, h),
-        lambda _: "Newton's method found no balance (a shorter step may)",
+        lambda _: "Newton's method found no balance",
     )

@@ -42,10 +42,12 @@ def lead(response, ideal):
     Returns
     -------
     ndarray
-        In s, negative where it is behind; 0 at the start, where nothing moves.
+        In s, negative where it is behind; 0 where the ideal one rests.
     """
     ahead = response.crank_angle - ideal.crank_angle
-    return np.divide(ahead, ideal.crank_speed, out=np.zeros_like(ahead), where=ideal.time > 0)
+    return np.divide(
+        ahead, ideal.crank_speed, out=np.zeros_like(ahead), where=ideal.crank_speed != 0
+    )
 
 
 def last_separation(response):
@@ -68,13 +70,16 @@ def summary(response, ideal):
     -------
     dict
         Number of contacts, last separation (s), lead of the crank at the end (s), largest
-        normal force (N), and the energy error.
+        force of the contacts that ended, largest and lowest normal force at the outputs (N),
+        and the energy error.
     """
     return {
         "contacts": len(response.impacts),
         "last_separation": last_separation(response),
         "lead_at_end": float(lead(response, ideal)[-1]),
-        "peak_force": float(response.impacts.peak_force.max()),
+        "peak_force": float(response.impacts.dropna().peak_force.max()),
+        "largest_force": float(response.normal_force.max()),
+        "lowest_force": float(response.normal_force.min()),
         "energy_error": response.energy_error,
     }
 

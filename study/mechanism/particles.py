@@ -4,8 +4,8 @@ Each particle has a mass and, per link, a rotary inertia; plane frame elements b
 give internal forces, found after the element's rigid motion is taken off (vector form
 intrinsic finite element; Ting, Shih & Wang, J. Mech. 20 (2004), 113-122). Time is stepped by
 explicit central differences (Eq. 29). In the damping and friction of the joint the velocity is
-the centred one, which is solved for in closed form, or the one half a step ago (``lagged``);
-``unguarded`` is the latter without the check of its limit of stability in contact.
+the centred one, which the forces of the step are solved for, or the one half a step ago
+(``lagged``); ``unguarded`` is the latter without the check of its limit of stability in contact.
 """
 
 from math import asin, atan2, ceil, hypot, inf, pi, sqrt
@@ -13,6 +13,7 @@ from math import asin, atan2, ceil, hypot, inf, pi, sqrt
 import numpy as np
 import scipy.linalg
 
+from study import checks
 from study.compiled import compiled
 from study.contact.forces import elastic_force, stored_energy
 from study.contact.friction import friction_branch, friction_factor
@@ -165,10 +166,10 @@ def _internal_forces(places, turns, elements, pin, forces, moments):
 
 
 @compiled
-def _resist(speed, scale, grip, v0, v1):
+def _resist(speed, grip, v0, v1):
     """Friction factor at the centred speed v = speed - grip factor(v), and that speed."""
     branch = friction_branch(speed, v0, v1)
-    if branch == 0 or scale <= 0:
+    if branch == 0 or grip == 0:
         return friction_factor(speed, branch, v0, v1)[0], speed
     size, sign = abs(speed), 1.0 if speed > 0 else -1.0
     slowed = size - grip
@@ -179,12 +180,29 @@ def _resist(speed, scale, grip, v0, v1):
 
 
 @compiled
+def _meet(gap, rate, rate_before, h):
+    """When in a step, as part of it, a gap <= 0 closes, and the approach speed, > 0.
+
+    ``rate`` is the mean one of the step, which ends above 0, ``rate_before`` that of the step
+    before: a parabola through the last three gaps.
+    """
+    growth = (rate - rate_before) / h
+    start = rate - 0.5 * h * growth
+    approach = sqrt(max(start * start - 2 * growth * gap, 0.0))
+    if approach == 0:
+        return 1.0, rate
+    if start >= 0:
+        return -2 * gap / ((start + approach) * h), approach
+    return (approach - start) / (growth * h), approach
+
+
+@compiled
 def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, impacts, deepest):
     """Step to each output, ``strides`` steps apart, and fill ``rows``; all else goes on.
 
     ``x`` and ``turns`` are at the current time, ``v`` and ``spins`` half a step before it;
-    ``slide`` is (x, v) of the slider. Returns the number of rows filled, a status, and what
-    goes with it: the depth, or the limit of the step.
+    ``slide`` is (x, v) of the slider. Returns the number of rows filled, how it ended, and the
+    limit of the step if that was passed.
     """
     elements, masses, rotaries, pin = frame
     last = len(masses) - 1
@@ -219,8 +237,7 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
                     count = int(state[IMPACTS])
                     if count == len(impacts):
                         return done, FULL, 0.0
-                    part = -state[GAP] / (depth - state[GAP])  # of the step, until they met
-                    approach = gap_rate + (part - 0.5) * (gap_rate - state[GAP_RATE])
+                    part, approach = _meet(state[GAP], gap_rate, state[GAP_RATE], h)
                     state[CONTACT], state[APPROACH] = 1.0, approach
                     lost = state[LOST_DAMPING] + state[LOST_FRICTION]
                     impacts[count] = t - (1 - part) * h, approach, 0.0, 0.0, t, 0.0, 0.0, lost
@@ -241,16 +258,20 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
                     normal = elastic + loss * rate
                     branch = friction_branch(sliding, p[V0], p[V1])
                     factor = friction_factor(sliding, branch, p[V0], p[V1])[0]
-                else:  # with the forces of this step, which depend on it: solved in closed form
+                else:  # with the forces of this step, which depend on it
                     fnx, fny = forces[last, 0] / masses[last], forces[last, 1] / masses[last]
                     rate += 0.5 * h * (fnx * nx + fny * ny)
-                    normal = (elastic + loss * rate) / (1 + 0.5 * h * loss * ease)
-                    rate -= 0.5 * h * ease * normal
                     sliding += 0.5 * h * (fny * nx - fnx * ny + p[R1] * moments[-1] / rotaries[-1])
-                    ease = 1 / masses[last] + ny * ny / p[M3] + p[R1] ** 2 / rotaries[-1]
-                    grip = 0.5 * h * ease * p[FRICTION] * normal
-                    factor, sliding = _resist(sliding, normal, grip, p[V0], p[V1])
-                tangential = -p[FRICTION] * normal * factor
+                    free_rate, free_sliding, both = rate, sliding, 0.5 * h * nx * ny / p[M3]
+                    side = 1 / masses[last] + ny * ny / p[M3] + p[R1] ** 2 / rotaries[-1]
+                    for _ in range(4):  # normal and tangential force act on each other weakly
+                        pushed = free_rate - both * tangential
+                        normal = (elastic + loss * pushed) / (1 + 0.5 * h * loss * ease)
+                        rate = pushed - 0.5 * h * ease * normal
+                        grip = 0.5 * h * side * p[FRICTION] * max(normal, 0.0)
+                        factor, sliding = _resist(free_sliding + both * normal, grip, p[V0], p[V1])
+                        tangential = -p[FRICTION] * max(normal, 0.0) * factor
+                tangential = -p[FRICTION] * max(normal, 0.0) * factor
                 fx, fy = normal * nx + tangential * ny, normal * ny - tangential * nx
                 forces[last, 0] -= fx
                 forces[last, 1] -= fy
@@ -318,7 +339,7 @@ def simulate(scene, law, times, ideal, step, elements, method):
         Whether the ball is fixed to the slider.
     step : float or None
         Largest step, in s, shortened to divide the outputs' distance; None: half the limit of
-        stability of the free frame.
+        stability at the largest depth.
     elements : tuple of int
         Of crank and coupler.
     method : {"centred", "lagged", "unguarded"}
@@ -339,8 +360,13 @@ def simulate(scene, law, times, ideal, step, elements, method):
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
     limit = 2 / frequency
+    checks.number("limit of stability", limit, "s", least=1e-10 * times[-1][-1])
+    if step is None:  # safe at any depth
+        ease = 1 / frame.masses[-1] + 1 / scene.slider_mass
+        stiffest = 0.0 if ideal else elastic_force(law, scene.clearance)[1] * ease
+        step = 1 / sqrt(frequency**2 + stiffest)
     spacing = times[0][1] - times[0][0]
-    strides = ceil(spacing / (limit / 2 if step is None else step) * (1 - 1e-12))
+    strides = ceil(spacing / step * (1 - 1e-12))
     h = spacing / strides
     if h > limit:
         raise ValueError(f"step must be <= {limit:.4g} s, the limit of stability, got {step:.4g} s")

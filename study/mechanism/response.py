@@ -111,7 +111,8 @@ class Response:
         Columns of `COLUMNS`, SI units. Places of slider and crank count from the crank's axis;
         the eccentricity is the ball's centre from the socket's; ``depth`` is negative in
         flight; ``force_x``, ``force_y`` act on the slider; for an ideal joint ``normal_force``
-        is the size of that force. ``work`` is that of drive and gravity.
+        is the size of that force. ``work`` is that of drive and gravity since t = 0. In contact
+        ``normal_force`` may fall below 0, see ``study.contact.forces.joint_forces``.
     impacts : pandas.DataFrame
         Columns of `IMPACT_COLUMNS`, a row per contact. For one that has not ended,
         ``separation_speed`` is missing (NaN), and ``duration`` and ``lost`` are those so far.
@@ -130,9 +131,11 @@ class Response:
 
     @property
     def energy_error(self):
-        """Largest |work - kinetic - elastic - lost| over the largest |work|."""
-        rest = self.work - self.kinetic - self.elastic - self.lost_damping - self.lost_friction
-        return float(np.abs(rest).max() / np.abs(self.work).max())
+        """Largest change of work - kinetic - elastic - lost, over the largest of these energies."""
+        parts = self.motion[["work", "kinetic", "elastic", "lost_damping", "lost_friction"]]
+        rest = parts.work - parts.drop(columns="work").sum(axis=1)
+        largest = float(parts.abs().to_numpy().max())
+        return float((rest - rest.iloc[0]).abs().max()) / largest if largest > 0 else 0.0
 
     def save(self, path):
         """Write the motion as CSV, whole or not at all.
@@ -159,6 +162,7 @@ def collect(blocks, impacts, ended, complete):
     complete : bool
     """
     motion = pd.DataFrame(np.vstack(blocks), columns=list(COLUMNS))
+    motion["work"] -= motion["work"].iloc[0]
     table = pd.DataFrame(impacts, columns=list(IMPACT_COLUMNS))
     table["duration"] -= table["time"]
     if not ended:

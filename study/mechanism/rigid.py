@@ -26,6 +26,7 @@ from study.mechanism.response import (
     FULL,
     IMPACTS,
     TOO_DEEP,
+    MechanismError,
     advance_in_blocks,
 )
 
@@ -294,15 +295,15 @@ def _event(which, piece, seen, p):
     """Event functions, negative before and positive after.
 
     0: the surfaces meet or part; 1, 2: the sliding speed leaves the friction branch upwards or
-    downwards; 3: the normal force has passed a peak.
+    downwards; 3, 4: normal force and depth have passed a peak.
     """
     contact, branch, _ = piece
     if which == 0:
         return -seen[DEPTH] if contact else seen[DEPTH]
     if not contact:
         return -1.0
-    if which == 3:
-        return -seen[NORMAL_RATE]
+    if which >= 3:
+        return -seen[NORMAL_RATE] if which == 3 else -seen[RATE]
     bounds = (-inf, -p[V1], -p[V0], p[V0], p[V1], inf)
     if which == 1:
         return seen[SLIDING] - bounds[branch + 3]
@@ -325,7 +326,7 @@ def _locate(which, before, after, y, t, h, piece, p, law, f0, k, scratch, new):
     value that stays (Illinois), each value from a step of its own.
     """
     low, high, side = 0.0, h, 0
-    if before >= 0:  # the piece begins on the event and left it in the right direction
+    if before > -1e-9 * after:  # the piece begins on the event, and has left it at once
         before = -after
     while high - low > 1e-15 * t + 1e-14 * high:
         middle = (low * after - high * before) / (after - before)
@@ -363,10 +364,10 @@ def impact_depth(y, rate, p, law):
     compliance = (p[A22] * n1 * n1 - 2 * coupling * n1 * n2 + p[A11] * n2 * n2) / determinant
     energy = rate * rate / (2 * (compliance + nx * nx / p[M3]))
     depth = law[1]
-    for _ in range(200):  # Newton's method from above on a convex function
+    for _ in range(200):  # Newton's method on a convex function
         change = (stored_energy(law, depth) - energy) / elastic_force(law, depth)[0]
         depth -= change
-        if change <= 1e-6 * depth:
+        if abs(change) <= 1e-6 * depth:
             break
     return depth
 
@@ -442,8 +443,6 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
                 continue
             return done, FAILED, steps
         motion(new, piece, p, law, True, f1, seen1, k1)
-        if seen1[DEPTH] > deepest:
-            return done, TOO_DEEP, steps
         grown = length * min(5.0, 0.9 * max(error, 1e-12) ** -0.2)
         h = max(h, grown) if landing else grown
 
@@ -467,13 +466,17 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
                 return done, FAILED, steps
         count = int(state[IMPACTS])
         if piece[0]:
+            if seen1[DEPTH] > deepest:
+                return done, TOO_DEEP, steps
             impact = impacts[count - 1]
-            before, after = -seen[NORMAL_RATE], -seen1[NORMAL_RATE]
-            if before < 0 <= after and seen[NORMAL] - before * ahead > impact[2]:
-                peak = _locate(3, before, after, y, t, ahead, piece, p, law, f0, k, scratch, trial)
-                _try(3, y, peak, piece, p, law, f0, k, scratch, trial)
-                impact[2] = max(impact[2], scratch[3][NORMAL])
-                impact[3] = max(impact[3], scratch[3][DEPTH])
+            for which, column, quantity in ((3, 2, NORMAL), (4, 3, DEPTH)):  # peaks inside
+                before, after = _event(which, piece, seen, p), _event(which, piece, seen1, p)
+                if before < 0 <= after and seen[quantity] - before * ahead > impact[column]:
+                    peak = _locate(
+                        which, before, after, y, t, ahead, piece, p, law, f0, k, scratch, trial
+                    )
+                    _try(which, y, peak, piece, p, law, f0, k, scratch, trial)
+                    impact[column] = max(impact[column], scratch[3][quantity])
             impact[2], impact[3] = max(impact[2], seen1[NORMAL]), max(impact[3], seen1[DEPTH])
         t = times[done] if landing else t + ahead
         y[:] = new
@@ -488,7 +491,7 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
                 piece = (False, 0, piece[2])
             elif first > 0:
                 piece = (True, piece[1] + (1 if first == 1 else -1), piece[2])
-        elif first == 0:
+        elif first == 0 and seen1[RATE] > 0:  # else it grazes, and goes on in flight
             if count == len(impacts):
                 return done, FULL, steps
             _touch(y, law)
@@ -573,20 +576,35 @@ def ideal(scene, times):
         half = a22 * phi1 * phi2 + a12 * (cd * phi2 - sd * (1 - phi1) * phi1) + m3 * x1 * x2
         return (moment - g1 * ct - g2 * cp * phi1 - half * omega**2) / inertia
 
-    outputs = np.concatenate(times)
-    speed = np.sqrt((abs(moment) + abs(g1) + abs(g2)) / a11) + 1 / outputs[-1]  # of the drive
-    solution = solve_ivp(
-        lambda _, y: (y[1], accelerate(*y)),
-        (0, outputs[-1]),
-        (0.0, 0.0),
-        method="DOP853",
-        t_eval=outputs,
-        rtol=3e-14,
-        atol=(1e-15, 1e-15 * speed),
-    )
-    theta, omega = solution.y
-    alpha = accelerate(theta, omega)
-    st, ct, sp, cp, phi1, phi2, x1, x2 = kinematics(theta)
+    speed = np.sqrt((abs(moment) + abs(g1) + abs(g2)) / a11) + 1 / times[-1][-1]  # of the drive
+    start, state = 0.0, (0.0, 0.0)
+    for block in times:
+        theta, omega = np.array(state)[:, None] * np.ones(len(block))
+        if block[-1] > start:
+            solution = solve_ivp(
+                lambda _, y: (y[1], accelerate(*y)),
+                (start, block[-1]),
+                state,
+                method="DOP853",
+                t_eval=block,
+                rtol=3e-14,
+                atol=(1e-15, 1e-15 * speed),
+            )
+            if not solution.success:
+                raise MechanismError(f"the integrator failed after {start:.9g} s")
+            theta, omega = solution.y
+        start, state = block[-1], (theta[-1], omega[-1])
+        yield (
+            _ideal_rows(block, theta, omega, p, kinematics(theta), accelerate(theta, omega)),
+            (np.empty((0, 7))),
+            True,
+        )
+
+
+def _ideal_rows(times, theta, omega, p, kinematics, alpha):
+    """Rows of output of the ideal mechanism, from the crank's motion."""
+    l1, l2, a11, a22, a12, m3, moment, g1, g2 = p[:9]
+    st, ct, sp, cp, phi1, phi2, x1, x2 = kinematics
     psi, beta = phi1 * omega, phi1 * alpha + phi2 * omega**2
     sd, cd = st * cp - ct * sp, ct * cp + st * sp
     pull = x1 * alpha + x2 * omega**2
@@ -596,9 +614,7 @@ def ideal(scene, times):
         0.5 * (a11 * omega**2 + a22 * psi**2 + m3 * (x1 * omega) ** 2) + a12 * cd * omega * psi
     )
     zero = np.zeros_like(theta)
-    columns = (outputs, theta, l1 * ct + l2 * cp, omega, x1 * omega, alpha, pull)
+    columns = (times, theta, l1 * ct + l2 * cp, omega, x1 * omega, alpha, pull)
     columns += (np.arctan2(sp, cp), psi, zero, zero, zero, np.hypot(fx, fy), zero, fx, fy)
     columns += (moment * theta - g1 * st - g2 * sp, kinetic, zero, zero, zero)
-    rows = np.column_stack(columns)
-    for block in np.split(rows, np.cumsum([len(block) for block in times])[:-1]):
-        yield block, np.empty((0, 7)), True
+    return np.column_stack(columns)

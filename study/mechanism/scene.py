@@ -85,13 +85,15 @@ class Scene:
             if inertia is not None:
                 checks.number(f"{body} inertia", inertia, "kg m^2", least=0, scalar=True)
         checks.poisson("poisson", self.poisson)
-        checks.number("clearance", self.clearance, "m", below=self.socket_radius)
+        smallest = 1e-9 * self.socket_radius
+        checks.number("clearance", self.clearance, "m", least=smallest, below=self.socket_radius)
         longest = self.coupler_length - self.clearance
         checks.number("crank length", self.crank_length, "m", below=longest)
         checks.number("friction", self.friction, least=0, scalar=True)
         checks.number("slow speed", self.slow_speed, "m/s", least=0, below=self.full_speed)
-        checks.number("driving moment", self.driving_moment, "N m", scalar=True)
-        checks.number("gravity", self.gravity, "m/s^2", scalar=True)
+        moment = "driving moment", self.driving_moment, "N m"
+        checks.number(*moment, least=-1e6, most=1e6, scalar=True)
+        checks.number("gravity", self.gravity, "m/s^2", least=-1e6, most=1e6, scalar=True)
         damping_factor(self.damping, self.restitution)
         checks.number("x of initial eccentricity", self.initial_eccentricity[0], "m", scalar=True)
         checks.number("y of initial eccentricity", self.initial_eccentricity[1], "m", scalar=True)

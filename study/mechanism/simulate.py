@@ -17,6 +17,7 @@ JOINTS = ("clearance", "ideal")
 TOLERANCE = 1e-8
 BEAM_STEP = 1e-6
 ELEMENTS = (4, 8)
+MOST_STEPS = 1e10
 BLOCKS = 100  # after each the progress is told, and an interruption is heeded
 
 
@@ -91,8 +92,8 @@ def simulate(
     ):
         if value is not None and not used:
             raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
-    checks.number("duration", duration, "s", above=0, scalar=True)
-    outputs = _whole("outputs", outputs)
+    checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
+    outputs = _whole("outputs", outputs, 10**7)
     packed = pack(
         law, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **law_options
     )
@@ -109,9 +110,9 @@ def simulate(
         pair = ELEMENTS if elements is None else tuple(elements)
         if len(pair) != 2:
             raise ValueError(f"elements must be two numbers, of crank and coupler, got {elements}")
-        pair = tuple(_whole("elements", n) for n in pair)
+        pair = tuple(_whole("elements", n, 500) for n in pair)
         if step is not None:
-            checks.number("step", step, "s", above=0, scalar=True)
+            checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
         if model == "particles":
             method = particles.METHODS[0] if method is None else method
             checks.choice("method", method, particles.METHODS)
@@ -138,7 +139,7 @@ def _gather(blocks, times, progress):
     return collect(rows, impacts, ended, complete)
 
 
-def _whole(name, value):
-    if checks.number(name, value, least=1, scalar=True) != int(value):
+def _whole(name, value, most):
+    if checks.number(name, value, least=1, most=most, scalar=True) != int(value):
         raise ValueError(f"{name} must be a whole number >= 1, got {value}")
     return int(value)
