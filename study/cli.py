@@ -28,6 +28,7 @@ app = typer.Typer(
 data_app = typer.Typer(help="The cached finite-element dataset.", no_args_is_help=True)
 app.add_typer(data_app, name="data")
 
+SHOWN = 20  # impacts in a printed table
 INTERRUPTED = 130  # typer's status after Ctrl-C
 UsageError = typer.BadParameter.__base__  # of every wrong option or argument
 LawName = StrEnum("LawName", list(LAWS))
@@ -247,7 +248,10 @@ def simulate_mechanism(
     ] = "rods",
     scene: Annotated[
         list[str] | None,
-        typer.Option(metavar="KEY=VALUE", help="Change the scene, e.g. restitution=0.9; SI units."),
+        typer.Option(
+            metavar="KEY=VALUE",
+            help="Change the scene, e.g. restitution=0.9, initial_eccentricity=0,-4e-5; SI.",
+        ),
     ] = None,
     output: Annotated[
         Path | None, typer.Option(help="Write the motion to this CSV file as well.")
@@ -256,6 +260,7 @@ def simulate_mechanism(
 ):
     """Simulate the crank-slider: where it is at the end, and every impact (SI units)."""
     from study.mechanism import simulate
+    from study.mechanism.compare import last_separation
 
     changed = _scene(scene or [], inertia)
     if output is not None:
@@ -287,15 +292,20 @@ def simulate_mechanism(
         "x_slider": last.slider_position,
         "v_slider": last.slider_velocity,
         "a_slider": last.slider_acceleration,
+        "contacts": len(response.impacts),
+        "last_separation": last_separation(response),
         "energy_error": response.energy_error,
         "complete": response.complete,
     }
     impacts = response.impacts.astype(object).where(response.impacts.notna(), None)
     if as_json:
-        print(json.dumps(end | {"impacts": impacts.to_dict("records")}))
+        print(json.dumps(end | {"impacts": impacts.to_dict("records")}, allow_nan=False))
     else:
         _table(list(end), [[_text(value) for value in end.values()]])
-        _table(impacts.columns, impacts.map(_text).itertuples(index=False))
+        shown = impacts.head(SHOWN)
+        _table(impacts.columns, shown.map(_text).itertuples(index=False))
+        rest = len(impacts) - len(shown)
+        print(f"SI units.{f' {rest} more contacts: --json prints all.' if rest else ''}")
     return 0 if response.complete else INTERRUPTED
 
 

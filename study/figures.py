@@ -217,7 +217,9 @@ def mark_peaks(axes, responses):
         ended = response.impacts.dropna()
         look = MODEL_LOOKS[model]
         style = {"color": "0.45" if model == "rigid" else look.color, "markersize": 3}
-        axes.plot(1e3 * ended.time, ended.peak_force, look.marker, linestyle="none", **style)
+        style["label"] = f"peaks, {look.label}"
+        middle = 1e3 * (ended.time + ended.duration / 2)
+        axes.plot(middle, ended.peak_force, look.marker, linestyle="none", **style)
 
 
 def draw_trajectory(axes, response, clearance):
@@ -267,7 +269,11 @@ def draw_contact_times(axes, impacts, duration):
         axes.broken_barh(spans, (row - 0.35, 0.7), facecolor=names[links], alpha=0.35)
         axes.vlines(spans[:, 0], row - 0.35, row + 0.35, color=names[links], linewidth=0.6)
     axes.set_yticks(range(len(impacts)), [f"{name} · {links}" for links, name in impacts])
-    axes.set(xlim=(0, duration), ylim=(len(impacts) - 0.5, -0.5), xlabel="time (ms)")
+    axes.set(
+        xlim=(0, duration),
+        ylim=(len(impacts) - 0.5, -0.5),
+        xlabel="time (ms); tick: touch, pale: contact",
+    )
     axes.grid(False, axis="y")
 
 
@@ -290,13 +296,16 @@ def draw_mechanism(axes, scene, angle):
     for place in ((0, 0), pin):
         axes.plot(*place, "wo", markeredgecolor="k", markersize=6, zorder=4)
     axes.add_patch(Arc((0, 0), 36, 36, theta1=0, theta2=np.degrees(angle), linewidth=0.8))
-    axes.annotate(r"$\theta$", (20 * np.cos(angle / 2), 20 * np.sin(angle / 2)))
+    axes.annotate(r"$\theta$", (20 * np.cos(angle / 2), 20 * np.sin(angle / 2) - 2))
+    turning = {"arrowstyle": "->", "connectionstyle": "arc3,rad=-0.9", "linewidth": 1.5}
+    sign = 1 if scene.driving_moment >= 0 else -1
+    axes.annotate("", (-9, -9 * sign), (-9, 9 * sign), arrowprops=turning)
     texts = (
         (f"crank {crank:g} mm, {scene.crank_mass:g} kg", 0.6 * pin, (-115, 16)),
-        (f"coupler {coupler:g} mm, {scene.coupler_mass:g} kg", (pin + end) / 2, (-20, 34)),
+        (f"coupler {coupler:g} mm, {scene.coupler_mass:g} kg", (pin + end) / 2, (-40, 36)),
         (f"slider {scene.slider_mass:g} kg", (end[0], -slider / 2), (-20, -22)),
         (f"moment {scene.driving_moment:g} N m", (0, 0), (-52, -52)),
-        (f"clearance {1e6 * scene.clearance:g} µm (enlarged)", (end[0], radius), (-30, 42)),
+        (f"clearance {1e6 * scene.clearance:g} µm (enlarged)", (end[0], radius), (-62, 36)),
     )
     for text, place, shift in texts:
         arrow = {"arrowstyle": "-", "linewidth": 0.6, "color": "0.4"}

@@ -107,7 +107,7 @@ CATALOGUE = (
     ),
     Notebook(
         "07-crank-slider-and-its-parameters",
-        {"fig16": "crank-slider with a clearance joint, to scale"},
+        {"fig16": "crank-slider with a clearance joint, lengths to scale"},
         {
             "table3": "geometry and masses of the crank-slider",
             "table4": "material, joint and drive of the crank-slider",
@@ -117,7 +117,7 @@ CATALOGUE = (
     Notebook(
         "08-motion-of-the-slider",
         {
-            "fig17": "displacement of the slider, ideal and clearance joint",
+            "fig17": "position of the slider, ideal and clearance joint",
             "fig18": "velocity of the slider, ideal and clearance joint",
             "fig19": "acceleration of the slider, ideal and clearance joint",
         },

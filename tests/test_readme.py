@@ -76,9 +76,9 @@ def test_accuracy_as_claimed():
 def test_agreement_of_the_models_as_claimed():
     table = pd.read_csv(paths.FIGURES / "agreement.csv")
     pair = table[(table.model == "particles") & (table.against == "beams")]
-    place, percent = claimed(r"displacements within (\S+), accelerations within ([\d.]+) %")
-    assert 0.8 * place < pair.slider_position.max() < 1.05 * place
-    assert 100 * pair.slider_acceleration.max() == pytest.approx(percent, abs=0.1)
+    place, percent = claimed(r"positions within (\S+) of the way, accelerations within ([\d.]+) %")
+    assert 0.5 * place < pair.slider_position.max() < place
+    assert 0.8 * percent < 100 * pair.slider_acceleration.max() < percent
 
 
 def test_impacts_as_claimed():
@@ -98,22 +98,33 @@ def test_impacts_as_claimed():
 
 def test_what_keeps_impacts_going_as_claimed():
     variants = pd.read_csv(paths.FIGURES / "variants.csv").set_index(["links", "variant"])
+    for cr, end in zip(
+        ("0.9", "0.99"), claimed(r"\(0.9: to (\d+) ms, 0.99: to (\d+) ms, with rigid"), strict=True
+    ):
+        found = variants.last_separation["rigid links", f"restitution {cr}"]
+        assert 1e3 * found == pytest.approx(end, abs=0.6)
     true = variants[variants.energy_error < 1e-4]
-    going = set(true[true.last_separation > 0.1].index)
-    always = {("rigid links", "restitution 0.99"), ("rigid links", "restitution 1")}
-    assert always <= going <= always | {("particles", f"restitution {cr}") for cr in (0.99, 1)}
+    others = true[~true.index.get_level_values("variant").str.startswith("restitution")]
+    assert others.last_separation.max() < 0.025
     broken = variants[variants.energy_error > 1e-3]
     assert broken.index.get_level_values("variant").str.contains("velocity").all()
     assert broken.largest_force.max() - broken.lowest_force.min() > 2000
 
 
 def test_lead_as_claimed():
-    until, behind, end = claimed(r"first (\d+) ms only, then behind, by ([\d.]+) ms after (\d+) ms")
-    options = {"duration": 1e-3 * end, "outputs": 4000}
+    (percent,) = claimed(r"slider lags behind the ideal one in (\d+) % of the first 200 ms")
+    until, behind = claimed(r"crank is ahead for (\d+) ms; in the end the crank is ([\d.]+) ms")
+    options = {"duration": 0.2, "outputs": 4000}
     ideal = simulate(joint="ideal", **options)
-    lead = compare.lead(simulate(law="hyperbolic_winkler", **options), ideal)
+    response = simulate(law="hyperbolic_winkler", **options)
+    assert 100 * (1 - compare.ahead(response, ideal).mean()) == pytest.approx(percent, abs=0.5)
+    lead = compare.lead(response, ideal)
     assert -1e3 * lead[-1] == pytest.approx(behind, abs=0.05)
     assert 1e3 * ideal.time[lead > 0].max() == pytest.approx(until, abs=0.6)
+    assert response.lost_friction[-1] > 0.99 * (response.lost_friction + response.lost_damping)[-1]
+    variants = pd.read_csv(paths.FIGURES / "variants.csv").set_index(["links", "variant"])
+    smooth = variants.lead_at_end["rigid links", "no friction"]
+    assert smooth / variants.lead_at_end["rigid links", "as stated"] < 0.1
 
 
 def test_dataset_size_as_claimed():

@@ -4,6 +4,8 @@ A law with its dimensions is packed into one array of numbers, because compiled 
 kept on disk cannot hold Python functions; every formula stays in `shapes` and `friction`.
 """
 
+from inspect import signature
+
 import numpy as np
 
 from study import checks
@@ -50,6 +52,9 @@ def pack(law, ball_radius, socket_radius, composite, **options):
     r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
     modulus = checks.number("composite modulus", composite, "Pa", above=0, scalar=True)
     clearance = r2 - r1
+    known = list(signature(LAWS[law].parts).parameters)[1:]
+    for option in options:
+        checks.choice(f"option of {law}", option, known or ["(it has none)"])
     scale, shape, constants = LAWS[law].parts(r2 / clearance, **options)
     index = shapes.SHAPES.index(shape)
     return np.array([index, clearance, modulus * clearance**2 * scale, *constants], dtype=float)

@@ -18,7 +18,7 @@ def difference(response, truth, column):
     Returns
     -------
     float
-        RMS of the difference over the RMS of ``truth``.
+        RMS of the difference over the RMS of what ``truth`` has changed since the start.
 
     Raises
     ------
@@ -28,7 +28,7 @@ def difference(response, truth, column):
     if not np.array_equal(response.time, truth.time):
         raise ValueError("responses must have the same times")
     one, other = getattr(response, column), getattr(truth, column)
-    return float(np.sqrt(np.mean((one - other) ** 2) / np.mean(other**2)))
+    return float(np.sqrt(np.mean((one - other) ** 2) / np.mean((other - other[0]) ** 2)))
 
 
 def lead(response, ideal):
@@ -48,6 +48,21 @@ def lead(response, ideal):
     return np.divide(
         ahead, ideal.crank_speed, out=np.zeros_like(ahead), where=ideal.crank_speed != 0
     )
+
+
+def ahead(response, ideal):
+    """Where the slider is ahead of the ideal mechanism's, in the direction that one moves in.
+
+    Parameters
+    ----------
+    response, ideal : Response
+        At the same times.
+
+    Returns
+    -------
+    ndarray of bool
+    """
+    return (response.slider_position - ideal.slider_position) * ideal.slider_velocity > 0
 
 
 def last_separation(response):
@@ -70,15 +85,15 @@ def summary(response, ideal):
     -------
     dict
         Number of contacts, last separation (s), lead of the crank at the end (s), largest
-        force of the contacts that ended, largest and lowest normal force at the outputs (N),
-        and the energy error.
+        force of the contacts that ended, of all contacts, lowest normal force at the outputs
+        (N), and the energy error.
     """
     return {
         "contacts": len(response.impacts),
         "last_separation": last_separation(response),
         "lead_at_end": float(lead(response, ideal)[-1]),
         "peak_force": float(response.impacts.dropna().peak_force.max()),
-        "largest_force": float(response.normal_force.max()),
+        "largest_force": float(response.impacts.peak_force.max()),
         "lowest_force": float(response.normal_force.min()),
         "energy_error": response.energy_error,
     }
@@ -86,6 +101,8 @@ def summary(response, ideal):
 
 def refinement(scene, crank_elements, **options):
     """Largest difference of the slider's place between particles and finite elements.
+
+    Relative to the way that the slider of the finest finite elements goes.
 
     Parameters
     ----------
@@ -98,7 +115,7 @@ def refinement(scene, crank_elements, **options):
     Returns
     -------
     pandas.DataFrame
-        Columns elements, difference (m).
+        Columns elements, difference.
     """
     step, rows = options.pop("step"), []
     for n in crank_elements:
@@ -107,7 +124,9 @@ def refinement(scene, crank_elements, **options):
         beams = simulate(scene, model="beams", step=step, **pair, **options)
         apart = np.abs(particles.slider_position - beams.slider_position).max()
         rows.append((n, float(apart)))
-    return pd.DataFrame(rows, columns=["elements", "difference"])
+    table = pd.DataFrame(rows, columns=["elements", "difference"])
+    table["difference"] /= _way(beams)
+    return table
 
 
 def stiffening(scene, factors, **options):
@@ -125,8 +144,8 @@ def stiffening(scene, factors, **options):
     Returns
     -------
     pandas.DataFrame
-        Columns factor; particles, beams (largest differences of the slider's place, in m);
-        approach_speed, peak_force (relative differences of the particles' first impact).
+        Columns factor; particles, beams (largest differences of the slider's place, relative
+        to its way); approach_speed, peak_force (of the particles' first impact, relative).
     """
     step, elements, rows = options.pop("step"), {"elements": (2, 4)}, []
     rigid = simulate(scene, joint="ideal", **options)
@@ -137,12 +156,17 @@ def stiffening(scene, factors, **options):
         apart = []
         for model, own in (("particles", {}), ("beams", {"step": step})):
             response = simulate(stiff, model=model, joint="ideal", **elements, **own, **options)
-            apart.append(np.abs(response.slider_position - rigid.slider_position).max())
+            largest = np.abs(response.slider_position - rigid.slider_position).max()
+            apart.append(largest / _way(rigid))
         first = simulate(stiff, model="particles", **elements, **longer).impacts.iloc[0]
         changes = [abs(first[c] / truth[c] - 1) for c in ("approach_speed", "peak_force")]
         rows.append((factor, *apart, *changes))
     columns = ["factor", "particles", "beams", "approach_speed", "peak_force"]
     return pd.DataFrame(rows, columns=columns)
+
+
+def _way(response):
+    return np.abs(response.slider_position - response.slider_position[0]).max()
 
 
 def order(x, y):

@@ -95,6 +95,9 @@ class Scene:
         checks.number(*moment, least=-1e6, most=1e6, scalar=True)
         checks.number("gravity", self.gravity, "m/s^2", least=-1e6, most=1e6, scalar=True)
         damping_factor(self.damping, self.restitution)
+        pair = self.initial_eccentricity
+        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+            raise ValueError(f"initial eccentricity must be two numbers, in m, got {pair!r}")
         checks.number("x of initial eccentricity", self.initial_eccentricity[0], "m", scalar=True)
         checks.number("y of initial eccentricity", self.initial_eccentricity[1], "m", scalar=True)
         gap = hypot(*self.initial_eccentricity)
@@ -200,6 +203,23 @@ class Link:
     def wave_speed(self):
         """Speed of axial waves, in m/s."""
         return sqrt(self.axial / self.mass_per_length)
+
+
+def square_bar_inertia(scene, body):
+    """Moment of inertia about its centre of a link as the square bar of the scene's density.
+
+    Parameters
+    ----------
+    scene : Scene
+    body : {"crank", "coupler"}
+
+    Returns
+    -------
+    float
+        m (L^2 + h^2) / 12 with the side h, in kg m^2.
+    """
+    length, mass = getattr(scene, f"{body}_length"), getattr(scene, f"{body}_mass")
+    return mass * (length**2 + mass / (scene.density * length)) / 12
 
 
 _POSITIVE = {

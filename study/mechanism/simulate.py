@@ -81,6 +81,8 @@ def simulate(
         If the simulation cannot go on; says when, with which step, and what limit was passed.
     """
     scene = Scene() if scene is None else scene
+    if not isinstance(scene, Scene):
+        raise ValueError(f"scene must be a Scene, got {scene!r}")
     checks.choice("model", model, MODELS)
     checks.choice("joint", joint, JOINTS)
     flexible, ideal = model != "rigid", joint == "ideal"
@@ -107,8 +109,8 @@ def simulate(
         checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
         blocks = rigid.clearance(scene, packed, times, tolerance)
     else:
-        pair = ELEMENTS if elements is None else tuple(elements)
-        if len(pair) != 2:
+        pair = ELEMENTS if elements is None else elements
+        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
             raise ValueError(f"elements must be two numbers, of crank and coupler, got {elements}")
         pair = tuple(_whole("elements", n, 500) for n in pair)
         if step is not None:
