@@ -259,6 +259,7 @@ def simulate_mechanism(
     as_json: AsJson = False,
 ):
     """Simulate the crank-slider: where it is at the end, and every impact (SI units)."""
+    from study.compiled import CACHE
     from study.mechanism import simulate
     from study.mechanism.compare import last_separation
 
@@ -269,6 +270,8 @@ def simulate_mechanism(
         if not os.access(output.parent, os.W_OK):
             raise ValueError(f"--output must be in a folder that can be written to, got {output}")
     pair = None if elements is None else _numbers("--elements", elements, int)
+    if sys.stderr.isatty() and not any(CACHE.rglob("*.nbi")):
+        print("Compiling the stepping loops, once: some seconds ...", file=sys.stderr)
     with _progress(duration) as progress:
         response = simulate(
             changed,

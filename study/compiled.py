@@ -21,6 +21,7 @@ def _digest():
     return digest.hexdigest()[:16]
 
 
-numba.config.CACHE_DIR = str(paths.BUILD / "compiled" / _digest())
+CACHE = paths.BUILD / "compiled" / _digest()
+numba.config.CACHE_DIR = str(CACHE)
 
 compiled = numba.njit(cache=True, error_model="numpy")
