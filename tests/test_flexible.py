@@ -261,3 +261,12 @@ def test_weight_rests_on_the_slide(model):
     options = {"joint": "ideal", "duration": 0.002, "outputs": 2000}
     rigid, r = simulate(scene, **options), simulate(scene, model=model, **TWO, **options)
     assert r.force_y.mean() == pytest.approx(rigid.force_y.mean(), rel=0.03)
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_outputs_at_every_step_lose_none_when_the_table_of_impacts_grows(model):
+    scene = PAPER.but(restitution=1.0, friction=0.0)
+    options = {"model": model, "duration": 0.1, "step": 2e-6, "outputs": 50_000, **TWO}
+    response = simulate(scene, **options)
+    assert len(response.impacts) > 64
+    assert (np.diff(response.crank_angle[1:]) != 0).all()  # no step is recorded twice

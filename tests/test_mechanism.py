@@ -80,7 +80,7 @@ def test_bad_scene_is_one_clear_error(changes, message):
         ({"joint": "glued"}, "joint must be one of clearance, ideal, got 'glued'"),
         ({"law": "hooke"}, "law must be one of hertz"),
         ({"duration": 0.0}, "duration must be > 0 and <= 1e+09 s, got 0 s"),
-        ({"outputs": 2.5}, "outputs must be a whole number >= 1, got 2.5"),
+        ({"outputs": 2.5}, "outputs must be a whole number >= 1 and <= 1000000, got 2.5"),
         ({"tolerance": 1.0}, "tolerance must be >= 1e-12 and <= 0.01, got 1"),
         ({"step": 1e-6}, "step must be left out: model rigid, joint clearance has none"),
         ({"joint": "ideal", "tolerance": 1e-6}, "tolerance must be left out: model rigid, joint"),
@@ -310,7 +310,7 @@ def test_no_drive_no_motion(model, joint):
     response = simulate(scene, model=model, joint=joint, duration=0.001, outputs=10)
     assert np.abs(response.crank_angle).max() < 1e-15
     assert response.impacts.empty
-    assert response.energy_error < 1e-25 or model != "rigid"
+    assert response.kinetic.max() < 1e-20  # rounding of the places, for flexible links
     assert (compare.lead(response, response) == 0).all()
 
 

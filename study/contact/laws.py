@@ -67,8 +67,7 @@ def _law(parts):
         depth, r2 = np.broadcast_arrays(depth, r2)
         contact = depth > 0
         scale, shape, constants = parts(r2[contact], **options)
-        if shape is shapes.hyperbolic:
-            checks.number(f"depth_star of {parts.__name__}", depth, most=pi**2 / 8)
+        checks.number(f"depth_star of {parts.__name__}", depth, most=shapes.LIMITS.get(shape))
         result = np.zeros(depth.shape)
         with np.errstate(over="ignore"):
             result[contact] = scale * shape(depth[contact], constants)[int(derivative)]
@@ -140,8 +139,7 @@ def steuermann(r2_star, *, n=1, radius="geometric"):
         As for `hertz`; for n not a whole number from 1 to 50, or an unknown ``radius``.
     """
     checks.choice("radius", radius, ("geometric", "profile"))
-    if checks.number("n", n, least=1, most=50, scalar=True) != int(n):
-        raise ValueError(f"n must be a whole number >= 1 and <= 50, got {n}")
+    n = checks.whole("n", n, least=1, most=50)
     factor = 4 * n / (2 * n + 1)
     if radius == "geometric":
         return factor * r2_star, shapes.chord, ()

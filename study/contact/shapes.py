@@ -5,7 +5,7 @@ so that the same lines serve NumPy arrays and the compiled stepping loops (`stud
 ``constants`` is what a shape needs besides the depth; most need nothing.
 """
 
-from math import factorial
+from math import factorial, pi
 
 import numpy as np
 
@@ -67,4 +67,6 @@ _BRACKET = tuple(
     for k in range(19, -1, -1)
 )
 
+LIMITS = {hyperbolic: pi**2 / 8}
+"""Largest depth_star, of shapes that have one: there the half-angle a is 90 deg."""
 SHAPES = (hertz, winkler, power, chord, liu, half_angle, hyperbolic)

@@ -8,7 +8,7 @@ generalised-alpha method (Chung & Hulbert 1993) with Newton's method on a banded
 the scene and the contact law are shared with `particles`.
 """
 
-from math import asin, atan2, ceil, cos, hypot, inf, sin
+from math import asin, atan2, cos, hypot, inf, sin
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from study.mechanism.response import (
     IMPACTS,
     TOO_DEEP,
     advance_in_blocks,
+    divide,
 )
 
 SPECTRAL_RADIUS = 0.8
@@ -300,6 +301,8 @@ def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, 
     strain = _forces(q, v, load, mesh, contact, approach, ANY, p, law, now, old, matrix, 0.0, 0.0)
     done, rounding = 0, 1e-13 * abs(q[mesh[2][3]])
     while True:
+        if int(state[IMPACTS]) == len(impacts):
+            return done, FULL, 0.0
         steps = int(state[STEPS])
         if steps % strides == 0:
             _record(rows[done], steps * h, motion, mesh, mass, load, now, strain, state, p, law)
@@ -362,8 +365,6 @@ def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, 
             if ideal or contact or lasting or found[DEPTH] <= 0:
                 break
             count = int(state[IMPACTS])
-            if count == len(impacts):
-                return done, FULL, 0.0
             after, approach = _meet(now[DEPTH], now[RATE], found[DEPTH], found[RATE], h)
             contact, lasting = True, True
             lost = state[LOST_DAMPING] + state[LOST_FRICTION]
@@ -469,9 +470,7 @@ def simulate(scene, law, times, ideal, step, elements):
         If Newton's method finds no balance, or the ball goes deeper than one clearance.
     """
     mesh = Mesh(scene, elements, ideal)
-    spacing = times[0][1] - times[0][0]
-    strides = ceil(spacing / step * (1 - 1e-12))
-    h = spacing / strides
+    strides, h = divide(times, step)
     p = np.array(
         [
             scene.slider_mass,

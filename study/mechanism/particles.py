@@ -8,14 +8,14 @@ the centred one, which the forces of the step are solved for, or the one half a 
 (``lagged``); ``unguarded`` is the latter without the check of its limit of stability in contact.
 """
 
-from math import asin, atan2, ceil, hypot, inf, pi, sqrt
+from math import asin, atan2, hypot, inf, pi, sqrt
 
 import numpy as np
 import scipy.linalg
 
 from study import checks
 from study.compiled import compiled
-from study.contact.forces import elastic_force, stored_energy
+from study.contact.forces import elastic_force, joint_forces, stored_energy
 from study.contact.friction import friction_branch, friction_factor
 from study.mechanism.response import (
     CONTACT,
@@ -25,6 +25,7 @@ from study.mechanism.response import (
     IMPACTS,
     TOO_DEEP,
     advance_in_blocks,
+    divide,
 )
 
 METHODS = ("centred", "lagged", "unguarded")
@@ -211,6 +212,8 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
     end_mass = masses[last] + (p[M3] if held else 0.0)
     done = 0
     while done < len(rows):
+        if int(state[IMPACTS]) == len(impacts):
+            return done, FULL, 0.0
         t = state[STEPS] * h
         forces[:, 0] = 0.0
         forces[:, 1] = -p[GRAVITY] * masses
@@ -235,8 +238,6 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
             else:
                 if state[CONTACT] == 0:
                     count = int(state[IMPACTS])
-                    if count == len(impacts):
-                        return done, FULL, 0.0
                     part, approach = _meet(state[GAP], gap_rate, state[GAP_RATE], h)
                     state[CONTACT], state[APPROACH] = 1.0, approach
                     lost = state[LOST_DAMPING] + state[LOST_FRICTION]
@@ -255,9 +256,10 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
                 if h > limit and p[GUARDED] > 0:
                     return done, FAILED, limit
                 if p[LAGGED] > 0:
-                    normal = elastic + loss * rate
-                    branch = friction_branch(sliding, p[V0], p[V1])
-                    factor = friction_factor(sliding, branch, p[V0], p[V1])[0]
+                    branch, limits = friction_branch(sliding, p[V0], p[V1]), (p[V0], p[V1])
+                    given = (rate, sliding, branch, state[APPROACH], p[DAMPING], p[FRICTION])
+                    found = joint_forces(law, depth, *given, *limits)
+                    normal, tangential = found[0], found[5]
                 else:  # with the forces of this step, which depend on it
                     fnx, fny = forces[last, 0] / masses[last], forces[last, 1] / masses[last]
                     rate += 0.5 * h * (fnx * nx + fny * ny)
@@ -271,7 +273,6 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
                         grip = 0.5 * h * side * p[FRICTION] * max(normal, 0.0)
                         factor, sliding = _resist(free_sliding + both * normal, grip, p[V0], p[V1])
                         tangential = -p[FRICTION] * max(normal, 0.0) * factor
-                tangential = -p[FRICTION] * max(normal, 0.0) * factor
                 fx, fy = normal * nx + tangential * ny, normal * ny - tangential * nx
                 forces[last, 0] -= fx
                 forces[last, 1] -= fy
@@ -365,9 +366,7 @@ def simulate(scene, law, times, ideal, step, elements, method):
         ease = 1 / frame.masses[-1] + 1 / scene.slider_mass
         stiffest = 0.0 if ideal else elastic_force(law, scene.clearance)[1] * ease
         step = 1 / sqrt(frequency**2 + stiffest)
-    spacing = times[0][1] - times[0][0]
-    strides = ceil(spacing / step * (1 - 1e-12))
-    h = spacing / strides
+    strides, h = divide(times, step)
     if h > limit:
         raise ValueError(f"step must be <= {limit:.4g} s, the limit of stability, got {step:.4g} s")
     p = np.array(

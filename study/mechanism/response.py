@@ -1,6 +1,7 @@
 """What a simulation gives: the motion, the joint, the impacts and the energies, by time."""
 
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 import pandas as pd
@@ -50,6 +51,13 @@ class MechanismError(StudyError):
 # the contact and of the number of impacts
 FINE, TOO_DEEP, FULL, FAILED = range(4)
 CONTACT, IMPACTS = -2, -1
+
+
+def divide(times, step):
+    """Number and length of equal steps, at most ``step``, between equally spaced outputs."""
+    spacing = times[0][1] - times[0][0]
+    strides = ceil(spacing / step * (1 - 1e-12))
+    return strides, spacing / strides
 
 
 def advance_in_blocks(advance, times, state, scene, clock, failure):

@@ -14,7 +14,6 @@ event function vanishes. What the flexible models need is not here.
 from math import atan2, cos, hypot, inf, sin, sqrt
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from study.compiled import compiled
 from study.contact.forces import elastic_force, joint_forces, stored_energy
@@ -26,7 +25,6 @@ from study.mechanism.response import (
     FULL,
     IMPACTS,
     TOO_DEEP,
-    MechanismError,
     advance_in_blocks,
 )
 
@@ -426,6 +424,8 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
     t, h, steps, done, idle = state[TIME], state[STEP], 0, 0, 0
     known = False  # f0, seen and k belong to y
     while done < len(times):
+        if int(state[IMPACTS]) == len(impacts):
+            return done, FULL, steps
         if not known:
             motion(y, piece, p, law, True, f0, seen, k)
             known = True
@@ -493,8 +493,6 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
             elif first > 0:
                 piece = (True, piece[1] + (1 if first == 1 else -1), piece[2])
         elif first == 0 and seen1[RATE] > 0:  # else it grazes, and goes on in flight
-            if count == len(impacts):
-                return done, FULL, steps
             _touch(y, law)
             state[DEEP] = impact_depth(y, y[4], p, law)
             h = min(h, 0.1 * state[DEEP] / y[4])
@@ -508,7 +506,7 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
     return done, FINE, steps
 
 
-def clearance(scene, law, times, tolerance):
+def simulate(scene, law, times, tolerance):
     """Simulate the scene with its clearance joint.
 
     Parameters
@@ -549,73 +547,3 @@ def clearance(scene, law, times, tolerance):
         lambda: (state[TIME], state[STEP]),
         lambda steps: f"no step is small enough for tolerance {tolerance:g}",
     )
-
-
-def ideal(scene, times):
-    """Simulate the scene with an ideal joint, in the crank's angle alone.
-
-    By SciPy's DOP853 at the smallest tolerance it takes. Parameters and results as for
-    `clearance`; there are no impacts.
-    """
-    p = describe(scene)
-    l1, l2, a11, a22, a12, m3, moment, g1, g2 = p[:9]
-
-    def kinematics(theta):
-        st, ct = np.sin(theta), np.cos(theta)
-        sp = -l1 / l2 * st
-        cp = np.sqrt(1 - sp**2)
-        phi1 = -l1 * ct / (l2 * cp)
-        phi2 = (l1 * st + l2 * sp * phi1**2) / (l2 * cp)
-        x1 = -l1 * st - l2 * sp * phi1
-        x2 = -l1 * ct - l2 * cp * phi1**2 - l2 * sp * phi2
-        return st, ct, sp, cp, phi1, phi2, x1, x2
-
-    def accelerate(theta, omega):
-        st, ct, sp, cp, phi1, phi2, x1, x2 = kinematics(theta)
-        sd, cd = st * cp - ct * sp, ct * cp + st * sp
-        inertia = a11 + a22 * phi1**2 + 2 * a12 * cd * phi1 + m3 * x1**2
-        half = a22 * phi1 * phi2 + a12 * (cd * phi2 - sd * (1 - phi1) * phi1) + m3 * x1 * x2
-        return (moment - g1 * ct - g2 * cp * phi1 - half * omega**2) / inertia
-
-    speed = np.sqrt((abs(moment) + abs(g1) + abs(g2)) / a11) + 1 / times[-1][-1]  # of the drive
-    start, state = 0.0, (0.0, 0.0)
-    for block in times:
-        theta, omega = np.array(state)[:, None] * np.ones(len(block))
-        if block[-1] > start:
-            solution = solve_ivp(
-                lambda _, y: (y[1], accelerate(*y)),
-                (start, block[-1]),
-                state,
-                method="DOP853",
-                t_eval=block,
-                rtol=3e-14,
-                atol=(1e-15, 1e-15 * speed),
-            )
-            if not solution.success:
-                raise MechanismError(f"the integrator failed after {start:.9g} s")
-            theta, omega = solution.y
-        start, state = block[-1], (theta[-1], omega[-1])
-        yield (
-            _ideal_rows(block, theta, omega, p, kinematics(theta), accelerate(theta, omega)),
-            (np.empty((0, 7))),
-            True,
-        )
-
-
-def _ideal_rows(times, theta, omega, p, kinematics, alpha):
-    """Rows of output of the ideal mechanism, from the crank's motion."""
-    l1, l2, a11, a22, a12, m3, moment, g1, g2 = p[:9]
-    st, ct, sp, cp, phi1, phi2, x1, x2 = kinematics
-    psi, beta = phi1 * omega, phi1 * alpha + phi2 * omega**2
-    sd, cd = st * cp - ct * sp, ct * cp + st * sp
-    pull = x1 * alpha + x2 * omega**2
-    fx = m3 * pull  # on the slider; on the coupler the opposite, and fy from its moments
-    fy = -(a22 * beta + a12 * (cd * alpha - sd * omega**2) + g2 * cp - l2 * sp * fx) / (l2 * cp)
-    kinetic = (
-        0.5 * (a11 * omega**2 + a22 * psi**2 + m3 * (x1 * omega) ** 2) + a12 * cd * omega * psi
-    )
-    zero = np.zeros_like(theta)
-    columns = (times, theta, l1 * ct + l2 * cp, omega, x1 * omega, alpha, pull)
-    columns += (np.arctan2(sp, cp), psi, zero, zero, zero, np.hypot(fx, fy), zero, fx, fy)
-    columns += (moment * theta - g1 * st - g2 * sp, kinetic, zero, zero, zero)
-    return np.column_stack(columns)

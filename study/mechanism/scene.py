@@ -5,7 +5,7 @@ rest is an assumption of this study, named in `ASSUMPTIONS` and open to change i
 """
 
 from dataclasses import dataclass, fields, replace
-from math import hypot, sqrt
+from math import hypot
 
 import pandas as pd
 
@@ -98,9 +98,9 @@ class Scene:
         pair = self.initial_eccentricity
         if not isinstance(pair, (tuple, list)) or len(pair) != 2:
             raise ValueError(f"initial eccentricity must be two numbers, in m, got {pair!r}")
-        checks.number("x of initial eccentricity", self.initial_eccentricity[0], "m", scalar=True)
-        checks.number("y of initial eccentricity", self.initial_eccentricity[1], "m", scalar=True)
-        gap = hypot(*self.initial_eccentricity)
+        for axis, value in zip("xy", pair, strict=True):
+            checks.number(f"{axis} of initial eccentricity", value, "m", scalar=True)
+        gap = hypot(*pair)
         checks.number("initial eccentricity", gap, "m", below=self.clearance)
 
     @property
@@ -198,11 +198,6 @@ class Link:
     axial: float
     shear: float
     bending: float
-
-    @property
-    def wave_speed(self):
-        """Speed of axial waves, in m/s."""
-        return sqrt(self.axial / self.mass_per_length)
 
 
 def square_bar_inertia(scene, body):

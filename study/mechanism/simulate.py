@@ -8,7 +8,7 @@ import numpy as np
 
 from study import checks
 from study.contact.forces import pack
-from study.mechanism import beams, particles, rigid
+from study.mechanism import beams, ideal, particles, rigid
 from study.mechanism.response import collect
 from study.mechanism.scene import Scene
 
@@ -85,9 +85,9 @@ def simulate(
         raise ValueError(f"scene must be a Scene, got {scene!r}")
     checks.choice("model", model, MODELS)
     checks.choice("joint", joint, JOINTS)
-    flexible, ideal = model != "rigid", joint == "ideal"
+    flexible, gapless = model != "rigid", joint == "ideal"
     for name, value, used in (
-        ("tolerance", tolerance, not flexible and not ideal),
+        ("tolerance", tolerance, not flexible and not gapless),
         ("step", step, flexible),
         ("elements", elements, flexible),
         ("method", method, model == "particles"),
@@ -95,33 +95,33 @@ def simulate(
         if value is not None and not used:
             raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
     checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
-    outputs = _whole("outputs", outputs, 10**7)
+    outputs = checks.whole("outputs", outputs, least=1, most=10**6)
     packed = pack(
         law, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **law_options
     )
     times = np.array_split(
         duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1)
     )
-    if model == "rigid" and ideal:
-        blocks = rigid.ideal(scene, times)
+    if model == "rigid" and gapless:
+        blocks = ideal.simulate(scene, times)
     elif model == "rigid":
         tolerance = TOLERANCE if tolerance is None else tolerance
         checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
-        blocks = rigid.clearance(scene, packed, times, tolerance)
+        blocks = rigid.simulate(scene, packed, times, tolerance)
     else:
         pair = ELEMENTS if elements is None else elements
         if not isinstance(pair, (tuple, list)) or len(pair) != 2:
             raise ValueError(f"elements must be two numbers, of crank and coupler, got {elements}")
-        pair = tuple(_whole("elements", n, 500) for n in pair)
+        pair = tuple(checks.whole("elements", n, least=1, most=500) for n in pair)
         if step is not None:
             checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
         if model == "particles":
             method = particles.METHODS[0] if method is None else method
             checks.choice("method", method, particles.METHODS)
-            blocks = particles.simulate(scene, packed, times, ideal, step, pair, method)
+            blocks = particles.simulate(scene, packed, times, gapless, step, pair, method)
         else:
             step = BEAM_STEP if step is None else step
-            blocks = beams.simulate(scene, packed, times, ideal, step, pair)
+            blocks = beams.simulate(scene, packed, times, gapless, step, pair)
     return _gather(blocks, times, progress)
 
 
@@ -139,9 +139,3 @@ def _gather(blocks, times, progress):
             raise
         complete = False
     return collect(rows, impacts, ended, complete)
-
-
-def _whole(name, value, most):
-    if checks.number(name, value, least=1, most=most, scalar=True) != int(value):
-        raise ValueError(f"{name} must be a whole number >= 1, got {value}")
-    return int(value)
