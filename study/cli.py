@@ -286,8 +286,6 @@ def simulate_mechanism(
             method=None if method is None else str(method),
             progress=progress,
         )
-    if output is not None:
-        response.save(output)
     last = response.motion.iloc[-1]
     end = {
         "time": last.time,
@@ -309,6 +307,8 @@ def simulate_mechanism(
         _table(impacts.columns, shown.map(_text).itertuples(index=False))
         rest = len(impacts) - len(shown)
         print(f"SI units.{f' {rest} more contacts: --json prints all.' if rest else ''}")
+    if output is not None:  # last: what was computed is printed even if the disk is full
+        response.save(output)
     return 0 if response.complete else INTERRUPTED
 
 
