@@ -10,24 +10,29 @@ from pytask import Product, PythonNode, task
 
 from study import contact, dataset, fitting, paths, tasks
 
-PARTS = [paths.BUILD / "curves" / f"{s.name}.csv" for s in dataset.DESIGN]
+SIZE = 10  # set-ups per task, at most
+
+BATCHES = {
+    f"{group}-{k // SIZE}": [s for s in dataset.DESIGN if s.group == group][k : k + SIZE]
+    for group in dataset.GROUPS
+    for k in range(0, sum(s.group == group for s in dataset.DESIGN), SIZE)
+}
+PARTS = [paths.BUILD / "curves" / f"{name}.csv" for name in BATCHES]
 TIMES = [part.with_suffix(".json") for part in PARTS]
 
-for set_up, part, seconds in zip(dataset.DESIGN, PARTS, TIMES, strict=True):
+for (name, batch), part, seconds in zip(BATCHES.items(), PARTS, TIMES, strict=True):
 
-    @task(id=set_up.name)
+    @task(id=name)
     def task_curves(
-        design: Annotated[
-            str, PythonNode(value=repr((set_up, dataset.DEPTHS.tolist())), hash=True)
-        ],
-        set_up: dataset.SetUp = set_up,
+        design: Annotated[str, PythonNode(value=repr(batch), hash=True)],
+        batch: list[dataset.SetUp] = batch,
         code: tuple[Path, ...] = dataset.SOURCES,
         part: Annotated[Path, Product] = part,
         seconds: Annotated[Path, Product] = seconds,
     ):
         tasks.leave_interrupts_to_the_runner()
         start = time.perf_counter()
-        dataset.write_curves(dataset.solve_set_up(set_up), part)
+        dataset.write_curves(pd.concat(map(dataset.solve_set_up, batch)), part)
         seconds.write_text(json.dumps(time.perf_counter() - start))
 
 
@@ -40,10 +45,11 @@ def task_coefficients(
     table: Path = dataset.CURVES, coefficients: Annotated[Path, Product] = contact.laws.COEFFICIENTS
 ):
     frame = pd.read_csv(table)
-    paper = frame[frame.case.str.startswith(f"paper-{dataset.PAPER_KINEMATICS}-")]
+    paper = frame[(frame.group == "paper") & (frame.kinematics == dataset.PAPER_KINEMATICS)]
+    fits = fitting.fit_laws(paper)
+    fits["stiffened_hertz"] = fitting.fit_stiffening(frame[frame.group == "fit"])
     with paths.whole(coefficients) as temporary:
-        fits = fitting.fit_laws(paper)
-        temporary.write_text(json.dumps(fits, indent=2) + "\n", encoding="utf-8")
+        temporary.write_text(fitting.format_coefficients(fits), encoding="utf-8")
 
 
 def task_description(

@@ -1,4 +1,4 @@
-"""The command line: ``study run``, ``list``, ``data``, ``law``, ``joint`` and ``simulate``.
+"""The command line ``study``: notebooks, dataset, laws, joints, exports and simulations.
 
 A user's mistake is one line on standard error and exit status 2; a failure is exit status 1.
 """
@@ -10,6 +10,7 @@ from collections import Counter
 from contextlib import contextmanager
 from dataclasses import fields
 from enum import StrEnum
+from inspect import signature
 from pathlib import Path
 from typing import Annotated
 
@@ -32,9 +33,12 @@ SHOWN = 20  # impacts in a printed table
 INTERRUPTED = 130  # typer's status after Ctrl-C
 UsageError = typer.BadParameter.__base__  # of every wrong option or argument
 LawName = StrEnum("LawName", list(LAWS))
-Drive = StrEnum("Drive", ["plane", "clamped"])
-Rim = StrEnum("Rim", ["free", "mirror"])
-Kinematics = StrEnum("Kinematics", ["small", "linear"])
+Drive = StrEnum("Drive", ["plane", "clamped", "point"])
+Rim = StrEnum("Rim", ["mirror", "free"])
+Kinematics = StrEnum("Kinematics", ["small", "linear", "finite"])
+Solver = StrEnum("Solver", ["series", "quadratic", "linear"])
+Exported = StrEnum("Exported", ["stiffened_hertz", "tabulated"])
+Format = StrEnum("Format", ["c", "json", "csv"])
 Model = StrEnum("Model", ["rigid", "particles", "beams"])
 MechanismJoint = StrEnum("MechanismJoint", ["clearance", "ideal"])
 Method = StrEnum("Method", ["centred", "lagged", "unguarded"])
@@ -43,6 +47,13 @@ R2Star = Annotated[float, typer.Option("--r2-star", help="Dimensionless socket r
 DepthStars = Annotated[
     list[float],
     typer.Option("--depth-star", help="Dimensionless penetration depth d/dR; may be repeated."),
+]
+SocketRatio = Annotated[
+    float, typer.Option(help="Outer over inner radius of the socket, >= 1.001.")
+]
+Poisson = Annotated[float, typer.Option(help="Poisson's ratio of both bodies, in (-1, 0.5).")]
+WhichKinematics = Annotated[
+    Kinematics, typer.Option(help="Pairing of the surfaces, see study.joint.Joint.")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 Jobs = Annotated[
@@ -158,18 +169,24 @@ def evaluate_law(
     depth_star: DepthStars,
     socket_ratio: Annotated[
         float | None,
-        typer.Option(help="Outer over inner radius of the socket, for laws that use it."),
+        typer.Option(help="stiffened_hertz: outer over inner radius of the socket [1.19]."),
     ] = None,
     poisson: Annotated[
-        float | None, typer.Option(help="Poisson's ratio, for laws that use it.")
+        float | None, typer.Option(help="stiffened_hertz: Poisson's ratio of both bodies [0.3].")
+    ] = None,
+    kinematics: Annotated[
+        Kinematics | None, typer.Option(help="stiffened_hertz: linear or finite [linear].")
     ] = None,
     as_json: AsJson = False,
 ):
     """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths."""
-    for option, value in (("--socket-ratio", socket_ratio), ("--poisson", poisson)):
-        if value is not None:
+    given = {"socket_ratio": socket_ratio, "poisson": poisson, "kinematics": kinematics}
+    options = {name: value for name, value in given.items() if value is not None}
+    for name in options:
+        if name not in signature(LAWS[law]).parameters:
+            option = f"--{name.replace('_', '-')}"
             raise ValueError(f"{option} must be left out: {law} does not depend on it")
-    force = LAWS[law](depth_star, r2_star)
+    force = LAWS[law](depth_star, r2_star, **options)
     _print_curve({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
 
 
@@ -177,37 +194,28 @@ def evaluate_law(
 def solve_joint(
     r2_star: R2Star,
     depth_star: DepthStars,
-    socket_ratio: Annotated[
-        float, typer.Option(help="Outer over inner radius of the socket, >= 1.02.")
-    ] = 1.19,
-    poisson: Annotated[
-        float, typer.Option(help="Poisson's ratio of both bodies, in (-1, 0.5).")
-    ] = 0.3,
+    socket_ratio: SocketRatio = 1.19,
+    poisson: Poisson = 0.3,
     drive: Annotated[
-        Drive, typer.Option(help="Ball's equatorial plane: radially free or clamped.")
+        Drive, typer.Option(help="Ball's equatorial plane: radially free, clamped, or its centre.")
     ] = Drive.plane,
-    rim: Annotated[Rim, typer.Option(help="Socket's edge: traction-free or mirror.")] = Rim.free,
-    kinematics: Annotated[
-        Kinematics, typer.Option(help="Pairing of the surfaces, see study.joint.Joint.")
-    ] = Kinematics.small,
+    rim: Annotated[
+        Rim, typer.Option(help="Socket's edge: mirror plane or traction-free.")
+    ] = Rim.mirror,
+    kinematics: WhichKinematics = Kinematics.linear,
+    solver: Annotated[
+        Solver | None,
+        typer.Option(help="Series, or six-node (quadratic) or three-node (linear) triangles."),
+    ] = None,
     as_json: AsJson = False,
 ):
-    """Solve one joint by finite elements: force, contact half-angle and error estimate."""
+    """Solve one joint: force, contact half-angle and error estimate."""
     import numpy as np
 
-    from study.joint import Joint, Material, force_curve
+    from study.joint import force_curve
 
-    material = Material(poisson=poisson)
-    joint = Joint(
-        r2_star=r2_star,
-        socket_ratio=socket_ratio,
-        ball=material,
-        socket=material,
-        ball_drive=str(drive),
-        rim=str(rim),
-        kinematics=str(kinematics),
-    )
-    curve = force_curve(joint, depth_star)
+    joint = _joint(r2_star, socket_ratio, poisson, kinematics, ball_drive=str(drive), rim=str(rim))
+    curve = force_curve(joint, depth_star, solver=None if solver is None else str(solver))
     columns = {
         "depth_star": depth_star,
         "force_star": curve.force_star.tolist(),
@@ -216,6 +224,52 @@ def solve_joint(
         "error_estimate": curve.error_estimate.tolist(),
     }
     _print_curve(columns, as_json)
+
+
+def _joint(r2_star, socket_ratio, poisson, kinematics, **supports):
+    from study.joint import Joint, Material
+
+    material = Material(poisson=poisson)
+    return Joint(r2_star, socket_ratio, material, material, kinematics=str(kinematics), **supports)
+
+
+@app.command("export")
+def export_law(
+    law: Annotated[
+        Exported, typer.Option(help="Closed form, or the curve of one joint as a table.")
+    ],
+    form: Annotated[
+        Format, typer.Option("--format", help="C function, coefficients or table, force curve.")
+    ],
+    r2_star: Annotated[
+        float, typer.Option(help="Of the joint: csv, and everything of tabulated.")
+    ] = 200.0,
+    socket_ratio: SocketRatio = 1.19,
+    poisson: Poisson = 0.3,
+    kinematics: WhichKinematics = Kinematics.linear,
+    output: Annotated[
+        Path | None, typer.Option(help="File to write; by default the text is printed.")
+    ] = None,
+):
+    """Export a law of this study for another program."""
+    from study import paths
+    from study.export import export
+
+    if output is not None:
+        _check_output(output, f".{form}")
+    text = export(str(law), str(form), _joint(r2_star, socket_ratio, poisson, kinematics))
+    if output is None:
+        print(text, end="")
+    else:
+        with paths.whole(output) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+
+
+def _check_output(output, suffix):
+    if output.suffix != suffix:
+        raise ValueError(f"--output must end in {suffix}, got {output}")
+    if not os.access(output.parent, os.W_OK):
+        raise ValueError(f"--output must be in a folder that can be written to, got {output}")
 
 
 @app.command("simulate")
@@ -265,10 +319,7 @@ def simulate_mechanism(
 
     changed = _scene(scene or [], inertia)
     if output is not None:
-        if output.suffix != ".csv":
-            raise ValueError(f"--output must end in .csv, got {output}")
-        if not os.access(output.parent, os.W_OK):
-            raise ValueError(f"--output must be in a folder that can be written to, got {output}")
+        _check_output(output, ".csv")
     pair = None if elements is None else _numbers("--elements", elements, int)
     if sys.stderr.isatty() and not any(CACHE.rglob("*.nbi")):
         print("Compiling the stepping loops, once: some seconds ...", file=sys.stderr)
@@ -378,6 +429,9 @@ def show_data(
     drive: Annotated[Drive | None, typer.Option(help="Keep this drive.")] = None,
     rim: Annotated[Rim | None, typer.Option(help="Keep this rim.")] = None,
     kinematics: Annotated[Kinematics | None, typer.Option(help="Keep these kinematics.")] = None,
+    group: Annotated[
+        str | None, typer.Option(help="Keep this group: paper, ratio, poisson, fit, judge, ...")
+    ] = None,
     case: Annotated[str | None, typer.Option("--case", help="One case, every depth of it.")] = None,
 ):
     """Show a summary of the dataset's cases (forces are P/(E* dR^2), angles in deg)."""
@@ -389,10 +443,11 @@ def show_data(
         "ball_drive": drive,
         "rim": rim,
         "kinematics": kinematics,
+        "group": group,
         "case": case,
     }
     frame = dataset.load(**{key: value for key, value in chosen.items() if value not in (None, [])})
-    table = dataset.summary(frame) if case is None else frame.iloc[:, 9:]
+    table = dataset.summary(frame) if case is None else frame.loc[:, "depth_star":]
     _table(table.columns, table.map(_text).itertuples(index=False))
 
 

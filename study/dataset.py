@@ -16,23 +16,32 @@ from threadpoolctl import threadpool_limits
 
 from study import checks, paths
 from study.contact.laws import COEFFICIENTS
-from study.elastic import fem
-from study.joint import KINEMATICS, SOCKET_RATIO, Joint, force_curve
+from study.elastic import fem, series
+from study.joint import FINITE_RESOLUTION, KINEMATICS, SOLVERS, Joint, Material, force_curve
 
 CURVES = paths.DATA / "force_curves.csv"
 PACKAGE = paths.DATA / "datapackage.json"
 MEND = "study data build"
 
-DEPTHS = np.round(np.arange(1, 41) * 0.025, 3)
+DEPTHS = tuple(np.round(np.arange(1, 41) * 0.025, 3).tolist())
+ROOT_DEPTHS = tuple(np.round(np.linspace(0.005**0.5, 1, 32) ** 2, 6).tolist())
+"""In equal steps of sqrt(depth_star), from 0.005 to 1."""
 PAPER_R2_STARS = tuple(range(20, 301, 20))
 WIDER_R2_STARS = (400, 600, 1000, 2000, 5000, 10_000)
 PAPER_KINEMATICS = "linear"
 """The kinematics the notebooks take for the paper's finite elements: the only one of ours with
-which the relative RMSE of Fig. 14 rises with R2*, as the paper reports."""
+which the relative RMSE of Fig. 14 rises with R2*, as the paper reports (notebook 13)."""
 
 SOURCES = tuple(
     paths.ROOT / "study" / name
-    for name in ("elastic/__init__.py", "elastic/fem.py", "complementarity.py", "joint.py")
+    for name in (
+        "elastic/__init__.py",
+        "elastic/series.py",
+        "elastic/fem.py",
+        "complementarity.py",
+        "kinematics.py",
+        "joint.py",
+    )
 )
 """Modules that decide the numbers."""
 PUBLISHED = {
@@ -48,59 +57,149 @@ class DatasetError(checks.StudyError):
 
 @dataclass(frozen=True)
 class SetUp:
-    """Joints that share their elastic bodies, and so their two factorisations.
+    """Joints that share their elastic bodies.
 
     Attributes
     ----------
+    group : str
+        What the study needs it for, a key of `GROUPS`.
     name : str
         Short name; first part of its cases' names.
-    why : str
-        What the study needs it for.
     joint : dict
-        Arguments of `study.joint.Joint` besides ``r2_star`` and ``kinematics``.
+        Arguments of `study.joint.Joint` besides ``r2_star``, ``kinematics`` and materials.
+    poisson : float
+        Poisson's ratio of both bodies.
+    modulus_ratio : float
+        Young's modulus of the socket over that of the ball.
     r2_stars, kinematics : tuple
         Its cases are all combinations of these.
+    depths : tuple
+        Values of ``depth_star``.
     """
 
+    group: str
     name: str
-    why: str
     joint: dict = field(default_factory=dict)
+    poisson: float = 0.3
+    modulus_ratio: float = 1.0
     r2_stars: tuple = (200,)
     kinematics: tuple = (PAPER_KINEMATICS,)
+    depths: tuple = DEPTHS
 
     def cases(self):
         """Yield (case name, Joint) of every case."""
+        ball = Material(2e11, self.poisson)
+        socket = Material(2e11 * self.modulus_ratio, self.poisson)
         for kinematics in self.kinematics:
             for r2_star in self.r2_stars:
-                name = f"{self.name}-{kinematics}-{r2_star}"
-                yield name, Joint(r2_star=r2_star, kinematics=kinematics, **self.joint)
+                name = f"{self.name}-{kinematics}-{r2_star:g}"
+                materials = {"ball": ball, "socket": socket}
+                yield name, Joint(r2_star, kinematics=kinematics, **materials, **self.joint)
+
+
+GROUPS = {
+    "paper": "the paper's design, R2* = 20..300, and the wider sweep of Figs. 13-15",
+    "clamped": "the same with a clamped ball and the ratio that its Table 2 then asks for",
+    "ratio": "how much the socket ratio matters",
+    "poisson": "how much Poisson's ratio matters",
+    "modulus": "how much unequal moduli matter",
+    "support": "how much drive and rim matter",
+    "fit": "what the coefficients of stiffened_hertz are fitted to",
+    "judge": "what stiffened_hertz is judged by: drawn at random in its range",
+}
+CLAMPED_RATIO = 1.3
+"""Socket ratio that explains Table 2 with a clamped ball (notebook 13)."""
+
+
+def _sweep(group, values, set_up):
+    return tuple(SetUp(group, f"{group}-{value:g}", **set_up(value)) for value in values)
+
+
+def _judges():
+    """Joints at random places of the range of stiffened_hertz, always the same."""
+    draw = np.random.default_rng(2024)
+    for k in range(48):
+        kinematics = "finite" if k % 8 == 0 else "linear"
+        yield SetUp(
+            "judge",
+            f"judge-{k:02d}",
+            {"socket_ratio": round(float(1 + 0.1 * 20 ** draw.random()), 3)},
+            poisson=round(draw.uniform(0.2, 0.45), 3),
+            r2_stars=(float(f"{20 * 500 ** draw.random():.3g}"),),
+            kinematics=(kinematics,),
+            depths=ROOT_DEPTHS[2::4] if kinematics == "finite" else ROOT_DEPTHS,
+        )
 
 
 DESIGN = (
     SetUp(
         "paper",
-        "the paper's design, R2* = 20..300, and the wider sweep of Figs. 13-15",
+        "paper",
         r2_stars=PAPER_R2_STARS + WIDER_R2_STARS,
         kinematics=("linear", "small"),
     ),
+    SetUp(
+        "paper",
+        "paper",
+        r2_stars=(20, 60, 200, 600, 2000, 10_000),
+        kinematics=("finite",),
+        depths=DEPTHS[:20],
+    ),
+    SetUp(
+        "clamped",
+        f"clamped-{CLAMPED_RATIO:g}",
+        {"ball_drive": "clamped", "socket_ratio": CLAMPED_RATIO},
+        r2_stars=PAPER_R2_STARS + WIDER_R2_STARS,
+        kinematics=("linear", "small"),
+    ),
+    *_sweep(
+        "ratio",
+        (1.05, 1.1, 1.15, 1.25, 1.3, 1.4, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0),
+        lambda ratio: {"joint": {"socket_ratio": ratio}},
+    ),
+    *_sweep(
+        "poisson",
+        (0.0, 0.1, 0.2, 0.25, 0.35, 0.4, 0.45, 0.48),
+        lambda nu: {"poisson": nu},
+    ),
+    *_sweep(
+        "modulus",
+        (0.05, 0.1, 0.2, 0.5, 2.0, 5.0, 10.0, 20.0),
+        lambda ratio: {"modulus_ratio": ratio},
+    ),
+    SetUp("support", "clamped", {"ball_drive": "clamped"}),
+    SetUp("support", "clamped-1.315", {"ball_drive": "clamped", "socket_ratio": 1.315}),
+    SetUp("support", "free-rim", {"rim": "free"}),
     *(
         SetUp(
-            f"ratio-{ratio:g}",
-            "how much the unstated socket ratio matters",
+            "fit",
+            f"fit-{ratio:g}-{nu:g}",
             {"socket_ratio": ratio},
+            poisson=nu,
+            r2_stars=(20, 10_000),
+            depths=ROOT_DEPTHS,
         )
-        for ratio in (1.1, 1.15, 1.25, 1.5, 2.0, 3.0)
+        for ratio in (1.1, 1.13, 1.19, 1.27, 1.38, 1.5, 1.7, 2.0, 2.5, 3.0)
+        for nu in (0.2, 0.25, 0.3, 0.35, 0.4, 0.43, 0.45)
     ),
-    SetUp("clamped", "how much the unstated drive matters", {"ball_drive": "clamped"}),
-    SetUp(
-        "clamped-1.315",
-        "the other pair of drive and ratio that Table 2's Hertz row allows",
-        {"ball_drive": "clamped", "socket_ratio": 1.315},
+    *(
+        SetUp(
+            "fit",
+            f"fit-{ratio:g}-{nu:g}",
+            {"socket_ratio": ratio},
+            poisson=nu,
+            r2_stars=(20,),
+            kinematics=("finite",),
+            depths=ROOT_DEPTHS[3::4],
+        )
+        for ratio in (1.1, 1.19, 1.5, 3.0)
+        for nu in (0.2, 0.3, 0.4, 0.45)
     ),
-    SetUp("mirror", "how much the rim matters", {"rim": "mirror"}),
+    *_judges(),
 )
 
 _SCHEMA = [
+    ("group", "string", "", "What the study needs the case for"),
     ("case", "string", "", "Name of the case: set-up, kinematics and R2*"),
     ("r2_star", "number", "1", "Dimensionless socket radius R2/dR"),
     ("socket_ratio", "number", "1", "Outer over inner radius of the socket"),
@@ -108,8 +207,9 @@ _SCHEMA = [
     ("poisson_socket", "number", "1", "Poisson's ratio of the socket"),
     ("modulus_ratio", "number", "1", "Young's modulus of the socket over that of the ball"),
     ("ball_drive", "string", "", "Ball's equatorial plane: plane (radially free) or clamped"),
-    ("rim", "string", "", "Socket's edge at the equator: free or mirror"),
-    ("kinematics", "string", "", "Pairing of the surfaces: small or linear (see study.joint)"),
+    ("rim", "string", "", "Socket's edge at the equator: mirror plane or free"),
+    ("kinematics", "string", "", "Pairing of the surfaces: small, linear or finite"),
+    ("solver", "string", "", "series, or finite elements: quadratic or linear triangles"),
     ("depth_star", "number", "1", "Dimensionless penetration depth d/dR"),
     ("force_star", "number", "1", "Dimensionless force P/(E* dR^2)"),
     ("contact_half_angle", "number", "deg", "Polar angle of the contact's edge"),
@@ -117,11 +217,13 @@ _SCHEMA = [
     ("error_estimate", "number", "1", "Relative discretisation error of the force, estimated"),
 ]
 _CONSTRAINTS = {
+    "group": {"enum": list(GROUPS)},
     "r2_star": {"minimum": 1},
     "socket_ratio": {"minimum": 1},
     "ball_drive": {"enum": list(fem.DRIVES)},
     "rim": {"enum": list(fem.RIMS)},
     "kinematics": {"enum": list(KINEMATICS)},
+    "solver": {"enum": list(SOLVERS)},
     "depth_star": {"minimum": 0},
     "force_star": {"minimum": 0},
     "contact_half_angle": {"minimum": 0, "maximum": 90},
@@ -143,14 +245,16 @@ def load(**filters):
     pandas.DataFrame
         Columns
 
+        - ``group``: what the study needs the case for, a key of `GROUPS`
         - ``case``: name of the case
         - ``r2_star``: dimensionless socket radius R2/dR
         - ``socket_ratio``: outer over inner radius of the socket
         - ``poisson_ball``, ``poisson_socket``: Poisson's ratios
         - ``modulus_ratio``: Young's modulus of the socket over that of the ball
         - ``ball_drive``: ``plane`` or ``clamped``
-        - ``rim``: ``free`` or ``mirror``
-        - ``kinematics``: ``small`` or ``linear`` (see `study.joint.Joint`)
+        - ``rim``: ``mirror`` or ``free``
+        - ``kinematics``: ``small``, ``linear`` or ``finite`` (see `study.joint.Joint`)
+        - ``solver``: ``series`` or ``quadratic`` (see `study.joint.force_curve`)
         - ``depth_star``: dimensionless penetration depth d/dR
         - ``force_star``: dimensionless force P/(E* dR^2)
         - ``contact_half_angle``: polar angle of the contact's edge, in deg
@@ -173,9 +277,8 @@ def load(**filters):
         values = [wanted] if np.ndim(wanted) == 0 else list(wanted)
         for value in values:
             if value not in held:
-                raise ValueError(
-                    f"{column} must be one of {', '.join(map(str, held))}, got {value}"
-                )
+                known = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in held)
+                raise ValueError(f"{column} must be one of {known}, got {value}")
         keep &= frame[column].isin(values)
     if not keep.any():
         asked = ", ".join(f"{column} = {wanted}" for column, wanted in filters.items())
@@ -184,12 +287,14 @@ def load(**filters):
     return frame.reset_index(drop=True)
 
 
-def paper_curves(kinematics=PAPER_KINEMATICS, **filters):
+def paper_curves(kinematics=PAPER_KINEMATICS, group="paper", **filters):
     """Rows of the set-up taken for the paper's, R2* = 20..10,000: see `load` for the columns.
 
     Parameters
     ----------
-    kinematics : {"linear", "small"}
+    kinematics : {"linear", "small", "finite"}
+    group : {"paper", "clamped"}
+        The radially free ball with socket ratio 1.19, or the clamped one with 1.3.
     **filters
         As for `load`.
 
@@ -197,13 +302,7 @@ def paper_curves(kinematics=PAPER_KINEMATICS, **filters):
     -------
     pandas.DataFrame
     """
-    return load(
-        socket_ratio=SOCKET_RATIO,
-        ball_drive="plane",
-        rim="free",
-        kinematics=kinematics,
-        **filters,
-    )
+    return load(group=group, kinematics=kinematics, **filters)
 
 
 def published(where=None):
@@ -225,6 +324,18 @@ def published(where=None):
     return values if where is None else values.loc[where]
 
 
+def reference_forces():
+    """Forces of independent origin, from ``data/published/joint.csv``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Source, joint, depth, force, and ``trust``: the relative accuracy to expect.
+    """
+    verify_files()
+    return pd.read_csv(paths.DATA / "published/joint.csv")
+
+
 def solve_set_up(set_up):
     """All curves of one set-up, in the columns of the dataset.
 
@@ -241,14 +352,15 @@ def solve_set_up(set_up):
     frames = []
     with threadpool_limits(limits=1):
         for name, joint in set_up.cases():
-            curve = force_curve(joint, DEPTHS)
-            frames.append(_frame(name, joint, curve))
+            curve = force_curve(joint, set_up.depths)
+            frames.append(_frame(set_up.group, name, joint, curve))
     return pd.concat(frames, ignore_index=True)
 
 
-def _frame(name, joint, curve):
+def _frame(group, name, joint, curve):
     return pd.DataFrame(
         {
+            "group": group,
             "case": name,
             "r2_star": joint.r2_star,
             "socket_ratio": joint.socket_ratio,
@@ -258,6 +370,7 @@ def _frame(name, joint, curve):
             "ball_drive": joint.ball_drive,
             "rim": joint.rim,
             "kinematics": joint.kinematics,
+            "solver": curve.solver,
             "depth_star": curve.depth_star,
             "force_star": curve.force_star,
             "contact_half_angle": np.degrees(curve.contact_half_angle),
@@ -279,7 +392,7 @@ def write_package(wall_time):
     Parameters
     ----------
     wall_time : float
-        Time that the finite-element cases took together, in s.
+        Time that the cases took together, in s.
     """
     fields = [
         {"name": name, "type": kind, "description": text}
@@ -300,7 +413,7 @@ def write_package(wall_time):
     }
     description = {
         "name": "spherical-clearance-joint-force-curves",
-        "title": "Force-depth curves of spherical clearance joints, by finite elements",
+        "title": "Force-depth curves of spherical clearance joints, by series and finite elements",
         "description": "Frictionless elastic contact of a ball in a socket; see README.md.",
         "profile": "data-package",
         "licenses": [{"name": "CC-BY-4.0", "title": "Creative Commons Attribution 4.0"}],
@@ -381,19 +494,18 @@ def _code_hash():
 
 
 def _design():
+    members = {group: [s for s in DESIGN if s.group == group] for group in GROUPS}
     return {
-        "depth_star": [float(d) for d in DEPTHS],
-        "resolution": fem.RESOLUTION,
-        "set_ups": [
-            {
-                "name": s.name,
-                "why": s.why,
-                "joint": s.joint,
-                "r2_star": list(s.r2_stars),
-                "kinematics": list(s.kinematics),
-            }
-            for s in DESIGN
-        ],
+        "groups": {
+            group: {"why": why, "cases": sum(1 for s in members[group] for _ in s.cases())}
+            for group, why in GROUPS.items()
+        },
+        "resolution": {
+            "series": series.RESOLUTION,
+            "quadratic": fem.RESOLUTION,
+            "finite": FINITE_RESOLUTION,
+        },
+        "set_ups_sha256": hashlib.sha256(repr(DESIGN).encode()).hexdigest(),
     }
 
 
@@ -424,7 +536,8 @@ def verify_files():
 
 def summary(frame):
     """One row per case of a frame of `load`: its parameters, ranges and largest error."""
-    keys = ["case", "r2_star", "socket_ratio", "ball_drive", "rim", "kinematics"]
+    keys = ["case", "r2_star", "socket_ratio", "poisson_ball", "modulus_ratio"]
+    keys += ["ball_drive", "rim", "kinematics", "solver"]
     return (
         frame.groupby(keys, sort=False)
         .agg(

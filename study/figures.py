@@ -43,7 +43,7 @@ RADIUS = "socket radius $R_2^*=R_2/\\Delta R$"
 
 @dataclass(frozen=True)
 class Look:
-    """How a law or the finite elements are drawn, everywhere."""
+    """How a law or the exact solution is drawn, everywhere."""
 
     label: str
     color: str
@@ -53,12 +53,13 @@ class Look:
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart
 LOOKS = {
-    "fem": Look("finite elements", "#000000", "o", "none"),
+    "exact": Look("exact solution", "#000000", "o", "none"),
     "hertz": Look("Hertz", "#0072B2", "s", "--"),
     "steuermann": Look("Steuermann", "#56B4E9", "v", "-."),
     "liu": Look("Liu (reconstructed)", "#009E73", "^", ":"),
     "winkler": Look("Winkler (fitted)", "#E69F00", "D", "--"),
     "hyperbolic_winkler": Look("hyperbolic Winkler", "#D55E00", "P", "-"),
+    "stiffened_hertz": Look("stiffened Hertz", "#CC79A7", "X", "-"),
 }
 
 
@@ -94,7 +95,7 @@ def new(columns=1, rows=1, width=4.2, height=3.2, **options):
 
 
 def draw(axes, law, x, y, **options):
-    """Draw a law as a line, or the finite elements as markers, in its look."""
+    """Draw a law as a line, or the exact solution as markers, in its look."""
     look = LOOKS[law]
     style = {"color": look.color, "label": look.label}
     if look.line == "none":
@@ -263,7 +264,7 @@ def draw_contact_times(axes, impacts, duration):
     duration : float
         In ms.
     """
-    names = {"rigid links": LOOKS["fem"].color, "particles": MODEL_LOOKS["particles"].color}
+    names = {"rigid links": LOOKS["exact"].color, "particles": MODEL_LOOKS["particles"].color}
     for row, ((links, _), table) in enumerate(impacts.items()):
         spans = 1e3 * table[["time", "duration"]].to_numpy()
         axes.broken_barh(spans, (row - 0.35, 0.7), facecolor=names[links], alpha=0.35)
@@ -314,6 +315,89 @@ def draw_mechanism(axes, scene, angle):
     axes.set(xlabel="$x$ (mm)", ylabel="$y$ (mm)", aspect="equal")
     axes.set(xlim=(-60, end[0] + slider), ylim=(-55, 75))
     axes.grid(False)
+
+
+DEPTH_TICKS = (0.05, 0.1, 0.2, 0.5, 1.0)
+
+
+def shade_reach(axes, law, table, levels, limit, scale="log"):
+    """Map of a law's relative error in percent over depth, clipped at +-``limit``.
+
+    Contours at ``levels`` are labelled one below the other; rows of the table with NaN, where
+    the law is not defined, are left out and their place is hatched. The title names the law
+    and its whole range of errors, unclipped.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    law : str
+        Key of `LOOKS`.
+    table : pandas.DataFrame
+        Error in percent; rows in rising order of what is drawn upwards, a column per depth_star.
+    levels : sequence of float
+    limit : float
+        Largest error that the shades tell apart, in percent.
+    scale : {"log", "linear"}
+        Of the vertical axis.
+
+    Returns
+    -------
+    matplotlib.contour.QuadContourSet
+        For the colour bar.
+    """
+    axes.set(xscale="log", yscale=scale, ylim=(table.index[0], table.index[-1]))
+    table = table.dropna()
+    x, y, percent = table.columns, table.index, table.to_numpy()
+    bands = np.linspace(-limit, limit, 81)
+    shades = axes.contourf(x, y, percent, levels=bands, cmap="RdBu_r", extend="both")
+    inside = [level for level in levels if percent.min() < level < percent.max()]
+    if inside:
+        lines = axes.contour(x, y, percent, levels=inside, colors="k", linewidths=0.8)
+        _label_in_steps(axes, lines)
+    axes.patch.set(facecolor="0.95", hatch="///", edgecolor="0.7")
+    axes.set_title(f"{LOOKS[law].label}: {percent.min():+.1f} to {percent.max():+.1f} %")
+    axes.set_xticks(DEPTH_TICKS, [f"{tick:g}" for tick in DEPTH_TICKS])
+    axes.minorticks_off()
+    axes.grid(False)
+    return shades
+
+
+def _label_in_steps(axes, lines):
+    """Label contours at heights that differ and apart, so that close ones stay legible."""
+    axes.autoscale_view()
+    heights = np.linspace(0.9, 0.1, len(lines.levels)) if len(lines.levels) > 1 else [0.5]
+    placed = np.empty((0, 2))
+    for level, path, height in zip(
+        lines.levels[::-1], lines.get_paths()[::-1], heights, strict=True
+    ):
+        path = (axes.transScale + axes.transLimits).transform_path(path)
+        pieces = [mpl.path.Path(p).interpolated(8) for p in path.to_polygons(closed_only=False)]
+        points = np.vstack([piece.vertices for piece in pieces])
+        off_edge = np.abs(points - np.clip(points, 0.1, 0.9)).sum(axis=1)
+        apart = np.abs(points[:, None] - placed) / (0.16, 0.07)  # in sizes of a label
+        crowd = np.clip(1.2 - apart.max(axis=2), 0, None).sum(axis=1)
+        place = points[np.argmin(np.abs(points[:, 1] - height) + off_edge + 3 * crowd)]
+        place = np.clip(place, 0.08, 0.92)
+        placed = np.vstack([placed, place])
+        style = {"fontsize": 7, "ha": "center", "va": "center", "transform": axes.transAxes}
+        box = {"facecolor": "w", "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
+        axes.text(*place, f"{level:+g} %", bbox=box, **style)
+
+
+def draw_errors(axes, cases, color, label):
+    """Draw the relative error of every case over the root of the depth, as thin lines.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    cases : pandas.DataFrame
+        Columns ``case``, ``depth_star`` and ``relative_error_percent``.
+    color, label : str
+    """
+    style = {"color": color, "linewidth": 0.6, "alpha": 0.7}
+    for _, case in cases.groupby("case", sort=False):
+        axes.plot(np.sqrt(case.depth_star), case.relative_error_percent, **style)
+    axes.plot([], [], color=color, label=f"{label}: {cases.case.nunique()} curves")
 
 
 def save(figure, name, numbers):

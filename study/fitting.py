@@ -2,15 +2,29 @@
 
 The paper's two steps: one coefficient f1 per case, then a surrogate of f1 over R2*. The
 surrogate is a straight line, because P* -> R2* F(ds) as R2* grows, with an intercept for the
-next order in 1/R2*; its coefficients are ours, the paper's are lost.
+next order in 1/R2*; its coefficients are ours, the paper's are lost. The coefficients of
+`stiffened_hertz` make its largest relative error as small as can be.
 """
+
+import json
+import re
 
 import numpy as np
 import pandas as pd
+from scipy.optimize import linprog
 
-from study.contact import LAWS
+from study import checks
+from study.contact import LAWS, hertz
+from study.contact.laws import stiffening_scale, stiffening_terms
 
-FITTED_LAWS = ("hyperbolic_winkler", "winkler")
+FITTED_LAWS = {
+    "hyperbolic_winkler": ("hyperbolic_winkler", {}),
+    "hyperbolic_winkler_flat": ("hyperbolic_winkler", {"area": "flat"}),
+    "winkler": ("winkler", {}),
+}
+"""Name of the coefficients -> law and its options."""
+SLACK = 1.05  # of the largest error, for fewer coefficients
+PAPER_WEIGHT = 3.5  # of the paper's ratio and Poisson's ratio in the fit of stiffened_hertz
 LARGEST_DEPTH = 0.5  # of the fit, in dR, as in the paper
 LARGEST_R2_STAR = 300  # of the surrogate's fit, as in the paper
 
@@ -20,8 +34,8 @@ def coefficient(law, depth_star, force_star):
 
     Parameters
     ----------
-    law : {"hyperbolic_winkler", "winkler"}
-        Whose f2 to use.
+    law : str
+        Whose f2 to use, a key of `FITTED_LAWS`.
     depth_star, force_star : array_like, shape (n,)
         One case's curve.
 
@@ -29,8 +43,14 @@ def coefficient(law, depth_star, force_star):
     -------
     float
     """
-    shape = LAWS[law](depth_star, 2.0, coefficient=1.0)
-    return float(shape @ np.asarray(force_star) / (shape @ shape))
+    f2 = shape(law, depth_star)
+    return float(f2 @ np.asarray(force_star) / (f2 @ f2))
+
+
+def shape(law, depth_star):
+    """Function f2 of a law: its force with the coefficient 1, shape (n,)."""
+    name, options = FITTED_LAWS[law]
+    return LAWS[name](depth_star, 2.0, coefficient=1.0, **options)
 
 
 def coefficients_by_case(law, curves):
@@ -38,7 +58,8 @@ def coefficients_by_case(law, curves):
 
     Parameters
     ----------
-    law : {"hyperbolic_winkler", "winkler"}
+    law : str
+        A key of `FITTED_LAWS`.
     curves : pandas.DataFrame
         Rows of `study.dataset.load`, one joint set-up; depths beyond 0.5 are left out.
 
@@ -90,3 +111,70 @@ def fit_laws(curves):
         cases = coefficients_by_case(law, curves[curves.r2_star <= LARGEST_R2_STAR])
         fits[law] = surrogate(cases.r2_star, cases.f1)
     return fits
+
+
+def fit_stiffening(curves, paper=(1.19, 0.3)):
+    """Coefficients of `study.contact.stiffened_hertz`, by linear programming.
+
+    The coefficients enter S linearly. The largest relative error over all curves, with
+    `PAPER_WEIGHT` times the error for the paper's socket ratio and Poisson's ratio, is within
+    `SLACK` of the smallest one; the sum of the scaled coefficients' sizes is then the smallest,
+    which leaves most of them at zero.
+
+    Parameters
+    ----------
+    curves : pandas.DataFrame
+        Rows of the dataset's group ``fit``, in several kinematics.
+    paper : tuple of float
+        Socket ratio and Poisson's ratio with the weight.
+
+    Returns
+    -------
+    dict
+        ``limit``, and ``first_order`` by kinematics: lists of shape (5, 9).
+    """
+    kinds = list(dict.fromkeys(curves.kinematics))
+    keys = ["kinematics", "r2_star", "socket_ratio", "poisson_ball"]
+    rows, right = [], []
+    for (kind, r2_star, ratio, poisson), case in curves.groupby(keys, sort=False):
+        ds = case.depth_star.to_numpy()
+        stiffening = case.force_star.to_numpy() / hertz(ds, r2_star)
+        u = np.sqrt(ds) / (np.sqrt(ds) + stiffening_scale(ratio))
+        powers = np.column_stack([u, u**2, ds, ds**2, ds**3])
+        terms = (powers[:, :, None] * stiffening_terms(ratio, poisson)).reshape(len(ds), -1)
+        blocks = [terms, *(terms / r2_star * (kind == other) for other in kinds)]
+        weight = (PAPER_WEIGHT if (ratio, poisson) == paper else 1.0) / stiffening
+        rows.append(weight[:, None] * np.hstack(blocks))
+        right.append(weight * (stiffening - 1))
+    found = _sparse_minimax(np.vstack(rows), np.concatenate(right))
+    matrix = found.reshape(1 + len(kinds), 5, 9)
+    limit, *first_order = np.round(matrix, 6).tolist()
+    return {"limit": limit, "first_order": dict(zip(kinds, first_order, strict=True))}
+
+
+def _sparse_minimax(matrix, right):
+    """A sparse x whose largest |matrix x - right| is `SLACK` times the smallest possible."""
+    scale = np.abs(matrix).max(axis=0)
+    rows, unknowns = np.vstack([matrix / scale, -matrix / scale]), len(scale)
+    sides = np.concatenate([right, -right])
+    with_bound = np.hstack([rows, -np.ones((len(rows), 1))])
+    free = [(None, None)] * unknowns
+    best = _solve(np.append(np.zeros(unknowns), 1.0), with_bound, sides, [*free, (0, None)])
+    halves = np.hstack([rows, -rows])  # positive and negative parts of x: their sum is the least
+    limits = sides + SLACK * best[-1]
+    parts = _solve(np.ones(2 * unknowns), halves, limits, [(0, None)] * (2 * unknowns))
+    return (parts[:unknowns] - parts[unknowns:]) / scale
+
+
+def _solve(cost, matrix, limits, bounds):
+    found = linprog(cost, A_ub=matrix, b_ub=limits, bounds=bounds, method="highs-ds")
+    if not found.success:
+        raise checks.StudyError(f"coefficients were not found: {found.message}")
+    return found.x
+
+
+def format_coefficients(fits):
+    """JSON text of all fitted coefficients, a matrix row per line."""
+    text = json.dumps(fits, indent=2)
+    inner = re.compile(r"\[([^\[\]]*)\]")
+    return inner.sub(lambda row: f"[{' '.join(row[1].split())}]", text) + "\n"

@@ -1,8 +1,8 @@
-"""Ball in socket: two compliances and a gap become a force-depth curve.
+"""Ball in socket: two elastic bodies and a gap become a force-depth curve.
 
-For every depth the contact pressure solves a linear complementarity problem on the contact
-arc: pressure >= 0, gap >= 0, pressure * gap = 0, both in the weak (Galerkin) sense of the
-pressure's hat functions. Frictionless, linear elastic bodies; large rotations are left out.
+For every depth the contact pressure solves a complementarity problem on the contact arc:
+pressure >= 0, gap >= 0, pressure * gap = 0, all in the weak (Galerkin) sense of the pressure's
+hat functions. Frictionless and elastic. Which points face each other: `study.kinematics`.
 
 Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 """
@@ -11,15 +11,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from study import checks, complementarity
-from study.contact import composite_modulus
-from study.elastic import HatFunctions, fem
+from study import checks, kinematics
+from study.contact import SOCKET_RATIO, composite_modulus
+from study.elastic import fem, series
 
-KINEMATICS = ("small", "linear")
+KINEMATICS = ("small", "linear", "finite")
+SOLVERS = ("series", "quadratic", "linear")
+FINITE_RESOLUTION = 96  # large displacements cost more
 _BESIDE = (0.97, 1.03)  # neighbours of a depth at which its error is estimated too
-SOCKET_RATIO = 1.19
-"""Outer over inner radius of the socket. The paper does not state it; with ``plane`` drive this
-value reproduces the RMSE that the paper's Table 2 prints for Hertz."""
 
 
 @dataclass(frozen=True)
@@ -51,19 +50,22 @@ class Joint:
     r2_star : float
         Dimensionless socket radius R2/dR, > 1.
     socket_ratio : float
-        Outer over inner radius of the socket, >= 1.02.
+        Outer over inner radius of the socket, >= 1.001; >= 1.02 for finite elements.
     ball, socket : Material
         Materials of the two bodies.
-    ball_drive : {"plane", "clamped"}
-        The half ball's equatorial plane is displaced axially and is radially free, or fixed.
-    rim : {"free", "mirror"}
-        The socket's edge at the equator is traction-free, or a mirror plane.
-    kinematics : {"small", "linear"}
+    ball_drive : {"plane", "clamped", "point"}
+        The half ball's equatorial plane is displaced axially and is radially free, or fixed;
+        or its centre alone is displaced, as by a point load.
+    rim : {"mirror", "free"}
+        The socket's edge at the equator is a mirror plane, or traction-free. The force differs
+        by less than 2e-6 up to a ratio of 1.25, 1e-4 at 1.5, 0.6 % at 2 and 4 % at 3.
+    kinematics : {"linear", "small", "finite"}
         ``small``: points face each other at equal angles seen from the socket's centre, the
         gap is the exact overlap of the rigid spheres, the force acts on the socket's area.
         ``linear``: every point of the ball faces the point of the socket it has moved to, and
         the force acts on the ball's area; as a small-strain analysis that searches contact on
-        the moved surfaces does. They differ by terms of order 1/R2*.
+        the moved surfaces does. ``finite``: large displacements and rotations, with the
+        material of Saint Venant and Kirchhoff. They differ by terms of order 1/R2*.
 
     Raises
     ------
@@ -76,12 +78,12 @@ class Joint:
     ball: Material = field(default_factory=Material)
     socket: Material = field(default_factory=Material)
     ball_drive: str = "plane"
-    rim: str = "free"
-    kinematics: str = "small"
+    rim: str = "mirror"
+    kinematics: str = "linear"
 
     def __post_init__(self):
         checks.number("r2_star", self.r2_star, above=1, scalar=True)
-        checks.number("socket_ratio", self.socket_ratio, least=fem.THINNEST_RATIO, scalar=True)
+        checks.number("socket_ratio", self.socket_ratio, least=series.THINNEST_RATIO, scalar=True)
         for name in ("ball", "socket"):
             if not isinstance(getattr(self, name), Material):
                 raise ValueError(f"{name} must be a Material, got {getattr(self, name)!r}")
@@ -111,6 +113,8 @@ class ForceCurve:
     Attributes
     ----------
     joint : Joint
+    solver : str
+        Which of `SOLVERS` made it.
     depth_star : ndarray, shape (k,)
         Dimensionless penetration depth d/dR, in the order asked for.
     force_star : ndarray, shape (k,)
@@ -121,7 +125,7 @@ class ForceCurve:
         Largest pressure, in E* dR/R2.
     error_estimate : ndarray, shape (k,)
         Estimated relative discretisation error of the force: its largest difference from the
-        force on a mesh of half the resolution, at this depth and 3 % to both sides of it (the
+        force at half the resolution, at this depth and 3 % to both sides of it (the
         error oscillates as the contact's edge passes the nodes).
     angles : ndarray, shape (n,)
         Polar angles of the pressure profile, in rad.
@@ -130,6 +134,7 @@ class ForceCurve:
     """
 
     joint: Joint
+    solver: str
     depth_star: np.ndarray
     force_star: np.ndarray
     contact_half_angle: np.ndarray
@@ -139,19 +144,24 @@ class ForceCurve:
     pressure: np.ndarray
 
 
-def force_curve(joint, depth_star, resolution=fem.RESOLUTION):
-    """Force-depth curve of a joint, on two meshes.
+def force_curve(joint, depth_star, resolution=None, solver=None):
+    """Force-depth curve of a joint, at two resolutions.
 
-    The compliances are cached: further curves with the same bodies, whatever their R2*,
-    moduli and depths, cost milliseconds.
+    The bodies are cached: further curves with the same ones, whatever their R2*, moduli and
+    depths, cost milliseconds (``finite`` kinematics: half a second per depth).
 
     Parameters
     ----------
     joint : Joint
     depth_star : float or array_like, shape (k,)
         Dimensionless penetration depths, >= 0 and < sqrt(2 R2* - 1) - 1.
-    resolution : int
-        Elements along the surface, a multiple of 32; the error estimate uses half of it.
+    resolution : int, optional
+        Elements along the surface, a multiple of 32, by default 320 for ``series``, 160 for
+        finite elements and 96 for ``finite`` kinematics; the error estimate uses half of it.
+    solver : {"series", "quadratic", "linear"}, optional
+        Exact Legendre series of both bodies, or finite elements: six-node or three-node
+        triangles. By default the series where it applies (``plane`` drive, ``mirror`` rim,
+        kinematics other than ``finite``), and else six-node triangles.
 
     Returns
     -------
@@ -160,11 +170,28 @@ def force_curve(joint, depth_star, resolution=fem.RESOLUTION):
     Raises
     ------
     ValueError
-        For a negative depth or NaN, contact that reaches the socket's rim, or contact smaller
-        than the mesh can resolve.
+        For a negative depth or NaN, contact that reaches the socket's rim, contact smaller
+        than the elements can resolve, or a solver that cannot solve this joint.
     study.complementarity.ComplementarityError
         If the contact does not converge; carries the residual.
     """
+    finite = joint.kinematics == "finite"
+    able = joint.ball_drive == "plane" and joint.rim == "mirror" and not finite
+    solver = solver or ("series" if able else "quadratic")
+    checks.choice("solver", solver, SOLVERS)
+    if solver == "series" and not able:
+        raise ValueError(
+            "solver must be quadratic or linear for this joint: the series needs ball_drive "
+            f"plane, rim mirror and kinematics small or linear, got {joint.ball_drive}, "
+            f"{joint.rim} and {joint.kinematics}"
+        )
+    if solver == "linear" and finite:
+        raise ValueError("solver must be quadratic for kinematics finite, got 'linear'")
+    if solver != "series":
+        checks.number("socket_ratio", joint.socket_ratio, least=fem.THINNEST_RATIO)
+    if resolution is None:
+        usual = {"series": series.RESOLUTION}.get(solver, fem.RESOLUTION)
+        resolution = FINITE_RESOLUTION if finite else usual
     depths = np.atleast_1d(checks.number("depth_star", depth_star, least=0))
     widest = np.sqrt(2 * joint.r2_star - 1) - 1  # beyond it the spheres' overlap gets narrower
     checks.number("depth_star", depths, below=widest)
@@ -173,8 +200,8 @@ def force_curve(joint, depth_star, resolution=fem.RESOLUTION):
     if resolution % 32:
         raise ValueError(f"resolution must be a multiple of 32, >= 32, got {resolution}")
     beside = np.outer([1, *_BESIDE], depths)
-    angles, pressure, fine = _solve(joint, beside.ravel(), resolution)
-    _, _, coarse = _solve(joint, beside.ravel(), resolution // 2)
+    angles, pressure, fine = _solve(joint, solver, beside.ravel(), resolution)
+    _, _, coarse = _solve(joint, solver, beside.ravel(), resolution // 2)
     pressure, force = pressure[: depths.size], fine[: depths.size]
     if pressure[:, -2:].any():
         least = depths[pressure[:, -2:].any(axis=1)].min()
@@ -185,12 +212,13 @@ def force_curve(joint, depth_star, resolution=fem.RESOLUTION):
     unseen = (np.minimum(fine, coarse) == 0) & (beside.ravel() > 0)
     if unseen.any():
         raise ValueError(
-            "depth_star must be 0 or so large that the mesh resolves the contact, got "
+            "depth_star must be 0 or so large that the elements resolve the contact, got "
             f"{beside.ravel()[unseen].max():.3g} with elements of {np.degrees(angles[1]):.2g} deg"
         )
     relative = np.divide(np.abs(fine - coarse), fine, out=np.zeros_like(fine), where=fine > 0)
     return ForceCurve(
         joint=joint,
+        solver=solver,
         depth_star=depths,
         force_star=force,
         contact_half_angle=np.array([_edge(angles, p) for p in pressure]),
@@ -201,69 +229,21 @@ def force_curve(joint, depth_star, resolution=fem.RESOLUTION):
     )
 
 
-def _solve(joint, depths, resolution):
-    """Pressure profiles (k, n) and forces (k,) on one mesh."""
-    ball = fem.ball_compliance(joint.ball.poisson, joint.ball_drive, resolution)
-    socket = fem.socket_compliance(joint.socket_ratio, joint.socket.poisson, joint.rim, resolution)
-    hats = HatFunctions(ball.angles)
-    problem, axial = {"small": _small, "linear": _linear}[joint.kinematics](
-        joint, ball, socket, hats
-    )
-    pressure = np.zeros((len(depths), len(ball.angles)))
-    active = None
-    for k in np.argsort(-depths, kind="stable"):
-        if depths[k] == 0:
-            continue
-        matrix, gap = problem(depths[k])
-        pressure[k], active = complementarity.solve(matrix, gap, active)
-    return ball.angles, pressure, joint.r2_star * pressure @ axial
-
-
-def _small(joint, ball, socket, hats):
-    """Pairs at equal angles from the socket's centre; the rigid spheres' exact overlap."""
-    of_ball, of_socket = joint.modulus_shares
-    r1, r2_star = joint.ball_radius, joint.r2_star
-    matrix = of_ball * r1 * ball.flexibility + of_socket * socket.flexibility
-
-    def problem(depth):
-        e = (1 + depth) / r2_star
-
-        def gap(theta):
-            # no ball is left in directions beyond its tangent, where the root would end
-            side = (e * np.sin(theta)) ** 2
-            root = np.sqrt(np.maximum(r1**2 - side, 0))
-            return 1 - (1 + depth) * np.cos(theta) + r2_star * np.minimum(side, r1**2) / (r1 + root)
-
-        return matrix, hats.integrate(gap)
-
-    return problem, hats.integrate(np.cos)
-
-
-def _linear(joint, ball, socket, hats):
-    """Each point of the ball faces the point of the socket it has moved to; the ball's area."""
-    of_ball, of_socket = joint.modulus_shares
-    r1, r2_star = joint.ball_radius, joint.r2_star
-    mass = hats.mass()
-    per_force = np.linalg.inv(mass)
-    socket_flexibility = per_force @ socket.flexibility @ per_force
-
-    def problem(depth):
-        e = (1 + depth) / r2_star
-        moved = np.arctan2(r1 * np.sin(hats.angles), r1 * np.cos(hats.angles) + e)
-        forces = r1 * mass @ hats.values(moved)  # on the socket's nodes, from the ball's pressure
-        matrix = of_ball * r1 * ball.flexibility + of_socket * (
-            forces @ socket_flexibility @ forces.T
-        )
-
-        def gap(phi):
-            along = r1 + e * np.cos(phi)
-            side = (e * np.sin(phi)) ** 2
-            beyond = side / (along + np.sqrt(along**2 + side))
-            return 1 - (1 + depth) * np.cos(phi) - r2_star * beyond
-
-        return matrix, hats.integrate(gap)
-
-    return problem, r1**2 * hats.integrate(np.cos)
+def _solve(joint, solver, depths, resolution):
+    """Nodal angles, pressure profiles (k, n) and forces (k,) at one resolution."""
+    if solver == "series":
+        ball = series.ball_compliance(joint.ball.poisson, resolution)
+        socket = series.socket_compliance(joint.socket_ratio, joint.socket.poisson, resolution)
+    else:
+        mesh = (resolution, 6 if solver == "quadratic" else 3)
+        of_ball = (joint.ball.poisson, joint.ball_drive, *mesh)
+        of_socket = (joint.socket_ratio, joint.socket.poisson, joint.rim, *mesh)
+        if joint.kinematics == "finite":
+            bodies = fem.ball(*of_ball), fem.socket(*of_socket)
+            return bodies[0].compliance.angles, *kinematics.solve_finite(joint, depths, *bodies)
+        ball, socket = fem.ball_compliance(*of_ball), fem.socket_compliance(*of_socket)
+    pairing = {"small": kinematics.small, "linear": kinematics.linear}[joint.kinematics]
+    return ball.angles, *kinematics.solve(joint, depths, *pairing(joint, ball, socket))
 
 
 def _edge(angles, pressure):

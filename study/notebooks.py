@@ -61,7 +61,8 @@ class Notebook:
     def inputs(self):
         """Files it depends on: itself, the library but for the command line, and the data."""
         library = sorted((paths.ROOT / "study").rglob("*.py"))
-        data = [dataset.CURVES, paths.DATA / "published/tables.csv", contact.laws.COEFFICIENTS]
+        published = [paths.DATA / f"published/{name}.csv" for name in ("tables", "joint")]
+        data = [dataset.CURVES, *published, contact.laws.COEFFICIENTS]
         return [self.path, *(p for p in library if p.name != "cli.py"), *data]
 
 
@@ -141,6 +142,39 @@ CATALOGUE = (
         "11-convergence-of-the-models",
         {"convergence": "the flexible models towards each other and towards rigid links"},
         {},
+    ),
+    Notebook(
+        "12-exact-series-and-kinematics",
+        {
+            "truth": "finite elements against the exact series, and what a free rim changes",
+            "kinematics": "small, linear and finite kinematics over R2*",
+        },
+        {"accuracy": "the joint's forces against independent values"},
+    ),
+    Notebook(
+        "13-what-the-paper-computed",
+        {
+            "identification": "which set-ups explain Table 2: ratio, drive, sampling, area",
+            "windows": "over which depths the R2 columns of Table 2 could be computed",
+        },
+        {
+            "explained": "published numbers beside those of the best set-ups",
+            "candidates": "every candidate with its misfit and likelihood",
+        },
+    ),
+    Notebook(
+        "14-where-the-laws-apply",
+        {
+            "reach_socket": "relative error of each law over depth and socket ratio",
+            "reach_radius": "relative error of each law over depth and R2*",
+            "reach_material": "relative error of the laws over Poisson's ratio and moduli",
+        },
+        {"reach": "largest relative error of each law, by range of depth"},
+    ),
+    Notebook(
+        "15-stiffened-hertz",
+        {"stiffening": "stiffening over Hertz: exact, fitted and tabulated"},
+        {"judged": "error of stiffened_hertz on what it was fitted to and what it was not"},
     ),
 )
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study import cli, contact, dataset, joint
+from study import cli, contact, dataset, export, joint
 from study.joint import Joint, force_curve
 from study.mechanism import Scene, particles, simulate
 
@@ -37,6 +37,23 @@ def test_law_prints_one_json_object(run, law):
     assert (status, err) == (0, "")
     force = json.loads(out)["force_star"]
     assert force == pytest.approx(list(contact.LAWS[law](np.array([0.5, 0.1]), 200)))
+
+
+def test_law_passes_its_options_on(run):
+    words = ["--socket-ratio", 1.5, "--poisson", 0.4, "--kinematics", "finite"]
+    _, out, _ = run(
+        "law", "stiffened_hertz", "--r2-star", 50, "--depth-star", 0.3, *words, "--json"
+    )
+    expected = contact.stiffened_hertz(0.3, 50, socket_ratio=1.5, poisson=0.4, kinematics="finite")
+    assert json.loads(out)["force_star"] == pytest.approx([expected])
+
+
+@pytest.mark.parametrize("kinematics", joint.KINEMATICS)
+def test_joint_knows_all_kinematics(run, kinematics):
+    words = ["--r2-star", 20, "--depth-star", 0.5, "--kinematics", kinematics]
+    _, out, _ = run("joint", *words, "--json")
+    expected = force_curve(Joint(20, kinematics=kinematics), 0.5).force_star
+    assert json.loads(out)["force_star"] == pytest.approx(list(expected))
 
 
 def test_joint_prints_one_json_object_in_the_order_asked(run):
@@ -77,7 +94,11 @@ def test_choices_and_defaults_are_those_of_the_library():
     assert str(signature.parameters["kinematics"].default) == joint.Joint(200).kinematics
     assert tuple(cli.Kinematics) == joint.KINEMATICS
     assert tuple(cli.Drive) == joint.fem.DRIVES
+    assert str(signature.parameters["rim"].default) == joint.Joint(200).rim
     assert tuple(cli.Rim) == joint.fem.RIMS
+    assert tuple(cli.Solver) == joint.SOLVERS
+    assert tuple(cli.Exported) == export.EXPORTED
+    assert tuple(cli.Format) == export.FORMATS
 
 
 def test_help_names_units(run):
@@ -98,6 +119,60 @@ def test_help_names_units(run):
         (
             ["law", "liu", "--r2-star", "9", "--depth-star", "1", "--poisson", "0.3"],
             "--poisson must be left out: liu does not depend on it",
+        ),
+        (
+            ["law", "stiffened_hertz", "--r2-star", "9", "--depth-star", "0.1"],
+            "r2_star of stiffened_hertz must be >= 20, got 9",
+        ),
+        (
+            [
+                "law",
+                "stiffened_hertz",
+                "--r2-star",
+                "99",
+                "--depth-star",
+                "0.1",
+                "--poisson",
+                "0.1",
+            ],
+            "poisson of stiffened_hertz must be >= 0.2 and <= 0.45, got 0.1",
+        ),
+        (
+            [
+                "law",
+                "stiffened_hertz",
+                "--r2-star",
+                "99",
+                "--depth-star",
+                "0.1",
+                "--kinematics",
+                "small",
+            ],
+            "kinematics must be one of linear, finite, got",
+        ),
+        (["export", "--law", "hertz", "--format", "c"], "'hertz' is not one of"),
+        (["export", "--law", "tabulated"], "Missing option '--format'"),
+        (
+            ["export", "--law", "stiffened_hertz", "--format", "csv", "--socket-ratio", "9"],
+            "socket_ratio of stiffened_hertz must be >= 1.1 and <= 3, got 9",
+        ),
+        (
+            ["export", "--law", "tabulated", "--format", "csv", "--output", "law.txt"],
+            "--output must end in .csv, got law.txt",
+        ),
+        (
+            [
+                "joint",
+                "--r2-star",
+                "9",
+                "--depth-star",
+                "0.1",
+                "--drive",
+                "clamped",
+                "--solver",
+                "series",
+            ],
+            "solver must be quadratic or linear for this joint",
         ),
         (["joint", "--r2-star", "9", "--depth-star", "-1"], "depth_star must be >= 0, got -1"),
         (["joint", "--r2-star", "9", "--depth-star", "1", "--poisson", "0.5"], "< 0.5, got 0.5"),

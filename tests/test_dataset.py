@@ -33,16 +33,31 @@ def test_dataset_holds_the_papers_design_and_the_wider_sweep():
     assert not dataset.load().isna().any().any()
 
 
+def test_every_group_is_there_and_judges_are_not_fitted_to():
+    frame = dataset.load()
+    assert set(frame.group) == set(dataset.GROUPS)
+    keys = ["r2_star", "socket_ratio", "poisson_ball"]
+    fitted, judged = (
+        set(map(tuple, frame.loc[frame.group == group, keys].to_numpy()))
+        for group in ("fit", "judge")
+    )
+    assert len(judged) == 48
+    assert not fitted & judged
+    finite = frame[frame.kinematics == "finite"]
+    assert set(finite.solver) == {"quadratic"}
+    assert set(finite.group) == {"paper", "fit", "judge"}
+
+
 def test_filters_select_rows():
-    rows = dataset.load(r2_star=[20, 200], kinematics="small", rim="free")
+    rows = dataset.load(r2_star=[20, 200], kinematics="small", group="paper")
     assert set(rows.r2_star) == {20, 200}
     assert set(rows.kinematics) == {"small"}
     assert list(rows.index) == list(range(80))
     with pytest.raises(ValueError, match="r2_star must be one of 20, 40.*got 77"):
         dataset.load(r2_star=77)
-    with pytest.raises(ValueError, match="filters must leave a case, but none has rim = mirror"):
-        dataset.load(rim="mirror", ball_drive="clamped")
-    with pytest.raises(ValueError, match="column must be one of case.*got 'radius'"):
+    with pytest.raises(ValueError, match="filters must leave a case, but none has rim = free"):
+        dataset.load(rim="free", ball_drive="clamped")
+    with pytest.raises(ValueError, match="column must be one of group.*got 'radius'"):
         dataset.load(radius=1)
 
 
@@ -118,7 +133,7 @@ def test_a_changed_solver_makes_the_dataset_out_of_date(copy, monkeypatch):
 
 
 def test_a_changed_design_makes_the_dataset_out_of_date(copy, monkeypatch):
-    monkeypatch.setattr(dataset, "DEPTHS", dataset.DEPTHS[:-1])
+    monkeypatch.setattr(dataset, "DESIGN", dataset.DESIGN[:-1])
     with pytest.raises(dataset.DatasetError, match="out of date"):
         dataset.load()
 
@@ -159,9 +174,10 @@ def test_a_curve_unlike_the_solver_fails_the_check(copy):
 
 
 def test_a_set_up_is_solved_to_the_same_bytes(tmp_path):
-    set_up = dataset.SetUp("one", "test", {"socket_ratio": 1.5}, (20, 200), ("small",))
+    ratio = {"socket_ratio": 1.5}
+    set_up = dataset.SetUp("ratio", "one", ratio, r2_stars=(20, 200), kinematics=("small",))
     for name in ("first.csv", "second.csv"):
-        joint.fem.socket_compliance.cache_clear()
+        joint.series.socket_compliance.cache_clear()
         dataset.write_curves(dataset.solve_set_up(set_up), tmp_path / name)
     assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "second.csv").read_bytes()
 

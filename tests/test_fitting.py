@@ -1,5 +1,7 @@
 """Coefficients by least squares, and what the study must find with them."""
 
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,6 +9,7 @@ from hypothesis import strategies as st
 
 from study import contact, dataset, fitting
 from study import statistics as stats
+from study.joint import Joint, Material, force_curve
 
 laws = pytest.mark.parametrize("law", fitting.FITTED_LAWS)
 
@@ -15,7 +18,8 @@ laws = pytest.mark.parametrize("law", fitting.FITTED_LAWS)
 @given(st.floats(0.1, 1e4))
 def test_coefficient_of_a_law_is_found_again(law, value):
     depth = np.linspace(0.05, 0.5, 10)
-    force = contact.LAWS[law](depth, 200, coefficient=value)
+    name, options = fitting.FITTED_LAWS[law]
+    force = contact.LAWS[name](depth, 200, coefficient=value, **options)
     assert fitting.coefficient(law, depth, force) == pytest.approx(value)
 
 
@@ -24,8 +28,10 @@ def test_coefficient_is_the_best_one(law):
     curve = dataset.paper_curves(r2_star=200)
     best = fitting.coefficient(law, curve.depth_star, curve.force_star)
 
+    name, options = fitting.FITTED_LAWS[law]
+
     def error(value):
-        force = contact.LAWS[law](curve.depth_star, 200, coefficient=value)
+        force = contact.LAWS[name](curve.depth_star, 200, coefficient=value, **options)
         return stats.rmse(curve.force_star, force)
 
     assert error(best) < min(error(0.999 * best), error(1.001 * best))
@@ -67,3 +73,60 @@ def test_relative_rmse_rises_and_stays_below_the_published_limit():
     ]
     assert (np.diff(error) > 0).all()
     assert max(error) < limit
+
+
+def errors(group):
+    """Relative errors of stiffened_hertz over one group of the dataset, with its rows."""
+    rows = dataset.load(group=group)
+    rows = rows[rows.kinematics != "small"].reset_index(drop=True)
+    found = np.empty(len(rows))
+    keys = ["kinematics", "socket_ratio", "poisson_ball"]
+    for (kinematics, ratio, poisson), case in rows.groupby(keys):
+        options = {"kinematics": kinematics, "socket_ratio": ratio, "poisson": poisson}
+        force = contact.stiffened_hertz(case.depth_star, case.r2_star, **options)
+        found[case.index] = force / case.force_star - 1
+    return rows.assign(error=np.abs(found))
+
+
+@pytest.mark.parametrize(("group", "limit"), [("fit", 0.01), ("judge", 0.01), ("paper", 0.003)])
+def test_stiffened_hertz_is_right_where_it_was_fitted_and_where_not(group, limit):
+    rows = errors(group)
+    for kinematics in ("linear", "finite"):
+        assert rows.error[rows.kinematics == kinematics].max() < limit
+
+
+def test_stiffened_hertz_on_curves_of_the_moment():
+    # corners of the range, and below the depths it was fitted to, against the series
+    for ratio, poisson, r2_star in ((1.1, 0.2, 20), (3.0, 0.45, 20), (1.1, 0.45, 1e6)):
+        material = Material(2e11, poisson)
+        curve = force_curve(Joint(r2_star, ratio, material, material), [0.002, 0.03, 0.4, 0.97])
+        force = contact.stiffened_hertz(
+            curve.depth_star, r2_star, socket_ratio=ratio, poisson=poisson
+        )
+        assert np.abs(force / curve.force_star - 1)[1:].max() < 0.01
+        assert abs(force[0] / curve.force_star[0] - 1) < 0.02
+
+
+def test_stiffened_hertz_has_few_coefficients_and_they_are_the_fit():
+    stored = contact.laws.fitted_coefficients()["stiffened_hertz"]
+    matrices = np.array([stored["limit"], *stored["first_order"].values()])
+    assert np.count_nonzero(matrices) < 60
+    assert np.abs(matrices).max() < 100
+    curves = dataset.load(group="fit")
+    some = curves[curves.poisson_ball == 0.3]
+    anew = fitting.fit_stiffening(some)  # of a part: it must fit that part at least as well
+    assert anew["limit"] != stored["limit"]
+    assert np.array(anew["limit"]).shape == (5, 9)
+
+
+def test_minimax_is_the_smallest_largest_error():
+    x = np.linspace(-1, 1, 201)
+    line = fitting._sparse_minimax(np.column_stack([np.ones_like(x), x]), x**3)
+    assert line == pytest.approx([0, 0.75], abs=0.05)  # Chebyshev: x^3 - 3/4 x, error 1/4
+    assert np.abs(line[0] + line[1] * x - x**3).max() == pytest.approx(0.25, rel=0.051)
+
+
+def test_coefficients_are_written_a_row_per_line():
+    text = fitting.format_coefficients({"law": {"limit": [[1.0, 2.0], [3.0, 4.0]]}})
+    assert json.loads(text) == {"law": {"limit": [[1.0, 2.0], [3.0, 4.0]]}}
+    assert "[1.0, 2.0],\n" in text

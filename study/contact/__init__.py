@@ -2,6 +2,8 @@
 
 from study.contact.laws import (
     LAWS,
+    PAPER_LAWS,
+    SOCKET_RATIO,
     composite_modulus,
     contact_force,
     contact_stiffness,
@@ -9,11 +11,15 @@ from study.contact.laws import (
     hyperbolic_winkler,
     liu,
     steuermann,
+    stiffened_hertz,
+    tabulated,
     winkler,
 )
 
 __all__ = [
     "LAWS",
+    "PAPER_LAWS",
+    "SOCKET_RATIO",
     "composite_modulus",
     "contact_force",
     "contact_stiffness",
@@ -21,5 +27,7 @@ __all__ = [
     "hyperbolic_winkler",
     "liu",
     "steuermann",
+    "stiffened_hertz",
+    "tabulated",
     "winkler",
 ]

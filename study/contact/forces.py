@@ -12,7 +12,7 @@ from study import checks
 from study.compiled import compiled
 from study.contact import shapes
 from study.contact.friction import friction_factor
-from study.contact.laws import LAWS
+from study.contact.laws import find
 
 _hertz = compiled(shapes.hertz)
 _winkler = compiled(shapes.winkler)
@@ -21,6 +21,8 @@ _chord = compiled(shapes.chord)
 _liu = compiled(shapes.liu)
 _half_angle = compiled(shapes.half_angle)
 _hyperbolic = compiled(shapes.hyperbolic)
+_stiffened = compiled(shapes.stiffened)
+_tabulated = compiled(shapes.tabulated)
 
 
 def pack(law, ball_radius, socket_radius, composite, **options):
@@ -28,8 +30,8 @@ def pack(law, ball_radius, socket_radius, composite, **options):
 
     Parameters
     ----------
-    law : str
-        Key of ``study.contact.LAWS``.
+    law : str or callable
+        Key of ``study.contact.LAWS``, or a law itself, such as ``tabulated(curve)``.
     ball_radius, socket_radius : float
         In m, ball smaller than socket.
     composite : float
@@ -47,15 +49,15 @@ def pack(law, ball_radius, socket_radius, composite, **options):
     ValueError
         For an unknown law or a value out of range.
     """
-    checks.choice("law", law, LAWS)
+    parts = find(law).parts
     r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
     r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
     modulus = checks.number("composite modulus", composite, "Pa", above=0, scalar=True)
     clearance = r2 - r1
-    known = list(signature(LAWS[law].parts).parameters)[1:]
+    known = list(signature(parts).parameters)[1:]
     for option in options:
-        checks.choice(f"option of {law}", option, known or ["(it has none)"])
-    scale, shape, constants = LAWS[law].parts(r2 / clearance, **options)
+        checks.choice(f"option of {parts.__name__}", option, known or ["(it has none)"])
+    scale, shape, constants = parts(r2 / clearance, **options)
     index = shapes.SHAPES.index(shape)
     return np.array([index, clearance, modulus * clearance**2 * scale, *constants], dtype=float)
 
@@ -77,8 +79,12 @@ def elastic_force(law, depth):
         value, slope = _liu(depth_star, law)
     elif shape == 5:
         value, slope = _half_angle(depth_star, law)
+    elif shape == 6:
+        value, slope = _hyperbolic(depth_star, law[3:])
+    elif shape == 7:
+        value, slope = _stiffened(depth_star, law[3:])
     else:
-        value, slope = _hyperbolic(depth_star, law)
+        value, slope = _tabulated(depth_star, law[3:])
     return law[2] * value, law[2] / law[1] * slope
 
 

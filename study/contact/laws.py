@@ -15,11 +15,19 @@ from math import factorial, gamma, pi, sqrt
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from study import checks
 from study.contact import shapes
 
 COEFFICIENTS = Path(__file__).with_name("coefficients.json")
+SOCKET_RATIO = 1.19
+"""Outer over inner radius of the socket. The paper does not state it; with ``plane`` drive this
+value reproduces the RMSE that the paper's Table 2 prints for Hertz."""
+STIFFENED_RANGES = {"r2_star": (20, None), "socket_ratio": (1.1, 3), "poisson": (0.2, 0.45)}
+"""Where `stiffened_hertz` is fitted: least and largest value."""
+ROUNDING = 1e-9  # of a depth that equals the clearance, by which d/dR may exceed 1
+STEPS = 256  # of `tabulated`, per unit of sqrt(depth_star)
 
 
 def composite_modulus(ball_modulus, ball_poisson, socket_modulus, socket_poisson):
@@ -53,7 +61,7 @@ def composite_modulus(ball_modulus, ball_poisson, socket_modulus, socket_poisson
     return 1 / sum((1 - nu**2) / e for e, nu in zip(moduli, ratios, strict=True))
 
 
-def _law(parts):
+def _law(parts, usual_r2_star=None, deepest=None):
     """Make a law of its parts: ``parts(r2_star, **options)`` is (scale, shape, constants).
 
     The law checks its arguments, sees penetrating depths only, and returns the force or its
@@ -61,13 +69,15 @@ def _law(parts):
     """
 
     @wraps(parts)
-    def law(depth_star, r2_star, *, derivative=False, **options):
+    def law(depth_star, r2_star=usual_r2_star, *, derivative=False, **options):
         depth = np.asarray(checks.number("depth_star", depth_star))
         r2 = np.asarray(checks.number("r2_star", r2_star, above=1))
         depth, r2 = np.broadcast_arrays(depth, r2)
         contact = depth > 0
         scale, shape, constants = parts(r2[contact], **options)
-        checks.number(f"depth_star of {parts.__name__}", depth, most=shapes.LIMITS.get(shape))
+        limit = shapes.LIMITS.get(shape, deepest)
+        most = None if limit is None else limit * (1 + ROUNDING)
+        checks.number(f"depth_star of {parts.__name__}", depth, most=most)
         result = np.zeros(depth.shape)
         with np.errstate(over="ignore"):
             result[contact] = scale * shape(depth[contact], constants)[int(derivative)]
@@ -208,16 +218,22 @@ def winkler(r2_star, *, coefficient=None):
 
 
 @_law
-def hyperbolic_winkler(r2_star, *, coefficient=None):
+def hyperbolic_winkler(r2_star, *, area="sphere", coefficient=None):
     """The paper's law: P* = f1(R2*) f2(ds) (Eqs. 20-27, f2 derived; f1 fitted by this study).
 
-    f2 = ds [1/2 - sin(2a)/(2a) + sin(a)^2/(2 a^2)] with the contact half-angle
-    a = sqrt(2 ds), evaluated without cancellation (`study.contact.shapes.hyperbolic`).
+    f2 = ds [1/2 - sin(2a)/(2a) + sin(a)^2/(2 a^2)] with the contact half-angle a = sqrt(2 ds),
+    for the area element R2^2 sin(theta) dtheta dphi of the socket's sphere. With
+    ``area="flat"`` the element is R2^2 theta dtheta dphi, that of a disc whose radius is the
+    arc: f2 = 2 ds [(6/a) sin(a) + (6/a^2 - 2) cos(a) - 1 - 6/a^2]. The paper's own formula is
+    lost; the numbers of its Table 2 speak for ``flat`` (notebook 13). Both are evaluated as
+    series, without cancellation (`study.contact.shapes.hyperbolic`).
 
     Parameters
     ----------
     depth_star, r2_star, derivative
         As for `hertz`; depth_star <= pi^2/8, where the half-angle is 90 deg.
+    area : {"sphere", "flat"}
+        Area element of the integral over the contact.
     coefficient : float, optional
         Value of f1, > 0; by default this study's fit, linear in R2*.
 
@@ -229,9 +245,124 @@ def hyperbolic_winkler(r2_star, *, coefficient=None):
     Raises
     ------
     ValueError
-        As for `hertz`, for depth_star > pi^2/8, or for a coefficient <= 0.
+        As for `hertz`, for depth_star > pi^2/8, an unknown area, or a coefficient <= 0.
     """
-    return _coefficient("hyperbolic_winkler", r2_star, coefficient), shapes.hyperbolic, ()
+    checks.choice("area", area, tuple(shapes.BRACKETS))
+    name = "hyperbolic_winkler" if area == "sphere" else "hyperbolic_winkler_flat"
+    return _coefficient(name, r2_star, coefficient), shapes.hyperbolic, shapes.BRACKETS[area]
+
+
+@_law
+def stiffened_hertz(r2_star, *, socket_ratio=SOCKET_RATIO, poisson=0.3, kinematics="linear"):
+    """Hertz stiffened by the socket's thickness and conformity (this study, fitted).
+
+    P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + a1 u + a2 u^2 + b1 ds + b2 ds^2
+    + b3 ds^3, where s = sqrt(ds) and u = s/(s + 0.6 (socket_ratio - 1)): S -> 1 as ds -> 0.
+    The five coefficients are linear in 1/R2* and in products of (1, 1/q, 1/q^4) and
+    (1, nu, 1/(1 - 1.8 nu)), q the socket ratio and nu Poisson's ratio (`stiffening_terms`).
+    For equal materials, a ball with ``plane`` drive and a socket with ``mirror`` rim.
+
+    Parameters
+    ----------
+    depth_star, r2_star, derivative
+        As for `hertz`; depth_star <= 1 and r2_star >= 20.
+    socket_ratio : float
+        Outer over inner radius of the socket, from 1.1 to 3.
+    poisson : float
+        Poisson's ratio of both bodies, from 0.2 to 0.45.
+    kinematics : {"linear", "finite"}
+        As for `study.joint.Joint`; ``small`` is not offered, as it misses Hertz's limit by a
+        term of order 1/R2*.
+
+    Returns
+    -------
+    float or ndarray
+        Dimensionless force, or its derivative.
+
+    Raises
+    ------
+    ValueError
+        As for `hertz`, or for a value outside its range.
+    """
+    given = {"r2_star": r2_star, "socket_ratio": socket_ratio, "poisson": poisson}
+    for name, (least, most) in STIFFENED_RANGES.items():
+        checks.number(f"{name} of stiffened_hertz", given[name], least=least, most=most)
+    fit = _fitted("stiffened_hertz")
+    checks.choice("kinematics", kinematics, tuple(fit["first_order"]))
+    limit, first_order = np.array(fit["limit"]), np.array(fit["first_order"][kinematics])
+    at_limit, slope = np.stack([limit, first_order]) @ stiffening_terms(socket_ratio, poisson)
+    coefficients = at_limit + np.divide.outer(slope, r2_star).T
+    constants = (stiffening_scale(socket_ratio), *coefficients.T)
+    return hertz.parts(r2_star)[0], shapes.stiffened, constants
+
+
+def stiffening_scale(socket_ratio):
+    """Constant g of `stiffened_hertz`: the sqrt(ds) at which the socket's thickness is felt."""
+    return 0.6 * (socket_ratio - 1)
+
+
+def stiffening_terms(socket_ratio, poisson):
+    """Products of (1, 1/q, 1/q^4) and (1, nu, 1/(1 - 1.8 nu)), shape (9,)."""
+    thickness = [1, 1 / socket_ratio, socket_ratio**-4]
+    return np.outer(thickness, [1, poisson, 1 / (1 - 1.8 * poisson)]).ravel()
+
+
+def tabulated(curve):
+    """Law of one joint, interpolated from its force-depth curve.
+
+    The stiffening S = P*/P*(Hertz) is interpolated over sqrt(ds), from S = 1 at ds = 0, by a
+    cubic spline whose slopes are limited so that it is monotone where the curve is (Hyman,
+    SIAM J. Sci. Stat. Comput. 4 (1983) 645-654), and tabulated on equal steps as a cubic
+    Hermite spline: continuously differentiable, at the cost of one square root.
+
+    Parameters
+    ----------
+    curve : study.joint.ForceCurve
+        At least 4 different depths > 0. With 40 depths in equal steps of sqrt(ds) from 0.025
+        to 1 the interpolation error is below 1e-4.
+
+    Returns
+    -------
+    callable
+        Law of (``depth_star``, ``r2_star``) like the others; ``r2_star`` may be left out. Its
+        largest depth is the curve's.
+
+    Raises
+    ------
+    ValueError
+        For too few depths, or a force that does not increase with depth.
+    """
+    order = np.argsort(curve.depth_star)
+    depth, force = np.asarray(curve.depth_star)[order], np.asarray(curve.force_star)[order]
+    depth, force = depth[depth > 0], force[depth > 0]
+    if len(depth) < 4 or (np.diff(depth) <= 0).any():
+        raise ValueError(f"curve must have at least 4 different depths > 0, got {len(depth)}")
+    if (np.diff(force, prepend=0) <= 0).any():
+        raise ValueError("curve must have a force that increases with depth")
+    joint_r2_star = float(curve.joint.r2_star)
+    root = np.append(0, np.sqrt(depth))
+    stiffening = np.append(1, force / hertz(depth, joint_r2_star))
+    spline = CubicHermiteSpline(root, stiffening, _monotone_slopes(root, stiffening))
+    knots = np.linspace(0, root[-1], int(np.ceil(STEPS * root[-1])) + 1)
+    table = np.column_stack([spline(knots), spline(knots, 1)]).ravel()
+    constants = np.array([(len(knots) - 1) / root[-1], *table])
+
+    def tabulated(r2_star):
+        if not np.allclose(r2_star, joint_r2_star, rtol=1e-6, atol=0):
+            raise ValueError(f"r2_star must be the curve's, {joint_r2_star:g}, got {r2_star}")
+        return hertz.parts(r2_star)[0], shapes.tabulated, constants
+
+    return _law(tabulated, joint_r2_star, depth[-1])
+
+
+def _monotone_slopes(x, y):
+    """Slopes of a cubic spline, within three times the lesser of the neighbouring chords'."""
+    chords = np.diff(y) / np.diff(x)
+    left, right = np.insert(chords, 0, chords[0]), np.append(chords, chords[-1])
+    most = 3 * np.minimum(np.abs(left), np.abs(right)) * (left * right > 0)
+    return np.clip(
+        CubicSpline(x, y)(x, 1), np.where(left > 0, 0, -most), np.where(left > 0, most, 0)
+    )
 
 
 LAWS = {
@@ -240,7 +371,17 @@ LAWS = {
     "liu": liu,
     "winkler": winkler,
     "hyperbolic_winkler": hyperbolic_winkler,
+    "stiffened_hertz": stiffened_hertz,
 }
+PAPER_LAWS = ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler")
+"""Those that the paper compares."""
+
+
+def find(law):
+    """The law of a name, or the law itself, or ``ValueError``."""
+    if hasattr(law, "parts"):
+        return law
+    return LAWS[checks.choice("law", law, LAWS)]
 
 
 def contact_force(law, depth, ball_radius, socket_radius, composite, **options):
@@ -248,8 +389,8 @@ def contact_force(law, depth, ball_radius, socket_radius, composite, **options):
 
     Parameters
     ----------
-    law : str
-        Name of a law, a key of `LAWS`.
+    law : str or callable
+        Name of a law, a key of `LAWS`, or a law itself, such as ``tabulated(curve)``.
     depth : float or ndarray
         Penetration depth, in m; zero force where it is negative.
     ball_radius, socket_radius : float
@@ -278,35 +419,43 @@ def contact_stiffness(law, depth, ball_radius, socket_radius, composite, **optio
 
 
 def _dimensional(law, depth, ball_radius, socket_radius, composite, derivative, options):
-    checks.choice("law", law, LAWS)
+    law = find(law)
     depth = checks.number("depth", depth, "m")
     r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
     r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
     modulus = checks.number("composite modulus", composite, "Pa", above=0, scalar=True)
     clearance = r2 - r1
-    value = LAWS[law](depth / clearance, r2 / clearance, derivative=derivative, **options)
+    value = law(depth / clearance, r2 / clearance, derivative=derivative, **options)
     return modulus * clearance ** (1 if derivative else 2) * value
 
 
 def _coefficient(law, r2_star, coefficient):
     if coefficient is not None:
         return checks.number(f"coefficient of {law}", coefficient, above=0, scalar=True)
-    fit = fitted_coefficients().get(law)
-    if fit is None:
+    fit = _fitted(law)
+    return fit["slope"] * r2_star + fit["intercept"]
+
+
+def _fitted(law):
+    fits = fitted_coefficients()
+    if law not in fits:
         raise checks.StudyError(
             f"study/contact/{COEFFICIENTS.name} lacks {law}; make it anew with: study data build"
         )
-    return fit["slope"] * r2_star + fit["intercept"]
+    return fits[law]
 
 
 @lru_cache(maxsize=1)
 def fitted_coefficients():
-    """Coefficients of the fitted laws, f1 = slope R2* + intercept, for 20 <= R2* <= 300.
+    """Coefficients of the fitted laws, from this package's ``coefficients.json``.
 
     Returns
     -------
     dict
-        Law name -> ``slope`` and ``intercept``, dimensionless.
+        Law name -> ``slope`` and ``intercept`` of f1 = slope R2* + intercept, for
+        20 <= R2* <= 300, dimensionless; for ``stiffened_hertz`` the matrices ``limit`` and,
+        per kinematics, ``first_order``, both (5, 9): coefficients a1, a2, b1, b2, b3 by the
+        products of `stiffening_terms`.
 
     Raises
     ------
@@ -315,8 +464,15 @@ def fitted_coefficients():
     """
     try:
         fits = json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
-        return {law: {key: float(fits[law][key]) for key in ("slope", "intercept")} for law in fits}
-    except (OSError, ValueError, KeyError, TypeError):
+        for law, fit in fits.items():
+            if law == "stiffened_hertz":
+                matrices = [fit["limit"], *fit["first_order"].values()]
+                if any(np.array(m, dtype=float).shape != (5, 9) for m in matrices):
+                    raise ValueError
+            else:
+                float(fit["slope"]), float(fit["intercept"])
+        return fits
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise checks.StudyError(
             f"study/contact/{COEFFICIENTS.name} is missing or damaged; make it anew with: "
             "study data build"

@@ -48,25 +48,66 @@ def half_angle(depth_star, constants):
 
 
 def hyperbolic(depth_star, constants):
-    """f2 of the hyperbolic Winkler law: ds times the bracket of Eq. 20.
+    """f2 of the hyperbolic Winkler law: ds times the bracket of Eq. 20, a power series in ds.
 
-    In t = 2a = sqrt(8 ds) the bracket is the entire function
-    sum_{k>=1} (-1)^(k+1) (2k+1)/(2k+2)! t^(2k), a rapidly converging series in ds: no
-    cancellation as ds -> 0, and full accuracy up to a = pi/2.
+    The bracket is an entire function of ds; ``constants`` are its coefficients, one of
+    `BRACKETS`, from the highest power to 0: no cancellation as ds -> 0, and full accuracy up
+    to a half-angle of 90 deg.
     """
     bracket = 0.0 * depth_star
     slope = 0.0 * depth_star
-    for coefficient in _BRACKET:
+    for coefficient in constants:
         slope = slope * depth_star + bracket
         bracket = bracket * depth_star + coefficient
     return depth_star * bracket, bracket + depth_star * slope
 
 
-_BRACKET = tuple(
-    (-1) ** (k + 1) * (2 * k + 1) * 8.0**k / factorial(2 * k + 2) if k else 0.0
-    for k in range(19, -1, -1)
-)
+BRACKETS = {
+    "sphere": tuple(
+        (-1) ** (k + 1) * (2 * k + 1) * 8.0**k / factorial(2 * k + 2) if k else 0.0
+        for k in range(19, -1, -1)
+    ),
+    "flat": tuple(
+        (-1) ** (k + 1) * 2.0**k / (factorial(2 * k - 2) * k * (k + 1)) if k else 0.0
+        for k in range(19, -1, -1)
+    ),
+}
+"""Series of 2 int_0^a (1 - t^2/a^2) w(t) cos(t) dt with a = sqrt(2 ds): w(t) = sin(t) is the
+area element of the sphere, w(t) = t that of a disc with the arc as its radius."""
 
-LIMITS = {hyperbolic: pi**2 / 8}
-"""Largest depth_star, of shapes that have one: there the half-angle a is 90 deg."""
-SHAPES = (hertz, winkler, power, chord, liu, half_angle, hyperbolic)
+
+def stiffened(depth_star, constants):
+    """ds^(3/2) S, with S = 1 + a1 u + a2 u^2 + b1 ds + b2 ds^2 + b3 ds^3, u = s/(s + g).
+
+    s is the square root of ds; ``constants`` are g, a1, a2, b1, b2, b3.
+    """
+    g, a1, a2 = constants[0], constants[1], constants[2]
+    b1, b2, b3 = constants[3], constants[4], constants[5]
+    root = np.sqrt(depth_star)
+    u = root / (root + g)
+    factor = 1 + u * (a1 + u * a2) + depth_star * (b1 + depth_star * (b2 + depth_star * b3))
+    growth = u * (1 - u) * (a1 / 2 + u * a2)
+    growth = growth + depth_star * (b1 + depth_star * (2 * b2 + depth_star * 3 * b3))
+    return depth_star * root * factor, root * (1.5 * factor + growth)
+
+
+def tabulated(depth_star, constants):
+    """ds^(3/2) S, with S a cubic Hermite spline on equal steps of s = sqrt(ds).
+
+    ``constants`` are the steps per unit of s, then S and dS/ds in turn at every knot.
+    """
+    root = np.sqrt(depth_star)
+    place = root * constants[0]
+    knot = np.int64(np.minimum(place, (len(constants) - 1) // 2 - 2))
+    x, step = place - knot, 1 / constants[0]
+    left, slope = constants[1 + 2 * knot], constants[2 + 2 * knot] * step
+    rise, next_slope = constants[3 + 2 * knot] - left, constants[4 + 2 * knot] * step
+    c2, c3 = 3 * rise - 2 * slope - next_slope, slope + next_slope - 2 * rise
+    factor = left + x * (slope + x * (c2 + x * c3))
+    steepness = (slope + x * (2 * c2 + x * 3 * c3)) * constants[0]
+    return depth_star * root * factor, root * 1.5 * factor + depth_star * steepness / 2
+
+
+LIMITS = {hyperbolic: pi**2 / 8, stiffened: 1.0}
+"""Largest depth_star, of shapes that have one: a half-angle of 90 deg, the end of the fit."""
+SHAPES = (hertz, winkler, power, chord, liu, half_angle, hyperbolic, stiffened, tabulated)

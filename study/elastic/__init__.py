@@ -8,6 +8,33 @@ from dataclasses import dataclass
 
 import numpy as np
 
+_ANGLE_SCALE = 0.157  # rad: spacing of the surface's nodes grows from this polar angle on
+
+
+def graded(length, scale, count):
+    """``count`` steps over ``length``, each proportional to (distance + scale)."""
+    return scale * np.expm1(np.linspace(0, np.log1p(length / scale), count + 1))
+
+
+def surface_angles(resolution):
+    """Polar angles of the surface's nodes, with spacing proportional to angle + 9 deg.
+
+    Parameters
+    ----------
+    resolution : int
+        Elements along the quarter circle: a multiple of 16, at least 16.
+
+    Returns
+    -------
+    ndarray, shape (resolution + 1,)
+        Angles from 0 to pi/2, in rad.
+    """
+    if resolution != int(resolution) or resolution < 16 or resolution % 16:
+        raise ValueError(f"resolution must be a multiple of 16, >= 16, got {resolution}")
+    angles = graded(np.pi / 2, _ANGLE_SCALE, int(resolution))
+    angles[-1] = np.pi / 2
+    return angles
+
 
 @dataclass(frozen=True)
 class Compliance:
@@ -42,6 +69,11 @@ class HatFunctions:
     ----------
     angles : ndarray, shape (n,)
         Increasing polar angles of the nodes, in rad.
+
+    Attributes
+    ----------
+    points, areas : ndarray, shape (8 (n - 1),)
+        Gauss points, as polar angles in rad, and their areas on the unit sphere.
     """
 
     _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -52,6 +84,7 @@ class HatFunctions:
         self._right = (1 + self._POINTS) / 2  # value of an element's right hat; left is 1 - it
         self._theta = angles[:-1, None] + width * self._right
         self._area = np.pi * np.sin(self._theta) * width * self._WEIGHTS  # 2 pi sin / 2
+        self.points, self.areas = self._theta.ravel(), self._area.ravel()
 
     def integrate(self, function):
         """Integral of ``function(theta)`` times each hat over the unit sphere, shape (n,)."""

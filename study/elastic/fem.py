@@ -1,13 +1,13 @@
-"""Compliance of the ball and of the socket by axisymmetric finite elements.
+"""Ball and socket by axisymmetric finite elements.
 
-Quadratic triangles on a structured mesh of rings, finest at the contact's pole and at the
-surface, halved in number where depth allows; one sparse factorisation per body. The mesh of
-resolution 2n halves every length of that of n, so that two meshes give an error estimate.
-Contact itself is not solved here: see `study.joint`.
+Six-node triangles (or three-node ones, as in the paper) on a structured mesh of rings, finest
+at the contact's pole and at the surface, halved in number where depth allows; one sparse
+factorisation per body. The mesh of resolution 2n halves every length of that of n, so that two
+meshes give an error estimate. Contact itself is not solved here: see `study.joint`.
 """
 
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.sparse.linalg import splu
@@ -18,101 +18,191 @@ from skfem import (
     ElementTriP2,
     ElementVector,
     FacetBasis,
+    LinearForm,
     MeshTri,
     MeshTri2,
 )
-from skfem.helpers import ddot, div, dot, sym_grad
+from skfem.helpers import ddot, div, dot, eye, grad, mul, sym_grad, trace, transpose
 from skfem.models.elasticity import lame_parameters
 
 from study import checks
-from study.elastic import Compliance
+from study.elastic import Compliance, graded, surface_angles
 
-DRIVES = ("plane", "clamped")
-RIMS = ("free", "mirror")
+DRIVES = ("plane", "clamped", "point")
+RIMS = ("mirror", "free")
 RESOLUTION = 160
 THINNEST_RATIO = 1.02
 """Least ratio of the socket's radii: elements of a thinner shell are too flat to be mapped."""
 
-# Element size grows from these distances on: the polar angle of a small contact (rad), and
-# the depth below the surface (radii) that its stresses reach.
-_ANGLE_SCALE = 0.157
-_DEPTH_SCALE = 0.1
+_DEPTH_SCALE = 0.1  # element size grows from this depth below the surface on, in radii
 _RADIAL_ELEMENTS = 0.1  # elements per unit of graded depth, as a share of the resolution
 _ASPECT = 1.4  # rings are halved once a radial step exceeds this many arc lengths
 
 
-def surface_angles(resolution=RESOLUTION):
-    """Polar angles of the surface's vertices, with spacing proportional to angle + 9 deg.
+def ball_mesh(resolution=RESOLUTION, nodes=6):
+    """Mesh of the half ball's meridian: unit radius, centre at the origin, pole on +z.
 
     Parameters
     ----------
     resolution : int
-        Elements along the quarter circle: a multiple of 16, at least 16.
+        Elements along the surface, a multiple of 16.
+    nodes : {6, 3}
+        Of a triangle: quadratic ones follow the rings, linear ones have straight edges.
 
     Returns
     -------
-    ndarray, shape (resolution + 1,)
-        Angles from 0 to pi/2, in rad.
-    """
-    if resolution != int(resolution) or resolution < 16 or resolution % 16:
-        raise ValueError(f"resolution must be a multiple of 16, >= 16, got {resolution}")
-    angles = _graded(np.pi / 2, _ANGLE_SCALE, int(resolution))
-    angles[-1] = np.pi / 2
-    return angles
-
-
-def ball_mesh(resolution=RESOLUTION):
-    """Mesh of the half ball's meridian: unit radius, centre at the origin, pole on +z.
-
-    Returns
-    -------
-    skfem.MeshTri2
-        Quadratic triangles in the (r, z) plane with boundaries ``surface``, ``axis`` and
-        ``equator``; the surface's vertices come first, in order of polar angle.
+    skfem.MeshTri2 or skfem.MeshTri
+        Triangles in the (r, z) plane with boundaries ``surface``, ``axis`` and ``equator``;
+        the surface's vertices come first, in order of polar angle.
     """
     layers = max(8, round(_RADIAL_ELEMENTS * resolution * np.log1p(1 / _DEPTH_SCALE)))
-    depths = _graded(1.0, _DEPTH_SCALE, layers)[:-1]
-    return _ring_mesh(1.0 - depths, surface_angles(resolution), centre=True)
+    depths = graded(1.0, _DEPTH_SCALE, layers)[:-1]
+    return _ring_mesh(1.0 - depths, surface_angles(resolution), nodes, centre=True)
 
 
-def socket_mesh(ratio, resolution=RESOLUTION):
+def socket_mesh(ratio, resolution=RESOLUTION, nodes=6):
     """Mesh of the socket's meridian: inner radius 1, outer radius ``ratio``, pole on +z.
 
     Parameters
     ----------
     ratio : float
         Outer over inner radius, >= 1.02.
+    resolution, nodes : int
+        As for `ball_mesh`.
 
     Returns
     -------
-    skfem.MeshTri2
+    skfem.MeshTri2 or skfem.MeshTri
         As `ball_mesh`, with the boundary ``outside`` besides.
     """
     thickness = checks.number("socket_ratio", ratio, least=THINNEST_RATIO, scalar=True) - 1.0
     if thickness < 0.05 and resolution < 32:
         raise ValueError(f"resolution must be >= 32 for socket_ratio < 1.05, got {resolution}")
     layers = round(_RADIAL_ELEMENTS * resolution * np.log1p(thickness / _DEPTH_SCALE))
-    depths = _graded(thickness, _DEPTH_SCALE, max(resolution // 16, layers, 2))
-    return _ring_mesh(1.0 + depths, surface_angles(resolution), centre=False)
+    depths = graded(thickness, _DEPTH_SCALE, max(resolution // 16, layers, 2))
+    return _ring_mesh(1.0 + depths, surface_angles(resolution), nodes, centre=False)
 
 
-@lru_cache(maxsize=32)
-def ball_compliance(poisson=0.3, drive="plane", resolution=RESOLUTION):
-    """Compliance of a half ball held at its equatorial plane.
+class Body:
+    """An elastic body of unit radius and unit Young's modulus, meshed and factorised.
+
+    Parameters
+    ----------
+    mesh : skfem.MeshTri2 or skfem.MeshTri
+        From `ball_mesh` or `socket_mesh`.
+    poisson : float
+        Poisson's ratio.
+    held : dict
+        Boundary, or ``centre`` -> components (``"r"``, ``"z"``) of the displacement that are
+        zero there.
+
+    Attributes
+    ----------
+    size : int
+        Unknowns, with the fixed ones.
+    angles : ndarray, shape (k,)
+        Polar angles of all nodes on the surface, in rad.
+    surface : ndarray of int, shape (2, k)
+        Their unknowns, radial and axial.
+    """
+
+    def __init__(self, mesh, poisson, held):
+        quadratic = isinstance(mesh, MeshTri2)
+        self._element = ElementVector(ElementTriP2() if quadratic else ElementTriP1())
+        self._mesh, self._lame = mesh, lame_parameters(1.0, poisson)
+        self._basis = Basis(mesh, self._element, intorder=4 if quadratic else 2)
+        self.size = self._basis.N
+        self._stiffness = _elasticity(*self._lame).assemble(self._basis)
+        fixed = [(c, _of(self._dofs(name), c)) for name, cs in held.items() for c in cs]
+        self._support = np.unique(np.concatenate([dofs for c, dofs in fixed if c == "z"]))
+        self._free = np.setdiff1d(np.arange(self.size), np.concatenate([d for _, d in fixed]))
+        self._factor = splu(
+            self._stiffness[self._free][:, self._free].tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        radial, axial = (_of(self._dofs("surface"), component) for component in "rz")
+        angles = np.arctan2(*self._basis.doflocs[:, radial])
+        order = np.argsort(angles)
+        self.angles, self.surface = angles[order], np.array([radial[order], axial[order]])
+
+    def _dofs(self, boundary):
+        if boundary == "centre":
+            return self._basis.get_dofs(nodes=np.flatnonzero(~self._mesh.p.any(axis=0)))
+        return self._basis.get_dofs(self._mesh.boundaries[boundary])
+
+    def solve(self, load):
+        """Displacement under loads of shape (unknowns,) or (unknowns, k)."""
+        displacement = np.zeros(load.shape)
+        displacement[self._free] = self._factor.solve(load[self._free])
+        return displacement
+
+    def excess_force(self, displacement):
+        """Internal forces beyond the linear ones, at large displacements.
+
+        The material is that of Saint Venant and Kirchhoff: second Piola-Kirchhoff stress
+        proportional to Green's strain, as finite-element programs use for large rotations.
+        """
+        field = self._basis.interpolate(displacement)
+        gradient, hoop = field.grad, field[0] / self._basis.global_coordinates()[0]
+        linear = (gradient + transpose(gradient)) / 2
+        green = linear + mul(transpose(gradient), gradient) / 2
+        small, small_around = self._stress(linear, hoop)
+        large, large_around = self._stress(green, hoop + hoop**2 / 2)
+        stress = large + mul(gradient, large) - small
+        around = (1 + hoop) * large_around - small_around
+        return _internal_force.assemble(self._basis, stress=stress, around=around)
+
+    def _stress(self, strain, hoop):
+        """Stresses in the meridian's plane and around the axis, of linear elasticity."""
+        first, second = self._lame
+        volume = trace(strain) + hoop
+        in_plane = first * volume * eye(1.0 + 0 * volume, 2) + 2 * second * strain
+        return in_plane, first * volume + 2 * second * hoop
+
+    @cached_property
+    def compliance(self):
+        """`Compliance` of the surface: the body solved for every hat function of pressure."""
+        facets = self._mesh.boundaries["surface"]
+        traction = FacetBasis(self._mesh, self._element, facets=facets, intorder=6)
+        hats = FacetBasis(self._mesh, ElementTriP1(), facets=facets, intorder=6)
+        count = len(facets) + 1
+        load = -_normal_pressure.assemble(hats, traction)[:, :count].toarray()
+        displacement = self.solve(load)
+        flexibility = load.T @ displacement
+        balance = self._stiffness[self._support] @ displacement - load[self._support]
+        compliance = Compliance(
+            angles=np.arctan2(*self._mesh.p[:, :count]),
+            flexibility=(flexibility + flexibility.T) / 2,
+            reaction=np.abs(balance.sum(axis=0)),
+            unknowns=self._free.size,
+        )
+        for array in (compliance.angles, compliance.flexibility, compliance.reaction):
+            array.flags.writeable = False  # shared by every caller of the cached functions
+        return compliance
+
+
+@lru_cache(maxsize=4)
+def ball(poisson=0.3, drive="plane", resolution=RESOLUTION, nodes=6):
+    """Half ball held at its equatorial plane.
 
     Parameters
     ----------
     poisson : float
         Poisson's ratio, in (-1, 0.5).
-    drive : {"plane", "clamped"}
+    drive : {"plane", "clamped", "point"}
         The equatorial plane is held axially and is radially free (``plane``), or fixed in
-        both directions (``clamped``).
+        both directions (``clamped``); or only the ball's centre is held (``point``), a point
+        load, under which the force depends on the mesh.
     resolution : int
         Elements along the surface.
+    nodes : {6, 3}
+        Of a triangle.
 
     Returns
     -------
-    Compliance
+    Body
 
     Raises
     ------
@@ -121,13 +211,17 @@ def ball_compliance(poisson=0.3, drive="plane", resolution=RESOLUTION):
     """
     poisson = checks.poisson("poisson", poisson)
     checks.choice("ball_drive", drive, DRIVES)
-    fixed = {"axis": "r", "equator": "rz" if drive == "clamped" else "z"}
-    return _condense(ball_mesh(resolution), poisson, fixed, support="equator")
+    support = {
+        "plane": {"equator": "z"},
+        "clamped": {"equator": "rz"},
+        "point": {"centre": "z"},
+    }[drive]
+    return Body(ball_mesh(resolution, nodes), poisson, {"axis": "r"} | support)
 
 
-@lru_cache(maxsize=32)
-def socket_compliance(ratio, poisson=0.3, rim="free", resolution=RESOLUTION):
-    """Compliance of a hemispherical socket fixed on its outer sphere.
+@lru_cache(maxsize=4)
+def socket(ratio, poisson=0.3, rim="free", resolution=RESOLUTION, nodes=6):
+    """Hemispherical socket fixed on its outer sphere.
 
     Parameters
     ----------
@@ -135,14 +229,14 @@ def socket_compliance(ratio, poisson=0.3, rim="free", resolution=RESOLUTION):
         Outer over inner radius, >= 1.02.
     poisson : float
         Poisson's ratio, in (-1, 0.5).
-    rim : {"free", "mirror"}
-        The edge at the equator is traction-free, or a mirror plane.
-    resolution : int
-        Elements along the surface.
+    rim : {"mirror", "free"}
+        The edge at the equator is a mirror plane, or traction-free.
+    resolution, nodes : int
+        As for `ball`.
 
     Returns
     -------
-    Compliance
+    Body
 
     Raises
     ------
@@ -151,16 +245,28 @@ def socket_compliance(ratio, poisson=0.3, rim="free", resolution=RESOLUTION):
     """
     poisson = checks.poisson("poisson", poisson)
     checks.choice("rim", rim, RIMS)
-    fixed = {"axis": "r", "outside": "rz"} | ({"equator": "z"} if rim == "mirror" else {})
-    return _condense(socket_mesh(ratio, resolution), poisson, fixed, support="outside")
+    mirror = {"equator": "z"} if rim == "mirror" else {}
+    held = {"axis": "r"} | mirror | {"outside": "rz"}
+    return Body(socket_mesh(ratio, resolution, nodes), poisson, held)
 
 
-def _graded(length, scale, count):
-    """``count`` steps over ``length``, each proportional to (distance + scale)."""
-    return scale * np.expm1(np.linspace(0, np.log1p(length / scale), count + 1))
+@lru_cache(maxsize=32)
+def ball_compliance(*args, **kwargs):
+    """`Compliance` of a `ball`; same arguments, same errors."""
+    return ball(*args, **kwargs).compliance
 
 
-def _ring_mesh(radii, angles, centre):
+@lru_cache(maxsize=32)
+def socket_compliance(*args, **kwargs):
+    """`Compliance` of a `socket`; same arguments, same errors."""
+    return socket(*args, **kwargs).compliance
+
+
+def _of(dofs, component):
+    return dofs.all([f"u^{'rz'.index(component) + 1}"])
+
+
+def _ring_mesh(radii, angles, nodes, centre):
     """Triangulate concentric quarter rings, from the surface (radius 1) to the last radius."""
     points, triangles, first = [_ring(1.0, angles)], [], 0
     for radius, step in zip(radii[1:], np.abs(np.diff(radii)), strict=True):
@@ -187,7 +293,9 @@ def _ring_mesh(radii, angles, centre):
         triangles.append((last[:-1], last[1:], np.full(len(last) - 1, last[-1] + 1)))
     triangles = np.hstack([np.vstack(corners) for corners in triangles])
     linear = MeshTri(np.ascontiguousarray(np.hstack(points)), np.ascontiguousarray(triangles))
-    return _curved(linear, radii[-1] if not centre else None)
+    boundaries = _boundaries(linear, radii[-1] if not centre else None)
+    mesh = _curved(linear) if nodes == 6 else linear
+    return mesh.with_boundaries(boundaries)
 
 
 def _ring(radius, angles):
@@ -196,8 +304,8 @@ def _ring(radius, angles):
     return points
 
 
-def _curved(linear, outer_radius):
-    """Quadratic mesh that follows the rings, however thin, with named boundaries."""
+def _boundaries(linear, outer_radius):
+    """Edges of each named boundary."""
     radius = np.hypot(*linear.p)
 
     def edges(on_boundary):
@@ -205,54 +313,17 @@ def _curved(linear, outer_radius):
 
     spheres = {"surface": 1.0} | ({"outside": outer_radius} if outer_radius else {})
     named = {name: edges(np.isclose(radius, r, rtol=1e-12)) for name, r in spheres.items()}
-    named |= {"axis": edges(linear.p[0] == 0), "equator": edges(linear.p[1] == 0)}
+    return named | {"axis": edges(linear.p[0] == 0), "equator": edges(linear.p[1] == 0)}
+
+
+def _curved(linear):
+    """Quadratic mesh that follows the rings, however thin."""
+    radius = np.hypot(*linear.p)
     mesh = MeshTri2.from_mesh(linear)
     locations = mesh.doflocs.copy()
     middles = mesh.dofs.facet_dofs[0]  # at the mean radius of their edge's ends: arcs and spirals
     locations[:, middles] *= radius[linear.facets].mean(axis=0) / np.hypot(*locations[:, middles])
-    return replace(mesh, doflocs=locations).with_boundaries(named)
-
-
-def _condense(mesh, poisson, fixed, support):
-    """Solve the body once for every hat function of pressure on its surface."""
-    quadratic = ElementVector(ElementTriP2())
-    basis = Basis(mesh, quadratic, intorder=4)
-    facets = mesh.boundaries["surface"]
-    traction = FacetBasis(mesh, quadratic, facets=facets, intorder=6)
-    hats = FacetBasis(mesh, ElementTriP1(), facets=facets, intorder=6)
-    count = len(facets) + 1
-
-    stiffness = _elasticity(*lame_parameters(1.0, poisson)).assemble(basis)
-    load = -_normal_pressure.assemble(hats, traction)[:, :count].toarray()
-
-    held = np.zeros(basis.N, dtype=bool)
-    for name, components in fixed.items():
-        dofs = basis.get_dofs(mesh.boundaries[name])
-        for component, number in (("r", "1"), ("z", "2")):
-            if component in components:
-                held[dofs.all([f"u^{number}"])] = True
-    free = np.flatnonzero(~held)
-    factor = splu(
-        stiffness[free][:, free].tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    displacement = np.zeros((basis.N, count))
-    displacement[free] = factor.solve(load[free])
-
-    flexibility = load.T @ displacement
-    axial = basis.get_dofs(mesh.boundaries[support]).all(["u^2"])
-    reaction = (stiffness[axial] @ displacement - load[axial]).sum(axis=0)
-    compliance = Compliance(
-        angles=np.arctan2(*mesh.p[:, :count]),
-        flexibility=(flexibility + flexibility.T) / 2,
-        reaction=np.abs(reaction),
-        unknowns=free.size,
-    )
-    for array in (compliance.angles, compliance.flexibility, compliance.reaction):
-        array.flags.writeable = False  # shared by every caller of the cached functions
-    return compliance
+    return replace(mesh, doflocs=locations)
 
 
 def _elasticity(lame_lambda, lame_mu):
@@ -267,6 +338,13 @@ def _elasticity(lame_lambda, lame_mu):
         return 2 * np.pi * r * (2 * lame_mu * shear + lame_lambda * volume)
 
     return form
+
+
+@LinearForm
+def _internal_force(v, w):
+    """Work of given stresses against a displacement."""
+    r = w.x[0]
+    return 2 * np.pi * r * (ddot(w["stress"], grad(v)) + w["around"] * v[0] / r)
 
 
 @BilinearForm

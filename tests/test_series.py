@@ -1,0 +1,131 @@
+"""The exact series against closed forms, half-spaces, and the finite elements."""
+
+import numpy as np
+import pytest
+
+from study.elastic import HatFunctions, fem, series, surface_angles
+
+EVEN = np.arange(0, 10_001, 2)
+
+
+@pytest.mark.parametrize("poisson", [-0.5, 0.0, 0.3, 0.49])
+def test_ball_under_uniform_pressure_shrinks_as_lame(poisson):
+    assert series.ball_receptance(EVEN[:1], poisson) == pytest.approx(1 - 2 * poisson)
+
+
+@pytest.mark.parametrize("ratio", [1.001, 1.2, 3.0])
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
+def test_socket_under_uniform_pressure_widens_as_lame(ratio, poisson):
+    lame = poisson / ((1 + poisson) * (1 - 2 * poisson))
+    shear = 1 / (2 * (1 + poisson))
+    system = [[ratio, ratio**-2], [3 * lame + 2 * shear, -4 * shear]]  # A r + B/r^2
+    expected = np.linalg.solve(system, [0.0, -1.0]).sum()
+    assert series.socket_receptance(EVEN[:1], ratio, poisson) == pytest.approx(expected)
+
+
+def modes_residual(orders, poisson, radius, which):
+    """Largest residual of radial equilibrium of one mode, from differences in the radius."""
+    step = 1e-4
+    at = [series._modes(orders, poisson, radius + k * step, 2.0) for k in (-1, 0, 1)]
+    radial, _, normal, shear = (np.array([a[q][which] for a in at]) for q in range(4))
+    n, r = orders, radius
+    lame = poisson / (1 - 2 * poisson)  # over 2 G: stresses below are over 2 G as well
+    strain = radial[1] / r
+    divergence = (radial[2] - radial[0]) / (2 * step) + 2 * strain
+    divergence -= n * (n + 1) * at[1][1][which] / r
+    around = 2 * lame * divergence + 2 * strain - n * (n + 1) * at[1][1][which] / r  # both hoops
+    slope = (normal[2] - normal[0]) / (2 * step)
+    residual = slope + (2 * normal[1] - around) / r - n * (n + 1) * shear[1] / r
+    return np.abs(residual / (np.abs(slope) + np.abs(normal[1])))
+
+
+@pytest.mark.parametrize("which", range(4))
+def test_modes_are_in_equilibrium(which):
+    orders = np.array([2, 4, 10, 20])
+    assert modes_residual(orders, 0.3, 1.3, which).max() < 1e-5
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
+def test_high_orders_are_those_of_a_half_space(poisson):
+    # a wave of pressure p on a half-space of modulus 1 displaces it by 2 (1 - nu^2) p / k
+    limit = 2 * (1 - poisson**2)
+    last = EVEN[-1:]
+    for receptance in (
+        series.ball_receptance(last, poisson),
+        series.socket_receptance(last, 1.1, poisson),
+        series.socket_receptance(last, 50.0, poisson),
+    ):
+        assert receptance * last == pytest.approx(limit, rel=2e-4)
+
+
+def test_no_order_overflows():
+    orders = np.arange(0, 100_001, 2)
+    for receptance in (
+        series.ball_receptance(orders, 0.3),
+        series.socket_receptance(orders, 1.001, 0.3),
+        series.socket_receptance(orders, 50.0, 0.3),
+    ):
+        assert np.isfinite(receptance).all()
+        assert (receptance > 0).all()
+
+
+def test_hat_coefficients_are_the_integrals():
+    angles = surface_angles(16)
+    coefficients = series._hat_coefficients(16, 60)
+    hats = HatFunctions(angles)
+    for order in (0, 2, 10, 60):
+        legendre = np.polynomial.legendre.Legendre.basis(order)
+        # finer quadrature than that of the hats: each element in 8 parts
+        fine = np.interp(np.arange(16 * 8 + 1) / 8, np.arange(17), angles)
+        parts = HatFunctions(fine)
+        weights = parts.integrate(lambda t: legendre(np.cos(t)))  # noqa: B023
+        expected = (2 * order + 1) / (2 * np.pi) * hats.values(fine).T @ weights
+        assert coefficients[order // 2] == pytest.approx(expected, rel=1e-10, abs=1e-12)
+
+
+def work(compliance):
+    """Work of one smooth pressure, interpolated by the hats, against its displacement."""
+    pressure = np.exp(-(compliance.angles**2) / 0.05)
+    return pressure @ compliance.flexibility @ pressure
+
+
+@pytest.mark.parametrize("body", ["ball", "socket"])
+@pytest.mark.parametrize(("nodes", "order"), [(6, 2.8), (3, 1.7)])
+def test_finite_elements_converge_to_the_series(body, nodes, order):
+    # work has twice the energy norm's order: 4 for quadratic displacements, less the kinks of
+    # the load, and 2 for linear ones
+    errors = []
+    for n in (64, 128):
+        if body == "ball":
+            exact, found = series.ball_compliance(0.3, n), fem.ball(0.3, "plane", n, nodes)
+        else:
+            exact = series.socket_compliance(1.2, 0.3, n)
+            found = fem.socket(1.2, 0.3, "mirror", n, nodes)
+        errors.append(abs(work(found.compliance) / work(exact) - 1))
+    assert np.log2(errors[0] / errors[1]) > order
+    assert errors[-1] < (2e-5 if nodes == 6 else 4e-3)
+
+
+def test_series_has_converged_with_its_last_order():
+    smooth = np.exp(-(surface_angles(320) ** 2) / 0.01)
+    for function in (
+        series.ball_compliance,
+        lambda *a, **k: series.socket_compliance(1.2, *a, **k),
+    ):
+        full, half = (function(0.3, last_order=n).flexibility for n in (10_000, 5_000))
+        assert smooth @ half @ smooth == pytest.approx(smooth @ full @ smooth, rel=1e-9)
+        assert np.diag(half) == pytest.approx(np.diag(full), rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: series.ball_compliance(0.5), "poisson must be > -1 and < 0.5, got 0.5"),
+        (lambda: series.ball_compliance(resolution=50), "resolution must be a multiple of 16"),
+        (lambda: series.ball_compliance(last_order=0), "last_order must be >= 2"),
+        (lambda: series.socket_compliance(1.0), "socket_ratio must be >= 1.001, got 1"),
+    ],
+)
+def test_bad_input_is_one_clear_error(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
