@@ -1,32 +1,63 @@
-"""Speed of the solver: run with ``make bench``. Not a test; nothing fails for being slow."""
+"""Speed of the solver and the laws: run with ``make bench``. Nothing fails for being slow."""
 
 import numpy as np
 import pytest
 
 from study import contact
-from study.elastic import fem
+from study.compiled import compiled
+from study.contact import forces
+from study.elastic import fem, series
 from study.joint import Joint, force_curve
 
 DEPTHS = np.linspace(0.025, 0.5, 20)
 
 
-def test_default_meshes_to_compliances(benchmark):
+def test_bodies_by_series(benchmark):
     def both():
-        fem.ball_compliance.cache_clear()
-        fem.socket_compliance.cache_clear()
-        fem.ball_compliance()
-        fem.socket_compliance(1.19)
+        for cached in (series.ball_compliance, series.socket_compliance, series._hat_coefficients):
+            cached.cache_clear()
+        series.ball_compliance()
+        series.socket_compliance(1.19)
 
     benchmark.pedantic(both, rounds=5, warmup_rounds=1)
 
 
-@pytest.mark.parametrize("kinematics", ["small", "linear"])
+def test_bodies_by_finite_elements(benchmark):
+    def both():
+        for cached in (fem.ball, fem.socket):
+            cached.cache_clear()
+        assert fem.ball().compliance.unknowns > 0
+        assert fem.socket(1.19).compliance.unknowns > 0
+
+    benchmark.pedantic(both, rounds=5, warmup_rounds=1)
+
+
+@pytest.mark.parametrize("kinematics", ["small", "linear", "finite"])
 def test_curve_of_20_depths_with_its_error_estimate(benchmark, kinematics):
     joint = Joint(200, kinematics=kinematics)
-    force_curve(joint, DEPTHS)  # the compliances are cached from here on
-    benchmark(force_curve, joint, DEPTHS)
+    force_curve(joint, DEPTHS[-1:])  # the bodies are cached from here on
+    benchmark.pedantic(force_curve, (joint, DEPTHS), rounds=3 if kinematics == "finite" else 20)
 
 
 @pytest.mark.parametrize("law", contact.LAWS)
 def test_law_on_a_thousand_depths(benchmark, law):
     benchmark(contact.LAWS[law], np.linspace(0, 1, 1000), 200.0)
+
+
+@compiled
+def _sum(law, depths):
+    total = 0.0
+    for depth in depths:
+        force, stiffness = forces.elastic_force(law, depth)
+        total += force + stiffness
+    return total
+
+
+@pytest.mark.parametrize("law", [*contact.LAWS, "tabulated"])
+def test_compiled_law_with_stiffness_on_ten_thousand_depths(benchmark, law):
+    if law == "tabulated":
+        law = contact.tabulated(force_curve(Joint(200), np.linspace(0.025, 1, 40) ** 2))
+    packed = forces.pack(law, 9.95e-3, 10e-3, 1.1e11)
+    depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
+    _sum(packed, depths)
+    benchmark(_sum, packed, depths)
