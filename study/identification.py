@@ -6,13 +6,14 @@ and compared with the published one; what explains it best, and how much better 
 is the likelihood under a stated error.
 """
 
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
-from study import contact, fitting, statistics
+from study import contact, dataset, fitting, statistics
 from study.joint import Joint, force_curve
 
 R2_STAR = 200  # of Table 2
@@ -24,8 +25,50 @@ SAMPLINGS = {f"{n}, from 0": np.linspace(0, LARGEST_DEPTH, n) for n in (19, 20, 
     f"{n}, without 0": np.linspace(0, LARGEST_DEPTH, n + 1)[1:] for n in (19, 20, 21)
 }
 DIVISORS = ("n", "n - 1", "n - 2")
+LOSERS = ("hertz", "steuermann", "liu")
+"""Laws that the proposed one beats beyond some depth, and whose R2 in Table 2 is negative."""
 RATIOS = tuple(np.round(1 + np.geomspace(0.05, 2.0, 13), 4).tolist())
 _DEPTHS = np.linspace(0.1, LARGEST_DEPTH**0.5, 32) ** 2
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A set-up that may be the paper's.
+
+    Attributes
+    ----------
+    group : str
+        Its curves in the dataset.
+    joint : dict
+        Arguments of `study.joint.Joint`.
+    area : {"sphere", "flat"}
+        Area element of the hyperbolic law.
+    sampling : str
+        A key of `SAMPLINGS`.
+    """
+
+    group: str
+    joint: dict
+    area: str
+    sampling: str
+
+    def truth(self):
+        """Its forces at R2* = 200, as a function of the depth."""
+        grid = np.linspace(0, LARGEST_DEPTH, 401)
+        return CubicSpline(grid, forces(grid, **self.joint))
+
+
+EXPLANATIONS = {
+    "clamped 1.3, flat area": Explanation(
+        "clamped",
+        {"ball_drive": "clamped", "socket_ratio": dataset.CLAMPED_RATIO},
+        "flat",
+        "20, from 0",
+    ),
+    "plane 1.19, sphere": Explanation(
+        "paper", {"socket_ratio": contact.SOCKET_RATIO}, "sphere", "20, without 0"
+    ),
+}
 
 
 def forces(sample, solver=None, resolution=None, **joint):
@@ -166,6 +209,45 @@ def likelihood(deviations, sigma):
     return table
 
 
+def consequences(explanation):
+    """What a set-up predicts for the numbers of Tables 1 and 2 and of Figs. 10 and 14.
+
+    Parameters
+    ----------
+    explanation : Explanation
+
+    Returns
+    -------
+    pandas.Series
+        Value by (``row``, ``quantity``) as in ``data/published/tables.csv``, and for each of
+        `LOSERS` the depth (``crossing``) beyond which the proposed law is nearer.
+    """
+    sample, truth = SAMPLINGS[explanation.sampling], explanation.truth()
+    laws = table_2(sample, truth(sample), explanation.area)
+    found = {(law, "RMSE"): statistics.rmse(truth(sample), f) for law, f in laws.items()}
+    fine = np.linspace(0, LARGEST_DEPTH, 2001)[1:]
+    laws = table_2(sample, truth(sample), explanation.area, at=fine)
+    error = {law: np.abs(f - truth(fine)) for law, f in laws.items()}
+    for law in LOSERS:
+        lead = error[law] - error["hyperbolic_winkler"]
+        found[law, "crossing"] = statistics.last_crossing(fine, lead)
+
+    law, curves = AREAS[explanation.area], dataset.paper_curves(group=explanation.group)
+    fits = fitting.coefficients_by_case(law, curves)
+    last = curves[(curves.r2_star == fits.r2_star.max()) & (curves.depth_star <= LARGEST_DEPTH)]
+    prediction = fits.f1.iloc[-1] * fitting.shape(law, last.depth_star)
+    with_zero = [np.append(0, values) for values in (last.force_star, prediction)]
+    limit = 100 * statistics.relative_rmse(*with_zero)
+    found["proposed", "relative_RMSE_limit_percent"] = limit
+    fits = fits[fits.r2_star <= fitting.LARGEST_R2_STAR]
+    line = fitting.surrogate(fits.r2_star, fits.f1)
+    surrogate = line["slope"] * fits.r2_star + line["intercept"]
+    relative = 100 * statistics.relative_error(fits.f1, surrogate)
+    found["f1", "RMSE"] = statistics.rmse(fits.f1, surrogate)
+    found["f1", "RE_min_percent"], found["f1", "RE_max_percent"] = relative.min(), relative.max()
+    return pd.Series(found).rename_axis(["row", "quantity"])
+
+
 def windows(truth, area, lows, highs, size=20):
     """R2 of the five laws over windows of depths, with coefficients fitted up to 0.5.
 
@@ -194,8 +276,3 @@ def windows(truth, area, lows, highs, size=20):
             found = {law: statistics.r_squared(truth(sample), f) for law, f in laws.items()}
             rows.append({"low": low, "high": high} | found)
     return pd.DataFrame(rows)
-
-
-def interpolant(depth, force):
-    """Smooth function of the depth through a fine table of forces."""
-    return CubicSpline(depth, force)

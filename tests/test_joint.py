@@ -54,10 +54,10 @@ def test_force_is_that_of_calculix(r2_star, kinematics, tolerance):
 
 
 @pytest.mark.parametrize(
-    ("solver", "order", "finest"),
+    ("solver", "order", "smallest"),
     [("series", 1.9, 1e-4), ("quadratic", 1.9, 1e-4), ("linear", 1.5, 2e-3)],
 )
-def test_every_solver_converges_to_the_series(solver, order, finest):
+def test_every_solver_converges_to_the_series(solver, order, smallest):
     depth = np.linspace(0.1, 1.0, 31)  # many, as the error oscillates with the edge's place
     joint = Joint(200, socket_ratio=1.2, kinematics="small")
     exact = finest(joint, tuple(depth))
@@ -66,7 +66,7 @@ def test_every_solver_converges_to_the_series(solver, order, finest):
         for n in (32, 128)
     ]
     assert np.log2(errors[0] / errors[1]) / 2 > order
-    assert errors[-1] < finest
+    assert errors[-1] < smallest
 
 
 @pytest.mark.parametrize("solver", ["series", "quadratic", "linear"])

@@ -7,10 +7,11 @@ import pandas as pd
 import pytest
 from scipy.integrate import solve_ivp
 
-from study import dataset, paths
+from study import contact, dataset, paths
 from study.contact import LAWS
 from study.contact.damping import DAMPINGS
 from study.contact.forces import pack
+from study.joint import Joint, force_curve
 from study.mechanism import MechanismError, Scene, compare, rigid, simulate
 
 PAPER = Scene()
@@ -112,6 +113,20 @@ def test_ideal_mechanism_is_known_to_1e_9(time):
         known = KNOWN["ideal", f"{quantity}({time:g} s)"]
         assert last[column] == pytest.approx(known, rel=1e-9)
     assert response.energy_error < 1e-11
+
+
+def test_a_joints_own_curve_drives_the_mechanism():
+    curve = force_curve(Joint(200), np.linspace(0.025, 1, 40) ** 2)
+    tabulated, closed = (
+        simulate(law=law, duration=0.02, outputs=200)
+        for law in (contact.tabulated(curve), "stiffened_hertz")
+    )
+    assert len(tabulated.impacts) == len(closed.impacts)
+    first = [response.impacts.peak_force[0] for response in (tabulated, closed)]
+    assert first[0] == pytest.approx(first[1], rel=5e-3)
+    assert max(tabulated.energy_error, closed.energy_error) < 1e-8
+    with pytest.raises(ValueError, match="r2_star must be the curve's, 200, got"):
+        simulate(Scene(socket_radius=20e-3), law=contact.tabulated(curve), duration=1e-3)
 
 
 def test_ideal_joint_force_moves_slider_and_coupler():

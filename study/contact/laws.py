@@ -260,7 +260,8 @@ def stiffened_hertz(r2_star, *, socket_ratio=SOCKET_RATIO, poisson=0.3, kinemati
     + b3 ds^3, where s = sqrt(ds) and u = s/(s + 0.6 (socket_ratio - 1)): S -> 1 as ds -> 0.
     The five coefficients are linear in 1/R2* and in products of (1, 1/q, 1/q^4) and
     (1, nu, 1/(1 - 1.8 nu)), q the socket ratio and nu Poisson's ratio (`stiffening_terms`).
-    For equal materials, a ball with ``plane`` drive and a socket with ``mirror`` rim.
+    For equal materials, a ball with ``plane`` drive and a socket with ``mirror`` rim. Right
+    within 0.8 % for ds from 0.005 to 1; at smaller depths it may be 2 % too soft.
 
     Parameters
     ----------

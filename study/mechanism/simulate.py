@@ -46,8 +46,8 @@ def simulate(
         Links.
     joint : {"clearance", "ideal"}
         Joint between coupler and slider.
-    law : str
-        Contact law, a key of ``study.contact.LAWS``.
+    law : str or callable
+        Contact law, a key of ``study.contact.LAWS``, or a law itself: ``tabulated(curve)``.
     duration : float
         In s.
     outputs : int
