@@ -67,17 +67,18 @@ def number(name, value, unit="", *, above=None, least=None, below=None, most=Non
     return float(array) if array.ndim == 0 else array
 
 
-def whole(name, value, *, least, most):
+def whole(name, value, *, least, most=None):
     """Return a whole number from ``least`` to ``most`` as int, or raise ``ValueError``."""
     found = number(name, value, least=least, most=most, scalar=True)
     if found != int(found):
-        raise ValueError(f"{name} must be a whole number >= {least} and <= {most}, got {value}")
+        limit = "" if most is None else f" and <= {most}"
+        raise ValueError(f"{name} must be a whole number >= {least}{limit}, got {value}")
     return int(found)
 
 
 def poisson(name, value):
     """Return a Poisson's ratio inside the open range (-1, 0.5), or raise ``ValueError``."""
-    return number(name, value, above=-1.0, below=0.5)
+    return number(name, value, above=-1.0, below=0.5, scalar=True)
 
 
 def choice(name, value, allowed):

@@ -17,7 +17,7 @@ from typing import Annotated
 import typer
 
 from study.checks import StudyError
-from study.contact import LAWS
+from study.contact import LAWS, SOCKET_RATIO
 
 app = typer.Typer(
     help="Contact force laws for spherical clearance joints: rebuild, inspect, evaluate.",
@@ -26,7 +26,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-data_app = typer.Typer(help="The cached finite-element dataset.", no_args_is_help=True)
+data_app = typer.Typer(help="The cached force-depth curves.", no_args_is_help=True)
 app.add_typer(data_app, name="data")
 
 SHOWN = 20  # impacts in a printed table
@@ -180,7 +180,8 @@ def evaluate_law(
     as_json: AsJson = False,
 ):
     """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths."""
-    given = {"socket_ratio": socket_ratio, "poisson": poisson, "kinematics": kinematics}
+    given = {"socket_ratio": socket_ratio, "poisson": poisson}
+    given["kinematics"] = None if kinematics is None else str(kinematics)
     options = {name: value for name, value in given.items() if value is not None}
     for name in options:
         if name not in signature(LAWS[law]).parameters:
@@ -194,7 +195,7 @@ def evaluate_law(
 def solve_joint(
     r2_star: R2Star,
     depth_star: DepthStars,
-    socket_ratio: SocketRatio = 1.19,
+    socket_ratio: SocketRatio = SOCKET_RATIO,
     poisson: Poisson = 0.3,
     drive: Annotated[
         Drive, typer.Option(help="Ball's equatorial plane: radially free, clamped, or its centre.")
@@ -241,23 +242,33 @@ def export_law(
     form: Annotated[
         Format, typer.Option("--format", help="C function, coefficients or table, force curve.")
     ],
-    r2_star: Annotated[
-        float, typer.Option(help="Of the joint: csv, and everything of tabulated.")
-    ] = 200.0,
-    socket_ratio: SocketRatio = 1.19,
-    poisson: Poisson = 0.3,
+    r2_star: Annotated[float | None, typer.Option(help="Of the joint [200].")] = None,
+    socket_ratio: Annotated[float | None, typer.Option(help="Of the joint [1.19].")] = None,
+    poisson: Annotated[float | None, typer.Option(help="Of both bodies [0.3].")] = None,
     kinematics: WhichKinematics = Kinematics.linear,
     output: Annotated[
         Path | None, typer.Option(help="File to write; by default the text is printed.")
     ] = None,
 ):
-    """Export a law of this study for another program."""
+    """Export a law of this study for another program.
+
+    The joint is that of csv and of everything of tabulated; the C function and the
+    coefficients of stiffened_hertz hold for all joints, so that --kinematics alone counts.
+    """
     from study import paths
     from study.export import export
 
+    given = {"r2_star": r2_star, "socket_ratio": socket_ratio, "poisson": poisson}
+    if law == Exported.stiffened_hertz and form != Format.csv:
+        for name, value in given.items():
+            if value is not None:
+                option = f"--{name.replace('_', '-')}"
+                raise ValueError(f"{option} must be left out: the {form} export takes any joint")
+    usual = {"r2_star": 200.0, "socket_ratio": SOCKET_RATIO, "poisson": 0.3}
+    given = {name: usual[name] if value is None else value for name, value in given.items()}
     if output is not None:
         _check_output(output, f".{form}")
-    text = export(str(law), str(form), _joint(r2_star, socket_ratio, poisson, kinematics))
+    text = export(str(law), str(form), _joint(**given, kinematics=kinematics))
     if output is None:
         print(text, end="")
     else:

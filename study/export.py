@@ -1,7 +1,7 @@
 """The study's own laws as text that other programs can use: C, JSON or CSV.
 
-The C functions are self-contained (C89, math.h only), take SI units, check their arguments and
-return 0, or the number of the first argument that is out of range with nothing written.
+The C functions are self-contained (C89, its standard library alone), take SI units, check
+their arguments and return 0, or the number of one that is out of range with nothing written.
 """
 
 import io
@@ -13,6 +13,7 @@ import pandas as pd
 
 from study import checks, contact
 from study.contact import laws, shapes
+from study.elastic import series
 from study.joint import force_curve
 
 FORMATS = ("c", "json", "csv")
@@ -22,9 +23,9 @@ ROOTS = 40  # depths of a table, in equal steps of sqrt(depth_star)
 _SOURCE = "Spherical clearance joint study; see CITATION.cff there."
 _FORMULA = (
     "P = E* dR^2 (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S, S = 1 + a1 u + a2 u^2 + b1 ds + b2 ds^2 "
-    "+ b3 ds^3; ds = depth/dR, R2* = R2/dR, s = sqrt(ds), u = s/(s + 0.6 (q - 1)); "
+    f"+ b3 ds^3; ds = depth/dR, R2* = R2/dR, s = sqrt(ds), u = s/(s + {laws.REACH} (q - 1)); "
     "(a1, a2, b1, b2, b3) = (limit + first_order/R2*) t, t the products of (1, 1/q, 1/q^4) and "
-    "(1, nu, 1/(1 - 1.8 nu)); q socket ratio, nu Poisson's ratio, E* composite modulus"
+    f"(1, nu, 1/(1 - {laws.POLE} nu)); q socket ratio, nu Poisson's ratio, E* composite modulus"
 )
 
 
@@ -48,11 +49,13 @@ def export(law, form, joint):
     Raises
     ------
     ValueError
-        For an unknown law or format, or a joint outside the range of ``stiffened_hertz``.
+        For an unknown law or format, or a joint that ``stiffened_hertz`` is not for: unequal
+        materials, another drive or rim, for CSV also values outside its range.
     """
     checks.choice("law", law, EXPORTED)
     checks.choice("format", form, FORMATS)
     if law == "stiffened_hertz":
+        _check_stiffened(joint)
         return {"c": _stiffened_c, "json": _stiffened_json, "csv": _stiffened_csv}[form](joint)
     return {"c": _tabulated_c, "json": _tabulated_json, "csv": _tabulated_csv}[form](joint)
 
@@ -81,23 +84,23 @@ def _matrices(joint):
     return np.array([fit["limit"], fit["first_order"][joint.kinematics]])
 
 
-def _options(joint):
+def _check_stiffened(joint):
     if joint.ball != joint.socket:
         raise ValueError("materials of ball and socket must be equal for stiffened_hertz")
-    return {
-        "socket_ratio": joint.socket_ratio,
-        "poisson": joint.ball.poisson,
-        "kinematics": joint.kinematics,
-    }
+    checks.choice("ball_drive of stiffened_hertz", joint.ball_drive, ("plane",))
+    checks.choice("rim of stiffened_hertz", joint.rim, ("mirror",))
 
 
 def _stiffened_csv(joint):
+    options = {"socket_ratio": joint.socket_ratio, "poisson": joint.ball.poisson}
+    options["kinematics"] = joint.kinematics
     deepest = shapes.LIMITS[shapes.stiffened]
-    return _table(contact.stiffened_hertz, joint.r2_star, deepest, **_options(joint))
+    return _table(contact.stiffened_hertz, joint.r2_star, deepest, **options)
 
 
 def _tabulated_csv(joint):
-    return _table(_tabulated(joint), joint.r2_star, 1.0)
+    law, _ = _tabulated(joint)
+    return _table(law, joint.r2_star, 1.0)
 
 
 def _table(law, r2_star, deepest, **options):
@@ -115,17 +118,24 @@ def _table(law, r2_star, deepest, **options):
 
 
 def _tabulated(joint):
-    return contact.tabulated(force_curve(joint, np.linspace(0, 1, ROOTS + 1)[1:] ** 2))
+    """Law of a joint, and the largest error estimate of its curve from a depth of 0.005 on."""
+    depths = np.linspace(0, 1, ROOTS + 1)[1:] ** 2
+    curve = force_curve(joint, depths)
+    if curve.solver == "series":  # finer than usual, for it costs little
+        curve = force_curve(joint, depths, resolution=2 * series.RESOLUTION)
+    return contact.tabulated(curve), float(curve.error_estimate[depths >= 0.005].max())
 
 
 def _tabulated_json(joint):
-    scale, _, constants = _tabulated(joint).parts(joint.r2_star)
+    law, error = _tabulated(joint)
+    scale, _, constants = law.parts(joint.r2_star)
     content = {
         "law": "tabulated",
         "source": _SOURCE,
         "formula": "P = E* dR^2 scale ds^(3/2) S, S a cubic Hermite spline over sqrt(ds)",
         "joint": _described(joint),
         "range": {"depth_star": [0, 1]},
+        "error_estimate_from_depth_0.005": error,
         "scale": float(scale),
         "root_depth_star": np.linspace(0, 1, len(constants) // 2).tolist(),
         "stiffening": constants[1::2].tolist(),
@@ -163,8 +173,9 @@ def _stiffened_c(joint):
  * poisson            Poisson's ratio of both bodies, {low:g} to {high:g}
  * force, stiffness   results, N and N/m
  *
- * Returns 0, or the number of the first argument out of range (nothing is written then).
+ * Returns 0, or the number of an argument out of range (nothing is written then).
  */
+#include <float.h>
 #include <math.h>
 
 int stiffened_hertz(double depth, double ball_radius, double socket_radius,
@@ -173,21 +184,24 @@ int stiffened_hertz(double depth, double ball_radius, double socket_radius,
 {{
     static const double limit[5][9] = {_braces(limit)};
     static const double first_order[5][9] = {_braces(first_order)};
-    double clearance = socket_radius - ball_radius, r2_star = socket_radius / clearance;
-    double ds = depth / clearance, thickness[3], material[3], c[5];
+    const double most = 1 + {laws.ROUNDING}, least = 1 - {laws.ROUNDING};
+    double clearance, r2_star, ds, thickness[3], material[3], c[5];
     double s, u, factor, growth, scale;
     int i, j, k;
 
-    if (!(ds <= {shapes.LIMITS[shapes.stiffened]:.1f})) return 1;
     if (!(ball_radius > 0)) return 2;
-    if (!(clearance > 0 && r2_star >= {least_r2_star:.1f})) return 3;
-    if (!(composite_modulus > 0)) return 4;
+    clearance = socket_radius - ball_radius;
+    r2_star = socket_radius / clearance;
+    if (!(clearance > 0 && r2_star >= {least_r2_star:.1f} * least)) return 3;
+    if (!(composite_modulus > 0 && composite_modulus <= DBL_MAX)) return 4;
     if (!(socket_ratio >= {thin} && socket_ratio <= {thick:.1f})) return 5;
     if (!(poisson >= {low} && poisson <= {high})) return 6;
+    ds = depth / clearance;
+    if (!(ds <= {shapes.LIMITS[shapes.stiffened]:.1f} * most)) return 1;
     if (ds <= 0) {{ *force = 0; *stiffness = 0; return 0; }}
 
     thickness[0] = 1; thickness[1] = 1 / socket_ratio; thickness[2] = pow(socket_ratio, -4);
-    material[0] = 1; material[1] = poisson; material[2] = 1 / (1 - 1.8 * poisson);
+    material[0] = 1; material[1] = poisson; material[2] = 1 / (1 - {laws.POLE} * poisson);
     for (i = 0; i < 5; i++) {{
         c[i] = 0;
         for (j = 0; j < 3; j++)
@@ -196,7 +210,7 @@ int stiffened_hertz(double depth, double ball_radius, double socket_radius,
                         * thickness[j] * material[k];
     }}
     s = sqrt(ds);
-    u = s / (s + 0.6 * (socket_ratio - 1));
+    u = s / (s + {laws.REACH} * (socket_ratio - 1));
     factor = 1 + u * (c[0] + u * c[1]) + ds * (c[2] + ds * (c[3] + ds * c[4]));
     growth = u * (1 - u) * (c[0] / 2 + u * c[1]) + ds * (c[2] + ds * (2 * c[3] + ds * 3 * c[4]));
     scale = composite_modulus * clearance * 4 / 3 * sqrt(r2_star * (r2_star - 1));
@@ -208,8 +222,10 @@ int stiffened_hertz(double depth, double ball_radius, double socket_radius,
 
 
 def _tabulated_c(joint):
-    scale, _, constants = _tabulated(joint).parts(joint.r2_star)
+    law, error = _tabulated(joint)
+    scale, _, constants = law.parts(joint.r2_star)
     described = ", ".join(f"{key} {value}" for key, value in _described(joint).items())
+    described += f"; relative error about {error:.1g} from depth/clearance = 0.005 on"
     knots = constants[1:].reshape(-1, 2)
     return f"""/* Contact force of one spherical clearance joint, from its force-depth curve.
  * {_SOURCE}
@@ -220,8 +236,9 @@ def _tabulated_c(joint):
  * composite_modulus  E*, Pa; 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
  * force, stiffness   results, N and N/m
  *
- * Returns 0, or the number of the first argument out of range (nothing is written then).
+ * Returns 0, or the number of an argument out of range (nothing is written then).
  */
+#include <float.h>
 #include <math.h>
 
 int tabulated(double depth, double clearance, double composite_modulus,
@@ -229,12 +246,13 @@ int tabulated(double depth, double clearance, double composite_modulus,
 {{
     /* stiffening over Hertz and its slope, at equal steps of sqrt(depth/clearance) */
     static const double table[{len(knots)}][2] = {_braces(knots)};
-    double ds = depth / clearance, s, x, rise, m0, m1, c2, c3, factor, slope, scale;
+    double ds, s, x, rise, m0, m1, c2, c3, factor, slope, scale;
     int k;
 
-    if (!(ds <= 1.0)) return 1;
-    if (!(clearance > 0)) return 2;
-    if (!(composite_modulus > 0)) return 3;
+    if (!(clearance > 0 && clearance <= DBL_MAX)) return 2;
+    if (!(composite_modulus > 0 && composite_modulus <= DBL_MAX)) return 3;
+    ds = depth / clearance;
+    if (!(ds <= 1 + {laws.ROUNDING})) return 1;
     if (ds <= 0) {{ *force = 0; *stiffness = 0; return 0; }}
 
     s = sqrt(ds);

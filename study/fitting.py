@@ -44,12 +44,14 @@ def coefficient(law, depth_star, force_star):
     float
     """
     f2 = shape(law, depth_star)
+    if f2.size == 0 or not f2.any():
+        raise ValueError("depth_star must hold a depth > 0 to fit to, got none")
     return float(f2 @ np.asarray(force_star) / (f2 @ f2))
 
 
 def shape(law, depth_star):
     """Function f2 of a law: its force with the coefficient 1, shape (n,)."""
-    name, options = FITTED_LAWS[law]
+    name, options = FITTED_LAWS[checks.choice("law", law, FITTED_LAWS)]
     return LAWS[name](depth_star, 2.0, coefficient=1.0, **options)
 
 

@@ -17,9 +17,11 @@ from scipy.sparse import csr_array
 from study import complementarity
 from study.elastic import HatFunctions
 
-RELAXATION = 0.8  # of the pressure's step: damps modes as short as the elements
+RELAXATIONS = (0.8, 0.5, 0.25)  # of the pressure's step, tried in turn: they damp modes as
+# short as the elements, which are the stronger the softer the socket is against the ball
 TOLERANCE = 1e-7  # of the force between two steps
 MOST_STEPS = 60
+LARGEST_R2_STAR = 1e8  # beyond it the gap is lost in the rounding of the surfaces' places
 
 
 def small(joint, ball, socket):
@@ -150,19 +152,24 @@ def solve_finite(joint, depths, ball, socket):
 
 def _iterate(surfaces, depth, matrix, pressure):
     """Pressure and force at one depth, from those of a smaller one."""
-    force, change, active = 0.0, np.inf, None
-    for _ in range(MOST_STEPS):
-        gap, normals, angles = surfaces.face(depth)
-        residual = surfaces.hats.T @ (surfaces.area * gap) - matrix @ pressure
-        wanted, active = complementarity.solve(matrix, residual, active)
-        pressure = pressure + RELAXATION * (wanted - pressure)
-        last, force = force, surfaces.deform(pressure, normals, angles)
-        change = abs(force - last) / max(abs(force), 1e-300)
-        if change < TOLERANCE:
-            return np.where(active, pressure, 0.0), force
+    start = surfaces.displacements()
+    for relaxation in RELAXATIONS:
+        surfaces.displace(start)
+        current, force, active = pressure, 0.0, None
+        for _ in range(MOST_STEPS):
+            gap, normals, angles = surfaces.face(depth)
+            residual = surfaces.hats.T @ (surfaces.area * gap) - matrix @ current
+            wanted, active = complementarity.solve(matrix, residual, active)
+            current = current + relaxation * (wanted - current)
+            last, force = force, surfaces.deform(current, normals, angles)
+            if not np.isfinite(force):
+                break
+            if abs(force - last) < TOLERANCE * abs(force):
+                return np.where(active, current, 0.0), force
     raise complementarity.ComplementarityError(
-        f"contact at depth_star {depth:g} did not converge: the force still changes by "
-        f"{change:.2g} of itself"
+        f"contact with finite kinematics did not converge at depth_star {depth:g}: strains of the "
+        "order of depth_star/R2* are too large, or the socket too soft; take smaller depths or "
+        "linear kinematics"
     )
 
 
@@ -176,6 +183,14 @@ class _Surfaces:
         self.hats = functions.values(self._theta)
         self._shapes = _quadratic_shapes(ball.angles, self._theta)
         self._of_ball, self._of_socket = np.zeros(ball.size), np.zeros(socket.size)
+
+    def displacements(self):
+        """Copies of both bodies' displacements."""
+        return self._of_ball.copy(), self._of_socket.copy()
+
+    def displace(self, displacements):
+        """Set both bodies' displacements."""
+        self._of_ball[:], self._of_socket[:] = displacements
 
     def face(self, depth):
         """Gap in dR, normals of the socket and reference angles of the points faced."""
@@ -208,6 +223,8 @@ class _Surfaces:
             force = -body.excess_force(displacement)
             force[body.surface] += load.T
             displacement[:] = body.solve(force)
+            if not np.abs(displacement).max() < 1:  # a radius: diverging, the caller stops
+                return np.nan
         return joint.r2_star**2 * joint.ball_radius**2 * traction[:, 1].sum()
 
 

@@ -79,14 +79,14 @@ CATALOGUE = (
     ),
     Notebook(
         "03-force-against-depth",
-        {"fig10": "force against depth: finite elements and all laws, four ranges"},
+        {"fig10": "force against depth: exact solution and all laws, four ranges"},
         {},
     ),
     Notebook(
         "04-agreement-of-the-laws",
         {"fig11": "R2, adjusted R2 and RMSE of all laws"},
         {
-            "table2": "agreement of all laws with the finite elements",
+            "table2": "agreement of all laws with the exact solution",
             "assumptions": "how much socket ratio, drive, rim and kinematics matter",
         },
     ),

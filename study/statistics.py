@@ -1,6 +1,6 @@
-"""How well a law agrees with the finite-element forces, by the paper's measures.
+"""How well a law agrees with the forces of the elastic solution, by the paper's measures.
 
-Each takes the truth first (the finite-element values) and the prediction second (the law's).
+Each takes the truth first (the elastic solution's values) and the prediction second (the law's).
 """
 
 import numpy as np

@@ -151,6 +151,10 @@ def test_help_names_units(run):
             "kinematics must be one of linear, finite, got",
         ),
         (["export", "--law", "hertz", "--format", "c"], "'hertz' is not one of"),
+        (
+            ["export", "--law", "stiffened_hertz", "--format", "c", "--poisson", "0.3"],
+            "--poisson must be left out: the c export takes any joint",
+        ),
         (["export", "--law", "tabulated"], "Missing option '--format'"),
         (
             ["export", "--law", "stiffened_hertz", "--format", "csv", "--socket-ratio", "9"],

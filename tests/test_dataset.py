@@ -41,7 +41,7 @@ def test_every_group_is_there_and_judges_are_not_fitted_to():
         set(map(tuple, frame.loc[frame.group == group, keys].to_numpy()))
         for group in ("fit", "judge")
     )
-    assert len(judged) == 48
+    assert len(judged) == 72
     assert not fitted & judged
     finite = frame[frame.kinematics == "finite"]
     assert set(finite.solver) == {"quadratic"}

@@ -68,6 +68,8 @@ def test_stiffened_hertz_in_c_refuses_what_is_out_of_range(compiled):
         assert status == place + 1
         assert (force, stiffness) == (-1, -1)
     assert function(float("nan"), *good[1:])[0] == 1
+    assert function(good[0], float("nan"), *good[2:])[0] == 2
+    assert function(*good[:3], float("inf"), *good[4:])[0] == 4
 
 
 @needs_compiler
@@ -81,11 +83,22 @@ def test_tabulated_law_in_c(compiled):
         assert status == 0
         assert force == pytest.approx(MODULUS * clearance**2 * row.force_star, rel=1e-9)
         assert stiffness == pytest.approx(MODULUS * clearance * row.stiffness_star, rel=1e-9)
-    assert [function(*a)[0] for a in ((6e-5, 5e-5, 1.0), (1e-6, 0.0, 1.0), (1e-6, 5e-5, 0.0))] == [
-        1,
-        1,
-        3,
-    ]
+    for place, wrong in enumerate(((6e-5, 5e-5, 1.0), (1e-6, 0.0, 1.0), (1e-6, 5e-5, 0.0))):
+        assert function(*wrong)[0] == place + 1
+
+
+@needs_compiler
+@pytest.mark.parametrize("law", EXPORTED)
+def test_a_depth_of_the_whole_clearance_is_in_range(compiled, law):
+    joint = Joint(200)
+    function = compiled(law, joint)
+    clearance = R2 - R1  # in rounded numbers 5e-5/clearance is above 1
+    radii = (R1, R2, MODULUS, 1.19, 0.3) if law == "stiffened_hertz" else (clearance, MODULUS)
+    status, force, _ = function(5e-5, *radii)
+    assert status == 0
+    assert force == pytest.approx(
+        contact.contact_force("stiffened_hertz", 5e-5, R1, R2, MODULUS), rel=5e-3
+    )
 
 
 def test_json_holds_coefficients_ranges_and_formula():
@@ -126,4 +139,8 @@ def test_bad_input_is_one_clear_error():
     with pytest.raises(ValueError, match="format must be one of c, json, csv"):
         export("tabulated", "xml", Joint(200))
     with pytest.raises(ValueError, match="materials of ball and socket must be equal"):
-        export("stiffened_hertz", "csv", Joint(200, socket=Material(7e10)))
+        export("stiffened_hertz", "c", Joint(200, socket=Material(7e10)))
+    with pytest.raises(ValueError, match="ball_drive of stiffened_hertz must be one of plane"):
+        export("stiffened_hertz", "csv", Joint(200, ball_drive="clamped"))
+    with pytest.raises(ValueError, match="rim of stiffened_hertz must be one of mirror"):
+        export("stiffened_hertz", "json", Joint(200, rim="free"))

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from study import contact, paths
+from study import contact, kinematics, paths
+from study.complementarity import ComplementarityError
 from study.elastic import HatFunctions, fem, series
 from study.joint import Joint, Material, force_curve
 
@@ -110,6 +111,30 @@ def test_a_free_rim_matters_for_thick_sockets_only():
     assert 0 < differences[0] < 1e-5
     assert 5e-5 < differences[1] < 2e-4
     assert 0.03 < differences[2] < 0.05
+    soft = Material(poisson=0.45)  # nearly incompressible: it matters for thinner sockets too
+    free, mirror = (
+        force_curve(Joint(200, 1.5, soft, soft, rim=rim), 1.0, 64, "quadratic").force_star[0]
+        for rim in ("free", "mirror")
+    )
+    assert 0.01 < 1 - free / mirror < 0.02
+
+
+@pytest.mark.parametrize("stiffer", [0.2, 0.5, 5.0])
+def test_large_displacements_of_unequal_bodies(stiffer):
+    socket = Material(2e11 * stiffer, 0.33)
+    linear, finite = (
+        force_curve(Joint(20, 1.3, socket=socket, kinematics=k), 0.3, 64, "quadratic").force_star[0]
+        for k in ("linear", "finite")
+    )
+    assert 0.9 < finite / linear < 1
+
+
+def test_large_displacements_do_not_depend_on_the_path():
+    joint = Joint(10, 1.3, kinematics="finite")
+    bodies = fem.ball(0.3, "plane", 64), fem.socket(1.3, 0.3, "mirror", 64)
+    _, steps = kinematics.solve_finite(joint, np.linspace(0, 0.8, 9), *bodies)
+    _, jump = kinematics.solve_finite(joint, np.array([0.8, 0.4]), *bodies)
+    assert jump == pytest.approx(steps[[8, 4]], rel=1e-6)
 
 
 def test_large_uniform_stretch_has_the_stress_of_its_material():
@@ -238,7 +263,19 @@ def test_any_joint_stiffens_with_depth(r2_star, ratio, poisson, stiffer, drive, 
         (lambda: Material(poisson=float("nan")), "Poisson's ratio must be finite and > -1"),
         (lambda: force_curve(Joint(200), -0.1), "depth_star must be >= 0, got -0.1"),
         (lambda: force_curve(Joint(200), []), "depth_star must be a list of depths"),
-        (lambda: force_curve(Joint(200), 0.1, 48), "resolution must be a multiple of 32"),
+        (lambda: force_curve(Joint(200), 0.1, 48), "resolution must be a multiple of 32, got 48"),
+        (lambda: force_curve(Joint(200), 0.1, "64"), "resolution must be one number, got '64'"),
+        (lambda: force_curve(Joint(200), 0.1, 1920), "resolution must be >= 32 and <= 1280"),
+        (
+            lambda: force_curve(Joint(200, 1.03), 0.1, 32, "quadratic"),
+            "resolution must be >= 64, got 32",
+        ),
+        (
+            lambda: force_curve(Joint(1e9, kinematics="finite"), 0.1),
+            r"r2_star must be <= 1e\+08, got 1e\+09",
+        ),
+        (lambda: Material([2e11, 1e11]), "Young's modulus must be one number"),
+        (lambda: Material(poisson=[0.3, 0.2]), "Poisson's ratio must be one number"),
         (lambda: force_curve(Joint(200), 1e-9, 32), "depth_star must be 0 or so large that"),
         (lambda: force_curve(Joint(200), 20, 32), "depth_star must be < 18.97"),
         (lambda: force_curve(Joint(200, kinematics="linear"), 9, 32), "off the socket's rim"),
@@ -249,3 +286,9 @@ def test_any_joint_stiffens_with_depth(r2_star, ratio, poisson, stiffer, drive, 
 def test_bad_input_is_one_clear_error(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+@pytest.mark.parametrize(("r2_star", "depth"), [(20, 5.0), (10, 3.0)])
+def test_too_large_strains_end_in_an_error_with_a_remedy(r2_star, depth):
+    with pytest.raises(ComplementarityError, match="take smaller depths or linear kinematics"):
+        force_curve(Joint(r2_star, kinematics="finite"), depth, 64)

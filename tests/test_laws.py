@@ -165,6 +165,10 @@ def test_composite_modulus_of_equal_bodies():
             lambda: contact.stiffened_hertz(0.1, 200, socket_ratio=1.05),
             "socket_ratio of stiffened_hertz must be >= 1.1 and <= 3, got 1.05",
         ),
+        (
+            lambda: contact.stiffened_hertz(0.1, 200, poisson=[0.3, 0.4]),
+            "poisson of stiffened_hertz must be one number, got [0.3, 0.4]",
+        ),
         (lambda: contact.hyperbolic_winkler(0.1, 200, area="x"), "area must be one of sphere"),
         (lambda: contact.hertz("deep", 200), "depth_star must be a number, got 'deep'"),
         (lambda: contact.steuermann(0.1, 200, n=0), "n must be >= 1 and <= 50, got 0"),
@@ -261,6 +265,9 @@ def test_tabulated_law_refuses_what_it_does_not_know(curve):
         law(0.1, 100)
     with pytest.raises(ValueError, match="depth_star of tabulated must be <= 1, got 1.1"):
         law(1.1)
+    deep = force_curve(Joint(200), [0.1, 0.2, 0.3, 0.4], 64)
+    with pytest.raises(ValueError, match="start at a tenth of its largest depth or less"):
+        contact.tabulated(deep)
     short = force_curve(Joint(200), [0.1, 0.2, 0.3], 64)
     with pytest.raises(ValueError, match="at least 4 different depths > 0, got 3"):
         contact.tabulated(short)

@@ -21,9 +21,14 @@ def claimed(pattern):
 def test_table_2_as_claimed():
     candidates = pd.read_csv(paths.FIGURES / "candidates.csv")
     best = candidates[candidates.sampling == "20, from 0"].iloc[0]
-    (misfit,) = claimed(r"Table 2 come back within ([\d.]+) % with one free number")
+    misfit, count = claimed(
+        r"Table 2 come back within ([\d.]+) % with one free number, by one set-up of (\d+)"
+    )
+    assert (candidates.resolution == candidates.resolution[0]).sum() == count
+    again = candidates[candidates.resolution != candidates.resolution[0]]
+    assert len(again) == 3
     assert best[["drive", "kinematics", "area"]].tolist() == ["clamped", "linear", "flat"]
-    assert 100 * best.misfit == pytest.approx(misfit, abs=0.005)
+    assert 100 * max(best.misfit, again.misfit.max()) == pytest.approx(misfit, abs=0.005)
     (ratio,) = claimed(r"outer ratio ([\d.]+), 20 depths from 0 to 0.5")
     assert best.low < ratio < best.high
     assert best.best_ratio == pytest.approx(ratio, abs=0.005)
@@ -44,7 +49,7 @@ def test_stiffened_hertz_as_claimed():
     matrices = [fitted["limit"], *fitted["first_order"].values()]
     count, paper, box, other = claimed(
         r"closed form with (\d+) coefficients that are not zero, is right within ([\d.]+) % in "
-        r"that geometry and within ([\d.]+) % for depths .*?: ([\d.]+) % on 48 random cases"
+        r"that geometry and within ([\d.]+) % where it was fitted.*?within ([\d.]+) % on 72 random"
     )
     assert np.count_nonzero(np.array(matrices)) == count
     assert judged["paper"] == pytest.approx(paper, abs=0.005)
@@ -66,6 +71,17 @@ def test_range_of_the_law_as_claimed():
     (crossing,) = claimed(r"beats Hertz and Steuermann beyond ([\d.]+) clearances")
     found = table["plane 1.19, sphere"]["steuermann", "crossing"]
     assert found == pytest.approx(crossing, abs=0.005)
+
+
+def test_rim_as_claimed():
+    rims = pd.read_csv(paths.FIGURES / "truth.csv")
+    value = rims[rims.panel == "rim"].set_index(["series", "x"]).value
+    least, most = claimed(
+        r"by less than ([\d.]+) % up to a ratio of 1.5 at a Poisson's ratio of 0.3, "
+        r"but by ([\d.]+) %"
+    )
+    assert value["0.3", 1.5] < least < 2 * value["0.3", 1.5]
+    assert value["0.45", 1.5] == pytest.approx(most, abs=0.05)
 
 
 def test_range_of_the_law_in_its_own_joint_as_claimed():

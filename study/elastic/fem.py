@@ -220,7 +220,7 @@ def ball(poisson=0.3, drive="plane", resolution=RESOLUTION, nodes=6):
 
 
 @lru_cache(maxsize=4)
-def socket(ratio, poisson=0.3, rim="free", resolution=RESOLUTION, nodes=6):
+def socket(ratio, poisson=0.3, rim="mirror", resolution=RESOLUTION, nodes=6):
     """Hemispherical socket fixed on its outer sphere.
 
     Parameters

@@ -16,6 +16,8 @@ from study import checks
 from study.elastic import Compliance, HatFunctions, surface_angles
 
 RESOLUTION = 320
+FINEST_RESOLUTION = 1280
+"""Finer hats than these are too much alike for the series of `LAST_ORDER`."""
 LAST_ORDER = 10_000
 THINNEST_RATIO = 1.001
 
@@ -166,6 +168,8 @@ def _amplitudes(conditions, orders, poisson):
 
 def _orders(last_order):
     last = checks.whole("last_order", last_order, least=2, most=100_000)
+    if last % 2:
+        raise ValueError(f"last_order must be even, got {last}")
     return np.arange(0, last + 1, 2)
 
 
