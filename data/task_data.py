@@ -8,14 +8,14 @@ from typing import Annotated
 import pandas as pd
 from pytask import Product, PythonNode, task
 
-from study import contact, dataset, fitting, paths, tasks
+from study import contact, dataset, design, fitting, paths, tasks
 
 SIZE = 10  # set-ups per task, at most
 
 BATCHES = {
-    f"{group}-{k // SIZE}": [s for s in dataset.DESIGN if s.group == group][k : k + SIZE]
-    for group in dataset.GROUPS
-    for k in range(0, sum(s.group == group for s in dataset.DESIGN), SIZE)
+    f"{group}-{k // SIZE}": [s for s in design.DESIGN if s.group == group][k : k + SIZE]
+    for group in design.GROUPS
+    for k in range(0, sum(s.group == group for s in design.DESIGN), SIZE)
 }
 PARTS = [paths.BUILD / "curves" / f"{name}.csv" for name in BATCHES]
 TIMES = [part.with_suffix(".json") for part in PARTS]
@@ -24,8 +24,8 @@ for (name, batch), part, seconds in zip(BATCHES.items(), PARTS, TIMES, strict=Tr
 
     @task(id=name)
     def task_curves(
-        design: Annotated[str, PythonNode(value=repr(batch), hash=True)],
-        batch: list[dataset.SetUp] = batch,
+        members: Annotated[str, PythonNode(value=repr(batch), hash=True)],
+        batch: list[design.SetUp] = batch,
         code: tuple[Path, ...] = dataset.SOURCES,
         part: Annotated[Path, Product] = part,
         seconds: Annotated[Path, Product] = seconds,
@@ -45,7 +45,7 @@ def task_coefficients(
     table: Path = dataset.CURVES, coefficients: Annotated[Path, Product] = contact.laws.COEFFICIENTS
 ):
     frame = pd.read_csv(table)
-    paper = frame[(frame.group == "paper") & (frame.kinematics == dataset.PAPER_KINEMATICS)]
+    paper = frame[(frame.group == "paper") & (frame.kinematics == design.PAPER_KINEMATICS)]
     fits = fitting.fit_laws(paper)
     fits["stiffened_hertz"] = fitting.fit_stiffening(frame[frame.group == "fit"])
     with paths.whole(coefficients) as temporary:

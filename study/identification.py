@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
-from study import contact, dataset, fitting, statistics
+from study import contact, dataset, design, fitting, statistics
 from study.joint import Joint, force_curve
 
 R2_STAR = 200  # of Table 2
@@ -61,7 +61,7 @@ class Explanation:
 EXPLANATIONS = {
     "clamped 1.3, flat area": Explanation(
         "clamped",
-        {"ball_drive": "clamped", "socket_ratio": dataset.CLAMPED_RATIO},
+        {"ball_drive": "clamped", "socket_ratio": design.CLAMPED_RATIO},
         "flat",
         "20, from 0",
     ),

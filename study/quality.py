@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from study import dataset
+from study import dataset, design
 from study.joint import force_curve
 
 ERROR_LIMIT = 5e-3  # largest discretisation error estimate that a row may have
@@ -51,7 +51,7 @@ def _check_schema():
             f"data/{dataset.PACKAGE.name}: {note}{place}; make it anew with: {dataset.MEND}"
         )
     frame = pd.read_csv(dataset.CURVES)
-    sizes = {name: len(s.depths) for s in dataset.DESIGN for name, _ in s.cases()}
+    sizes = {name: len(s.depths) for s in design.DESIGN for name, _ in s.cases()}
     if frame.groupby("case").size().to_dict() != sizes:
         _fail(f"must hold {len(sizes)} cases with {sum(sizes.values())} rows, got {len(frame)}")
     return f"{len(sizes)} cases with {len(frame)} rows, {len(frame.columns)} columns"
@@ -91,9 +91,9 @@ def _check_physics(frame):
 
 
 def _check_anew(frame):
-    set_up = next(s for s in dataset.DESIGN if s.name == "ratio-1.25")
+    set_up = next(s for s in design.DESIGN if s.name == "ratio-1.25")
     name, joint = next(set_up.cases())
-    depths = [dataset.DEPTHS[k] for k in (1, 9, 39)]
+    depths = [design.DEPTHS[k] for k in (1, 9, 39)]
     with threadpool_limits(limits=1):
         anew = force_curve(joint, depths).force_star
     cached = frame[(frame.case == name) & frame.depth_star.isin(depths)].force_star.to_numpy()

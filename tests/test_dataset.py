@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pytest
 
-from study import dataset, joint, paths, quality
+from study import dataset, design, joint, paths, quality
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ def test_dataset_holds_the_papers_design_and_the_wider_sweep():
 
 def test_every_group_is_there_and_judges_are_not_fitted_to():
     frame = dataset.load()
-    assert set(frame.group) == set(dataset.GROUPS)
+    assert set(frame.group) == set(design.GROUPS)
     keys = ["r2_star", "socket_ratio", "poisson_ball"]
     fitted, judged = (
         set(map(tuple, frame.loc[frame.group == group, keys].to_numpy()))
@@ -133,7 +133,7 @@ def test_a_changed_solver_makes_the_dataset_out_of_date(copy, monkeypatch):
 
 
 def test_a_changed_design_makes_the_dataset_out_of_date(copy, monkeypatch):
-    monkeypatch.setattr(dataset, "DESIGN", dataset.DESIGN[:-1])
+    monkeypatch.setattr(design, "DESIGN", design.DESIGN[:-1])
     with pytest.raises(dataset.DatasetError, match="out of date"):
         dataset.load()
 
@@ -175,7 +175,7 @@ def test_a_curve_unlike_the_solver_fails_the_check(copy):
 
 def test_a_set_up_is_solved_to_the_same_bytes(tmp_path):
     ratio = {"socket_ratio": 1.5}
-    set_up = dataset.SetUp("ratio", "one", ratio, r2_stars=(20, 200), kinematics=("small",))
+    set_up = design.SetUp("ratio", "one", ratio, r2_stars=(20, 200), kinematics=("small",))
     for name in ("first.csv", "second.csv"):
         joint.series.socket_compliance.cache_clear()
         dataset.write_curves(dataset.solve_set_up(set_up), tmp_path / name)

@@ -137,10 +137,10 @@ DESIGN = tuple(
 @pytest.fixture
 def less_data(project):
     """The project with less data to build; put right again afterwards."""
-    module = project / "study/dataset.py"
+    module = project / "study/design.py"
     module.write_text(module.read_text() + LESS)
     yield project
-    for name in ("study/dataset.py", "study/contact/coefficients.json"):
+    for name in ("study/design.py", "study/contact/coefficients.json"):
         shutil.copy(paths.ROOT / name, project / name)
     shutil.copytree(paths.DATA, project / "data", dirs_exist_ok=True)
 
