@@ -303,8 +303,8 @@ def execute(notebook, settings):
         tempfile.TemporaryDirectory(prefix="results-", dir=paths.BUILD) as results,
     ):
         os.environ[paths.RESULTS_VARIABLE] = results
-        os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}  # kernels run side by
-        # side: with threads of their own they would only wait for each other
+        # kernels run side by side: with threads of their own they would wait for each other
+        os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         config = Config()
         if os.name == "posix":
             config.KernelManager.transport = "ipc"
