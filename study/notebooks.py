@@ -176,6 +176,26 @@ CATALOGUE = (
         {"stiffening": "stiffening over Hertz: exact, fitted and tabulated"},
         {"judged": "error of stiffened_hertz on what it was fitted to and what it was not"},
     ),
+    Notebook(
+        "16-speed-against-accuracy",
+        {
+            "speed_laws": "cost of a call against error, every law and the direct solution",
+            "speed_solvers": "time of a curve of 20 depths against error, ours and CalculiX",
+            "speed_steppers": "time of 0.3 s of the mechanism against error, ours and others",
+            "choice": "cheapest law that is accurate enough, over depth, R2* and socket ratio",
+        },
+        {"speed_winners": "fastest method at each level of accuracy"},
+    ),
+    Notebook(
+        "17-where-methods-fail",
+        {
+            "stability_steps": "limits of explicit steps, predicted and observed",
+            "stability_impacts": "restitution delivered and asked for; how errors of impacts grow",
+            "stability_contact": "the contact solver at its limits",
+            "stability_laws": "the laws' formulas at their limits",
+        },
+        {"stability_limits": "threshold of each failure, and how the software tells of it"},
+    ),
 )
 
 

@@ -1,0 +1,170 @@
+"""Rigid links by explicit steps of one length: what the study's own stepper is measured against.
+
+The equations are those of `study.mechanism.rigid`, in (theta, e_x, e_y) throughout. Impacts are
+not located: a step that ends with the surfaces overlapping begins a contact, with the rate of
+its depth for the approach speed. If they no longer approach by then, there is no such speed,
+and the contact is not damped, which is safe: dividing by nearly nothing is not.
+"""
+
+from math import atan2, cos, hypot, inf, sin, sqrt
+
+import numpy as np
+
+from study import checks
+from study.compiled import compiled
+from study.contact.friction import friction_branch
+from study.mechanism import rigid
+from study.mechanism.response import MechanismError, divide
+
+SCHEMES = ("symplectic Euler", "lagged", "centred", "velocity Verlet", "RK4")
+"""``lagged`` and ``centred`` are central differences, by the velocity in damping and friction."""
+EULER, LAGGED, CENTRED, VERLET, RK4 = range(5)
+
+
+@compiled
+def acceleration(y, contact, approach, p, law, work, out):
+    """Fill ``out`` with (theta'', e_x'', e_y'') at ``y`` = (theta, e, theta', e').
+
+    ``contact`` says whether surfaces that overlap push, ``approach`` is the approach speed, inf
+    for none. Returns depth, its rate and the slider's acceleration.
+    """
+    f, seen, unused, z = work
+    r = hypot(y[1], y[2])
+    if not (contact and r > law[1]):
+        z[:6] = y
+        rigid.motion(z, (False, 0, 1.0), p, law, False, f, seen, unused)
+        out[:3] = f[:3]
+        return seen[rigid.DEPTH], seen[rigid.RATE], seen[rigid.SLIDER]
+    nx, ny = y[1] / r, y[2] / r
+    z[0], z[1], z[2], z[3] = y[0], r - law[1], atan2(ny, nx), y[3]
+    z[4], z[5] = nx * y[4] + ny * y[5], (nx * y[5] - ny * y[4]) / r
+    sp = (y[2] - p[rigid.L1] * sin(y[0])) / p[rigid.L2]
+    psi = (y[5] - p[rigid.L1] * cos(y[0]) * y[3]) / (p[rigid.L2] * sqrt(1 - sp * sp))
+    branch = friction_branch(r * z[5] + p[rigid.R1] * psi, p[rigid.V0], p[rigid.V1])
+    rigid.motion(z, (True, branch, approach), p, law, False, f, seen, unused)
+    outward, across = f[1] - r * z[5] * z[5], r * f[2] + 2 * z[4] * z[5]
+    out[0], out[1], out[2] = f[0], outward * nx - across * ny, outward * ny + across * nx
+    return seen[rigid.DEPTH], seen[rigid.RATE], seen[rigid.SLIDER]
+
+
+@compiled
+def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest):
+    """Step ``outputs`` times ``strides`` steps; fill ``found`` with slider's x'' and depth.
+
+    Returns how many outputs were reached; fewer where the ball goes too deep.
+    """
+    work = (np.zeros(5), np.zeros(10), np.zeros((5, 6)), np.zeros(8))
+    a, b, c, d = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    z, half = np.zeros(6), 0.5 * h
+    depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
+    if scheme == LAGGED or scheme == CENTRED:  # velocities half a step before the places
+        y[3:] -= half * a
+    for output in range(outputs + 1):
+        for _ in range(strides if output > 0 else 0):
+            if scheme == EULER or scheme == LAGGED:
+                y[3:] += h * a
+                y[:3] += h * y[3:]
+            elif scheme == CENTRED:
+                y[3:] += h * c
+                y[:3] += h * y[3:]
+            elif scheme == VERLET:
+                y[:3] += h * (y[3:] + half * a)
+                z[:3] = y[:3]
+                z[3:] = y[3:] + h * a
+                acceleration(z, True, approach, p, law, work, b)
+                y[3:] += half * (a + b)
+            else:
+                z[:3] = y[:3] + half * y[3:]
+                z[3:] = y[3:] + half * a
+                acceleration(z, True, approach, p, law, work, b)
+                z[:3] = y[:3] + half * (y[3:] + half * a)
+                z[3:] = y[3:] + half * b
+                acceleration(z, True, approach, p, law, work, c)
+                z[:3] = y[:3] + h * (y[3:] + half * b)
+                z[3:] = y[3:] + h * c
+                acceleration(z, True, approach, p, law, work, d)
+                y[:3] += h * (y[3:] + h / 6 * (a + b + c))
+                y[3:] += h / 6 * (a + 2 * (b + c) + d)
+            before = depth
+            depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
+            if not depth <= deepest:
+                return output
+            if depth > 0 and before <= 0:
+                approach = rate if rate > 0 else inf
+                depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
+            elif depth <= 0:
+                approach = inf
+            if scheme == CENTRED:
+                pull = _centre(y, approach, p, law, half, work, z, a, b, c)
+        if scheme == CENTRED and output == 0:
+            c[:] = a
+        found[output, 0], found[output, 1] = pull, depth
+    return outputs + 1
+
+
+@compiled
+def _centre(y, approach, p, law, half, work, z, a, b, c):
+    """Accelerations ``c`` at the velocity of the step's middle, which depends on them.
+
+    They depend nearly linearly on it, and strongly along the normal alone: two steps of a fixed
+    point and one of Aitken's extrapolation find it. Returns the slider's acceleration.
+    """
+    z[:3] = y[:3]
+    z[3:] = y[3:] + half * a
+    acceleration(z, True, approach, p, law, work, b)
+    first, second = b - a, 0.0
+    z[3:] = y[3:] + half * b
+    acceleration(z, True, approach, p, law, work, c)
+    size = (first * first).sum()
+    if size > 0:
+        second = ((c - b) * first).sum() / size
+    z[3:] = y[3:] + half * (b + (c - b) / (1 - second))
+    return acceleration(z, True, approach, p, law, work, c)[2]
+
+
+def simulate(scene, law, duration, outputs, step, scheme, start=None, approach=inf):
+    """Slider's acceleration and depth of the clearance joint at equally spaced times.
+
+    Parameters
+    ----------
+    scene : study.mechanism.scene.Scene
+    law : ndarray
+        From ``study.contact.forces.pack``.
+    duration : float
+        In s.
+    outputs : int
+        Number of equal intervals between the times of output.
+    step : float
+        Largest step, in s, shortened to divide the outputs' distance.
+    scheme : str
+        One of `SCHEMES`.
+    start : array_like, shape (6,), optional
+        (theta, e_x, e_y) and their rates at t = 0; by default at rest in the scene's place.
+    approach : float
+        Approach speed of the contact that the start is in, in m/s; inf for none.
+
+    Returns
+    -------
+    acceleration, depth : ndarray, shapes (outputs + 1,)
+        In m/s^2 and m.
+
+    Raises
+    ------
+    ValueError
+        For an unknown scheme or a step <= 0.
+    study.mechanism.response.MechanismError
+        If the ball goes deeper than one clearance, as it does when the step is unstable.
+    """
+    checks.choice("scheme", scheme, SCHEMES)
+    checks.number("step", step, "s", above=0, scalar=True)
+    y = np.array([0.0, *scene.initial_eccentricity, 0, 0, 0] if start is None else start, float)
+    strides, h = divide([duration * np.arange(2) / outputs], step)
+    found = np.zeros((outputs + 1, 2))
+    args = (rigid.describe(scene), law, h, strides, outputs, found, scene.clearance)
+    reached = advance(SCHEMES.index(scheme), y, float(approach), *args)
+    if reached <= outputs:
+        raise MechanismError(
+            f"the depth must stay <= one clearance ({scene.clearance:g} m); stopped before time "
+            f"{reached * duration / outputs:.9g} s, step {h:.4g} s"
+        )
+    return found[:, 0], found[:, 1]
