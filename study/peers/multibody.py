@@ -1,0 +1,95 @@
+"""Exudyn, a program for multibody dynamics, on the rigid links with their clearance joint."""
+
+from study.contact.forces import pack
+
+
+def slider_acceleration(scene, duration, outputs, step):
+    """Slider's acceleration at equally spaced times after the start.
+
+    With Exudyn's own contact of a sphere in a sphere and Hertz's law; its restitution is set so
+    that its damping is that of Lankarani and Nikravesh.
+
+    Parameters
+    ----------
+    scene : study.mechanism.scene.Scene
+        With damping ``lankarani-nikravesh``.
+    duration : float
+        In s.
+    outputs : int
+    step : float
+        In s.
+
+    Returns
+    -------
+    ndarray, shape (outputs,)
+        In m/s^2.
+    """
+    import exudyn as exu
+    from exudyn import itemInterface as item  # noqa: N813
+    from exudyn.utilities import SensorNode
+
+    law = pack("hertz", scene.ball_radius, scene.socket_radius, scene.composite_modulus)
+    system = exu.SystemContainer().AddSystem()
+    s = scene
+    ground = system.AddObject(item.ObjectGround())
+    bodies = {}
+    for name, mass, inertia, x in (
+        ("crank", s.crank_mass, s.inertias[0], s.crank_length / 2),
+        ("coupler", s.coupler_mass, s.inertias[1], s.crank_length + s.coupler_length / 2),
+        ("slider", s.slider_mass, 1e-4, s.crank_length + s.coupler_length),
+    ):
+        node = system.AddNode(item.NodeRigidBody2D(referenceCoordinates=[x, 0, 0]))
+        body = item.ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node)
+        bodies[name] = node, system.AddObject(body)
+
+    def at(body, x):
+        number = ground if body == "ground" else bodies[body][1]
+        return system.AddMarker(item.MarkerBodyRigid(bodyNumber=number, localPosition=[x, 0, 0]))
+
+    half = s.crank_length / 2, s.coupler_length / 2
+    for pair in (("ground", 0, "crank", -half[0]), ("crank", half[0], "coupler", -half[1])):
+        markers = [at(*pair[:2]), at(*pair[2:])]
+        system.AddObject(item.ObjectJointRevolute2D(markerNumbers=markers))
+    fixed = system.AddNode(item.NodePointGround())
+    fixed = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=fixed, coordinate=0))
+    for coordinate in (1, 2):
+        own = item.MarkerNodeCoordinate(nodeNumber=bodies["slider"][0], coordinate=coordinate)
+        pair = [fixed, system.AddMarker(own)]
+        system.AddObject(item.ObjectConnectorCoordinate(markerNumbers=pair))
+    torque = [0, 0, s.driving_moment]
+    system.AddLoad(item.LoadTorqueVector(markerNumber=at("crank", 0), loadVector=torque))
+    start = [s.clearance, 0, 0, 0]  # the gap must start positive, or the first impact is missed
+    data = item.NodeGenericData(initialCoordinates=start, numberOfDataCoordinates=4)
+    contact = item.ObjectContactSphereSphere(
+        markerNumbers=[at("coupler", half[1]), at("slider", 0)],
+        nodeNumber=system.AddNode(data),
+        spheresRadii=[s.ball_radius, s.socket_radius],
+        isHollowSphere1=True,
+        contactStiffness=law[2] / s.clearance**1.5,
+        contactStiffnessExponent=1.5,
+        impactModel=1,
+        restitutionCoefficient=1 - (1 - s.restitution**2) / 2,
+        contactDamping=0.0,
+        dynamicFriction=s.friction,
+        frictionProportionalZone=s.full_speed,
+    )
+    system.AddObject(contact)
+    sensor = system.AddSensor(
+        SensorNode(
+            nodeNumber=bodies["slider"][0],
+            outputVariableType=exu.OutputVariableType.Acceleration,
+            storeInternal=True,
+        )
+    )
+    system.Assemble()
+    settings = exu.SimulationSettings()
+    time = settings.timeIntegration
+    time.numberOfSteps, time.endTime = round(duration / step), duration
+    time.generalizedAlpha.spectralRadius = 0.9
+    time.newton.useModifiedNewton = True
+    time.discontinuous.useRecommendedStepSize = False
+    time.verboseMode = 0
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = duration / outputs
+    system.SolveDynamic(settings)
+    return system.GetSensorStoredData(sensor)[1:, 1]

@@ -1,0 +1,128 @@
+"""CalculiX on the joint: its forces, its deck, and what it says when it cannot work."""
+
+import numpy as np
+import pytest
+
+from study import checks
+from study.elastic import fem
+from study.joint import Joint, Material
+from study.joint import force_curve as own
+from study.peers import calculix
+
+installed = pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
+
+
+@installed
+@pytest.mark.parametrize(
+    ("nodes", "resolution", "lowest", "highest"),
+    [(6, 32, -2e-3, 2e-3), (3, 64, 0.02, 0.05)],  # linear triangles are too stiff
+)
+def test_force_is_that_of_the_exact_series(nodes, resolution, lowest, highest):
+    depth = np.array([0.3, 0.0, 0.1])
+    force = calculix.force_curve(Joint(200), depth, resolution, nodes)
+    assert force[1] == 0
+    error = force[[0, 2]] / own(Joint(200), depth[[0, 2]], 640).force_star - 1
+    assert ((lowest < error) & (error < highest)).all()
+
+
+@installed
+def test_large_displacements_a_free_rim_and_unequal_bodies():
+    joint = Joint(20, 1.3, Material(), Material(1e11, 0.4), "clamped", "free", "finite")
+    force = calculix.force_curve(joint, 0.3, 32)
+    assert force == pytest.approx(own(joint, 0.3).force_star, rel=1e-2)
+
+
+@installed
+def test_failure_is_reported_with_its_reason():
+    text = calculix.deck(Joint(200), [0.1], 32, 3).replace("1., 1.", "one")
+    with pytest.raises(checks.StudyError, match=r"with 0 of 1 depths solved: \*ERROR.*STATIC"):
+        calculix._run(text, 1)
+
+
+@pytest.mark.parametrize("nodes", [3, 6])
+@pytest.mark.parametrize("name", ["BALL", "SOCKET"])
+def test_elements_run_counterclockwise_with_midsides_after_corners(nodes, name):
+    cards = _cards(calculix.deck(Joint(200), [0.1], 32, nodes))
+    place = {}
+    for body in ("BALL", "SOCKET"):
+        rows = cards[f"*NODE, NSET={body}"]
+        place |= {int(i): np.array([float(x), float(z)]) for i, x, z in rows}
+    elements = {
+        int(row[0]): np.array([place[int(i)] for i in row[1:]])
+        for row in cards[f"*ELEMENT, TYPE=CAX{nodes}, ELSET={name}"]
+    }
+    for corners in elements.values():
+        (a, b), (c, d) = corners[1] - corners[0], corners[2] - corners[0]
+        assert a * d > b * c
+        for k, middle in enumerate(corners[3:]):
+            start, end = corners[k], corners[(k + 1) % 3]
+            chord = np.linalg.norm(end - start)
+            assert np.linalg.norm(middle - (start + end) / 2) < 0.1 * chord
+    radius, centre = (1.0, 0.0) if name == "SOCKET" else (1 - 1 / 200, 1 / 200)
+    faces = cards[f"*SURFACE, NAME={name}SURFACE"]
+    assert len(faces) == 32
+    for element, face in faces:
+        k = int(face[1:].removeprefix("S")) - 1
+        ends = elements[int(element)][[k, (k + 1) % 3]] - [0, centre]
+        assert np.hypot(*ends.T) == pytest.approx(radius, rel=1e-12)
+
+
+def test_boundaries_have_all_their_nodes():
+    for nodes in (3, 6):
+        cards = _cards(calculix.deck(Joint(200), [0.1], 32, nodes))
+        mesh = fem.ball_mesh(32, nodes)
+        for name, on_it in (("AXIS", mesh.doflocs[0] == 0), ("EQUATOR", mesh.doflocs[1] == 0)):
+            found = [int(row[0]) - 1 for row in cards[f"*NSET, NSET=BALL{name}"]]
+            assert found == np.flatnonzero(on_it).tolist()
+
+
+def test_the_joint_decides_what_is_held():
+    usual = calculix.deck(Joint(200), [0.1, 0.2], 32)
+    other = calculix.deck(
+        Joint(200, ball_drive="clamped", rim="free", kinematics="finite"), [0.1], 32
+    )
+    assert usual.count("*STEP") == 2
+    assert "SOCKETEQUATOR, 2, 2" in usual
+    assert "SOCKETEQUATOR, 2, 2" not in other
+    assert "BALLEQUATOR, 1, 1" in other
+    assert "BALLEQUATOR, 1, 1" not in usual
+    assert "NLGEOM" in other
+    assert "NLGEOM" not in usual
+
+
+def test_a_missing_program_is_named(monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    assert calculix.version() is None
+    with pytest.raises(checks.StudyError, match=r"ccx \(Debian's calculix-ccx\) is not installed"):
+        calculix.force_curve(Joint(200), 0.1, 32, 3)
+
+
+@pytest.mark.parametrize(
+    ("joint", "arguments", "message"),
+    [
+        ({"kinematics": "small"}, {}, "kinematics must be one of linear, finite, got 'small'"),
+        ({"ball_drive": "point"}, {}, "ball_drive must be one of plane, clamped, got 'point'"),
+        ({"socket_ratio": 1.01}, {}, "socket_ratio must be >= 1.02, got 1.01"),
+        ({}, {"nodes": 4}, "nodes must be 3 or 6, got 4"),
+        ({}, {"resolution": 16}, "resolution must be >= 32, got 16"),
+        ({}, {"resolution": 40}, "resolution must be a multiple of 16"),
+        ({}, {"penalty": 0}, "penalty must be > 0, got 0"),
+        ({}, {"contact": "mortar"}, "contact must be one of surface, node, got 'mortar'"),
+        ({}, {"depth_star": -0.1}, "depth_star must be >= 0, got -0.1"),
+        ({}, {"depth_star": []}, "depth_star must be a list of depths"),
+    ],
+)
+def test_bad_input_is_one_clear_error(joint, arguments, message):
+    with pytest.raises(ValueError, match=message):
+        calculix.force_curve(Joint(200, **joint), **{"depth_star": 0.1} | arguments)
+
+
+def _cards(text):
+    """Rows of every keyword line."""
+    cards = {}
+    for line in text.splitlines():
+        if line.startswith("*"):
+            rows = cards.setdefault(line, [])
+        else:
+            rows.append([part.strip() for part in line.split(",") if part.strip()])
+    return cards
