@@ -9,6 +9,7 @@ import pandas as pd
 from pytask import Product, PythonNode, task
 
 from study import contact, dataset, design, fitting, paths, tasks
+from study.mechanism import links
 
 SIZE = 10  # set-ups per task, at most
 
@@ -18,6 +19,7 @@ BATCHES = {
     for k in range(0, sum(s.group == group for s in design.DESIGN), SIZE)
 }
 PARTS = [paths.BUILD / "curves" / f"{name}.csv" for name in BATCHES]
+LINK_SOURCES = tuple(sorted((paths.ROOT / "study/mechanism").glob("*.py")))
 TIMES = [part.with_suffix(".json") for part in PARTS]
 
 for (name, batch), part, seconds in zip(BATCHES.items(), PARTS, TIMES, strict=True):
@@ -52,8 +54,18 @@ def task_coefficients(
         temporary.write_text(fitting.format_coefficients(fits), encoding="utf-8")
 
 
+def task_links(
+    coefficients: Path = contact.laws.COEFFICIENTS,
+    code: tuple[Path, ...] = LINK_SOURCES,
+    table: Annotated[Path, Product] = dataset.LINKS,
+):
+    tasks.leave_interrupts_to_the_runner()
+    dataset.write_curves(links.measure(), table)
+
+
 def task_description(
     table: Path = dataset.CURVES,
+    links: Path = dataset.LINKS,
     coefficients: Path = contact.laws.COEFFICIENTS,
     code: tuple[Path, ...] = dataset.SOURCES,
     times: list[Path] = TIMES,

@@ -34,10 +34,13 @@ SOURCES = tuple(
     )
 )
 """Modules that decide the numbers."""
+LINKS = paths.DATA / "links.csv"
+PEERS = paths.DATA / "published/peers.csv"
 PUBLISHED = {
     "published/tables.csv": "published",
     "published/joint.csv": "reference",
     "published/mechanism.csv": "reference",
+    "published/peers.csv": "measured",
 }
 
 
@@ -187,6 +190,57 @@ def reference_forces():
     return pd.read_csv(paths.DATA / "published/joint.csv")
 
 
+def measured(chart=None):
+    """Times and errors of laws, solvers and steppers, from ``data/published/peers.csv``.
+
+    Parameters
+    ----------
+    chart : {"laws", "solvers", "steppers"}, optional
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns of ``study.speed.COLUMNS``.
+    """
+    verify_files()
+    frame = pd.read_csv(PEERS, dtype={"version": str, "setting": str}).fillna({"setting": ""})
+    if chart is None:
+        return frame
+    checks.choice("chart", chart, tuple(frame["chart"].unique()))
+    return frame[frame["chart"] == chart].reset_index(drop=True)
+
+
+def keep_measured(frame):
+    """Write ``data/published/peers.csv`` anew, and its hash to the description.
+
+    Parameters
+    ----------
+    frame : pandas.DataFrame
+        Columns of ``study.speed.COLUMNS``.
+    """
+    package = _read_package()
+    with paths.whole(PEERS) as temporary:
+        frame.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")
+    kept = [
+        r for r in package["resources"] if r["path"] != PEERS.relative_to(paths.DATA).as_posix()
+    ]
+    name = PEERS.relative_to(paths.DATA).as_posix()
+    resource = _resource(PEERS, name[:-4].replace("/", "-"), PUBLISHED[name], None)
+    _write_description(package | {"resources": [*kept, resource]})
+
+
+def links():
+    """Errors of rigid links on random scenes, from ``data/links.csv``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns of ``study.mechanism.links.measure``.
+    """
+    verify_files()
+    return pd.read_csv(LINKS)
+
+
 def solve_set_up(set_up):
     """All curves of one set-up, in the columns of the dataset.
 
@@ -270,6 +324,7 @@ def write_package(wall_time):
         "licenses": [{"name": "CC-BY-4.0", "title": "Creative Commons Attribution 4.0"}],
         "resources": [
             _resource(CURVES, "force-curves", "generated", schema),
+            _resource(LINKS, "links", "generated", None),
             *(
                 _resource(paths.DATA / name, name[:-4].replace("/", "-"), origin, None)
                 for name, origin in PUBLISHED.items()
@@ -277,6 +332,10 @@ def write_package(wall_time):
         ],
         "provenance": provenance,
     }
+    _write_description(description)
+
+
+def _write_description(description):
     with paths.whole(PACKAGE) as temporary:
         temporary.write_text(json.dumps(description, indent=2) + "\n", encoding="utf-8")
 
@@ -325,7 +384,7 @@ def _read_package():
 def _verify(name, stated):
     """Compare one data file with the hash stated for it."""
     path = paths.DATA / name
-    remedy = MEND if path == CURVES else f"git checkout -- data/{name}"
+    remedy = MEND if path in (CURVES, LINKS) else f"git checkout -- data/{name}"
     if not path.is_file():
         raise DatasetError(f"data/{name} is missing; mend it with: {remedy}")
     if stated != f"sha256:{_sha256(path)}":

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from study.mechanism.simulate import simulate
+from study.mechanism.models import run
 
 
 def difference(response, truth, column):
@@ -110,7 +110,7 @@ def refinement(scene, crank_elements, **options):
     crank_elements : sequence of int
         Of the crank; the coupler has twice as many.
     **options
-        Of `simulate`; ``step`` is that of the finite elements.
+        Of `study.mechanism.simulate`; ``step`` is that of the finite elements.
 
     Returns
     -------
@@ -120,8 +120,8 @@ def refinement(scene, crank_elements, **options):
     step, rows = options.pop("step"), []
     for n in crank_elements:
         pair = {"elements": (n, 2 * n), "joint": "ideal"}
-        particles = simulate(scene, model="particles", **pair, **options)
-        beams = simulate(scene, model="beams", step=step, **pair, **options)
+        particles = run(scene, "particles", **pair, **options)
+        beams = run(scene, "beams", step=step, **pair, **options)
         apart = np.abs(particles.slider_position - beams.slider_position).max()
         rows.append((n, float(apart)))
     table = pd.DataFrame(rows, columns=["elements", "difference"])
@@ -138,8 +138,8 @@ def stiffening(scene, factors, **options):
     factors : sequence of float
         On the links' Young's modulus.
     **options
-        Of `simulate`, for an ideal joint; ``step`` is that of the finite elements, and the
-        particles' first impact is followed for twice the duration.
+        Of `study.mechanism.simulate`, for an ideal joint; ``step`` is that of the finite
+        elements, and the particles' first impact is followed for twice the duration.
 
     Returns
     -------
@@ -148,17 +148,17 @@ def stiffening(scene, factors, **options):
         to its way); approach_speed, peak_force (of the particles' first impact, relative).
     """
     step, elements, rows = options.pop("step"), {"elements": (2, 4)}, []
-    rigid = simulate(scene, joint="ideal", **options)
+    rigid = run(scene, "rigid", joint="ideal", **options)
     longer = options | {"duration": 2 * options["duration"]}
-    truth = simulate(scene, **longer).impacts.iloc[0]
+    truth = run(scene, "rigid", **longer).impacts.iloc[0]
     for factor in factors:
         stiff = scene.but(link_modulus=factor * scene.youngs_modulus)
         apart = []
         for model, own in (("particles", {}), ("beams", {"step": step})):
-            response = simulate(stiff, model=model, joint="ideal", **elements, **own, **options)
+            response = run(stiff, model, joint="ideal", **elements, **own, **options)
             largest = np.abs(response.slider_position - rigid.slider_position).max()
             apart.append(largest / _way(rigid))
-        first = simulate(stiff, model="particles", **elements, **longer).impacts.iloc[0]
+        first = run(stiff, "particles", **elements, **longer).impacts.iloc[0]
         changes = [abs(first[c] / truth[c] - 1) for c in ("approach_speed", "peak_force")]
         rows.append((factor, *apart, *changes))
     columns = ["factor", "particles", "beams", "approach_speed", "peak_force"]

@@ -57,11 +57,11 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest):
     a, b, c, d = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     z, half = np.zeros(6), 0.5 * h
     depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
-    if scheme == LAGGED or scheme == CENTRED:  # velocities half a step before the places
+    if scheme in (LAGGED, CENTRED):  # velocities half a step before the places
         y[3:] -= half * a
     for output in range(outputs + 1):
         for _ in range(strides if output > 0 else 0):
-            if scheme == EULER or scheme == LAGGED:
+            if scheme in (EULER, LAGGED):
                 y[3:] += h * a
                 y[:3] += h * y[3:]
             elif scheme == CENTRED:

@@ -5,7 +5,7 @@ give internal forces, found after the element's rigid motion is taken off (vecto
 intrinsic finite element; Ting, Shih & Wang, J. Mech. 20 (2004), 113-122). Time is stepped by
 explicit central differences (Eq. 29). In the damping and friction of the joint the velocity is
 the centred one, which the forces of the step are solved for, or the one half a step ago
-(``lagged``); ``unguarded`` is the latter without the check of its limit of stability in contact.
+(``lagged``); ``unguarded`` is the latter without the checks of the limits of stability.
 """
 
 from math import asin, atan2, hypot, inf, pi, sqrt
@@ -133,6 +133,27 @@ class Frame:
 def stable_step(scene, elements):
     """Limit of stability of the explicit step with a clearance joint out of contact, in s."""
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
+
+
+def usual_step(scene, law, elements):
+    """Half the limit of stability with a clearance joint at a depth of one clearance, in s.
+
+    Parameters
+    ----------
+    scene : study.mechanism.scene.Scene
+    law : ndarray
+        From ``study.contact.forces.pack``.
+    elements : tuple of int
+        Of crank and coupler.
+
+    Returns
+    -------
+    float
+    """
+    frame = Frame(scene, elements)
+    ease = 1 / frame.masses[-1] + 1 / scene.slider_mass
+    stiffest = elastic_force(law, scene.clearance)[1] * ease
+    return 1 / sqrt(frame.highest_frequency(0.0, held=False) ** 2 + stiffest)
 
 
 @compiled
@@ -354,20 +375,19 @@ def simulate(scene, law, times, ideal, step, elements, method):
     Raises
     ------
     ValueError
-        For a step above the limit of stability.
+        For a step above the limit of stability, unless ``unguarded``.
     MechanismError
-        If the limit is passed on the way, or the ball goes deeper than one clearance.
+        If the limit is passed on the way, the motion overflows, or the ball goes deeper than one
+        clearance.
     """
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
     limit = 2 / frequency
     checks.number("limit of stability", limit, "s", least=1e-10 * times[-1][-1])
-    if step is None:  # safe at any depth
-        ease = 1 / frame.masses[-1] + 1 / scene.slider_mass
-        stiffest = 0.0 if ideal else elastic_force(law, scene.clearance)[1] * ease
-        step = 1 / sqrt(frequency**2 + stiffest)
+    if step is None:
+        step = 1 / frequency if ideal else usual_step(scene, law, elements)
     strides, h = divide(times, step)
-    if h > limit:
+    if h > limit and method != "unguarded":
         raise ValueError(f"step must be <= {limit:.4g} s, the limit of stability, got {step:.4g} s")
     p = np.array(
         [

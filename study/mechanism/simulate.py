@@ -1,24 +1,10 @@
-"""One call for every model of the crank-slider: ``simulate(scene, model=...)``.
+"""One call for every model of the crank-slider: ``simulate(scene, model=...)``."""
 
-Three models with a clearance joint or an ideal one: rigid links, links of particles (the
-paper's finite particle method), links of beam elements.
-"""
-
-import numpy as np
+from dataclasses import replace
 
 from study import checks
-from study.contact.forces import pack
-from study.mechanism import beams, ideal, particles, rigid
-from study.mechanism.response import collect
+from study.mechanism import auto, models
 from study.mechanism.scene import Scene
-
-MODELS = ("rigid", "particles", "beams")
-JOINTS = ("clearance", "ideal")
-TOLERANCE = 1e-8
-BEAM_STEP = 1e-6
-ELEMENTS = (4, 8)
-MOST_STEPS = 1e10
-BLOCKS = 100  # after each the progress is told, and an interruption is heeded
 
 
 def simulate(
@@ -33,6 +19,7 @@ def simulate(
     step=None,
     elements=None,
     method=None,
+    quantity=None,
     progress=None,
     **law_options,
 ):
@@ -42,8 +29,9 @@ def simulate(
     ----------
     scene : Scene, optional
         By default the paper's.
-    model : {"rigid", "particles", "beams"}
-        Links.
+    model : {"rigid", "particles", "beams", "auto"}
+        Links; ``auto`` finds the least model that is accurate enough, with its joint, law,
+        stepper and step (`study.mechanism.auto.choose_model`).
     joint : {"clearance", "ideal"}
         Joint between coupler and slider.
     law : str or callable
@@ -55,6 +43,7 @@ def simulate(
     tolerance : float, optional
         Rigid links with clearance: largest local error of places and speeds, relative to the
         clearance, the depth of the impact and the speed that the drive gives; default 1e-8.
+        ``auto``, which needs it: largest NRMS error of the slider's motion, see ``quantity``.
     step : float, optional
         Flexible links: largest time step, in s. Default for particles: half their limit of
         stability; for beams 1e-6 s.
@@ -62,16 +51,19 @@ def simulate(
         Flexible links: number of elements of crank and coupler; default (4, 8).
     method : {"centred", "lagged", "unguarded"}, optional
         Particles: velocity in damping and friction at the joint, centred (default) or half a
-        step old; ``unguarded`` is the latter without the check of its limit of stability.
+        step old; ``unguarded`` is the latter without the checks of the limits of stability.
+    quantity : {"slider_position", "slider_velocity", "slider_acceleration"}, optional
+        ``auto``: what the tolerance is for; default position.
     progress : callable, optional
         Called with the simulated time, in s, after each of 100 parts.
     **law_options
-        Of the law.
+        Of the law; ``auto``: ``socket_ratio`` of the joint, default 1.19.
 
     Returns
     -------
     study.mechanism.response.Response
-        What was computed so far, and ``complete=False``, if interrupted by Ctrl-C.
+        What was computed so far, and ``complete=False``, if interrupted by Ctrl-C. For
+        ``auto``, ``choice`` tells what was chosen and why.
 
     Raises
     ------
@@ -81,61 +73,23 @@ def simulate(
         If the simulation cannot go on; says when, with which step, and what limit was passed.
     """
     scene = Scene() if scene is None else scene
-    if not isinstance(scene, Scene):
-        raise ValueError(f"scene must be a Scene, got {scene!r}")
-    checks.choice("model", model, MODELS)
-    checks.choice("joint", joint, JOINTS)
-    flexible, gapless = model != "rigid", joint == "ideal"
-    for name, value, used in (
-        ("tolerance", tolerance, not flexible and not gapless),
-        ("step", step, flexible),
-        ("elements", elements, flexible),
-        ("method", method, model == "particles"),
-    ):
-        if value is not None and not used:
-            raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
-    checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
-    outputs = checks.whole("outputs", outputs, least=1, most=10**6)
-    packed = pack(
-        law, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **law_options
-    )
-    times = np.array_split(
-        duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1)
-    )
-    if model == "rigid" and gapless:
-        blocks = ideal.simulate(scene, times)
-    elif model == "rigid":
-        tolerance = TOLERANCE if tolerance is None else tolerance
-        checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
-        blocks = rigid.simulate(scene, packed, times, tolerance)
-    else:
-        pair = ELEMENTS if elements is None else elements
-        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-            raise ValueError(f"elements must be two numbers, of crank and coupler, got {elements}")
-        pair = tuple(checks.whole("elements", n, least=1, most=500) for n in pair)
-        if step is not None:
-            checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
-        if model == "particles":
-            method = particles.METHODS[0] if method is None else method
-            checks.choice("method", method, particles.METHODS)
-            blocks = particles.simulate(scene, packed, times, gapless, step, pair, method)
-        else:
-            step = BEAM_STEP if step is None else step
-            blocks = beams.simulate(scene, packed, times, gapless, step, pair)
-    return _gather(blocks, times, progress)
-
-
-def _gather(blocks, times, progress):
-    """Run a model to its end or to an interruption."""
-    rows, impacts, ended, complete = [], None, True, True
-    try:
-        for at, (block, impacts, ended) in zip(times, blocks, strict=True):  # noqa: B007
-            block[:, 0] = at  # the times asked for, to the last bit
-            rows.append(block)
-            if progress is not None:
-                progress(at[-1])
-    except KeyboardInterrupt:
-        if not rows:
-            raise
-        complete = False
-    return collect(rows, impacts, ended, complete)
+    given = {"step": step, "elements": elements, "method": method}
+    common = {"duration": duration, "outputs": outputs}
+    if model != "auto":
+        if quantity is not None:
+            raise ValueError(f"quantity must be left out: model {model} has none")
+        common |= {"joint": joint, "law": law, "tolerance": tolerance, "progress": progress}
+        return models.run(scene, model, **given, **common, **law_options)
+    given |= {"joint": None if joint == "clearance" else joint}
+    given |= {"law": None if law == "hertz" else law}
+    for name, value in given.items():
+        if value is not None:
+            raise ValueError(f"{name} must be left out: model auto chooses it")
+    if tolerance is None:
+        raise ValueError("tolerance must be given: the largest error that model auto may make")
+    for option in law_options:
+        checks.choice("option of model auto", option, ("socket_ratio",))
+    if quantity is not None:
+        common |= {"quantity": quantity}
+    choice = auto.choose_model(scene, tolerance, **common, **law_options)
+    return replace(choice.run(scene, duration, outputs, progress), choice=choice)

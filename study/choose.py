@@ -1,0 +1,272 @@
+"""The cheapest law that is accurate enough for a joint, and how one knows.
+
+A law's error is the largest relative error of its force over all depths from `SHALLOWEST`
+clearances to the scene's largest. Inside the range of the dataset's group ``fit`` the exact
+force is interpolated from it; outside, or for other supports and unequal materials, the joint
+is solved. Costs are those of ``data/published/peers.csv``. The choice of a whole mechanism's
+model is in `study.mechanism.auto`.
+"""
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+
+from study import checks, dataset
+from study.contact import LAWS, hertz, tabulated
+from study.joint import Joint, force_curve
+
+SHALLOWEST = 0.005
+"""Least depth_star of the error: below, the force is less than 1/1000 of that at 0.5."""
+INTERPOLATION = 5e-4
+"""Largest relative error of `stiffening`: twice that on the dataset's group ``judge``."""
+TABLE = 1e-4  # relative error of `tabulated` between the depths of its curve
+RESOLUTIONS = {"series": (64, 160, 320, 640, 1280), "quadratic": (64, 160), "finite": (32, 64, 96)}
+DEPTHS = 40
+LARGEST_TOLERANCE = 1.0
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A law for a joint, with the evidence.
+
+    Attributes
+    ----------
+    law : str
+        Key of ``study.contact.LAWS``; ``tabulated``, the table of a solved curve; or
+        ``solver``, the solution itself at every call.
+    options : dict
+        Of the law; for ``tabulated`` and ``solver`` the resolution of the solution.
+    error_bound : float
+        No relative error of the force is larger, from the least to the largest depth.
+    relative_cost : float
+        Time of a call in a compiled loop over that of Hertz's law.
+    depths : tuple of float
+        Least and largest depth_star that the bound holds for.
+    source : str
+        ``dataset`` or ``solver``: where the exact force comes from.
+    note : str
+        Why the joint had to be solved; empty where the dataset sufficed.
+    rejected : tuple of dict
+        Laws that cost less and miss the tolerance, the most expensive first: ``law``,
+        ``error``, ``relative_cost``.
+    evaluate : callable
+        The law, of (``depth_star``, ``r2_star``); None for ``solver``.
+    """
+
+    law: str
+    options: dict
+    error_bound: float
+    relative_cost: float
+    depths: tuple
+    source: str
+    note: str
+    rejected: tuple
+    evaluate: object = field(repr=False, compare=False)
+
+
+def choose(joint, depth_star, tolerance):
+    """Cheapest law whose force is known to be within a tolerance.
+
+    Parameters
+    ----------
+    joint : study.joint.Joint
+    depth_star : float
+        Largest depth of the scene, in clearances.
+    tolerance : float
+        Largest relative error of the force, > 0 and <= 1.
+
+    Returns
+    -------
+    Choice
+
+    Raises
+    ------
+    ValueError
+        For a value outside its range, or a depth that the joint cannot have.
+    study.checks.StudyError
+        If not even the finest solution is known to be within the tolerance; says what is.
+    """
+    if not isinstance(joint, Joint):
+        raise ValueError(f"joint must be a Joint, got {joint!r}")
+    deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
+    checks.number("tolerance", tolerance, above=0, most=LARGEST_TOLERANCE, scalar=True)
+    note = outside(joint, deepest)
+    least = SHALLOWEST if deepest >= 10 * SHALLOWEST or not note else deepest / 10
+    depths = np.linspace(np.sqrt(least), np.sqrt(deepest), DEPTHS) ** 2
+    if note:
+        curve = force_curve(joint, depths)
+        force, uncertainty = curve.force_star, curve.error_estimate.max()
+    else:
+        force, uncertainty = hertz(depths, joint.r2_star) * stiffening(joint, depths), INTERPOLATION
+    known = {
+        law: (bounded(largest, uncertainty), largest)
+        for law, largest in errors(joint, depths, force).items()
+    }
+    costs = relative_costs()
+    rejected = []
+    for law in sorted(known, key=costs.get):
+        bound, largest = known[law]
+        if bound <= tolerance:
+            options = law_options(law, joint)
+            found = law, options, bound, _with_options(law, options)
+            break
+        rejected.append({"law": law, "error": float(largest), "relative_cost": costs[law]})
+    else:
+        *found, failed = _solved(joint, depths, tolerance)
+        rejected += failed
+    law, options, bound, evaluate = found
+    return Choice(
+        law=law,
+        options=options,
+        error_bound=float(bound),
+        relative_cost=costs[law],
+        depths=(float(least), deepest),
+        source="solver" if note or law in ("tabulated", "solver") else "dataset",
+        note=note,
+        rejected=tuple(reversed([r for r in rejected if r["relative_cost"] <= costs[law]])),
+        evaluate=evaluate,
+    )
+
+
+def bounded(error, uncertainty):
+    """Bound of a relative error that was found against a force of some uncertainty."""
+    return error * (1 + uncertainty) + uncertainty
+
+
+def outside(joint, depth_star):
+    """Why the dataset's group ``fit`` does not hold a joint, or an empty text.
+
+    Parameters
+    ----------
+    joint : study.joint.Joint
+    depth_star : float
+        Largest depth.
+
+    Returns
+    -------
+    str
+    """
+    for name, usual in (("kinematics", "linear"), ("ball_drive", "plane"), ("rim", "mirror")):
+        if getattr(joint, name) != usual:
+            return f"{name} {getattr(joint, name)} is outside the dataset, which has {usual}"
+    if joint.ball != joint.socket:
+        return "unequal materials are outside the dataset"
+    places = (joint.r2_star, joint.socket_ratio, joint.ball.poisson, depth_star)
+    names = ("R2*", "socket ratio", "Poisson's ratio", "depth_star")
+    for name, value, axis in zip(names, places, _grid()[0], strict=True):
+        if not axis[0] <= value <= axis[-1]:
+            return f"{name} {value:g} is outside the dataset, {axis[0]:g} to {axis[-1]:g}"
+    return ""
+
+
+def stiffening(joint, depth_star):
+    """Exact force over Hertz's, interpolated from the dataset.
+
+    Cubic in 1/R2*, ln(q - 1), 1/(1 - 1.8 nu) and sqrt(ds), q the socket ratio and nu Poisson's
+    ratio, in which the values are smooth.
+
+    Parameters
+    ----------
+    joint : study.joint.Joint
+        One that `outside` has nothing to say of.
+    depth_star : ndarray, shape (k,)
+
+    Returns
+    -------
+    ndarray, shape (k,)
+    """
+    place = _straight(joint.r2_star, joint.socket_ratio, joint.ball.poisson, 0.0)[:3]
+    roots = np.sqrt(np.atleast_1d(depth_star))
+    return _grid()[1](np.column_stack([np.tile(place, (len(roots), 1)), roots]))
+
+
+def errors(joint, depth_star, force_star):
+    """Largest relative error of every closed law that the joint can have.
+
+    Parameters
+    ----------
+    joint : study.joint.Joint
+    depth_star, force_star : ndarray, shapes (k,)
+        Exact forces.
+
+    Returns
+    -------
+    dict
+        Law -> error.
+    """
+    found = {}
+    for law in LAWS:
+        try:
+            force = LAWS[law](depth_star, joint.r2_star, **law_options(law, joint))
+        except ValueError:  # outside the range of the law's formula or fit
+            continue
+        found[law] = float(np.abs(force / force_star - 1).max())
+    return found
+
+
+def law_options(law, joint):
+    """Options with which a law knows of the joint what it can; ``ValueError`` if it cannot."""
+    if law != "stiffened_hertz":
+        return {}
+    if joint.ball != joint.socket:
+        raise ValueError("materials of ball and socket must be equal for stiffened_hertz")
+    return {
+        "socket_ratio": joint.socket_ratio,
+        "poisson": joint.ball.poisson,
+        "kinematics": joint.kinematics,
+    }
+
+
+def relative_costs():
+    """Law -> time of a call in a compiled loop over that of Hertz's, as measured."""
+    rows = dataset.measured("laws")
+    return dict(zip(rows["method"], rows["relative"].astype(float), strict=True))
+
+
+def _with_options(law, options):
+    return lambda depth_star, r2_star: LAWS[law](depth_star, r2_star, **options)
+
+
+def _solved(joint, depths, tolerance):
+    """Coarsest table, or else solution, within the tolerance, and the coarser ones' errors."""
+    costs, failed = relative_costs(), []
+    able = joint.ball_drive == "plane" and joint.rim == "mirror"
+    kind = "finite" if joint.kinematics == "finite" else "series" if able else "quadratic"
+    for resolution in RESOLUTIONS[kind]:
+        try:
+            curve = force_curve(joint, depths, resolution=resolution)
+        except ValueError:  # elements larger than the contact at the least depth
+            if resolution == RESOLUTIONS[kind][-1]:
+                raise
+            continue
+        error = float(curve.error_estimate.max())
+        options = {"resolution": resolution}
+        if bounded(error, TABLE) <= tolerance:
+            return "tabulated", options, bounded(error, TABLE), tabulated(curve), failed
+        failed.append({"law": "tabulated", "error": error, "relative_cost": costs["tabulated"]})
+    if error <= tolerance:
+        return "solver", options, error, None, failed
+    raise checks.StudyError(
+        f"no model is known to be within the tolerance {tolerance:g}: the finest solution, of "
+        f"resolution {resolution}, is known to {error:.2g}"
+    )
+
+
+def _straight(r2_star, socket_ratio, poisson, depth_star):
+    """Coordinates in which the stiffening is smooth."""
+    return 1 / r2_star, np.log(socket_ratio - 1), 1 / (1 - 1.8 * poisson), np.sqrt(depth_star)
+
+
+@lru_cache(maxsize=1)
+def _grid():
+    """Axes of the dataset's group ``fit``, and the interpolator over them."""
+    keys = ["r2_star", "socket_ratio", "poisson_ball", "depth_star"]
+    rows = dataset.load(group="fit", kinematics="linear").sort_values(keys)
+    axes = [np.sort(rows[key].unique()) for key in keys]
+    values = rows["force_star"].to_numpy() / hertz(rows["depth_star"], rows["r2_star"])
+    values = values.reshape([len(axis) for axis in axes])
+    points = [np.asarray(axis) for axis in _straight(*axes)]
+    points[0], values = points[0][::-1], values[::-1]  # 1/R2* falls as R2* grows
+    return axes, RegularGridInterpolator(points, values, method="cubic")

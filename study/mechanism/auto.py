@@ -1,0 +1,219 @@
+"""The least model of the crank-slider that is accurate enough, and how one knows.
+
+Models in order of detail: an ideal joint, rigid links with Hertz's contact, with a law that
+knows the joint, links of particles. The rigid ones take milliseconds, so that they are run and
+compared. What flexible links would change is first bounded from their compliance and frequency
+(`study.mechanism.links`), and only if that bound is too large are particles run and compared.
+"""
+
+from dataclasses import dataclass, field
+from functools import partial
+from time import perf_counter
+
+from study import checks
+from study.checks import StudyError
+from study.choose import SHALLOWEST, choose
+from study.contact import SOCKET_RATIO
+from study.contact.forces import pack
+from study.joint import Joint, Material
+from study.mechanism import links, models
+from study.mechanism.compare import difference
+from study.mechanism.particles import usual_step
+from study.mechanism.scene import Scene
+
+LAW_TOLERANCE = 0.01
+"""Of the force of the law that stands for the exact one."""
+DEEPER = 1.5  # depth that the law is chosen for, over the largest one with Hertz's law
+TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+FINEST_TOLERANCE = 1e-10
+STEP_SHARE = 0.1  # of the tolerance, for the error of the steps
+ELEMENTS = ((2, 4), links.ELEMENTS)
+STEPPERS = {"rigid": "Rodas5P", "particles": "central difference"}
+WARM_UP = 1e-5  # s, simulated once before a model is timed
+
+
+@dataclass(frozen=True)
+class ModelChoice:
+    """A model of a scene, with the evidence.
+
+    Attributes
+    ----------
+    model, joint, law : str
+        Links (``rigid`` or ``particles``), joint (``ideal`` or ``clearance``), contact law
+        (``none`` for an ideal joint).
+    settings : dict
+        Stepper, and its tolerance, or its step (s) and elements.
+    error_bound : float
+        Bound of the NRMS error of the slider's motion.
+    relative_cost : float
+        Time over that of rigid links with Hertz's law, measured while choosing.
+    links : str
+        How the links' share of the bound is known: ``bounded`` or ``compared``.
+    quantity : str
+        What the tolerance is for.
+    compliance_ratio, frequency_ratio : float
+        Links over contact at the largest depth, and the slider's frequency on the contact over
+        the crank's axial one; 0 without contact.
+    depth_star : float
+        Largest depth of rigid links with Hertz's law, in clearances.
+    evidence : tuple of dict
+        The same attributes, from ``model`` to ``links``, of every model that was looked at, in
+        order of detail.
+    run : callable
+        Runs the model: of scene, duration, outputs and progress.
+    """
+
+    model: str
+    joint: str
+    law: str
+    settings: dict
+    error_bound: float
+    relative_cost: float
+    links: str
+    quantity: str
+    compliance_ratio: float
+    frequency_ratio: float
+    depth_star: float
+    evidence: tuple
+    run: object = field(repr=False, compare=False)
+
+
+def choose_model(
+    scene,
+    tolerance,
+    duration=0.1,
+    outputs=1000,
+    quantity="slider_position",
+    socket_ratio=SOCKET_RATIO,
+):
+    """Least model whose motion of the slider is known to be within a tolerance.
+
+    Parameters
+    ----------
+    scene : study.mechanism.scene.Scene
+    tolerance : float
+        Largest NRMS error, > 0 and <= 1: RMS of the error over RMS of the change since t = 0.
+    duration : float
+        In s.
+    outputs : int
+        Number of equal intervals between the times of output.
+    quantity : {"slider_position", "slider_velocity", "slider_acceleration"}
+        What the tolerance is for.
+    socket_ratio : float
+        Outer over inner radius of the socket.
+
+    Returns
+    -------
+    ModelChoice
+
+    Raises
+    ------
+    ValueError
+        For a value outside its range.
+    study.checks.StudyError
+        If no model is known to be within the tolerance; says what is.
+    study.mechanism.response.MechanismError
+        If a simulation cannot go on.
+    """
+    if not isinstance(scene, Scene):
+        raise ValueError(f"scene must be a Scene, got {scene!r}")
+    checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
+    checks.choice("quantity", quantity, links.QUANTITIES)
+    run = partial(_Run, scene, duration, outputs)
+    hertz = run("rigid", "hertz", {"tolerance": FINEST_TOLERANCE})
+    depth = float(hertz.response.impacts.peak_depth.max()) if len(hertz.response.impacts) else 0.0
+    law, law_share = _law(scene, depth, socket_ratio)
+    best = run("rigid", law, {"tolerance": FINEST_TOLERANCE})
+    of_law = law_share * difference(hertz.response, best.response, quantity)
+    of_links = links.bounds(scene, hertz.response)[quantity]
+
+    rigid = [run("rigid", "hertz", {"joint": "ideal"})]
+    for finest in (hertz, best):
+        allowed = STEP_SHARE * tolerance
+        looser = (run("rigid", finest.law, {"tolerance": t}) for t in TOLERANCES)
+        near = (r for r in looser if difference(r.response, finest.response, quantity) <= allowed)
+        rigid.append(next(near, finest))
+    apart = [difference(r.response, best.response, quantity) for r in rigid]
+    found = [(r, a + of_law + of_links, "bounded") for r, a in zip(rigid, apart, strict=True)]
+    if all(error > tolerance for _, error, _ in found):
+        coarse, fine = (run("particles", law, {"elements": n}) for n in ELEMENTS)
+        of_mesh = difference(coarse.response, fine.response, quantity) + of_law
+        of_links = difference(best.response, fine.response, quantity) + of_mesh
+        found = [(r, a + of_links, "compared") for r, a in zip(rigid, apart, strict=True)]
+        found += [(r, of_mesh, "compared") for r in (coarse, fine)]
+    unit = rigid[1].cost
+    evidence = tuple(
+        r.tell() | {"error_bound": error, "relative_cost": r.cost / unit, "links": how}
+        for r, error, how in found
+    )
+    good = [n for n, (_, error, _) in enumerate(found) if error <= tolerance]
+    if not good:
+        known = min(evidence, key=lambda row: row["error_bound"])
+        raise StudyError(
+            f"no model's {quantity.replace('_', ' ')} is known to be within the tolerance "
+            f"{tolerance:g}: the best, {known['model']} links with {known['joint']} joint, is "
+            f"known to {known['error_bound']:.2g}"
+        )
+    chosen = found[good[0]][0]
+    stiffness = links.stiffness(scene, depth) if depth > 0 else None
+    return ModelChoice(
+        **evidence[good[0]],
+        quantity=quantity,
+        compliance_ratio=stiffness.compliance_ratio if stiffness else 0.0,
+        frequency_ratio=stiffness.frequency_ratio if stiffness else 0.0,
+        depth_star=depth / scene.clearance,
+        evidence=evidence,
+        run=chosen.again,
+    )
+
+
+def _law(scene, depth, socket_ratio):
+    """Law that stands for the exact one, with its options, and its error over Hertz's law's."""
+    deepest = min(max(DEEPER * depth / scene.clearance, 2 * SHALLOWEST), 1.0)
+    material = Material(scene.youngs_modulus, scene.poisson)
+    joint = Joint(scene.socket_radius / scene.clearance, socket_ratio, material, material)
+    choice = choose(joint, deepest, LAW_TOLERANCE)
+    law = (choice.evaluate, {}) if choice.law == "tabulated" else (choice.law, choice.options)
+    hertz = [row["error"] for row in choice.rejected if row["law"] == "hertz"]
+    return law, choice.error_bound / hertz[0] if hertz else 1.0
+
+
+class _Run:
+    """A model that was run: its response, its time, and how to run it again.
+
+    ``law`` is a name, or a law or name with its options.
+    """
+
+    def __init__(self, scene, duration, outputs, model, law, settings):
+        self.law, self._model, self._settings = law, model, dict(settings)
+        name, options = law if isinstance(law, tuple) else (law, {})
+        self._name = name if isinstance(name, str) else "tabulated"
+        if model == "particles":
+            packed = pack(
+                name, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **options
+            )
+            self._settings["step"] = usual_step(scene, packed, settings["elements"])
+        self._given = {"law": name} | options | self._settings
+        self.again(scene, min(WARM_UP, duration), 1)
+        start = perf_counter()
+        self.response = self.again(scene, duration, outputs)
+        self.cost = perf_counter() - start
+
+    def again(self, scene, duration, outputs, progress=None):
+        """Run the model: ``study.mechanism.models.run``."""
+        given = {"duration": duration, "outputs": outputs, "progress": progress}
+        return models.run(scene, self._model, **given, **self._given)
+
+    def tell(self):
+        """Model, joint, law and settings."""
+        settings = {k: v for k, v in self._settings.items() if k != "joint"}
+        joint = self._settings.get("joint", "clearance")
+        ideal = joint == "ideal"
+        stepper = "DOP853" if ideal else STEPPERS[self._model]
+        law = "none" if ideal else self._name
+        return {
+            "model": self._model,
+            "joint": joint,
+            "law": law,
+            "settings": {"stepper": stepper} | settings,
+        }

@@ -1,0 +1,97 @@
+"""The models of the crank-slider, behind one call with checked arguments.
+
+Three models with a clearance joint or an ideal one: rigid links, links of particles (the
+paper's finite particle method), links of beam elements. `study.mechanism.simulate` is what to
+call; which of them a scene needs is chosen in `study.mechanism.auto`.
+"""
+
+import numpy as np
+
+from study import checks
+from study.contact.forces import pack
+from study.mechanism import beams, ideal, particles, rigid
+from study.mechanism.response import collect
+from study.mechanism.scene import Scene
+
+MODELS = ("rigid", "particles", "beams")
+JOINTS = ("clearance", "ideal")
+TOLERANCE = 1e-8
+BEAM_STEP = 1e-6
+ELEMENTS = (4, 8)
+MOST_STEPS = 1e10
+BLOCKS = 100  # after each the progress is told, and an interruption is heeded
+
+
+def run(
+    scene,
+    model,
+    joint="clearance",
+    law="hertz",
+    duration=0.1,
+    outputs=1000,
+    tolerance=None,
+    step=None,
+    elements=None,
+    method=None,
+    progress=None,
+    **law_options,
+):
+    """Run one of `MODELS`: arguments, result and errors of `study.mechanism.simulate`."""
+    if not isinstance(scene, Scene):
+        raise ValueError(f"scene must be a Scene, got {scene!r}")
+    checks.choice("model", model, MODELS)
+    checks.choice("joint", joint, JOINTS)
+    flexible, gapless = model != "rigid", joint == "ideal"
+    for name, value, used in (
+        ("tolerance", tolerance, not flexible and not gapless),
+        ("step", step, flexible),
+        ("elements", elements, flexible),
+        ("method", method, model == "particles"),
+    ):
+        if value is not None and not used:
+            raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
+    checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
+    outputs = checks.whole("outputs", outputs, least=1, most=10**6)
+    packed = pack(
+        law, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **law_options
+    )
+    times = np.array_split(
+        duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1)
+    )
+    if model == "rigid" and gapless:
+        blocks = ideal.simulate(scene, times)
+    elif model == "rigid":
+        tolerance = TOLERANCE if tolerance is None else tolerance
+        checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
+        blocks = rigid.simulate(scene, packed, times, tolerance)
+    else:
+        pair = ELEMENTS if elements is None else elements
+        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+            raise ValueError(f"elements must be two numbers, of crank and coupler, got {elements}")
+        pair = tuple(checks.whole("elements", n, least=1, most=500) for n in pair)
+        if step is not None:
+            checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
+        if model == "particles":
+            method = particles.METHODS[0] if method is None else method
+            checks.choice("method", method, particles.METHODS)
+            blocks = particles.simulate(scene, packed, times, gapless, step, pair, method)
+        else:
+            step = BEAM_STEP if step is None else step
+            blocks = beams.simulate(scene, packed, times, gapless, step, pair)
+    return _gather(blocks, times, progress)
+
+
+def _gather(blocks, times, progress):
+    """Run a model to its end or to an interruption."""
+    rows, impacts, ended, complete = [], None, True, True
+    try:
+        for at, (block, impacts, ended) in zip(times, blocks, strict=True):  # noqa: B007
+            block[:, 0] = at  # the times asked for, to the last bit
+            rows.append(block)
+            if progress is not None:
+                progress(at[-1])
+    except KeyboardInterrupt:
+        if not rows:
+            raise
+        complete = False
+    return collect(rows, impacts, ended, complete)
