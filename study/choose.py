@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
+import pandas as pd
 from scipy.interpolate import RegularGridInterpolator
 
 from study import checks, dataset
@@ -50,7 +51,7 @@ class Choice:
         Why the joint had to be solved; empty where the dataset sufficed.
     rejected : tuple of dict
         Laws that cost less and miss the tolerance, the most expensive first: ``law``,
-        ``error``, ``relative_cost``.
+        ``options``, ``error``, ``relative_cost``.
     evaluate : callable
         The law, of (``depth_star``, ``r2_star``); None for ``solver``.
     """
@@ -92,8 +93,10 @@ def choose(joint, depth_star, tolerance):
         raise ValueError(f"joint must be a Joint, got {joint!r}")
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     checks.number("tolerance", tolerance, above=0, most=LARGEST_TOLERANCE, scalar=True)
+    widest = np.sqrt(2 * joint.r2_star - 1) - 1
+    checks.number("depth_star", deepest, below=widest / 1.05)  # room to estimate errors beside it
     note = outside(joint, deepest)
-    least = SHALLOWEST if deepest >= 10 * SHALLOWEST or not note else deepest / 10
+    least = min(SHALLOWEST, deepest / 12) if note else SHALLOWEST
     depths = np.linspace(np.sqrt(least), np.sqrt(deepest), DEPTHS) ** 2
     if note:
         curve = force_curve(joint, depths)
@@ -101,8 +104,8 @@ def choose(joint, depth_star, tolerance):
     else:
         force, uncertainty = hertz(depths, joint.r2_star) * stiffening(joint, depths), INTERPOLATION
     known = {
-        law: (bounded(largest, uncertainty), largest)
-        for law, largest in errors(joint, depths, force).items()
+        law: (bounded(error.max(), uncertainty), error.max())
+        for law, error in errors(joint, depths, force).items()
     }
     costs = relative_costs()
     rejected = []
@@ -112,9 +115,9 @@ def choose(joint, depth_star, tolerance):
             options = law_options(law, joint)
             found = law, options, bound, _with_options(law, options)
             break
-        rejected.append({"law": law, "error": float(largest), "relative_cost": costs[law]})
+        rejected.append(_rejected(law, law_options(law, joint), largest))
     else:
-        *found, failed = _solved(joint, depths, tolerance)
+        *found, failed = _solved(joint, deepest, tolerance)
         rejected += failed
     law, options, bound, evaluate = found
     return Choice(
@@ -183,7 +186,7 @@ def stiffening(joint, depth_star):
 
 
 def errors(joint, depth_star, force_star):
-    """Largest relative error of every closed law that the joint can have.
+    """Relative errors of every closed law that the joint can have.
 
     Parameters
     ----------
@@ -194,7 +197,7 @@ def errors(joint, depth_star, force_star):
     Returns
     -------
     dict
-        Law -> error.
+        Law -> ndarray, shape (k,).
     """
     found = {}
     for law in LAWS:
@@ -202,8 +205,45 @@ def errors(joint, depth_star, force_star):
             force = LAWS[law](depth_star, joint.r2_star, **law_options(law, joint))
         except ValueError:  # outside the range of the law's formula or fit
             continue
-        found[law] = float(np.abs(force / force_star - 1).max())
+        found[law] = np.abs(force / force_star - 1)
     return found
+
+
+def cheapest(joints, depth_star, tolerances):
+    """Cheapest adequate law over joints and largest depths, as `choose` would find it.
+
+    Parameters
+    ----------
+    joints : sequence of study.joint.Joint
+    depth_star : ndarray, shape (k,)
+        Rising, from `SHALLOWEST`.
+    tolerances : sequence of float
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns r2_star, socket_ratio, poisson, depth_star, tolerance, law: ``tabulated`` where
+        no closed law is adequate, ``outside`` where the dataset does not hold the joint.
+    """
+    costs, rows = relative_costs(), []
+    for joint in joints:
+        place = joint.r2_star, joint.socket_ratio, joint.ball.poisson
+        inside = [ds for ds in depth_star if not outside(joint, ds)]
+        exact = hertz(inside, joint.r2_star) * stiffening(joint, inside) if inside else []
+        largest = {
+            law: bounded(np.maximum.accumulate(error), INTERPOLATION)
+            for law, error in errors(joint, np.array(inside), exact).items()
+        }
+        ranked = sorted(largest, key=costs.get)
+        for tolerance in tolerances:
+            for n, ds in enumerate(depth_star):
+                law = "outside"
+                if n < len(inside):
+                    able = (law for law in ranked if largest[law][n] <= tolerance)
+                    law = next(able, "tabulated")
+                rows.append((*place, float(ds), tolerance, law))
+    columns = ["r2_star", "socket_ratio", "poisson", "depth_star", "tolerance", "law"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def law_options(law, joint):
@@ -229,9 +269,15 @@ def _with_options(law, options):
     return lambda depth_star, r2_star: LAWS[law](depth_star, r2_star, **options)
 
 
-def _solved(joint, depths, tolerance):
+def _rejected(law, options, error):
+    cost = relative_costs()[law]
+    return {"law": law, "options": options, "error": float(error), "relative_cost": cost}
+
+
+def _solved(joint, deepest, tolerance):
     """Coarsest table, or else solution, within the tolerance, and the coarser ones' errors."""
-    costs, failed = relative_costs(), []
+    least, failed = min(SHALLOWEST, deepest / 12), []
+    depths = np.linspace(np.sqrt(least), np.sqrt(deepest), DEPTHS) ** 2
     able = joint.ball_drive == "plane" and joint.rim == "mirror"
     kind = "finite" if joint.kinematics == "finite" else "series" if able else "quadratic"
     for resolution in RESOLUTIONS[kind]:
@@ -245,7 +291,7 @@ def _solved(joint, depths, tolerance):
         options = {"resolution": resolution}
         if bounded(error, TABLE) <= tolerance:
             return "tabulated", options, bounded(error, TABLE), tabulated(curve), failed
-        failed.append({"law": "tabulated", "error": error, "relative_cost": costs["tabulated"]})
+        failed.append(_rejected("tabulated", options, bounded(error, TABLE)))
     if error <= tolerance:
         return "solver", options, error, None, failed
     raise checks.StudyError(
@@ -269,4 +315,6 @@ def _grid():
     values = values.reshape([len(axis) for axis in axes])
     points = [np.asarray(axis) for axis in _straight(*axes)]
     points[0], values = points[0][::-1], values[::-1]  # 1/R2* falls as R2* grows
-    return axes, RegularGridInterpolator(points, values, method="cubic")
+    return axes, RegularGridInterpolator(
+        points, values, method="cubic", bounds_error=False, fill_value=None
+    )  # the edges are met up to rounding; `outside` keeps out what is beyond

@@ -39,7 +39,8 @@ Kinematics = StrEnum("Kinematics", ["small", "linear", "finite"])
 Solver = StrEnum("Solver", ["series", "quadratic", "linear"])
 Exported = StrEnum("Exported", ["stiffened_hertz", "tabulated"])
 Format = StrEnum("Format", ["c", "json", "csv"])
-Model = StrEnum("Model", ["rigid", "particles", "beams"])
+Model = StrEnum("Model", ["rigid", "particles", "beams", "auto"])
+Quantity = StrEnum("Quantity", ["slider_position", "slider_velocity", "slider_acceleration"])
 MechanismJoint = StrEnum("MechanismJoint", ["clearance", "ideal"])
 Method = StrEnum("Method", ["centred", "lagged", "unguarded"])
 
@@ -227,11 +228,75 @@ def solve_joint(
     _print_curve(columns, as_json)
 
 
-def _joint(r2_star, socket_ratio, poisson, kinematics, **supports):
+def _joint(r2_star, socket_ratio, poisson, kinematics, modulus_ratio=1.0, **supports):
+    from study import checks
     from study.joint import Joint, Material
 
-    material = Material(poisson=poisson)
-    return Joint(r2_star, socket_ratio, material, material, kinematics=str(kinematics), **supports)
+    ball = Material(poisson=poisson)
+    ratio = checks.number("--modulus-ratio", modulus_ratio, above=0)
+    socket = Material(ball.youngs_modulus * ratio, poisson)
+    return Joint(r2_star, socket_ratio, ball, socket, kinematics=str(kinematics), **supports)
+
+
+@app.command("choose")
+def choose_law(
+    r2_star: R2Star,
+    depth_star: Annotated[
+        float, typer.Option("--depth-star", help="Largest depth d/dR of the scene.")
+    ],
+    tolerance: Annotated[
+        float, typer.Option(help="Largest relative error of the force, > 0 and <= 1.")
+    ],
+    socket_ratio: SocketRatio = SOCKET_RATIO,
+    poisson: Poisson = 0.3,
+    modulus_ratio: Annotated[
+        float, typer.Option(help="Young's modulus of the socket over that of the ball.")
+    ] = 1.0,
+    drive: Annotated[Drive, typer.Option(help="As for study joint.")] = Drive.plane,
+    rim: Annotated[Rim, typer.Option(help="As for study joint.")] = Rim.mirror,
+    kinematics: WhichKinematics = Kinematics.linear,
+    as_json: AsJson = False,
+):
+    """Choose the cheapest law that is accurate enough for a joint, with the evidence.
+
+    For a whole mechanism: study simulate --model auto --tolerance ... .
+    """
+    from study.choose import choose
+
+    joint = _joint(
+        r2_star,
+        socket_ratio,
+        poisson,
+        kinematics,
+        modulus_ratio=modulus_ratio,
+        ball_drive=str(drive),
+        rim=str(rim),
+    )
+    choice = choose(joint, depth_star, tolerance)
+    told = {
+        "law": choice.law,
+        "options": choice.options,
+        "error_bound": choice.error_bound,
+        "relative_cost": choice.relative_cost,
+        "depths": list(choice.depths),
+        "source": choice.source,
+        "note": choice.note,
+        "next_cheaper": choice.rejected[0] if choice.rejected else None,
+        "rejected": list(choice.rejected),
+    }
+    if as_json:
+        print(json.dumps(told, allow_nan=False))
+        return
+    columns = ("law", "error_bound", "relative_cost", "options")
+    _table(columns, [[_text(told[name]) for name in columns]])
+    least, most = choice.depths
+    print(f"For depths of {least:g} to {most:g} clearances, by the {choice.source}.")
+    if choice.note:
+        print(f"Solved, as {choice.note}.")
+    if choice.rejected:
+        print("Cheaper laws miss the tolerance:")
+        columns = ("law", "error", "relative_cost", "options")
+        _table(columns, [[_text(row[name]) for name in columns] for row in choice.rejected])
 
 
 @app.command("export")
@@ -285,7 +350,9 @@ def _check_output(output, suffix):
 
 @app.command("simulate")
 def simulate_mechanism(
-    model: Annotated[Model, typer.Option(help="Links: rigid, particles or beams.")] = Model.rigid,
+    model: Annotated[
+        Model, typer.Option(help="Links: rigid, particles or beams; auto: as little as it needs.")
+    ] = Model.rigid,
     joint: Annotated[
         MechanismJoint, typer.Option(help="Joint of coupler and slider.")
     ] = MechanismJoint.clearance,
@@ -293,7 +360,10 @@ def simulate_mechanism(
     duration: Annotated[float, typer.Option(help="Simulated time, in s.")] = 0.1,
     outputs: Annotated[int, typer.Option(help="Equal intervals between times of output.")] = 1000,
     tolerance: Annotated[
-        float | None, typer.Option(help="Rigid links with clearance: 1e-12 to 1e-2 [1e-8].")
+        float | None,
+        typer.Option(
+            help="Rigid links with clearance: 1e-12 to 1e-2 [1e-8]; auto: NRMS error allowed."
+        ),
     ] = None,
     step: Annotated[
         float | None, typer.Option(help="Flexible links: largest time step, in s.")
@@ -303,6 +373,10 @@ def simulate_mechanism(
     ] = None,
     method: Annotated[
         Method | None, typer.Option(help="Particles: velocity in damping and friction [centred].")
+    ] = None,
+    quantity: Annotated[
+        Quantity | None,
+        typer.Option(help="auto: what the tolerance is for [slider_position]."),
     ] = None,
     inertia: Annotated[
         str,
@@ -346,6 +420,7 @@ def simulate_mechanism(
             step=step,
             elements=pair,
             method=None if method is None else str(method),
+            quantity=None if quantity is None else str(quantity),
             progress=progress,
         )
     last = response.motion.iloc[-1]
@@ -360,10 +435,17 @@ def simulate_mechanism(
         "energy_error": response.energy_error,
         "complete": response.complete,
     }
+    choice = _model_choice(response.choice)
     impacts = response.impacts.astype(object).where(response.impacts.notna(), None)
     if as_json:
-        print(json.dumps(end | {"impacts": impacts.to_dict("records")}, allow_nan=False))
+        told = end | choice | {"impacts": impacts.to_dict("records")}
+        print(json.dumps(told, allow_nan=False))
     else:
+        if choice:
+            columns = [name for name in choice["choice"] if name != "evidence"]
+            _table(columns, [[_text(choice["choice"][name]) for name in columns]])
+            shown = choice["choice"]["evidence"]
+            _table(list(shown[0]), [[_text(row[name]) for name in row] for row in shown])
         _table(list(end), [[_text(value) for value in end.values()]])
         shown = impacts.head(SHOWN)
         _table(impacts.columns, shown.map(_text).itertuples(index=False))
@@ -372,6 +454,14 @@ def simulate_mechanism(
     if output is not None:  # last: what was computed is printed even if the disk is full
         response.save(output)
     return 0 if response.complete else INTERRUPTED
+
+
+def _model_choice(choice):
+    """What is told of a choice of model, if there was one, under the key ``choice``."""
+    if choice is None:
+        return {}
+    names = [field.name for field in fields(choice) if field.name != "run"]
+    return {"choice": {name: getattr(choice, name) for name in names}}
 
 
 def _scene(settings, inertia):
@@ -470,6 +560,21 @@ def check_data():
     _table(["checked", "found"], quality.check())
 
 
+@app.command("measure")
+def measure_speed(
+    repeats: Annotated[int, typer.Option(min=1, help="Of each timing, after one not counted.")] = 5,
+):
+    """Time every law, solver and stepper here, and keep it in data/published/peers.csv (minutes).
+
+    Other programs are measured where they are found: ccx, scikit-sundae, exudyn.
+    """
+    from study import dataset, speed
+
+    frame = speed.measure(repeats, progress=lambda text: print(text, file=sys.stderr))
+    dataset.keep_measured(frame)
+    print(f"{len(frame)} rows in data/published/peers.csv: {speed.machine()}")
+
+
 @data_app.command("build")
 def build_data(jobs: Jobs = None):
     """Build the dataset from nothing; an interrupted build resumes."""
@@ -495,8 +600,10 @@ def _print_curve(columns, as_json):
 
 
 def _text(value):
-    if value is None:
+    if value is None or value == {}:
         return "-"
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_text(item)}" for key, item in value.items())
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

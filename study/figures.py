@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 from cycler import cycler
 from IPython.display import Image, display
 from matplotlib.collections import LineCollection
@@ -69,6 +70,29 @@ MODEL_LOOKS = {
     "particles": Look("particles", "#0072B2", "s"),
     "beams": Look("finite elements", "#D55E00", "^", "--"),
 }
+
+
+METHOD_LOOKS = {
+    "series": Look("series, 10,000 orders", "#000000", "o"),
+    "series of few orders": Look("series, fewest orders", "#000000", "o", ":"),
+    "six-node triangles": Look("six-node triangles", "#0072B2", "s"),
+    "three-node triangles": Look("three-node triangles", "#56B4E9", "^"),
+    "CAX6": Look("CalculiX CAX6", "#D55E00", "D"),
+    "CAX6, node to surface": Look("CalculiX CAX6, node to surface", "#D55E00", "D", ":"),
+    "CAX3": Look("CalculiX CAX3", "#E69F00", "v"),
+    "Rodas5P, events": Look("this study (Rodas5P, events)", "#000000", "o"),
+    "symplectic Euler": Look("symplectic Euler", "#E69F00", "v"),
+    "lagged": Look("central difference, lagged", "#E69F00", "^", ":"),
+    "centred": Look("central difference, centred", "#D55E00", "D"),
+    "velocity Verlet": Look("velocity Verlet", "#CC79A7", "P"),
+    "RK4": Look("RK4", "#0072B2", "s"),
+    "LSODA": Look("LSODA (SciPy)", "#56B4E9", "o", "--"),
+    "Radau": Look("Radau (SciPy)", "#56B4E9", "s", "-."),
+    "DOP853": Look("DOP853 (SciPy)", "#56B4E9", "^", ":"),
+    "CVODE": Look("CVODE (SUNDIALS)", "#009E73", "o", "--"),
+    "generalised alpha": Look("generalised alpha (Exudyn)", "0.5", "X"),
+}
+"""Solvers of the joint and steppers of the mechanism, by `study.speed`'s names."""
 
 
 def new(columns=1, rows=1, width=4.2, height=3.2, **options):
@@ -317,6 +341,97 @@ def draw_mechanism(axes, scene, angle):
     axes.grid(False)
 
 
+def draw_law_costs(axes, rows, cost, front):
+    """Draw the largest (full) and RMS error (hollow) of each law over its relative cost.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    rows : pandas.DataFrame
+        Chart ``laws`` of ``study.speed``.
+    cost : {"relative", "vectorised"}
+        Column.
+    front : pandas.DataFrame
+        Rows of the Pareto front, joined by a line.
+    """
+    axes.set(xscale="log", yscale="log")
+    axes.plot(front[cost], front.rms_error, color="0.75", linewidth=4, zorder=0)
+    others = {"tabulated": Look("tabulated", "0.4", "h"), "solver": LOOKS["exact"]}
+    for row in rows.itertuples():
+        look = (LOOKS | others)[row.method]
+        x, ends = getattr(row, cost), (row.rms_error, row.largest_error)
+        axes.plot([x, x], ends, color=look.color, linewidth=0.8)
+        axes.plot(x, ends[1], look.marker, color=look.color)
+        axes.plot(x, ends[0], look.marker, color=look.color, markerfacecolor="w", label=look.label)
+    axes.set_xlabel("time over that of Hertz's law")
+
+
+def draw_times(axes, rows, front):
+    """Draw error over time, a line per method, quartiles as bars, the Pareto front behind.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    rows : pandas.DataFrame
+        One chart of ``study.speed``.
+    front : pandas.DataFrame
+        Rows of the Pareto front.
+    """
+    axes.set(xscale="log", yscale="log", xlabel="time (s)")
+    axes.plot(front.time, front.rms_error, color="0.75", linewidth=5, zorder=0, label="front")
+    for method, part in rows.groupby("method", sort=False):
+        look, part = METHOD_LOOKS[method], part.sort_values("time")
+        spread = abs(part[["time_low", "time_high"]].to_numpy().T - part.time.to_numpy())
+        style = {"color": look.color, "marker": look.marker, "linestyle": look.line}
+        axes.errorbar(part.time, part.rms_error, xerr=spread, label=look.label, **style)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), fontsize=8)
+
+
+def draw_choice(axes, table, column):
+    """Map of the cheapest adequate law over the largest depth and one parameter of the joint.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    table : pandas.DataFrame
+        Columns depth_star, law and ``column``, on a grid.
+    column : str
+        What is drawn upwards.
+
+    Returns
+    -------
+    list of str
+        The laws in the map.
+    """
+    laws = [law for law in CHOICES if law in set(table.law)]
+    codes = table.law.map({law: n for n, law in enumerate(CHOICES)})
+    grid = table.assign(code=codes).pivot(index=column, columns="depth_star", values="code")
+    colors = mpl.colors.ListedColormap([color for _, color in CHOICES.values()])
+    limits = {"cmap": colors, "vmin": -0.5, "vmax": len(CHOICES) - 0.5, "shading": "nearest"}
+    axes.pcolormesh(grid.columns, grid.index, grid, rasterized=True, **limits)
+    axes.set(xscale="log", yscale="log")
+    axes.grid(False)
+    return laws
+
+
+def label_choices(figure, axes, laws):
+    """Name the laws of `draw_choice`'s maps below them, and their common horizontal axis."""
+    handles = [
+        mpl.patches.Patch(color=color, label=label)
+        for law, (label, color) in CHOICES.items()
+        if law in laws
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    for panel in axes[-1]:
+        panel.set_xlabel("largest " + DEPTH.split(" ", 1)[1])
+
+
+CHOICES = {
+    law: (LOOKS[law].label.split(" (")[0], LOOKS[law].color)
+    for law in ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler", "stiffened_hertz")
+} | {"tabulated": ("table of the solver", "0.6"), "outside": ("outside the dataset", "0.92")}
+
+
 DEPTH_TICKS = (0.05, 0.1, 0.2, 0.5, 1.0)
 
 
@@ -437,3 +552,25 @@ def save_table(table, name):
         raise ValueError(f"every number of {name} must be finite, column {column!r} is not")
     with paths.whole(paths.results() / f"{name}.csv") as temporary:
         table.to_csv(temporary, index=False, float_format="%.9g", lineterminator="\n")
+
+
+def tidy(*curves):
+    """Numbers of several panels in one table, with 3 digits of what is drawn upwards.
+
+    Parameters
+    ----------
+    *curves : tuple
+        (panel, table, x, y, series): letter, DataFrame and names of its columns; a series of
+        None is a single one, called ``y``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns panel, series, x_is, x, y_is, y, all but x as text.
+    """
+    parts = []
+    for panel, table, x, y, series in curves:
+        names = y if series is None else table[series].astype(str)
+        columns = {"panel": panel, "series": names, "x_is": x, "x": table[x], "y_is": y}
+        parts.append(pd.DataFrame(columns | {"y": table[y].map("{:.3g}".format)}))
+    return pd.concat(parts, ignore_index=True)

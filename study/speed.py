@@ -142,12 +142,37 @@ def winners(rows, levels, error="rms_error"):
     return pd.DataFrame(found, columns=["level", *rows.columns])
 
 
-def laws(repeats=QUICK["laws"]):
+def measure(repeats, progress=None):
+    """All three charts, each with what is installed.
+
+    Parameters
+    ----------
+    repeats : int
+        Of each timing; three times as many for laws.
+    progress : callable, optional
+        Called with the name of what is timed next.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns of `COLUMNS`.
+    """
+    frames = []
+    for chart, run in (("laws", laws), ("solvers", solvers), ("steppers", steppers)):
+        if progress is not None:
+            progress(chart)
+        frames.append(run(3 * repeats if chart == "laws" else repeats))
+    return pd.concat(frames, ignore_index=True)
+
+
+def laws(repeats=QUICK["laws"], compile_times=True):
     """Cost and error of every law, `tabulated` and the direct solution; Hertz's law first.
 
     Parameters
     ----------
     repeats : int
+    compile_times : bool
+        Whether to measure them as well, which takes some seconds; else they are 0.
 
     Returns
     -------
@@ -162,6 +187,7 @@ def laws(repeats=QUICK["laws"]):
         "from study.contact.forces import pack; from study.speed import _add; "
         "law = pack('hertz', 9.95e-3, 1e-2, 1e11); depths = np.ones(2) * 1e-6",
         "_add(law, depths)",
+        compile_times,
     )
     rows = []
     for name, law in (LAWS | {"tabulated": table}).items():
@@ -238,7 +264,7 @@ def _curve(method, n):
     return kinematics.solve(JOINT, CURVE_DEPTHS, *kinematics.linear(JOINT, ball, socket))[1]
 
 
-def steppers(repeats=QUICK["steppers"], chosen=STEPPERS):
+def steppers(repeats=QUICK["steppers"], chosen=STEPPERS, compile_times=True):
     """Time and error of 0.3 s of the mechanism; the study's stepper at its default first.
 
     Parameters
@@ -247,6 +273,8 @@ def steppers(repeats=QUICK["steppers"], chosen=STEPPERS):
     chosen : sequence of (str, float)
         Method and its tolerance or step, some of `STEPPERS`. Programs that are not installed,
         and runs that fail, are left out.
+    compile_times : bool
+        As for `laws`.
 
     Returns
     -------
@@ -255,7 +283,7 @@ def steppers(repeats=QUICK["steppers"], chosen=STEPPERS):
     """
     truth = _ours(1e-11)
     law = pack("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
-    compile_times, rows = _stepper_compile_times(), []
+    seconds, rows = _stepper_compile_times(compile_times), []
     for method, setting in chosen:
         others, text = {}, f"tolerance {setting:g}"
         if method.startswith("Rodas"):
@@ -279,7 +307,7 @@ def steppers(repeats=QUICK["steppers"], chosen=STEPPERS):
             continue
         error = (found - truth) / np.sqrt(np.mean(truth**2))
         nrms = float(np.sqrt(np.mean(error**2)))
-        own = compile_times["explicit" if method in explicit.SCHEMES else "rigid"]
+        own = seconds["explicit" if method in explicit.SCHEMES else "rigid"]
         row = _row("steppers", method, text, times, np.full(1, nrms), 0 if others else own)
         rows.append(row | others)
     return _frame(rows)
@@ -310,8 +338,10 @@ def _truth(depths):
     return force_curve(JOINT, depths, resolution=series.FINEST_RESOLUTION).force_star
 
 
-def _compile_time(prepare, call):
+def _compile_time(prepare, call, wanted=True):
     """Seconds that a compiled call takes longer in a new process with an empty cache."""
+    if not wanted:
+        return 0.0
     with tempfile.TemporaryDirectory() as folder:
         code = (
             "import sys, pathlib, time; import numpy as np; from study import paths; "
@@ -324,14 +354,13 @@ def _compile_time(prepare, call):
     return float(done.stdout)
 
 
-@cache
-def _stepper_compile_times():
+def _stepper_compile_times(wanted):
     scene = "from study.mechanism import Scene, explicit, simulate; "
     law = "from study.contact.forces import pack; law = pack('hertz', 9.95e-3, 1e-2, 1e11)"
     explicit_call = "explicit.simulate(Scene(), law, 1e-5, 1, 1e-6, 'RK4')"
     return {
-        "rigid": _compile_time(scene + law, "simulate(duration=1e-5, outputs=1)"),
-        "explicit": _compile_time(scene + law, explicit_call),
+        "rigid": _compile_time(scene + law, "simulate(duration=1e-5, outputs=1)", wanted),
+        "explicit": _compile_time(scene + law, explicit_call, wanted),
     }
 
 
