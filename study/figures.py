@@ -344,6 +344,8 @@ def draw_mechanism(axes, scene, angle):
 def draw_law_costs(axes, rows, cost, front):
     """Draw the largest (full) and RMS error (hollow) of each law over its relative cost.
 
+    The solution at every call is beyond the axis, and named at its edge.
+
     Parameters
     ----------
     axes : matplotlib.axes.Axes
@@ -352,18 +354,23 @@ def draw_law_costs(axes, rows, cost, front):
     cost : {"relative", "vectorised"}
         Column.
     front : pandas.DataFrame
-        Rows of the Pareto front, joined by a line.
+        Rows of the Pareto front of the largest error, joined by a line.
     """
-    axes.set(xscale="log", yscale="log")
-    axes.plot(front[cost], front.rms_error, color="0.75", linewidth=4, zorder=0)
-    others = {"tabulated": Look("tabulated", "0.4", "h"), "solver": LOOKS["exact"]}
-    for row in rows.itertuples():
-        look = (LOOKS | others)[row.method]
+    solver, laws = rows[rows.method == "solver"].iloc[0], rows[rows.method != "solver"]
+    axes.plot(front[cost], front.largest_error, color="0.8", linewidth=5, zorder=0)
+    for row in laws.itertuples():
+        look = LOOKS.get(row.method, Look("tabulated", "0.4", "h"))
         x, ends = getattr(row, cost), (row.rms_error, row.largest_error)
         axes.plot([x, x], ends, color=look.color, linewidth=0.8)
-        axes.plot(x, ends[1], look.marker, color=look.color)
-        axes.plot(x, ends[0], look.marker, color=look.color, markerfacecolor="w", label=look.label)
-    axes.set_xlabel("time over that of Hertz's law")
+        axes.plot(x, ends[0], look.marker, color=look.color, markerfacecolor="w", markersize=6)
+        axes.plot(x, ends[1], look.marker, color=look.color, markersize=6, label=look.label)
+    text = f"solved at every call:\n{solver[cost]:.1g} times, {solver.largest_error:.0e}"
+    arrow = {"arrowstyle": "<-", "linewidth": 0.8}
+    place, at = (1.0, solver.largest_error), (0.62, solver.largest_error)
+    across = axes.get_yaxis_transform()
+    axes.annotate(text, place, at, across, across, arrow, fontsize=8, va="center", ha="center")
+    right = 1.25 * laws[cost].max()
+    axes.set(yscale="log", xlim=(0, right), xlabel="time over that of Hertz's law")
 
 
 def draw_times(axes, rows, front):
@@ -410,8 +417,14 @@ def draw_choice(axes, table, column):
     limits = {"cmap": colors, "vmin": -0.5, "vmax": len(CHOICES) - 0.5, "shading": "nearest"}
     axes.pcolormesh(grid.columns, grid.index, grid, rasterized=True, **limits)
     axes.set(xscale="log", yscale="log")
+    if column == "socket_ratio":
+        axes.set_yticks(RATIO_TICKS, [f"{tick:g}" for tick in RATIO_TICKS])
+        axes.minorticks_off()
     axes.grid(False)
     return laws
+
+
+RATIO_TICKS = (1.1, 1.5, 2.0, 3.0)
 
 
 def label_choices(figure, axes, laws):

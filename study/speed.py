@@ -319,7 +319,8 @@ def _ours(tolerance):
 
 
 def _explicit(law, step, scheme):
-    return explicit.simulate(SCENE, law, DURATION, OUTPUTS, step, scheme)[0][1:]
+    options = (DURATION, OUTPUTS, step, scheme)
+    return explicit.simulate(SCENE, law, *options, guarded=False)[0][1:]
 
 
 @compiled

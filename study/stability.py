@@ -147,7 +147,7 @@ def observed_step(scene, law, state, scheme, approach=inf, steps=40):
         options = (steps * h, steps, h * (1 + 1e-9), scheme)
         try:
             runs = [
-                explicit.simulate(scene, numbers, *options, start, approach)[0]
+                explicit.simulate(scene, numbers, *options, start, approach, guarded=False)[0]
                 for start in (state, beside)
             ]
         except MechanismError:

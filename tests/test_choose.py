@@ -1,9 +1,11 @@
 """The choice of a law against joints solved anew, and of a model against finer ones."""
 
+import re
+
 import numpy as np
 import pytest
 
-from study import choose, contact
+from study import choose, contact, dataset
 from study.checks import StudyError
 from study.choose import SHALLOWEST
 from study.joint import Joint, Material, force_curve
@@ -56,3 +58,139 @@ def test_choice_is_within_tolerance_and_rarely_too_dear():
     assert count >= 200
     assert missed <= 0.05 * count
     assert {"hertz", "stiffened_hertz", "tabulated"} <= laws
+
+
+def test_interpolated_force_is_right_on_cases_not_used_for_it():
+    rows = dataset.load(group="judge", kinematics="linear")
+    for (r2_star, ratio, nu), case in rows.groupby(["r2_star", "socket_ratio", "poisson_ball"]):
+        scene = joint(r2_star, ratio, nu)
+        found = choose.stiffening(scene, case.depth_star) * contact.hertz(case.depth_star, r2_star)
+        assert np.abs(found / case.force_star - 1).max() <= 0.6 * choose.INTERPOLATION
+
+
+@pytest.mark.parametrize(
+    ("scene", "deepest", "note"),
+    [
+        (joint(5.0), 0.3, r"R2\* 5 is outside the dataset, 20 to 10000"),
+        (joint(ratio=1.05), 0.3, "socket ratio 1.05 is outside"),
+        (joint(poisson=0.1), 0.3, "Poisson's ratio 0.1 is outside"),
+        (joint(), 1.1, "depth_star 1.1 is outside the dataset, 0.005 to 1"),
+        (joint(), 0.003, "depth_star 0.003 is outside"),
+        (joint(ball_drive="clamped"), 0.3, "ball_drive clamped is outside"),
+        (Joint(200, socket=Material(7e10)), 0.3, "unequal materials"),
+    ],
+)
+def test_outside_the_dataset_the_joint_is_solved(scene, deepest, note):
+    choice = choose.choose(scene, deepest, 0.03)
+    assert choice.source == "solver"
+    assert re.match(note, choice.note)
+    depths = np.linspace(choice.depths[0], deepest, 7)
+    exact = force_curve(scene, depths).force_star
+    force = choice.evaluate(depths, scene.r2_star)
+    assert np.abs(force / exact - 1).max() <= 0.03
+
+
+def test_mesh_gets_finer_with_the_tolerance():
+    resolutions = [
+        choose.choose(joint(), 0.3, tolerance).options["resolution"]
+        for tolerance in (0.0021, 0.001, 0.0003)
+    ]
+    assert resolutions == sorted(resolutions)
+    assert resolutions[0] < resolutions[-1]
+
+
+def test_evidence_names_what_is_cheaper_and_fails():
+    choice = choose.choose(joint(), 0.3, 0.01)
+    assert choice.law == "stiffened_hertz"
+    assert choice.error_bound < 0.01
+    costs = [row["relative_cost"] for row in choice.rejected]
+    assert costs == sorted(costs, reverse=True)
+    assert max(costs) < choice.relative_cost
+    assert all(row["error"] > 0.01 for row in choice.rejected)
+
+
+@pytest.mark.parametrize(
+    ("deepest", "tolerance", "message"),
+    [
+        (0.0, 0.1, "depth_star must be > 0, got 0"),
+        (-1.0, 0.1, "depth_star must be > 0, got -1"),
+        (np.nan, 0.1, "depth_star must be finite and > 0, got nan"),
+        (0.3, 0.0, "tolerance must be > 0 and <= 1, got 0"),
+        (0.3, 2.0, "tolerance must be > 0 and <= 1, got 2"),
+        (30.0, 0.1, "depth_star must be < 18.07"),
+        ([0.1, 0.2], 0.1, "depth_star must be one number"),
+    ],
+)
+def test_bad_input_is_refused(deepest, tolerance, message):
+    with pytest.raises(ValueError, match=message):
+        choose.choose(joint(), deepest, tolerance)
+
+
+def test_a_tolerance_that_nothing_meets_says_what_is_known():
+    with pytest.raises(StudyError, match="no model is known to be within the tolerance 0.0001"):
+        choose.choose(joint(ball_drive="clamped"), 0.3, 1e-4)
+
+
+def test_bounds_of_rigid_links_hold_on_scenes_not_used_for_them():
+    rows, bounds = links.measure(seed=1, count=25), dataset.links()
+    for quantity in links.QUANTITIES:
+        ratio, known = (
+            (table[f"{quantity}_error"] / table[f"{quantity}_estimate"]).max()
+            for table in (rows, bounds)
+        )
+        assert ratio <= links.SAFETY * known
+
+
+@pytest.mark.parametrize("quantity", links.QUANTITIES[:2])
+def test_chosen_model_is_within_tolerance_of_finer_particles(quantity):
+    kinds = set()
+    for scene, duration in links.random_scenes(seed=2, count=4):
+        truth = {"model": "particles", "elements": (6, 12), "law": "stiffened_hertz"}
+        finer = simulate(scene, duration=duration, outputs=500, **truth)
+        for tolerance in (0.3, 0.03):
+            options = {"duration": duration, "outputs": 500, "quantity": quantity}
+            try:
+                choice = choose_model(scene, tolerance, **options)
+            except StudyError:
+                kinds.add("none")
+                continue
+            kinds.add((choice.model, choice.joint))
+            response = choice.run(scene, duration, 500)
+            assert compare.difference(response, finer, quantity) <= tolerance
+            assert choice.error_bound <= tolerance
+    assert len(kinds) >= 2
+
+
+def test_auto_simulates_the_choice_and_tells_it():
+    loose = simulate(model="auto", tolerance=0.05, duration=0.05)
+    assert (loose.choice.model, loose.choice.joint) == ("rigid", "ideal")
+    tight = simulate(model="auto", tolerance=1e-3, duration=0.05)
+    assert (tight.choice.model, tight.choice.joint) == ("rigid", "clearance")
+    assert tight.choice.error_bound <= 1e-3 < max(r["error_bound"] for r in tight.choice.evidence)
+    assert len(tight.impacts) > 0
+    soft = Scene(link_modulus=1e9)
+    flexible = simulate(soft, model="auto", tolerance=0.2, duration=0.05, socket_ratio=1.5)
+    assert flexible.choice.compliance_ratio > 10
+    assert flexible.choice.links == "compared"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({}, "tolerance must be given"),
+        ({"tolerance": 0.0}, "tolerance must be > 0 and <= 1, got 0"),
+        ({"tolerance": 0.1, "law": "liu"}, "law must be left out: model auto chooses it"),
+        ({"tolerance": 0.1, "joint": "ideal"}, "joint must be left out"),
+        ({"tolerance": 0.1, "step": 1e-6}, "step must be left out"),
+        ({"tolerance": 0.1, "quantity": "crank_angle"}, "quantity must be one of slider_position"),
+        ({"tolerance": 0.1, "area": "flat"}, "option of model auto must be one of socket_ratio"),
+    ],
+)
+def test_auto_refuses_what_it_chooses_itself(options, message):
+    with pytest.raises(ValueError, match=message):
+        simulate(model="auto", **options)
+
+
+def test_quantity_belongs_to_auto():
+    with pytest.raises(ValueError, match="quantity must be left out: model rigid has none"):
+        simulate(quantity="slider_position")

@@ -12,6 +12,7 @@ import numpy as np
 
 from study import checks
 from study.compiled import compiled
+from study.contact.forces import elastic_force
 from study.contact.friction import friction_branch
 from study.mechanism import rigid
 from study.mechanism.response import MechanismError, divide
@@ -19,6 +20,7 @@ from study.mechanism.response import MechanismError, divide
 SCHEMES = ("symplectic Euler", "lagged", "centred", "velocity Verlet", "RK4")
 """``lagged`` and ``centred`` are central differences, by the velocity in damping and friction."""
 EULER, LAGGED, CENTRED, VERLET, RK4 = range(5)
+MOST_DAMPING = 100.0  # h D P c/v0, for which `_centre` still finds the velocity
 
 
 @compiled
@@ -48,10 +50,32 @@ def acceleration(y, contact, approach, p, law, work, out):
 
 
 @compiled
-def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest):
+def _limit(scheme, y, depth, approach, p, law):
+    """Longest stable step in a contact, in s.
+
+    h^2 P' c + 2 h D P c/v0 < 4 and h mu P s/(v1 - v0) < 2, with the inverse masses c along the
+    normal and s along the tangent; right for ``lagged``, and safe for the others. The centred
+    velocity has no limit of damping, but `_centre` one of its own.
+    """
+    r = law[1] + depth
+    nx, ny = y[1] / r, y[2] / r
+    ease = rigid.compliance(y[0], y[2], nx, ny, 0.0, p)
+    force, stiffness = elastic_force(law, depth)
+    stiff, loss = stiffness * ease, force * p[rigid.DAMPING] / approach * ease
+    limit = (sqrt(loss * loss + 4 * stiff) - loss) / stiff
+    if scheme == CENTRED:
+        limit = min(2 / sqrt(stiff), MOST_DAMPING / loss if loss > 0 else inf)
+    slip = rigid.compliance(y[0], y[2], -ny, nx, p[rigid.R1], p)
+    grip = force * p[rigid.FRICTION] / (p[rigid.V1] - p[rigid.V0]) * slip
+    return min(limit, 2 / grip) if grip > 0 else limit
+
+
+@compiled
+def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest, guarded):
     """Step ``outputs`` times ``strides`` steps; fill ``found`` with slider's x'' and depth.
 
-    Returns how many outputs were reached; fewer where the ball goes too deep.
+    Returns how many outputs were reached, fewer where it fails, and the limit of the step if
+    that was passed, or 0 where the ball went too deep.
     """
     work = (np.zeros(5), np.zeros(10), np.zeros((5, 6)), np.zeros(8))
     a, b, c, d = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
@@ -59,6 +83,8 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest):
     depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
     if scheme in (LAGGED, CENTRED):  # velocities half a step before the places
         y[3:] -= half * a
+    if guarded and depth > 0 and h > _limit(scheme, y, depth, approach, p, law):
+        return 0, _limit(scheme, y, depth, approach, p, law)
     for output in range(outputs + 1):
         for _ in range(strides if output > 0 else 0):
             if scheme in (EULER, LAGGED):
@@ -88,18 +114,22 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest):
             before = depth
             depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
             if not depth <= deepest:
-                return output
+                return output, 0.0
             if depth > 0 and before <= 0:
                 approach = rate if rate > 0 else inf
                 depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
             elif depth <= 0:
                 approach = inf
+            if guarded and depth > 0:
+                limit = _limit(scheme, y, depth, approach, p, law)
+                if h > limit:
+                    return output, limit
             if scheme == CENTRED:
                 pull = _centre(y, approach, p, law, half, work, z, a, b, c)
         if scheme == CENTRED and output == 0:
             c[:] = a
         found[output, 0], found[output, 1] = pull, depth
-    return outputs + 1
+    return outputs + 1, 0.0
 
 
 @compiled
@@ -122,7 +152,7 @@ def _centre(y, approach, p, law, half, work, z, a, b, c):
     return acceleration(z, True, approach, p, law, work, c)[2]
 
 
-def simulate(scene, law, duration, outputs, step, scheme, start=None, approach=inf):
+def simulate(scene, law, duration, outputs, step, scheme, start=None, approach=inf, guarded=True):
     """Slider's acceleration and depth of the clearance joint at equally spaced times.
 
     Parameters
@@ -142,6 +172,9 @@ def simulate(scene, law, duration, outputs, step, scheme, start=None, approach=i
         (theta, e_x, e_y) and their rates at t = 0; by default at rest in the scene's place.
     approach : float
         Approach speed of the contact that the start is in, in m/s; inf for none.
+    guarded : bool
+        Whether to stop where the step is beyond its limit in the contact. Without that the
+        result is wrong there, and only a ball that goes too deep tells.
 
     Returns
     -------
@@ -153,18 +186,19 @@ def simulate(scene, law, duration, outputs, step, scheme, start=None, approach=i
     ValueError
         For an unknown scheme or a step <= 0.
     study.mechanism.response.MechanismError
-        If the ball goes deeper than one clearance, as it does when the step is unstable.
+        If the step is beyond its limit, or the ball goes deeper than one clearance.
     """
     checks.choice("scheme", scheme, SCHEMES)
     checks.number("step", step, "s", above=0, scalar=True)
     y = np.array([0.0, *scene.initial_eccentricity, 0, 0, 0] if start is None else start, float)
     strides, h = divide([duration * np.arange(2) / outputs], step)
     found = np.zeros((outputs + 1, 2))
-    args = (rigid.describe(scene), law, h, strides, outputs, found, scene.clearance)
-    reached = advance(SCHEMES.index(scheme), y, float(approach), *args)
+    args = (rigid.describe(scene), law, h, strides, outputs, found, scene.clearance, guarded)
+    reached, limit = advance(SCHEMES.index(scheme), y, float(approach), *args)
     if reached <= outputs:
-        raise MechanismError(
-            f"the depth must stay <= one clearance ({scene.clearance:g} m); stopped before time "
-            f"{reached * duration / outputs:.9g} s, step {h:.4g} s"
-        )
+        what = f"the depth must stay <= one clearance ({scene.clearance:g} m)"
+        if limit > 0:
+            what = f"the step must stay <= {limit:.4g} s, the limit of stability"
+        time = reached * duration / outputs
+        raise MechanismError(f"{what}; stopped before time {time:.9g} s, step {h:.4g} s")
     return found[:, 0], found[:, 1]

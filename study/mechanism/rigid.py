@@ -348,20 +348,29 @@ def _locate(which, before, after, y, t, h, piece, p, law, f0, k, scratch, new):
 
 
 @compiled
+def compliance(theta, ey, dx, dy, arm, p):
+    """Inverse mass of the ball against the socket along (dx, dy), in 1/kg.
+
+    ``arm`` is that of the force about the ball's centre, which turns the coupler.
+    """
+    st, ct = sin(theta), cos(theta)
+    sp = (ey - p[L1] * st) / p[L2]
+    cp = sqrt(1 - sp * sp)
+    d1, d2 = p[L1] * (ct * dy - st * dx), p[L2] * (cp * dy - sp * dx) + arm
+    coupling = p[A12] * (ct * cp + st * sp)
+    determinant = p[A11] * p[A22] - coupling * coupling
+    links = (p[A22] * d1 * d1 - 2 * coupling * d1 * d2 + p[A11] * d2 * d2) / determinant
+    return links + dx * dx / p[M3]
+
+
+@compiled
 def impact_depth(y, rate, p, law):
     """Depth at which the contact has stored the energy of an approach speed, in m.
 
     With the mechanism's effective mass along the normal; ``y`` in the coordinates of contact.
     """
     nx, ny = cos(y[2]), sin(y[2])
-    st, ct = sin(y[0]), cos(y[0])
-    sp = (law[1] * ny - p[L1] * st) / p[L2]
-    cp = sqrt(1 - sp * sp)
-    n1, n2 = p[L1] * (ct * ny - st * nx), p[L2] * (cp * ny - sp * nx)
-    coupling = p[A12] * (ct * cp + st * sp)
-    determinant = p[A11] * p[A22] - coupling * coupling
-    compliance = (p[A22] * n1 * n1 - 2 * coupling * n1 * n2 + p[A11] * n2 * n2) / determinant
-    energy = rate * rate / (2 * (compliance + nx * nx / p[M3]))
+    energy = rate * rate / (2 * compliance(y[0], law[1] * ny, nx, ny, 0.0, p))
     depth = law[1]
     for _ in range(200):  # Newton's method on a convex function
         change = (stored_energy(law, depth) - energy) / elastic_force(law, depth)[0]

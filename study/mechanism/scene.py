@@ -13,6 +13,8 @@ from study import checks
 from study.contact import composite_modulus
 from study.contact.damping import damping_factor
 
+ROUNDING = 4e-16
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -100,8 +102,8 @@ class Scene:
             raise ValueError(f"initial eccentricity must be two numbers, in m, got {pair!r}")
         for axis, value in zip("xy", pair, strict=True):
             checks.number(f"{axis} of initial eccentricity", value, "m", scalar=True)
-        gap = hypot(*pair)
-        checks.number("initial eccentricity", gap, "m", below=self.clearance)
+        inside = self.clearance - ROUNDING * self.socket_radius  # R2 - R1 is known to no more
+        checks.number("initial eccentricity", hypot(*pair), "m", below=inside)
 
     @property
     def ball_radius(self):
