@@ -218,15 +218,12 @@ def keep_measured(frame):
     frame : pandas.DataFrame
         Columns of ``study.speed.COLUMNS``.
     """
-    package = _read_package()
+    package, name = _read_package(), PEERS.relative_to(paths.DATA).as_posix()
     with paths.whole(PEERS) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")
-    kept = [
-        r for r in package["resources"] if r["path"] != PEERS.relative_to(paths.DATA).as_posix()
-    ]
-    name = PEERS.relative_to(paths.DATA).as_posix()
     resource = _resource(PEERS, name[:-4].replace("/", "-"), PUBLISHED[name], None)
-    _write_description(package | {"resources": [*kept, resource]})
+    others = [r for r in package["resources"] if r["path"] != name]
+    _write_description(package | {"resources": [*others, resource]})
 
 
 def links():

@@ -61,8 +61,8 @@ class Notebook:
     def inputs(self):
         """Files it depends on: itself, the library but for the command line, and the data."""
         library = sorted((paths.ROOT / "study").rglob("*.py"))
-        published = [paths.DATA / f"published/{name}.csv" for name in ("tables", "joint")]
-        data = [dataset.CURVES, *published, contact.laws.COEFFICIENTS]
+        published = [paths.DATA / f"published/{name}.csv" for name in ("tables", "joint", "peers")]
+        data = [dataset.CURVES, dataset.LINKS, *published, contact.laws.COEFFICIENTS]
         return [self.path, *(p for p in library if p.name != "cli.py"), *data]
 
 
@@ -184,7 +184,10 @@ CATALOGUE = (
             "speed_steppers": "time of 0.3 s of the mechanism against error, ours and others",
             "choice": "cheapest law that is accurate enough, over depth, R2* and socket ratio",
         },
-        {"speed_winners": "fastest method at each level of accuracy"},
+        {
+            "speed_winners": "fastest method at each level of accuracy",
+            "choice_mechanism": "least model of the mechanism that is accurate enough",
+        },
     ),
     Notebook(
         "17-where-methods-fail",

@@ -4,7 +4,6 @@ import inspect
 import json
 import os
 import signal
-from importlib import import_module
 
 import numpy as np
 import pandas as pd
@@ -12,9 +11,7 @@ import pytest
 
 from study import cli, contact, dataset, export, joint
 from study.joint import Joint, force_curve
-from study.mechanism import Scene, particles, simulate
-
-models = import_module("study.mechanism.simulate")  # the name is also that of its function
+from study.mechanism import Scene, links, models, particles, simulate
 
 
 @pytest.fixture
@@ -290,9 +287,63 @@ def test_simulate_refuses_bad_input_in_one_line(run, words, message):
 
 
 def test_simulate_offers_what_there_is():
-    assert list(cli.Model) == list(models.MODELS)
+    assert list(cli.Model) == [*models.MODELS, "auto"]
+    assert list(cli.Quantity) == list(links.QUANTITIES)
     assert list(cli.MechanismJoint) == list(models.JOINTS)
     assert list(cli.Method) == list(particles.METHODS)
+
+
+CHOOSE = ["choose", "--r2-star", 200, "--depth-star", 0.3]
+
+
+def test_choose_prints_the_law_its_error_and_its_cost(run):
+    words = ["--socket-ratio", 1.19, "--poisson", 0.3, "--tolerance", 0.01]
+    status, out, err = run(*CHOOSE, *words, "--json")
+    assert (status, err) == (0, "")
+    found = json.loads(out)
+    assert found["law"] == "stiffened_hertz"
+    assert 0.002 < found["error_bound"] < 0.01
+    assert 1 < found["relative_cost"] < 3
+    assert found["next_cheaper"]["error"] > 0.01
+    _, out, _ = run(*CHOOSE, *words)
+    assert "stiffened_hertz" in out
+    assert "Cheaper laws miss the tolerance" in out
+
+
+def test_choose_tells_that_the_joint_is_outside_the_dataset(run):
+    words = ["--tolerance", 0.05, "--modulus-ratio", 0.5]
+    _, out, _ = run(*CHOOSE, *words)
+    assert "Solved, as unequal materials are outside the dataset." in out
+    _, out, _ = run(*CHOOSE, *words, "--json")
+    assert json.loads(out)["source"] == "solver"
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "message"),
+    [
+        (["--tolerance", 0], 2, "tolerance must be > 0 and <= 1, got 0"),
+        (["--tolerance", 0.1, "--modulus-ratio", 0], 2, "--modulus-ratio must be > 0, got 0"),
+        (["--tolerance", 0.1, "--poisson", 0.5], 2, "Poisson's ratio must be > -1 and < 0.5"),
+        (["--tolerance", 1e-9, "--drive", "clamped"], 1, "no model is known to be within"),
+        ([], 2, "Missing option '--tolerance'"),
+    ],
+)
+def test_choose_refuses_in_one_line(run, words, status, message):
+    found, out, err = run(*CHOOSE, *words)
+    assert (found, out) == (status, "")
+    assert err.count("\n") == 1
+    assert message in err
+
+
+def test_simulate_auto_tells_what_it_chose(run):
+    words = ["--model", "auto", "--tolerance", 0.001, "--duration", 0.05]
+    status, out, err = run("simulate", *words, "--json")
+    assert (status, err) == (0, "")
+    choice = json.loads(out)["choice"]
+    assert choice["error_bound"] <= 0.001
+    assert choice["evidence"]
+    _, out, _ = run("simulate", *words, "--quantity", "slider_velocity", "--tolerance", 0.1)
+    assert "slider_velocity" in out
 
 
 def test_simulate_fails_in_one_line(run):

@@ -17,6 +17,8 @@ def copy(tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "ROOT", root)
     monkeypatch.setattr(paths, "DATA", root / "data")
     monkeypatch.setattr(dataset, "CURVES", root / "data" / "force_curves.csv")
+    monkeypatch.setattr(dataset, "LINKS", root / "data" / "links.csv")
+    monkeypatch.setattr(dataset, "PEERS", root / "data" / "published" / "peers.csv")
     monkeypatch.setattr(dataset, "PACKAGE", root / "data" / "datapackage.json")
     coefficients = root / "study" / "contact" / dataset.COEFFICIENTS.name
     coefficients.parent.mkdir(parents=True)
@@ -102,11 +104,22 @@ def test_a_build_does_not_bless_damaged_published_numbers(copy):
         dataset.write_package(1.0)
 
 
-@pytest.mark.parametrize("name", ["force_curves.csv", "published/joint.csv"])
+def test_measured_times_are_kept_with_their_hash(copy):
+    frame = dataset.measured()
+    assert set(frame.chart) == {"laws", "solvers", "steppers"}
+    assert (frame.groupby("chart", sort=False).relative.first() == 1).all()
+    dataset.keep_measured(frame[frame.chart == "laws"])
+    assert set(dataset.measured().chart) == {"laws"}
+    with pytest.raises(ValueError, match="chart must be one of laws, got 'solvers'"):
+        dataset.measured("solvers")
+
+
+@pytest.mark.parametrize("name", ["force_curves.csv", "published/joint.csv", "links.csv"])
 def test_damaged_and_missing_files_are_named_with_a_remedy(copy, name):
     path = copy / name
-    path.write_text(path.read_text().replace("200", "201", 1))
-    remedy = "study data build" if name == "force_curves.csv" else f"git checkout -- data/{name}"
+    path.write_text(path.read_text().replace("2", "3", 1))
+    generated = name in ("force_curves.csv", "links.csv")
+    remedy = "study data build" if generated else f"git checkout -- data/{name}"
     with pytest.raises(dataset.DatasetError, match=rf"data/{name} is damaged.*{remedy}"):
         dataset.load()
     path.unlink()

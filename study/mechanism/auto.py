@@ -4,6 +4,8 @@ Models in order of detail: an ideal joint, rigid links with Hertz's contact, wit
 knows the joint, links of particles. The rigid ones take milliseconds, so that they are run and
 compared. What flexible links would change is first bounded from their compliance and frequency
 (`study.mechanism.links`), and only if that bound is too large are particles run and compared.
+The ideal joint comes first because it asks for nothing about the contact, though integrated to
+the last digit by SciPy it takes longer here than the compiled clearance joint.
 """
 
 from dataclasses import dataclass, field
@@ -13,7 +15,7 @@ from time import perf_counter
 from study import checks
 from study.checks import StudyError
 from study.choose import SHALLOWEST, choose
-from study.contact import SOCKET_RATIO
+from study.contact import SOCKET_RATIO, hertz
 from study.contact.forces import pack
 from study.joint import Joint, Material
 from study.mechanism import links, models
@@ -23,13 +25,20 @@ from study.mechanism.scene import Scene
 
 LAW_TOLERANCE = 0.01
 """Of the force of the law that stands for the exact one."""
-DEEPER = 1.5  # depth that the law is chosen for, over the largest one with Hertz's law
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 FINEST_TOLERANCE = 1e-10
 STEP_SHARE = 0.1  # of the tolerance, for the error of the steps
 ELEMENTS = ((2, 4), links.ELEMENTS)
 STEPPERS = {"rigid": "Rodas5P", "particles": "central difference"}
 WARM_UP = 1e-5  # s, simulated once before a model is timed
+
+
+class ModelError(StudyError):
+    """No model is known to be within the tolerance; ``known`` is the least bound of any."""
+
+    def __init__(self, message, known):
+        super().__init__(message)
+        self.known = known
 
 
 @dataclass(frozen=True)
@@ -110,7 +119,7 @@ def choose_model(
     ------
     ValueError
         For a value outside its range.
-    study.checks.StudyError
+    ModelError
         If no model is known to be within the tolerance; says what is.
     study.mechanism.response.MechanismError
         If a simulation cannot go on.
@@ -120,15 +129,16 @@ def choose_model(
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
     checks.choice("quantity", quantity, links.QUANTITIES)
     run = partial(_Run, scene, duration, outputs)
-    hertz = run("rigid", "hertz", {"tolerance": FINEST_TOLERANCE})
-    depth = float(hertz.response.impacts.peak_depth.max()) if len(hertz.response.impacts) else 0.0
+    simple = run("rigid", "hertz", {"tolerance": FINEST_TOLERANCE})
+    impacts = simple.response.impacts
+    depth = float(impacts.peak_depth.max()) if len(impacts) else 0.0
     law, law_share = _law(scene, depth, socket_ratio)
     best = run("rigid", law, {"tolerance": FINEST_TOLERANCE})
-    of_law = law_share * difference(hertz.response, best.response, quantity)
-    of_links = links.bounds(scene, hertz.response)[quantity]
+    of_law = law_share * difference(simple.response, best.response, quantity)
+    of_links = links.bounds(scene, simple.response)[quantity]
 
     rigid = [run("rigid", "hertz", {"joint": "ideal"})]
-    for finest in (hertz, best):
+    for finest in (simple, best):
         allowed = STEP_SHARE * tolerance
         looser = (run("rigid", finest.law, {"tolerance": t}) for t in TOLERANCES)
         near = (r for r in looser if difference(r.response, finest.response, quantity) <= allowed)
@@ -149,10 +159,11 @@ def choose_model(
     good = [n for n, (_, error, _) in enumerate(found) if error <= tolerance]
     if not good:
         known = min(evidence, key=lambda row: row["error_bound"])
-        raise StudyError(
+        raise ModelError(
             f"no model's {quantity.replace('_', ' ')} is known to be within the tolerance "
             f"{tolerance:g}: the best, {known['model']} links with {known['joint']} joint, is "
-            f"known to {known['error_bound']:.2g}"
+            f"known to {known['error_bound']:.2g}",
+            known["error_bound"],
         )
     chosen = found[good[0]][0]
     stiffness = links.stiffness(scene, depth) if depth > 0 else None
@@ -167,15 +178,38 @@ def choose_model(
     )
 
 
+def table_row(scene, tolerance, quantity):
+    """What is chosen for a scene of 0.1 s, in words and numbers for a table.
+
+    Parameters
+    ----------
+    scene, tolerance, quantity
+        As for `choose_model`.
+
+    Returns
+    -------
+    dict
+        ``model``, ``joint``, ``law``, ``error_bound`` (2 digits), ``links``; ``none`` and the
+        least bound of any model where none is known to be good enough.
+    """
+    names = ("model", "joint", "law", "error_bound", "links")
+    try:
+        choice = choose_model(scene, tolerance, quantity=quantity)
+        found = {name: getattr(choice, name) for name in names}
+    except ModelError as error:
+        found = dict(zip(names, ("none", "none", "none", error.known, "compared"), strict=True))
+    return found | {"error_bound": float(f"{found['error_bound']:.2g}")}
+
+
 def _law(scene, depth, socket_ratio):
     """Law that stands for the exact one, with its options, and its error over Hertz's law's."""
-    deepest = min(max(DEEPER * depth / scene.clearance, 2 * SHALLOWEST), 1.0)
     material = Material(scene.youngs_modulus, scene.poisson)
     joint = Joint(scene.socket_radius / scene.clearance, socket_ratio, material, material)
-    choice = choose(joint, deepest, LAW_TOLERANCE)
+    choice = choose(joint, 1.0, LAW_TOLERANCE)
     law = (choice.evaluate, {}) if choice.law == "tabulated" else (choice.law, choice.options)
-    hertz = [row["error"] for row in choice.rejected if row["law"] == "hertz"]
-    return law, choice.error_bound / hertz[0] if hertz else 1.0
+    at = max(depth / scene.clearance, SHALLOWEST), joint.r2_star
+    of_hertz = abs(hertz(*at) / choice.evaluate(*at) - 1)
+    return law, min(choice.error_bound / of_hertz, 1.0)
 
 
 class _Run:

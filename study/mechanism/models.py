@@ -9,6 +9,7 @@ import numpy as np
 
 from study import checks
 from study.contact.forces import pack
+from study.contact.laws import find
 from study.mechanism import beams, ideal, particles, rigid
 from study.mechanism.response import collect
 from study.mechanism.scene import Scene
@@ -55,6 +56,10 @@ def run(
     packed = pack(
         law, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **law_options
     )
+    try:
+        find(law)(1.0, scene.socket_radius / scene.clearance, **law_options)
+    except ValueError as error:
+        raise ValueError(f"law must reach a depth of one clearance: {error}") from None
     times = np.array_split(
         duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1)
     )
