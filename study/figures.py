@@ -364,11 +364,9 @@ def draw_law_costs(axes, rows, cost, front):
         axes.plot([x, x], ends, color=look.color, linewidth=0.8)
         axes.plot(x, ends[0], look.marker, color=look.color, markerfacecolor="w", markersize=6)
         axes.plot(x, ends[1], look.marker, color=look.color, markersize=6, label=look.label)
-    text = f"solved at every call:\n{solver[cost]:.1g} times, {solver.largest_error:.0e}"
-    arrow = {"arrowstyle": "<-", "linewidth": 0.8}
-    place, at = (1.0, solver.largest_error), (0.62, solver.largest_error)
-    across = axes.get_yaxis_transform()
-    axes.annotate(text, place, at, across, across, arrow, fontsize=8, va="center", ha="center")
+    text = f"solved at every call:\n{solver[cost]:,.0f} times,\nwithin {solver.largest_error:.0e}"
+    style = {"transform": axes.transAxes, "fontsize": 8, "ha": "right"}
+    axes.text(0.98, 0.2, text + r" $\rightarrow$", **style)
     right = 1.25 * laws[cost].max()
     axes.set(yscale="log", xlim=(0, right), xlabel="time over that of Hertz's law")
 

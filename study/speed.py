@@ -295,6 +295,8 @@ def steppers(repeats=QUICK["steppers"], chosen=STEPPERS, compile_times=True):
             package = "scikit-sundae" if method == "CVODE" else "scipy"
             program = "SUNDIALS" if method == "CVODE" else "SciPy"
             others = {"program": program, "version": _version(package)}
+            if method == "CVODE" and others["version"]:
+                others["version"] = f"scikit-sundae {others['version']}"
         else:
             text = f"step {setting:g} s"
             run = partial(multibody.slider_acceleration, SCENE, DURATION, OUTPUTS, setting)

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study import contact, dataset, fitting, paths
+from study import cli, contact, dataset, fitting, paths
 from study.mechanism import compare, simulate
 
 README = " ".join((paths.ROOT / "README.md").read_text(encoding="utf-8").split())
@@ -201,3 +201,103 @@ def test_python_example_runs():
     assert names["force"] > 0
     assert names["curve"].force_star.shape == (2,)
     assert len(names["response"].impacts) > 5
+
+
+def measured(chart, **wanted):
+    """Rows of the measured times, by columns' values."""
+    rows = dataset.measured(chart)
+    for column, value in wanted.items():
+        rows = rows[rows[column] == value]
+    return rows
+
+
+def test_speed_of_laws_as_claimed():
+    own, error, paper, off = claimed(
+        r"`stiffened_hertz` costs ([\d.]+) times Hertz's law in a compiled loop and is right "
+        r"within ([\d.]+) % in the paper's joint; the paper's law costs ([\d.]+) times and is off "
+        r"by up to (\d+) %"
+    )
+    for law, cost, percent in (("stiffened_hertz", own, error), ("hyperbolic_winkler", paper, off)):
+        row = measured("laws", method=law).iloc[0]
+        assert row.relative == pytest.approx(cost, abs=0.05)
+        assert 100 * row.largest_error == pytest.approx(percent, rel=0.02)
+
+
+def test_speed_of_solvers_as_claimed():
+    names = ("series of few orders", "six-node triangles", "CAX6")
+    times = claimed(
+        r"20 depths within 0.1 % \(RMS\) takes the series ([\d.]+) s, six-node triangles "
+        r"([\d.]+) s, CalculiX (\d+) s"
+    )
+    for name, seconds in zip(names, times, strict=True):
+        rows = measured("solvers", method=name)
+        best = rows[rows.rms_error <= 1e-3].time.min()
+        assert best == pytest.approx(seconds, rel=0.03)
+    others = measured("solvers", program="CalculiX")
+    assert others[others.rms_error <= 1e-3].time.min() == pytest.approx(times[2], rel=0.03)
+
+
+def test_speed_of_steppers_as_claimed():
+    own, factor, seconds = claimed(
+        r"an error of 1e-4 takes ([\d.]+) ms, the next best method \(CVODE\) (\d+) times as long; "
+        r"central differences take ([\d.]+) s for 1e-5"
+    )
+    rows = measured("steppers")
+    best = rows[rows.rms_error <= 1e-4].groupby("method").time.min().sort_values()
+    assert list(best.index[:2]) == ["Rodas5P, events", "CVODE"]
+    assert 1e3 * best.iloc[0] == pytest.approx(own, abs=0.05)
+    assert best.iloc[1] / best.iloc[0] == pytest.approx(factor, abs=0.5)
+    central = rows[rows.method.isin(["centred", "lagged"]) & (rows.rms_error <= 1e-5)]
+    assert central.time.min() == pytest.approx(seconds, abs=0.05)
+
+
+def test_choice_as_claimed():
+    table = pd.read_csv(paths.FIGURES / "choice.csv")
+    inside = table[table.law != "outside"]
+    assert set(inside[inside.tolerance == 0.01].law) == {"stiffened_hertz"}
+    ratio, depth = claimed(
+        r"only for socket ratios above ([\d.]+) and depths below ([\d.]+) clearances \(Poisson"
+    )
+    hertz = inside[(inside.law == "hertz") & (inside.tolerance == 0.1)]
+    assert hertz.socket_ratio.min() == pytest.approx(ratio, abs=0.05)
+    assert hertz.depth_star.max() == pytest.approx(depth, abs=0.0015)
+    models = pd.read_csv(paths.FIGURES / "choice_mechanism.csv").set_index(
+        ["quantity", "tolerance"]
+    )
+    assert models.joint["slider_position", 0.01] == "ideal"
+    assert models.law["slider_position", 0.001] == "hertz"
+    assert models.model["slider_position", 0.001] == "rigid"
+    (percent,) = claimed(r"acceleration is not known better than within (\d+) % by any model")
+    assert 100 * models.error_bound["slider_acceleration"].min() == pytest.approx(percent, abs=1)
+
+
+def test_limits_as_claimed():
+    table = pd.read_csv(paths.FIGURES / "stability_limits.csv")
+    limits, percent, step = claimed(
+        r"(\d+) limits of explicit steps are within ([\d.]+) % of 2/ω .*?"
+        r"with the approach speed, ([\d.]+) µs at 0.1 mm/s"
+    )
+    steps = pd.read_csv(paths.FIGURES / "stability_steps.csv")
+    keys = ["series", "x"]
+    predicted, observed = (
+        steps[(steps.panel == "a") & (steps.y_is == kind)].groupby(keys).y.first()
+        for kind in ("predicted", "observed")
+    )
+    assert len(observed) == limits
+    assert 100 * (observed / predicted - 1).abs().max() == pytest.approx(percent, abs=0.1)
+    lagged = table[table.condition.str.contains("v0 = 1e-4") & table.what.str.endswith("lagged")]
+    assert float(lagged.observed.iloc[0]) == pytest.approx(step, abs=0.05)
+    (impacts,) = claimed(r"With restitution 0.99 a start 1 nm aside decides after (\d+) impacts")
+    chaos = table[table.what.str.startswith("impacts until") & table.condition.str.endswith("0.99")]
+    assert float(chaos.observed.iloc[0]) == impacts
+
+
+def test_example_of_choose_is_what_it_prints(monkeypatch, capsys):
+    text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+    words = re.search(r"study (choose .*?) +#", text)[1].split()
+    monkeypatch.setattr("sys.argv", ["study", *words])
+    with pytest.raises(SystemExit):
+        cli.main()
+    printed = capsys.readouterr().out.split()
+    shown = re.search(r"```text\n(.*?)```", text, re.DOTALL)[1].split()
+    assert [word for word in printed if "─" not in word] == shown
