@@ -42,7 +42,8 @@ class Choice:
     error_bound : float
         No relative error of the force is larger, from the least to the largest depth.
     relative_cost : float
-        Time of a call in a compiled loop over that of Hertz's law.
+        Time of a call in a compiled loop over that of Hertz's law. The time to solve the joint
+        once, for ``tabulated``, is not in it.
     depths : tuple of float
         Least and largest depth_star that the bound holds for.
     source : str
@@ -52,8 +53,11 @@ class Choice:
     rejected : tuple of dict
         Laws that cost less and miss the tolerance, the most expensive first: ``law``,
         ``options``, ``error``, ``relative_cost``.
+    errors : dict
+        Every closed law that the joint can have -> largest relative error found.
     evaluate : callable
-        The law, of (``depth_star``, ``r2_star``); None for ``solver``.
+        The law, of (``depth_star``, ``r2_star``); None for ``solver``. It is known to be good
+        enough between ``depths`` only.
     """
 
     law: str
@@ -64,6 +68,7 @@ class Choice:
     source: str
     note: str
     rejected: tuple
+    errors: dict
     evaluate: object = field(repr=False, compare=False)
 
 
@@ -128,6 +133,7 @@ def choose(joint, depth_star, tolerance):
         depths=(float(least), deepest),
         source="solver" if note or law in ("tabulated", "solver") else "dataset",
         note=note,
+        errors={law: float(largest) for law, (_, largest) in known.items()},
         rejected=tuple(reversed([r for r in rejected if r["relative_cost"] <= costs[law]])),
         evaluate=evaluate,
     )
@@ -186,7 +192,7 @@ def stiffening(joint, depth_star):
 
 
 def errors(joint, depth_star, force_star):
-    """Relative errors of every closed law that the joint can have.
+    """Relative errors of every closed law that the joint can have and whose cost is known.
 
     Parameters
     ----------
@@ -200,7 +206,7 @@ def errors(joint, depth_star, force_star):
         Law -> ndarray, shape (k,).
     """
     found = {}
-    for law in LAWS:
+    for law in relative_costs().keys() & LAWS.keys():
         try:
             force = LAWS[law](depth_star, joint.r2_star, **law_options(law, joint))
         except ValueError:  # outside the range of the law's formula or fit
@@ -260,7 +266,10 @@ def law_options(law, joint):
 
 
 def relative_costs():
-    """Law -> time of a call in a compiled loop over that of Hertz's, as measured."""
+    """Law -> time of a call in a compiled loop over that of Hertz's, as measured.
+
+    A law that `study measure` has not yet timed is not among them, and not chosen.
+    """
     rows = dataset.measured("laws")
     return dict(zip(rows["method"], rows["relative"].astype(float), strict=True))
 

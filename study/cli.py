@@ -40,6 +40,7 @@ Solver = StrEnum("Solver", ["series", "quadratic", "linear"])
 Exported = StrEnum("Exported", ["stiffened_hertz", "tabulated"])
 Format = StrEnum("Format", ["c", "json", "csv"])
 Model = StrEnum("Model", ["rigid", "particles", "beams", "auto"])
+Chart = StrEnum("Chart", ["laws", "solvers", "steppers"])
 Quantity = StrEnum("Quantity", ["slider_position", "slider_velocity", "slider_acceleration"])
 MechanismJoint = StrEnum("MechanismJoint", ["clearance", "ideal"])
 Method = StrEnum("Method", ["centred", "lagged", "unguarded"])
@@ -53,6 +54,12 @@ SocketRatio = Annotated[
     float, typer.Option(help="Outer over inner radius of the socket, >= 1.001.")
 ]
 Poisson = Annotated[float, typer.Option(help="Poisson's ratio of both bodies, in (-1, 0.5).")]
+ModulusRatio = Annotated[
+    float, typer.Option(help="Young's modulus of the socket over that of the ball, > 0.")
+]
+SocketPoisson = Annotated[
+    float | None, typer.Option(help="Poisson's ratio of the socket, if not that of the ball.")
+]
 WhichKinematics = Annotated[
     Kinematics, typer.Option(help="Pairing of the surfaces, see study.joint.Joint.")
 ]
@@ -198,6 +205,8 @@ def solve_joint(
     depth_star: DepthStars,
     socket_ratio: SocketRatio = SOCKET_RATIO,
     poisson: Poisson = 0.3,
+    modulus_ratio: ModulusRatio = 1.0,
+    socket_poisson: SocketPoisson = None,
     drive: Annotated[
         Drive, typer.Option(help="Ball's equatorial plane: radially free, clamped, or its centre.")
     ] = Drive.plane,
@@ -216,7 +225,9 @@ def solve_joint(
 
     from study.joint import force_curve
 
-    joint = _joint(r2_star, socket_ratio, poisson, kinematics, ball_drive=str(drive), rim=str(rim))
+    materials = modulus_ratio, socket_poisson
+    supports = {"ball_drive": str(drive), "rim": str(rim)}
+    joint = _joint(r2_star, socket_ratio, poisson, kinematics, *materials, **supports)
     curve = force_curve(joint, depth_star, solver=None if solver is None else str(solver))
     columns = {
         "depth_star": depth_star,
@@ -228,13 +239,13 @@ def solve_joint(
     _print_curve(columns, as_json)
 
 
-def _joint(r2_star, socket_ratio, poisson, kinematics, modulus_ratio=1.0, **supports):
+def _joint(r2_star, socket_ratio, poisson, kinematics, ratio=1.0, socket_poisson=None, **supports):
     from study import checks
     from study.joint import Joint, Material
 
     ball = Material(poisson=poisson)
-    ratio = checks.number("--modulus-ratio", modulus_ratio, above=0)
-    socket = Material(ball.youngs_modulus * ratio, poisson)
+    modulus = ball.youngs_modulus * checks.number("--modulus-ratio", ratio, above=0)
+    socket = Material(modulus, poisson if socket_poisson is None else socket_poisson)
     return Joint(r2_star, socket_ratio, ball, socket, kinematics=str(kinematics), **supports)
 
 
@@ -249,9 +260,8 @@ def choose_law(
     ],
     socket_ratio: SocketRatio = SOCKET_RATIO,
     poisson: Poisson = 0.3,
-    modulus_ratio: Annotated[
-        float, typer.Option(help="Young's modulus of the socket over that of the ball.")
-    ] = 1.0,
+    modulus_ratio: ModulusRatio = 1.0,
+    socket_poisson: SocketPoisson = None,
     drive: Annotated[Drive, typer.Option(help="As for study joint.")] = Drive.plane,
     rim: Annotated[Rim, typer.Option(help="As for study joint.")] = Rim.mirror,
     kinematics: WhichKinematics = Kinematics.linear,
@@ -261,17 +271,11 @@ def choose_law(
 
     For a whole mechanism: study simulate --model auto --tolerance ... .
     """
-    from study.choose import choose
+    from study.choose import choose, relative_costs
 
-    joint = _joint(
-        r2_star,
-        socket_ratio,
-        poisson,
-        kinematics,
-        modulus_ratio=modulus_ratio,
-        ball_drive=str(drive),
-        rim=str(rim),
-    )
+    materials = modulus_ratio, socket_poisson
+    supports = {"ball_drive": str(drive), "rim": str(rim)}
+    joint = _joint(r2_star, socket_ratio, poisson, kinematics, *materials, **supports)
     choice = choose(joint, depth_star, tolerance)
     told = {
         "law": choice.law,
@@ -283,6 +287,7 @@ def choose_law(
         "note": choice.note,
         "next_cheaper": choice.rejected[0] if choice.rejected else None,
         "rejected": list(choice.rejected),
+        "errors": choice.errors,
     }
     if as_json:
         print(json.dumps(told, allow_nan=False))
@@ -293,10 +298,10 @@ def choose_law(
     print(f"For depths of {least:g} to {most:g} clearances, by the {choice.source}.")
     if choice.note:
         print(f"Solved, as {choice.note}.")
-    if choice.rejected:
-        print("Cheaper laws miss the tolerance:")
-        columns = ("law", "error", "relative_cost", "options")
-        _table(columns, [[_text(row[name]) for name in columns] for row in choice.rejected])
+    costs = relative_costs()
+    rows = [(law, choice.errors[law], costs[law]) for law in sorted(choice.errors, key=costs.get)]
+    print("Largest error of each law, and time of a call over that of Hertz's law:")
+    _table(("law", "error", "relative_cost"), [[_text(value) for value in row] for row in rows])
 
 
 @app.command("export")
@@ -310,6 +315,8 @@ def export_law(
     r2_star: Annotated[float | None, typer.Option(help="Of the joint [200].")] = None,
     socket_ratio: Annotated[float | None, typer.Option(help="Of the joint [1.19].")] = None,
     poisson: Annotated[float | None, typer.Option(help="Of both bodies [0.3].")] = None,
+    modulus_ratio: ModulusRatio = 1.0,
+    socket_poisson: SocketPoisson = None,
     kinematics: WhichKinematics = Kinematics.linear,
     output: Annotated[
         Path | None, typer.Option(help="File to write; by default the text is printed.")
@@ -333,7 +340,8 @@ def export_law(
     given = {name: usual[name] if value is None else value for name, value in given.items()}
     if output is not None:
         _check_output(output, f".{form}")
-    text = export(str(law), str(form), _joint(**given, kinematics=kinematics))
+    materials = {"ratio": modulus_ratio, "socket_poisson": socket_poisson}
+    text = export(str(law), str(form), _joint(**given, kinematics=kinematics, **materials))
     if output is None:
         print(text, end="")
     else:
@@ -362,7 +370,8 @@ def simulate_mechanism(
     tolerance: Annotated[
         float | None,
         typer.Option(
-            help="Rigid links with clearance: 1e-12 to 1e-2 [1e-8]; auto: NRMS error allowed."
+            help="Rigid links with clearance: 1e-12 to 1e-2 [1e-8]. Model auto: largest error "
+            "of the slider's motion, its RMS over that of the change since t = 0."
         ),
     ] = None,
     step: Annotated[
@@ -378,6 +387,9 @@ def simulate_mechanism(
         Quantity | None,
         typer.Option(help="auto: what the tolerance is for [slider_position]."),
     ] = None,
+    socket_ratio: Annotated[
+        float | None, typer.Option(help="auto: outer over inner radius of the socket [1.19].")
+    ] = None,
     inertia: Annotated[
         str,
         typer.Option(
@@ -389,7 +401,7 @@ def simulate_mechanism(
         list[str] | None,
         typer.Option(
             metavar="KEY=VALUE",
-            help="Change the scene, e.g. restitution=0.9, initial_eccentricity=0,-4e-5; SI.",
+            help="Change the scene; may be repeated: restitution=0.9, link_modulus=2e9; SI.",
         ),
     ] = None,
     output: Annotated[
@@ -422,6 +434,7 @@ def simulate_mechanism(
             method=None if method is None else str(method),
             quantity=None if quantity is None else str(quantity),
             progress=progress,
+            **({} if socket_ratio is None else {"socket_ratio": socket_ratio}),
         )
     last = response.motion.iloc[-1]
     end = {
@@ -442,10 +455,7 @@ def simulate_mechanism(
         print(json.dumps(told, allow_nan=False))
     else:
         if choice:
-            columns = [name for name in choice["choice"] if name != "evidence"]
-            _table(columns, [[_text(choice["choice"][name]) for name in columns]])
-            shown = choice["choice"]["evidence"]
-            _table(list(shown[0]), [[_text(row[name]) for name in row] for row in shown])
+            _print_choice(response.choice, duration)
         _table(list(end), [[_text(value) for value in end.values()]])
         shown = impacts.head(SHOWN)
         _table(impacts.columns, shown.map(_text).itertuples(index=False))
@@ -462,6 +472,22 @@ def _model_choice(choice):
         return {}
     names = [field.name for field in fields(choice) if field.name != "run"]
     return {"choice": {name: getattr(choice, name) for name in names}}
+
+
+def _print_choice(choice, duration):
+    """What was chosen, in words, and everything that was looked at."""
+    names = ("model", "joint", "law", "settings", "error_bound", "relative_cost", "links")
+    print(
+        f"The least model whose {choice.quantity.replace('_', ' ')} is known well enough over "
+        f"{duration:g} s:\n{choice.model} links, {choice.joint} joint, law {choice.law}, within "
+        f"{choice.error_bound:.2g}. In order of detail (costs: times here):"
+    )
+    _table(names, [[_text(row[name]) for name in names] for row in choice.evidence])
+    print(
+        f"Links over contact: {choice.compliance_ratio:.2g} times its compliance, "
+        f"{choice.frequency_ratio:.2g} of the crank's axial frequency, at a depth of "
+        f"{choice.depth_star:.2g} clearances."
+    )
 
 
 def _scene(settings, inertia):
@@ -562,17 +588,32 @@ def check_data():
 
 @app.command("measure")
 def measure_speed(
+    chart: Annotated[
+        list[Chart] | None, typer.Option(help="What to time; may be repeated [all].")
+    ] = None,
     repeats: Annotated[int, typer.Option(min=1, help="Of each timing, after one not counted.")] = 5,
+    output: Annotated[
+        Path | None, typer.Option(help="CSV file to write instead of the kept one.")
+    ] = None,
 ):
-    """Time every law, solver and stepper here, and keep it in data/published/peers.csv (minutes).
+    """Time laws (a minute), solvers and steppers (ten minutes each) on this machine.
 
-    Other programs are measured where they are found: ccx, scikit-sundae, exudyn.
+    The times are kept in data/published/peers.csv, where the charts and study choose take them
+    from; charts that are not timed stay. Other programs are timed where they are found: ccx,
+    scikit-sundae, exudyn.
     """
-    from study import dataset, speed
+    from study import dataset, paths, speed
 
-    frame = speed.measure(repeats, progress=lambda text: print(text, file=sys.stderr))
-    dataset.keep_measured(frame)
-    print(f"{len(frame)} rows in data/published/peers.csv: {speed.machine()}")
+    if output is not None:
+        _check_output(output, ".csv")
+    charts = [str(name) for name in chart] if chart else speed.CHARTS
+    frame = speed.measure(repeats, charts, progress=lambda text: print(text, file=sys.stderr))
+    if output is None:
+        dataset.keep_measured(frame)
+    else:
+        with paths.whole(output) as temporary:
+            frame.to_csv(temporary, index=False)
+    print(f"{len(frame)} rows, on {speed.machine()}")
 
 
 @data_app.command("build")

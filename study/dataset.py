@@ -211,13 +211,16 @@ def measured(chart=None):
 
 
 def keep_measured(frame):
-    """Write ``data/published/peers.csv`` anew, and its hash to the description.
+    """Write charts to ``data/published/peers.csv``, and its hash to the description.
 
     Parameters
     ----------
     frame : pandas.DataFrame
-        Columns of ``study.speed.COLUMNS``.
+        Columns of ``study.speed.COLUMNS``; charts that it does not hold are kept.
     """
+    charts = dict(list(measured().groupby("chart", sort=False)))
+    charts |= dict(list(frame.groupby("chart", sort=False)))
+    frame = pd.concat(charts.values(), ignore_index=True)
     package, name = _read_package(), PEERS.relative_to(paths.DATA).as_posix()
     with paths.whole(PEERS) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")

@@ -357,7 +357,7 @@ def draw_law_costs(axes, rows, cost, front):
         Rows of the Pareto front of the largest error, joined by a line.
     """
     solver, laws = rows[rows.method == "solver"].iloc[0], rows[rows.method != "solver"]
-    axes.plot(front[cost], front.largest_error, color="0.8", linewidth=5, zorder=0)
+    axes.plot(front[cost], front.largest_error, color="0.8", linewidth=5, zorder=0, label="front")
     for row in laws.itertuples():
         look = LOOKS.get(row.method, Look("tabulated", "0.4", "h"))
         x, ends = getattr(row, cost), (row.rms_error, row.largest_error)
@@ -366,7 +366,7 @@ def draw_law_costs(axes, rows, cost, front):
         axes.plot(x, ends[1], look.marker, color=look.color, markersize=6, label=look.label)
     text = f"solved at every call:\n{solver[cost]:,.0f} times,\nwithin {solver.largest_error:.0e}"
     style = {"transform": axes.transAxes, "fontsize": 8, "ha": "right"}
-    axes.text(0.98, 0.2, text + r" $\rightarrow$", **style)
+    axes.text(0.98, 0.22, text + r" $\rightarrow$", **style)
     right = 1.25 * laws[cost].max()
     axes.set(yscale="log", xlim=(0, right), xlabel="time over that of Hertz's law")
 
@@ -440,7 +440,7 @@ def label_choices(figure, axes, laws):
 CHOICES = {
     law: (LOOKS[law].label.split(" (")[0], LOOKS[law].color)
     for law in ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler", "stiffened_hertz")
-} | {"tabulated": ("table of the solver", "0.6"), "outside": ("outside the dataset", "0.92")}
+} | {"tabulated": ("table of the solver", "0.6"), "outside": ("outside the dataset: solve", "0.92")}
 
 
 DEPTH_TICKS = (0.05, 0.1, 0.2, 0.5, 1.0)

@@ -51,7 +51,7 @@ JOINT = Joint(200)
 LAW_DEPTHS = np.linspace(0.025, 1, 40)
 CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
 SCENE, DURATION, OUTPUTS = Scene(), 0.3, 3000
-QUICK = {"laws": 15, "solvers": 3, "steppers": 3}  # repeats
+CHARTS = ("laws", "solvers", "steppers")
 LONG = 5.0  # s: what takes longer is repeated twice only
 
 FEWEST_ORDERS = {32: 200, 64: 300, 160: 1000, 320: 3000}
@@ -142,13 +142,15 @@ def winners(rows, levels, error="rms_error"):
     return pd.DataFrame(found, columns=["level", *rows.columns])
 
 
-def measure(repeats, progress=None):
-    """All three charts, each with what is installed.
+def measure(repeats, charts=CHARTS, progress=None):
+    """Charts, each with what is installed.
 
     Parameters
     ----------
     repeats : int
         Of each timing; three times as many for laws.
+    charts : sequence of str
+        Some of `CHARTS`.
     progress : callable, optional
         Called with the name of what is timed next.
 
@@ -157,15 +159,15 @@ def measure(repeats, progress=None):
     pandas.DataFrame
         Columns of `COLUMNS`.
     """
-    frames = []
-    for chart, run in (("laws", laws), ("solvers", solvers), ("steppers", steppers)):
+    frames, runs = [], {"laws": laws, "solvers": solvers, "steppers": steppers}
+    for chart in charts:
         if progress is not None:
             progress(chart)
-        frames.append(run(3 * repeats if chart == "laws" else repeats))
+        frames.append(runs[chart](3 * repeats if chart == "laws" else repeats))
     return pd.concat(frames, ignore_index=True)
 
 
-def laws(repeats=QUICK["laws"], compile_times=True):
+def laws(repeats=15, compile_times=True):
     """Cost and error of every law, `tabulated` and the direct solution; Hertz's law first.
 
     Parameters
@@ -209,7 +211,7 @@ def laws(repeats=QUICK["laws"], compile_times=True):
     return frame
 
 
-def solvers(repeats=QUICK["solvers"], chosen=SOLVERS):
+def solvers(repeats=3, chosen=SOLVERS):
     """Time and error of a curve of 20 depths, bodies included; the usual series first.
 
     Parameters
@@ -264,7 +266,7 @@ def _curve(method, n):
     return kinematics.solve(JOINT, CURVE_DEPTHS, *kinematics.linear(JOINT, ball, socket))[1]
 
 
-def steppers(repeats=QUICK["steppers"], chosen=STEPPERS, compile_times=True):
+def steppers(repeats=3, chosen=STEPPERS, compile_times=True):
     """Time and error of 0.3 s of the mechanism; the study's stepper at its default first.
 
     Parameters

@@ -4,6 +4,7 @@ import json
 import shutil
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from study import dataset, design, joint, paths, quality
@@ -108,10 +109,13 @@ def test_measured_times_are_kept_with_their_hash(copy):
     frame = dataset.measured()
     assert set(frame.chart) == {"laws", "solvers", "steppers"}
     assert (frame.groupby("chart", sort=False).relative.first() == 1).all()
-    dataset.keep_measured(frame[frame.chart == "laws"])
-    assert set(dataset.measured().chart) == {"laws"}
-    with pytest.raises(ValueError, match="chart must be one of laws, got 'solvers'"):
-        dataset.measured("solvers")
+    before = dataset.measured("steppers")
+    laws = frame[frame.chart == "laws"].assign(machine="another")
+    dataset.keep_measured(laws)
+    assert set(dataset.measured("laws").machine) == {"another"}
+    pd.testing.assert_frame_equal(dataset.measured("steppers"), before)
+    with pytest.raises(ValueError, match="chart must be one of laws, solvers, steppers, got 'x'"):
+        dataset.measured("x")
 
 
 @pytest.mark.parametrize("name", ["force_curves.csv", "published/joint.csv", "links.csv"])

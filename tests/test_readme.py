@@ -224,22 +224,23 @@ def test_speed_of_laws_as_claimed():
 
 
 def test_speed_of_solvers_as_claimed():
-    names = ("series of few orders", "six-node triangles", "CAX6")
+    names = ("series of few orders", "series", "six-node triangles", "CAX6")
     times = claimed(
-        r"20 depths within 0.1 % \(RMS\) takes the series ([\d.]+) s, six-node triangles "
-        r"([\d.]+) s, CalculiX (\d+) s"
+        r"20 depths within 0.1 % \(RMS\) takes the series ([\d.]+) s \(([\d.]+) s with its usual "
+        r"10,000 orders\), six-node triangles ([\d.]+) s, CalculiX (\d+) s"
     )
     for name, seconds in zip(names, times, strict=True):
         rows = measured("solvers", method=name)
         best = rows[rows.rms_error <= 1e-3].time.min()
         assert best == pytest.approx(seconds, rel=0.03)
     others = measured("solvers", program="CalculiX")
-    assert others[others.rms_error <= 1e-3].time.min() == pytest.approx(times[2], rel=0.03)
+    assert others[others.rms_error <= 1e-3].time.min() == pytest.approx(times[-1], rel=0.03)
 
 
 def test_speed_of_steppers_as_claimed():
     own, factor, seconds = claimed(
-        r"an error of 1e-4 takes ([\d.]+) ms, the next best method \(CVODE\) (\d+) times as long; "
+        r"an error of 1e-4 takes ([\d.]+) ms, the next best method \(CVODE, .*?\) (\d+) times as "
+        r"long; "
         r"central differences take ([\d.]+) s for 1e-5"
     )
     rows = measured("steppers")
@@ -256,7 +257,7 @@ def test_choice_as_claimed():
     inside = table[table.law != "outside"]
     assert set(inside[inside.tolerance == 0.01].law) == {"stiffened_hertz"}
     ratio, depth = claimed(
-        r"only for socket ratios above ([\d.]+) and depths below ([\d.]+) clearances \(Poisson"
+        r"there only for socket ratios above ([\d.]+) and depths below ([\d.]+) clearances"
     )
     hertz = inside[(inside.law == "hertz") & (inside.tolerance == 0.1)]
     assert hertz.socket_ratio.min() == pytest.approx(ratio, abs=0.05)
@@ -267,8 +268,8 @@ def test_choice_as_claimed():
     assert models.joint["slider_position", 0.01] == "ideal"
     assert models.law["slider_position", 0.001] == "hertz"
     assert models.model["slider_position", 0.001] == "rigid"
-    (percent,) = claimed(r"acceleration is not known better than within (\d+) % by any model")
-    assert 100 * models.error_bound["slider_acceleration"].min() == pytest.approx(percent, abs=1)
+    (percent,) = claimed(r"of its acceleration no model is known to be within (\d+) %")
+    assert models.model["slider_acceleration", percent / 100] == "none"
 
 
 def test_limits_as_claimed():
