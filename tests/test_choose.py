@@ -12,8 +12,8 @@ from study.joint import Joint, Material, force_curve
 from study.mechanism import Scene, compare, links, simulate
 from study.mechanism.auto import choose_model
 
-MATERIALS = 16
-PER_MATERIAL = 13
+MATERIALS = 13
+PER_MATERIAL = 16
 
 
 def joint(r2_star=200.0, ratio=1.19, poisson=0.3, **options):
@@ -28,7 +28,7 @@ def random_scenes():
         for _ in range(PER_MATERIAL):
             scene = joint(20 * 500 ** draw.random(), ratio, poisson)
             deepest = SHALLOWEST * (1 / SHALLOWEST) ** draw.random()
-            tolerance = 0.002 * 250 ** draw.random()
+            tolerance = 0.003 * 170 ** draw.random()
             depths = np.linspace(np.sqrt(SHALLOWEST), np.sqrt(deepest), 12) ** 2
             yield scene, deepest, tolerance, force_curve(scene, depths)
 
