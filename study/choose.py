@@ -7,7 +7,7 @@ is solved. Costs are those of ``data/published/peers.csv``. The choice of a whol
 model is in `study.mechanism.auto`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -22,9 +22,9 @@ SHALLOWEST = 0.005
 """Least depth_star of the error: below, the force is less than 1/1000 of that at 0.5."""
 INTERPOLATION = 5e-4
 """Largest relative error of `stiffening`: twice that on the dataset's group ``judge``."""
-TABLE = 1e-4  # relative error of `tabulated` between the depths of its curve
+ESTIMATE = 1.5  # times a solution's error estimate, for depths between those solved
 RESOLUTIONS = {"series": (64, 160, 320, 640, 1280), "quadratic": (64, 160), "finite": (32, 64, 96)}
-DEPTHS = 40
+DEPTHS = {"series": 40, "quadratic": 40, "finite": 12}  # `finite` takes a second for each
 LARGEST_TOLERANCE = 1.0
 
 
@@ -51,8 +51,8 @@ class Choice:
     note : str
         Why the joint had to be solved; empty where the dataset sufficed.
     rejected : tuple of dict
-        Laws that cost less and miss the tolerance, the most expensive first: ``law``,
-        ``options``, ``error``, ``relative_cost``.
+        Laws that cost less and whose bound misses the tolerance, the most expensive first:
+        ``law``, ``options``, ``error``, ``error_bound``, ``relative_cost``.
     errors : dict
         Every closed law that the joint can have -> largest relative error found.
     evaluate : callable
@@ -102,28 +102,29 @@ def choose(joint, depth_star, tolerance):
     checks.number("depth_star", deepest, below=widest / 1.05)  # room to estimate errors beside it
     note = outside(joint, deepest)
     least = min(SHALLOWEST, deepest / 12) if note else SHALLOWEST
-    depths = np.linspace(np.sqrt(least), np.sqrt(deepest), DEPTHS) ** 2
+    depths = _depths(least, deepest, DEPTHS[_kind(joint)])
     if note:
         curve = force_curve(joint, depths)
-        force, uncertainty = curve.force_star, curve.error_estimate.max()
+        force = curve.force_star
+        uncertainty = ESTIMATE * curve.error_estimate.max() + INTERPOLATION
     else:
         force, uncertainty = hertz(depths, joint.r2_star) * stiffening(joint, depths), INTERPOLATION
-    known = {
-        law: (bounded(error.max(), uncertainty), error.max())
-        for law, error in errors(joint, depths, force).items()
-    }
-    costs = relative_costs()
-    rejected = []
-    for law in sorted(known, key=costs.get):
-        bound, largest = known[law]
-        if bound <= tolerance:
+    largest = {law: error.max() for law, error in errors(joint, depths, force).items()}
+    bounds = {law: bounded(error, uncertainty) for law, error in largest.items()}
+    costs, rejected, found = relative_costs(), [], None
+    for law in sorted([*bounds, "tabulated"], key=costs.get):
+        if law == "tabulated":
+            found, failed = _table(joint, deepest, tolerance)
+            rejected += failed
+        elif bounds[law] <= tolerance:
             options = law_options(law, joint)
-            found = law, options, bound, _with_options(law, options)
+            found = law, options, bounds[law], _with_options(law, options)
+        else:
+            rejected.append(_rejected(law, law_options(law, joint), largest[law], bounds[law]))
+        if found:
             break
-        rejected.append(_rejected(law, law_options(law, joint), largest))
     else:
-        *found, failed = _solved(joint, deepest, tolerance)
-        rejected += failed
+        found = _solver(joint, deepest, tolerance)
     law, options, bound, evaluate = found
     return Choice(
         law=law,
@@ -133,8 +134,8 @@ def choose(joint, depth_star, tolerance):
         depths=(float(least), deepest),
         source="solver" if note or law in ("tabulated", "solver") else "dataset",
         note=note,
-        errors={law: float(largest) for law, (_, largest) in known.items()},
-        rejected=tuple(reversed([r for r in rejected if r["relative_cost"] <= costs[law]])),
+        rejected=tuple(r | {"relative_cost": costs[r["law"]]} for r in reversed(rejected)),
+        errors={law: float(error) for law, error in largest.items()},
         evaluate=evaluate,
     )
 
@@ -271,42 +272,73 @@ def relative_costs():
     A law that `study measure` has not yet timed is not among them, and not chosen.
     """
     rows = dataset.measured("laws")
-    return dict(zip(rows["method"], rows["relative"].astype(float), strict=True))
+    costs = dict(zip(rows["method"], rows["relative"].astype(float), strict=True))
+    for law in ("hertz", "tabulated", "solver"):
+        if law not in costs:
+            what = f"data/published/{dataset.PEERS.name} lacks {law}"
+            raise dataset.DatasetError(f"{what}; mend it with: git checkout -- data")
+    return costs
 
 
 def _with_options(law, options):
     return lambda depth_star, r2_star: LAWS[law](depth_star, r2_star, **options)
 
 
-def _rejected(law, options, error):
-    cost = relative_costs()[law]
-    return {"law": law, "options": options, "error": float(error), "relative_cost": cost}
+def _rejected(law, options, error, bound):
+    return {"law": law, "options": options, "error": float(error), "error_bound": float(bound)}
 
 
-def _solved(joint, deepest, tolerance):
-    """Coarsest table, or else solution, within the tolerance, and the coarser ones' errors."""
-    least, failed = min(SHALLOWEST, deepest / 12), []
-    depths = np.linspace(np.sqrt(least), np.sqrt(deepest), DEPTHS) ** 2
-    able = joint.ball_drive == "plane" and joint.rim == "mirror"
-    kind = "finite" if joint.kinematics == "finite" else "series" if able else "quadratic"
-    for resolution in RESOLUTIONS[kind]:
+def _table(joint, deepest, tolerance):
+    """Table of the coarsest solution within the tolerance, or None, and the coarser ones' errors.
+
+    Every second depth of the solution is left out of the table, and tells how it interpolates.
+    """
+    failed = []
+    depths = _depths(min(SHALLOWEST, deepest / 12), deepest, 2 * DEPTHS[_kind(joint)] - 1)
+    for resolution in RESOLUTIONS[_kind(joint)]:
         try:
             curve = force_curve(joint, depths, resolution=resolution)
         except ValueError:  # elements larger than the contact at the least depth
-            if resolution == RESOLUTIONS[kind][-1]:
+            if resolution == RESOLUTIONS[_kind(joint)][-1]:
                 raise
             continue
-        error = float(curve.error_estimate.max())
-        options = {"resolution": resolution}
-        if bounded(error, TABLE) <= tolerance:
-            return "tabulated", options, bounded(error, TABLE), tabulated(curve), failed
-        failed.append(_rejected("tabulated", options, bounded(error, TABLE)))
-    if error <= tolerance:
-        return "solver", options, error, None, failed
-    raise checks.StudyError(
-        f"no model is known to be within the tolerance {tolerance:g}: the finest solution, of "
-        f"resolution {resolution}, is known to {error:.2g}"
-    )
+        kept = {
+            name: getattr(curve, name)[::2]
+            for name in ("depth_star", "force_star", "error_estimate")
+        }
+        table = tabulated(replace(curve, **kept))
+        between = np.abs(table(depths) / curve.force_star - 1).max()
+        error = ESTIMATE * curve.error_estimate.max()
+        bound, options = bounded(error, between), {"resolution": resolution}
+        if bound <= tolerance:
+            return ("tabulated", options, bound, table), failed
+        failed.append(_rejected("tabulated", options, curve.error_estimate.max(), bound))
+    return None, failed
+
+
+def _solver(joint, deepest, tolerance):
+    """The finest solution itself, if it is within the tolerance."""
+    resolution = RESOLUTIONS[_kind(joint)][-1]
+    depths = _depths(min(SHALLOWEST, deepest / 12), deepest, DEPTHS[_kind(joint)])
+    bound = ESTIMATE * force_curve(joint, depths, resolution=resolution).error_estimate.max()
+    if bound > tolerance:
+        raise checks.StudyError(
+            f"no model is known to be within the tolerance {tolerance:g}: the finest solution, of "
+            f"resolution {resolution}, is known to {bound:.2g}"
+        )
+    return "solver", {"resolution": resolution}, bound, None
+
+
+def _kind(joint):
+    """Which of `RESOLUTIONS` a joint is solved with."""
+    if joint.kinematics == "finite":
+        return "finite"
+    return "series" if joint.ball_drive == "plane" and joint.rim == "mirror" else "quadratic"
+
+
+def _depths(least, deepest, count):
+    """Depths in equal steps of their square root."""
+    return np.linspace(np.sqrt(least), np.sqrt(deepest), count) ** 2
 
 
 def _straight(r2_star, socket_ratio, poisson, depth_star):

@@ -30,6 +30,7 @@ data_app = typer.Typer(help="The cached force-depth curves.", no_args_is_help=Tr
 app.add_typer(data_app, name="data")
 
 SHOWN = 20  # impacts in a printed table
+LARGEST = 1e9  # of what is a ratio
 INTERRUPTED = 130  # typer's status after Ctrl-C
 UsageError = typer.BadParameter.__base__  # of every wrong option or argument
 LawName = StrEnum("LawName", list(LAWS))
@@ -243,6 +244,8 @@ def _joint(r2_star, socket_ratio, poisson, kinematics, ratio=1.0, socket_poisson
     from study import checks
     from study.joint import Joint, Material
 
+    checks.number("--r2-star", r2_star, most=LARGEST)
+    checks.number("--socket-ratio", socket_ratio, most=LARGEST)
     ball = Material(poisson=poisson)
     modulus = ball.youngs_modulus * checks.number("--modulus-ratio", ratio, above=0)
     socket = Material(modulus, poisson if socket_poisson is None else socket_poisson)
@@ -362,9 +365,9 @@ def simulate_mechanism(
         Model, typer.Option(help="Links: rigid, particles or beams; auto: as little as it needs.")
     ] = Model.rigid,
     joint: Annotated[
-        MechanismJoint, typer.Option(help="Joint of coupler and slider.")
-    ] = MechanismJoint.clearance,
-    law: Annotated[LawName, typer.Option(help="Contact law.")] = LawName.hertz,
+        MechanismJoint | None, typer.Option(help="Joint of coupler and slider [clearance].")
+    ] = None,
+    law: Annotated[LawName | None, typer.Option(help="Contact law [hertz].")] = None,
     duration: Annotated[float, typer.Option(help="Simulated time, in s.")] = 0.1,
     outputs: Annotated[int, typer.Option(help="Equal intervals between times of output.")] = 1000,
     tolerance: Annotated[
@@ -424,8 +427,8 @@ def simulate_mechanism(
         response = simulate(
             changed,
             model=str(model),
-            joint=str(joint),
-            law=str(law),
+            joint=None if joint is None else str(joint),
+            law=None if law is None else str(law),
             duration=duration,
             outputs=outputs,
             tolerance=tolerance,
@@ -599,18 +602,23 @@ def measure_speed(
     """Time laws (a minute), solvers and steppers (ten minutes each) on this machine.
 
     The times are kept in data/published/peers.csv, where the charts and study choose take them
-    from; charts that are not timed stay. Other programs are timed where they are found: ccx,
-    scikit-sundae, exudyn.
+    from. Charts that are not timed stay, and so do other programs that are not found here (ccx,
+    scikit-sundae, exudyn).
     """
+    import pandas as pd
+
     from study import dataset, paths, speed
 
     if output is not None:
         _check_output(output, ".csv")
-    charts = [str(name) for name in chart] if chart else speed.CHARTS
-    frame = speed.measure(repeats, charts, progress=lambda text: print(text, file=sys.stderr))
-    if output is None:
-        dataset.keep_measured(frame)
-    else:
+    frames = []
+    for name in [str(name) for name in chart or speed.CHARTS]:
+        print(name, file=sys.stderr)
+        frames.append(speed.measure(name, repeats))
+        if output is None:
+            dataset.keep_measured(frames[-1])
+    frame = pd.concat(frames)
+    if output is not None:
         with paths.whole(output) as temporary:
             frame.to_csv(temporary, index=False)
     print(f"{len(frame)} rows, on {speed.machine()}")
@@ -629,7 +637,7 @@ def build_data(jobs: Jobs = None):
             print(f"failed: {report.task.name}: {report.exc_info[1]}", file=sys.stderr)
     if session.exit_code != 0:
         raise typer.Exit(1)
-    print("The dataset is up to date: data/force_curves.csv, data/datapackage.json.")
+    print("The dataset is up to date: data/force_curves.csv, links.csv and datapackage.json.")
 
 
 def _print_curve(columns, as_json):

@@ -216,11 +216,15 @@ def keep_measured(frame):
     Parameters
     ----------
     frame : pandas.DataFrame
-        Columns of ``study.speed.COLUMNS``; charts that it does not hold are kept.
+        Columns of ``study.speed.COLUMNS``. Charts that it does not hold are kept, and so are
+        other programs in those that it holds.
     """
-    charts = dict(list(measured().groupby("chart", sort=False)))
-    charts |= dict(list(frame.groupby("chart", sort=False)))
-    frame = pd.concat(charts.values(), ignore_index=True)
+    kept = measured()
+    new = set(zip(frame["chart"], frame["program"], strict=True))
+    old = [(c, p) not in new for c, p in zip(kept["chart"], kept["program"], strict=True)]
+    frame = pd.concat([frame, kept[old]], ignore_index=True)
+    order = {chart: n for n, chart in enumerate(kept["chart"].unique())}
+    frame = frame.sort_values("chart", key=lambda names: names.map(order), kind="stable")
     package, name = _read_package(), PEERS.relative_to(paths.DATA).as_posix()
     with paths.whole(PEERS) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")
@@ -385,6 +389,8 @@ def _verify(name, stated):
     """Compare one data file with the hash stated for it."""
     path = paths.DATA / name
     remedy = MEND if path in (CURVES, LINKS) else f"git checkout -- data/{name}"
+    if path == PEERS:  # its hash may be that of a later measurement
+        remedy = "git checkout -- data"
     if not path.is_file():
         raise DatasetError(f"data/{name} is missing; mend it with: {remedy}")
     if stated != f"sha256:{_sha256(path)}":

@@ -19,8 +19,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from study import kinematics
-from study.checks import StudyError
+from study import checks, kinematics
 from study.compiled import compiled
 from study.contact import LAWS, tabulated
 from study.contact.forces import elastic_force, pack
@@ -75,7 +74,7 @@ STEPPERS = (
 
 
 def timed(function, repeats):
-    """Times of a call in s, after one that is not counted, and what it returned.
+    """Times of a call in s, on one thread, after one not counted, and what it returned.
 
     Parameters
     ----------
@@ -87,15 +86,16 @@ def timed(function, repeats):
     times : ndarray, shape (repeats,)
     result
     """
-    start = perf_counter()
-    result = function()
-    if perf_counter() - start > LONG:
-        repeats = min(repeats, 2)
     times = []
-    for _ in range(repeats):
+    with threadpool_limits(limits=1):
         start = perf_counter()
-        function()
-        times.append(perf_counter() - start)
+        result = function()
+        if perf_counter() - start > LONG:
+            repeats = min(repeats, 2)
+        for _ in range(repeats):
+            start = perf_counter()
+            function()
+            times.append(perf_counter() - start)
     return np.array(times), result
 
 
@@ -113,7 +113,7 @@ def fronts(rows, error="rms_error", cost="time"):
     pandas.DataFrame
         The rows of the Pareto front, from the cheapest to the most accurate.
     """
-    ordered = rows.sort_values([cost, error])
+    ordered = rows.dropna(subset=[cost, error]).sort_values([cost, error])
     best = ordered[error].cummin().shift(fill_value=np.inf)
     return ordered[ordered[error] < best]
 
@@ -142,29 +142,23 @@ def winners(rows, levels, error="rms_error"):
     return pd.DataFrame(found, columns=["level", *rows.columns])
 
 
-def measure(repeats, charts=CHARTS, progress=None):
-    """Charts, each with what is installed.
+def measure(chart, repeats):
+    """A chart, with what is installed.
 
     Parameters
     ----------
+    chart : {"laws", "solvers", "steppers"}
     repeats : int
         Of each timing; three times as many for laws.
-    charts : sequence of str
-        Some of `CHARTS`.
-    progress : callable, optional
-        Called with the name of what is timed next.
 
     Returns
     -------
     pandas.DataFrame
         Columns of `COLUMNS`.
     """
-    frames, runs = [], {"laws": laws, "solvers": solvers, "steppers": steppers}
-    for chart in charts:
-        if progress is not None:
-            progress(chart)
-        frames.append(runs[chart](3 * repeats if chart == "laws" else repeats))
-    return pd.concat(frames, ignore_index=True)
+    checks.choice("chart", chart, CHARTS)
+    run = {"laws": laws, "solvers": solvers, "steppers": steppers}[chart]
+    return run(3 * repeats if chart == "laws" else repeats)
 
 
 def laws(repeats=15, compile_times=True):
@@ -240,8 +234,7 @@ def solvers(repeats=3, chosen=SOLVERS):
             others = {"program": "CalculiX", "version": calculix.version()}
         else:
             run, others = partial(_curve, method, n), {}
-        with threadpool_limits(limits=1):
-            times, force = timed(run, repeats)
+        times, force = timed(run, repeats)
         rows.append(_row("solvers", method, setting, times, force / exact - 1) | others)
     return _frame(rows)
 
@@ -307,7 +300,7 @@ def steppers(repeats=3, chosen=STEPPERS, compile_times=True):
             continue
         try:
             times, found = timed(run, repeats)
-        except StudyError:  # a step beyond its limit: notebook 17
+        except checks.StudyError:  # it went too deep: notebook 17
             continue
         error = (found - truth) / np.sqrt(np.mean(truth**2))
         nrms = float(np.sqrt(np.mean(error**2)))

@@ -1,7 +1,7 @@
 """Where each method fails: limits of steps, of impacts, of the contact solver and of the laws.
 
-Every limit has a prediction in closed form, or from the linearised equations, and an observed
-value, found by running the method itself on both sides of it.
+Most limits have a prediction in closed form, or from the linearised equations, and an observed
+value, found by running the method itself on both sides of it; some are measured only.
 """
 
 from math import inf, sqrt
@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from study import complementarity
+from study.checks import StudyError
 from study.contact import laws
 from study.contact.forces import elastic_force, pack, stored_energy
 from study.joint import force_curve
@@ -27,9 +28,12 @@ def limit(what, condition, predicted, observed, unit):
 
 def bisect(fails, low, high, times=40):
     """Smallest value that fails, from ``low`` to ``high``, both > 0, to 4 digits."""
+    ends = low, high
     for _ in range(times):
         middle = sqrt(low * high)
         low, high = (low, middle) if fails(middle) else (middle, high)
+    if low == ends[0] or high == ends[1]:
+        raise StudyError(f"there is no limit between {ends[0]:g} and {ends[1]:g}")
     return float(f"{high:.4g}")
 
 

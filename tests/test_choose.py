@@ -1,8 +1,10 @@
 """The choice of a law against joints solved anew, and of a model against finer ones."""
 
 import re
+from itertools import product
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from study import choose, contact, dataset
@@ -10,7 +12,7 @@ from study.checks import StudyError
 from study.choose import SHALLOWEST
 from study.joint import Joint, Material, force_curve
 from study.mechanism import Scene, compare, links, simulate
-from study.mechanism.auto import choose_model
+from study.mechanism.auto import ModelError, choose_model
 
 MATERIALS = 13
 PER_MATERIAL = 16
@@ -54,7 +56,6 @@ def test_choice_is_within_tolerance_and_rarely_too_dear():
             assert np.abs(force / curve.force_star - 1).max() <= tolerance
         cheaper = [law for law in contact.LAWS if costs[law] < costs[choice.law]]
         missed += any(true_error(law, scene, curve) <= tolerance for law in cheaper)
-    print(count, missed, laws)
     assert count >= 200
     assert missed <= 0.05 * count
     assert {"hertz", "stiffened_hertz", "tabulated"} <= laws
@@ -93,10 +94,26 @@ def test_outside_the_dataset_the_joint_is_solved(scene, deepest, note):
 def test_mesh_gets_finer_with_the_tolerance():
     resolutions = [
         choose.choose(joint(), 0.3, tolerance).options["resolution"]
-        for tolerance in (0.0021, 0.001, 0.0003)
+        for tolerance in (0.0025, 0.001, 0.0003)
     ]
     assert resolutions == sorted(resolutions)
     assert resolutions[0] < resolutions[-1]
+
+
+@pytest.mark.parametrize(("deepest", "tolerance"), [(0.02, 0.03), (1.5, 0.005)])
+def test_table_of_a_hard_joint_keeps_its_bound_at_every_depth(deepest, tolerance):
+    scene = Joint(123.07, 1.02, Material(2e11, 0.49), Material(0.0164 * 2e11, 0.1))
+    choice = choose.choose(scene, deepest, tolerance)
+    depths = np.linspace(np.sqrt(choice.depths[0]), np.sqrt(deepest), 200) ** 2
+    exact = force_curve(scene, depths, resolution=640).force_star
+    assert choice.law == "tabulated"
+    assert np.abs(choice.evaluate(depths) / exact - 1).max() <= choice.error_bound
+
+
+def test_a_law_without_a_measured_cost_is_not_chosen(monkeypatch):
+    monkeypatch.setitem(contact.LAWS, "mine", contact.hertz)
+    choice = choose.choose(joint(), 0.3, 0.01)
+    assert "mine" not in choice.errors
 
 
 def test_evidence_names_what_is_cheaper_and_fails():
@@ -106,7 +123,8 @@ def test_evidence_names_what_is_cheaper_and_fails():
     costs = [row["relative_cost"] for row in choice.rejected]
     assert costs == sorted(costs, reverse=True)
     assert max(costs) < choice.relative_cost
-    assert all(row["error"] > 0.01 for row in choice.rejected)
+    assert all(row["error_bound"] > 0.01 for row in choice.rejected)
+    assert set(choice.errors) == set(contact.LAWS)
 
 
 @pytest.mark.parametrize(
@@ -132,33 +150,57 @@ def test_a_tolerance_that_nothing_meets_says_what_is_known():
 
 
 def test_bounds_of_rigid_links_hold_on_scenes_not_used_for_them():
-    rows, bounds = links.measure(seed=1, count=25), dataset.links()
+    known = dataset.links()
+    rows = pd.concat([links.measure(seed, count=12) for seed in (5, 6)])
     for quantity in links.QUANTITIES:
-        ratio, known = (
+        ratio, most = (
             (table[f"{quantity}_error"] / table[f"{quantity}_estimate"]).max()
-            for table in (rows, bounds)
+            for table in (rows, known)
         )
-        assert ratio <= links.SAFETY * known
+        assert ratio <= 0.6 * links.SAFETY * most
 
 
-@pytest.mark.parametrize("quantity", links.QUANTITIES[:2])
-def test_chosen_model_is_within_tolerance_of_finer_particles(quantity):
+def test_scenes_unlike_those_of_the_bounds_are_named():
+    assert links.outside(Scene(), 0.1) == ""
+    assert links.outside(Scene(restitution=1.0), 0.1).startswith("restitution 1 is outside")
+    assert links.outside(Scene(gravity=9.81), 0.1).startswith("gravity 9.81 is not that")
+    assert links.outside(Scene(), 1.0).startswith("duration 1 is outside")
+    choice = choose_model(Scene(gravity=9.81), 0.2, duration=0.05)
+    assert choice.links == "compared"
+    assert "gravity" in choice.note
+
+
+@pytest.mark.parametrize("seed", [2, 5])
+def test_chosen_model_is_within_tolerance_of_finer_particles(seed):
     kinds = set()
-    for scene, duration in links.random_scenes(seed=2, count=4):
+    for scene, duration in links.random_scenes(seed, count=3):
+        duration = min(duration, 0.05)
         truth = {"model": "particles", "elements": (6, 12), "law": "stiffened_hertz"}
         finer = simulate(scene, duration=duration, outputs=500, **truth)
-        for tolerance in (0.3, 0.03):
+        for quantity, tolerance in product(links.QUANTITIES, (0.5, 0.03)):
             options = {"duration": duration, "outputs": 500, "quantity": quantity}
             try:
                 choice = choose_model(scene, tolerance, **options)
-            except StudyError:
-                kinds.add("none")
+            except ModelError as error:
+                kinds.add("none" if error.known > tolerance else "known, but refused")
                 continue
-            kinds.add((choice.model, choice.joint))
+            kinds.add(choice.joint)
             response = choice.run(scene, duration, 500)
             assert compare.difference(response, finer, quantity) <= tolerance
             assert choice.error_bound <= tolerance
-    assert len(kinds) >= 2
+    assert {"none", "ideal"} <= kinds <= {"none", "ideal", "clearance"}
+
+
+@pytest.mark.parametrize(
+    ("scene", "duration", "message"),
+    [
+        (Scene(), 1e-6, "duration must be so long that the slider moves, got 1e-06 s"),
+        (Scene(clearance=5e-3), 0.05, "socket radius over clearance must be >= 3, got 2"),
+    ],
+)
+def test_a_scene_that_nothing_can_be_said_of_is_refused(scene, duration, message):
+    with pytest.raises(ValueError, match=message):
+        choose_model(scene, 0.1, duration=duration)
 
 
 def test_auto_simulates_the_choice_and_tells_it():
@@ -179,7 +221,7 @@ def test_auto_simulates_the_choice_and_tells_it():
     [
         ({}, "tolerance must be given"),
         ({"tolerance": 0.0}, "tolerance must be > 0 and <= 1, got 0"),
-        ({"tolerance": 0.1, "law": "liu"}, "law must be left out: model auto chooses it"),
+        ({"tolerance": 0.1, "law": "hertz"}, "law must be left out: model auto chooses it"),
         ({"tolerance": 0.1, "joint": "ideal"}, "joint must be left out"),
         ({"tolerance": 0.1, "step": 1e-6}, "step must be left out"),
         ({"tolerance": 0.1, "quantity": "crank_angle"}, "quantity must be one of slider_position"),

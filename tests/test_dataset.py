@@ -114,6 +114,13 @@ def test_measured_times_are_kept_with_their_hash(copy):
     dataset.keep_measured(laws)
     assert set(dataset.measured("laws").machine) == {"another"}
     pd.testing.assert_frame_equal(dataset.measured("steppers"), before)
+    own = frame[(frame.chart == "steppers") & (frame.program == "ours")].iloc[:3]
+    dataset.keep_measured(own)
+    kept = dataset.measured("steppers")
+    assert kept.program.value_counts().to_dict() == {
+        "ours": 3,
+        **before[before.program != "ours"].program.value_counts().to_dict(),
+    }
     with pytest.raises(ValueError, match="chart must be one of laws, solvers, steppers, got 'x'"):
         dataset.measured("x")
 

@@ -12,7 +12,7 @@ from study.contact import LAWS
 from study.contact.damping import DAMPINGS
 from study.contact.forces import pack
 from study.joint import Joint, force_curve
-from study.mechanism import MechanismError, Scene, compare, rigid, simulate
+from study.mechanism import MechanismError, Scene, compare, explicit, rigid, simulate
 
 PAPER = Scene()
 HERTZ = pack("hertz", PAPER.ball_radius, PAPER.socket_radius, PAPER.composite_modulus)
@@ -444,3 +444,29 @@ def test_a_law_that_ends_before_one_clearance_is_refused():
     curve = force_curve(Joint(200), np.linspace(0.05, 0.5, 12) ** 2)
     with pytest.raises(ValueError, match=r"law must reach a depth of one clearance: .* <= 0\.25"):
         simulate(law=contact.tabulated(curve), duration=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"duration": -1.0}, "duration must be > 0 s, got -1 s"),
+        ({"outputs": 0}, "outputs must be >= 1, got 0"),
+        ({"step": 0.0}, "step must be > 0 s, got 0 s"),
+        ({"scheme": "leapfrog"}, "scheme must be one of symplectic Euler, lagged"),
+        ({"approach": 0.0}, "approach must be > 0 m/s, got 0 m/s"),
+        ({"start": [np.nan] * 6}, "start must be finite, got nan"),
+    ],
+)
+def test_explicit_steps_refuse_bad_input(change, message):
+    given = {"duration": 1e-3, "outputs": 10, "step": 1e-6, "scheme": "RK4"} | change
+    with pytest.raises(ValueError, match=message):
+        explicit.simulate(PAPER, HERTZ, **given)
+
+
+@pytest.mark.parametrize(("scheme", "order"), [("lagged", 1), ("velocity Verlet", 2), ("RK4", 4)])
+def test_explicit_steps_have_their_order_before_the_first_impact(scheme, order):
+    exact = simulate(PAPER, duration=1.6e-3, outputs=4, tolerance=1e-12).depth
+    assert (exact < 0).all()  # the slider rests, the ball moves
+    found = [explicit.simulate(PAPER, HERTZ, 1.6e-3, 4, step, scheme)[1] for step in (4e-4, 2e-4)]
+    coarse, fine = (np.abs(values - exact)[1:].max() for values in found)
+    assert np.log2(coarse / fine) > order - 0.4

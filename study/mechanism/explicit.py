@@ -184,12 +184,18 @@ def simulate(scene, law, duration, outputs, step, scheme, start=None, approach=i
     Raises
     ------
     ValueError
-        For an unknown scheme or a step <= 0.
+        For an unknown scheme or a value outside its range.
     study.mechanism.response.MechanismError
         If the step is beyond its limit, or the ball goes deeper than one clearance.
     """
     checks.choice("scheme", scheme, SCHEMES)
     checks.number("step", step, "s", above=0, scalar=True)
+    checks.number("duration", duration, "s", above=0, scalar=True)
+    outputs = checks.whole("outputs", outputs, least=1)
+    if approach != inf:
+        checks.number("approach", approach, "m/s", above=0, scalar=True)
+    if start is not None:
+        checks.number("start", start)
     y = np.array([0.0, *scene.initial_eccentricity, 0, 0, 0] if start is None else start, float)
     strides, h = divide([duration * np.arange(2) / outputs], step)
     found = np.zeros((outputs + 1, 2))

@@ -11,8 +11,8 @@ def simulate(
     scene=None,
     *,
     model="rigid",
-    joint="clearance",
-    law="hertz",
+    joint=None,
+    law=None,
     duration=0.1,
     outputs=1000,
     tolerance=None,
@@ -32,10 +32,11 @@ def simulate(
     model : {"rigid", "particles", "beams", "auto"}
         Links; ``auto`` finds the least model that is accurate enough, with its joint, law,
         stepper and step (`study.mechanism.auto.choose_model`).
-    joint : {"clearance", "ideal"}
-        Joint between coupler and slider.
-    law : str or callable
-        Contact law, a key of ``study.contact.LAWS``, or a law itself: ``tabulated(curve)``.
+    joint : {"clearance", "ideal"}, optional
+        Joint between coupler and slider, by default with clearance.
+    law : str or callable, optional
+        Contact law, a key of ``study.contact.LAWS``, by default ``hertz``, or a law itself:
+        ``tabulated(curve)``.
     duration : float
         In s.
     outputs : int
@@ -73,18 +74,16 @@ def simulate(
         If the simulation cannot go on; says when, with which step, and what limit was passed.
     """
     scene = Scene() if scene is None else scene
-    given = {"step": step, "elements": elements, "method": method}
+    given = {"joint": joint, "law": law, "step": step, "elements": elements, "method": method}
+    given = {name: value for name, value in given.items() if value is not None}
     common = {"duration": duration, "outputs": outputs}
     if model != "auto":
         if quantity is not None:
             raise ValueError(f"quantity must be left out: model {model} has none")
-        common |= {"joint": joint, "law": law, "tolerance": tolerance, "progress": progress}
+        common |= {"tolerance": tolerance, "progress": progress}
         return models.run(scene, model, **given, **common, **law_options)
-    given |= {"joint": None if joint == "clearance" else joint}
-    given |= {"law": None if law == "hertz" else law}
-    for name, value in given.items():
-        if value is not None:
-            raise ValueError(f"{name} must be left out: model auto chooses it")
+    for name in given:
+        raise ValueError(f"{name} must be left out: model auto chooses it")
     if tolerance is None:
         raise ValueError("tolerance must be given: the largest error that model auto may make")
     for option in law_options:
