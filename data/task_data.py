@@ -19,7 +19,9 @@ BATCHES = {
     for k in range(0, sum(s.group == group for s in design.DESIGN), SIZE)
 }
 PARTS = [paths.BUILD / "curves" / f"{name}.csv" for name in BATCHES]
-LINK_SOURCES = tuple(sorted((paths.ROOT / "study/mechanism").glob("*.py")))
+LINK_SOURCES = tuple(
+    paths.ROOT / f"study/mechanism/{name}.py" for name in ("scene", "rigid", "particles", "links")
+)
 TIMES = [part.with_suffix(".json") for part in PARTS]
 
 for (name, batch), part, seconds in zip(BATCHES.items(), PARTS, TIMES, strict=True):

@@ -491,6 +491,8 @@ def _print_choice(choice, duration):
         f"{choice.frequency_ratio:.2g} of the crank's axial frequency, at a depth of "
         f"{choice.depth_star:.2g} clearances."
     )
+    if choice.note:
+        print(f"Particles were run, as {choice.note}.")
 
 
 def _scene(settings, inertia):

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study import cli, contact, dataset, export, joint
+from study import cli, contact, dataset, export, joint, speed
 from study.joint import Joint, force_curve
 from study.mechanism import Scene, links, models, particles, simulate
 
@@ -335,7 +335,8 @@ def test_choose_refuses_in_one_line(run, words, status, message):
     assert message in err
 
 
-def test_measure_times_a_chart_and_writes_where_told(run, tmp_path):
+def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(speed, "_compile_time", lambda *_: 1.0)  # it takes some seconds
     table = tmp_path / "laws.csv"
     kept = dataset.PEERS.read_bytes()
     status, out, _ = run("measure", "--chart", "laws", "--repeats", 1, "--output", table)

@@ -139,8 +139,11 @@ def less_data(project):
     """The project with less data to build; put right again afterwards."""
     module = project / "study/design.py"
     module.write_text(module.read_text() + LESS)
+    module = project / "study/mechanism/links.py"
+    module.write_text(module.read_text().replace("COUNT = 160", "COUNT = 3"))
     yield project
-    for name in ("study/design.py", "study/contact/coefficients.json"):
+    changed = "design.py", "mechanism/links.py", "contact/coefficients.json"
+    for name in (f"study/{name}" for name in changed):
         shutil.copy(paths.ROOT / name, project / name)
     shutil.copytree(paths.DATA, project / "data", dirs_exist_ok=True)
 
