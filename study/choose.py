@@ -16,6 +16,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from study import checks, dataset
 from study.contact import LAWS, hertz, tabulated
+from study.contact.laws import POLE
 from study.joint import Joint, force_curve
 
 SHALLOWEST = 0.005
@@ -343,7 +344,7 @@ def _depths(least, deepest, count):
 
 def _straight(r2_star, socket_ratio, poisson, depth_star):
     """Coordinates in which the stiffening is smooth."""
-    return 1 / r2_star, np.log(socket_ratio - 1), 1 / (1 - 1.8 * poisson), np.sqrt(depth_star)
+    return 1 / r2_star, np.log(socket_ratio - 1), 1 / (1 - POLE * poisson), np.sqrt(depth_star)
 
 
 @lru_cache(maxsize=1)
