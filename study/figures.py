@@ -364,8 +364,8 @@ def draw_law_costs(axes, rows, cost, front):
         axes.plot([x, x], ends, color=look.color, linewidth=0.8)
         axes.plot(x, ends[0], look.marker, color=look.color, markerfacecolor="w", markersize=6)
         axes.plot(x, ends[1], look.marker, color=look.color, markersize=6, label=look.label)
-    text = f"solved at every call (beyond the right edge):\n{solver[cost]:,.0f} times, "
-    text += f"within {solver.largest_error:.0e}"
+    text = f"beyond the right edge:\nsolved at every call,\n{solver[cost]:,.0f} times, "
+    text += f"{solver.largest_error:.0e}"
     axes.text(0.03, 0.05, text, transform=axes.transAxes, fontsize=8)
     right = 1.25 * laws[cost].max()
     axes.set(yscale="log", xlim=(0, right), xlabel="time over that of Hertz's law")

@@ -289,6 +289,7 @@ def test_simulate_refuses_bad_input_in_one_line(run, words, message):
 def test_simulate_offers_what_there_is():
     assert list(cli.Model) == [*models.MODELS, "auto"]
     assert list(cli.Quantity) == list(links.QUANTITIES)
+    assert list(cli.Chart) == list(speed.CHARTS)
     assert list(cli.MechanismJoint) == list(models.JOINTS)
     assert list(cli.Method) == list(particles.METHODS)
 
