@@ -1,4 +1,4 @@
-# Two commands: `make reproduce` rebuilds every figure and table, `make test` runs every test.
+# Two commands: `make reproduce` rebuilds every result, the paper and the report; `make test` tests.
 # Both first create .venv and install the locked packages; `make help` names the others.
 
 VENV := .venv
@@ -12,7 +12,7 @@ PYTHON ?= $(shell for p in $(CANDIDATES); do \
 .PHONY: help reproduce test lab data bench lock clean
 
 help:
-	@echo "make reproduce   set up, run every stale notebook, leave results in figures/"
+	@echo "make reproduce   set up, rebuild what is stale: figures/, build/paper.pdf, build/report/"
 	@echo "make test        set up, run the whole test suite"
 	@echo "make lab         set up, open the notebooks in JupyterLab"
 	@echo "make data        set up, build the finite-element dataset from nothing"
@@ -21,7 +21,7 @@ help:
 	@echo "make clean       remove .venv, build/ and all caches"
 
 reproduce: $(READY)
-	@$(BIN)/study run
+	@$(BIN)/study report
 
 test: $(READY)
 	@$(BIN)/python -m pytest

@@ -1,12 +1,12 @@
-"""The command line ``study``: notebooks, dataset, laws, joints, exports and simulations.
+"""The command line ``study``: notebooks, paper, report, dataset, laws, joints and simulations.
 
 A user's mistake is one line on standard error and exit status 2; a failure is exit status 1.
 """
 
 import json
 import os
+import re
 import sys
-from collections import Counter
 from contextlib import contextmanager
 from dataclasses import fields
 from enum import StrEnum
@@ -116,38 +116,74 @@ def run_notebooks(
     parameters = notebooks.check_parameters(selected, settings or [])
     dataset.verify_files()
     session = notebooks.run(selected, parameters, jobs=jobs, force=force, dask_address=dask)
-    _report(selected, session)
+    _tell(selected, session)
 
 
-def _report(selected, session):
+@app.command("paper")
+def typeset_paper(jobs: Jobs = None):
+    """Typeset the paper, build/paper.pdf, after the stale notebooks."""
+    _finish("typeset", jobs)
+
+
+@app.command("report")
+def write_report(jobs: Jobs = None):
+    """Bring everything up to date: figures, tables, paper, and the report, build/report/."""
+    _finish("report", jobs)
+    print("Figures and tables are in figures/, the paper is build/paper.pdf.")
+    print("The report to browse: build/report/index.html")
+
+
+def _finish(then, jobs):
+    """Run all stale notebooks, and then what is made of their results."""
+    from study import dataset, notebooks
+
+    dataset.verify_files()
+    session = notebooks.run(notebooks.CATALOGUE, {}, then=then, jobs=jobs)
+    _tell(notebooks.CATALOGUE, session)
+
+
+def _tell(selected, session):
     """Say what was made and where, or what failed."""
     from pytask import TaskOutcome
 
-    from study import notebooks, paths
+    from study import notebooks
 
-    outcomes = {r.task.name.split("[")[-1].rstrip("]"): r for r in session.execution_reports}
-    made = Counter()
-    for notebook in selected:
-        report = outcomes.get(notebook.name)
-        if report is None or report.outcome == TaskOutcome.FAIL:
-            made["failed"] += 1
-            reason = report.exc_info[1] if report else "not run"
-            print(f"failed: {' '.join(str(reason).split())}", file=sys.stderr)
-        elif report.outcome == TaskOutcome.SUCCESS:
-            made["run"] += 1
-            for name, shows in notebook.results.items():
-                suffix = "csv" if name in notebook.tables else "png"
-                print(f"made  figures/{name}.{suffix:<4}  {shows}")
-            print(f"      {notebook.executed.relative_to(paths.ROOT)}")
-    if session.exit_code != 0 and not made["failed"]:
-        print("failed: the tasks could not be collected", file=sys.stderr)
-        made["failed"] = 1
-    if made["failed"]:
+    reports = {
+        re.split(r"\[|::task_", r.task.name)[-1].rstrip("]"): r for r in session.execution_reports
+    }
+    made = {notebook.name: _made(notebook) for notebook in notebooks.CATALOGUE}
+    made |= {"typeset": ["made  build/paper.pdf"], "report": ["made  build/report/index.html"]}
+    failures = [f"{nb.name} was not run" for nb in selected if nb.name not in reports]
+    ran = False
+    for name, lines in made.items():  # with those that the selected ones read from
+        outcome = reports[name].outcome if name in reports else None
+        if outcome == TaskOutcome.FAIL:
+            failures.append(reports[name].exc_info[1])
+        elif outcome == TaskOutcome.SUCCESS:
+            ran = True
+            print("\n".join(lines))
+    if session.exit_code != 0 and not failures:
+        failures.append("the tasks could not be collected")
+    for failure in failures:
+        print(f"failed: {' '.join(str(failure).split())}", file=sys.stderr)
+    if failures:
         raise typer.Exit(1)
-    if not made["run"]:
+    if not ran:
         whole = len(selected) == len(notebooks.CATALOGUE)
         names = "" if whole else f" of {', '.join(notebook.name for notebook in selected)}"
         print(f"Nothing was stale: every figure and table{names} in figures/ is up to date.")
+
+
+def _made(notebook):
+    """Lines that say what a notebook has made."""
+    from study import paths
+
+    suffixes = {name: "csv" if name in notebook.tables else "png" for name in notebook.results}
+    lines = [
+        f"made  figures/{name}.{suffixes[name]:<4}  {shows}"
+        for name, shows in notebook.results.items()
+    ]
+    return [*lines, f"      {notebook.executed.relative_to(paths.ROOT)}"]
 
 
 @app.command("list")
@@ -633,7 +669,7 @@ def build_data(jobs: Jobs = None):
 
     from study import paths, tasks
 
-    session = tasks.build(paths.DATA, jobs=jobs)
+    session = tasks.build([paths.DATA], jobs=jobs)
     for report in session.execution_reports:
         if report.outcome == TaskOutcome.FAIL:
             print(f"failed: {report.task.name}: {report.exc_info[1]}", file=sys.stderr)

@@ -13,7 +13,7 @@ from cycler import cycler
 from IPython.display import Image, display
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Arc, Circle, Rectangle
+from matplotlib.patches import Circle
 
 from study import paths
 
@@ -175,41 +175,6 @@ def draw_bars(axes, laws, series):
     axes.grid(False, axis="x")
 
 
-def draw_mesh(axes, mesh, color, radius=1.0, shift=0.0):
-    """Draw a meridian's triangles upside down (contact below), scaled and moved along z."""
-    r, z = radius * mesh.p[:, : mesh.t.max() + 1] * np.array([[1], [-1]])
-    axes.triplot(r, z + shift, mesh.t.T, color=color, linewidth=0.3)
-    axes.set_aspect("equal")
-
-
-def draw_joint(axes, ball_radius, socket_ratio, drop):
-    """Draw the meridian of ball and socket, with radii and supports named (lengths in R2)."""
-    angles = np.linspace(0, np.pi / 2, 181)
-    r, z = np.sin(angles), -np.cos(angles)
-    socket = np.hstack([np.array([r, z]), socket_ratio * np.array([r[::-1], z[::-1]])])
-    ball = np.array([[0, *ball_radius * r], [drop, *(ball_radius * z + drop)]])
-    for outline, law, name, at in (
-        (socket, "hertz", "socket", (0.05, -1.12)),
-        (ball, "hyperbolic_winkler", "ball", (0.05, -0.9)),
-    ):
-        color = LOOKS[law].color
-        axes.fill(*outline, facecolor=color, alpha=0.2, edgecolor=color)
-        axes.annotate(name, at, color=color, fontsize=8)
-    axes.plot(*(socket_ratio * np.array([r, z])), color="k", linewidth=3, label="fixed")
-    axes.plot([0, ball_radius], [drop, drop], "k--", linewidth=1.5, label="displaced")
-    for radius, angle, name, centre in (
-        (ball_radius, 1.2, "$R_1$", drop),
-        (1.0, 0.75, "$R_2$", 0.0),
-        (socket_ratio, 0.35, "$R_{2o}$", 0.0),
-    ):
-        tip = (radius * np.sin(angle), centre - radius * np.cos(angle))
-        axes.annotate("", tip, (0, centre), arrowprops={"arrowstyle": "->", "linewidth": 0.8})
-        axes.annotate(name, (0.55 * tip[0], centre + 0.55 * (tip[1] - centre) + 0.03), fontsize=8)
-    axes.set(xlabel="$r/R_2$", ylabel="$z/R_2$", aspect="equal")
-    axes.legend(loc="lower right", fontsize=7)
-    axes.grid(False)
-
-
 def draw_models(axes, responses, column, scale=1.0, others=None):
     """Draw one quantity of several models over time, the rigid one as a broad line behind.
 
@@ -300,45 +265,6 @@ def draw_contact_times(axes, impacts, duration):
         xlabel="time (ms); tick: touch, pale: contact",
     )
     axes.grid(False, axis="y")
-
-
-def draw_mechanism(axes, scene, angle):
-    """Draw the crank-slider to scale at a crank's angle, lengths in mm, and its gap enlarged."""
-    crank, coupler = 1e3 * scene.crank_length, 1e3 * scene.coupler_length
-    pin = crank * np.array([np.cos(angle), np.sin(angle)])
-    end = np.array([pin[0] + np.sqrt(coupler**2 - pin[1] ** 2), 0.0])
-    radius = 1e3 * scene.socket_radius
-    slider = 3.2 * radius
-    axes.axhline(-slider / 2, color="0.6", linewidth=1)
-    axes.axhline(slider / 2, color="0.6", linewidth=1)
-    corner = end - slider / 2
-    axes.add_patch(Rectangle(corner, slider, slider, facecolor="0.9", edgecolor="k"))
-    axes.add_patch(Circle(end, radius, facecolor="w", edgecolor=LOOKS["hertz"].color, linewidth=2))
-    ball = LOOKS["hyperbolic_winkler"].color
-    axes.plot(*np.array([pin, end]).T, color=ball, linewidth=5, solid_capstyle="round")
-    axes.add_patch(Circle(end, 0.8 * radius, facecolor=ball, alpha=0.6, edgecolor=ball))
-    axes.plot(*np.array([(0, 0), pin]).T, color="0.3", linewidth=7, solid_capstyle="round")
-    for place in ((0, 0), pin):
-        axes.plot(*place, "wo", markeredgecolor="k", markersize=6, zorder=4)
-    axes.add_patch(Arc((0, 0), 36, 36, theta1=0, theta2=np.degrees(angle), linewidth=0.8))
-    axes.annotate(r"$\theta$", (20 * np.cos(angle / 2), 20 * np.sin(angle / 2) - 2))
-    turning = {"arrowstyle": "->", "connectionstyle": "arc3,rad=-0.9", "linewidth": 1.5}
-    sign = 1 if scene.driving_moment >= 0 else -1
-    axes.annotate("", (-9, -9 * sign), (-9, 9 * sign), arrowprops=turning)
-    texts = (
-        (f"crank {crank:g} mm, {scene.crank_mass:g} kg", 0.6 * pin, (-115, 16)),
-        (f"coupler {coupler:g} mm, {scene.coupler_mass:g} kg", (pin + end) / 2, (-40, 36)),
-        (f"slider {scene.slider_mass:g} kg", (end[0], -slider / 2), (-20, -22)),
-        (f"moment {scene.driving_moment:g} N m", (0, 0), (-52, -52)),
-        (f"clearance {1e6 * scene.clearance:g} µm (enlarged)", (end[0], radius), (-62, 36)),
-    )
-    for text, place, shift in texts:
-        arrow = {"arrowstyle": "-", "linewidth": 0.6, "color": "0.4"}
-        axes.annotate(text, place, shift, textcoords="offset points", fontsize=8, arrowprops=arrow)
-    axes.plot([0, end[0] + slider], [0, 0], "k-.", linewidth=0.5)
-    axes.set(xlabel="$x$ (mm)", ylabel="$y$ (mm)", aspect="equal")
-    axes.set(xlim=(-60, end[0] + slider), ylim=(-55, 75))
-    axes.grid(False)
 
 
 def draw_law_costs(axes, rows, cost, front):
@@ -508,6 +434,34 @@ def _label_in_steps(axes, lines):
         style = {"fontsize": 7, "ha": "center", "va": "center", "transform": axes.transAxes}
         box = {"facecolor": "w", "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
         axes.text(*place, f"{level:+g} %", bbox=box, **style)
+
+
+VERDICT_COLORS = {
+    "reproduced": "#009E73",
+    "partly": "#E69F00",
+    "not reproduced": "#D55E00",
+    "cannot be decided": "0.7",
+}
+
+
+def draw_verdicts(axes, counts):
+    """Draw how many statements have each verdict, a bar per part with the counts in it.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    counts : pandas.DataFrame
+        A row per part, a column per key of `VERDICT_COLORS`.
+    """
+    left = np.zeros(len(counts))
+    for verdict, color in VERDICT_COLORS.items():
+        bars = axes.barh(counts.index, counts[verdict], left=left, color=color, label=verdict)
+        axes.bar_label(bars, [f"{n or ''}" for n in counts[verdict]], label_type="center")
+        left += counts[verdict]
+    axes.invert_yaxis()
+    axes.set_xlabel("number of statements")
+    axes.legend(loc="upper left", bbox_to_anchor=(0, 1.12), ncols=4, fontsize=8)
+    axes.grid(False, axis="y")
 
 
 def draw_errors(axes, cases, color, label):

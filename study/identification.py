@@ -225,6 +225,8 @@ def consequences(explanation):
     sample, truth = SAMPLINGS[explanation.sampling], explanation.truth()
     laws = table_2(sample, truth(sample), explanation.area)
     found = {(law, "RMSE"): statistics.rmse(truth(sample), f) for law, f in laws.items()}
+    other = contact.liu(sample, R2_STAR, reading="half-angle")
+    found["liu_half_angle", "RMSE"] = statistics.rmse(truth(sample), other)
     fine = np.linspace(0, LARGEST_DEPTH, 2001)[1:]
     laws = table_2(sample, truth(sample), explanation.area, at=fine)
     error = {law: np.abs(f - truth(fine)) for law, f in laws.items()}

@@ -31,11 +31,14 @@ class Notebook:
         File name without suffix.
     figures, tables : dict
         Name of each figure and table -> what it shows.
+    reads : tuple of str
+        Results of other notebooks whose numbers it reads.
     """
 
     name: str
     figures: dict
     tables: dict
+    reads: tuple = ()
 
     @property
     def path(self):
@@ -61,12 +64,28 @@ class Notebook:
     def inputs(self):
         """Files it depends on: itself, the library but for the command line, and the data."""
         library = sorted((paths.ROOT / "study").rglob("*.py"))
-        published = [paths.DATA / f"published/{name}.csv" for name in ("tables", "joint", "peers")]
+        names = ("tables", "claims", "joint", "peers")
+        published = [paths.DATA / f"published/{name}.csv" for name in names]
         data = [dataset.CURVES, dataset.LINKS, *published, contact.laws.COEFFICIENTS]
-        return [self.path, *(p for p in library if p.name != "cli.py"), *data]
+        read = [paths.FIGURES / f"{name}.csv" for name in self.reads]
+        last = {"cli.py", "typeset.py", "report"}  # what comes after the notebooks
+        library = [p for p in library if not last & {p.name, p.parent.name}]
+        return [self.path, *library, *data, *read]
 
 
 CATALOGUE = (
+    Notebook(
+        "00-joint-and-foundations",
+        {
+            "fig01": "spherical clearance joint: radii and clearance",
+            "fig02": "penetration depth, eccentricity and contact force",
+            "fig03": "Hertz's pressure over the contact, and the exact one",
+            "fig04": "flat Winkler foundation under a rigid profile",
+            "fig05": "contact arc in the socket: radial and vertical pressure",
+            "fig06": "circumferential Winkler foundation, and the laws' half-angles",
+        },
+        {},
+    ),
     Notebook(
         "01-joint-and-mesh",
         {"fig08": "geometry and finite-element mesh of ball and socket"},
@@ -74,7 +93,10 @@ CATALOGUE = (
     ),
     Notebook(
         "02-coefficient-over-socket-radius",
-        {"fig09": "coefficient f1 of the hyperbolic Winkler law over R2*, fits and surrogate"},
+        {
+            "fig07": "procedure from cases to the surrogate of f1",
+            "fig09": "coefficient f1 of the hyperbolic Winkler law over R2*, fits and surrogate",
+        },
         {"table1": "agreement of the surrogate with the fits"},
     ),
     Notebook(
@@ -198,6 +220,33 @@ CATALOGUE = (
             "stability_laws": "the laws' formulas at their limits",
         },
         {"stability_limits": "threshold of each failure, and how the software tells of it"},
+    ),
+    Notebook(
+        "18-in-the-papers-own-set-up",
+        {
+            "own_curves": "Figs. 10 and 12 in the set-up that explains Table 2",
+            "own_radius": "Figs. 14 and 15 in the set-up that explains Table 2",
+        },
+        {},
+    ),
+    Notebook(
+        "19-which-statements-hold",
+        {"verdicts": "how many of the paper's statements are reproduced, by part"},
+        {"claims": "every checkable statement of the paper, judged by a stated rule"},
+        reads=(
+            *(
+                "table1",
+                "table2",
+                "explained",
+                "windows",
+                "assumptions",
+                "own_curves",
+                "own_radius",
+            ),
+            *("reach", "reach_material", "reach_socket", "fig10", "fig14", "fig15"),
+            *("speed_laws", "speed_solvers", "speed_steppers", "stability_limits"),
+            *("agreement", "impacts", "fig17", "fig18", "fig19", "fig20", "fig21"),
+        ),
     ),
 )
 
@@ -351,14 +400,16 @@ def execute(notebook, settings):
             result.replace(paths.FIGURES / result.name)
 
 
-def run(notebooks, settings, **options):
-    """Run the stale ones of some notebooks as pytask tasks.
+def run(notebooks, settings, then=None, **options):
+    """Run the stale ones of some notebooks, and of those that they read from, as pytask tasks.
 
     Parameters
     ----------
     notebooks : list of Notebook
     settings : dict
         Parameters per notebook, from `check_parameters`.
+    then : {"typeset", "report"}, optional
+        What to do with the results of all notebooks afterwards.
     **options
         As for `study.tasks.build`.
 
@@ -375,5 +426,7 @@ def run(notebooks, settings, **options):
                     f"{product.relative_to(paths.ROOT)} must be a file, not a folder"
                 )
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
+    if then is not None:
+        return tasks.build([paths.NOTEBOOKS, paths.PAPER], f"task_{then}", **options)
     selected = " or ".join(f"[{nb.name}]" for nb in notebooks)
-    return tasks.build(paths.NOTEBOOKS, selected, **options)
+    return tasks.build([paths.NOTEBOOKS], selected, **options)

@@ -9,7 +9,13 @@ ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "data"
 FIGURES = ROOT / "figures"
 NOTEBOOKS = ROOT / "notebooks"
+PAPER = ROOT / "paper"
 BUILD = ROOT / "build"
+DOCUMENTS = tuple(
+    ROOT / name
+    for name in ("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "data/README.md", "CHANGELOG.md")
+)
+"""What the report shows besides results: texts for readers."""
 
 RESULTS_VARIABLE = "STUDY_RESULTS"  # folder for results while a notebook runs as a task
 

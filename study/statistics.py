@@ -4,6 +4,7 @@ Each takes the truth first (the elastic solution's values) and the prediction se
 """
 
 import numpy as np
+import pandas as pd
 
 
 def _pair(truth, prediction):
@@ -167,3 +168,20 @@ def last_crossing(x, lead):
         return float(x[0])
     pair = slice(behind[-1], behind[-1] + 2)
     return float(np.interp(0, lead[pair], x[pair]))
+
+
+def local_exponent(table):
+    """Exponents d ln(y) / d ln(x) of several curves, by central differences.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        A column per curve, values > 0; the index is x > 0, rising.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Of the same shape; the first and last rows are one-sided.
+    """
+    slopes = np.gradient(np.log(table), np.log(table.index), axis=0)
+    return pd.DataFrame(slopes, table.index, table.columns)

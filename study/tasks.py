@@ -20,15 +20,15 @@ def leave_interrupts_to_the_runner():
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def build(folder, expression="", *, jobs=None, force=False, dask_address=None, dry=False):
-    """Run the stale tasks of a folder.
+def build(folders, expression="", *, jobs=None, force=False, dask_address=None, dry=False):
+    """Run the stale tasks of some folders.
 
     Parameters
     ----------
-    folder : pathlib.Path
+    folders : list of pathlib.Path
         Where the ``task_*.py`` files are.
     expression : str
-        Which tasks, as for ``pytask -k``; all by default.
+        Which tasks, as for ``pytask -k``, with those that they need; all by default.
     jobs : int, optional
         Processes, by default one per core.
     force : bool
@@ -60,7 +60,7 @@ def build(folder, expression="", *, jobs=None, force=False, dask_address=None, d
     finished = False
     try:
         session = pytask.build(
-            paths=[folder],
+            paths=folders,
             config=paths.ROOT / "pyproject.toml",
             expression=expression,
             force=force,

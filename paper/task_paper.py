@@ -1,0 +1,39 @@
+"""Two tasks after the notebooks: the paper, and the report that shows everything."""
+
+from pathlib import Path
+from typing import Annotated
+
+from pytask import Product
+
+from study import contact, dataset, notebooks, paths, tasks, typeset
+
+RESULTS = [path for notebook in notebooks.CATALOGUE for path in notebook.products()]
+SHOWN = [path for path in RESULTS if path.parent == paths.FIGURES]
+NUMBERS = [dataset.CURVES, paths.DATA / "published/tables.csv", contact.laws.COEFFICIENTS]
+TEXT = [path for path in sorted(paths.PAPER.iterdir()) if path.suffix in (".typ", ".yml")]
+LIBRARY = [
+    path
+    for path in sorted((paths.ROOT / "study").rglob("*.*"))
+    if path.suffix in (".py", ".html", ".css", ".js", ".json")
+]
+PAPER = [*TEXT, *SHOWN, *NUMBERS]
+REPORT = [*RESULTS, *LIBRARY, *paths.DOCUMENTS, dataset.CURVES, dataset.PACKAGE]
+
+
+def task_typeset(
+    sources: list[Path] = PAPER,
+    output: Annotated[Path, Product] = typeset.PDF,
+):
+    tasks.leave_interrupts_to_the_runner()
+    typeset.typeset(output=output)
+
+
+def task_report(
+    sources: list[Path] = REPORT,
+    paper: Path = typeset.PDF,
+    index: Annotated[Path, Product] = paths.BUILD / "report/index.html",
+):
+    tasks.leave_interrupts_to_the_runner()
+    from study import report  # takes seconds to import: only where a report is written
+
+    report.write(index.parent)

@@ -1,0 +1,574 @@
+"""The paper's checkable statements, each judged by a number from this study's results.
+
+``data/published/claims.csv`` holds the statements in our own words, and for each what it is
+judged by: a rule of this module, what the number should be and how far off it may be. A rule
+reads results from ``figures/`` and gives one number per reading, where a reading is a set-up,
+formula or model that what is given in the paper allows. What a statement means is judged here;
+whether the results themselves are right is judged by the tests.
+"""
+
+from functools import cache
+
+import numpy as np
+import pandas as pd
+
+from study import checks, contact, dataset, paths, statistics
+
+VERDICTS = ("reproduced", "partly", "not reproduced", "cannot be decided")
+RELATIONS = ("=", "<", ">")
+RULES = {}
+"""Name of a rule -> function(of) -> {reading: number}; ``of`` is the claim's text ``of``."""
+
+OWN, SERIES = "clamped 1.3, flat area", "plane 1.19, sphere"  # set-ups, by their names elsewhere
+LAWS = contact.PAPER_LAWS
+PROPOSED = "hyperbolic_winkler"
+EARLY = 10.0  # ms: the first impacts
+FIT = 0.5  # largest depth of the fits
+MODELS = ("rigid", "particles", "beams")
+
+
+class ClaimError(checks.StudyError):
+    """A claim cannot be judged; the message names it and what is missing."""
+
+
+def rule(function):
+    """Make a function a rule under its own name."""
+    RULES[function.__name__] = function
+    return function
+
+
+def load():
+    """The claims as they are kept, without verdicts.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns ``claim``, ``part``, ``where`` (in the paper), ``statement`` (our words),
+        ``measure`` (the number that judges it), ``rule`` and ``of`` (how it is computed),
+        ``relation``, ``expected`` (a number), ``tolerance`` and ``partly`` (percent of
+        ``expected``), ``figure`` (a result that shows it) and ``evidence`` (the results that
+        it is computed from, separated by spaces).
+
+    Raises
+    ------
+    ClaimError
+        If a claim has no rule, an unknown relation, or expects 0, what is no number, or a
+        number that the published tables do not hold.
+    """
+    frame = pd.read_csv(paths.DATA / "published/claims.csv", keep_default_na=False)
+    stated = dataset.published()
+    for row in frame.itertuples():
+        if row.rule not in RULES:
+            raise ClaimError(f"claim {row.claim} has no rule: {row.rule!r} is not in study.claims")
+        if row.relation not in RELATIONS:
+            known = ", ".join(RELATIONS)
+            raise ClaimError(
+                f"relation of {row.claim} must be one of {known}, got {row.relation!r}"
+            )
+    frame["expected"] = [_expected(row.claim, row.expected, stated) for row in frame.itertuples()]
+    return frame
+
+
+def _expected(claim, text, stated):
+    """A number, or the published one that ``where/row/quantity`` names; never 0."""
+    key = tuple(text.split("/"))
+    if len(key) == 3 and key not in stated.index:
+        raise ClaimError(f"claim {claim} expects {text}, which data/published/tables.csv lacks")
+    try:
+        value = float(stated[key] if len(key) == 3 else text)
+    except ValueError:
+        raise ClaimError(f"expected of {claim} must be a number, got {text!r}") from None
+    if value == 0 or not np.isfinite(value):
+        raise ClaimError(f"expected of {claim} must not be 0 (tolerances are relative), got {text}")
+    return value
+
+
+def judge():
+    """Judge every claim from the results in ``figures/``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        That of `load` without ``rule`` and ``of``, and ``found`` (readings with their numbers,
+        as text), ``lowest`` and ``highest`` (of the numbers) and ``verdict``.
+
+    Raises
+    ------
+    ClaimError
+        If a result that a claim is judged by is missing, or a number is not finite.
+    """
+    _result.cache_clear()
+    frame = load()
+    rows = []
+    for row in frame.itertuples():
+        for name in row.evidence.split():
+            _result(name)
+        found = RULES[row.rule](row.of)
+        if not found or not np.isfinite(list(found.values())).all():
+            raise ClaimError(f"claim {row.claim} must be judged by finite numbers, got {found}")
+        terms = row.relation, row.expected, row.tolerance, row.partly
+        text = "; ".join(f"{reading}: {value:.4g}" for reading, value in found.items())
+        ends = {"lowest": min(found.values()), "highest": max(found.values())}
+        rows.append({"found": text, **ends, "verdict": verdict(list(found.values()), *terms)})
+    return frame.drop(columns=["rule", "of"]).join(pd.DataFrame(rows))
+
+
+def verdict(values, relation, expected, tolerance, partly):
+    """Verdict on one claim from its numbers, one per reading.
+
+    Parameters
+    ----------
+    values : sequence of float
+    relation : {"=", "<", ">"}
+        The number should equal ``expected``, not exceed it, or not be less.
+    expected : float
+        Not 0.
+    tolerance, partly : float
+        Deviations from ``expected``, in percent of it, up to which a reading holds, and holds
+        in part.
+
+    Returns
+    -------
+    str
+        ``reproduced`` if every reading holds, ``not reproduced`` if none holds even in part,
+        ``cannot be decided`` if some hold and others do not even in part, so that the verdict
+        hangs on what the paper does not say; else ``partly``.
+    """
+    excess = (np.asarray(values) - expected) / abs(expected) * 100
+    excess = {"=": np.abs(excess), "<": excess, ">": -excess}[relation]
+    holds, in_part = excess <= tolerance, excess <= partly
+    if holds.all():
+        return "reproduced"
+    if not in_part.any():
+        return "not reproduced"
+    if holds.any() and not in_part.all():
+        return "cannot be decided"
+    return "partly"
+
+
+@cache
+def _result(name):
+    """One result's numbers, from ``figures/``."""
+    path = paths.FIGURES / f"{name}.csv"
+    if not path.is_file():
+        raise ClaimError(f"figures/{name}.csv is missing; make it with: study run {name}")
+    return pd.read_csv(path)
+
+
+def _curves(least=0.025):
+    """Exact forces and those of the laws over depth, from a least depth on, in both set-ups."""
+    for reading, table in _result("own_curves").groupby("set_up"):
+        yield (
+            reading,
+            table[table.depth_star >= least].set_index("depth_star").drop(columns="set_up"),
+        )
+
+
+def _errors(table):
+    """Relative errors of the paper's laws, in percent."""
+    return 100 * (table[list(LAWS)].div(table.exact, axis=0) - 1)
+
+
+def _inside(table, low=0.0, high=FIT):
+    return table[(table.index > low) & (table.index <= high + 1e-9)]
+
+
+def _motion(figure):
+    """Times in ms as index, one quantity of every joint and model as columns."""
+    return _result(figure).set_index("time_ms")
+
+
+def _per_model(compute):
+    return {model: float(compute(model)) for model in MODELS}
+
+
+# ---- Tables 1 and 2 ----
+
+
+@rule
+def table_1(of):
+    """A number of Table 1: quantity."""
+    table = _result("table1").set_index("quantity")
+    found = {SERIES: table.ours[of]}
+    explained = _result("explained").set_index(["row", "quantity"])
+    if ("f1", of) in explained.index:
+        found = {OWN: explained.loc[("f1", of), OWN]} | found
+    return found
+
+
+@rule
+def rmse(of):
+    """RMSE of a law in the set-up that explains Table 2; of Liu's in both readings."""
+    explained = _result("explained").set_index(["row", "quantity"])[OWN]
+    readings = {"liu": ("liu", "liu_half_angle")}.get(of, (of,))
+    return {name: explained[name, "RMSE"] for name in readings}
+
+
+@rule
+def r_squared(of):
+    """|R2| of a law (law, R2 or R2_adj) over the two ranges of depth that the paper names."""
+    law, quantity = of.split()
+    windows = _result("windows").set_index(["set_up", "low", "high"])[law]
+    found = {"0 to 0.5": windows[OWN, 0.0, 0.5], "0.35 to 0.5": windows[OWN, 0.35, 0.5]}
+    if quantity == "R2_adj":
+        found = {key: 1 - (1 - value) * 19 / 18 for key, value in found.items()}
+    return {key: abs(value) for key, value in found.items()}
+
+
+@rule
+def one_sample(of):
+    """By how much RMSE / sqrt(1 - R2), a standard deviation, differs in the published rows."""
+    table = _result("table2").pivot(index="law", columns="quantity", values="published")
+    signed = table.R2.where(table.R2 < 1, -table.R2)
+    deviation = table.RMSE / np.sqrt(1 - signed)
+    return {"published": 100 * (deviation.max() / deviation.min() - 1)}
+
+
+@rule
+def order(of):
+    """How many of the five laws have the rank by RMSE that they have in Table 2."""
+    published = _result("table2").query("quantity == 'RMSE'").set_index("law").published
+    explained = _result("explained").query("quantity == 'RMSE'").set_index("row")
+    ranks = published.rank()
+    return {
+        name: (explained.loc[list(LAWS), name].rank() == ranks[list(LAWS)]).sum()
+        for name in (OWN, SERIES)
+    }
+
+
+# ---- force against depth ----
+
+
+@rule
+def start(of):
+    """How many of Hertz and Steuermann are among the two closest laws as contact begins."""
+    found = {}
+    for least in (0.005, 0.025):
+        for reading, table in _curves(least):
+            nearest = _errors(table).iloc[0].abs().nsmallest(2).index
+            count = len({"hertz", "steuermann"} & set(nearest))
+            found[f"{reading}, depth {least:g}"] = count
+    return found
+
+
+@rule
+def crossing(of):
+    """Depth beyond which the proposed law is closer than Hertz's and Steuermann's."""
+    explained = _result("explained").query("quantity == 'crossing'").set_index("row")
+    return {name: explained[name].max() for name in (OWN, SERIES)}
+
+
+@rule
+def crossing_of_liu(of):
+    """Depth beyond which the proposed law is closer than Liu's, in both of its readings."""
+    table = _inside(dict(_curves())[OWN])
+    error = table.sub(table.exact, axis=0).abs()
+    readings = {"spherical": "liu", "half-angle": "liu_half_angle"}
+    return {
+        name: statistics.last_crossing(table.index.to_numpy(), error[law] - error[PROPOSED])
+        for name, law in readings.items()
+    }
+
+
+@rule
+def closest(of):
+    """Share of depths (from, to) at which the proposed law is closer than others, in percent."""
+    low, high, *others = of.split()
+    found = {}
+    for reading, table in _curves():
+        error = _inside(_errors(table).abs(), float(low), float(high))
+        found[reading] = 100 * error[others].gt(error[PROPOSED], axis=0).all(axis=1).mean()
+    return found
+
+
+@rule
+def growth(of):
+    """Least |relative error| at the second depth over that at the first, of some laws."""
+    first, second, *laws = of.split()
+    found = {}
+    for reading, table in _curves():
+        error = _errors(table)[laws].abs()
+        found[reading] = (_at(error, float(second)) / _at(error, float(first))).min()
+    return found
+
+
+def _at(table, depth):
+    return table.iloc[np.abs(table.index - depth).argmin()]
+
+
+@rule
+def scaled_liu(of):
+    """R2 of Liu's law up to 0.5, once a factor is fitted."""
+    found = {}
+    for reading, table in _curves():
+        law, exact = _inside(table).liu, _inside(table).exact
+        found[reading] = statistics.r_squared(exact, law * (law @ exact) / (law @ law))
+    return found
+
+
+@rule
+def exponent_at_start(of):
+    """Exponent of the proposed law as contact begins."""
+    exponents = _result("reach").set_index("law").exponent_at_0
+    return {OWN: exponents["hyperbolic_winkler_flat"], SERIES: exponents[PROPOSED]}
+
+
+@rule
+def exponent(of):
+    """Share of depths up to 0.5 at which the proposed law's exponent is the closest, in percent."""
+    found = {}
+    for reading, table in _curves():
+        slopes = statistics.local_exponent(table[["exact", *LAWS]])
+        error = _inside(slopes[list(LAWS)].sub(slopes.exact, axis=0).abs())
+        found[reading] = 100 * (error.idxmin(axis=1) == PROPOSED).mean()
+    return found
+
+
+@rule
+def largest_error(of):
+    """Largest |relative error| of the proposed law between two depths, in percent."""
+    low, high = map(float, of.split())
+    return {name: _inside(_errors(t)[PROPOSED].abs(), low, high).max() for name, t in _curves()}
+
+
+@rule
+def arc(of):
+    """Growth of the contact half-angle with depth at 0.5 over that at 0.1."""
+    angle = dict(_curves())[OWN].half_angle_deg
+    rate = pd.DataFrame({"rate": np.gradient(angle, angle.index)}, angle.index)
+    return {OWN: _at(rate, 0.5).rate / _at(rate, 0.1).rate}
+
+
+# ---- socket radius, other parameters, scale ----
+
+
+def _radii():
+    yield OWN, _result("own_radius")
+    for kinematics in ("linear", "finite"):
+        yield f"{SERIES}, {kinematics}", _result("fig14").query("kinematics == @kinematics")
+
+
+@rule
+def least_r_squared(of):
+    """Least adjusted R2 of the proposed law over a range of R2*."""
+    low, high = map(float, of.split())
+    return {name: t[t.r2_star.between(low, high)].R2_adj.min() for name, t in _radii()}
+
+
+@rule
+def unexplained(of):
+    """1 - R2 at the largest R2* over that at the smallest."""
+    return {name: (1 - t.R2.iloc[-1]) / (1 - t.R2.iloc[0]) for name, t in _radii()}
+
+
+@rule
+def relative_rmse(of):
+    """Relative RMSE at the largest R2*, in percent."""
+    return {name: t.relative_RMSE_percent.iloc[-1] for name, t in _radii()}
+
+
+@rule
+def rise(of):
+    """Relative RMSE at the largest R2* over that at the smallest."""
+    t = dict(_radii())
+    return {
+        n: r.relative_RMSE_percent.iloc[-1] / r.relative_RMSE_percent.iloc[0] for n, r in t.items()
+    }
+
+
+@rule
+def error_over_radius(of):
+    """Largest |relative error| up to 0.5 at any R2*, in percent."""
+    return {
+        OWN: _result("own_radius").whole_range_percent.max(),
+        SERIES: _result("fig15").whole_range_percent.max(),
+    }
+
+
+@rule
+def thickness(of):
+    """By how much the force at R2* = 200 and depth 0.5 changes with the socket ratio, percent."""
+    table = _result("assumptions").query("case.str.startswith('ratio-')")
+    force = table[table.socket_ratio.between(1.1, 3)].force_at_largest_depth
+    return {"ratios 1.1 to 3": 100 * (force.max() / force.min() - 1)}
+
+
+@rule
+def material(of):
+    """By how much the force at depth 0.5 changes with a property at the same E*, in percent."""
+    table = _result("reach_material").query("panel == @of and law == 'hertz'")
+    error = _at(table.pivot(index="depth_star", columns="parameter", values="value"), 0.5)
+    force = 1 / (1 + error / 100)  # Hertz's law knows neither
+    low, high = sorted(error.index.astype(float))[:: len(error) - 1]
+    name = {"poisson": "Poisson's ratio", "modulus_ratio": "socket's over ball's modulus"}[of]
+    return {f"{name} {low:g} to {high:g}": 100 * (force.max() / force.min() - 1)}
+
+
+@rule
+def error_over_ratio(of):
+    """Largest |relative error| of the proposed law, depths 0.1 to 0.5, any socket ratio."""
+    table = _result("reach_socket").query("law == @PROPOSED and 0.0999 < depth_star < 0.5001")
+    return {"sphere's area": table.relative_error_percent.abs().max()}
+
+
+@rule
+def scale(of):
+    """By how much P/(E* dR^2) changes between clearances of 10 um, 0.1 mm and 1 mm, percent."""
+    table = _result("fig10")
+    modulus, forces = 1e11, []
+    for clearance in (1e-5, 1e-4, 1e-3):
+        radii = 199 * clearance, 200 * clearance
+        depth = table.depth_star.to_numpy() * clearance
+        force = contact.contact_force(PROPOSED, depth, *radii, modulus)
+        forces.append(force / (modulus * clearance**2))
+    return {"laws in SI units": 100 * np.ptp(forces, axis=0).max() / np.max(forces)}
+
+
+@rule
+def triangles(of):
+    """Largest error of three-node triangles on coarse and fine meshes, in percent."""
+    table = _result("speed_solvers").set_index(["method", "setting"]).largest_error
+    names = {"CAX3": "CalculiX CAX3", "three-node triangles": "this study's"}
+    return {
+        f"{name}, {size} elements": 100 * table[method, f"resolution {size}"]
+        for method, name in names.items()
+        for size in (32, 160)
+    }
+
+
+# ---- crank-slider ----
+
+
+@rule
+def methods_agree(of):
+    """RMS difference of particles and finite elements in one quantity, in percent."""
+    table = _result("agreement").query("model == 'particles' and against == 'beams'")
+    return dict(zip(table.joint, 100 * table[of], strict=True))
+
+
+@rule
+def ahead(of):
+    """Share of the simulated time in which the slider is ahead of the ideal one, in percent."""
+    place, speed = _motion("fig17"), _motion("fig18")
+    return _per_model(
+        lambda m: (
+            100 * ((place[f"clearance_{m}"] - place[f"ideal_{m}"]) * speed[f"ideal_{m}"] > 0).mean()
+        )
+    )
+
+
+@rule
+def larger(of):
+    """Largest |quantity| with clearance over that without: figure, from and to in ms."""
+    figure, low, high = of.split()
+    motion = _motion(figure).loc[float(low) : float(high)].abs().max()
+    return _per_model(lambda m: motion[f"clearance_{m}"] / motion[f"ideal_{m}"])
+
+
+@rule
+def impact_force(of):
+    """Largest force of the impacts over that of the ideal joint in the same first 10 ms."""
+    peaks = _result("impacts").groupby("model").peak_force.max()
+    ideal = _motion("fig20").loc[:EARLY].max()
+    return _per_model(lambda m: peaks[m] / ideal[f"ideal_{m}"])
+
+
+@rule
+def last_separation(of):
+    """Last separation as share of the simulated time, in percent."""
+    impacts = _result("impacts")
+    last = 1e3 * (impacts.time + impacts.duration).groupby(impacts.model).max()
+    return _per_model(lambda m: 100 * last[m] / _motion("fig20").index[-1])
+
+
+def _path(model):
+    """Path of the ball's centre in clearances: x, y, and where it is in contact."""
+    path = _motion("fig21")[[f"x_um_{model}", f"y_um_{model}"]]
+    path = path / (1e6 * _clearance())
+    x, y = path.to_numpy().T
+    return x, y, np.hypot(x, y) >= 1
+
+
+def _clearance():
+    return dataset.published()["Table 3", "joint", "clearance_m"]
+
+
+@rule
+def downwards(of):
+    """How far below the socket's centre the ball first touches, in percent of the clearance."""
+
+    def below(model):
+        _, y, touches = _path(model)
+        return -100 * y[np.flatnonzero(touches)[0]]
+
+    return _per_model(below)
+
+
+@rule
+def in_contact(of):
+    """Share of the simulated time in contact, in percent."""
+    return _per_model(lambda m: 100 * _path(m)[2].mean())
+
+
+@rule
+def circumference(of):
+    """Arc along the socket that the contact covers, in degrees."""
+
+    def covered(model):
+        x, y, touches = _path(model)
+        angle = np.degrees(np.arctan2(y, x))[touches]
+        return np.unique(angle // 1).size
+
+    return _per_model(covered)
+
+
+@rule
+def preferred(of):
+    """Share of the time in contact in the most visited quarter of directions, in percent."""
+
+    def share(model):
+        x, y, touches = _path(model)
+        angle = np.degrees(np.arctan2(y, x))[touches] % 360
+        count = np.histogram(angle, np.arange(0, 361, 5))[0]
+        quarters = np.convolve(np.append(count, count[:17]), np.ones(18), "valid")
+        return 100 * quarters.max() / count.sum()
+
+    return _per_model(share)
+
+
+@rule
+def depth_in_mechanism(of):
+    """Largest depth in the crank-slider, in clearances."""
+    return _per_model(lambda m: np.hypot(*_path(m)[:2]).max() - 1)
+
+
+@rule
+def law_in_mechanism(of):
+    """|Relative error| of the proposed law at the largest depth of the crank-slider, percent."""
+    deepest = max(depth_in_mechanism("").values())
+    found = {}
+    for reading, table in _curves():
+        error = _errors(table)[PROPOSED].abs()
+        found[reading] = np.interp(deepest, error.index, error)
+    return found
+
+
+@rule
+def restitution(of):
+    """Restitution that Lankarani and Nikravesh's damping delivers."""
+    first = _result("impacts").query("model == 'rigid'").delivered_restitution.iloc[0]
+    limits = _result("stability_limits").set_index("what").observed
+    return {"free impact": float(limits["restitution, lankarani-nikravesh"]), "first impact": first}
+
+
+@rule
+def solving_each_call(of):
+    """Time of solving the elastic contact at every call over that of Hertz's law."""
+    return {"series": _result("speed_laws").set_index("method").relative["solver"]}
+
+
+@rule
+def explicit_steps(of):
+    """Time of explicit steps over the fastest method's for an error of 1e-4 in 0.3 s."""
+    table = _result("speed_steppers").query("rms_error <= 1e-4").groupby("method").time.min()
+    return {method: table[method] / table.min() for method in ("centred", "velocity Verlet")}

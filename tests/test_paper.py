@@ -1,0 +1,93 @@
+"""The paper: every number read, nothing missing, the same bytes; REPRODUCING as computed."""
+
+import re
+
+import pandas as pd
+import pytest
+import typst
+
+from study import paths, typeset
+from study.checks import StudyError
+from study.notebooks import CATALOGUE
+
+TEXT = typeset.SOURCE.read_text(encoding="utf-8")
+
+
+def test_the_paper_is_typeset_twice_to_the_same_bytes(tmp_path):
+    first, second = tmp_path / "first.pdf", tmp_path / "second.pdf"
+    typeset.typeset(output=first)
+    typeset.typeset(output=second)
+    assert first.read_bytes() == second.read_bytes()
+    assert first.read_bytes().startswith(b"%PDF")
+    assert str(paths.ROOT).encode() not in first.read_bytes()
+    pages = typst.compile(typeset.SOURCE, root=paths.ROOT, ignore_system_fonts=True, format="svg")
+    assert 8 <= len(pages) <= 14
+
+
+def copy(tmp_path, monkeypatch, old, new):
+    """The paper's folder beside the results, with one thing changed in its text."""
+    root = tmp_path / "project"
+    root.mkdir()
+    for name in ("figures", "data", "study"):
+        (root / name).symlink_to(paths.ROOT / name)
+    (root / "paper").mkdir()
+    assert old in TEXT
+    for path in paths.PAPER.glob("*.*"):
+        text = path.read_text(encoding="utf-8")
+        text = text.replace(old, new) if path == typeset.SOURCE else text
+        (root / "paper" / path.name).write_text(text, encoding="utf-8")
+    monkeypatch.setattr(paths, "ROOT", root)
+    return root / "paper/paper.typ"
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('"example_proves_the_law"', '"no_such_claim"'),
+        ('picture("truth"', 'picture("no-such-figure"'),
+        ('explained("liu", "RMSE")', 'explained("liu", "RMSF")'),
+        ('published("Table 1"', 'published("Table 9"'),
+        ("@truth", "@no-such-label"),
+    ],
+)
+def test_what_is_missing_stops_the_paper(tmp_path, monkeypatch, old, new):
+    source = copy(tmp_path, monkeypatch, old, new)
+    with pytest.raises(StudyError, match="paper/paper.typ"):
+        typeset.typeset(source, tmp_path / "paper.pdf")
+    assert not (tmp_path / "paper.pdf").exists()
+
+
+def test_the_references_asked_of_such_a_paper_are_cited():
+    entries = (paths.PAPER / "references.yml").read_text(encoding="utf-8")
+    keys = re.findall(r"^(\w+):$", entries, re.MULTILINE)
+    assert len(keys) >= 16
+    for key in keys:
+        assert f"@{key}" in TEXT, key
+    without = {"yao2024", "steuermann1939", "pytask", "papermill"}  # have none that is known
+    for key, entry in zip(keys, re.split(r"^\w+:\n", entries, flags=re.MULTILINE)[1:], strict=True):
+        assert ("doi:" in entry) != (key in without), key
+
+
+REPRODUCING = (paths.ROOT / "REPRODUCING.md").read_text(encoding="utf-8")
+ROW = re.compile(r"^\| (.*?) \| `(\w+)` \| (\S+) \| (\d+) \| `(.+?)`(?: at (.*))?: (\S+) \|$", re.M)
+EXPECTED = ROW.findall(REPRODUCING)
+
+
+def test_every_result_stands_in_reproducing():
+    notebooks = {name: notebook.name for notebook in CATALOGUE for name in notebook.results}
+    assert {name: notebook for _, name, notebook, *_ in EXPECTED} == notebooks
+    assert len(EXPECTED) == len(notebooks)
+
+
+@pytest.mark.parametrize("row", EXPECTED, ids=lambda row: row[1])
+def test_expected_number_is_the_computed_one(row):
+    _, name, _, _, column, where, value = row
+    table = pd.read_csv(paths.FIGURES / f"{name}.csv", dtype=str, keep_default_na=False)
+    if column == "rows":
+        assert len(table) == int(value)
+        return
+    keys = [key.split(" = ") for key in re.split(r", (?=\w+ = )", where)]
+    for key, wanted in keys:
+        table = table[table[key] == wanted]
+    assert len(table) == 1
+    assert f"{float(table[column].item()):.4g}" == value

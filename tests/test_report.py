@@ -1,0 +1,502 @@
+"""The report: complete, closed in itself, the same every time, and alive in a browser."""
+
+import base64
+import csv
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import nbformat
+import pytest
+from nbformat import v4
+
+from study import paths, report
+from study.checks import StudyError
+from study.contact import LAWS
+from study.notebooks import CATALOGUE
+from study.report.claims import COLUMNS, VERDICTS
+from study.report.prose import mathml
+from study.report.results import results
+
+RESULTS = {name: nb for nb in CATALOGUE for name in nb.results}
+FIGURES = [name for nb in CATALOGUE for name in nb.figures]
+HOSTILE = 'A law with "quotes", <b>&amp; & </b></script><script>alert(1)</script>'
+CLAIMS = [
+    {"claim": f"claim_{k}", "where": "Sec. 3", "statement": f"Statement {k}", "measure": "error, %"}
+    | {"relation": "=", "expected": "1.5", "tolerance": "1", "partly": "5", "found": "own: 1.4"}
+    | {"lowest": "1.4", "highest": "1.4", "verdict": verdict, "figure": "fig10"}
+    | {"evidence": "fig10 table2"}
+    for k, verdict in enumerate([*VERDICTS, "partly"])
+]
+CLAIMS[0] |= {"statement": HOSTILE, "found": "<b>: 1; <i>: 2", "claim": "hostile <claim>"}
+PROBED = "03-force-against-depth"
+
+
+def write_claims(figures, rows, columns=COLUMNS):
+    with open(figures / "claims.csv", "w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns, extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory):
+    """Results, a paper, and notebooks that were not run, but for two outputs."""
+    folder = tmp_path_factory.mktemp("sources")
+    figures, executed = folder / "figures", folder / "executed"
+    figures.mkdir()
+    executed.mkdir()
+    for name in FIGURES:
+        image = paths.FIGURES / f"{name}.png"
+        shutil.copy(image if image.is_file() else paths.FIGURES / "fig09.png", figures / image.name)
+    for name in RESULTS:
+        numbers = paths.FIGURES / f"{name}.csv"
+        if numbers.is_file():
+            shutil.copy(numbers, figures)
+        else:
+            (figures / numbers.name).write_text("a,b\n1,x\n")
+    write_claims(figures, CLAIMS)
+    for notebook in CATALOGUE:
+        shutil.copy(notebook.path, executed)
+    probed = nbformat.read(executed / f"{PROBED}.ipynb", as_version=4)
+    image = base64.b64encode((figures / "fig10.png").read_bytes()).decode()
+    text = "Within 1 % for $R_2^* \\ge 20$ at $$\\delta^{*3/2} = \\tfrac43\\sin\\theta$$"
+    outputs = [v4.new_output("display_data", {"image/png": image})]
+    outputs.append(v4.new_output("display_data", {"text/markdown": text}))
+    probed.cells.append(v4.new_code_cell("x = 1", outputs=outputs))
+    probed.metadata["papermill"] = {"output_path": str(paths.ROOT / "build")}
+    nbformat.write(probed, executed / f"{PROBED}.ipynb")
+    (folder / "paper.pdf").write_bytes(b"%PDF-1.4\n%%EOF\n")
+    return {"figures": figures, "executed": executed, "paper": folder / "paper.pdf"}
+
+
+@pytest.fixture(scope="module")
+def again(sources, tmp_path_factory):
+    """The same report from another process, which hashes text otherwise; begun in time."""
+    folder = tmp_path_factory.mktemp("again")
+    code = "import sys; from study import report; report.write(sys.argv[1], **eval(sys.argv[2]))"
+    options = repr({key: str(value) for key, value in sources.items()})
+    command = [sys.executable, "-c", code, str(folder / "report"), options]
+    environment = os.environ | {"PYTHONHASHSEED": "7", "OMP_NUM_THREADS": "1"}
+    with subprocess.Popen(command, env=environment, cwd=paths.ROOT) as process:
+        yield folder, process
+
+
+@pytest.fixture(scope="module")
+def built(sources, again, tmp_path_factory):
+    return report.write(tmp_path_factory.mktemp("built") / "report", **sources).parent
+
+
+class Page(HTMLParser):
+    """Anchors, links and loaded resources of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.anchors, self.links, self.loaded, self.data = set(), [], [], {}
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        given = dict(attributes)
+        self.anchors.add(given.get("id"))
+        self.data |= {k: v for k, v in given.items() if k.startswith("data-probe")}
+        if tag == "a" and "href" in given:
+            self.links.append(given["href"])
+        elif tag in ("link", "script", "img", "iframe", "source", "object", "embed"):
+            self.loaded += [given[k] for k in ("href", "src", "srcset", "data") if given.get(k)]
+        self.loaded += re.findall(r"url\(['\"]?([^'\")]+)", given.get("style") or "")
+
+
+@pytest.fixture(scope="module")
+def pages(built):
+    return {path: Page(path.read_text(encoding="utf-8")) for path in built.rglob("*.html")}
+
+
+@pytest.fixture(scope="module")
+def index(built):
+    text = (built / "search-index.js").read_text(encoding="utf-8")
+    return json.loads(text.removeprefix("window.SEARCH_INDEX=").removesuffix(";\n"))
+
+
+def resolves(pages, page, link):
+    path, _, place = link.partition("#")
+    target = (page.parent / unquote(path)).resolve() if path else page
+    if target.name == "data.html" and place.startswith("case="):
+        return True  # a state of the plot
+    return target.is_file() and (not place or unquote(place) in pages[target].anchors)
+
+
+def test_every_link_leads_somewhere(pages):
+    broken = [
+        (str(page), link)
+        for page, content in pages.items()
+        for link in content.links + content.loaded
+        if not link.startswith(("https://", "http://", "data:", "mailto:"))
+        and not resolves(pages, page, link)
+    ]
+    assert not broken
+
+
+def test_nothing_is_loaded_from_outside(built, pages):
+    for page, content in pages.items():
+        outside = [u for u in content.loaded if re.match(r"(\w+:)?//", u)]
+        assert not outside, page
+        assert not re.search(r"mathjax|require\.js|cdn", page.read_text("utf-8"), re.IGNORECASE)
+    for style in built.rglob("*.css"):
+        text = style.read_text(encoding="utf-8")
+        assert "@import" not in text
+        assert not re.search(r"url\(['\"]?(\w+:)?//", text), style
+    for script in ("search.js", "plot.js"):
+        assert not re.search(r"fetch\(|XMLHttp|import\(|//\w+\.", (built / script).read_text())
+
+
+def test_no_path_of_a_machine_and_no_date(built):
+    for path in built.rglob("*"):
+        if path.suffix in (".html", ".js", ".css"):
+            text = path.read_text(encoding="utf-8")
+            assert str(paths.ROOT) not in text, path
+            assert str(Path.home()) + "/" not in text, path
+
+
+def test_every_figure_and_table_has_its_page(built, pages):
+    for name, notebook in RESULTS.items():
+        page = pages[built / f"figures/{name}.html"]
+        assert f"{name}.csv" in page.links
+        assert (built / f"figures/{name}.csv").is_file()
+        assert f"../notebooks/{notebook.name}.html" in page.links
+        assert f"../figures/{name}.html" in pages[built / f"notebooks/{notebook.name}.html"].links
+        assert f"figures/{name}.html" in pages[built / "figures.html"].links
+        if name in notebook.figures:
+            assert f"{name}.png" in page.links + page.loaded
+            assert (built / f"figures/{name}.png").is_file()
+
+
+def test_results_come_in_the_papers_order(sources):
+    names = [result.name for result in results(sources["figures"])]
+    assert sorted(names) == sorted(RESULTS)
+    papers = [name for name in names if re.fullmatch(r"(fig|table)\d+", name)]
+    assert names[: len(papers)] == papers == sorted(papers)
+
+
+def test_every_claim_is_shown_and_escaped(built, pages):
+    text = (built / "index.html").read_text(encoding="utf-8")
+    assert "claim-hostile-claim" in pages[built / "index.html"].anchors
+    for claim in CLAIMS[1:]:
+        assert f"claim-{claim['claim']}" in pages[built / "index.html"].anchors
+        assert claim["statement"] in text
+        assert f"../index.html#claim-{claim['claim']}" in pages[built / "figures/fig10.html"].links
+    for verdict, sign in VERDICTS.items():
+        assert f'aria-hidden="true">{sign}</span> {verdict}' in text
+    for page in ("index.html", "figures/fig10.html"):
+        text = (built / page).read_text(encoding="utf-8")
+        assert "<b>&amp;" not in text
+        assert "<script>alert" not in text
+        assert "&lt;b&gt;&amp;amp; &amp; &lt;/b&gt;&lt;/script&gt;" in text
+
+
+def test_search_knows_every_kind(index, pages, built):
+    kinds = {entry["kind"] for entry in index}
+    assert kinds == {"claim", "figure", "table", "notebook", "case", "library", "document"}
+    titles = [entry["title"] for entry in index]
+    assert "study.contact.laws.stiffened_hertz" in titles
+    assert "claim_1: Statement 1" in titles
+    assert any(title.startswith("Fig. 10: ") for title in titles)
+    assert len([t for t in titles if t.startswith("study.")]) > 100
+    for entry in index:
+        assert resolves(pages, built / "start", entry["url"]), entry
+
+
+def test_library_is_complete(built):
+    modules = [p.relative_to(paths.ROOT) for p in (paths.ROOT / "study").rglob("*.py")]
+    for module in modules:
+        path = module.parent if module.name == "__init__.py" else module.with_suffix("")
+        assert (built / "api" / f"{path}.html").is_file()
+    text = (built / "api/study/contact/laws.html").read_text(encoding="utf-8")
+    signature = re.sub(r"<[^>]+>", "", re.search(r'id="hertz".*?</div>', text, re.DOTALL)[0])
+    assert "depth_star" in signature  # not that of the function that the law is made of
+
+
+def test_formulas_become_mathml(built):
+    text = (built / f"notebooks/{PROBED}.html").read_text(encoding="utf-8")
+    assert text.count('<math display="block"') + text.count('display="block"') > 0
+    assert "$$" not in text
+    assert '<a class="figure" href="../figures/fig10.html">' in text
+    assert "data:image/png" not in text
+    for page in (built / "notebooks").glob("*.html"):
+        for formula in re.findall(r"<math.*?</math>", page.read_text("utf-8"), re.DOTALL):
+            assert "\\" not in formula, page  # a command that was not understood
+
+
+def test_functions_and_stars_have_their_spaces():
+    assert '<mi>sin</mi><mspace width="0.167em"/>' in mathml(r"R\sin\theta")
+    assert '<mo lspace="0" rspace="0">&#x02217;</mo>' in mathml("R_2^*")
+
+
+def test_documents_link_to_pages(built, pages):
+    readme = pages[built / "docs/readme.html"]
+    assert {"../docs/contributing.html", "../docs/data-readme.html"} <= set(readme.links)
+    assert any(link.startswith("../figures/") for link in readme.links)
+
+
+def test_data_hold_every_case_and_law(built):
+    text = (built / "data.js").read_text(encoding="utf-8")
+    assert len(text) < 2e6
+    data = json.loads(text.removeprefix("window.STUDY_DATA=").removesuffix(";\n"))
+    assert list(data["looks"]) == ["exact", *LAWS]
+    for case in data["cases"]:
+        assert set(case["laws"]) | set(case["undefined"]) == set(LAWS)
+        for force in (case["force"], *case["laws"].values()):
+            assert len(force) == len(data["depths"][case["depths"]])
+    by_name = {case["name"]: case for case in data["cases"]}
+    assert set(by_name["paper-small-200"]["undefined"]) == {"stiffened_hertz"}
+    assert "equal" in by_name["modulus-2-linear-200"]["undefined"]["stiffened_hertz"]
+    paper = by_name["paper-linear-200"]
+    assert paper["laws"]["stiffened_hertz"] == pytest.approx(paper["force"], rel=5e-3)
+
+
+def test_same_sources_give_the_same_bytes(built, again):
+    folder, process = again
+    assert process.wait() == 0
+    assert [path.name for path in folder.iterdir()] == ["report"]
+    first, second = (
+        {path.relative_to(top): path.read_bytes() for path in top.rglob("*") if path.is_file()}
+        for top in (built, folder / "report")
+    )
+    assert first.keys() == second.keys()
+    assert not [path for path in first if first[path] != second[path]]
+
+
+@pytest.fixture
+def other(sources, tmp_path):
+    """Sources of which a test may spoil something, and a report that is already there."""
+    figures = tmp_path / "figures"
+    shutil.copytree(sources["figures"], figures)
+    target = tmp_path / "report"
+    target.mkdir()
+    (target / "search-index.js").write_text("old")
+    return target, figures, sources | {"figures": figures}
+
+
+def test_missing_claims_are_one_clear_error(other):
+    target, figures, options = other
+    (figures / "claims.csv").unlink()
+    with pytest.raises(StudyError, match=r"lacks \S*claims.csv; make it with: study run claims$"):
+        report.write(target, **options)
+    assert (target / "search-index.js").read_text() == "old"
+
+
+def test_missing_files_are_named_with_what_makes_them(other):
+    target, figures, options = other
+    for name in ("fig01.png", "fig12.csv", "table2.csv", "reach.csv", "judged.csv"):
+        (figures / name).unlink()
+    with pytest.raises(StudyError, match=r"fig01.png.* and 1 more; .*study run fig01, .*table2"):
+        report.write(target, **options)
+    with pytest.raises(StudyError, match=r"lacks \S*00-\S*ipynb.*study run 00-"):
+        report.write(
+            target,
+            **options | {"figures": options["executed"].parent / "figures"} | {"executed": figures},
+        )
+    with pytest.raises(StudyError, match=r"lacks \S*nowhere.pdf; make it with: study paper"):
+        report.write(
+            target,
+            paper="nowhere.pdf",
+            executed=options["executed"],
+            figures=options["executed"].parent / "figures",
+        )
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"verdict": "good"}, "claim_1: verdict 'good' is not known; .*study run claims"),
+        ({"evidence": "fig99"}, "claim_1: fig99 is not known"),
+        ({"claim": "claim_2"}, "claim claim_2 stands twice"),
+    ],
+)
+def test_damaged_claims_are_refused(other, change, message):
+    target, figures, options = other
+    write_claims(figures, [CLAIMS[1] | change, *CLAIMS[2:]])
+    with pytest.raises(StudyError, match=message):
+        report.write(target, **options)
+
+
+def test_claims_without_a_column_are_refused(other):
+    target, figures, options = other
+    write_claims(figures, CLAIMS, [c for c in COLUMNS if c != "found"])
+    with pytest.raises(StudyError, match="claims.csv lacks found"):
+        report.write(target, **options)
+
+
+def test_a_folder_with_other_files_is_left_alone(sources, tmp_path):
+    (tmp_path / "thesis.txt").write_text("mine")
+    with pytest.raises(ValueError, match="must be empty or hold a report"):
+        report.write(tmp_path, **sources)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
+
+
+# ---- in a browser ----
+
+CHROMIUM = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+)
+FLAGS = (
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+    *("--virtual-time-budget=5000", "--enable-logging=stderr", "--window-size=1200,1000"),
+)
+
+
+@pytest.fixture
+def browse(built, tmp_path):
+    """Document of a page after it, and a script at its end, have run; fails on console errors."""
+    if CHROMIUM is None:
+        pytest.skip("no Chromium found")
+
+    def browse(name, script="", place=""):
+        page = probe = built / name
+        if script:
+            probe = page.with_name("probe.html")
+            script = f"<script>window.addEventListener('load', () => {{ {script} }});</script>"
+            text = page.read_text(encoding="utf-8").replace("</body>", f"{script}</body>")
+            probe.write_text(text, encoding="utf-8")
+        profile = f"--user-data-dir={tmp_path / 'profile'}"
+        command = [CHROMIUM, *FLAGS, profile, "--dump-dom", probe.as_uri() + place]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+        finally:
+            if script:
+                probe.unlink()
+        errors = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+        assert not errors
+        return done.stdout
+
+    return browse
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("index.html", "figures.html", "figures/fig10.html", f"notebooks/{PROBED}.html"),
+        *("data.html", "api/study/contact/laws.html", "docs/readme.html"),
+    ],
+)
+def test_pages_load_without_errors(browse, name):
+    assert "</main>" in browse(name)
+
+
+TELL = "const tell = (value) => { document.body.dataset.probe = JSON.stringify(value); };"
+LINE = """const line = (name) => document.querySelector(
+  `#force .line[data-name="${name}"]`)?.getAttribute("d");
+const dots = () => document.querySelector('#force [data-name="exact"]').innerHTML;
+const form = document.getElementById("plot");
+const choose = (name, value) => { form.elements[name].value = value;
+  form.elements[name].dispatchEvent(new Event("input", { bubbles: true })); };
+"""
+
+
+def told(document):
+    return json.loads(Page(document).data["data-probe"])
+
+
+def test_plot_follows_its_controls(browse):
+    script = """
+    const state = () => ({ dots: dots(), hertz: line("hertz"), liu: line("liu") ?? null });
+    const before = state();
+    choose("r2_star", "20");
+    const box = document.querySelector('input[value="liu"]');
+    box.checked = true;
+    box.dispatchEvent(new Event("input", { bubbles: true }));
+    const after = state();
+    choose("y", "log");
+    choose("at", "3");
+    const found = { before, after, log: line("hertz"), early: location.hash };
+    found.table = document.getElementById("values").innerText;
+    setTimeout(() => tell({ ...found, late: location.hash }), 1000);
+    """
+    found = told(browse("data.html", TELL + LINE + script))
+    before, after = found["before"], found["after"]
+    assert before["liu"] is None
+    assert after["liu"].startswith("M")
+    assert before["hertz"] != after["hertz"] != found["log"]
+    assert before["dots"] != after["dots"]
+    assert found["early"] == ""
+    assert "case=paper-linear-20&" in found["late"]
+    assert "liu" in found["late"]
+    assert "y=log&at=3" in found["late"]
+    assert "0.1 clearances" in found["table"]
+    assert "Liu" in found["table"]
+
+
+def test_plot_shows_what_its_address_says(browse):
+    place = "#case=paper-small-200&laws=liu,stiffened_hertz&x=log&y=log&at=0"
+    script = "tell([line('liu'), line('stiffened_hertz') ?? null, form.elements.x.value,"
+    script += "document.getElementById('case').innerText, form.elements.kinematics.value]);"
+    liu, stiffened, axis, text, kinematics = told(browse("data.html", TELL + LINE + script, place))
+    assert liu.startswith("M")
+    assert stiffened is None
+    assert (axis, kinematics) == ("log", "small")
+    assert "paper-small-200" in text
+    assert "not defined" in text
+
+
+def test_every_choice_shows_a_curve(browse):
+    script = """
+    let count = 0;
+    const empty = [];
+    for (const key of Object.keys(window.STUDY_DATA.parameters))
+      for (const value of [...form.elements[key].options].map((option) => option.value)) {
+        choose(key, value);
+        count++;
+        if (form.elements[key].value !== value || !dots() || /NaN|Infinity/.test(
+          document.getElementById("force").innerHTML + document.getElementById("error").innerHTML))
+          empty.push([key, value]);
+      }
+    tell([count, empty]);
+    """
+    count, empty = told(browse("data.html", TELL + LINE + script))
+    assert count > 200
+    assert empty == []
+
+
+TYPE = """const input = document.getElementById("search");
+const type = (words) => { input.focus(); input.value = words;
+  input.dispatchEvent(new Event("input", { bubbles: true })); };
+"""
+
+
+def test_search_finds_all_words(browse):
+    document = browse("figures/fig10.html", TYPE + 'type("stiffened hertz laws");')
+    assert "api/study/contact/laws.html#stiffened_hertz" in document
+    assert '<ol id="found">' in document  # no longer hidden
+    document = browse("index.html", TYPE + 'type("xyzzy");')
+    assert "Nothing has all of these words." in document
+
+
+def test_slash_searches_and_enter_opens_the_first(browse):
+    script = """
+    document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "/", bubbles: true }));
+    if (document.activeElement === input) type("paper-linear-200");
+    setTimeout(() => input.form.requestSubmit(), 1500);
+    """
+    document = browse("index.html", TYPE + script)
+    assert "<h1>Force-depth curves</h1>" in document
+    assert "<dd>paper-linear-200</dd>" in document
+
+
+def test_claims_are_filtered_by_verdict(browse):
+    script = """
+    const shown = () => [...document.querySelectorAll("tr.claim")]
+      .filter((row) => getComputedStyle(row).display !== "none").length;
+    const counts = [shown()];
+    for (const radio of document.querySelectorAll("[name=verdict]")) {
+      radio.click();
+      counts.push(shown());
+    }
+    tell(counts);
+    """
+    assert told(browse("index.html", TELL + script)) == [5, 5, 1, 2, 1, 1]
