@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study import cli, contact, dataset, fitting, paths
+from study import cli, contact, dataset, fitting, paths, statistics
 from study.mechanism import compare, simulate
 
 README = " ".join((paths.ROOT / "README.md").read_text(encoding="utf-8").split())
@@ -309,3 +309,45 @@ def test_example_of_choose_is_what_it_prints(monkeypatch, capsys):
     printed = capsys.readouterr().out.split()
     shown = re.search(r"```text\n(.*?)```", text, re.DOTALL)[1].split()
     assert [word for word in printed if "─" not in word] == shown
+
+
+def test_verdicts_as_claimed():
+    verdicts = pd.read_csv(paths.FIGURES / "claims.csv").verdict.value_counts()
+    total, *counts = claimed(
+        r"Of (\d+), each judged by a stated rule, (\d+) are reproduced, (\d+) partly, "
+        r"(\d+) are not and (\d+) cannot be decided"
+    )
+    names = ("reproduced", "partly", "not reproduced", "cannot be decided")
+    assert [verdicts[name] for name in names] == counts
+    assert verdicts.sum() == total
+
+
+def test_exponent_and_example_as_claimed():
+    judged = pd.read_csv(paths.FIGURES / "claims.csv").set_index("claim")
+    (percent,) = claimed(r"is the closest of five laws at (\d+) % of the depths; Hertz's is closer")
+    assert judged.highest["best_exponent"] == pytest.approx(percent, abs=0.5)
+    curves = pd.read_csv(paths.FIGURES / "own_curves.csv").query("0.01 < depth_star <= 0.5")
+    columns = ["exact", "hertz", "hyperbolic_winkler"]
+    for _, table in curves.groupby("set_up"):
+        slopes = statistics.local_exponent(table.set_index("depth_star")[columns])
+        off = slopes.sub(slopes.exact, axis=0).abs()
+        assert (off.hertz < off.hyperbolic_winkler).all()
+    depth, low, high = claimed(
+        r"needs depths up to ([\d.]+) clearances, where the paper's law is (\d+) to (\d+) % off"
+    )
+    assert judged.highest["depth_below_half"] == pytest.approx(depth, abs=0.0005)
+    example = judged.loc["example_proves_the_law"]
+    assert [example.lowest, example.highest] == pytest.approx([low, high], abs=0.5)
+
+
+def test_the_right_law_as_claimed_in_short():
+    error, cost, papers = claimed(
+        r"is within ([\d.]+) % on 72 joints that it was not fitted to, for ([\d.]+) times the cost "
+        r"of Hertz's law; the paper's costs ([\d.]+) times"
+    )
+    judged = pd.read_csv(paths.FIGURES / "judged.csv").query("group == 'judge'")
+    assert judged.cases.sum() == 72
+    assert judged.largest_percent.max() == pytest.approx(error, abs=0.05)
+    relative = pd.read_csv(paths.FIGURES / "speed_laws.csv").set_index("method").relative
+    assert relative["stiffened_hertz"] == pytest.approx(cost, abs=0.05)
+    assert relative["hyperbolic_winkler"] == pytest.approx(papers, abs=0.05)
