@@ -9,7 +9,12 @@ from study import contact, dataset, notebooks, paths, tasks, typeset
 
 RESULTS = [path for notebook in notebooks.CATALOGUE for path in notebook.products()]
 SHOWN = [path for path in RESULTS if path.parent == paths.FIGURES]
-NUMBERS = [dataset.CURVES, paths.DATA / "published/tables.csv", contact.laws.COEFFICIENTS]
+NUMBERS = [
+    dataset.CURVES,
+    dataset.PACKAGE,
+    paths.DATA / "published/tables.csv",
+    contact.laws.COEFFICIENTS,
+]
 TEXT = [path for path in sorted(paths.PAPER.iterdir()) if path.suffix in (".typ", ".yml")]
 LIBRARY = [
     path

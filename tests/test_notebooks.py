@@ -88,3 +88,32 @@ def test_settings_reach_the_notebooks_that_have_them():
 def test_wrong_settings_stop_before_anything_runs(setting, message):
     with pytest.raises(ValueError, match=re.escape(message)):
         notebooks.check_parameters(notebooks.select(["fig10"]), [setting])
+
+
+def order(names, then):
+    """Tasks that would be run or are fresh, in order, of a process of its own."""
+    code = (
+        "from study import notebooks\n"
+        f"session = notebooks.run(notebooks.select({names}), {{}}, then={then!r}, dry=True)\n"
+        "assert session.exit_code == 0\n"
+        "for report in session.execution_reports:\n"
+        "    if report.outcome.name != 'SKIP':\n"
+        "        print(report.task.name.split('::task_')[-1])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+def test_paper_and_report_come_after_every_notebook():
+    tasks = order([], "report")
+    assert tasks[-2:] == ["typeset", "report"]
+    assert sorted(tasks[:-2]) == [f"notebook[{nb.name}]" for nb in notebooks.CATALOGUE]
+
+
+def test_a_notebook_comes_after_those_it_reads_from():
+    (last,) = notebooks.select(["claims"])
+    makers = [nb for nb in notebooks.CATALOGUE if set(nb.results) & set(last.reads)]
+    tasks = order(["claims"], None)
+    assert tasks[-1] == f"notebook[{last.name}]"
+    assert sorted(tasks[:-1]) == [f"notebook[{nb.name}]" for nb in makers]
