@@ -23,6 +23,7 @@ OWN, SERIES = "clamped 1.3, flat area", "plane 1.19, sphere"  # set-ups, by thei
 LAWS = contact.PAPER_LAWS
 PROPOSED = "hyperbolic_winkler"
 EARLY = 10.0  # ms: the first impacts
+DURATIONS = (50, 100, 200)  # ms: the paper does not say how long it simulates
 FIT = 0.5  # largest depth of the fits
 MODELS = ("rigid", "particles", "beams")
 
@@ -206,7 +207,7 @@ def rmse(of):
 
 @rule
 def r_squared(of):
-    """|R2| of a law (law, R2 or R2_adj) over the two ranges of depth that the paper names."""
+    """|R2| of a law (law, R2 or R2_adj) at 20 depths of the whole range, and of Fig. 10(d)."""
     law, quantity = of.split()
     windows = _result("windows").set_index(["set_up", "low", "high"])[law]
     found = {"0 to 0.5": windows[OWN, 0.0, 0.5], "0.35 to 0.5": windows[OWN, 0.35, 0.5]}
@@ -241,13 +242,11 @@ def order(of):
 
 @rule
 def start(of):
-    """How many of Hertz and Steuermann are among the two closest laws as contact begins."""
+    """How many of Hertz and Steuermann are closer than the proposed law as contact begins."""
     found = {}
-    for least in (0.005, 0.025):
-        for reading, table in _curves(least):
-            nearest = _errors(table).iloc[0].abs().nsmallest(2).index
-            count = len({"hertz", "steuermann"} & set(nearest))
-            found[f"{reading}, depth {least:g}"] = count
+    for reading, table in _curves(0.005):
+        error = _errors(table).iloc[0].abs()
+        found[reading] = (error[["hertz", "steuermann"]] < error[PROPOSED]).sum()
     return found
 
 
@@ -297,31 +296,37 @@ def _at(table, depth):
 
 
 @rule
-def scaled_liu(of):
-    """R2 of Liu's law up to 0.5, once a factor is fitted."""
+def scaled_fit(of):
+    """RMSE of the proposed law over that of another, each times the factor that fits it best."""
     found = {}
     for reading, table in _curves():
-        law, exact = _inside(table).liu, _inside(table).exact
-        found[reading] = statistics.r_squared(exact, law * (law @ exact) / (law @ law))
+        table = _inside(table)
+        scaled = {
+            law: table[law] * (table[law] @ table.exact) / (table[law] @ table[law])
+            for law in (PROPOSED, of)
+        }
+        left = {law: statistics.rmse(table.exact, force) for law, force in scaled.items()}
+        found[reading] = left[PROPOSED] / left[of]
     return found
-
-
-@rule
-def exponent_at_start(of):
-    """Exponent of the proposed law as contact begins."""
-    exponents = _result("reach").set_index("law").exponent_at_0
-    return {OWN: exponents["hyperbolic_winkler_flat"], SERIES: exponents[PROPOSED]}
 
 
 @rule
 def exponent(of):
-    """Share of depths up to 0.5 at which the proposed law's exponent is the closest, in percent."""
+    """Share of depths up to 0.5 at which a law's exponent is closer than others', in percent."""
+    law, *others = of.split()
     found = {}
     for reading, table in _curves():
-        slopes = statistics.local_exponent(table[["exact", *LAWS]])
-        error = _inside(slopes[list(LAWS)].sub(slopes.exact, axis=0).abs())
-        found[reading] = 100 * (error.idxmin(axis=1) == PROPOSED).mean()
+        slopes = _inside(table.filter(like="exponent_").rename(columns=lambda c: c[9:]))
+        error = slopes.sub(slopes.exact, axis=0).abs()
+        found[reading] = 100 * error[others].gt(error[law], axis=0).all(axis=1).mean()
     return found
+
+
+@rule
+def improvement(of):
+    """RMSE of the fitted Winkler law over that of the proposed one."""
+    explained = _result("explained").query("quantity == 'RMSE'").set_index("row")
+    return {name: explained[name]["winkler"] / explained[name][PROPOSED] for name in (OWN, SERIES)}
 
 
 @rule
@@ -377,37 +382,44 @@ def rise(of):
 
 
 @rule
-def error_over_radius(of):
-    """Largest |relative error| up to 0.5 at any R2*, in percent."""
-    return {
-        OWN: _result("own_radius").whole_range_percent.max(),
-        SERIES: _result("fig15").whole_range_percent.max(),
-    }
+def worst_relative_rmse(of):
+    """Largest relative RMSE at any R2*, in percent."""
+    return {name: t.relative_RMSE_percent.max() for name, t in _radii()}
+
+
+@rule
+def spread_over_radius(of):
+    """Largest |relative error| up to a depth of 0.5, the largest over the least of any R2*."""
+    tables = {OWN: _result("own_radius"), SERIES: _result("fig15")}
+    return {n: t.whole_range_percent.max() / t.whole_range_percent.min() for n, t in tables.items()}
 
 
 @rule
 def thickness(of):
-    """By how much the force at R2* = 200 and depth 0.5 changes with the socket ratio, percent."""
-    table = _result("assumptions").query("case.str.startswith('ratio-')")
-    force = table[table.socket_ratio.between(1.1, 3)].force_at_largest_depth
-    return {"ratios 1.1 to 3": 100 * (force.max() / force.min() - 1)}
+    """By how much the force (R2* = 200, depth 0.5) falls from socket ratio 1.1 to 3, percent."""
+    table = _result("assumptions").set_index("case").force_at_largest_depth
+    return {
+        "ratios 1.1 to 3": 100 * (1 - table["ratio-3-linear-200"] / table["ratio-1.1-linear-200"])
+    }
 
 
 @rule
 def material(of):
-    """By how much the force at depth 0.5 changes with a property at the same E*, in percent."""
+    """Largest change of the force at depth 0.5 with a property at the same E*, in percent."""
     table = _result("reach_material").query("panel == @of and law == 'hertz'")
     error = _at(table.pivot(index="depth_star", columns="parameter", values="value"), 0.5)
-    force = 1 / (1 + error / 100)  # Hertz's law knows neither
-    low, high = sorted(error.index.astype(float))[:: len(error) - 1]
-    name = {"poisson": "Poisson's ratio", "modulus_ratio": "socket's over ball's modulus"}[of]
-    return {f"{name} {low:g} to {high:g}": 100 * (force.max() / force.min() - 1)}
+    error.index = error.index.astype(float)
+    force = 1 / (1 + error / 100)  # over that of Hertz, whose law knows neither
+    name, usual = {"poisson": ("Poisson's ratio", 0.3), "modulus_ratio": ("moduli", 1.0)}[of]
+    change = 100 * (force / force[usual] - 1).abs().max()
+    return {f"{name} {error.index.min():g} to {error.index.max():g} against {usual:g}": change}
 
 
 @rule
 def error_over_ratio(of):
-    """Largest |relative error| of the proposed law, depths 0.1 to 0.5, any socket ratio."""
+    """Largest |relative error| of the proposed law, depths 0.1 to 0.5, socket ratios 1.1 to 3."""
     table = _result("reach_socket").query("law == @PROPOSED and 0.0999 < depth_star < 0.5001")
+    table = table[table.socket_ratio.between(1.1, 3)]
     return {"sphere's area": table.relative_error_percent.abs().max()}
 
 
@@ -458,27 +470,55 @@ def ahead(of):
 
 
 @rule
-def larger(of):
-    """Largest |quantity| with clearance over that without: figure, from and to in ms."""
-    figure, low, high = of.split()
-    motion = _motion(figure).loc[float(low) : float(high)].abs().max()
-    return _per_model(lambda m: motion[f"clearance_{m}"] / motion[f"ideal_{m}"])
+def deviation(of):
+    """RMS difference of clearance and ideal joint over that of the ideal motion, in percent."""
+    motion = _motion(of)
+
+    def rms(model):
+        ideal = motion[f"ideal_{model}"]
+        change = ideal - ideal.iloc[0]
+        return 100 * np.sqrt(
+            ((motion[f"clearance_{model}"] - ideal) ** 2).mean() / (change**2).mean()
+        )
+
+    return _per_model(rms)
+
+
+@rule
+def larger_acceleration(of):
+    """Largest |acceleration| with clearance over that without, in the first 10 ms."""
+    largest = _motion("fig19").loc[:EARLY].abs().max()
+    return _per_model(lambda m: largest[f"clearance_{m}"] / largest[f"ideal_{m}"])
+
+
+@rule
+def larger_force(of):
+    """Largest force with clearance over that of the ideal joint, for several durations."""
+    impacts, found = _result("impacts"), {}
+    for end in DURATIONS:
+        largest = _motion("fig20").loc[:end].max()
+        for model in MODELS:
+            peaks = impacts[(impacts.model == model) & (1e3 * impacts.time <= end)].peak_force
+            force = max(largest[f"clearance_{model}"], peaks.max())
+            found[f"{model}, {end} ms"] = force / largest[f"ideal_{model}"]
+    return found
 
 
 @rule
 def impact_force(of):
     """Largest force of the impacts over that of the ideal joint in the same first 10 ms."""
-    peaks = _result("impacts").groupby("model").peak_force.max()
+    impacts = _result("impacts")
+    peaks = impacts[1e3 * impacts.time <= EARLY].groupby("model").peak_force.max()
     ideal = _motion("fig20").loc[:EARLY].max()
     return _per_model(lambda m: peaks[m] / ideal[f"ideal_{m}"])
 
 
 @rule
 def last_separation(of):
-    """Last separation as share of the simulated time, in percent."""
+    """Last separation as share of the simulated time, in percent, for several durations."""
     impacts = _result("impacts")
     last = 1e3 * (impacts.time + impacts.duration).groupby(impacts.model).max()
-    return _per_model(lambda m: 100 * last[m] / _motion("fig20").index[-1])
+    return {f"{m}, {end} ms": 100 * last[m] / end for end in DURATIONS[1:] for m in MODELS}
 
 
 def _path(model):
@@ -525,31 +565,40 @@ def circumference(of):
 @rule
 def preferred(of):
     """Share of the time in contact in the most visited quarter of directions, in percent."""
-
-    def share(model):
-        x, y, touches = _path(model)
-        angle = np.degrees(np.arctan2(y, x))[touches] % 360
-        count = np.histogram(angle, np.arange(0, 361, 5))[0]
-        quarters = np.convolve(np.append(count, count[:17]), np.ones(18), "valid")
-        return 100 * quarters.max() / count.sum()
-
-    return _per_model(share)
+    found = {}
+    for end in DURATIONS[1:]:
+        inside = _motion("fig21").index <= end
+        for model in MODELS:
+            x, y, touches = (values[inside] for values in _path(model))
+            angle = np.degrees(np.arctan2(y, x))[touches] % 360
+            count = np.histogram(angle, np.arange(0, 361, 5))[0]
+            quarters = np.convolve(np.append(count, count[:17]), np.ones(18), "valid")
+            found[f"{model}, {end} ms"] = 100 * quarters.max() / count.sum()
+    return found
 
 
 @rule
 def depth_in_mechanism(of):
-    """Largest depth in the crank-slider, in clearances."""
-    return _per_model(lambda m: np.hypot(*_path(m)[:2]).max() - 1)
+    """Largest depth in the crank-slider, in clearances; for a small socket by its force."""
+    found = _per_model(lambda m: np.hypot(*_path(m)[:2]).max() - 1)
+    variants = _result("variants").set_index(["links", "variant"]).largest_force
+    clearance, radius, depths = _clearance(), 2e-3, np.linspace(0, 0.5, 2001)
+    stated = dataset.published().xs("Table 4")["material"]
+    modulus = stated["youngs_modulus_GPa"] * 1e9, stated["poisson"]
+    radii = radius - clearance, radius, contact.composite_modulus(*modulus, *modulus)
+    force = contact.contact_force(PROPOSED, depths * clearance, *radii)
+    small = variants["rigid links", "socket radius 2 mm"]
+    return found | {"rigid, socket radius 2 mm": np.interp(small, force, depths)}
 
 
 @rule
 def law_in_mechanism(of):
-    """|Relative error| of the proposed law at the largest depth of the crank-slider, percent."""
-    deepest = max(depth_in_mechanism("").values())
-    found = {}
-    for reading, table in _curves():
-        error = _errors(table)[PROPOSED].abs()
-        found[reading] = np.interp(deepest, error.index, error)
+    """|Relative error| of the proposed law at the largest depths of the crank-slider, percent."""
+    deepest, found = depth_in_mechanism(""), {}
+    for radius, depth in (("10 mm", deepest["rigid"]), ("2 mm", max(deepest.values()))):
+        for reading, table in _curves(0.005):
+            error = _errors(table)[PROPOSED].abs()
+            found[f"{reading}, socket radius {radius}"] = np.interp(depth, error.index, error)
     return found
 
 
@@ -569,6 +618,15 @@ def solving_each_call(of):
 
 @rule
 def explicit_steps(of):
-    """Time of explicit steps over the fastest method's for an error of 1e-4 in 0.3 s."""
-    table = _result("speed_steppers").query("rms_error <= 1e-4").groupby("method").time.min()
-    return {method: table[method] / table.min() for method in ("centred", "velocity Verlet")}
+    """Time of explicit steps over another method's, both for an error of 1e-4 in 0.3 s."""
+    table = _result("speed_steppers")
+    times = {
+        method: np.exp(np.interp(np.log(1e-4), np.log(rows.rms_error), np.log(rows.time)))
+        for method, rows in table.sort_values("rms_error").groupby("method")
+        if rows.rms_error.min() < 1e-4 < rows.rms_error.max()
+    }
+    return {
+        f"{method} over {other}": times[method] / times[other]
+        for other in ("Rodas5P, events", "CVODE")
+        for method in ("centred", "velocity Verlet")
+    }

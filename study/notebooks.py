@@ -243,9 +243,9 @@ CATALOGUE = (
                 "own_curves",
                 "own_radius",
             ),
-            *("reach", "reach_material", "reach_socket", "fig10", "fig14", "fig15"),
+            *("reach_material", "reach_socket", "fig10", "fig14", "fig15"),
             *("speed_laws", "speed_solvers", "speed_steppers", "stability_limits"),
-            *("agreement", "impacts", "fig17", "fig18", "fig19", "fig20", "fig21"),
+            *("agreement", "impacts", "variants", "fig17", "fig18", "fig19", "fig20", "fig21"),
         ),
     ),
 )

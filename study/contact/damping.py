@@ -31,7 +31,7 @@ def flores(restitution):
 def exact(restitution):
     """The D that delivers cr in a free impact, whatever P: D (1 + cr) = ln((1+D)/(1-cr D)).
 
-    Follows from dv/dd of the free impact, which separates for a force of this form (this study).
+    Follows from dv/dd of the free impact, which separates for a force of this form.
     """
     if restitution == 1:
         return 0.0
