@@ -53,12 +53,19 @@ def load():
     Raises
     ------
     ClaimError
-        If a claim has no rule, an unknown relation, or expects 0, what is no number, or a
+        If a claim has no rule, an unknown relation or a name that stands twice, tolerances that
+        are no numbers with 0 <= tolerance <= partly, or expects 0, what is no number, or a
         number that the published tables do not hold.
     """
     frame = pd.read_csv(paths.DATA / "published/claims.csv", keep_default_na=False)
     stated = dataset.published()
+    for column in ("tolerance", "partly"):
+        frame[column] = pd.to_numeric(frame[column], errors="coerce")
     for row in frame.itertuples():
+        if row.claim in set(frame.claim[: row.Index]):
+            raise ClaimError(f"claim {row.claim} stands twice")
+        if not 0 <= row.tolerance <= row.partly:
+            raise ClaimError(f"claim {row.claim} must have tolerances 0 <= tolerance <= partly")
         if row.rule not in RULES:
             raise ClaimError(f"claim {row.claim} has no rule: {row.rule!r} is not in study.claims")
         if row.relation not in RELATIONS:
@@ -104,7 +111,11 @@ def judge():
     for row in frame.itertuples():
         for name in row.evidence.split():
             _result(name)
-        found = RULES[row.rule](row.of)
+        try:
+            found = RULES[row.rule](row.of)
+        except (LookupError, ValueError, TypeError, AttributeError) as error:
+            message = f"{row.claim}: rule {row.rule} fails for {row.of!r} ({error!r})"
+            raise ClaimError(message) from None
         if not found or not np.isfinite(list(found.values())).all():
             raise ClaimError(f"claim {row.claim} must be judged by finite numbers, got {found}")
         terms = row.relation, row.expected, row.tolerance, row.partly

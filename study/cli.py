@@ -115,6 +115,7 @@ def run_notebooks(
     selected = notebooks.select(names or [])
     parameters = notebooks.check_parameters(selected, settings or [])
     dataset.verify_files()
+    notebooks.check_claims()
     session = notebooks.run(selected, parameters, jobs=jobs, force=force, dask_address=dask)
     _tell(selected, session)
 
@@ -138,6 +139,7 @@ def _finish(then, jobs):
     from study import dataset, notebooks
 
     dataset.verify_files()
+    notebooks.check_claims()
     session = notebooks.run(notebooks.CATALOGUE, {}, then=then, jobs=jobs)
     _tell(notebooks.CATALOGUE, session)
 
@@ -153,7 +155,9 @@ def _tell(selected, session):
     }
     made = {notebook.name: _made(notebook) for notebook in notebooks.CATALOGUE}
     made |= {"typeset": ["made  build/paper.pdf"], "report": ["made  build/report/index.html"]}
-    failures = [f"{nb.name} was not run" for nb in selected if nb.name not in reports]
+    failures = []
+    if reports:
+        failures = [f"{nb.name} was not run" for nb in selected if nb.name not in reports]
     ran = False
     for name, lines in made.items():  # with those that the selected ones read from
         outcome = reports[name].outcome if name in reports else None
@@ -163,7 +167,7 @@ def _tell(selected, session):
             ran = True
             print("\n".join(lines))
     if session.exit_code != 0 and not failures:
-        failures.append("the tasks could not be collected")
+        failures.append("the tasks could not be collected, as said above")
     for failure in failures:
         print(f"failed: {' '.join(str(failure).split())}", file=sys.stderr)
     if failures:

@@ -38,7 +38,6 @@ LINKS = paths.DATA / "links.csv"
 PEERS = paths.DATA / "published/peers.csv"
 PUBLISHED = {
     "published/tables.csv": "published",
-    "published/claims.csv": "human",
     "published/joint.csv": "reference",
     "published/mechanism.csv": "reference",
     "published/peers.csv": "measured",
@@ -121,17 +120,24 @@ def load(**filters):
     """
     verify_files()
     frame = pd.read_csv(CURVES)
-    keep = np.ones(len(frame), dtype=bool)
-    for column, wanted in filters.items():
+    for column in filters:
         checks.choice("column", column, tuple(frame.columns))
-        held = frame[column].unique()
-        values = [wanted] if np.ndim(wanted) == 0 else list(wanted)
-        for value in values:
-            if value not in held:
-                known = [f"{v:g}" if isinstance(v, float) else str(v) for v in held]
-                known = ", ".join(known[:30] + ["..."] * (len(known) > 30))
-                raise ValueError(f"{column} must be one of {known}, got {value}")
-        keep &= frame[column].isin(values)
+    kept = {column: frame[column].isin(np.atleast_1d(wanted)) for column, wanted in filters.items()}
+    keep = np.logical_and.reduce([np.ones(len(frame), dtype=bool), *kept.values()])
+    for column, wanted in filters.items():
+        others = np.logical_and.reduce(
+            [
+                np.ones(len(frame), dtype=bool),
+                *(kept[other] for other in filters if other != column),
+            ]
+        )
+        unknown = set(np.atleast_1d(wanted).tolist()) - set(frame[column])
+        if unknown or (others.any() and not keep.any()):
+            held = frame[column][others if others.any() else ~keep].unique()
+            known = [f"{v:g}" if isinstance(v, float) else str(v) for v in held]
+            known = ", ".join(known[:30] + ["..."] * (len(known) > 30))
+            got = ", ".join(str(value) for value in unknown or np.atleast_1d(wanted))
+            raise ValueError(f"{column} must be one of {known}, got {got}")
     if not keep.any():
         asked = ", ".join(f"{column} = {wanted}" for column, wanted in filters.items())
         raise ValueError(f"filters must leave a case, but none has {asked}")
@@ -367,8 +373,7 @@ def _refuse_damaged_published_files():
         return  # there is nothing to compare with
     stated = {r["path"]: r["hash"] for r in package["resources"]}
     for name in set(PUBLISHED) & set(stated):  # a new file has no hash yet
-        if PUBLISHED[name] != "human":  # which is edited here
-            _verify(name, stated[name])
+        _verify(name, stated[name])
 
 
 def _read_package():
@@ -393,8 +398,6 @@ def _verify(name, stated):
     remedy = MEND if path in (CURVES, LINKS) else f"git checkout -- data/{name}"
     if path == PEERS:  # its hash may be that of a later measurement
         remedy = "git checkout -- data"
-    if PUBLISHED.get(name) == "human":
-        remedy += f", or keep an edit with: {MEND}"
     if not path.is_file():
         raise DatasetError(f"data/{name} is missing; mend it with: {remedy}")
     if stated != f"sha256:{_sha256(path)}":

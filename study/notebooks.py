@@ -11,7 +11,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from study import contact, dataset, paths, tasks
+from study import claims, contact, dataset, paths, tasks
 from study.checks import StudyError
 
 PARAMETERS_VARIABLE = "STUDY_PARAMETERS"  # hands parameters to notebooks/task_notebooks.py
@@ -63,13 +63,17 @@ class Notebook:
 
     def inputs(self):
         """Files it depends on: itself, the library but for the command line, and the data."""
+        after = {"cli.py", "typeset.py", "report"}  # what comes after the notebooks
+        names = ["tables", "joint", "peers"]
+        if "claims" in self.tables:
+            names.append("claims")
+        else:
+            after.add("claims.py")
         library = sorted((paths.ROOT / "study").rglob("*.py"))
-        names = ("tables", "claims", "joint", "peers")
+        library = [path for path in library if not after & {path.name, path.parent.name}]
         published = [paths.DATA / f"published/{name}.csv" for name in names]
         data = [dataset.CURVES, dataset.LINKS, *published, contact.laws.COEFFICIENTS]
         read = [paths.FIGURES / f"{name}.csv" for name in self.reads]
-        last = {"cli.py", "typeset.py", "report"}  # what comes after the notebooks
-        library = [p for p in library if not last & {p.name, p.parent.name}]
         return [self.path, *library, *data, *read]
 
 
@@ -276,6 +280,21 @@ def select(names):
     return [nb for nb in CATALOGUE if not names or wanted & {nb.name, *nb.results}]
 
 
+def check_claims():
+    """Check the rows of ``data/published/claims.csv``, before anything runs for minutes.
+
+    Raises
+    ------
+    study.claims.ClaimError
+        As for `study.claims.load`, or for a figure or evidence that no notebook makes.
+    """
+    results = [name for notebook in CATALOGUE for name in notebook.results]
+    for row in claims.load().itertuples():
+        for name in (row.figure, *row.evidence.split()):
+            if name not in results:
+                raise claims.ClaimError(f"claim {row.claim}: no notebook makes {name!r}")
+
+
 def parameters(notebook):
     """Parameters of a notebook with their default values, from its ``parameters`` cell.
 
@@ -425,6 +444,9 @@ def run(notebooks, settings, then=None, **options):
                 raise NotebookError(
                     f"{product.relative_to(paths.ROOT)} must be a file, not a folder"
                 )
+    for product in (paths.BUILD / "paper.pdf", paths.BUILD / "report/index.html"):
+        if then is not None and product.is_dir():
+            raise NotebookError(f"{product.relative_to(paths.ROOT)} must be a file, not a folder")
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
     if then is not None:
         return tasks.build([paths.NOTEBOOKS, paths.PAPER], f"task_{then}", **options)

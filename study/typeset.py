@@ -1,5 +1,7 @@
 """The paper as PDF: Typst reads text, figures and numbers; a missing one is an error."""
 
+import re
+
 import typst
 
 from study import paths
@@ -31,8 +33,15 @@ def typeset(source=SOURCE, output=PDF):
             source, root=paths.ROOT, ignore_system_fonts=True, format="pdf"
         )
     except typst.TypstError as error:
-        raise StudyError(f"{source.relative_to(paths.ROOT)}: {error.message}") from None
+        raise StudyError(_told(error)) from None
     if warnings:
-        raise StudyError(f"{source.relative_to(paths.ROOT)}: {warnings[0].message}")
+        raise StudyError(_told(warnings[0]))
     with paths.whole(output) as temporary:
         temporary.write_bytes(pdf)
+
+
+def _told(problem):
+    """Typst's error or warning in one line: file, line, message."""
+    place = re.search(r"([\w.-]+):(\d+):\d+", problem.diagnostic)
+    where = f"paper/{place[1]}, line {place[2]}" if place else "paper"
+    return f"{where}: {problem.message}"

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study import claims, dataset, figures, paths
-from study.notebooks import CATALOGUE
+from study.notebooks import CATALOGUE, check_claims
 
 ROWS = claims.load()
 JUDGED = claims.judge()
@@ -139,11 +139,21 @@ def changed(monkeypatch, tmp_path):
         ("expected", "Table 1/f1/R3", "claim table1_r2 expects Table 1/f1/R3, which"),
         ("expected", "many", "expected of table1_r2 must be a number"),
         ("expected", "0", "expected of table1_r2 must not be 0"),
+        ("tolerance", "wide", "claim table1_r2 must have tolerances 0 <= tolerance <= partly"),
+        ("tolerance", "1", "claim table1_r2 must have tolerances 0 <= tolerance <= partly"),
+        ("claim", "table1_rmse", "claim table1_rmse stands twice"),
+        ("of", "R3", "table1_r2: rule table_1 fails for 'R3'"),
     ],
 )
 def test_a_wrong_claim_is_one_clear_error(changed, column, value, message):
     with pytest.raises(claims.ClaimError, match=message):
         changed(column, value)()
+
+
+def test_names_that_no_notebook_makes_stop_a_run_at_once(changed):
+    changed("evidence", "explianed")
+    with pytest.raises(claims.ClaimError, match="claim table1_r2: no notebook makes 'explianed'"):
+        check_claims()
 
 
 def test_missing_evidence_is_one_clear_error(changed):

@@ -48,11 +48,12 @@ def copy(tmp_path, monkeypatch, old, new):
         ('explained("liu", "RMSE")', 'explained("liu", "RMSF")'),
         ('published("Table 1"', 'published("Table 9"'),
         ("@truth", "@no-such-label"),
+        ("= Question", "= Question #foo("),
     ],
 )
 def test_what_is_missing_stops_the_paper(tmp_path, monkeypatch, old, new):
     source = copy(tmp_path, monkeypatch, old, new)
-    with pytest.raises(StudyError, match="paper/paper.typ"):
+    with pytest.raises(StudyError, match=r"^paper/(paper|numbers)\.typ, line \d+: "):
         typeset.typeset(source, tmp_path / "paper.pdf")
     assert not (tmp_path / "paper.pdf").exists()
 

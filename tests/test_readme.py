@@ -22,8 +22,8 @@ def test_table_2_as_claimed():
     candidates = pd.read_csv(paths.FIGURES / "candidates.csv")
     best = candidates[candidates.sampling == "20, from 0"].iloc[0]
     misfit, count = claimed(
-        r"Table 2 come back within ([\d.]+) % with one free number, by one family of the (\d+) "
-        r"set-ups"
+        r"Table 2 come back within ([\d.]+) % \(RMS\) with one free number, by one family of the "
+        r"(\d+) set-ups"
     )
     assert (candidates.resolution == candidates.resolution[0]).sum() == count
     again = candidates[candidates.resolution != candidates.resolution[0]]
@@ -363,3 +363,8 @@ def test_the_right_law_as_claimed_in_short():
     relative = pd.read_csv(paths.FIGURES / "speed_laws.csv").set_index("method").relative
     assert relative["stiffened_hertz"] == pytest.approx(cost, abs=0.05)
     assert relative["hyperbolic_winkler"] == pytest.approx(papers, abs=0.05)
+
+
+def test_the_cached_curves_as_claimed():
+    (count,) = claimed(r"(\d+) curves cached in")
+    assert len(dataset.load().groupby(["group", "case"])) == count

@@ -106,7 +106,7 @@
     svg.onpointermove = svg.onpointerdown = (event) => {
       const at = (event.clientX - svg.getBoundingClientRect().left) * width / svg.clientWidth;
       const gaps = x.map((depth) => Math.abs(across(depth) - at)), k = gaps.indexOf(Math.min(...gaps));
-      if (k !== state.at) { state.at = k; draw(); }
+      if (k !== state.at) { state.at = k; draw(); save(); }
     };
   }
 
@@ -139,6 +139,11 @@
       .map(([term, text]) => `<dt>${term}</dt><dd>${text}</dd>`).join("");
   }
 
+  function save() {  // the view in the address, not at every move: browsers allow few changes in a short time
+    clearTimeout(saving);
+    saving = setTimeout(() => history.replaceState(null, "", "#" + new URLSearchParams({ ...state, laws: state.laws.join(",") })), 200);
+  }
+
   function read() {
     const given = new URLSearchParams(location.hash.slice(1));
     const asked = given.get("case"), known = cases.some((item) => item.name === asked);
@@ -164,8 +169,7 @@
     } else if (target.name === "at") state.at = Number(target.value);
     else state[target.name] = target.value;
     draw();
-    clearTimeout(saving);  // browsers allow few changes of the address in a short time
-    saving = setTimeout(() => history.replaceState(null, "", "#" + new URLSearchParams({ ...state, laws: state.laws.join(",") })), 200);
+    save();
     form.querySelector(".changed").textContent = changed.length ? `Also changed: ${changed.join("; ")}` : "";
   });
   form.addEventListener("submit", (event) => event.preventDefault());
