@@ -25,7 +25,8 @@ def test_table_2_as_claimed():
         r"Table 2 come back within ([\d.]+) % \(RMS\) with one free number, by one family of the "
         r"(\d+) set-ups"
     )
-    assert (candidates.resolution == candidates.resolution[0]).sum() == count
+    large = candidates.kinematics == "finite"  # tried near the best ratio only
+    assert (~large & (candidates.resolution == candidates.resolution[0])).sum() == count
     again = candidates[candidates.resolution != candidates.resolution[0]]
     again = again[again.kinematics == "linear"]
     assert len(again) == 3
