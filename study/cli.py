@@ -121,27 +121,25 @@ def run_notebooks(
 
 
 @app.command("paper")
-def typeset_paper(jobs: Jobs = None):
-    """Typeset the paper, build/paper.pdf, after the stale notebooks."""
-    _finish("typeset", jobs)
+def typeset_paper():
+    """Typeset the paper, build/paper.pdf, from the results in figures/ as they are."""
+    from study.typeset import typeset
+
+    typeset()
+    print("made  build/paper.pdf")
 
 
 @app.command("report")
 def write_report(jobs: Jobs = None):
     """Bring everything up to date: figures, tables, paper, and the report, build/report/."""
-    _finish("report", jobs)
-    print("Figures and tables are in figures/, the paper is build/paper.pdf.")
-    print("The report to browse: build/report/index.html")
-
-
-def _finish(then, jobs):
-    """Run all stale notebooks, and then what is made of their results."""
     from study import dataset, notebooks
 
     dataset.verify_files()
     notebooks.check_claims()
-    session = notebooks.run(notebooks.CATALOGUE, {}, then=then, jobs=jobs)
+    session = notebooks.run(notebooks.CATALOGUE, {}, report=True, jobs=jobs)
     _tell(notebooks.CATALOGUE, session)
+    print("Figures and tables are in figures/, the paper is build/paper.pdf.")
+    print("The report to browse: build/report/index.html")
 
 
 def _tell(selected, session):

@@ -419,7 +419,7 @@ def execute(notebook, settings):
             result.replace(paths.FIGURES / result.name)
 
 
-def run(notebooks, settings, then=None, **options):
+def run(notebooks, settings, report=False, **options):
     """Run the stale ones of some notebooks, and of those that they read from, as pytask tasks.
 
     Parameters
@@ -427,8 +427,8 @@ def run(notebooks, settings, then=None, **options):
     notebooks : list of Notebook
     settings : dict
         Parameters per notebook, from `check_parameters`.
-    then : {"typeset", "report"}, optional
-        What to do with the results of all notebooks afterwards.
+    report : bool
+        Write paper and report afterwards, for which all notebooks are run.
     **options
         As for `study.tasks.build`.
 
@@ -445,10 +445,10 @@ def run(notebooks, settings, then=None, **options):
                     f"{product.relative_to(paths.ROOT)} must be a file, not a folder"
                 )
     for product in (paths.BUILD / "paper.pdf", paths.BUILD / "report/index.html"):
-        if then is not None and product.is_dir():
+        if report and product.is_dir():
             raise NotebookError(f"{product.relative_to(paths.ROOT)} must be a file, not a folder")
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
-    if then is not None:
-        return tasks.build([paths.NOTEBOOKS, paths.PAPER], f"task_{then}", **options)
+    if report:
+        return tasks.build([paths.NOTEBOOKS, paths.PAPER], "task_report", **options)
     selected = " or ".join(f"[{nb.name}]" for nb in notebooks)
     return tasks.build([paths.NOTEBOOKS], selected, **options)

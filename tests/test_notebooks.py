@@ -90,11 +90,11 @@ def test_wrong_settings_stop_before_anything_runs(setting, message):
         notebooks.check_parameters(notebooks.select(["fig10"]), [setting])
 
 
-def order(names, then):
+def order(names, report):
     """Tasks that would be run or are fresh, in order, of a process of its own."""
     code = (
         "from study import notebooks\n"
-        f"session = notebooks.run(notebooks.select({names}), {{}}, then={then!r}, dry=True)\n"
+        f"session = notebooks.run(notebooks.select({names}), {{}}, report={report}, dry=True)\n"
         "assert session.exit_code == 0\n"
         "for report in session.execution_reports:\n"
         "    if report.outcome.name != 'SKIP':\n"
@@ -106,7 +106,7 @@ def order(names, then):
 
 
 def test_paper_and_report_come_after_every_notebook():
-    tasks = order([], "report")
+    tasks = order([], True)
     assert tasks[-2:] == ["typeset", "report"]
     assert sorted(tasks[:-2]) == [f"notebook[{nb.name}]" for nb in notebooks.CATALOGUE]
 
@@ -114,6 +114,6 @@ def test_paper_and_report_come_after_every_notebook():
 def test_a_notebook_comes_after_those_it_reads_from():
     (last,) = notebooks.select(["claims"])
     makers = [nb for nb in notebooks.CATALOGUE if set(nb.results) & set(last.reads)]
-    tasks = order(["claims"], None)
+    tasks = order(["claims"], False)
     assert tasks[-1] == f"notebook[{last.name}]"
     assert sorted(tasks[:-1]) == [f"notebook[{nb.name}]" for nb in makers]

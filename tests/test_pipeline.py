@@ -15,7 +15,7 @@ import pytest
 from study import notebooks, paths
 
 TWO = ("02-coefficient-over-socket-radius", "03-force-against-depth")
-MADE = ("fig09.png", "fig09.csv", "table1.csv", "fig10.png", "fig10.csv")
+MADE = ("fig07.png", "fig07.csv", "fig09.png", "fig09.csv", "table1.csv", "fig10.png", "fig10.csv")
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ def test_pipeline_from_nothing_to_fresh_and_stale(project):
     for name in MADE:  # the same bytes as the ones kept in the project
         made, kept = project / "figures" / name, paths.FIGURES / name
         assert made.read_bytes() == kept.read_bytes(), name
-        assert f"figures/{name}" in done.stdout or name in ("fig09.csv", "fig10.csv")
+        assert f"figures/{name}" in done.stdout or name.endswith(".csv")
 
     again = study(project, "run", "fig09", "fig10")
     assert again.returncode == 0
@@ -73,7 +73,7 @@ def test_pipeline_from_nothing_to_fresh_and_stale(project):
     assert edited.returncode == 0
     assert ran(edited) == [TWO[0]]
     listed = study(project, "list")
-    assert listed.stdout.count("fresh") == 3
+    assert listed.stdout.count("fresh") == 4  # fig07, fig09, fig10, table1
 
     one = study(project, "run", "fig10", "-p", "r2_star=100")
     assert one.returncode == 0, one.stderr
@@ -257,3 +257,19 @@ def test_executed_notebook_is_readable(project):
     ]
     assert kinds
     assert "error" not in kinds
+
+
+def test_a_missing_number_stops_the_paper(project):
+    shutil.copytree(paths.FIGURES, project / "figures", dirs_exist_ok=True)
+    done = study(project, "paper")
+    assert done.returncode == 0, done.stderr
+    pdf = project / "build/paper.pdf"
+    whole = pdf.read_bytes()
+    table = project / "figures/table2.csv"
+    lines = table.read_text().splitlines(keepends=True)
+    table.write_text("".join(line for line in lines if not line.startswith("hertz,RMSE")))
+    done = study(project, "paper")
+    assert done.returncode == 1
+    assert re.fullmatch(r"study: paper/.*figures/table2.csv has no row with .*\n", done.stderr)
+    assert pdf.read_bytes() == whole
+    table.write_text("".join(lines))
