@@ -68,7 +68,7 @@ class Notebook:
         if "claims" in self.tables:
             names.append("claims")
         else:
-            after.add("claims.py")
+            after |= {"claims.py", "rules.py"}
         library = sorted((paths.ROOT / "study").rglob("*.py"))
         library = [path for path in library if not after & {path.name, path.parent.name}]
         published = [paths.DATA / f"published/{name}.csv" for name in names]

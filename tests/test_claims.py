@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study import claims, dataset, figures, paths
+from study import claims, dataset, figures, paths, rules
 from study.notebooks import CATALOGUE, check_claims
 
 ROWS = claims.load()
@@ -50,16 +50,16 @@ def test_claim_is_whole_and_its_evidence_is_there(row):
 
 def test_rules_read_what_they_say(monkeypatch):
     read = []
-    original = claims._result
+    original = rules.result
 
     def spy(name):
         read.append(name)
         return original(name)
 
-    monkeypatch.setattr(claims, "_result", spy)
+    monkeypatch.setattr(rules, "result", spy)
     for row in ROWS.itertuples():
         read.clear()
-        claims.RULES[row.rule](row.of)
+        rules.RULES[row.rule](row.of)
         assert set(read) == set(row.evidence.split()), row.claim
 
 
@@ -128,7 +128,7 @@ def changed(monkeypatch, tmp_path):
         return claims.judge
 
     yield change
-    claims._result.cache_clear()
+    rules.result.cache_clear()
 
 
 @pytest.mark.parametrize(
