@@ -122,15 +122,12 @@ def load(**filters):
     frame = pd.read_csv(CURVES)
     for column in filters:
         checks.choice("column", column, tuple(frame.columns))
-    kept = {column: frame[column].isin(np.atleast_1d(wanted)) for column, wanted in filters.items()}
-    keep = np.logical_and.reduce([np.ones(len(frame), dtype=bool), *kept.values()])
+    kept = pd.DataFrame(index=frame.index)
     for column, wanted in filters.items():
-        others = np.logical_and.reduce(
-            [
-                np.ones(len(frame), dtype=bool),
-                *(kept[other] for other in filters if other != column),
-            ]
-        )
+        kept[column] = frame[column].isin(np.atleast_1d(wanted))
+    keep = kept.all(axis=1)
+    for column, wanted in filters.items():
+        others = kept.drop(columns=column).all(axis=1)  # what is left without this filter
         unknown = set(np.atleast_1d(wanted).tolist()) - set(frame[column])
         if unknown or (others.any() and not keep.any()):
             held = frame[column][others if others.any() else ~keep].unique()
