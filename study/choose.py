@@ -104,12 +104,8 @@ def choose(joint, depth_star, tolerance):
     note = outside(joint, deepest)
     least = min(SHALLOWEST, deepest / 12) if note else SHALLOWEST
     depths = _depths(least, deepest, DEPTHS[_kind(joint)])
-    if note:
-        curve = force_curve(joint, depths)
-        force = curve.force_star
-        uncertainty = ESTIMATE * curve.error_estimate.max() + INTERPOLATION
-    else:
-        force, uncertainty = hertz(depths, joint.r2_star) * stiffening(joint, depths), INTERPOLATION
+    force, uncertainty = _exact(joint, depths, note)
+    uncertainty = uncertainty.max()
     largest = {law: error.max() for law, error in errors(joint, depths, force).items()}
     bounds = {law: bounded(error, uncertainty) for law, error in largest.items()}
     costs, rejected, found = relative_costs(), [], None
@@ -139,6 +135,15 @@ def choose(joint, depth_star, tolerance):
         errors={law: float(error) for law, error in largest.items()},
         evaluate=evaluate,
     )
+
+
+def _exact(joint, depths, note, resolution=None):
+    """Exact forces, solved if there is a ``note`` and else from the dataset, and how sure."""
+    if not note:
+        force = hertz(depths, joint.r2_star) * stiffening(joint, depths)
+        return force, np.full(len(depths), INTERPOLATION)
+    curve = force_curve(joint, depths, resolution)
+    return curve.force_star, ESTIMATE * curve.error_estimate + INTERPOLATION
 
 
 def bounded(error, uncertainty):
@@ -217,7 +222,7 @@ def errors(joint, depth_star, force_star):
     return found
 
 
-def cheapest(joints, depth_star, tolerances):
+def cheapest(joints, depth_star, tolerances, resolution=None):
     """Cheapest adequate law over joints and largest depths, as `choose` would find it.
 
     Parameters
@@ -226,30 +231,29 @@ def cheapest(joints, depth_star, tolerances):
     depth_star : ndarray, shape (k,)
         Rising, from `SHALLOWEST`.
     tolerances : sequence of float
+    resolution : int, optional
+        Of the solution of joints that the dataset does not hold.
 
     Returns
     -------
     pandas.DataFrame
         Columns r2_star, socket_ratio, poisson, depth_star, tolerance, law: ``tabulated`` where
-        no closed law is adequate, ``outside`` where the dataset does not hold the joint.
+        no closed law is adequate.
     """
     costs, rows = relative_costs(), []
+    depths = np.asarray(depth_star)
     for joint in joints:
         place = joint.r2_star, joint.socket_ratio, joint.ball.poisson
-        inside = [ds for ds in depth_star if not outside(joint, ds)]
-        exact = hertz(inside, joint.r2_star) * stiffening(joint, inside) if inside else []
+        force, uncertainty = _exact(joint, depths, outside(joint, depths[-1]), resolution)
         largest = {
-            law: bounded(np.maximum.accumulate(error), INTERPOLATION)
-            for law, error in errors(joint, np.array(inside), exact).items()
+            law: bounded(np.maximum.accumulate(error), np.maximum.accumulate(uncertainty))
+            for law, error in errors(joint, depths, force).items()
         }
         ranked = sorted(largest, key=costs.get)
         for tolerance in tolerances:
-            for n, ds in enumerate(depth_star):
-                law = "outside"
-                if n < len(inside):
-                    able = (law for law in ranked if largest[law][n] <= tolerance)
-                    law = next(able, "tabulated")
-                rows.append((*place, float(ds), tolerance, law))
+            for n, ds in enumerate(depths):
+                able = (law for law in ranked if largest[law][n] <= tolerance)
+                rows.append((*place, float(ds), tolerance, next(able, "tabulated")))
     columns = ["r2_star", "socket_ratio", "poisson", "depth_star", "tolerance", "law"]
     return pd.DataFrame(rows, columns=columns)
 

@@ -11,8 +11,11 @@ import pandas as pd
 from study import dataset, paths
 from study.rules import RULES, ClaimError, result
 
-VERDICTS = ("reproduced", "partly", "not reproduced", "cannot be decided")
-RELATIONS = ("=", "<", ">")
+VERDICTS = ("contradicted", "cannot be decided", "reproduced")
+KINDS = ("stated", "implied only", "used to identify", "can hardly fail")
+"""What a statement's verdict says: only that of a stated one speaks for or against the paper. The
+others are not said in so many words, served to identify the set-up, or hold by construction."""
+RELATIONS = ("=", "<", ">", "?")
 
 
 def load():
@@ -21,35 +24,34 @@ def load():
     Returns
     -------
     pandas.DataFrame
-        Columns ``claim``, ``part``, ``where`` (in the paper), ``statement`` (our words),
-        ``measure`` (the number that judges it), ``rule`` and ``of`` (how it is computed),
-        ``relation``, ``expected`` (a number), ``tolerance`` and ``partly`` (percent of
+        Columns ``claim``, ``part``, ``kind`` (of `KINDS`), ``where`` (in the paper),
+        ``statement`` (our words), ``measure`` (the number that judges it), ``rule`` and ``of``
+        (how it is computed), ``relation``, ``expected`` (a number), ``tolerance`` (percent of
         ``expected``), ``figure`` (a result that shows it) and ``evidence`` (the results that
         it is computed from, separated by spaces).
 
     Raises
     ------
     ClaimError
-        If a claim has no rule, an unknown relation or a name that stands twice, tolerances that
-        are no numbers with 0 <= tolerance <= partly, or expects 0, what is no number, or a
-        number that the published tables do not hold.
+        If a claim has no rule, an unknown kind or relation, a name that stands twice or a
+        tolerance that is no number >= 0, or expects 0, what is no number, or a number that the
+        published tables do not hold.
     """
     frame = pd.read_csv(paths.DATA / "published/claims.csv", keep_default_na=False)
     stated = dataset.published()
-    for column in ("tolerance", "partly"):
-        frame[column] = pd.to_numeric(frame[column], errors="coerce")
+    frame["tolerance"] = pd.to_numeric(frame["tolerance"], errors="coerce")
     for row in frame.itertuples():
         if row.claim in set(frame.claim[: row.Index]):
             raise ClaimError(f"claim {row.claim} stands twice")
-        if not 0 <= row.tolerance <= row.partly:
-            raise ClaimError(f"claim {row.claim} must have tolerances 0 <= tolerance <= partly")
+        if not 0 <= row.tolerance < np.inf:
+            raise ClaimError(f"tolerance of {row.claim} must be a number >= 0, in percent")
         if row.rule not in RULES:
             raise ClaimError(f"claim {row.claim} has no rule: {row.rule!r} is not in study.rules")
-        if row.relation not in RELATIONS:
-            known = ", ".join(RELATIONS)
-            raise ClaimError(
-                f"relation of {row.claim} must be one of {known}, got {row.relation!r}"
-            )
+        for column, known in (("kind", KINDS), ("relation", RELATIONS)):
+            value = getattr(row, column)
+            if value not in known:
+                listed = ", ".join(known)
+                raise ClaimError(f"{column} of {row.claim} must be one of {listed}, got {value!r}")
     frame["expected"] = [_expected(row.claim, row.expected, stated) for row in frame.itertuples()]
     return frame
 
@@ -75,7 +77,8 @@ def judge():
     -------
     pandas.DataFrame
         That of `load` without ``rule`` and ``of``, and ``found`` (readings with their numbers,
-        as text), ``lowest`` and ``highest`` (of the numbers) and ``verdict``.
+        as text), ``lowest`` and ``highest`` (of the numbers) and ``verdict``; ordered by kind
+        and, within it, by verdict.
 
     Raises
     ------
@@ -95,41 +98,42 @@ def judge():
             raise ClaimError(message) from None
         if not found or not np.isfinite(list(found.values())).all():
             raise ClaimError(f"claim {row.claim} must be judged by finite numbers, got {found}")
-        terms = row.relation, row.expected, row.tolerance, row.partly
+        terms = row.relation, row.expected, row.tolerance
         text = "; ".join(f"{reading}: {value:.4g}" for reading, value in found.items())
         ends = {"lowest": min(found.values()), "highest": max(found.values())}
         rows.append({"found": text, **ends, "verdict": verdict(list(found.values()), *terms)})
-    return frame.drop(columns=["rule", "of"]).join(pd.DataFrame(rows))
+    judged = frame.drop(columns=["rule", "of"]).join(pd.DataFrame(rows))
+    return judged.sort_values(["kind", "verdict"], key=_rank, kind="stable", ignore_index=True)
 
 
-def verdict(values, relation, expected, tolerance, partly):
+def _rank(column):
+    return column.map({name: n for n, name in enumerate(KINDS + VERDICTS)})
+
+
+def verdict(values, relation, expected, tolerance):
     """Verdict on one claim from its numbers, one per reading.
 
     Parameters
     ----------
     values : sequence of float
-    relation : {"=", "<", ">"}
-        The number should equal ``expected``, not exceed it, or not be less.
+    relation : {"=", "<", ">", "?"}
+        The number should equal ``expected``, not exceed it, or not be less; or what is given in
+        the paper cannot tell.
     expected : float
         Not 0.
-    tolerance, partly : float
-        Deviations from ``expected``, in percent of it, up to which a reading holds, and holds
-        in part.
+    tolerance : float
+        Deviation from ``expected``, in percent of it, up to which a reading holds.
 
     Returns
     -------
     str
-        ``reproduced`` if every reading holds, ``not reproduced`` if none holds even in part,
-        ``cannot be decided`` if some hold and others do not even in part, so that the verdict
-        hangs on what the paper does not say; else ``partly``.
+        ``reproduced`` if every reading holds, ``contradicted`` if none does, and ``cannot be
+        decided`` if some do, so that the verdict hangs on what the paper does not say.
     """
+    if relation == "?":
+        return "cannot be decided"
     excess = (np.asarray(values) - expected) / abs(expected) * 100
-    excess = {"=": np.abs(excess), "<": excess, ">": -excess}[relation]
-    holds, in_part = excess <= tolerance, excess <= partly
+    holds = {"=": np.abs(excess), "<": excess, ">": -excess}[relation] <= tolerance
     if holds.all():
         return "reproduced"
-    if not in_part.any():
-        return "not reproduced"
-    if holds.any() and not in_part.all():
-        return "cannot be decided"
-    return "partly"
+    return "cannot be decided" if holds.any() else "contradicted"

@@ -216,7 +216,7 @@ def evaluate_law(
     depth_star: DepthStars,
     socket_ratio: Annotated[
         float | None,
-        typer.Option(help="stiffened_hertz: outer over inner radius of the socket [1.19]."),
+        typer.Option(help="stiffened_hertz: outer over inner radius of the socket [1.3]."),
     ] = None,
     poisson: Annotated[
         float | None, typer.Option(help="stiffened_hertz: Poisson's ratio of both bodies [0.3].")
@@ -247,10 +247,13 @@ def solve_joint(
     modulus_ratio: ModulusRatio = 1.0,
     socket_poisson: SocketPoisson = None,
     drive: Annotated[
-        Drive, typer.Option(help="Ball's equatorial plane: radially free, clamped, or its centre.")
+        Drive,
+        typer.Option(
+            help="Ball's equatorial plane: radially free, clamped (the paper's), or its centre."
+        ),
     ] = Drive.plane,
     rim: Annotated[
-        Rim, typer.Option(help="Socket's edge: mirror plane or traction-free.")
+        Rim, typer.Option(help="Socket's edge: mirror plane, or free (the paper's).")
     ] = Rim.mirror,
     kinematics: WhichKinematics = Kinematics.linear,
     solver: Annotated[
@@ -354,7 +357,7 @@ def export_law(
         Format, typer.Option("--format", help="C function, coefficients or table, force curve.")
     ],
     r2_star: Annotated[float | None, typer.Option(help="Of the joint [200].")] = None,
-    socket_ratio: Annotated[float | None, typer.Option(help="Of the joint [1.19].")] = None,
+    socket_ratio: Annotated[float | None, typer.Option(help="Of the joint [1.3].")] = None,
     poisson: Annotated[float | None, typer.Option(help="Of both bodies [0.3].")] = None,
     modulus_ratio: ModulusRatio = 1.0,
     socket_poisson: SocketPoisson = None,
@@ -429,7 +432,7 @@ def simulate_mechanism(
         typer.Option(help="auto: what the tolerance is for [slider_position]."),
     ] = None,
     socket_ratio: Annotated[
-        float | None, typer.Option(help="auto: outer over inner radius of the socket [1.19].")
+        float | None, typer.Option(help="auto: outer over inner radius of the socket [1.3].")
     ] = None,
     inertia: Annotated[
         str,

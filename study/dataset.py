@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from study import checks, design, paths
+from study import checks, contact, design, paths
 from study.contact.laws import COEFFICIENTS
 from study.elastic import fem, series
 from study.joint import FINITE_RESOLUTION, KINEMATICS, SOLVERS, force_curve
@@ -142,23 +142,21 @@ def load(**filters):
     return frame.reset_index(drop=True)
 
 
-def paper_curves(kinematics=design.PAPER_KINEMATICS, group="paper", **filters):
-    """Rows of the set-up taken for the paper's, R2* = 20..10,000: see `load` for the columns.
+def paper_curves(kinematics=design.PAPER_KINEMATICS, **filters):
+    """Curves of the paper's joint (`study.joint.paper_joint`), R2* = 20..10,000.
 
     Parameters
     ----------
     kinematics : {"linear", "small", "finite"}
-    group : {"paper", "clamped"}
-        The radially free ball with socket ratio 1.19, or the clamped one with 1.3.
     **filters
         As for `load`.
 
     Returns
     -------
     pandas.DataFrame
+        See `load` for the columns.
     """
-    checks.choice("group", group, ("paper", "clamped"))
-    return load(group=group, kinematics=kinematics, **filters)
+    return load(group="paper", kinematics=kinematics, **filters)
 
 
 def published(where=None):
@@ -180,6 +178,20 @@ def published(where=None):
         checks.choice("where", where, tuple(frame["where"].unique()))
     values = frame.set_index(["where", "row", "quantity"])["value"].sort_index()
     return values if where is None else values.loc[where]
+
+
+def published_table_2():
+    """Table 2 with the signs that the paper leaves out: absolute values above 1 are negative.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns ``R2``, ``R2_adj`` and ``RMSE``, a row per law, a key of `study.contact.LAWS`.
+    """
+    table = published("Table 2").rename({"proposed": "hyperbolic_winkler"}).unstack()
+    table = table.loc[list(contact.PAPER_LAWS), ["R2", "R2_adj", "RMSE"]]
+    table[["R2", "R2_adj"]] = table[["R2", "R2_adj"]].where(table.R2 < 1, -table)
+    return table
 
 
 def reference_forces():

@@ -61,6 +61,7 @@ LOOKS = {
     "winkler": Look("Winkler (fitted)", "#E69F00", "D", "--"),
     "hyperbolic_winkler": Look("hyperbolic Winkler", "#D55E00", "P", "-"),
     "stiffened_hertz": Look("stiffened Hertz", "#CC79A7", "X", "-"),
+    "tabulated": Look("table of the solver", "0.4", "h", "-"),
 }
 
 
@@ -285,7 +286,7 @@ def draw_law_costs(axes, rows, cost, front):
     solver, laws = rows[rows.method == "solver"].iloc[0], rows[rows.method != "solver"]
     axes.plot(front[cost], front.largest_error, color="0.8", linewidth=5, zorder=0, label="front")
     for row in laws.itertuples():
-        look = LOOKS.get(row.method, Look("tabulated", "0.4", "h"))
+        look = LOOKS[row.method]
         x, ends = getattr(row, cost), (row.rms_error, row.largest_error)
         axes.plot([x, x], ends, color=look.color, linewidth=0.8)
         axes.plot(x, ends[0], look.marker, color=look.color, markerfacecolor="w", markersize=6)
@@ -366,7 +367,7 @@ def label_choices(figure, axes, laws):
 CHOICES = {
     law: (LOOKS[law].label.split(" (")[0], LOOKS[law].color)
     for law in ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler", "stiffened_hertz")
-} | {"tabulated": ("table of the solver", "0.6"), "outside": ("outside the dataset: solve", "0.92")}
+} | {"tabulated": (LOOKS["tabulated"].label, "0.6")}
 
 
 DEPTH_TICKS = (0.05, 0.1, 0.2, 0.5, 1.0)
@@ -437,10 +438,9 @@ def _label_in_steps(axes, lines):
 
 
 VERDICT_COLORS = {
-    "reproduced": "#009E73",
-    "partly": "#E69F00",
-    "not reproduced": "#D55E00",
+    "contradicted": "#D55E00",
     "cannot be decided": "0.7",
+    "reproduced": "#009E73",
 }
 
 

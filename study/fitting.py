@@ -2,8 +2,9 @@
 
 The paper's two steps: one coefficient f1 per case, then a surrogate of f1 over R2*. The
 surrogate is a straight line, because P* -> R2* F(ds) as R2* grows, with an intercept for the
-next order in 1/R2*; its coefficients are ours, the paper's are lost. The coefficients of
-`stiffened_hertz` make its largest relative error as small as can be.
+next order in 1/R2*; its coefficients are ours, the paper's are lost. Liu's coefficient follows
+from a published number. Those of `stiffened_hertz` make its largest relative error as small as
+can be.
 """
 
 import json
@@ -14,18 +15,20 @@ import pandas as pd
 from scipy.optimize import linprog
 
 from study import checks
-from study.contact import LAWS, hertz
+from study.contact import LAWS, hertz, shapes
 from study.contact.laws import stiffening_scale, stiffening_terms
 
 FITTED_LAWS = {
     "hyperbolic_winkler": ("hyperbolic_winkler", {}),
-    "hyperbolic_winkler_flat": ("hyperbolic_winkler", {"area": "flat"}),
+    "hyperbolic_winkler_sphere": ("hyperbolic_winkler", {"area": "sphere"}),
     "winkler": ("winkler", {}),
 }
 """Name of the coefficients -> law and its options."""
 SLACK = 1.05  # of the largest error, for fewer coefficients
-PAPER_WEIGHT = 3.5  # of the paper's ratio and Poisson's ratio in the fit of stiffened_hertz
 LARGEST_DEPTH = 0.5  # of the fit, in dR, as in the paper
+SAMPLE = np.linspace(0, LARGEST_DEPTH, 21)
+"""Depths of the paper's measures of agreement, identified from Table 2 (notebook 13)."""
+R2_STAR = 200  # of the paper's comparison of laws, Fig. 10 and Table 2
 LARGEST_R2_STAR = 300  # of the surrogate's fit, as in the paper
 
 
@@ -53,6 +56,24 @@ def shape(law, depth_star):
     """Function f2 of a law: its force with the coefficient 1, shape (n,)."""
     name, options = FITTED_LAWS[checks.choice("law", law, FITTED_LAWS)]
     return LAWS[name](depth_star, 2.0, coefficient=1.0, **options)
+
+
+def sampled(curve):
+    """Forces of one case at the depths of `SAMPLE`, from the dataset and 0 at no depth.
+
+    Parameters
+    ----------
+    curve : pandas.DataFrame
+        Rows of one case of `study.dataset.load`, in steps of 0.025.
+
+    Returns
+    -------
+    ndarray, shape (21,)
+    """
+    inside = curve[curve.depth_star <= LARGEST_DEPTH]
+    if not np.allclose(inside.depth_star, SAMPLE[1:]):
+        raise ValueError(f"curve must have the depths {SAMPLE[1]:g} to {SAMPLE[-1]:g} of SAMPLE")
+    return np.append(0, inside.force_star)
 
 
 def coefficients_by_case(law, curves):
@@ -95,13 +116,39 @@ def surrogate(r2_star, f1):
     return {"slope": float(slope), "intercept": float(intercept)}
 
 
-def fit_laws(curves):
-    """Surrogates of all fitted laws over the paper's range 20 <= R2* <= 300.
+def liu_coefficient(force_star, published_r_squared, unit):
+    """Coefficient of Liu's law, P* = c R2* (...), that gives it the R2 of the paper's Table 2.
+
+    That R2 depends on the mean difference of law and finite elements only
+    (`study.statistics.r_squared_as_published`), and Liu's law is the smaller of the two.
+
+    Parameters
+    ----------
+    force_star : array_like, shape (21,)
+        Forces at `SAMPLE`, for the R2* of Table 2.
+    published_r_squared : float
+        With its sign, negative.
+    unit : ndarray, shape (20,)
+        The law's force over c R2* at the same depths but 0.
+
+    Returns
+    -------
+    float
+    """
+    force = np.asarray(force_star)
+    missing = np.sqrt((1 - published_r_squared) * np.sum((force - force.mean()) ** 2))
+    return float((force.sum() - missing) / (R2_STAR * unit.sum()))
+
+
+def fit_laws(curves, liu_r_squared):
+    """Coefficients of all laws of the paper that have one, over its range 20 <= R2* <= 300.
 
     Parameters
     ----------
     curves : pandas.DataFrame
         Rows of `study.dataset.load` for one joint set-up.
+    liu_r_squared : float
+        Published R2 of Liu's law, with its sign.
 
     Returns
     -------
@@ -112,14 +159,15 @@ def fit_laws(curves):
     for law in FITTED_LAWS:
         cases = coefficients_by_case(law, curves[curves.r2_star <= LARGEST_R2_STAR])
         fits[law] = surrogate(cases.r2_star, cases.f1)
-    return fits
+    force, (unit, _) = sampled(curves[curves.r2_star == R2_STAR]), shapes.liu(SAMPLE[1:], ())
+    slope = liu_coefficient(force, liu_r_squared, unit)
+    return fits | {"liu": {"slope": slope, "intercept": 0.0}}
 
 
-def fit_stiffening(curves, paper=(1.19, 0.3)):
+def fit_stiffening(curves):
     """Coefficients of `study.contact.stiffened_hertz`, by linear programming.
 
-    The coefficients enter S linearly. The largest relative error over all curves, with
-    `PAPER_WEIGHT` times the error for the paper's socket ratio and Poisson's ratio, is within
+    The coefficients enter S linearly. The largest relative error over all curves is within
     `SLACK` of the smallest one; the sum of the scaled coefficients' sizes is then the smallest,
     which leaves most of them at zero.
 
@@ -127,8 +175,6 @@ def fit_stiffening(curves, paper=(1.19, 0.3)):
     ----------
     curves : pandas.DataFrame
         Rows of the dataset's group ``fit``, in several kinematics.
-    paper : tuple of float
-        Socket ratio and Poisson's ratio with the weight.
 
     Returns
     -------
@@ -145,9 +191,8 @@ def fit_stiffening(curves, paper=(1.19, 0.3)):
         powers = np.column_stack([u, u**2, ds, ds**2, ds**3])
         terms = (powers[:, :, None] * stiffening_terms(ratio, poisson)).reshape(len(ds), -1)
         blocks = [terms, *(terms / r2_star * (kind == other) for other in kinds)]
-        weight = (PAPER_WEIGHT if (ratio, poisson) == paper else 1.0) / stiffening
-        rows.append(weight[:, None] * np.hstack(blocks))
-        right.append(weight * (stiffening - 1))
+        rows.append(np.hstack(blocks) / stiffening[:, None])
+        right.append(1 - 1 / stiffening)
     found = _sparse_minimax(np.vstack(rows), np.concatenate(right))
     matrix = found.reshape(1 + len(kinds), 5, 9)
     limit, *first_order = np.round(matrix, 6).tolist()

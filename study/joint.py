@@ -45,12 +45,17 @@ class Material:
 class Joint:
     """A spherical clearance joint, as far as its force-depth curve depends on it.
 
+    The supports are by default those of a joint in general, not of the paper's (`paper_joint`):
+    a ball that is free to spread at its equator and a socket that ends in a mirror plane. They
+    are solved exactly, and it is for them that `study.contact.stiffened_hertz` is right.
+
     Attributes
     ----------
     r2_star : float
         Dimensionless socket radius R2/dR, > 1.
     socket_ratio : float
-        Outer over inner radius of the socket, >= 1.001; >= 1.02 for finite elements.
+        Outer over inner radius of the socket, >= 1.001; >= 1.02 for finite elements. By default
+        the paper's.
     ball, socket : Material
         Materials of the two bodies.
     ball_drive : {"plane", "clamped", "point"}
@@ -105,6 +110,36 @@ class Joint:
             ball.youngs_modulus, ball.poisson, socket.youngs_modulus, socket.poisson
         )
         return composite / ball.youngs_modulus, composite / socket.youngs_modulus
+
+
+PAPER_SUPPORTS = {"ball_drive": "clamped", "rim": "free"}
+"""How the paper's finite elements hold ball and socket: identified from its Table 2."""
+
+
+def paper_joint(r2_star=200, **changes):
+    """The joint of the paper's figures and tables, as far as it can be known.
+
+    Clamped ball, free rim, socket ratio 1.3, linear kinematics, both bodies of Poisson's ratio
+    0.3: identified from Table 2 and Fig. 14 (notebook 13), but for the rim, which follows from
+    the text ("the entire external surface of the socket is fixed") and changes nothing there.
+
+    Parameters
+    ----------
+    r2_star : float
+        Dimensionless socket radius; 200 is that of Fig. 10 and Table 2.
+    **changes
+        Other attributes of `Joint`.
+
+    Returns
+    -------
+    Joint
+
+    Raises
+    ------
+    ValueError
+        As for `Joint`.
+    """
+    return Joint(r2_star, **(PAPER_SUPPORTS | changes))
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """The rules by which the paper's statements are judged: a number per reading, from results.
 
 A rule reads results from ``figures/`` and gives one number per reading, where a reading is a
-set-up, formula, model or duration that what is given in the paper allows. ``of`` is the text in
-the claim's column of that name, where a rule serves several claims.
+model, material, duration or socket radius that what is given in the paper allows. ``of`` is the
+text in the claim's column of that name, where a rule serves several claims.
 """
 
 from functools import cache
@@ -15,13 +15,16 @@ from study import checks, contact, dataset, paths, statistics
 RULES = {}
 """Name of a rule -> function(of) -> {reading: number}."""
 
-OWN, SERIES = "clamped 1.3, flat area", "plane 1.19, sphere"  # set-ups, by their names elsewhere
+PAPER = "the paper's joint"
 LAWS = contact.PAPER_LAWS
 PROPOSED = "hyperbolic_winkler"
 EARLY = 10.0  # ms: the first impacts
 DURATIONS = (50, 100, 200)  # ms: the paper does not say how long it simulates
 FIT = 0.5  # largest depth of the fits
+FIRST = 0.025  # least depth of the dataset
 MODELS = ("rigid", "particles", "beams")
+POISSON, MODULI = (0.2, 0.4), (1 / 3, 3)
+"""Realistic range of Poisson's ratio, and of the socket's modulus over the ball's: metals."""
 
 
 class ClaimError(checks.StudyError):
@@ -43,22 +46,25 @@ def result(name):
     return pd.read_csv(path)
 
 
-def _curves(least=0.025):
-    """Exact forces and those of the laws over depth, from a least depth on, in both set-ups."""
-    for reading, table in result("own_curves").groupby("set_up"):
-        yield (
-            reading,
-            table[table.depth_star >= least].set_index("depth_star").drop(columns="set_up"),
-        )
+def _trend(prefix="", least=FIRST):
+    """Forces (or slopes, exponents) of the elastic solution and of the laws over depth."""
+    table = result("trend").set_index("depth_star")
+    table = table[[f"{prefix}{name}" for name in ("exact", *LAWS)]]
+    return table.rename(columns=lambda name: name.removeprefix(prefix))[table.index >= least]
 
 
-def _errors(table):
+def _errors(least=FIRST):
     """Relative errors of the paper's laws, in percent."""
+    table = _trend(least=least)
     return 100 * (table[list(LAWS)].div(table.exact, axis=0) - 1)
 
 
 def _inside(table, low=0.0, high=FIT):
     return table[(table.index > low) & (table.index <= high + 1e-9)]
+
+
+def _at(table, depth):
+    return table.iloc[np.abs(table.index - depth).argmin()]
 
 
 def _motion(figure):
@@ -76,52 +82,39 @@ def _per_model(compute):
 @rule
 def table_1(of):
     """A number of Table 1: quantity."""
-    table = result("table1").set_index("quantity")
-    found = {SERIES: table.ours[of]}
-    explained = result("explained").set_index(["row", "quantity"])
-    if ("f1", of) in explained.index:
-        found = {OWN: explained.loc[("f1", of), OWN]} | found
-    return found
+    return {"this study": result("table1").set_index("quantity").ours[of]}
+
+
+def _table_2(column):
+    return result("table2").pivot(index="law", columns="quantity", values=column)
 
 
 @rule
-def rmse(of):
-    """RMSE of a law in the set-up that explains Table 2; of Liu's in both readings."""
-    explained = result("explained").set_index(["row", "quantity"])[OWN]
-    readings = {"liu": ("liu", "liu_half_angle")}.get(of, (of,))
-    return {name: explained[name, "RMSE"] for name in readings}
-
-
-@rule
-def r_squared(of):
-    """|R2| of a law (law, R2 or R2_adj) at 20 depths of the whole range, and of Fig. 10(d)."""
+def table_2(of):
+    """Absolute value of a number of Table 2: law and quantity, by the paper's definition."""
     law, quantity = of.split()
-    windows = result("windows").set_index(["set_up", "low", "high"])[law]
-    found = {"0 to 0.5": windows[OWN, 0.0, 0.5], "0.35 to 0.5": windows[OWN, 0.35, 0.5]}
-    if quantity == "R2_adj":
-        found = {key: 1 - (1 - value) * 19 / 18 for key, value in found.items()}
-    return {key: abs(value) for key, value in found.items()}
+    return {PAPER: abs(_table_2("ours")[quantity][law])}
 
 
 @rule
-def one_sample(of):
-    """By how much RMSE / sqrt(1 - R2), a standard deviation, differs in the published rows."""
-    table = result("table2").pivot(index="law", columns="quantity", values="published")
-    signed = table.R2.where(table.R2 < 1, -table.R2)
-    deviation = table.RMSE / np.sqrt(1 - signed)
-    return {"published": 100 * (deviation.max() / deviation.min() - 1)}
+def correct_r_squared(of):
+    """Absolute R2 of some laws by its definition."""
+    table = _table_2("correct").R2.abs()
+    return {law: table[law] for law in of.split()}
 
 
 @rule
 def order(of):
     """How many of the five laws have the rank by RMSE that they have in Table 2."""
-    published = result("table2").query("quantity == 'RMSE'").set_index("law").published
-    explained = result("explained").query("quantity == 'RMSE'").set_index("row")
-    ranks = published.rank()
-    return {
-        name: (explained.loc[list(LAWS), name].rank() == ranks[list(LAWS)]).sum()
-        for name in (OWN, SERIES)
-    }
+    ours, published = (_table_2(column).RMSE.rank() for column in ("ours", "published"))
+    return {PAPER: (ours == published).sum()}
+
+
+@rule
+def improvement(of):
+    """RMSE of the fitted Winkler law over that of the proposed one."""
+    error = _table_2("ours").RMSE
+    return {PAPER: error["winkler"] / error[PROPOSED]}
 
 
 # ---- force against depth ----
@@ -130,155 +123,136 @@ def order(of):
 @rule
 def start(of):
     """How many of Hertz and Steuermann are closer than the proposed law as contact begins."""
-    found = {}
-    for reading, table in _curves(0.005):
-        error = _errors(table).iloc[0].abs()
-        found[reading] = (error[["hertz", "steuermann"]] < error[PROPOSED]).sum()
-    return found
+    error = _errors(0.005).iloc[0].abs()
+    return {PAPER: (error[["hertz", "steuermann"]] < error[PROPOSED]).sum()}
 
 
 @rule
 def crossing(of):
-    """Depth beyond which the proposed law is closer than Hertz's and Steuermann's."""
-    explained = result("explained").query("quantity == 'crossing'").set_index("row")
-    return {name: explained[name].max() for name in (OWN, SERIES)}
+    """Depth beyond which the proposed law is closer than some others."""
+    error = _inside(_errors().abs())
+    depth = error.index.to_numpy()
+    return {
+        law: statistics.last_crossing(depth, error[law] - error[PROPOSED]) for law in of.split()
+    }
 
 
 @rule
-def crossing_of_liu(of):
-    """Depth beyond which the proposed law is closer than Liu's, in both of its readings."""
-    table = _inside(dict(_curves())[OWN])
-    error = table.sub(table.exact, axis=0).abs()
-    readings = {"spherical": "liu", "half-angle": "liu_half_angle"}
-    return {
-        name: statistics.last_crossing(table.index.to_numpy(), error[law] - error[PROPOSED])
-        for name, law in readings.items()
-    }
+def last_crossing(of):
+    """Depth beyond which the proposed law is closer than all of some others."""
+    return {PAPER: max(crossing(of).values())}
 
 
 @rule
 def closest(of):
     """Share of depths (from, to) at which the proposed law is closer than others, in percent."""
     low, high, *others = of.split()
-    found = {}
-    for reading, table in _curves():
-        error = _inside(_errors(table).abs(), float(low), float(high))
-        found[reading] = 100 * error[others].gt(error[PROPOSED], axis=0).all(axis=1).mean()
-    return found
+    error = _inside(_errors().abs(), float(low), float(high))
+    return {PAPER: 100 * error[others].gt(error[PROPOSED], axis=0).all(axis=1).mean()}
 
 
 @rule
 def growth(of):
     """Least |relative error| at the second depth over that at the first, of some laws."""
     first, second, *laws = of.split()
-    found = {}
-    for reading, table in _curves():
-        error = _errors(table)[laws].abs()
-        found[reading] = (_at(error, float(second)) / _at(error, float(first))).min()
-    return found
-
-
-def _at(table, depth):
-    return table.iloc[np.abs(table.index - depth).argmin()]
+    error = _errors(0.005)[laws].abs()
+    return {PAPER: (_at(error, float(second)) / _at(error, float(first))).min()}
 
 
 @rule
 def scaled_fit(of):
     """RMSE of the proposed law over that of another, each times the factor that fits it best."""
-    found = {}
-    for reading, table in _curves():
-        table = _inside(table)
-        scaled = {
-            law: table[law] * (table[law] @ table.exact) / (table[law] @ table[law])
-            for law in (PROPOSED, of)
-        }
-        left = {law: statistics.rmse(table.exact, force) for law, force in scaled.items()}
-        found[reading] = left[PROPOSED] / left[of]
-    return found
+    table, left = _inside(_trend()), {}
+    for law in (PROPOSED, of):
+        factor = (table[law] @ table.exact) / (table[law] @ table[law])
+        left[law] = statistics.rmse(table.exact, factor * table[law])
+    return {PAPER: left[PROPOSED] / left[of]}
 
 
 @rule
-def exponent(of):
-    """Share of depths up to 0.5 at which a law's exponent is closer than others', in percent."""
-    law, *others = of.split()
-    found = {}
-    for reading, table in _curves():
-        slopes = _inside(table.filter(like="exponent_").rename(columns=lambda c: c[9:]))
-        error = slopes.sub(slopes.exact, axis=0).abs()
-        found[reading] = 100 * error[others].gt(error[law], axis=0).all(axis=1).mean()
-    return found
-
-
-@rule
-def improvement(of):
-    """RMSE of the fitted Winkler law over that of the proposed one."""
-    explained = result("explained").query("quantity == 'RMSE'").set_index("row")
-    return {name: explained[name]["winkler"] / explained[name][PROPOSED] for name in (OWN, SERIES)}
+def trend(of):
+    """Share of depths up to 0.5 at which a law's slope or exponent is closer than others'."""
+    quantity, law, *others = of.split()
+    values = _inside(_trend(f"{quantity}_"))
+    error = values.sub(values.exact, axis=0).abs()
+    return {PAPER: 100 * error[others].gt(error[law], axis=0).all(axis=1).mean()}
 
 
 @rule
 def largest_error(of):
     """Largest |relative error| of the proposed law between two depths, in percent."""
     low, high = map(float, of.split())
-    return {name: _inside(_errors(t)[PROPOSED].abs(), low, high).max() for name, t in _curves()}
+    return {PAPER: _inside(_errors()[PROPOSED].abs(), low, high).max()}
+
+
+@rule
+def overall_error(of):
+    """Relative RMSE of the proposed law between two depths, in percent."""
+    table = _inside(_trend(), *map(float, of.split()))
+    return {PAPER: 100 * statistics.relative_rmse(table.exact, table[PROPOSED])}
+
+
+@rule
+def half_angle(of):
+    """Contact half-angle of Eq. 21 over that of the elastic solution, at two depths."""
+    table = result("fig06").query("panel == 'b'").pivot(index="x", columns="part", values="y")
+    share = table[PROPOSED] / table.exact
+    return {f"depth {depth:g}": _at(share, depth) for depth in (0.1, 0.5)}
 
 
 @rule
 def arc(of):
     """Growth of the contact half-angle with depth at 0.5 over that at 0.1."""
-    angle = dict(_curves())[OWN].half_angle_deg
+    angle = result("trend").set_index("depth_star").half_angle_deg
     rate = pd.DataFrame({"rate": np.gradient(angle, angle.index)}, angle.index)
-    return {OWN: _at(rate, 0.5).rate / _at(rate, 0.1).rate}
+    return {PAPER: _at(rate, 0.5).rate / _at(rate, 0.1).rate}
 
 
 # ---- socket radius, other parameters, scale ----
 
 
-def _radii():
-    yield OWN, result("own_radius")
-    for kinematics in ("linear", "finite"):
-        yield f"{SERIES}, {kinematics}", result("fig14").query("kinematics == @kinematics")
+def _radii(kinematics="linear"):
+    return result("fig14").query("kinematics == @kinematics").set_index("r2_star")
 
 
 @rule
 def least_r_squared(of):
-    """Least adjusted R2 of the proposed law over a range of R2*."""
+    """Least adjusted R2 (the paper's definition) of the proposed law over a range of R2*."""
     low, high = map(float, of.split())
-    return {name: t[t.r2_star.between(low, high)].R2_adj.min() for name, t in _radii()}
+    return {PAPER: _radii().loc[low:high].R2_adj.min()}
 
 
 @rule
 def unexplained(of):
-    """1 - R2 at the largest R2* over that at the smallest."""
-    return {name: (1 - t.R2.iloc[-1]) / (1 - t.R2.iloc[0]) for name, t in _radii()}
+    """1 - R2 (the paper's definition) at the largest R2* over that at the least, by kinematics."""
+    tables = {kinematics: 1 - _radii(kinematics).R2 for kinematics in of.split()}
+    return {kinematics: t.iloc[-1] / t.iloc[0] for kinematics, t in tables.items()}
 
 
 @rule
 def relative_rmse(of):
     """Relative RMSE at the largest R2*, in percent."""
-    return {name: t.relative_RMSE_percent.iloc[-1] for name, t in _radii()}
+    return {PAPER: _radii().relative_RMSE_percent.iloc[-1]}
 
 
 @rule
 def rise(of):
     """Relative RMSE at the largest R2* over that at the smallest."""
-    t = dict(_radii())
-    return {
-        n: r.relative_RMSE_percent.iloc[-1] / r.relative_RMSE_percent.iloc[0] for n, r in t.items()
-    }
+    error = _radii().relative_RMSE_percent
+    return {PAPER: error.iloc[-1] / error.iloc[0]}
 
 
 @rule
 def worst_relative_rmse(of):
     """Largest relative RMSE at any R2*, in percent."""
-    return {name: t.relative_RMSE_percent.max() for name, t in _radii()}
+    return {PAPER: _radii().relative_RMSE_percent.max()}
 
 
 @rule
 def spread_over_radius(of):
     """Largest |relative error| up to a depth of 0.5, the largest over the least of any R2*."""
-    tables = {OWN: result("own_radius"), SERIES: result("fig15")}
-    return {n: t.whole_range_percent.max() / t.whole_range_percent.min() for n, t in tables.items()}
+    error = result("fig15").whole_range_percent
+    return {PAPER: error.max() / error.min()}
 
 
 @rule
@@ -297,9 +271,15 @@ def material(of):
     error = _at(table.pivot(index="depth_star", columns="parameter", values="value"), 0.5)
     error.index = error.index.astype(float)
     force = 1 / (1 + error / 100)  # over that of Hertz, whose law knows neither
-    name, usual = {"poisson": ("Poisson's ratio", 0.3), "modulus_ratio": ("moduli", 1.0)}[of]
-    change = 100 * (force / force[usual] - 1).abs().max()
-    return {f"{name} {error.index.min():g} to {error.index.max():g} against {usual:g}": change}
+    name, usual, (low, high) = {
+        "poisson": ("Poisson's ratio", 0.3, POISSON),
+        "modulus_ratio": ("moduli", 1.0, MODULI),
+    }[of]
+    change = (
+        100 * (force / force[usual] - 1).abs()[force.index.to_series().between(low - 1e-3, high)]
+    )
+    least, most = change.index.min(), change.index.max()
+    return {f"{name} {least:.2g} to {most:.2g} against {usual:g}": change.max()}
 
 
 @rule
@@ -307,7 +287,7 @@ def error_over_ratio(of):
     """Largest |relative error| of the proposed law, depths 0.1 to 0.5, socket ratios 1.1 to 3."""
     table = result("reach_socket").query("law == @PROPOSED and 0.0999 < depth_star < 0.5001")
     table = table[table.socket_ratio.between(1.1, 3)]
-    return {"sphere's area": table.relative_error_percent.abs().max()}
+    return {"ratios 1.1 to 3": table.relative_error_percent.abs().max()}
 
 
 @rule
@@ -347,13 +327,14 @@ def methods_agree(of):
 
 @rule
 def ahead(of):
-    """Share of the simulated time in which the slider is ahead of the ideal one, in percent."""
+    """Share of the time in which the slider is ahead of the ideal one, in percent, by duration."""
     place, speed = _motion("fig17"), _motion("fig18")
-    return _per_model(
-        lambda m: (
-            100 * ((place[f"clearance_{m}"] - place[f"ideal_{m}"]) * speed[f"ideal_{m}"] > 0).mean()
-        )
-    )
+
+    def share(model, end):
+        lead = place[f"clearance_{model}"] - place[f"ideal_{model}"]
+        return 100 * (lead * speed[f"ideal_{model}"] > 0).loc[:end].mean()
+
+    return {f"{m}, {end} ms": share(m, end) for end in DURATIONS for m in MODELS}
 
 
 @rule
@@ -405,7 +386,21 @@ def last_separation(of):
     """Last separation as share of the simulated time, in percent, for several durations."""
     impacts = result("impacts")
     last = 1e3 * (impacts.time + impacts.duration).groupby(impacts.model).max()
-    return {f"{m}, {end} ms": 100 * last[m] / end for end in DURATIONS[1:] for m in MODELS}
+    return {f"{m}, {end} ms": 100 * last[m] / end for end in DURATIONS for m in MODELS}
+
+
+@rule
+def oscillation(of):
+    """Share of windows of 1 ms in which the force swings twice as far as in an ideal joint."""
+    force, found = _motion("fig20"), {}
+    window = (force.index // 1).astype(int)
+    swing = force.groupby(window).max() - force.groupby(window).min()
+    for end in DURATIONS:
+        inside = swing[swing.index < end]
+        for model in MODELS:
+            more = inside[f"clearance_{model}"] > 2 * inside[f"ideal_{model}"]
+            found[f"{model}, {end} ms"] = 100 * more.mean()
+    return found
 
 
 def _path(model):
@@ -464,29 +459,24 @@ def preferred(of):
     return found
 
 
+def _deepest():
+    """Largest depths in the crank-slider by socket radius and duration, in clearances."""
+    for row in result("durations").itertuples():
+        name = f"socket radius {row.socket_radius_mm:g} mm, {row.duration_ms / 1000:g} s"
+        yield name, row.largest_depth
+
+
 @rule
 def depth_in_mechanism(of):
-    """Largest depth in the crank-slider, in clearances; for a small socket by its force."""
-    found = _per_model(lambda m: np.hypot(*_path(m)[:2]).max() - 1)
-    variants = result("variants").set_index(["links", "variant"]).largest_force
-    clearance, radius, depths = _clearance(), 2e-3, np.linspace(0, 0.5, 2001)
-    stated = dataset.published().xs("Table 4")["material"]
-    modulus = stated["youngs_modulus_GPa"] * 1e9, stated["poisson"]
-    radii = radius - clearance, radius, contact.composite_modulus(*modulus, *modulus)
-    force = contact.contact_force(PROPOSED, depths * clearance, *radii)
-    small = variants["rigid links", "socket radius 2 mm"]
-    return found | {"rigid, socket radius 2 mm": np.interp(small, force, depths)}
+    """Largest depth in the crank-slider, in clearances, for socket radii and durations."""
+    return dict(_deepest())
 
 
 @rule
 def law_in_mechanism(of):
     """|Relative error| of the proposed law at the largest depths of the crank-slider, percent."""
-    deepest, found = depth_in_mechanism(""), {}
-    for radius, depth in (("10 mm", deepest["rigid"]), ("2 mm", max(deepest.values()))):
-        for reading, table in _curves(0.005):
-            error = _errors(table)[PROPOSED].abs()
-            found[f"{reading}, socket radius {radius}"] = np.interp(depth, error.index, error)
-    return found
+    error = _errors(0.005)[PROPOSED].abs()
+    return {name: np.interp(depth, error.index, error) for name, depth in _deepest()}
 
 
 @rule
@@ -500,20 +490,4 @@ def restitution(of):
 @rule
 def solving_each_call(of):
     """Time of solving the elastic contact at every call over that of Hertz's law."""
-    return {"series": result("speed_laws").set_index("method").relative["solver"]}
-
-
-@rule
-def explicit_steps(of):
-    """Time of explicit steps over another method's, both for an error of 1e-4 in 0.3 s."""
-    table = result("speed_steppers")
-    times = {
-        method: np.exp(np.interp(np.log(1e-4), np.log(rows.rms_error), np.log(rows.time)))
-        for method, rows in table.sort_values("rms_error").groupby("method")
-        if rows.rms_error.min() < 1e-4 < rows.rms_error.max()
-    }
-    return {
-        f"{method} over {other}": times[method] / times[other]
-        for other in ("Rodas5P, events", "CVODE")
-        for method in ("centred", "velocity Verlet")
-    }
+    return {PAPER: result("speed_laws").set_index("method").relative["solver"]}

@@ -1,9 +1,10 @@
 """Speed against accuracy: every law, solver and stepper timed and judged in one process.
 
-Three charts. ``laws``: a call in a compiled loop, against the exact curve. ``solvers``: a curve
-of 20 depths from nothing, against a finer solution. ``steppers``: 0.3 s of the paper's scene
-with clearance, against the study's stepper at its smallest tolerance. Times depend on the
-machine, so that those drawn are kept in ``data/published/peers.csv``, made by `study measure`.
+Three charts. ``laws``: a call in a compiled loop, against the curve of the paper's joint.
+``solvers``: a curve of 20 depths from nothing, of a radially free ball, against the series.
+``steppers``: 0.3 s of the paper's scene with clearance, against the study's stepper at its
+smallest tolerance. Times depend on the machine, so that those drawn are kept in
+``data/published/peers.csv``, made by `study measure`.
 """
 
 import os
@@ -24,7 +25,7 @@ from study.compiled import compiled
 from study.contact import LAWS, tabulated
 from study.contact.forces import elastic_force, pack
 from study.elastic import fem, series
-from study.joint import Joint, force_curve
+from study.joint import Joint, force_curve, paper_joint
 from study.mechanism import Scene, explicit, simulate
 from study.peers import calculix, multibody, odes
 
@@ -46,7 +47,9 @@ COLUMNS = {
     "machine": "Processor and Python",
 }
 RADII = (9.95e-3, 10e-3, 1.1e11)  # of the laws' calls: R1, R2 in m, E* in Pa
-JOINT = Joint(200)
+PAPER = paper_joint()  # of the laws
+FINEST = 224  # elements along the surface of the curve that the laws are judged by
+FREE = Joint(200)  # of the solvers: a radially free ball, for which the series is exact
 LAW_DEPTHS = np.linspace(0.025, 1, 40)
 CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
 SCENE, DURATION, OUTPUTS = Scene(), 0.3, 3000
@@ -175,8 +178,8 @@ def laws(repeats=15, compile_times=True):
     pandas.DataFrame
         Columns of `COLUMNS`.
     """
-    table = tabulated(force_curve(JOINT, np.linspace(0.025, 1, 40) ** 2))
-    exact = _truth(tuple(LAW_DEPTHS))
+    table = tabulated(force_curve(PAPER, np.linspace(0.025, 1, 40) ** 2))
+    exact = _truth(PAPER, tuple(LAW_DEPTHS), FINEST)
     draw = np.random.default_rng(0)
     depths = draw.uniform(1e-7, 5e-5, 10_000)
     compile_time = _compile_time(
@@ -195,9 +198,9 @@ def laws(repeats=15, compile_times=True):
             _row("laws", name, "", times / depths.size, error, compile_time)
             | {"vectorised": float(np.median(elements))}
         )
-    times, curve = timed(partial(force_curve, JOINT, LAW_DEPTHS), repeats)
+    times, curve = timed(partial(force_curve, PAPER, LAW_DEPTHS), repeats)
     error = curve.force_star / exact - 1
-    setting = "series, resolution 320"
+    setting = f"six-node triangles, resolution {fem.RESOLUTION}"
     rows.append(_row("laws", "solver", setting, times / LAW_DEPTHS.size, error))
     rows[-1]["vectorised"] = float(np.median(times)) * depths.size / LAW_DEPTHS.size
     frame = _frame(rows)
@@ -220,8 +223,8 @@ def solvers(repeats=3, chosen=SOLVERS):
     pandas.DataFrame
         Columns of `COLUMNS`.
     """
-    exact, rows = _truth(tuple(CURVE_DEPTHS)), []
-    force_curve(JOINT, CURVE_DEPTHS[:1], resolution=32)  # imports
+    exact, rows = _truth(FREE, tuple(CURVE_DEPTHS), series.FINEST_RESOLUTION), []
+    force_curve(FREE, CURVE_DEPTHS[:1], resolution=32)  # imports
     for method, n in chosen:
         setting = f"resolution {n}"
         if method.startswith("series"):
@@ -230,7 +233,7 @@ def solvers(repeats=3, chosen=SOLVERS):
             if calculix.version() is None:
                 continue
             how = {"nodes": int(method[3]), "contact": "node" if "node" in method else "surface"}
-            run = partial(calculix.force_curve, JOINT, CURVE_DEPTHS, n, **how)
+            run = partial(calculix.force_curve, FREE, CURVE_DEPTHS, n, **how)
             others = {"program": "CalculiX", "version": calculix.version()}
         else:
             run, others = partial(_curve, method, n), {}
@@ -249,14 +252,14 @@ def _curve(method, n):
         for cached in (series.ball_compliance, series.socket_compliance, series._hat_coefficients):
             cached.cache_clear()
         ball = series.ball_compliance(0.3, n, _orders(method, n))
-        socket = series.socket_compliance(JOINT.socket_ratio, 0.3, n, _orders(method, n))
+        socket = series.socket_compliance(FREE.socket_ratio, 0.3, n, _orders(method, n))
     else:
         for cached in (fem.ball, fem.socket, fem.ball_compliance, fem.socket_compliance):
             cached.cache_clear()
         mesh = n, 6 if method.startswith("six") else 3
         ball = fem.ball_compliance(0.3, "plane", *mesh)
-        socket = fem.socket_compliance(JOINT.socket_ratio, 0.3, "mirror", *mesh)
-    return kinematics.solve(JOINT, CURVE_DEPTHS, *kinematics.linear(JOINT, ball, socket))[1]
+        socket = fem.socket_compliance(FREE.socket_ratio, 0.3, "mirror", *mesh)
+    return kinematics.solve(FREE, CURVE_DEPTHS, *kinematics.linear(FREE, ball, socket))[1]
 
 
 def steppers(repeats=3, chosen=STEPPERS, compile_times=True):
@@ -331,9 +334,9 @@ def _add(law, depths):
 
 
 @cache
-def _truth(depths):
-    """Exact forces of `JOINT`, by the finest series."""
-    return force_curve(JOINT, depths, resolution=series.FINEST_RESOLUTION).force_star
+def _truth(joint, depths, resolution):
+    """Forces of a joint at the finest resolution."""
+    return force_curve(joint, depths, resolution).force_star
 
 
 def _compile_time(prepare, call, wanted=True):

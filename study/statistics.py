@@ -23,7 +23,7 @@ def r_squared(truth, prediction):
     """Multicorrelation coefficient R2 = 1 - SSE/SST.
 
     SSE is the sum of squared differences, SST that of the truth about its mean. It is negative
-    for a prediction worse than that mean; the paper's Table 2 prints its absolute value.
+    for a prediction worse than that mean, and never more than 1.
 
     Parameters
     ----------
@@ -39,20 +39,50 @@ def r_squared(truth, prediction):
         For different shapes, fewer than two values, NaN, or a constant truth.
     """
     truth, prediction = _pair(truth, prediction)
-    total = np.sum((truth - truth.mean()) ** 2)
-    if total == 0:
-        raise ValueError(f"truth must vary, got only {truth[0]:g}")
-    return float(1 - np.sum((truth - prediction) ** 2) / total)
+    return float(1 - np.sum((truth - prediction) ** 2) / _total(truth))
 
 
-def adjusted_r_squared(truth, prediction, predictors=1):
-    """Adjusted coefficient 1 - (1 - R2) (n - 1)/(n - p - 1) with p = 1 predictor.
+def r_squared_as_published(truth, prediction):
+    """R2 as the paper's Table 2 and Fig. 14 have it: 1 - (sum of differences)^2/SST.
 
-    With n = 20 the factor is 19/18, which all five rows of the paper's Table 2 obey.
+    The sum is squared where its terms should be (identified, notebook 13): the result depends
+    on the number of values and on the mean difference only, and errors of opposite sign cancel.
 
     Parameters
     ----------
     truth, prediction : array_like, shape (n,)
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        As for `r_squared`.
+    """
+    truth, prediction = _pair(truth, prediction)
+    return float(1 - np.sum(truth - prediction) ** 2 / _total(truth))
+
+
+def _total(truth):
+    total = np.sum((truth - truth.mean()) ** 2)
+    if total == 0:
+        raise ValueError(f"truth must vary, got only {truth[0]:g}")
+    return total
+
+
+def adjusted(r_squared, size=20, predictors=1):
+    """Adjusted coefficient 1 - (1 - R2) (n - 1)/(n - p - 1) of n values and p predictors.
+
+    The default factor, 19/18, is that of all five rows of the paper's Table 2. Its errors
+    belong to 21 depths; the one at zero, where every law is exact, seems not to count here.
+
+    Parameters
+    ----------
+    r_squared : float
+    size : int
+        Number n of values.
     predictors : int
         Number p of predictors, >= 0 and < n - 1.
 
@@ -63,12 +93,11 @@ def adjusted_r_squared(truth, prediction, predictors=1):
     Raises
     ------
     ValueError
-        As for `r_squared`, or for too many predictors.
+        For too many predictors.
     """
-    size = len(truth)
     if not 0 <= predictors < size - 1:
         raise ValueError(f"predictors must be >= 0 and < {size - 1}, got {predictors}")
-    return 1 - (1 - r_squared(truth, prediction)) * (size - 1) / (size - predictors - 1)
+    return 1 - (1 - r_squared) * (size - 1) / (size - predictors - 1)
 
 
 def rmse(truth, prediction):
@@ -97,7 +126,7 @@ def relative_rmse(truth, prediction):
 
 
 def agreement(truth, prediction):
-    """All measures of agreement at once.
+    """All measures of agreement at once, the two coefficients by both definitions.
 
     Parameters
     ----------
@@ -106,16 +135,21 @@ def agreement(truth, prediction):
     Returns
     -------
     dict
-        ``R2``, ``R2_adj``, ``RMSE`` and ``relative_RMSE``.
+        ``R2`` and ``R2_adj`` as published (`r_squared_as_published`), ``R2_correct`` and
+        ``R2_adj_correct`` (`r_squared`), ``RMSE`` and ``relative_RMSE``.
 
     Raises
     ------
     ValueError
         As for `r_squared`.
     """
+    published = r_squared_as_published(truth, prediction)
+    correct = r_squared(truth, prediction)
     return {
-        "R2": r_squared(truth, prediction),
-        "R2_adj": adjusted_r_squared(truth, prediction),
+        "R2": published,
+        "R2_adj": adjusted(published),
+        "R2_correct": correct,
+        "R2_adj_correct": adjusted(correct),
         "RMSE": rmse(truth, prediction),
         "relative_RMSE": relative_rmse(truth, prediction),
     }

@@ -298,7 +298,7 @@ CHOOSE = ["choose", "--r2-star", 200, "--depth-star", 0.3]
 
 
 def test_choose_prints_the_law_its_error_and_its_cost(run):
-    words = ["--socket-ratio", 1.19, "--poisson", 0.3, "--tolerance", 0.01]
+    words = ["--socket-ratio", 1.3, "--poisson", 0.3, "--tolerance", 0.01]
     status, out, err = run(*CHOOSE, *words, "--json")
     assert (status, err) == (0, "")
     found = json.loads(out)

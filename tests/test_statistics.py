@@ -13,18 +13,34 @@ TRUTH, PREDICTION = [1.0, 2.0, 4.0, 5.0], [1.0, 3.0, 4.0, 4.0]  # SSE 2, SST 10,
 
 def test_measures_by_hand():
     assert stats.r_squared(TRUTH, PREDICTION) == pytest.approx(0.8)
-    assert stats.adjusted_r_squared(TRUTH, PREDICTION) == pytest.approx(1 - 0.2 * 3 / 2)
+    assert stats.r_squared_as_published(TRUTH, PREDICTION) == 1  # errors 1 and -1 cancel
+    assert stats.r_squared_as_published(TRUTH, [2.0, 3.0, 4.0, 4.0]) == pytest.approx(1 - 1 / 10)
+    assert stats.adjusted(0.8, 4) == pytest.approx(1 - 0.2 * 3 / 2)
     assert stats.rmse(TRUTH, PREDICTION) == pytest.approx(np.sqrt(0.5))
     assert stats.relative_rmse(TRUTH, PREDICTION) == pytest.approx(np.sqrt(0.5) / 3)
     assert stats.relative_error(TRUTH, PREDICTION) == pytest.approx([0, 0.5, 0, -0.2])
 
 
-def test_published_adjusted_values_have_20_samples_and_one_predictor():
-    table = dataset.published("Table 2")
-    for law in ("hertz", "steuermann", "liu", "winkler", "proposed"):
-        sign = -1 if table[law, "R2"] > 1 else 1  # printed without its sign
-        ratio = (1 - sign * table[law, "R2_adj"]) / (1 - sign * table[law, "R2"])
-        assert ratio == pytest.approx(19 / 18, abs=1e-3)
+def test_published_adjusted_values_follow_from_the_others():
+    for row in dataset.published_table_2().itertuples():
+        assert stats.adjusted(row.R2) == pytest.approx(row.R2_adj, abs=2e-4)
+        assert row.R2 < 1  # the signs that the paper leaves out
+
+
+@given(
+    st.lists(st.floats(0.1, 10), min_size=4, max_size=30, unique=True),
+    st.lists(st.floats(0.5, 2), min_size=30, max_size=30),
+)
+def test_published_r2_is_that_of_the_mean_error_and_one_sign_makes_it_worse(truth, factors):
+    truth = np.array(truth)
+    prediction = truth * factors[: truth.size]
+    total = np.sum((truth - truth.mean()) ** 2)
+    mean = np.mean(prediction - truth)
+    found = stats.r_squared_as_published(truth, prediction)
+    assert 1 - found == pytest.approx((truth.size * mean) ** 2 / total, rel=1e-9, abs=1e-12)
+    low = truth * np.minimum(factors[: truth.size], 1)  # errors of one sign
+    worse = stats.r_squared_as_published(truth, low), stats.r_squared(truth, low)
+    assert worse[0] <= worse[1] + 1e-9
 
 
 @given(st.lists(st.floats(0.1, 10), min_size=4, max_size=30, unique=True), st.floats(0.1, 10))
@@ -53,7 +69,7 @@ def test_last_crossing_interpolates():
         (lambda: stats.rmse([1, np.nan], [1, 2]), "must be finite"),
         (lambda: stats.r_squared([2, 2], [1, 2]), "truth must vary, got only 2"),
         (lambda: stats.relative_error([0, 1], [1, 2]), "non-zero"),
-        (lambda: stats.adjusted_r_squared([1, 2], [1, 2]), "predictors must be >= 0 and < 1"),
+        (lambda: stats.adjusted(0.9, 2), "predictors must be >= 0 and < 1"),
     ],
 )
 def test_bad_input_is_one_clear_error(call, message):

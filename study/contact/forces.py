@@ -19,7 +19,6 @@ _winkler = compiled(shapes.winkler)
 _power = compiled(shapes.power)
 _chord = compiled(shapes.chord)
 _liu = compiled(shapes.liu)
-_half_angle = compiled(shapes.half_angle)
 _hyperbolic = compiled(shapes.hyperbolic)
 _stiffened = compiled(shapes.stiffened)
 _tabulated = compiled(shapes.tabulated)
@@ -78,10 +77,8 @@ def elastic_force(law, depth):
     elif shape == 4:
         value, slope = _liu(depth_star, law)
     elif shape == 5:
-        value, slope = _half_angle(depth_star, law)
-    elif shape == 6:
         value, slope = _hyperbolic(depth_star, law[3:])
-    elif shape == 7:
+    elif shape == 6:
         value, slope = _stiffened(depth_star, law[3:])
     else:
         value, slope = _tabulated(depth_star, law[3:])

@@ -138,8 +138,8 @@ def foundation_height(law, r2_star):
 def vertical_share(depth_star):
     """Share of the hyperbolic Winkler law's pressure that acts along the contact's axis.
 
-    The integral of p cos(theta) over that of p, both over the socket's area; the flat
-    foundation takes it for 1.
+    The integral of p cos(theta) over that of p, both with the law's area element, that of a
+    flat disc; the flat foundation takes it for 1.
 
     Parameters
     ----------
@@ -154,5 +154,5 @@ def vertical_share(depth_star):
     place, weight = np.polynomial.legendre.leggauss(32)
     share = (place + 1) / 2
     angle = share * contact_half_angle("hyperbolic_winkler", depth_star, 2.0)
-    weight = weight * (1 - share**2) * np.sin(angle)
+    weight = weight * (1 - share**2) * angle
     return float(weight @ np.cos(angle) / weight.sum())

@@ -35,16 +35,9 @@ def chord(depth_star, constants):
 
 
 def liu(depth_star, constants):
-    """Liu's ds sqrt(ds / (2 (1 + ds)))."""
-    root = np.sqrt(depth_star / (2 * (1 + depth_star)))
-    return depth_star * root, root * (1.5 + depth_star) / (1 + depth_star)
-
-
-def half_angle(depth_star, constants):
-    """Liu's other reading, ds eps with cos(eps) = 1/(1 + ds)."""
-    root = np.sqrt(depth_star * (2 + depth_star))
-    eps = np.arctan(root)
-    return depth_star * eps, eps + depth_star / (root * (1 + depth_star))
+    """Liu's ds sin(eps) sin(eps/2), with cos(eps) = 1/(1 + ds)."""
+    value = depth_star * depth_star * np.sqrt(1 + depth_star / 2) / (1 + depth_star) ** 1.5
+    return value, value * (2 / depth_star + 0.5 / (2 + depth_star) - 1.5 / (1 + depth_star))
 
 
 def hyperbolic(depth_star, constants):
@@ -73,7 +66,7 @@ BRACKETS = {
     ),
 }
 """Series of 2 int_0^a (1 - t^2/a^2) w(t) cos(t) dt with a = sqrt(2 ds): w(t) = sin(t) is the
-area element of the sphere, w(t) = t that of a disc with the arc as its radius."""
+area element of the sphere, w(t) = t that of a flat disc with the arc as its radius."""
 
 
 def stiffened(depth_star, constants):
@@ -110,4 +103,4 @@ def tabulated(depth_star, constants):
 
 LIMITS = {hyperbolic: pi**2 / 8, stiffened: 1.0}
 """Largest depth_star, of shapes that have one: a half-angle of 90 deg, the end of the fit."""
-SHAPES = (hertz, winkler, power, chord, liu, half_angle, hyperbolic, stiffened, tabulated)
+SHAPES = (hertz, winkler, power, chord, liu, hyperbolic, stiffened, tabulated)

@@ -121,7 +121,8 @@ def choose_model(
     quantity : {"slider_position", "slider_velocity", "slider_acceleration"}
         What the tolerance is for.
     socket_ratio : float
-        Outer over inner radius of the socket.
+        Outer over inner radius of the socket; its supports are the defaults of
+        `study.joint.Joint`.
 
     Returns
     -------

@@ -6,11 +6,17 @@ from study.checks import StudyError
 from study.report.site import anchor
 
 COLUMNS = (
-    *("claim", "where", "statement", "measure", "relation", "expected", "tolerance", "partly"),
+    *("claim", "kind", "where", "statement", "measure", "relation", "expected", "tolerance"),
     *("found", "lowest", "highest", "verdict", "figure", "evidence"),
 )
-VERDICTS = {"reproduced": "✓", "partly": "◐", "not reproduced": "✗", "cannot be decided": "?"}
+VERDICTS = {"contradicted": "✗", "cannot be decided": "?", "reproduced": "✓"}
 """Verdict -> sign, so that no verdict is told by its colour alone."""
+GROUPS = {
+    "implied only": "Only implied by the paper",
+    "used to identify": "What the set-up was identified by",
+    "can hardly fail": "What can hardly fail",
+}
+"""Kinds of claims whose verdicts do not speak for or against the paper, in words."""
 MEND = "make it anew with: study run claims"
 
 
@@ -28,8 +34,9 @@ def read_claims(path, known):
     -------
     list of dict
         One per row: the columns as text, and ``shown_by`` (names of its figure and evidence,
-        each once), ``readings`` (pairs of reading and what was found), ``limits`` (tolerances in
-        words), ``sign`` and ``anchor``.
+        each once), ``readings`` (pairs of reading and what was found), ``limits`` (tolerance in
+        words), ``group`` (its verdict, or its kind where the verdict does not speak for or
+        against the paper), ``sign`` and ``anchor``.
 
     Raises
     ------
@@ -50,10 +57,9 @@ def read_claims(path, known):
             raise StudyError(f"{path.name}, {row['claim']}: {wrong} is not known; {MEND}")
         row["shown_by"] = list(dict.fromkeys(named))
         row["readings"] = [part.rpartition(": ")[::2] for part in row["found"].split("; ") if part]
-        limits = {"within": row["tolerance"], "partly": row["partly"]}
-        row["limits"] = ", ".join(
-            f"{k} {v}\N{NO-BREAK SPACE}%" for k, v in limits.items() if float(v or 0)
-        )
+        tolerance = row["tolerance"]
+        row["limits"] = f"within {tolerance}\N{NO-BREAK SPACE}%" if float(tolerance or 0) else ""
+        row["group"] = GROUPS.get(row["kind"]) or f"Stated by the paper: {row['verdict']}"
         row["sign"], row["anchor"] = VERDICTS[row["verdict"]], f"claim-{anchor(row['claim'])}"
         if row["anchor"] in anchors:
             raise StudyError(f"{path.name}: claim {row['claim']} stands twice; {MEND}")

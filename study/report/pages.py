@@ -24,7 +24,7 @@ from study.report.curves import PARAMETERS, curves, describe
 from study.report.prose import Prose
 from study.report.results import ROWS
 
-HEADLINE = "fig10"
+HEADLINE = "trend"
 
 
 def write_all(site, results, claims, executed, paper):
@@ -69,7 +69,7 @@ def _claims(site, results, claims):
     names = {result.name: result.label for result in results}
     parts = {}
     for claim in claims:
-        parts.setdefault(claim.get("part", ""), []).append(claim)
+        parts.setdefault(claim["group"], []).append(claim)
     context = {"claims": claims, "parts": parts, "counts": counts, "names": names}
     site.page("index.html", "index.html", "Claims", headline=headline, verdicts=VERDICTS, **context)
     for claim in claims:
