@@ -259,7 +259,11 @@ def cheapest(joints, depth_star, tolerances, resolution=None):
 
 
 def law_options(law, joint):
-    """Options with which a law knows of the joint what it can; ``ValueError`` if it cannot."""
+    """Options with which a law knows of the joint what it can; ``ValueError`` if it cannot.
+
+    ``stiffened_hertz`` is for a radially free ball: of supports it knows nothing, and what they
+    cost it in the joint at hand is part of its error.
+    """
     if law != "stiffened_hertz":
         return {}
     if joint.ball != joint.socket:

@@ -216,7 +216,7 @@ def evaluate_law(
     depth_star: DepthStars,
     socket_ratio: Annotated[
         float | None,
-        typer.Option(help="stiffened_hertz: outer over inner radius of the socket [1.3]."),
+        typer.Option(help="stiffened_hertz: outer over inner radius of the socket [1.298]."),
     ] = None,
     poisson: Annotated[
         float | None, typer.Option(help="stiffened_hertz: Poisson's ratio of both bodies [0.3].")
@@ -226,7 +226,11 @@ def evaluate_law(
     ] = None,
     as_json: AsJson = False,
 ):
-    """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths."""
+    """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths.
+
+    stiffened_hertz is for a radially free ball of the socket's material, the laws of the paper
+    are those of its own joint.
+    """
     given = {"socket_ratio": socket_ratio, "poisson": poisson}
     given["kinematics"] = None if kinematics is None else str(kinematics)
     options = {name: value for name, value in given.items() if value is not None}
@@ -357,7 +361,7 @@ def export_law(
         Format, typer.Option("--format", help="C function, coefficients or table, force curve.")
     ],
     r2_star: Annotated[float | None, typer.Option(help="Of the joint [200].")] = None,
-    socket_ratio: Annotated[float | None, typer.Option(help="Of the joint [1.3].")] = None,
+    socket_ratio: Annotated[float | None, typer.Option(help="Of the joint [1.298].")] = None,
     poisson: Annotated[float | None, typer.Option(help="Of both bodies [0.3].")] = None,
     modulus_ratio: ModulusRatio = 1.0,
     socket_poisson: SocketPoisson = None,
@@ -432,7 +436,7 @@ def simulate_mechanism(
         typer.Option(help="auto: what the tolerance is for [slider_position]."),
     ] = None,
     socket_ratio: Annotated[
-        float | None, typer.Option(help="auto: outer over inner radius of the socket [1.3].")
+        float | None, typer.Option(help="auto: outer over inner radius of the socket [1.298].")
     ] = None,
     inertia: Annotated[
         str,

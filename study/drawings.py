@@ -487,7 +487,7 @@ def draw_circumferential(axes, r2_star, depth_star):
     ring = np.array([spot[0] * np.cos(turn), spot[1] + 0.1 * spot[0] * np.sin(turn)])
     _line(axes, ring, width=1)
     _point(axes, r"$p\,\cos\theta$", tip, (0.72, -0.12))
-    _point(axes, r"ring $2\pi R_2^2\sin\theta\,d\theta$", ring[:, 70], (-0.48, -0.35))
+    _point(axes, r"ring $2\pi R_2^2\,\theta\,d\theta$", ring[:, 70], (-0.48, -0.35))
     _arrow(axes, (0, 0), polar(1, -1.35), "$R_2$", -0.1)
     _arrow(axes, (1, 0.02), (1 + height, 0.02), "$h$", 0.08, kind="<|-|>")
     for angle, radius, name, at in (
@@ -560,7 +560,7 @@ def draw_joint(axes, ball_radius, socket_ratio, drop):
         axes.fill(*outline, facecolor=color, alpha=0.2, edgecolor=color)
         axes.annotate(name, at, color=color, fontsize=8)
     axes.plot(*(socket_ratio * np.array([r, z])), color="k", linewidth=3, label="fixed")
-    axes.plot([0, ball_radius], [drop, drop], "k--", linewidth=1.5, label="displaced")
+    axes.plot([0, ball_radius], [drop, drop], "k--", linewidth=1.5, label="displaced, clamped")
     for radius, angle, name, centre in (
         (ball_radius, 1.2, "$R_1$", drop),
         (1.0, 0.75, "$R_2$", 0.0),

@@ -21,6 +21,7 @@ EXPORTED = ("stiffened_hertz", "tabulated")
 ROOTS = 40  # depths of a table, in equal steps of sqrt(depth_star)
 
 _SOURCE = "Spherical clearance joint study; see CITATION.cff there."
+_SCOPE = "For a radially free ball, a mirror plane at the socket's rim and equal materials."
 _FORMULA = (
     "P = E* dR^2 (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S, S = 1 + a1 u + a2 u^2 + b1 ds + b2 ds^2 "
     f"+ b3 ds^3; ds = depth/dR, R2* = R2/dR, s = sqrt(ds), u = s/(s + {laws.REACH} (q - 1)); "
@@ -69,6 +70,7 @@ def _stiffened_json(joint):
         "law": "stiffened_hertz",
         "source": _SOURCE,
         "formula": _FORMULA,
+        "scope": _SCOPE,
         "kinematics": joint.kinematics,
         "range": ranges,
         "coefficients": ["a1", "a2", "b1", "b2", "b3"],
@@ -162,6 +164,7 @@ def _stiffened_c(joint):
     limit, first_order = _matrices(joint)
     return f"""/* Contact force of a ball in a spherical socket: stiffened Hertz.
  * {_SOURCE}
+ * {_SCOPE}
  * Kinematics: {joint.kinematics}.
 {_comment(_FORMULA)}
  *

@@ -71,7 +71,7 @@ def sampled(curve):
     ndarray, shape (21,)
     """
     inside = curve[curve.depth_star <= LARGEST_DEPTH]
-    if not np.allclose(inside.depth_star, SAMPLE[1:]):
+    if len(inside) != len(SAMPLE) - 1 or not np.allclose(inside.depth_star, SAMPLE[1:]):
         raise ValueError(f"curve must have the depths {SAMPLE[1]:g} to {SAMPLE[-1]:g} of SAMPLE")
     return np.append(0, inside.force_star)
 

@@ -119,7 +119,7 @@ PAPER_SUPPORTS = {"ball_drive": "clamped", "rim": "free"}
 def paper_joint(r2_star=200, **changes):
     """The joint of the paper's figures and tables, as far as it can be known.
 
-    Clamped ball, free rim, socket ratio 1.3, linear kinematics, both bodies of Poisson's ratio
+    Clamped ball, free rim, socket ratio 1.298, linear kinematics, both bodies of Poisson's ratio
     0.3: identified from Table 2 and Fig. 14 (notebook 13), but for the rim, which follows from
     the text ("the entire external surface of the socket is fixed") and changes nothing there.
 

@@ -29,7 +29,7 @@ def made():
 def test_the_set_up_that_made_a_table_is_found(made):
     table = identification.likelihood(made, 0.01).set_index(NAMES)
     best = table[table.evidence > 0.01]
-    assert list(best.index) == [("20, without 0", "flat", "1", "linear")]
+    assert best.index[0] == ("20, without 0", "flat", "1", "linear")
     assert best.best_ratio.iloc[0] == pytest.approx(1.27, abs=1e-3)
     assert best.low.iloc[0] < 1.27 < best.high.iloc[0]
     assert best.misfit.iloc[0] < 1e-3
@@ -68,9 +68,9 @@ def test_the_papers_joint_explains_table_2_and_lower_coefficients_more_of_it():
     misfits = []
     for lower in (0.0, 0.00012):
         found = identification.deviations(published, fitting.SAMPLE, force, lower=lower)
-        assert max(map(abs, found.values())) < 0.0075
+        assert max(map(abs, found.values())) < 0.0072
         misfits.append(identification.misfit(pd.DataFrame([found]))[0])
-    assert misfits[1] < 0.0026 < misfits[0] < 0.0040
+    assert misfits[1] < 0.0006 < 0.002 < misfits[0] < 0.0031
 
 
 def test_rivals_fail():

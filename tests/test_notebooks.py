@@ -78,7 +78,10 @@ def test_settings_reach_the_notebooks_that_have_them():
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ("r2star=100", "parameter must be one of kinematics, largest_depth, r2_star, got 'r2star'"),
+        (
+            "r2star=100",
+            "parameter must be one of kinematics, largest_depth, r2_star, shallow, got 'r2star'",
+        ),
         ("r2_star=many", "parameter r2_star must be of type float, got 'many'"),
         ("r2_star=True", "parameter r2_star must be of type float, got True"),
         ("kinematics=3", "parameter kinematics must be of type str, got 3"),

@@ -45,8 +45,8 @@ def copy(tmp_path, monkeypatch, old, new):
     [
         ('"example_proves_the_law"', '"no_such_claim"'),
         ('picture("truth"', 'picture("no-such-figure"'),
-        ('explained("liu", "RMSE")', 'explained("liu", "RMSF")'),
-        ('published("Table 1"', 'published("Table 9"'),
+        ('quantity: "R2"), "correct"', 'quantity: "R2"), "corect"'),
+        ('published("Fig. 14"', 'published("Fig. 99"'),
         ("@truth", "@no-such-label"),
         ("= Question", "= Question #foo("),
     ],

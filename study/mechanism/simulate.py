@@ -58,7 +58,7 @@ def simulate(
     progress : callable, optional
         Called with the simulated time, in s, after each of 100 parts.
     **law_options
-        Of the law; ``auto``: ``socket_ratio`` of the joint, default 1.3.
+        Of the law; ``auto``: ``socket_ratio`` of the joint, default 1.298.
 
     Returns
     -------
