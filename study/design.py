@@ -12,8 +12,8 @@ ROOT_DEPTHS = tuple(np.round(np.linspace(0.005**0.5, 1, 32) ** 2, 6).tolist())
 PAPER_R2_STARS = tuple(range(20, 301, 20))
 WIDER_R2_STARS = (400, 600, 1000, 2000, 5000, 10_000)
 PAPER_KINEMATICS = "linear"
-"""Of the paper's finite elements: the only ones of ours with which the relative RMSE of Fig. 14
-rises with R2*, as the paper reports, and R2 falls (notebook 12)."""
+"""Of the paper's finite elements: identified from Table 2 (notebook 13), and the only ones of ours
+with which the relative RMSE of Fig. 14 rises with R2* and R2 falls (notebooks 06, 12)."""
 
 
 @dataclass(frozen=True)

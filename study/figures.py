@@ -44,7 +44,7 @@ RADIUS = "socket radius $R_2^*=R_2/\\Delta R$"
 
 @dataclass(frozen=True)
 class Look:
-    """How a law or the exact solution is drawn, everywhere."""
+    """How a law or the elastic solution is drawn, everywhere."""
 
     label: str
     color: str
@@ -54,7 +54,7 @@ class Look:
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart
 LOOKS = {
-    "exact": Look("exact solution", "#000000", "o", "none"),
+    "exact": Look("elastic solution", "#000000", "o", "none"),
     "hertz": Look("Hertz", "#0072B2", "s", "--"),
     "steuermann": Look("Steuermann", "#56B4E9", "v", "-."),
     "liu": Look("Liu (reconstructed)", "#009E73", "^", ":"),
@@ -120,7 +120,7 @@ def new(columns=1, rows=1, width=4.2, height=3.2, **options):
 
 
 def draw(axes, law, x, y, **options):
-    """Draw a law as a line, or the exact solution as markers, in its look."""
+    """Draw a law as a line, or the elastic solution as markers, in its look."""
     look = LOOKS[law]
     style = {"color": look.color, "label": look.label}
     if look.line == "none":

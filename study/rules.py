@@ -179,10 +179,14 @@ def trend(of):
 
 
 @rule
-def largest_error(of):
-    """Largest |relative error| of the proposed law between two depths, in percent."""
-    low, high = map(float, of.split())
-    return {PAPER: _inside(_errors()[PROPOSED].abs(), low, high).max()}
+def best_exponent(of):
+    """Share of depths up to 0.5 at which the proposed law's exponent is the closest, percent."""
+    rivals = [law for law in LAWS if law != PROPOSED]
+    without = [law for law in rivals if law != "liu"]
+    return {
+        name: trend(" ".join(["exponent", PROPOSED, *laws]))[PAPER]
+        for name, laws in (("of five", rivals), ("without Liu's law", without))
+    }
 
 
 @rule
@@ -243,6 +247,15 @@ def rise(of):
 
 
 @rule
+def worst_errors(of):
+    """Largest relative RMSE, and largest relative error from a depth of 0.1 on, in percent."""
+    return {
+        "relative RMSE": _radii().relative_RMSE_percent.max(),
+        "largest relative error": result("fig15")["from_0.1_percent"].max(),
+    }
+
+
+@rule
 def worst_relative_rmse(of):
     """Largest relative RMSE at any R2*, in percent."""
     return {PAPER: _radii().relative_RMSE_percent.max()}
@@ -284,9 +297,9 @@ def material(of):
 
 @rule
 def error_over_ratio(of):
-    """Largest |relative error| of the proposed law, depths 0.1 to 0.5, socket ratios 1.1 to 3."""
-    table = result("reach_socket").query("law == @PROPOSED and 0.0999 < depth_star < 0.5001")
-    table = table[table.socket_ratio.between(1.1, 3)]
+    """Largest |relative error| of the proposed law at a depth, socket ratios 1.1 to 3."""
+    table = result("reach_socket").query("law == @PROPOSED and 1.0999 < socket_ratio < 3.0001")
+    table = table[np.isclose(table.depth_star, float(of))]
     return {"ratios 1.1 to 3": table.relative_error_percent.abs().max()}
 
 
@@ -318,11 +331,22 @@ def triangles(of):
 # ---- crank-slider ----
 
 
+def _deviation(motion, one, other):
+    """RMS difference of two columns over that of the other one's change, in percent."""
+    change = motion[other] - motion[other].iloc[0]
+    difference = motion[one] - motion[other]
+    return 100 * np.sqrt((difference**2).mean() / (change**2).mean())
+
+
 @rule
 def methods_agree(of):
     """RMS difference of particles and finite elements in one quantity, in percent."""
-    table = result("agreement").query("model == 'particles' and against == 'beams'")
-    return dict(zip(table.joint, 100 * table[of], strict=True))
+    motion = _motion(of)
+    return {
+        f"{joint}, {end} ms": _deviation(motion.loc[:end], f"{joint}_particles", f"{joint}_beams")
+        for end in DURATIONS
+        for joint in ("ideal", "clearance")
+    }
 
 
 @rule
@@ -341,15 +365,7 @@ def ahead(of):
 def deviation(of):
     """RMS difference of clearance and ideal joint over that of the ideal motion, in percent."""
     motion = _motion(of)
-
-    def rms(model):
-        ideal = motion[f"ideal_{model}"]
-        change = ideal - ideal.iloc[0]
-        return 100 * np.sqrt(
-            ((motion[f"clearance_{model}"] - ideal) ** 2).mean() / (change**2).mean()
-        )
-
-    return _per_model(rms)
+    return _per_model(lambda m: _deviation(motion, f"clearance_{m}", f"ideal_{m}"))
 
 
 @rule
@@ -426,37 +442,42 @@ def downwards(of):
     return _per_model(below)
 
 
+def _by_duration(compute):
+    """A number of the joint's path (x, y, where it touches) by model and duration."""
+    inside = {end: _motion("fig21").index <= end for end in DURATIONS}
+    paths_of = {model: _path(model) for model in MODELS}
+    return {
+        f"{model}, {end} ms": float(compute(*(values[inside[end]] for values in paths_of[model])))
+        for end in DURATIONS
+        for model in MODELS
+    }
+
+
 @rule
 def in_contact(of):
-    """Share of the simulated time in contact, in percent."""
-    return _per_model(lambda m: 100 * _path(m)[2].mean())
+    """Share of the time in contact, in percent, by duration."""
+    return _by_duration(lambda x, y, touches: 100 * touches.mean())
 
 
 @rule
 def circumference(of):
-    """Arc along the socket that the contact covers, in degrees."""
-
-    def covered(model):
-        x, y, touches = _path(model)
-        angle = np.degrees(np.arctan2(y, x))[touches]
-        return np.unique(angle // 1).size
-
-    return _per_model(covered)
+    """Arc along the socket that the contact covers, in degrees, by duration."""
+    return _by_duration(
+        lambda x, y, touches: np.unique(np.degrees(np.arctan2(y, x))[touches] // 1).size
+    )
 
 
 @rule
 def preferred(of):
     """Share of the time in contact in the most visited quarter of directions, in percent."""
-    found = {}
-    for end in DURATIONS[1:]:
-        inside = _motion("fig21").index <= end
-        for model in MODELS:
-            x, y, touches = (values[inside] for values in _path(model))
-            angle = np.degrees(np.arctan2(y, x))[touches] % 360
-            count = np.histogram(angle, np.arange(0, 361, 5))[0]
-            quarters = np.convolve(np.append(count, count[:17]), np.ones(18), "valid")
-            found[f"{model}, {end} ms"] = 100 * quarters.max() / count.sum()
-    return found
+
+    def share(x, y, touches):
+        angle = np.degrees(np.arctan2(y, x))[touches] % 360
+        count = np.histogram(angle, np.arange(0, 361, 5))[0]
+        quarters = np.convolve(np.append(count, count[:17]), np.ones(18), "valid")
+        return 100 * quarters.max() / count.sum()
+
+    return _by_duration(share)
 
 
 def _deepest():

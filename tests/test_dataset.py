@@ -58,7 +58,7 @@ def test_filters_select_rows():
     assert list(rows.index) == list(range(80))
     with pytest.raises(ValueError, match="r2_star must be one of 20, 40.*got 77"):
         dataset.load(r2_star=77)
-    with pytest.raises(ValueError, match="ball_drive must be one of plane, got clamped"):
+    with pytest.raises(ValueError, match="group must be one of paper, ratio.*, got fit"):
         dataset.load(group="fit", ball_drive="clamped")
     with pytest.raises(ValueError, match="column must be one of group.*got 'radius'"):
         dataset.load(radius=1)

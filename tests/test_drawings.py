@@ -41,8 +41,10 @@ def test_hyperbolic_pressure_adds_up_to_its_law():
     alpha = pressure.contact_half_angle("hyperbolic_winkler", depth, r2_star)
     theta = np.linspace(0, alpha, 2001)
     values = pressure.hyperbolic_pressure(theta, depth, r2_star)
-    vertical = force(np.sin(theta), values, r2_star)
-    total = r2_star * np.trapezoid(2 * np.pi * np.sin(theta) * values, theta)
+    vertical, total = (  # with the law's area element, that of a disc
+        r2_star * np.trapezoid(2 * np.pi * theta * values * share, theta)
+        for share in (np.cos(theta), 1)
+    )
     assert vertical == pytest.approx(hyperbolic_winkler(depth, r2_star), rel=1e-5)
     assert vertical / total == pytest.approx(pressure.vertical_share(depth), rel=1e-5)
 
@@ -90,7 +92,7 @@ def test_arrows_along_the_arc_add_up_to_the_law():
     axes = new_axes()
     theta, share = drawings.draw_circumferential(axes, r2_star, depth_star)["pressure"]
     peak = depth_star / pressure.foundation_height("hyperbolic_winkler", r2_star)
-    rings = np.pi * np.abs(np.sin(theta)) * np.diff(theta)[0]
+    rings = np.pi * np.abs(theta) * np.diff(theta)[0]  # of a disc
     total = r2_star * peak * np.sum(rings * share * np.cos(theta))
     assert total == pytest.approx(hyperbolic_winkler(depth_star, r2_star), rel=0.01)
 

@@ -93,11 +93,15 @@ def test_a_depth_of_the_whole_clearance_is_in_range(compiled, law):
     joint = Joint(200)
     function = compiled(law, joint)
     clearance = R2 - R1  # in rounded numbers 5e-5/clearance is above 1
-    radii = (R1, R2, MODULUS, 1.19, 0.3) if law == "stiffened_hertz" else (clearance, MODULUS)
+    radii = (
+        (R1, R2, MODULUS, contact.SOCKET_RATIO, 0.3)
+        if law == "stiffened_hertz"
+        else (clearance, MODULUS)
+    )
     status, force, _ = function(5e-5, *radii)
     assert status == 0
     assert force == pytest.approx(
-        contact.contact_force("stiffened_hertz", 5e-5, R1, R2, MODULUS), rel=5e-3
+        contact.contact_force("stiffened_hertz", 5e-5, R1, R2, MODULUS), rel=8e-3
     )
 
 
@@ -122,7 +126,7 @@ def test_csv_is_the_law_at_its_depths(law):
     assert list(table.columns) == ["depth_star", "force_star", "stiffness_star"]
     assert table.depth_star.iloc[[0, -1]].tolist() == [0, 1]
     expected = contact.stiffened_hertz(table.depth_star.to_numpy(), 200)
-    tolerance = 1e-9 if law == "stiffened_hertz" else 3e-3
+    tolerance = 1e-9 if law == "stiffened_hertz" else 8e-3
     assert table.force_star.iloc[8:].tolist() == pytest.approx(expected[8:], rel=tolerance)
 
 

@@ -73,7 +73,7 @@ def test_pipeline_from_nothing_to_fresh_and_stale(project):
     assert edited.returncode == 0
     assert ran(edited) == [TWO[0]]
     listed = study(project, "list")
-    assert listed.stdout.count("fresh") == 4  # fig07, fig09, fig10, table1
+    assert listed.stdout.count("fresh") == 5  # fig07, fig09, fig10, table1, trend
 
     one = study(project, "run", "fig10", "-p", "r2_star=100")
     assert one.returncode == 0, one.stderr
@@ -89,7 +89,7 @@ def test_pipeline_from_nothing_to_fresh_and_stale(project):
 
 def test_a_failing_cell_stops_its_figure_alone(project):
     edit(project, TWO[0], "(a) the coefficient", "(a) coefficient")
-    edit(project, TWO[1], "named = ", 'named = 1 / 0\\n",\n    "named = ')
+    edit(project, TWO[1], "behind = ", 'behind = 1 / 0\\n",\n    "behind = ')
     done = study(project, "run", "fig09", "fig10", "--force")
     assert done.returncode == 1
     assert ran(done) == [TWO[0]]
@@ -97,7 +97,7 @@ def test_a_failing_cell_stops_its_figure_alone(project):
     assert len(failures) == 1
     assert re.search(rf"failed: {TWO[1]}, cell In\[\d+\]: ZeroDivisionError", failures[0])
     assert "Traceback" not in done.stdout + done.stderr
-    edit(project, TWO[1], 'named = 1 / 0\\n",\n    "named = ', "named = ")
+    edit(project, TWO[1], 'behind = 1 / 0\\n",\n    "behind = ', "behind = ")
 
 
 def test_a_damaged_dataset_stops_the_run_with_a_remedy(project):
