@@ -50,7 +50,7 @@ def forces(sample, solver=None, resolution=None, **joint):
     return contact.tabulated(curve)(sample)
 
 
-def table_2(sample, force, area="flat", lower=0.0, at=None):
+def table_2(sample, force, area="flat", lower=0.0):
     """Forces of the five laws of Table 2, the Winkler ones fitted to the sample.
 
     Parameters
@@ -61,21 +61,18 @@ def table_2(sample, force, area="flat", lower=0.0, at=None):
         Area element of the hyperbolic law.
     lower : float
         Share by which the fitted coefficients are lowered.
-    at : ndarray, shape (m,), optional
-        Depths of the result, by default the sample.
 
     Returns
     -------
     dict
-        Law -> forces, shape (m,).
+        Law -> forces, shape (n,).
     """
-    at = sample if at is None else at
     options = {law: {} for law in contact.PAPER_LAWS}
     for law, name in (("winkler", "winkler"), ("hyperbolic_winkler", AREAS[area])):
         coefficient = (1 - lower) * fitting.coefficient(name, sample, force)
         options[law] = {"coefficient": coefficient}
     options["hyperbolic_winkler"]["area"] = area
-    return {law: contact.LAWS[law](at, R2_STAR, **options[law]) for law in options}
+    return {law: contact.LAWS[law](sample, R2_STAR, **options[law]) for law in options}
 
 
 def deviations(published, sample, force, area="flat", lower=0.0, factor=1.0):
@@ -224,7 +221,7 @@ def _logarithmic(truth, prediction):
     return np.sum(np.log(prediction / truth) ** 2) / _about_mean(np.log(truth))
 
 
-def definitions(published, force, area="flat"):
+def definitions(published, force):
     """What other readings of R2 would give at the depths of `SAMPLE`.
 
     Parameters
@@ -233,7 +230,6 @@ def definitions(published, force, area="flat"):
         `study.dataset.published_table_2`.
     force : ndarray, shape (21,)
         Finite-element forces.
-    area : {"flat", "sphere"}
 
     Returns
     -------
@@ -241,7 +237,7 @@ def definitions(published, force, area="flat"):
         Columns ``definition``, 1 - R2 by row of `ROWS`, and ``misfit``: the RMS of the
         logarithm of its ratio to the published one. The first row is published.
     """
-    laws = table_2(SAMPLE, force, area)
+    laws = table_2(SAMPLE, force)
     stated = 1 - published.R2[list(ROWS)]
     rows = [{"definition": "published"} | stated.to_dict() | {"misfit": 0.0}]
     for words, missing in DEFINITIONS.items():

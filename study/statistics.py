@@ -93,8 +93,10 @@ def adjusted(r_squared, size=20, predictors=1):
     Raises
     ------
     ValueError
-        For too many predictors.
+        For too many predictors, or a coefficient that is NaN or infinite.
     """
+    if not np.isfinite(r_squared):
+        raise ValueError(f"r_squared must be finite, got {r_squared}")
     if not 0 <= predictors < size - 1:
         raise ValueError(f"predictors must be >= 0 and < {size - 1}, got {predictors}")
     return 1 - (1 - r_squared) * (size - 1) / (size - predictors - 1)

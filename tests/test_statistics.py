@@ -70,6 +70,7 @@ def test_last_crossing_interpolates():
         (lambda: stats.r_squared([2, 2], [1, 2]), "truth must vary, got only 2"),
         (lambda: stats.relative_error([0, 1], [1, 2]), "non-zero"),
         (lambda: stats.adjusted(0.9, 2), "predictors must be >= 0 and < 1"),
+        (lambda: stats.adjusted(float("nan")), "r_squared must be finite, got nan"),
     ],
 )
 def test_bad_input_is_one_clear_error(call, message):

@@ -36,7 +36,8 @@ def chord(depth_star, constants):
 
 def liu(depth_star, constants):
     """Liu's ds sin(eps) sin(eps/2), with cos(eps) = 1/(1 + ds)."""
-    value = depth_star * depth_star * np.sqrt(1 + depth_star / 2) / (1 + depth_star) ** 1.5
+    share = depth_star / (1 + depth_star)  # the whole never overflows on the way
+    value = depth_star * share * np.sqrt(1 - share / 2)
     return value, value * (2 / depth_star + 0.5 / (2 + depth_star) - 1.5 / (1 + depth_star))
 
 
