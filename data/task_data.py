@@ -1,6 +1,5 @@
-"""The dataset's tasks: curves of each set-up, then table, description and fitted laws."""
+"""The dataset's tasks: the curve of each case, then table, fitted laws, links and description."""
 
-import json
 import time
 from pathlib import Path
 from typing import Annotated
@@ -11,70 +10,59 @@ from pytask import Product, PythonNode, task
 from study import contact, dataset, design, fitting, paths, tasks
 from study.mechanism import links
 
-SIZE = 10  # set-ups per task, at most
+CASES = [(s.group, name, joint, s.depths) for s in design.DESIGN for name, joint in s.cases()]
+PARTS = [paths.BUILD / "curves" / f"{name}.csv" for _, name, _, _ in CASES]
+PUBLISHED = paths.DATA / "published/tables.csv"
 
-BATCHES = {
-    f"{group}-{k // SIZE}": [s for s in design.DESIGN if s.group == group][k : k + SIZE]
-    for group in design.GROUPS
-    for k in range(0, sum(s.group == group for s in design.DESIGN), SIZE)
-}
-PARTS = [paths.BUILD / "curves" / f"{name}.csv" for name in BATCHES]
-LINK_SOURCES = tuple(
-    paths.ROOT / f"study/mechanism/{name}.py" for name in ("scene", "rigid", "particles", "links")
-)
-TIMES = [part.with_suffix(".json") for part in PARTS]
+for case, part in zip(CASES, PARTS, strict=True):
 
-for (name, batch), part, seconds in zip(BATCHES.items(), PARTS, TIMES, strict=True):
-
-    @task(id=name)
-    def task_curves(
-        members: Annotated[str, PythonNode(value=repr(batch), hash=True)],
-        batch: list[design.SetUp] = batch,
-        code: tuple[Path, ...] = dataset.SOURCES,
+    @task(id=case[1])
+    def task_curve(
+        resolved: Annotated[str, PythonNode(value=repr(case), hash=True)],
+        case: tuple = case,
+        code: list[Path] = dataset.sources(dataset.CURVES),
         part: Annotated[Path, Product] = part,
-        seconds: Annotated[Path, Product] = seconds,
     ):
         tasks.leave_interrupts_to_the_runner()
         start = time.perf_counter()
-        dataset.write_curves(pd.concat(map(dataset.solve_set_up, batch)), part)
-        seconds.write_text(json.dumps(time.perf_counter() - start))
+        curve = dataset.solve_case(*case)
+        with paths.whole(part) as temporary:
+            curve.assign(seconds=time.perf_counter() - start).to_csv(temporary, index=False)
 
 
 def task_table(parts: list[Path] = PARTS, table: Annotated[Path, Product] = dataset.CURVES):
     frames = [pd.read_csv(part) for part in parts]
-    dataset.write_curves(pd.concat(frames), table)
+    dataset.write_table(pd.concat(frames).drop(columns="seconds"), table)
 
 
 def task_coefficients(
     table: Path = dataset.CURVES,
-    published: Path = paths.DATA / "published/tables.csv",
+    published: Path = PUBLISHED,
+    code: list[Path] = dataset.sources(contact.laws.COEFFICIENTS),
     coefficients: Annotated[Path, Product] = contact.laws.COEFFICIENTS,
 ):
-    frame = pd.read_csv(table)
-    paper = frame[(frame.group == "paper") & (frame.kinematics == design.PAPER_KINEMATICS)]
-    stated = pd.read_csv(published, index_col=["where", "row", "quantity"]).value
-    fits = fitting.fit_laws(paper, -stated["Table 2", "liu", "R2"])  # printed without its sign
-    fits["stiffened_hertz"] = fitting.fit_stiffening(frame[frame.group == "fit"])
+    fits = fitting.fit_all(pd.read_csv(table), pd.read_csv(published))
     with paths.whole(coefficients) as temporary:
         temporary.write_text(fitting.format_coefficients(fits), encoding="utf-8")
 
 
 def task_links(
     coefficients: Path = contact.laws.COEFFICIENTS,
-    code: tuple[Path, ...] = LINK_SOURCES,
+    code: list[Path] = dataset.sources(dataset.LINKS),
     table: Annotated[Path, Product] = dataset.LINKS,
 ):
     tasks.leave_interrupts_to_the_runner()
-    dataset.write_curves(links.measure(), table)
+    dataset.write_table(links.measure(), table)
 
 
 def task_description(
     table: Path = dataset.CURVES,
     links: Path = dataset.LINKS,
     coefficients: Path = contact.laws.COEFFICIENTS,
-    code: tuple[Path, ...] = dataset.SOURCES,
-    times: list[Path] = TIMES,
+    code: list[Path] = sorted({p for f in dataset.GENERATED for p in dataset.sources(f)}),
+    design: Path = paths.ROOT / "study/design.py",
+    parts: list[Path] = PARTS,
     published: tuple[Path, ...] = tuple(paths.DATA / name for name in dataset.PUBLISHED),
     description: Annotated[Path, Product] = dataset.PACKAGE,
 ):
-    dataset.write_package(sum(json.loads(path.read_text()) for path in times))
+    dataset.write_package(sum(pd.read_csv(part).seconds[0] for part in parts))

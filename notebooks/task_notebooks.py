@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pytask import Product, PythonNode, task
 
-from study import notebooks, tasks
+from study import execute, notebooks, tasks
 
 settings = json.loads(os.environ.get(notebooks.PARAMETERS_VARIABLE, "{}"))
 
@@ -23,4 +23,4 @@ for notebook in notebooks.CATALOGUE:
     ):
         tasks.leave_interrupts_to_the_runner()
         (selected,) = notebooks.select([name])
-        notebooks.execute(selected, json.loads(parameters))
+        execute.execute(selected, json.loads(parameters))

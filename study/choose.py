@@ -16,8 +16,8 @@ from scipy.interpolate import RegularGridInterpolator
 
 from study import checks, dataset
 from study.contact import LAWS, hertz, tabulated
-from study.contact.laws import POLE
 from study.joint import Joint, force_curve
+from study.threads import one_thread
 
 SHALLOWEST = 0.005
 """Least depth_star of the error: below, the force is less than 1/1000 of that at 0.5."""
@@ -73,6 +73,7 @@ class Choice:
     evaluate: object = field(repr=False, compare=False)
 
 
+@one_thread
 def choose(joint, depth_star, tolerance):
     """Cheapest law whose force is known to be within a tolerance.
 
@@ -222,6 +223,7 @@ def errors(joint, depth_star, force_star):
     return found
 
 
+@one_thread
 def cheapest(joints, depth_star, tolerances, resolution=None):
     """Cheapest adequate law over joints and largest depths, as `choose` would find it.
 
@@ -352,7 +354,7 @@ def _depths(least, deepest, count):
 
 def _straight(r2_star, socket_ratio, poisson, depth_star):
     """Coordinates in which the stiffening is smooth."""
-    return 1 / r2_star, np.log(socket_ratio - 1), 1 / (1 - POLE * poisson), np.sqrt(depth_star)
+    return 1 / r2_star, np.log(socket_ratio - 1), 1 / (1 - 1.8 * poisson), np.sqrt(depth_star)
 
 
 @lru_cache(maxsize=1)

@@ -109,7 +109,10 @@ def run_notebooks(
         typer.Option("--dask", metavar="ADDRESS", help="Dask scheduler that runs the tasks."),
     ] = None,
 ):
-    """Run the stale notebooks and leave figures and tables in figures/."""
+    """Run the stale notebooks and compare their figures and tables with those in figures/.
+
+    What agrees stays as it is; what differs is written anew and named, with exit status 1.
+    """
     from study import dataset, notebooks
 
     selected = notebooks.select(names or [])
@@ -118,6 +121,40 @@ def run_notebooks(
     notebooks.check_claims()
     session = notebooks.run(selected, parameters, jobs=jobs, force=force, dask_address=dask)
     _tell(selected, session)
+    _compare(selected)
+
+
+@app.command("verify")
+def verify_results(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[NAME]...", help="Figures, tables or notebooks; default all."),
+    ] = None,
+    keep: Annotated[
+        bool, typer.Option("--keep", help="Take what differs as the kept results from now on.")
+    ] = False,
+):
+    """Say which results, as made here last, are the kept ones; run nothing."""
+    from study import notebooks, verify
+
+    selected = notebooks.select(names or [])
+    if keep:
+        for notebook in selected:
+            verify.keep(notebook.files())
+    _compare(selected)
+
+
+def _compare(selected):
+    """Say how many results are the kept ones, and which are not; fail if one differs."""
+    from study import notebooks, verify
+
+    found = notebooks.compare(selected)
+    for comparison in found:
+        if comparison.state == "differs":
+            print(f"differs  {comparison.where}", file=sys.stderr)
+    print(verify.summary(found))
+    if any(comparison.state == "differs" for comparison in found):
+        raise typer.Exit(1)
 
 
 @app.command("paper")
@@ -140,6 +177,7 @@ def write_report(jobs: Jobs = None):
     _tell(notebooks.CATALOGUE, session)
     print("Figures and tables are in figures/, the paper is build/paper.pdf.")
     print("The report to browse: build/report/index.html")
+    _compare(notebooks.CATALOGUE)
 
 
 def _tell(selected, session):

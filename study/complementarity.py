@@ -8,6 +8,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from study.checks import StudyError
+from study.threads import one_thread
 
 TOLERANCE = 1e-11  # share of the largest p, or of the largest |b|, that counts as zero
 PATIENCE = 10
@@ -17,6 +18,7 @@ class ComplementarityError(StudyError):
     """The pivoting did not end; the message carries the residual."""
 
 
+@one_thread
 def solve(matrix, vector, active=None, max_pivots=None):
     """Solve a linear complementarity problem by block principal pivoting.
 

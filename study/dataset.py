@@ -4,16 +4,14 @@ The design stands in `study.design`, the numbers in ``data/force_curves.csv`` (o
 and depth), their description in ``data/datapackage.json`` (Frictionless Data Package).
 """
 
-import hashlib
 import json
 import platform
 from importlib.metadata import version
 
 import numpy as np
 import pandas as pd
-from threadpoolctl import threadpool_limits
 
-from study import checks, contact, design, paths
+from study import checks, contact, design, paths, provenance, verify
 from study.contact.laws import COEFFICIENTS
 from study.elastic import fem, series
 from study.joint import FINITE_RESOLUTION, KINEMATICS, SOLVERS, force_curve
@@ -22,19 +20,9 @@ CURVES = paths.DATA / "force_curves.csv"
 PACKAGE = paths.DATA / "datapackage.json"
 MEND = "study data build"
 
-SOURCES = tuple(
-    paths.ROOT / "study" / name
-    for name in (
-        "elastic/__init__.py",
-        "elastic/series.py",
-        "elastic/fem.py",
-        "complementarity.py",
-        "kinematics.py",
-        "joint.py",
-    )
-)
-"""Modules that decide the numbers."""
 LINKS = paths.DATA / "links.csv"
+GENERATED = {CURVES: "joint", COEFFICIENTS: "fitting", LINKS: "mechanism/links"}
+"""Generated file -> module whose imports lead to all code that decides it."""
 PEERS = paths.DATA / "published/peers.csv"
 PUBLISHED = {
     "published/tables.csv": "published",
@@ -261,54 +249,42 @@ def links():
     return pd.read_csv(LINKS)
 
 
-def solve_set_up(set_up):
-    """All curves of one set-up, in the columns of the dataset.
-
-    Runs on one thread, so that the numbers do not depend on how many processes run beside it.
+def solve_case(group, name, joint, depths):
+    """One case of the design, in the columns of the dataset.
 
     Parameters
     ----------
-    set_up : study.design.SetUp
+    group, name : str
+    joint : study.joint.Joint
+    depths : tuple of float
 
     Returns
     -------
     pandas.DataFrame
     """
-    frames = []
-    with threadpool_limits(limits=1):
-        for name, joint in set_up.cases():
-            curve = force_curve(joint, set_up.depths)
-            frames.append(_frame(set_up.group, name, joint, curve))
-    return pd.concat(frames, ignore_index=True)
+    return pd.DataFrame({"group": group, "case": name} | force_curve(joint, depths).columns())
 
 
-def _frame(group, name, joint, curve):
-    return pd.DataFrame(
-        {
-            "group": group,
-            "case": name,
-            "r2_star": joint.r2_star,
-            "socket_ratio": joint.socket_ratio,
-            "poisson_ball": joint.ball.poisson,
-            "poisson_socket": joint.socket.poisson,
-            "modulus_ratio": joint.socket.youngs_modulus / joint.ball.youngs_modulus,
-            "ball_drive": joint.ball_drive,
-            "rim": joint.rim,
-            "kinematics": joint.kinematics,
-            "solver": curve.solver,
-            "depth_star": curve.depth_star,
-            "force_star": curve.force_star,
-            "contact_half_angle": np.degrees(curve.contact_half_angle),
-            "peak_pressure_star": curve.peak_pressure,
-            "error_estimate": curve.error_estimate,
-        }
-    )
+def write_table(frame, path):
+    """Write a table as CSV, whole or not at all, if it does not agree with the kept one.
 
+    Numbers have 9 significant digits, or as many as `study.verify.DIGITS` says: estimates have
+    few that mean anything. On another processor the last ones differ; a kept file whose numbers
+    all agree (`study.verify.table_differs`) stays as it is.
 
-def write_curves(frame, path):
-    """Write curves as CSV with 9 significant digits, whole or not at all."""
-    with paths.whole(path) as temporary:
-        frame.to_csv(temporary, index=False, float_format="%.9g", lineterminator="\n")
+    Parameters
+    ----------
+    frame : pandas.DataFrame
+    path : pathlib.Path
+    """
+    frame = frame.copy()
+    for column, digits in verify.DIGITS.get(path.stem, {}).items():
+        frame[column] = [float(f"{value:.{digits}g}") for value in frame[column]]
+    with paths.scratch(path.parent) as folder:
+        made = folder / path.name
+        frame.to_csv(made, index=False, float_format="%.9g", lineterminator="\n")
+        if not path.is_file() or verify.table_differs(path, made):
+            paths.copy(made, path)
 
 
 def write_package(wall_time):
@@ -319,19 +295,12 @@ def write_package(wall_time):
     wall_time : float
         Time that the cases took together, in s.
     """
-    fields = [
-        {"name": name, "type": kind, "description": text}
-        | ({"unit": unit} if unit else {})
-        | {"constraints": {"required": True} | _CONSTRAINTS.get(name, {})}
-        for name, kind, unit, text in _SCHEMA
-    ]
-    schema = {"fields": fields, "primaryKey": ["case", "depth_star"]}
     _refuse_damaged_published_files()
     provenance = {
         "command": MEND,
         "coefficients_sha256": _sha256(COEFFICIENTS),
-        "code_sha256": _code_hash(),
         "design": _design(),
+        "made_by": _made_by(),
         "versions": {p: version(p) for p in ("numpy", "scipy", "scikit-fem")}
         | {"python": platform.python_version()},
         "wall_time_s": round(wall_time, 1),
@@ -343,7 +312,7 @@ def write_package(wall_time):
         "profile": "data-package",
         "licenses": [{"name": "CC-BY-4.0", "title": "Creative Commons Attribution 4.0"}],
         "resources": [
-            _resource(CURVES, "force-curves", "generated", schema),
+            _resource(CURVES, "force-curves", "generated", _schema()),
             _resource(LINKS, "links", "generated", None),
             *(
                 _resource(paths.DATA / name, name[:-4].replace("/", "-"), origin, None)
@@ -353,6 +322,16 @@ def write_package(wall_time):
         "provenance": provenance,
     }
     _write_description(description)
+
+
+def _schema():
+    fields = [
+        {"name": name, "type": kind, "description": text}
+        | ({"unit": unit} if unit else {})
+        | {"constraints": {"required": True} | _CONSTRAINTS.get(name, {})}
+        for name, kind, unit, text in _SCHEMA
+    ]
+    return {"fields": fields, "primaryKey": ["case", "depth_star"]}
 
 
 def _write_description(description):
@@ -386,50 +365,52 @@ def _refuse_damaged_published_files():
 
 
 def _read_package():
-    """Content of the description, with the keys that are used here present."""
+    """Content of the description, with everything in it that is used here."""
     name = PACKAGE.relative_to(paths.ROOT)
+    remedy = f"mend it with: git checkout -- {name}, or make it anew with: {MEND}"
     try:
         package = json.loads(PACKAGE.read_text(encoding="utf-8"))
-        for key in ("code_sha256", "design", "coefficients_sha256"):
+        for key in ("coefficients_sha256", "design", "made_by"):
             package["provenance"][key]
-        for resource in package["resources"]:
-            resource["path"], resource["hash"]
+        described = {r["path"]: r for r in package["resources"] if r["hash"]}
     except FileNotFoundError:
-        raise DatasetError(f"{name} is missing; make it with: {MEND}") from None
-    except (ValueError, KeyError, TypeError):
-        raise DatasetError(f"{name} is damaged; make it anew with: {MEND}") from None
+        raise DatasetError(f"{name} is missing; {remedy}") from None
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise DatasetError(f"{name} is damaged; {remedy}") from None
+    names = {path.relative_to(paths.DATA).as_posix() for path in (CURVES, LINKS)} | set(PUBLISHED)
+    if missing := names - set(described):
+        raise DatasetError(f"{name} does not describe {', '.join(sorted(missing))}; {remedy}")
+    if described[CURVES.name].get("schema") != _schema():
+        raise DatasetError(f"{name} is damaged: the schema of {CURVES.name} is another; {remedy}")
     return package
 
 
 def _verify(name, stated):
     """Compare one data file with the hash stated for it."""
     path = paths.DATA / name
-    remedy = MEND if path in (CURVES, LINKS) else f"git checkout -- data/{name}"
-    if path == PEERS:  # its hash may be that of a later measurement
-        remedy = "git checkout -- data"
+    # the description too: its hash may be the one that is wrong
+    remedy = f"git checkout -- data/{name} data/{PACKAGE.name}"
+    if path in (CURVES, LINKS):
+        remedy += f", or make it anew with: {MEND}"
     if not path.is_file():
         raise DatasetError(f"data/{name} is missing; mend it with: {remedy}")
     if stated != f"sha256:{_sha256(path)}":
         raise DatasetError(
-            f"data/{name} is damaged (its sha256 is not the one in data/{PACKAGE.name}); "
+            f"data/{name} is damaged (or its sha256 in data/{PACKAGE.name}: they do not agree); "
             f"mend it with: {remedy}"
         )
 
 
 def _sha256(path):
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def _code_hash():
-    text = "".join(path.read_text(encoding="utf-8") for path in SOURCES)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return provenance.digest(path.read_bytes())
 
 
 def _design():
-    members = {group: [s for s in design.DESIGN if s.group == group] for group in design.GROUPS}
+    """Which cases there are and why; the hash is of all parameters as they are resolved."""
+    cases = [(s.group, name, joint, s.depths) for s in design.DESIGN for name, joint in s.cases()]
     return {
         "groups": {
-            group: {"why": why, "cases": sum(1 for s in members[group] for _ in s.cases())}
+            group: {"why": why, "cases": sum(case[0] == group for case in cases)}
             for group, why in design.GROUPS.items()
         },
         "resolution": {
@@ -437,7 +418,23 @@ def _design():
             "quadratic": fem.RESOLUTION,
             "finite": FINITE_RESOLUTION,
         },
-        "set_ups_sha256": hashlib.sha256(repr(design.DESIGN).encode()).hexdigest(),
+        "cases_sha256": provenance.digest(repr(cases).encode()),
+    }
+
+
+def sources(path):
+    """Source files that decide a generated file."""
+    return provenance.sources(paths.ROOT / f"study/{GENERATED[path]}.py")
+
+
+def _made_by():
+    """Generated file -> digest of every file that decides it."""
+    read = {COEFFICIENTS: [CURVES, paths.DATA / "published/tables.csv"], LINKS: [COEFFICIENTS]}
+    return {
+        path.relative_to(paths.ROOT).as_posix(): provenance.digests(
+            [*sources(path), *read.get(path, [])]
+        )
+        for path in GENERATED
     }
 
 
@@ -447,23 +444,32 @@ def verify_files():
     Raises
     ------
     DatasetError
-        If a file is missing, damaged (its hash differs) or out of date (other code or another
-        design made it); the message names the file and the command that mends it.
+        If a file is missing, damaged (its hash differs) or out of date (other code, other data
+        or another design made it); the message names the file, what has changed and the command
+        that mends it.
     """
     package = _read_package()
-    provenance = package["provenance"]
+    stated = package["provenance"]
     for resource in package["resources"]:
         _verify(resource["path"], resource["hash"])
-    if not COEFFICIENTS.is_file() or provenance["coefficients_sha256"] != _sha256(COEFFICIENTS):
+    if not COEFFICIENTS.is_file() or stated["coefficients_sha256"] != _sha256(COEFFICIENTS):
         raise DatasetError(
-            f"study/contact/{COEFFICIENTS.name} is missing or damaged; make it anew with: {MEND}"
+            f"study/contact/{COEFFICIENTS.name} is missing or damaged; mend it with: "
+            f"git checkout -- study/contact/{COEFFICIENTS.name}, or make it anew with: {MEND}"
         )
-    made_by = provenance["code_sha256"], provenance["design"]
-    if made_by != (_code_hash(), _design()):
+    if stated["design"] != _design():
         raise DatasetError(
-            f"data/{CURVES.name} is out of date (the solver or the design has changed since it "
-            f"was made); make it anew with: {MEND}"
+            f"data/{CURVES.name} is out of date: the design (study/design.py), a default of the "
+            f"joint or a resolution has changed since it was made; make it anew with: {MEND}"
         )
+    for name, digests in _made_by().items():
+        before = stated["made_by"].get(name, {})
+        changed = [file for file in digests | before if digests.get(file) != before.get(file)]
+        if changed:
+            raise DatasetError(
+                f"{name} is out of date: {', '.join(changed)} changed since it was made; make it "
+                f"anew with: {MEND}"
+            )
 
 
 def summary(frame):

@@ -22,12 +22,6 @@ ROOTS = 40  # depths of a table, in equal steps of sqrt(depth_star)
 
 _SOURCE = "Spherical clearance joint study; see CITATION.cff there."
 _SCOPE = "For a radially free ball, a mirror plane at the socket's rim and equal materials."
-_FORMULA = (
-    "P = E* dR^2 (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S, S = 1 + a1 u + a2 u^2 + b1 ds + b2 ds^2 "
-    f"+ b3 ds^3; ds = depth/dR, R2* = R2/dR, s = sqrt(ds), u = s/(s + {laws.REACH} (q - 1)); "
-    "(a1, a2, b1, b2, b3) = (limit + first_order/R2*) t, t the products of (1, 1/q, 1/q^4) and "
-    f"(1, nu, 1/(1 - {laws.POLE} nu)); q socket ratio, nu Poisson's ratio, E* composite modulus"
-)
 
 
 def export(law, form, joint):
@@ -69,7 +63,7 @@ def _stiffened_json(joint):
     content = {
         "law": "stiffened_hertz",
         "source": _SOURCE,
-        "formula": _FORMULA,
+        "formula": _formula(),
         "scope": _SCOPE,
         "kinematics": joint.kinematics,
         "range": ranges,
@@ -78,6 +72,17 @@ def _stiffened_json(joint):
         "first_order": fit[1].tolist(),
     }
     return json.dumps(content, indent=2) + "\n"
+
+
+def _formula():
+    fit = laws.fitted_coefficients()["stiffened_hertz"]
+    return (
+        "P = E* dR^2 (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S, S = 1 + a1 u + a2 u^2 + b1 ds + b2 ds^2 "
+        f"+ b3 ds^3; ds = depth/dR, R2* = R2/dR, s = sqrt(ds), u = s/(s + {fit['reach']} (q - 1)); "
+        "(a1, a2, b1, b2, b3) = (limit + first_order/R2*) t, t the products of (1, 1/q, 1/q^4) and "
+        f"(1, nu, 1/(1 - {fit['pole']} nu)); q socket ratio, nu Poisson's ratio, "
+        "E* composite modulus"
+    )
 
 
 def _matrices(joint):
@@ -162,11 +167,12 @@ def _stiffened_c(joint):
     ranges = laws.STIFFENED_RANGES
     (least_r2_star, _), (thin, thick), (low, high) = ranges.values()
     limit, first_order = _matrices(joint)
+    fit = laws.fitted_coefficients()["stiffened_hertz"]
     return f"""/* Contact force of a ball in a spherical socket: stiffened Hertz.
  * {_SOURCE}
  * {_SCOPE}
  * Kinematics: {joint.kinematics}.
-{_comment(_FORMULA)}
+{_comment(_formula())}
  *
  * depth              penetration depth, m; no force where it is negative; at most the clearance
  * ball_radius        R1, m
@@ -204,7 +210,7 @@ int stiffened_hertz(double depth, double ball_radius, double socket_radius,
     if (ds <= 0) {{ *force = 0; *stiffness = 0; return 0; }}
 
     thickness[0] = 1; thickness[1] = 1 / socket_ratio; thickness[2] = pow(socket_ratio, -4);
-    material[0] = 1; material[1] = poisson; material[2] = 1 / (1 - {laws.POLE} * poisson);
+    material[0] = 1; material[1] = poisson; material[2] = 1 / (1 - {fit["pole"]} * poisson);
     for (i = 0; i < 5; i++) {{
         c[i] = 0;
         for (j = 0; j < 3; j++)
@@ -213,7 +219,7 @@ int stiffened_hertz(double depth, double ball_radius, double socket_radius,
                         * thickness[j] * material[k];
     }}
     s = sqrt(ds);
-    u = s / (s + {laws.REACH} * (socket_ratio - 1));
+    u = s / (s + {fit["reach"]} * (socket_ratio - 1));
     factor = 1 + u * (c[0] + u * c[1]) + ds * (c[2] + ds * (c[3] + ds * c[4]));
     growth = u * (1 - u) * (c[0] / 2 + u * c[1]) + ds * (c[2] + ds * (2 * c[3] + ds * 3 * c[4]));
     scale = composite_modulus * clearance * 4 / 3 * sqrt(r2_star * (r2_star - 1));

@@ -17,6 +17,7 @@ from scipy.optimize import linprog
 from study import checks
 from study.contact import LAWS, hertz, shapes
 from study.contact.laws import stiffening_scale, stiffening_terms
+from study.design import PAPER_KINEMATICS
 
 FITTED_LAWS = {
     "hyperbolic_winkler": ("hyperbolic_winkler", {}),
@@ -25,6 +26,8 @@ FITTED_LAWS = {
 }
 """Name of the coefficients -> law and its options."""
 SLACK = 1.05  # of the largest error, for fewer coefficients
+REACH, POLE = 0.6, 1.8  # constants of stiffened_hertz, chosen for the smallest error
+DIGITS = 7  # of a coefficient, and decimals of those of stiffened_hertz: 1e-6 of the force
 LARGEST_DEPTH = 0.5  # of the fit, in dR, as in the paper
 SAMPLE = np.linspace(0, LARGEST_DEPTH, 21)
 """Depths of the paper's measures of agreement, identified from Table 2 (notebook 13)."""
@@ -113,7 +116,11 @@ def surrogate(r2_star, f1):
         ``slope`` and ``intercept``.
     """
     slope, intercept = np.polyfit(r2_star, f1, 1)
-    return {"slope": float(slope), "intercept": float(intercept)}
+    return {"slope": _rounded(slope), "intercept": _rounded(intercept)}
+
+
+def _rounded(value):
+    return float(f"{value:.{DIGITS}g}")
 
 
 def liu_coefficient(force_star, published_r_squared, unit):
@@ -140,6 +147,27 @@ def liu_coefficient(force_star, published_r_squared, unit):
     return float((force.sum() - missing) / (R2_STAR * unit.sum()))
 
 
+def fit_all(curves, published):
+    """Coefficients of all fitted laws from the dataset.
+
+    Parameters
+    ----------
+    curves : pandas.DataFrame
+        Rows of the dataset, with the groups ``paper`` and ``fit``.
+    published : pandas.DataFrame
+        ``data/published/tables.csv``, for Liu's law.
+
+    Returns
+    -------
+    dict
+        As `study.contact.laws.fitted_coefficients`.
+    """
+    paper = curves[(curves.group == "paper") & (curves.kinematics == PAPER_KINEMATICS)]
+    stated = published.set_index(["where", "row", "quantity"]).value
+    fits = fit_laws(paper, -stated["Table 2", "liu", "R2"])  # printed without its sign
+    return fits | {"stiffened_hertz": fit_stiffening(curves[curves.group == "fit"])}
+
+
 def fit_laws(curves, liu_r_squared):
     """Coefficients of all laws of the paper that have one, over its range 20 <= R2* <= 300.
 
@@ -161,7 +189,7 @@ def fit_laws(curves, liu_r_squared):
         fits[law] = surrogate(cases.r2_star, cases.f1)
     force, (unit, _) = sampled(curves[curves.r2_star == R2_STAR]), shapes.liu(SAMPLE[1:], ())
     slope = liu_coefficient(force, liu_r_squared, unit)
-    return fits | {"liu": {"slope": slope, "intercept": 0.0}}
+    return fits | {"liu": {"slope": _rounded(slope), "intercept": 0.0}}
 
 
 def fit_stiffening(curves):
@@ -179,7 +207,8 @@ def fit_stiffening(curves):
     Returns
     -------
     dict
-        ``limit``, and ``first_order`` by kinematics: lists of shape (5, 9).
+        ``reach`` and ``pole``, the constants; ``limit``, and ``first_order`` by kinematics: lists
+        of shape (5, 9).
     """
     kinds = list(dict.fromkeys(curves.kinematics))
     keys = ["kinematics", "r2_star", "socket_ratio", "poisson_ball"]
@@ -187,16 +216,17 @@ def fit_stiffening(curves):
     for (kind, r2_star, ratio, poisson), case in curves.groupby(keys, sort=False):
         ds = case.depth_star.to_numpy()
         stiffening = case.force_star.to_numpy() / hertz(ds, r2_star)
-        u = np.sqrt(ds) / (np.sqrt(ds) + stiffening_scale(ratio))
+        u = np.sqrt(ds) / (np.sqrt(ds) + stiffening_scale(ratio, REACH))
         powers = np.column_stack([u, u**2, ds, ds**2, ds**3])
-        terms = (powers[:, :, None] * stiffening_terms(ratio, poisson)).reshape(len(ds), -1)
+        terms = (powers[:, :, None] * stiffening_terms(ratio, poisson, POLE)).reshape(len(ds), -1)
         blocks = [terms, *(terms / r2_star * (kind == other) for other in kinds)]
         rows.append(np.hstack(blocks) / stiffening[:, None])
         right.append(1 - 1 / stiffening)
     found = _sparse_minimax(np.vstack(rows), np.concatenate(right))
     matrix = found.reshape(1 + len(kinds), 5, 9)
-    limit, *first_order = np.round(matrix, 6).tolist()
-    return {"limit": limit, "first_order": dict(zip(kinds, first_order, strict=True))}
+    limit, *first_order = (np.round(matrix, DIGITS - 1) + 0.0).tolist()
+    first_order = dict(zip(kinds, first_order, strict=True))
+    return {"reach": REACH, "pole": POLE, "limit": limit, "first_order": first_order}
 
 
 def _sparse_minimax(matrix, right):

@@ -14,6 +14,7 @@ import numpy as np
 from study import checks, kinematics
 from study.contact import SOCKET_RATIO, composite_modulus
 from study.elastic import fem, series
+from study.threads import one_thread
 
 KINEMATICS = ("small", "linear", "finite")
 SOLVERS = ("series", "quadratic", "linear")
@@ -179,7 +180,34 @@ class ForceCurve:
     angles: np.ndarray
     pressure: np.ndarray
 
+    def columns(self):
+        """The curve as columns of a table, a row per depth: those of `study.dataset.load`.
 
+        Returns
+        -------
+        dict
+            Column name -> value of all rows, or array of shape (k,).
+        """
+        joint = self.joint
+        return {
+            "r2_star": joint.r2_star,
+            "socket_ratio": joint.socket_ratio,
+            "poisson_ball": joint.ball.poisson,
+            "poisson_socket": joint.socket.poisson,
+            "modulus_ratio": joint.socket.youngs_modulus / joint.ball.youngs_modulus,
+            "ball_drive": joint.ball_drive,
+            "rim": joint.rim,
+            "kinematics": joint.kinematics,
+            "solver": self.solver,
+            "depth_star": self.depth_star,
+            "force_star": self.force_star,
+            "contact_half_angle": np.degrees(self.contact_half_angle),
+            "peak_pressure_star": self.peak_pressure,
+            "error_estimate": self.error_estimate,
+        }
+
+
+@one_thread
 def force_curve(joint, depth_star, resolution=None, solver=None):
     """Force-depth curve of a joint, at two resolutions.
 

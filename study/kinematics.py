@@ -16,6 +16,7 @@ from scipy.sparse import csr_array
 
 from study import complementarity
 from study.elastic import HatFunctions
+from study.threads import one_thread
 
 RELAXATIONS = (0.8, 0.5, 0.25)  # of the pressure's step, tried in turn: they damp modes as
 # short as the elements, which are the stronger the softer the socket is against the ball
@@ -89,6 +90,7 @@ def linear(joint, ball, socket):
     return problem, r1**2 * hats.integrate(np.cos)
 
 
+@one_thread
 def solve(joint, depths, problem, axial):
     """Pressures and forces of the kinematics that leave the bodies linear.
 
@@ -114,6 +116,7 @@ def solve(joint, depths, problem, axial):
     return pressure, joint.r2_star * pressure @ axial
 
 
+@one_thread
 def solve_finite(joint, depths, ball, socket):
     """Pressures and forces at large displacements.
 

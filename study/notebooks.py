@@ -7,18 +7,14 @@ is decided in `study.tasks`.
 import ast
 import json
 import os
-import tempfile
+import re
 from dataclasses import dataclass
-from pathlib import Path
 
-from study import claims, contact, dataset, paths, tasks
-from study.checks import StudyError
+from study import checks, claims, paths, provenance, tasks, verify
+from study.execute import NotebookError
 
+LONGEST = 1000  # setting, in characters
 PARAMETERS_VARIABLE = "STUDY_PARAMETERS"  # hands parameters to notebooks/task_notebooks.py
-
-
-class NotebookError(StudyError):
-    """A cell of a notebook failed; the message names notebook, cell and error."""
 
 
 @dataclass(frozen=True)
@@ -55,26 +51,18 @@ class Notebook:
         """Name of every figure and table -> what it shows."""
         return self.figures | self.tables
 
+    def files(self):
+        """File names of its results: a CSV each, and a PNG for a figure."""
+        return [file for name in self.results for file in verify.files(name, name in self.figures)]
+
     def products(self):
-        """Files it makes: a PNG and a CSV per figure, a CSV per table, and its executed copy."""
-        images = [paths.FIGURES / f"{name}.png" for name in self.figures]
-        numbers = [paths.FIGURES / f"{name}.csv" for name in self.results]
-        return [*images, *numbers, self.executed]
+        """Files it makes: those of its results, and its executed copy."""
+        return [*(paths.FIGURES / name for name in self.files()), self.executed]
 
     def inputs(self):
-        """Files it depends on: itself, the library but for the command line, and the data."""
-        after = {"cli.py", "typeset.py", "report"}  # what comes after the notebooks
-        names = ["tables", "joint", "peers"]
-        if "claims" in self.tables:
-            names.append("claims")
-        else:
-            after |= {"claims.py", "rules.py"}
-        library = sorted((paths.ROOT / "study").rglob("*.py"))
-        library = [path for path in library if not after & {path.name, path.parent.name}]
-        published = [paths.DATA / f"published/{name}.csv" for name in names]
-        data = [dataset.CURVES, dataset.LINKS, *published, contact.laws.COEFFICIENTS]
+        """Files it depends on: itself, the code it reaches by imports, and what they read."""
         read = [paths.FIGURES / f"{name}.csv" for name in self.reads]
-        return [self.path, *library, *data, *read]
+        return [*provenance.inputs(self.path), *read]
 
 
 CATALOGUE = (
@@ -284,7 +272,10 @@ def check_claims():
 
 
 def parameters(notebook):
-    """Parameters of a notebook with their default values, from its ``parameters`` cell.
+    """Parameters of a notebook with default value and comment, from its ``parameters`` cell.
+
+    A comment ends with the values that are allowed, in brackets: ``[20 to 10000]`` for a number
+    or each of a list, ``[linear, small]`` for a word.
 
     Parameters
     ----------
@@ -293,11 +284,14 @@ def parameters(notebook):
     Returns
     -------
     dict
+        Name -> (default, comment).
     """
     import papermill
 
     found = papermill.inspect_notebook(str(notebook.path))
-    return {name: ast.literal_eval(entry["default"]) for name, entry in found.items()}
+    return {
+        name: (ast.literal_eval(entry["default"]), entry["help"]) for name, entry in found.items()
+    }
 
 
 def check_parameters(notebooks, settings):
@@ -319,12 +313,16 @@ def check_parameters(notebooks, settings):
     Raises
     ------
     ValueError
-        For a setting without ``=``, a parameter that no selected notebook has, or a value of
-        another type than the default's.
+        For a setting without ``=`` or too long, a parameter that no selected notebook has, or a
+        value of another type than the default's or out of its range.
     """
     defaults = {nb.name: parameters(nb) for nb in notebooks} if settings else {}
     chosen = {nb.name: {} for nb in notebooks}
     for setting in settings:
+        if len(setting) > LONGEST:
+            raise ValueError(
+                f"-p must have at most {LONGEST} characters, got {len(setting)}: {setting[:20]}..."
+            )
         key, equals, text = setting.partition("=")
         if not equals:
             raise ValueError(f"-p must be key=value, got {setting!r}")
@@ -337,8 +335,23 @@ def check_parameters(notebooks, settings):
         except (SyntaxError, ValueError):
             value = text
         for name in owners:
-            chosen[name][key] = _as_default(key, value, defaults[name][key])
+            default, comment = defaults[name][key]
+            chosen[name][key] = _as_default(key, value, default)
+            _check_range(key, chosen[name][key], comment)
     return chosen
+
+
+def _check_range(key, value, comment):
+    """Refuse a value, or one of a list, outside what the parameter's comment allows."""
+    allowed = re.search(r"\[([^][]*)\]$", comment)
+    if allowed is None:
+        return
+    low, to, high = allowed[1].partition(" to ")
+    for item in value if isinstance(value, list | tuple) else [value]:
+        if to:
+            checks.number(f"parameter {key}", item, least=float(low), most=float(high))
+        else:
+            checks.choice(f"parameter {key}", item, tuple(allowed[1].split(", ")))
 
 
 def _as_default(key, value, default):
@@ -354,57 +367,32 @@ def _as_default(key, value, default):
     return value
 
 
-def execute(notebook, settings):
-    """Execute one notebook with papermill; its executed copy lands in ``build/notebooks``.
-
-    Figures and tables reach ``figures/`` only if every cell succeeds. The kernel talks through
-    sockets in a folder of its own, so that kernels started at the same time cannot take each
-    other's ports.
+def compare(notebooks):
+    """Compare the results of some notebooks, as made last, with the kept ones.
 
     Parameters
     ----------
-    notebook : Notebook
-    settings : dict
-        Values for its parameters.
+    notebooks : list of Notebook
 
-    Raises
-    ------
-    NotebookError
-        If a cell fails; names notebook, cell and error.
+    Returns
+    -------
+    list of study.verify.Comparison
+        In the order of the catalogue.
     """
-    import nbformat
-    import papermill
-    from traitlets.config import Config
+    return [
+        verify.compare(name, name in notebook.figures, other)
+        for notebook in notebooks
+        for other in [_has_other_parameters(notebook)]
+        for name in notebook.results
+    ]
 
-    notebook.executed.parent.mkdir(parents=True, exist_ok=True)
-    with (
-        tempfile.TemporaryDirectory(prefix="kernel-", ignore_cleanup_errors=True) as folder,
-        tempfile.TemporaryDirectory(prefix="results-", dir=paths.BUILD) as results,
-    ):
-        os.environ[paths.RESULTS_VARIABLE] = results
-        # kernels run side by side: with threads of their own they would wait for each other
-        os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-        config = Config()
-        if os.name == "posix":
-            config.KernelManager.transport = "ipc"
-            config.KernelManager.ip = str(Path(folder, "socket"))
-        try:
-            papermill.execute_notebook(
-                notebook.path,
-                notebook.executed,
-                parameters=settings,
-                kernel_name="python3",
-                progress_bar=False,
-                cwd=folder,
-                config=config,
-            )
-        except papermill.PapermillExecutionError as error:
-            cell = f"cell In[{error.exec_count}]"
-            raise NotebookError(f"{notebook.name}, {cell}: {error.ename}: {error.evalue}") from None
-        except nbformat.reader.NotJSONError:
-            raise NotebookError(f"{notebook.name}: the file is no notebook") from None
-        for result in sorted(Path(results).iterdir()):
-            result.replace(paths.FIGURES / result.name)
+
+def _has_other_parameters(notebook):
+    """Whether a notebook was executed last with parameters that are not its own."""
+    if not notebook.executed.is_file():
+        return False
+    executed = json.loads(notebook.executed.read_text(encoding="utf-8"))
+    return bool(executed["metadata"]["papermill"]["parameters"])
 
 
 def run(notebooks, settings, report=False, **options):

@@ -56,6 +56,8 @@ def build(folders, expression="", *, jobs=None, force=False, dask_address=None, 
     if dask_address is not None:
         client = _dask_client(dask_address)
         options = {"parallel_backend": "dask", "n_workers": sum(client.nthreads().values())}
+    if not dry:
+        paths.sweep()
     pytask.console.quiet = dry
     finished = False
     try:

@@ -6,25 +6,30 @@ import shutil
 import numpy as np
 import pandas as pd
 import pytest
+from threadpoolctl import threadpool_limits
 
 from study import dataset, design, joint, paths, quality
+
+ROOT = paths.ROOT
 
 
 @pytest.fixture
 def copy(tmp_path, monkeypatch):
-    """A copy of the data folder that the module takes for its own."""
+    """A copy of data and code that the module takes for its own; its data folder."""
     root = tmp_path / "project"
-    shutil.copytree(paths.DATA, root / "data")
+    for name in ("data", "study"):
+        shutil.copytree(paths.ROOT / name, root / name)
     monkeypatch.setattr(paths, "ROOT", root)
     monkeypatch.setattr(paths, "DATA", root / "data")
-    monkeypatch.setattr(dataset, "CURVES", root / "data" / "force_curves.csv")
-    monkeypatch.setattr(dataset, "LINKS", root / "data" / "links.csv")
-    monkeypatch.setattr(dataset, "PEERS", root / "data" / "published" / "peers.csv")
-    monkeypatch.setattr(dataset, "PACKAGE", root / "data" / "datapackage.json")
-    coefficients = root / "study" / "contact" / dataset.COEFFICIENTS.name
-    coefficients.parent.mkdir(parents=True)
-    shutil.copy(dataset.COEFFICIENTS, coefficients)
-    monkeypatch.setattr(dataset, "COEFFICIENTS", coefficients)
+    files = {
+        name: root / getattr(dataset, name).relative_to(ROOT)
+        for name in ("CURVES", "LINKS", "PEERS", "PACKAGE", "COEFFICIENTS")
+    }
+    makers = {ROOT.joinpath(path.relative_to(root)): path for path in files.values()}
+    generated = {makers[path]: module for path, module in dataset.GENERATED.items()}
+    monkeypatch.setattr(dataset, "GENERATED", generated)
+    for name, path in files.items():
+        monkeypatch.setattr(dataset, name, path)
     return root / "data"
 
 
@@ -129,13 +134,60 @@ def test_measured_times_are_kept_with_their_hash(copy):
 def test_damaged_and_missing_files_are_named_with_a_remedy(copy, name):
     path = copy / name
     path.write_text(path.read_text().replace("2", "3", 1))
-    generated = name in ("force_curves.csv", "links.csv")
-    remedy = "study data build" if generated else f"git checkout -- data/{name}"
-    with pytest.raises(dataset.DatasetError, match=rf"data/{name} is damaged.*{remedy}"):
+    remedy = f"git checkout -- data/{name} data/datapackage.json"
+    if name in ("force_curves.csv", "links.csv"):  # the rebuild is the second remedy
+        remedy += ", or make it anew with: study data build"
+    with pytest.raises(dataset.DatasetError, match=rf"data/{name} is damaged.*{remedy}$"):
         dataset.load()
     path.unlink()
-    with pytest.raises(dataset.DatasetError, match=rf"data/{name} is missing.*{remedy}"):
+    with pytest.raises(dataset.DatasetError, match=rf"data/{name} is missing.*{remedy}$"):
         dataset.load()
+
+
+def without(*keys):
+    def change(package):
+        for key in keys[:-1]:
+            package = package[key]
+        del package[keys[-1]]
+
+    return change
+
+
+def to(value, *keys):
+    def change(package):
+        for key in keys[:-1]:
+            package = package[key]
+        package[keys[-1]] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (to([], "resources"), "does not describe force_curves.csv, links.csv, published/joint"),
+        (to({}, "resources"), "does not describe force_curves.csv"),
+        (to(None, "resources"), "is damaged"),
+        (to("text", "resources"), "is damaged"),
+        (without("resources", 1), "does not describe links.csv"),
+        (without("resources", 0, "schema"), "is damaged: the schema of force_curves.csv is anoth"),
+        (to("x", "resources", 0, "schema"), "is damaged: the schema"),
+        (to("integer", "resources", 0, "schema", "fields", 3, "type"), "is damaged: the schema"),
+        (without("resources", 0, "hash"), "is damaged"),
+        (to(3, "resources", 0, "path"), "does not describe force_curves.csv"),
+        (to([], "provenance"), "is damaged"),
+        (without("provenance", "made_by"), "is damaged"),
+    ],
+)
+def test_a_wrong_description_is_one_error_with_a_remedy(copy, change, message):
+    path = copy / "datapackage.json"
+    package = json.loads(path.read_text())
+    change(package)
+    path.write_text(json.dumps(package))
+    for check in (dataset.load, quality.check):
+        with pytest.raises(dataset.DatasetError, match=f"datapackage.json {message}") as caught:
+            check()
+        assert "git checkout -- data/datapackage.json, or make it anew" in str(caught.value)
 
 
 def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
@@ -148,11 +200,46 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
         dataset.load()
 
 
-def test_a_changed_solver_makes_the_dataset_out_of_date(copy, monkeypatch):
-    changed = copy / "joint.py"
-    changed.write_text("# another solver\n")
-    monkeypatch.setattr(dataset, "SOURCES", (*dataset.SOURCES[:-1], changed))
-    with pytest.raises(dataset.DatasetError, match="out of date.*study data build"):
+@pytest.mark.parametrize(
+    ("module", "old", "new", "outdated"),
+    [
+        ("joint", "_BESIDE = (0.97, 1.03)", "_BESIDE = (0.98, 1.02)", ["data/force_curves.csv"]),
+        ("elastic/series", '"""', '"""Another. ', ["data/force_curves.csv"]),
+        ("contact/bodies", "(1 - nu**2)", "(1.01 - nu**2)", ["data/force_curves.csv"]),
+        (
+            "contact/laws",
+            "return 4 / 3 * np.sqrt",
+            "return 1.01 * 4 / 3 * np.sqrt",
+            ["study/contact/coefficients.json", "data/links.csv"],
+        ),
+        ("fitting", "SLACK = 1.05", "SLACK = 1.06", ["study/contact/coefficients.json"]),
+        ("mechanism/links", "COUNT = 160", "COUNT = 161", ["data/links.csv"]),
+        ("figures", '"font.size": 9', '"font.size": 8', []),
+        ("mechanism/auto", '"""', '"""Another. ', []),
+    ],
+)
+def test_changed_code_makes_out_of_date_what_reaches_it(copy, module, old, new, outdated):
+    path = copy.parent / f"study/{module}.py"
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    stated = json.loads(dataset.PACKAGE.read_text())["provenance"]["made_by"]
+    found = [name for name, made_by in dataset._made_by().items() if made_by != stated[name]]
+    assert set(outdated) <= set(found)
+    assert ("data/force_curves.csv" in found) == ("data/force_curves.csv" in outdated)
+    if not outdated:
+        dataset.verify_files()
+        return
+    message = f"{found[0]} is out of date: .*study/{module}.py.* changed.*study data build"
+    with pytest.raises(dataset.DatasetError, match=message):
+        dataset.load()
+
+
+def test_a_changed_default_of_the_joint_makes_the_dataset_out_of_date(copy, monkeypatch):
+    monkeypatch.setattr(
+        design, "Joint", lambda r2_star, **given: joint.Joint(r2_star, **{"rim": "free"} | given)
+    )
+    with pytest.raises(dataset.DatasetError, match=r"out of date: the design.*a default of the j"):
         dataset.load()
 
 
@@ -162,11 +249,20 @@ def test_a_changed_design_makes_the_dataset_out_of_date(copy, monkeypatch):
         dataset.load()
 
 
+def test_numbers_that_agree_leave_the_kept_file(copy):
+    kept = dataset.CURVES.read_bytes()
+    frame = dataset.load()
+    dataset.write_table(frame.assign(force_star=frame.force_star * (1 + 1e-8)), dataset.CURVES)
+    assert dataset.CURVES.read_bytes() == kept
+    dataset.write_table(frame.assign(force_star=frame.force_star * (1 + 1e-5)), dataset.CURVES)
+    assert dataset.CURVES.read_bytes() != kept
+
+
 def rewrite(copy, change):
     """Change the curves and state the new hash, as a wrong build would."""
     frame = dataset.load()
     change(frame)
-    dataset.write_curves(frame, dataset.CURVES)
+    dataset.write_table(frame, dataset.CURVES)
     dataset.write_package(1.0)
 
 
@@ -197,12 +293,12 @@ def test_a_curve_unlike_the_solver_fails_the_check(copy):
         quality.check()
 
 
-def test_a_set_up_is_solved_to_the_same_bytes(tmp_path):
-    ratio = {"socket_ratio": 1.5}
-    set_up = design.SetUp("ratio", "one", ratio, r2_stars=(20, 200), kinematics=("small",))
-    for name in ("first.csv", "second.csv"):
+def test_a_case_is_solved_to_the_same_bytes_on_any_number_of_threads(tmp_path):
+    case = ("ratio", "one", joint.Joint(20, 1.5, kinematics="small"), (0.1, 0.5))
+    for threads, name in ((1, "first.csv"), (2, "second.csv")):
         joint.series.socket_compliance.cache_clear()
-        dataset.write_curves(dataset.solve_set_up(set_up), tmp_path / name)
+        with threadpool_limits(threads):
+            dataset.write_table(dataset.solve_case(*case), tmp_path / name)
     assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "second.csv").read_bytes()
 
 

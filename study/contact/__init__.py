@@ -1,10 +1,9 @@
 """Contact laws: the force between ball and socket as a function of penetration depth."""
 
+from study.contact.bodies import SOCKET_RATIO, composite_modulus
 from study.contact.laws import (
     LAWS,
     PAPER_LAWS,
-    SOCKET_RATIO,
-    composite_modulus,
     contact_force,
     contact_stiffness,
     hertz,

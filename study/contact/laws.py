@@ -19,47 +19,13 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from study import checks
 from study.contact import shapes
+from study.contact.bodies import SOCKET_RATIO
 
 COEFFICIENTS = Path(__file__).with_name("coefficients.json")
-SOCKET_RATIO = 1.298
-"""Outer over inner radius of the paper's socket, which the paper does not state: the value with
-which its Table 2 is met best on a fine mesh (notebook 13). It was perhaps drawn as 1.3."""
 STIFFENED_RANGES = {"r2_star": (20, None), "socket_ratio": (1.1, 3), "poisson": (0.2, 0.45)}
 """Where `stiffened_hertz` is fitted: least and largest value."""
-REACH, POLE = 0.6, 1.8  # constants of stiffened_hertz, chosen for the smallest error
 ROUNDING = 1e-9  # of the limits: d/dR and R2/dR of radii in m may exceed them by rounding
 STEPS = 256  # of `tabulated`, per unit of sqrt(depth_star)
-
-
-def composite_modulus(ball_modulus, ball_poisson, socket_modulus, socket_poisson):
-    """Composite modulus E* of two bodies: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2.
-
-    Parameters
-    ----------
-    ball_modulus, socket_modulus : float
-        Young's moduli, > 0, in Pa.
-    ball_poisson, socket_poisson : float
-        Poisson's ratios, in (-1, 0.5).
-
-    Returns
-    -------
-    float
-        Composite modulus, in Pa.
-
-    Raises
-    ------
-    ValueError
-        For a value outside its range.
-    """
-    moduli = [
-        checks.number(f"{body} Young's modulus", value, "Pa", above=0)
-        for body, value in (("ball", ball_modulus), ("socket", socket_modulus))
-    ]
-    ratios = [
-        checks.poisson(f"{body} Poisson's ratio", value)
-        for body, value in (("ball", ball_poisson), ("socket", socket_poisson))
-    ]
-    return 1 / sum((1 - nu**2) / e for e, nu in zip(moduli, ratios, strict=True))
 
 
 def _law(parts, usual_r2_star=None, deepest=None):
@@ -295,21 +261,23 @@ def stiffened_hertz(r2_star, *, socket_ratio=SOCKET_RATIO, poisson=0.3, kinemati
     fit = _fitted("stiffened_hertz")
     checks.choice("kinematics", kinematics, tuple(fit["first_order"]))
     limit, first_order = np.array(fit["limit"]), np.array(fit["first_order"][kinematics])
-    at_limit, slope = np.stack([limit, first_order]) @ stiffening_terms(socket_ratio, poisson)
+    at_limit, slope = np.stack([limit, first_order]) @ stiffening_terms(
+        socket_ratio, poisson, fit["pole"]
+    )
     coefficients = at_limit + np.divide.outer(slope, r2_star).T
-    constants = (stiffening_scale(socket_ratio), *coefficients.T)
+    constants = (stiffening_scale(socket_ratio, fit["reach"]), *coefficients.T)
     return hertz.parts(r2_star)[0], shapes.stiffened, constants
 
 
-def stiffening_scale(socket_ratio):
+def stiffening_scale(socket_ratio, reach):
     """Constant g of `stiffened_hertz`: the sqrt(ds) at which the socket's thickness is felt."""
-    return REACH * (socket_ratio - 1)
+    return reach * (socket_ratio - 1)
 
 
-def stiffening_terms(socket_ratio, poisson):
-    """Products of (1, 1/q, 1/q^4) and (1, nu, 1/(1 - 1.8 nu)), shape (9,)."""
+def stiffening_terms(socket_ratio, poisson, pole):
+    """Products of (1, 1/q, 1/q^4) and (1, nu, 1/(1 - pole nu)), shape (9,)."""
     thickness = [1, 1 / socket_ratio, socket_ratio**-4]
-    return np.outer(thickness, [1, poisson, 1 / (1 - POLE * poisson)]).ravel()
+    return np.outer(thickness, [1, poisson, 1 / (1 - pole * poisson)]).ravel()
 
 
 def tabulated(curve):
@@ -465,7 +433,8 @@ def fitted_coefficients():
     -------
     dict
         Law name -> ``slope`` and ``intercept`` of its coefficient, slope R2* + intercept,
-        for 20 <= R2* <= 300, dimensionless; for ``stiffened_hertz`` the matrices ``limit`` and,
+        for 20 <= R2* <= 300, dimensionless; for ``stiffened_hertz`` the constants ``reach`` (of
+        `stiffening_scale`) and ``pole`` (of `stiffening_terms`), and the matrices ``limit`` and,
         per kinematics, ``first_order``, both (5, 9): coefficients a1, a2, b1, b2, b3 by the
         products of `stiffening_terms`.
 
@@ -478,6 +447,7 @@ def fitted_coefficients():
         fits = json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
         for law, fit in fits.items():
             if law == "stiffened_hertz":
+                float(fit["reach"]), float(fit["pole"])
                 matrices = [fit["limit"], *fit["first_order"].values()]
                 if any(np.array(m, dtype=float).shape != (5, 9) for m in matrices):
                     raise ValueError

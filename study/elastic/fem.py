@@ -27,6 +27,7 @@ from skfem.models.elasticity import lame_parameters
 
 from study import checks
 from study.elastic import Compliance, graded, surface_angles
+from study.threads import one_thread
 
 DRIVES = ("plane", "clamped", "point")
 RIMS = ("mirror", "free")
@@ -184,6 +185,7 @@ class Body:
 
 
 @lru_cache(maxsize=4)
+@one_thread
 def ball(poisson=0.3, drive="plane", resolution=RESOLUTION, nodes=6):
     """Half ball held at its equatorial plane.
 
@@ -220,6 +222,7 @@ def ball(poisson=0.3, drive="plane", resolution=RESOLUTION, nodes=6):
 
 
 @lru_cache(maxsize=4)
+@one_thread
 def socket(ratio, poisson=0.3, rim="mirror", resolution=RESOLUTION, nodes=6):
     """Hemispherical socket fixed on its outer sphere.
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from study import checks
 from study.elastic import Compliance, HatFunctions, surface_angles
+from study.threads import one_thread
 
 RESOLUTION = 320
 FINEST_RESOLUTION = 1280
@@ -23,6 +24,7 @@ THINNEST_RATIO = 1.001
 
 
 @lru_cache(maxsize=32)
+@one_thread
 def ball_compliance(poisson=0.3, resolution=RESOLUTION, last_order=LAST_ORDER):
     """Compliance of a solid ball that is symmetric about its equatorial plane.
 
@@ -49,6 +51,7 @@ def ball_compliance(poisson=0.3, resolution=RESOLUTION, last_order=LAST_ORDER):
 
 
 @lru_cache(maxsize=32)
+@one_thread
 def socket_compliance(ratio, poisson=0.3, resolution=RESOLUTION, last_order=LAST_ORDER):
     """Compliance of a shell fixed on its outer sphere, symmetric about the equator.
 

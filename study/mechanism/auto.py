@@ -16,7 +16,7 @@ from time import perf_counter
 
 import numpy as np
 
-from study import checks
+from study import checks, dataset
 from study.checks import StudyError
 from study.choose import SHALLOWEST, choose
 from study.contact import SOCKET_RATIO, hertz
@@ -152,7 +152,7 @@ def choose_model(
     best = run("rigid", law, {"tolerance": FINEST_TOLERANCE})
     of_law = law_share * _apart(simple, best, quantity)
     note = links.outside(scene, duration)
-    of_links = inf if note else links.bounds(scene, simple.response)[quantity]
+    of_links = inf if note else links.bounds(scene, simple.response, dataset.links())[quantity]
 
     rigid = [run("rigid", "hertz", {"joint": "ideal"})]
     for finest in (simple, best):

@@ -13,7 +13,6 @@ from math import pi, sqrt
 import numpy as np
 import pandas as pd
 
-from study import dataset
 from study.contact.forces import elastic_force, pack
 from study.mechanism.compare import difference
 from study.mechanism.models import run
@@ -124,20 +123,21 @@ def estimates(scene, response):
     return found
 
 
-def bounds(scene, response):
+def bounds(scene, response, seen):
     """Largest NRMS error of rigid links: `estimates` times the largest ratio ever seen.
 
     Parameters
     ----------
     scene, response
         As for `estimates`.
+    seen : pandas.DataFrame
+        Errors and estimates on random scenes, from `measure`.
 
     Returns
     -------
     dict
         Quantity -> bound.
     """
-    seen = dataset.links()
     return {
         quantity: float(
             estimate * SAFETY * (seen[f"{quantity}_error"] / seen[f"{quantity}_estimate"]).max()

@@ -13,6 +13,7 @@ from study.contact.laws import find
 from study.mechanism import beams, ideal, particles, rigid
 from study.mechanism.response import collect
 from study.mechanism.scene import Scene
+from study.threads import one_thread
 
 MODELS = ("rigid", "particles", "beams")
 JOINTS = ("clearance", "ideal")
@@ -23,6 +24,7 @@ MOST_STEPS = 1e10
 BLOCKS = 100  # after each the progress is told, and an interruption is heeded
 
 
+@one_thread
 def run(
     scene,
     model,
