@@ -4,6 +4,7 @@ A figure is written as PNG together with a CSV of what it shows; both have the s
 whenever their content is the same.
 """
 
+from contextlib import ExitStack
 from dataclasses import dataclass
 
 import matplotlib as mpl
@@ -96,8 +97,13 @@ METHOD_LOOKS = {
 """Solvers of the joint and steppers of the mechanism, by `study.speed`'s names."""
 
 
+_style = ExitStack()  # entered by `new`, left by `save`
+
+
 def new(columns=1, rows=1, width=4.2, height=3.2, **options):
-    """Figure and axes in the study's style.
+    """Figure and axes in the study's style, which lasts until the figure is saved.
+
+    The session's own settings are back after `save`: a figure is drawn between the two.
 
     Parameters
     ----------
@@ -113,6 +119,8 @@ def new(columns=1, rows=1, width=4.2, height=3.2, **options):
     figure : matplotlib.figure.Figure
     axes : matplotlib.axes.Axes or ndarray of them
     """
+    _style.close()
+    _style.enter_context(mpl.rc_context())
     mpl.rcdefaults()
     mpl.rcParams.update(STYLE)
     figure = Figure(figsize=(columns * width, rows * height))
@@ -490,10 +498,11 @@ def save(figure, name, numbers):
     numbers : pandas.DataFrame
         What the figure draws, in tidy form.
     """
-    save_table(numbers, name)
     path = paths.results() / f"{name}.png"
-    with paths.whole(path) as temporary:
-        figure.savefig(temporary, metadata={"Software": None})
+    with _style:
+        save_table(numbers, name)
+        with paths.whole(path) as temporary:
+            figure.savefig(temporary, metadata={"Software": None})
     display(Image(path, width=round(72 * figure.get_figwidth())))
 
 
@@ -516,7 +525,10 @@ def save_table(table, name):
         column = numeric.columns[bad.any(axis=0)][0]
         raise ValueError(f"every number of {name} must be finite, column {column!r} is not")
     with paths.whole(paths.results() / f"{name}.csv") as temporary:
-        table.to_csv(temporary, index=False, float_format="%.9g", lineterminator="\n")
+        positive = table.map(
+            lambda value: 0.0 if value == 0 and isinstance(value, float) else value
+        )
+        positive.to_csv(temporary, index=False, float_format="%.9g", lineterminator="\n")
 
 
 def tidy(*curves):
@@ -537,5 +549,5 @@ def tidy(*curves):
     for panel, table, x, y, series in curves:
         names = y if series is None else table[series].astype(str)
         columns = {"panel": panel, "series": names, "x_is": x, "x": table[x], "y_is": y}
-        parts.append(pd.DataFrame(columns | {"y": table[y].map("{:.3g}".format)}))
+        parts.append(pd.DataFrame(columns | {"y": (table[y] + 0.0).map("{:.3g}".format)}))
     return pd.concat(parts, ignore_index=True)

@@ -105,17 +105,30 @@ def step_limit(scheme, frequency, rate=0.0):
 def friction_rate(scene, law, state):
     """Rate mu P / ((v1 - v0) m) at which friction slows sliding between v0 and v1, in 1/s.
 
-    The mass m of the mechanism along the tangent is in the equations' derivatives to speeds.
+    A unit force along the tangent of the ball's surface accelerates the sliding by 1/m: through
+    crank and coupler, a double pendulum, and through the slider (this study, closed form).
+
+    Parameters
+    ----------
+    scene : study.mechanism.scene.Scene
+    law : str
+    state : ndarray, shape (6,)
+        From `lasting_contact`.
+
+    Returns
+    -------
+    float
     """
-    numbers, p = packed(scene.but(restitution=1.0), law), rigid.describe(scene)
-    p[rigid.DAMPING] = 0.0
-    ex, ey, wx, wy = state[[1, 2, 4, 5]]
-    reach = np.hypot(ex, ey)
-    outward, across = (ex * wx + ey * wy) / reach, (ex * wy - ey * wx) / reach**2
-    y = np.array([state[0], reach - numbers[1], np.arctan2(ey, ex), state[3], outward, across])
-    slopes = np.zeros((5, 6))
-    rigid.motion(y, (True, 1, inf), p, numbers, True, np.zeros(5), np.zeros(10), slopes)
-    return np.abs(np.linalg.eigvals(slopes[:3, 3:])).max()
+    numbers, p = packed(scene, law), rigid.describe(scene)
+    (crank, ex, ey), direction = state[:3], np.arctan2(state[2], state[1])
+    coupler = np.arcsin((ey - p[rigid.L1] * np.sin(crank)) / p[rigid.L2])
+    arms = np.array([p[rigid.L1], p[rigid.L2]]) * np.cos([crank - direction, coupler - direction])
+    arms[1] += p[rigid.R1]
+    inertia = np.diag([p[rigid.A11], p[rigid.A22]])
+    inertia[0, 1] = inertia[1, 0] = p[rigid.A12] * np.cos(crank - coupler)
+    lightness = arms @ np.linalg.solve(inertia, arms) + np.sin(direction) ** 2 / p[rigid.M3]
+    force, _ = elastic_force(numbers, np.hypot(ex, ey) - numbers[1])
+    return scene.friction * force * lightness / (scene.full_speed - scene.slow_speed)
 
 
 def observed_step(scene, law, state, scheme, approach=inf, steps=40):

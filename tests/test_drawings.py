@@ -2,10 +2,12 @@
 
 import re
 
+import matplotlib as mpl
 import numpy as np
+import pandas as pd
 import pytest
 
-from study import drawings, figures
+from study import drawings, figures, paths
 from study.contact import hertz, hyperbolic_winkler, pressure, winkler
 from study.joint import Joint, force_curve
 
@@ -144,3 +146,15 @@ def test_too_deep_an_overlap_is_refused():
     axes = new_axes(2)
     with pytest.raises(ValueError, match="depth_star must be > 0 and < 1.64575, got 2"):
         drawings.draw_penetration(*axes, 4.0, 2.0, 0.5)
+
+
+def test_a_figure_leaves_the_settings_of_the_session(tmp_path, monkeypatch):
+    monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
+    figures._style.close()  # of figures that other tests have not saved
+    with mpl.rc_context({"lines.linewidth": 7.0, "font.size": 5.0}):
+        before = dict(mpl.rcParams)
+        figure, axes = figures.new()
+        assert axes.plot([0, 1])[0].get_linewidth() == figures.STYLE["lines.linewidth"]
+        figures.save(figure, "fig", pd.DataFrame({"x": [0.0, -0.0]}))
+        assert dict(mpl.rcParams) == before
+    assert (tmp_path / "fig.csv").read_text() == "x\n0\n0\n"

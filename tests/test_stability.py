@@ -123,6 +123,19 @@ def test_friction_that_sticks_limits_the_step_as_predicted(scheme, band):
     assert seen == pytest.approx(limit, rel=0.15)
 
 
+def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
+    scene = Scene(friction=3.0, slow_speed=0.0, full_speed=1e-3, restitution=1.0)
+    state = stability.lasting_contact(scene, "hertz", 0.8 * SETTLED)
+    rate = stability.friction_rate(scene, "hertz", state)
+    numbers, p = stability.packed(scene, "hertz"), rigid.describe(scene)
+    (angle, ex, ey), slopes = state[:3], np.zeros((5, 6))
+    still = np.array([angle, np.hypot(ex, ey) - numbers[1], np.arctan2(ey, ex), 0, 0, 0])
+    rigid.motion(still, (True, 1, np.inf), p, numbers, True, np.zeros(5), np.zeros(10), slopes)
+    assert rate == pytest.approx(np.abs(np.linalg.eigvals(slopes[:3, 3:])).max(), rel=1e-9)
+    moving = np.array([*state[:3], 1.0, *(0.02 * state[1:3] / np.hypot(ex, ey))])
+    assert stability.friction_rate(scene, "hertz", moving) == rate
+
+
 @pytest.mark.parametrize("elements", [(2, 4), (8, 16)])
 def test_links_limit_the_step_as_predicted(elements):
     frame = 2 / particles.Frame(PAPER, elements).highest_frequency(PAPER.slider_mass, True)
