@@ -72,6 +72,8 @@ Jobs = Annotated[
 
 def main():
     """Run the command line and exit with its status."""
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="replace")  # a line of "?" is better than none
     try:
         status = app(standalone_mode=False)
     except (UsageError, ValueError) as error:

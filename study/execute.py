@@ -58,6 +58,7 @@ def _execute_in_a_child(notebook, executed, settings, folder, results):
         paths.RESULTS_VARIABLE: str(results),
         "PYTHONPATH": os.pathsep.join([str(paths.ROOT), os.environ.get("PYTHONPATH", "")]),
         # kernels run side by side: with threads of their own they would wait for each other
+        "PYTHONUTF8": "1",
         "OMP_NUM_THREADS": "1",
         "OPENBLAS_NUM_THREADS": "1",
         # what a user keeps in the home folder does not change a result

@@ -56,8 +56,9 @@ def whole(path):
         temporary.chmod(0o644)
         temporary.replace(path)
     except OSError as error:
-        if error.filename in (None, str(temporary)):  # say what the user knows
-            raise OSError(error.errno, error.strerror, str(path)) from None
+        names = (error.filename, error.filename2)
+        if names == (None, None) or any(_PART in str(name) for name in names):
+            raise OSError(error.errno, error.strerror, str(path)) from None  # what the user knows
         raise
     finally:
         if temporary is not None:

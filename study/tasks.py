@@ -3,8 +3,10 @@
 import os
 import signal
 import threading
+from contextlib import contextmanager, nullcontext
 
 import pytask
+from _pytask import build as pytask_build
 from loky import cpu_count, get_reusable_executor
 
 from study import paths
@@ -61,17 +63,18 @@ def build(folders, expression="", *, jobs=None, force=False, dask_address=None, 
     pytask.console.quiet = dry
     finished = False
     try:
-        session = pytask.build(
-            paths=folders,
-            config=paths.ROOT / "pyproject.toml",
-            expression=expression,
-            force=force,
-            dry_run=dry,
-            show_traceback=False,
-            capture="fd" if not dry else "no",
-            show_capture="no",
-            **options,
-        )
+        with _no_cache_of_hashes() if dry else nullcontext():
+            session = pytask.build(
+                paths=folders,
+                config=paths.ROOT / "pyproject.toml",
+                expression=expression,
+                force=force,
+                dry_run=dry,
+                show_traceback=False,
+                capture="fd" if not dry else "no",
+                show_capture="no",
+                **options,
+            )
         finished = session.scheduler is None or not session.scheduler.is_active()
     finally:
         pytask.console.quiet = False
@@ -82,6 +85,17 @@ def build(folders, expression="", *, jobs=None, force=False, dask_address=None, 
     if not finished:
         raise KeyboardInterrupt  # pytask-parallel swallows it and leaves its tasks undone
     return session
+
+
+@contextmanager
+def _no_cache_of_hashes():
+    """Keep pytask from writing its cache of file hashes, which fails in a read-only folder."""
+    kept = pytask_build.pytask_unconfigure
+    pytask_build.pytask_unconfigure = None
+    try:
+        yield
+    finally:
+        pytask_build.pytask_unconfigure = kept
 
 
 def _dask_client(address):
