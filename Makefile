@@ -24,7 +24,7 @@ reproduce: $(READY)
 	@$(BIN)/study report
 
 test: $(READY)
-	@$(BIN)/python -m pytest
+	@$(BIN)/python -m pytest --numprocesses auto --dist loadfile
 
 lab: $(READY)
 	@cd notebooks && ../$(BIN)/jupyter lab

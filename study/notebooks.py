@@ -11,6 +11,7 @@ import re
 from dataclasses import dataclass
 
 from study import checks, claims, paths, provenance, tasks, verify
+from study.contact import LAWS
 from study.execute import NotebookError
 
 LONGEST = 1000  # setting, in characters
@@ -275,7 +276,7 @@ def parameters(notebook):
     """Parameters of a notebook with default value and comment, from its ``parameters`` cell.
 
     A comment ends with the values that are allowed, in brackets: ``[20 to 10000]`` for a number
-    or each of a list, ``[linear, small]`` for a word.
+    or each of a list, ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``.
 
     Parameters
     ----------
@@ -332,7 +333,7 @@ def check_parameters(notebooks, settings):
             raise ValueError(f"parameter must be one of {', '.join(known)}, got {key!r}")
         try:
             value = ast.literal_eval(text)
-        except (SyntaxError, ValueError):
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
             value = text
         for name in owners:
             default, comment = defaults[name][key]
@@ -351,7 +352,8 @@ def _check_range(key, value, comment):
         if to:
             checks.number(f"parameter {key}", item, least=float(low), most=float(high))
         else:
-            checks.choice(f"parameter {key}", item, tuple(allowed[1].split(", ")))
+            names = LAWS if allowed[1] == "a law" else allowed[1].split(", ")
+            checks.choice(f"parameter {key}", item, tuple(names))
 
 
 def _as_default(key, value, default):

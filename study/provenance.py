@@ -22,7 +22,8 @@ def sources(*starts):
     """Source files of the study that some files reach through imports, themselves included.
 
     A name that a package takes over from one of its modules leads to that module, not to the
-    whole package. Imports inside functions count.
+    whole package. Imports inside functions count. `study.paths` is left out: where a file is
+    does not decide what is in it.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ def sources(*starts):
         if path not in found:
             found.add(path)
             todo += _imported(path, path.stat().st_mtime_ns)
-    return sorted(path for path in found if path.suffix == ".py")
+    return sorted(path for path in found if path.suffix == ".py" and path.name != "paths.py")
 
 
 def inputs(notebook):

@@ -47,7 +47,8 @@ def build(folders, expression="", *, jobs=None, force=False, dask_address=None, 
     Raises
     ------
     study.checks.StudyError
-        If the Dask scheduler does not answer or has no workers.
+        If the project's folder is read-only, or the Dask scheduler does not answer or has no
+        workers.
     KeyboardInterrupt
         If interrupted; finished tasks stay finished, and the next call resumes.
     """
@@ -59,6 +60,8 @@ def build(folders, expression="", *, jobs=None, force=False, dask_address=None, 
         client = _dask_client(dask_address)
         options = {"parallel_backend": "dask", "n_workers": sum(client.nthreads().values())}
     if not dry:
+        if not os.access(paths.ROOT, os.W_OK):
+            raise StudyError(f"nothing can be built: the folder {paths.ROOT} is read-only")
         paths.sweep()
     pytask.console.quiet = dry
     finished = False

@@ -52,6 +52,10 @@ def test_parameters_are_documented_literals(notebook):
     assert notebooks.parameters(notebook)
     (cell,) = [c for c in code_cells(notebook) if "parameters" in c.metadata.get("tags", [])]
     assert all("#" in line for line in cell.source.splitlines())
+    for key, (value, comment) in notebooks.parameters(notebook).items():
+        numbers = isinstance(value, (list, tuple)) or not isinstance(value, bool)
+        assert comment.endswith("]") == numbers or key == "parts"
+        notebooks._check_range(key, value, comment)
 
 
 def test_results_and_notebooks_select_notebooks():
@@ -86,6 +90,13 @@ def test_settings_reach_the_notebooks_that_have_them():
         ("r2_star=True", "parameter r2_star must be of type float, got True"),
         ("kinematics=3", "parameter kinematics must be of type str, got 3"),
         ("r2_star", "-p must be key=value, got 'r2_star'"),
+        ("r2_star=5", "parameter r2_star must be >= 20 and <= 10000, got 5"),
+        ("r2_star=-1e999", "parameter r2_star must be finite and >= 20 and <= 10000, got -inf"),
+        ("shallow=[0.01, 0.5]", "parameter shallow must be >= 0.001 and <= 0.02, got 0.5"),
+        ("kinematics=finite", "parameter kinematics must be one of linear, small, got 'finite'"),
+        ("r2_star=" + "-" * 100_000, "-p must have at most 1000 characters, got 100008: r2_star="),
+        ("r2_star=" + "-" * 900, "parameter r2_star must be of type float, got"),
+        ("r2_star=" + "(" * 900, "parameter r2_star must be of type float, got"),
     ],
 )
 def test_wrong_settings_stop_before_anything_runs(setting, message):

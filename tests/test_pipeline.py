@@ -10,9 +10,10 @@ import subprocess
 import sys
 import time
 
+import pandas as pd
 import pytest
 
-from study import notebooks, paths
+from study import notebooks, paths, verify
 
 TWO = ("02-coefficient-over-socket-radius", "03-force-against-depth")
 MADE = ("fig07.png", "fig07.csv", "fig09.png", "fig09.csv", "table1.csv", "fig10.png", "fig10.csv")
@@ -46,6 +47,15 @@ def edit(root, name, old, new):
     path.write_text(text.replace(old, new, 1))
 
 
+def assert_agrees(root, name):
+    """The file made in a copy holds the kept numbers: other bytes only on another processor."""
+    made, kept = root / "figures" / name, paths.FIGURES / name
+    if made.suffix == ".csv":
+        assert verify.table_differs(kept, made) is None, name
+    assert made.is_file()
+    return made.read_bytes()
+
+
 def ran(done):
     return sorted(set(re.findall(r"build/notebooks/(\S+)\.ipynb", done.stdout)))
 
@@ -59,9 +69,9 @@ def test_pipeline_from_nothing_to_fresh_and_stale(project):
     done = study(project, "run", "fig09", "fig10")
     assert done.returncode == 0, done.stdout + done.stderr
     assert ran(done) == list(TWO)
-    for name in MADE:  # the same bytes as the ones kept in the project
-        made, kept = project / "figures" / name, paths.FIGURES / name
-        assert made.read_bytes() == kept.read_bytes(), name
+    first = {}
+    for name in MADE:
+        first[name] = assert_agrees(project, name)
         assert f"figures/{name}" in done.stdout or name.endswith(".csv")
 
     again = study(project, "run", "fig09", "fig10")
@@ -70,21 +80,61 @@ def test_pipeline_from_nothing_to_fresh_and_stale(project):
 
     edit(project, TWO[0], "(a) coefficient", "(a) the coefficient")
     edited = study(project, "run", "fig09", "fig10")
-    assert edited.returncode == 0
     assert ran(edited) == [TWO[0]]
+    assert edited.returncode == 1
+    assert re.fullmatch(r"differs  figures/fig09.png, \d+ pixels differ\n", edited.stderr)
+    assert edited.stdout.splitlines()[-1] == "5 results: 4 identical, 0 agree, 1 differ"
+    assert (project / "figures/fig09.png").read_bytes() != first["fig09.png"]
+    told = study(project, "verify", "fig09", "fig10")
+    assert (told.returncode, told.stderr) == (1, edited.stderr)
+    assert told.stdout == edited.stdout.splitlines()[-1] + "\n"
+    accepted = study(project, "verify", "--keep")
+    assert accepted.returncode == 0
+    counts = f"{len(results)} results: 5 identical, 0 agree, 0 differ, {len(results) - 5} not made"
+    assert accepted.stdout.startswith(counts)
     listed = study(project, "list")
     assert listed.stdout.count("fresh") == 5  # fig07, fig09, fig10, table1, trend
 
     one = study(project, "run", "fig10", "-p", "r2_star=100")
     assert one.returncode == 0, one.stderr
-    assert (project / "figures/fig10.csv").read_bytes() != (
-        paths.FIGURES / "fig10.csv"
-    ).read_bytes()
+    assert one.stdout.splitlines()[-1].endswith("0 differ, 2 other parameters")
+    assert (project / "figures/fig10.csv").read_bytes() != first["fig10.csv"]
     back = study(project, "run", "fig10")
     assert ran(back) == [TWO[1]]
-    assert (project / "figures/fig10.csv").read_bytes() == (
-        paths.FIGURES / "fig10.csv"
-    ).read_bytes()
+    assert (project / "figures/fig10.csv").read_bytes() == first["fig10.csv"]
+
+
+def fresh(project):
+    lines = study(project, "list").stdout.splitlines()
+    return {line.split()[2] for line in lines if " fresh " in line}
+
+
+def test_a_changed_module_makes_stale_only_what_reaches_it(project):
+    before = fresh(project)
+    assert before == set(TWO)
+    for module, reached in (("stability", set()), ("fitting", {TWO[0]}), ("figures", set(TWO))):
+        path = project / f"study/{module}.py"
+        text = path.read_text()
+        path.write_text(text + "# changed\n")
+        assert fresh(project) == before - reached
+        path.write_text(text)
+    assert fresh(project) == before
+
+
+def test_a_number_that_differs_is_written_and_named(project):
+    table = project / "figures/table1.csv"
+    kept = table.read_text()
+    (row,) = [n for n, line in enumerate(kept.splitlines(), 1) if line.startswith("RMSE")]
+    column = kept.splitlines()[0].split(",").index("ours")
+    number = kept.splitlines()[row - 1].split(",")[column]
+    table.write_text(kept.replace(number, "0.5"))
+    done = study(project, "run", "table1")
+    assert done.returncode == 1
+    assert done.stderr == (
+        f"differs  figures/table1.csv, row {row}, column ours: kept 0.5, now {number} (1 in all)\n"
+    )
+    assert table.read_text() == kept
+    study(project, "verify", "--keep")
 
 
 def test_a_failing_cell_stops_its_figure_alone(project):
@@ -98,6 +148,25 @@ def test_a_failing_cell_stops_its_figure_alone(project):
     assert re.search(rf"failed: {TWO[1]}, cell In\[\d+\]: ZeroDivisionError", failures[0])
     assert "Traceback" not in done.stdout + done.stderr
     edit(project, TWO[1], 'behind = 1 / 0\\n",\n    "behind = ', "behind = ")
+
+
+SAVE = r"figures.save(figure, \"fig09\", cases)"
+SAVE_AS = r"figures.save(figure, \"fig9\", cases)"
+
+
+def test_a_notebook_that_saves_something_else_fails(project):
+    edit(project, TWO[0], SAVE, "len(cases)")
+    done = study(project, "run", "fig09")
+    assert done.returncode == 1
+    failure = done.stderr.splitlines()[-1]
+    assert failure == f"failed: {TWO[0]} did not save fig09.csv, fig09.png"
+    assert TWO[0] not in fresh(project)
+    edit(project, TWO[0], "len(cases)", f"{SAVE}; {SAVE_AS}")
+    done = study(project, "run", "fig09")
+    assert done.returncode == 1
+    assert "saved fig9.csv, fig9.png, which the catalogue does not name" in done.stderr
+    assert not (project / "figures/fig9.csv").exists()
+    edit(project, TWO[0], f"{SAVE}; {SAVE_AS}", SAVE)
 
 
 def test_a_damaged_dataset_stops_the_run_with_a_remedy(project):
@@ -115,11 +184,6 @@ def test_a_damaged_dataset_stops_the_run_with_a_remedy(project):
 def heed_interrupts():
     """Undo what a shell does to a background job, whose children ignore Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-def noted_down(root):
-    """Whether pytask has noted a finished set-up, in its lock file or the journal beside it."""
-    return any("task_curves[" in path.read_text() for path in root.glob("pytask.lock*"))
 
 
 LESS = """
@@ -148,9 +212,8 @@ def less_data(project):
     shutil.copytree(paths.DATA, project / "data", dirs_exist_ok=True)
 
 
-def test_an_interrupted_build_of_the_data_resumes_to_the_same_bytes(less_data):
-    project = less_data
-    (project / "data/force_curves.csv").unlink()
+def start_build(project):
+    """Start a build of the data, and return once two cases are noted down as finished."""
     command = [sys.executable, "-m", "study.cli", "data", "build"]
     process = subprocess.Popen(
         command,
@@ -162,11 +225,41 @@ def test_an_interrupted_build_of_the_data_resumes_to_the_same_bytes(less_data):
         start_new_session=True,
         preexec_fn=heed_interrupts,
     )
-    deadline = time.monotonic() + 60
-    while not noted_down(project):
+    deadline, before = time.monotonic() + 60, finished(project)
+    while finished(project) < before + 2:
         assert process.poll() is None
         assert time.monotonic() < deadline
         time.sleep(0.1)
+    return process
+
+
+def finished(root):
+    """How many cases pytask has noted as finished, in its lock file or the journal beside it."""
+    return len(set(re.findall(r"task_curve\[.*?\]", "".join(p.read_text() for p in notes(root)))))
+
+
+def notes(root):
+    return root.glob("pytask.lock*")
+
+
+def leftovers(root):
+    return [path for path in root.rglob(".part-*") if path.exists()]
+
+
+def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
+    project = less_data
+    (project / "data/force_curves.csv").unlink()
+    killed = start_build(project)
+    os.killpg(killed.pid, signal.SIGKILL)
+    killed.communicate()
+    for path in (project / "build/curves").glob("*.csv"):  # whole, or not there
+        assert path.read_text().endswith("\n")
+    (project / f"data/.part-{socket.gethostname()}-{killed.pid}-x.csv").touch()
+    done = finished(project)
+
+    process = start_build(project)
+    assert finished(project) >= done + 2
+    assert leftovers(project / "data") == []
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=60)
     assert process.returncode == 130
@@ -175,11 +268,15 @@ def test_an_interrupted_build_of_the_data_resumes_to_the_same_bytes(less_data):
 
     resumed = study(project, "data", "build")
     assert resumed.returncode == 0, resumed.stderr
-    assert "Skipped because unchanged" in resumed.stdout
-    built = (project / "data/force_curves.csv").read_text().splitlines()
-    kept = set((paths.DATA / "force_curves.csv").read_text().splitlines())
+    skipped = re.search(r"(\d+) +Skipped because unchanged", resumed.stdout)
+    assert int(skipped[1]) >= done + 2
+    assert leftovers(project) == []
+    keys = ["case", "depth_star"]
+    built = pd.read_csv(project / "data/force_curves.csv").set_index(keys)
+    kept = pd.read_csv(paths.DATA / "force_curves.csv").set_index(keys)
     assert len(built) > 2000
-    assert set(built) <= kept
+    numbers = ["force_star", "peak_pressure_star"]
+    pd.testing.assert_frame_equal(built[numbers], kept.loc[built.index, numbers], rtol=1e-7)
     assert study(project, "data", "show").returncode == 0
 
 
@@ -188,8 +285,7 @@ def test_mechanism_notebooks_run_with_other_parameters(project):
     assert done.returncode == 0, done.stdout + done.stderr
     assert ran(done) == ["07-crank-slider-and-its-parameters", "08-motion-of-the-slider"]
     for name in ("table3.csv", "table4.csv", "scene.csv", "fig16.csv", "fig16.png"):
-        made, kept = project / "figures" / name, paths.FIGURES / name
-        assert made.read_bytes() == kept.read_bytes(), name
+        assert_agrees(project, name)
     lines = (project / "figures/fig17.csv").read_text().splitlines()
     assert len(lines) == 202
     assert lines[-1].startswith("20,")
@@ -201,7 +297,8 @@ def free_port():
         return s.getsockname()[1]
 
 
-def test_the_same_tasks_run_on_a_dask_cluster(project, tmp_path):
+@pytest.mark.parametrize(("workers", "threads"), [(1, 2), (2, 1)])
+def test_the_same_tasks_run_on_a_dask_cluster(project, tmp_path, workers, threads):
     pytest.importorskip("distributed")
     address = f"tcp://127.0.0.1:{free_port()}"
     dask = [sys.executable, "-m", "dask"]
@@ -209,8 +306,8 @@ def test_the_same_tasks_run_on_a_dask_cluster(project, tmp_path):
     commands = [
         [*dask, "scheduler", "--port", address.split(":")[-1], *local],
         *(
-            [*dask, "worker", address, "--nthreads", "1", "--name", name, *local]
-            for name in ("one", "two")
+            [*dask, "worker", address, "--nthreads", str(threads), "--name", str(name), *local]
+            for name in range(workers)
         ),
     ]
     started = []
@@ -222,13 +319,12 @@ def test_the_same_tasks_run_on_a_dask_cluster(project, tmp_path):
                     command, cwd=tmp_path, env=environment(project), stdout=log, stderr=log
                 )
             )
-        wait_for_workers(address, 2)
+        wait_for_workers(address, workers)
         done = study(project, "run", "fig09", "fig10", "--force", "--dask", address)
         assert done.returncode == 0, done.stdout + done.stderr
         assert ran(done) == list(TWO)
         for name in MADE:
-            made, kept = project / "figures" / name, paths.FIGURES / name
-            assert made.read_bytes() == kept.read_bytes(), name
+            assert_agrees(project, name)
     finally:
         for process in reversed(started):
             process.terminate()

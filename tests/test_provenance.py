@@ -19,7 +19,7 @@ def test_imports_are_followed_to_the_modules_that_define_the_names():
         *("elastic/fem.py", "elastic/series.py", "joint.py", "kinematics.py", "threads.py"),
     }
     assert "contact/laws.py" in reached("fitting.py")
-    assert reached("verify.py") == {"verify.py", "paths.py"}
+    assert reached("verify.py") == {"verify.py"}
 
 
 def test_imports_inside_functions_count(tmp_path):
