@@ -30,7 +30,6 @@ data_app = typer.Typer(help="The cached force-depth curves.", no_args_is_help=Tr
 app.add_typer(data_app, name="data")
 
 SHOWN = 20  # impacts in a printed table
-LARGEST = 1e9  # of what is a ratio
 INTERRUPTED = 130  # typer's status after Ctrl-C
 UsageError = typer.BadParameter.__base__  # of every wrong option or argument
 LawName = StrEnum("LawName", list(LAWS))
@@ -329,8 +328,6 @@ def _joint(r2_star, socket_ratio, poisson, kinematics, ratio=1.0, socket_poisson
     from study import checks
     from study.joint import Joint, Material
 
-    checks.number("--r2-star", r2_star, most=LARGEST)
-    checks.number("--socket-ratio", socket_ratio, most=LARGEST)
     ball = Material(poisson=poisson)
     modulus = ball.youngs_modulus * checks.number("--modulus-ratio", ratio, above=0)
     socket = Material(modulus, poisson if socket_poisson is None else socket_poisson)
@@ -344,7 +341,7 @@ def choose_law(
         float, typer.Option("--depth-star", help="Largest depth d/dR of the scene.")
     ],
     tolerance: Annotated[
-        float, typer.Option(help="Largest relative error of the force, > 0 and <= 1.")
+        float, typer.Option(help="Largest relative error of the force, from 1e-5 to 1.")
     ],
     socket_ratio: SocketRatio = SOCKET_RATIO,
     poisson: Poisson = 0.3,

@@ -5,8 +5,9 @@ definite here, so that there is exactly one solution and block principal pivotin
 """
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
+from study import checks
 from study.checks import StudyError
 from study.threads import one_thread
 
@@ -46,20 +47,35 @@ def solve(matrix, vector, active=None, max_pivots=None):
     Raises
     ------
     ValueError
-        For a non-finite entry.
+        For an entry that is not finite, shapes that do not fit, or no step at all.
     ComplementarityError
-        If the limit of steps is reached, with the residual max |min(p, w)|.
+        If the limit of steps is reached, with the residual max |min(p, w)|, or if the matrix is
+        not positive definite, which that of a socket much softer than its ball is not once
+        rounded.
     """
-    if not (np.isfinite(vector).all() and np.isfinite(matrix).all()):
-        raise ValueError("complementarity problem must be finite, got NaN or infinity")
-    size = len(vector)
+    matrix = np.asarray(checks.number("matrix", matrix))
+    vector = np.asarray(checks.number("vector", vector))
+    size = len(vector) if vector.ndim == 1 else -1
+    if matrix.shape != (size, size):
+        shapes = f"{matrix.shape} and {vector.shape}"
+        raise ValueError(f"matrix and vector must be of shapes (n, n) and (n,), got {shapes}")
     zero = TOLERANCE * np.abs(vector).max(initial=0.0)
-    active = vector < 0 if active is None else active.copy()
+    active = vector < 0 if active is None else np.array(active)
+    if active.shape != (size,) or active.dtype != bool:
+        raise ValueError(f"active must be {size} of True and False, got {checks.shown(active)}")
+    most = 20 * size + 100
+    if max_pivots is not None:
+        most = checks.whole("max_pivots", max_pivots, least=1)
     fewest, patience = size + 1, PATIENCE
-    for _ in range(20 * size + 100 if max_pivots is None else max_pivots):
+    for _ in range(most):
         p = np.zeros(size)
         if active.any():
-            block = cho_factor(matrix[np.ix_(active, active)], check_finite=False)
+            try:
+                block = cho_factor(matrix[np.ix_(active, active)], check_finite=False)
+            except LinAlgError:
+                raise ComplementarityError(
+                    "contact did not converge: its matrix is not positive definite"
+                ) from None
             p[active] = cho_solve(block, -vector[active], check_finite=False)
         w = vector + matrix[:, active] @ p[active]
         wrong = np.where(active, p < -TOLERANCE * np.abs(p).max(initial=0.0), w < -zero)

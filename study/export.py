@@ -14,7 +14,7 @@ import pandas as pd
 from study import checks, contact
 from study.contact import laws, shapes
 from study.elastic import series
-from study.joint import force_curve
+from study.joint import Joint, force_curve
 
 FORMATS = ("c", "json", "csv")
 EXPORTED = ("stiffened_hertz", "tabulated")
@@ -49,6 +49,7 @@ def export(law, form, joint):
     """
     checks.choice("law", law, EXPORTED)
     checks.choice("format", form, FORMATS)
+    checks.instance("joint", joint, Joint)
     if law == "stiffened_hertz":
         _check_stiffened(joint)
         return {"c": _stiffened_c, "json": _stiffened_json, "csv": _stiffened_csv}[form](joint)

@@ -48,11 +48,17 @@ def coefficient(law, depth_star, force_star):
     Returns
     -------
     float
+
+    Raises
+    ------
+    ValueError
+        For an unknown law, lists of different lengths, a value that is not finite, or no depth > 0.
     """
-    f2 = shape(law, depth_star)
-    if f2.size == 0 or not f2.any():
-        raise ValueError("depth_star must hold a depth > 0 to fit to, got none")
-    return float(f2 @ np.asarray(force_star) / (f2 @ f2))
+    depth, force = checks.same_length(depth_star=depth_star, force_star=force_star)
+    f2 = shape(law, depth)
+    if not f2.any():
+        raise ValueError(f"depth_star must hold a depth > 0 to fit to, got {checks.shown(depth)}")
+    return float(f2 @ force / (f2 @ f2))
 
 
 def shape(law, depth_star):
@@ -73,6 +79,7 @@ def sampled(curve):
     -------
     ndarray, shape (21,)
     """
+    checks.frame("curve", curve, ("depth_star", "force_star"))
     inside = curve[curve.depth_star <= LARGEST_DEPTH]
     if len(inside) != len(SAMPLE) - 1 or not np.allclose(inside.depth_star, SAMPLE[1:]):
         raise ValueError(f"curve must have the depths {SAMPLE[1]:g} to {SAMPLE[-1]:g} of SAMPLE")
@@ -94,7 +101,8 @@ def coefficients_by_case(law, curves):
     pandas.DataFrame
         Columns ``r2_star`` and ``f1``, ordered by the former.
     """
-    inside = curves[curves.depth_star <= LARGEST_DEPTH]
+    checks.frame("curves", curves, ("r2_star", "depth_star", "force_star"))
+    inside = checks.frame("curves", curves[curves.depth_star <= LARGEST_DEPTH], ())
     rows = [
         (r2_star, coefficient(law, case.depth_star, case.force_star))
         for r2_star, case in inside.groupby("r2_star")
@@ -108,13 +116,21 @@ def surrogate(r2_star, f1):
     Parameters
     ----------
     r2_star, f1 : array_like, shape (n,)
-        At least two cases.
+        At least two cases, not all of the same R2*.
 
     Returns
     -------
     dict
         ``slope`` and ``intercept``.
+
+    Raises
+    ------
+    ValueError
+        For fewer cases, or a value that is not finite.
     """
+    r2_star, f1 = checks.same_length(2, r2_star=r2_star, f1=f1)
+    if not np.ptp(r2_star) > 1e-9 * np.abs(r2_star).max():
+        raise ValueError(f"r2_star must vary for a line, got only {r2_star[0]:g}")
     slope, intercept = np.polyfit(r2_star, f1, 1)
     return {"slope": _rounded(slope), "intercept": _rounded(intercept)}
 
@@ -142,7 +158,11 @@ def liu_coefficient(force_star, published_r_squared, unit):
     -------
     float
     """
-    force = np.asarray(force_star)
+    (force,) = checks.same_length(2, force_star=force_star)
+    checks.number("published_r_squared", published_r_squared, most=1, scalar=True)
+    (unit,) = checks.same_length(unit=unit)
+    if unit.sum() == 0:
+        raise ValueError("unit must not be 0 throughout, got only 0")
     missing = np.sqrt((1 - published_r_squared) * np.sum((force - force.mean()) ** 2))
     return float((force.sum() - missing) / (R2_STAR * unit.sum()))
 
@@ -183,6 +203,7 @@ def fit_laws(curves, liu_r_squared):
     dict
         Law name -> ``slope`` and ``intercept``.
     """
+    checks.frame("curves", curves, ("r2_star", "depth_star", "force_star"))
     fits = {}
     for law in FITTED_LAWS:
         cases = coefficients_by_case(law, curves[curves.r2_star <= LARGEST_R2_STAR])
@@ -210,8 +231,9 @@ def fit_stiffening(curves):
         ``reach`` and ``pole``, the constants; ``limit``, and ``first_order`` by kinematics: lists
         of shape (5, 9).
     """
-    kinds = list(dict.fromkeys(curves.kinematics))
     keys = ["kinematics", "r2_star", "socket_ratio", "poisson_ball"]
+    checks.frame("curves", curves, (*keys, "depth_star", "force_star"))
+    kinds = list(dict.fromkeys(curves.kinematics))
     rows, right = [], []
     for (kind, r2_star, ratio, poisson), case in curves.groupby(keys, sort=False):
         ds = case.depth_star.to_numpy()

@@ -13,13 +13,20 @@ import numpy as np
 
 from study import checks, kinematics
 from study.contact import SOCKET_RATIO, composite_modulus
-from study.elastic import fem, series
+from study.elastic import FINEST_RESOLUTION, THICKEST_RATIO, fem, series
 from study.threads import one_thread
 
 KINEMATICS = ("small", "linear", "finite")
 SOLVERS = ("series", "quadratic", "linear")
 FINITE_RESOLUTION = 96  # large displacements cost more
+LARGEST_MODULUS_RATIO = 1e9
+"""Of the bodies' Young's moduli, either way: a stiffer body is rigid, within 1e-9 of the force, and
+one much softer than its ball leaves a contact matrix that is not positive definite once rounded."""
 _BESIDE = (0.97, 1.03)  # neighbours of a depth at which its error is estimated too
+
+
+class UnresolvedError(checks.RangeError):
+    """A contact smaller than the elements can resolve."""
 
 
 @dataclass(frozen=True)
@@ -55,10 +62,10 @@ class Joint:
     r2_star : float
         Dimensionless socket radius R2/dR, > 1.
     socket_ratio : float
-        Outer over inner radius of the socket, >= 1.001; >= 1.02 for finite elements. By default
-        the paper's.
+        Outer over inner radius of the socket, from 1.001 to 1e6; >= 1.02 for finite elements. By
+        default the paper's.
     ball, socket : Material
-        Materials of the two bodies.
+        Materials of the two bodies, Young's moduli within a factor of 1e9.
     ball_drive : {"plane", "clamped", "point"}
         The half ball's equatorial plane is displaced axially and is radially free, or fixed;
         or its centre alone is displaced, as by a point load.
@@ -90,10 +97,13 @@ class Joint:
 
     def __post_init__(self):
         checks.number("r2_star", self.r2_star, above=1, scalar=True)
-        checks.number("socket_ratio", self.socket_ratio, least=series.THINNEST_RATIO, scalar=True)
+        thickness = {"least": series.THINNEST_RATIO, "most": THICKEST_RATIO}
+        checks.number("socket_ratio", self.socket_ratio, **thickness, scalar=True)
         for name in ("ball", "socket"):
-            if not isinstance(getattr(self, name), Material):
-                raise ValueError(f"{name} must be a Material, got {getattr(self, name)!r}")
+            checks.instance(name, getattr(self, name), Material)
+        moduli = {"least": 1 / LARGEST_MODULUS_RATIO, "most": LARGEST_MODULUS_RATIO}
+        ratio = self.socket.youngs_modulus / self.ball.youngs_modulus
+        checks.number("Young's modulus of the socket over that of the ball", ratio, **moduli)
         checks.choice("ball_drive", self.ball_drive, fem.DRIVES)
         checks.choice("rim", self.rim, fem.RIMS)
         checks.choice("kinematics", self.kinematics, KINEMATICS)
@@ -239,9 +249,11 @@ def force_curve(joint, depth_star, resolution=None, solver=None):
     study.complementarity.ComplementarityError
         If the contact does not converge; carries the residual.
     """
+    checks.instance("joint", joint, Joint)
     finite = joint.kinematics == "finite"
     able = joint.ball_drive == "plane" and joint.rim == "mirror" and not finite
-    solver = solver or ("series" if able else "quadratic")
+    if solver is None:
+        solver = "series" if able else "quadratic"
     checks.choice("solver", solver, SOLVERS)
     if solver == "series" and not able:
         raise ValueError(
@@ -264,7 +276,7 @@ def force_curve(joint, depth_star, resolution=None, solver=None):
     if depths.ndim != 1 or depths.size == 0:
         raise ValueError(f"depth_star must be a list of depths, got shape {depths.shape}")
     least = 64 if solver != "series" and joint.socket_ratio < 1.05 else 32
-    most = series.FINEST_RESOLUTION if solver == "series" else None
+    most = FINEST_RESOLUTION if solver == "series" else fem.FINEST_RESOLUTION
     resolution = checks.whole("resolution", resolution, least=least, most=most)
     if resolution % 32:
         raise ValueError(f"resolution must be a multiple of 32, got {resolution}")
@@ -274,13 +286,13 @@ def force_curve(joint, depth_star, resolution=None, solver=None):
     pressure, force = pressure[: depths.size], fine[: depths.size]
     if pressure[:, -2:].any():
         least = depths[pressure[:, -2:].any(axis=1)].min()
-        raise ValueError(
+        raise checks.RangeError(
             "depth_star must keep the contact off the socket's rim (half-angle < 90 deg), "
             f"got {least:g}"
         )
     unseen = (np.minimum(fine, coarse) == 0) & (beside.ravel() > 0)
     if unseen.any():
-        raise ValueError(
+        raise UnresolvedError(
             "depth_star must be 0 or so large that the elements resolve the contact, got "
             f"{beside.ravel()[unseen].max():.3g} with elements of {np.degrees(angles[1]):.2g} deg"
         )

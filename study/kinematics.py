@@ -14,8 +14,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.sparse import csr_array
 
-from study import complementarity
-from study.elastic import HatFunctions
+from study import checks, complementarity
+from study.elastic import Compliance, HatFunctions
+from study.elastic.fem import Body
 from study.threads import one_thread
 
 RELAXATIONS = (0.8, 0.5, 0.25)  # of the pressure's step, tried in turn: they damp modes as
@@ -23,6 +24,12 @@ RELAXATIONS = (0.8, 0.5, 0.25)  # of the pressure's step, tried in turn: they da
 TOLERANCE = 1e-7  # of the force between two steps
 MOST_STEPS = 60
 LARGEST_R2_STAR = 1e8  # beyond it the gap is lost in the rounding of the surfaces' places
+
+
+def _check(joint, ball, socket, kind):
+    checks.like("joint", joint, "Joint", "modulus_shares", "r2_star")
+    checks.instance("ball", ball, kind)
+    checks.instance("socket", socket, kind)
 
 
 def small(joint, ball, socket):
@@ -40,6 +47,7 @@ def small(joint, ball, socket):
     axial : ndarray, shape (n,)
         Axial force of unit nodal pressures.
     """
+    _check(joint, ball, socket, Compliance)
     of_ball, of_socket = joint.modulus_shares
     r1, r2_star = joint.ball_radius, joint.r2_star
     matrix = of_ball * r1 * ball.flexibility + of_socket * socket.flexibility
@@ -64,6 +72,7 @@ def linear(joint, ball, socket):
 
     Parameters and results as for `small`.
     """
+    _check(joint, ball, socket, Compliance)
     of_ball, of_socket = joint.modulus_shares
     r1, r2_star = joint.ball_radius, joint.r2_star
     hats = HatFunctions(ball.angles)
@@ -107,6 +116,8 @@ def solve(joint, depths, problem, axial):
     pressure : ndarray, shape (k, n)
     force : ndarray, shape (k,)
     """
+    checks.like("joint", joint, "Joint", "modulus_shares", "r2_star")
+    depths = np.atleast_1d(checks.number("depths", depths))
     pressure = np.zeros((len(depths), len(axial)))
     active = None
     for k in np.argsort(-depths, kind="stable"):
@@ -142,6 +153,8 @@ def solve_finite(joint, depths, ball, socket):
     study.complementarity.ComplementarityError
         If the steps do not converge; carries depth and residual.
     """
+    _check(joint, ball, socket, Body)
+    depths = np.atleast_1d(checks.number("depths", depths))
     problem, _ = linear(joint, ball.compliance, socket.compliance)
     surfaces = _Surfaces(joint, ball, socket)
     pressure = np.zeros((len(depths), len(ball.compliance.angles)))

@@ -11,12 +11,12 @@ import pandas as pd
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from study import complementarity
+from study import checks, complementarity
 from study.checks import StudyError
 from study.contact import laws
 from study.contact.forces import elastic_force, pack, stored_energy
 from study.joint import force_curve
-from study.mechanism import MechanismError, explicit, particles, rigid, simulate
+from study.mechanism import MechanismError, Scene, explicit, particles, rigid, simulate
 
 
 def limit(what, condition, predicted, observed, unit):
@@ -28,8 +28,12 @@ def limit(what, condition, predicted, observed, unit):
 
 def bisect(fails, low, high, times=40):
     """Smallest value that fails, from ``low`` to ``high``, both > 0, to 4 digits."""
+    if not callable(fails):
+        raise ValueError(f"fails must be a function, got {checks.shown(fails)}")
+    low = checks.number("low", low, above=0, scalar=True)
+    high = checks.number("high", high, above=low, scalar=True)
     ends = low, high
-    for _ in range(times):
+    for _ in range(checks.whole("times", times, least=1)):
         middle = sqrt(low * high)
         low, high = (low, middle) if fails(middle) else (middle, high)
     if low == ends[0] or high == ends[1]:
@@ -39,7 +43,15 @@ def bisect(fails, low, high, times=40):
 
 def packed(scene, law):
     """Numbers of a law and a scene's joint for the compiled functions."""
+    checks.instance("scene", scene, Scene)
     return pack(law, scene.ball_radius, scene.socket_radius, scene.composite_modulus)
+
+
+def _checked(state):
+    state = np.asarray(checks.number("state", state))
+    if state.shape != (6,) or not state[1:3].any():
+        raise ValueError(f"state must be 6 numbers, of a contact, got {checks.shown(state)}")
+    return state
 
 
 def lasting_contact(scene, law, duration):
@@ -50,6 +62,7 @@ def lasting_contact(scene, law, duration):
     ndarray, shape (6,)
         (theta, e_x, e_y) and their rates, in rad, m and s.
     """
+    packed(scene, law)  # checks both
     last = simulate(scene, law=law, duration=duration, outputs=2, tolerance=1e-10).motion.iloc[-1]
     crank, coupler = last.crank_angle, last.coupler_angle
     turns = scene.crank_length * last.crank_speed, scene.coupler_length * last.coupler_speed
@@ -67,7 +80,7 @@ def oscillator(scene, law, state):
         ``depth`` in m, ``force`` P in N, ``mass`` m of the mechanism along the normal in kg,
         ``frequency`` w = sqrt(P'/m) in rad/s.
     """
-    numbers, p = packed(scene, law), rigid.describe(scene)
+    numbers, p, state = packed(scene, law), rigid.describe(scene), _checked(state)
     depth = np.hypot(state[1], state[2]) - numbers[1]
     y = np.array([state[0], 0.0, np.arctan2(state[2], state[1]), *state[3:]])
     mass = 2 * stored_energy(numbers, rigid.impact_depth(y, 1.0, p, numbers))  # at 1 m/s
@@ -77,6 +90,9 @@ def oscillator(scene, law, state):
 
 def amplification(scheme, w, g):
     """Matrix (2, 2) that a step h of a scheme applies to (x, h x') of h^2 x'' = -w^2 x - g h x'."""
+    checks.choice("scheme", scheme, explicit.SCHEMES)
+    for name, value in {"w": w, "g": g}.items():
+        checks.number(name, value, scalar=True)
     one, pull = np.eye(2), np.array([-w * w, -g])
     place, speed = one
     if scheme in ("symplectic Euler", "lagged"):
@@ -94,6 +110,8 @@ def amplification(scheme, w, g):
 
 def step_limit(scheme, frequency, rate=0.0):
     """Longest stable step of a scheme for x'' = -w^2 x - rate x', in s: spectral radius 1."""
+    checks.number("frequency", frequency, "rad/s", above=0, scalar=True)
+    checks.number("rate", rate, "1/s", least=0, scalar=True)
 
     def unstable(h):
         matrix = amplification(scheme, h * frequency, h * rate)
@@ -119,6 +137,7 @@ def friction_rate(scene, law, state):
     -------
     float
     """
+    state = _checked(state)
     numbers, p = packed(scene, law), rigid.describe(scene)
     (crank, ex, ey), direction = state[:3], np.arctan2(state[2], state[1])
     coupler = np.arcsin((ey - p[rigid.L1] * np.sin(crank)) / p[rigid.L2])
@@ -152,6 +171,8 @@ def observed_step(scene, law, state, scheme, approach=inf, steps=40):
     float
         In s.
     """
+    checks.choice("scheme", scheme, explicit.SCHEMES)
+    steps, state = checks.whole("steps", steps, least=2), _checked(state)
     numbers, contact = packed(scene, law), oscillator(scene, law, state)
     rate = scene.damping_factor * contact["force"] / contact["mass"] / approach
     rates = contact["frequency"] + rate
@@ -189,7 +210,8 @@ def frame_limits(scene, elements):
     dict
         (link, "axial", "shear" or "bending") -> limit, in s.
     """
-    limits = {}
+    checks.instance("scene", scene, Scene)
+    limits, elements = {}, particles.numbers_of_elements(elements)
     for body, number in zip(("crank", "coupler"), elements, strict=True):
         link = scene.link(body)
         length = link.length / number
@@ -203,6 +225,8 @@ def frame_limits(scene, elements):
 
 def observed_frame_step(scene, elements, steps=600):
     """Step from which on links of particles with an ideal joint lose their energy, in s."""
+    checks.instance("scene", scene, Scene)
+    elements, steps = particles.numbers_of_elements(elements), checks.whole("steps", steps, least=2)
     options = {"model": "particles", "joint": "ideal", "method": "unguarded", "outputs": 2}
 
     def fails(h):
@@ -218,6 +242,8 @@ def observed_frame_step(scene, elements, steps=600):
 
 def rigid_steps(scene, law, duration, tolerance=1e-8):
     """Steps that rigid links try in a time, in s, and the energy that friction takes, in J."""
+    checks.number("duration", duration, "s", above=0, scalar=True)
+    checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
     numbers, p, state = packed(scene, law), rigid.describe(scene), np.zeros(16)
     state[1:3] = scene.initial_eccentricity
     rates = np.zeros(5)
@@ -236,7 +262,7 @@ def delivered(factor):
 
     The root of D (1 + cr) = ln((1 + D)/(1 - cr D)) below 1/D, where the force would vanish.
     """
-    if factor < 1e-6:
+    if checks.number("factor", factor, least=0, scalar=True) < 1e-6:
         return 1.0 - 2 / 3 * factor
 
     def surplus(w):  # cr = (1 - e^-w)/D: no cancellation near 1/D
@@ -267,6 +293,12 @@ def free_impact(factor, pull=0.0, depth=0.0, speed=1.0, power=1.5):
     tension : float
         Largest tensile force of the contact over the largest compressive one.
     """
+    given = {"factor": factor, "pull": pull, "depth": depth}
+    for name, value in given.items():
+        checks.number(name, value, least=0, scalar=True)
+    limits = {"least": 0} if depth > 0 else {"above": 0}
+    checks.number("speed", speed, **limits, scalar=True)
+    checks.number("power", power, least=1, most=10, scalar=True)
 
     def motion(t, y):
         return y[1], -(max(y[0], 0.0) ** power) * (1 + factor * y[1]) - pull
@@ -295,6 +327,8 @@ def event_differences(scene, law, change, duration, share=0.05):
         Columns ``impact`` from 1, ``time`` and ``difference`` in s; up to the impact where the
         difference reaches a ``share`` of the time between impacts.
     """
+    packed(scene, law)  # checks both
+    checks.number("share", share, above=0, scalar=True)
     times = []
     for x in (0.0, change):
         moved = scene.but(initial_eccentricity=(x, 0.0))
@@ -311,12 +345,15 @@ def event_differences(scene, law, change, duration, share=0.05):
 
 def growth(differences):
     """Factor per impact by which the largest difference so far grows, by least squares."""
+    checks.frame("differences", differences, ("impact", "difference"))
+    checks.number("difference of differences", differences.difference, above=0)
     largest = differences.difference.cummax()
     return np.exp(np.polyfit(differences.impact, np.log(largest), 1)[0])
 
 
 def pivots(size, seed):
     """Pivoting steps that a random positive definite contact problem of a size takes."""
+    size, seed = checks.whole("size", size, least=1, most=1000), checks.whole("seed", seed, least=0)
     generator = np.random.default_rng(seed)
     root = generator.normal(size=(size, size))
     problem = root @ root.T + 1e-3 * np.eye(size), generator.normal(size=size)
@@ -331,18 +368,22 @@ def pivots(size, seed):
 
 def refused(joint, low, high, times=24, **options):
     """Last dimensionless depth that is solved, from ``low`` to ``high``, which is refused."""
-    for _ in range(times):
+    low = checks.number("low", low, above=0, scalar=True)
+    high = checks.number("high", high, above=0, scalar=True)
+    for _ in range(checks.whole("times", times, least=1)):
         middle = sqrt(low * high)
         try:
             force_curve(joint, middle, **options)
             low = middle
-        except ValueError:
+        except checks.RangeError:
             high = middle
     return low
 
 
 def textbook(depth_star, area):
     """f2 of the hyperbolic law as it is printed, which cancels near depth 0 (see the law)."""
+    checks.choice("area", area, ("sphere", "flat"))
+    depth_star = checks.number("depth_star", depth_star, above=0)
     a = np.sqrt(2 * depth_star)
     if area == "sphere":
         bracket = 1 / 2 - np.sin(2 * a) / (2 * a) + np.sin(a) ** 2 / (2 * a**2)
@@ -353,11 +394,13 @@ def textbook(depth_star, area):
 
 def deepest(law, r2_star):
     """Largest dimensionless depth, up to 100, that a law does not refuse."""
+    checks.number("r2_star", r2_star, above=1, scalar=True)
+    laws.find(law)
 
     def refuses(depth_star):
         try:
             laws.find(law)(depth_star, r2_star)
-        except ValueError:
+        except checks.RangeError:
             return True
         return False
 

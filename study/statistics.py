@@ -6,17 +6,11 @@ Each takes the truth first (the elastic solution's values) and the prediction se
 import numpy as np
 import pandas as pd
 
+from study import checks
+
 
 def _pair(truth, prediction):
-    truth, prediction = np.asarray(truth, float), np.asarray(prediction, float)
-    if truth.shape != prediction.shape or truth.ndim != 1 or truth.size < 2:
-        raise ValueError(
-            "truth and prediction must be two lists of the same length >= 2, got shapes "
-            f"{truth.shape} and {prediction.shape}"
-        )
-    if not (np.isfinite(truth).all() and np.isfinite(prediction).all()):
-        raise ValueError("truth and prediction must be finite, got NaN or infinity")
-    return truth, prediction
+    return checks.same_length(2, truth=truth, prediction=prediction)
 
 
 def r_squared(truth, prediction):
@@ -84,7 +78,7 @@ def adjusted(r_squared, size=20, predictors=1):
     size : int
         Number n of values.
     predictors : int
-        Number p of predictors, >= 0 and < n - 1.
+        Number p of predictors, from 0 to n - 2.
 
     Returns
     -------
@@ -95,10 +89,9 @@ def adjusted(r_squared, size=20, predictors=1):
     ValueError
         For too many predictors, or a coefficient that is NaN or infinite.
     """
-    if not np.isfinite(r_squared):
-        raise ValueError(f"r_squared must be finite, got {r_squared}")
-    if not 0 <= predictors < size - 1:
-        raise ValueError(f"predictors must be >= 0 and < {size - 1}, got {predictors}")
+    checks.number("r_squared", r_squared, scalar=True)
+    size = checks.whole("size", size, least=2)
+    predictors = checks.whole("predictors", predictors, least=0, most=size - 2)
     return 1 - (1 - r_squared) * (size - 1) / (size - predictors - 1)
 
 
@@ -124,7 +117,10 @@ def rmse(truth, prediction):
 
 def relative_rmse(truth, prediction):
     """Root-mean-square error over the mean of the truth (the paper's RMSE/mean(P*), Fig. 14)."""
-    return rmse(truth, prediction) / float(np.mean(truth))
+    error, mean = rmse(truth, prediction), float(np.mean(truth))
+    if mean == 0:
+        raise ValueError("truth must have a mean that is not 0 for a relative error, got 0")
+    return error / mean
 
 
 def agreement(truth, prediction):
@@ -196,7 +192,7 @@ def last_crossing(x, lead):
     ValueError
         If the lead is not positive at the end.
     """
-    x, lead = np.asarray(x), np.asarray(lead)
+    x, lead = checks.same_length(x=x, lead=lead)
     if lead[-1] <= 0:
         raise ValueError(f"the lead must be positive at the end, got {lead[-1]:g}")
     behind = np.flatnonzero(lead <= 0)
@@ -218,6 +214,16 @@ def local_exponent(table):
     -------
     pandas.DataFrame
         Of the same shape; the first and last rows are one-sided.
+
+    Raises
+    ------
+    ValueError
+        For fewer than two rows, values that are not > 0, or an index that does not rise.
     """
+    checks.frame("table", table, ())
+    x = np.asarray(checks.number("index of table", table.index, above=0))
+    checks.number("table", table, above=0)
+    if len(x) < 2 or (np.diff(x) <= 0).any():
+        raise ValueError(f"index of table must rise over two rows or more, got {checks.shown(x)}")
     slopes = np.gradient(np.log(table), np.log(table.index), axis=0)
     return pd.DataFrame(slopes, table.index, table.columns)

@@ -69,7 +69,7 @@ def test_last_crossing_interpolates():
         (lambda: stats.rmse([1, np.nan], [1, 2]), "must be finite"),
         (lambda: stats.r_squared([2, 2], [1, 2]), "truth must vary, got only 2"),
         (lambda: stats.relative_error([0, 1], [1, 2]), "non-zero"),
-        (lambda: stats.adjusted(0.9, 2), "predictors must be >= 0 and < 1"),
+        (lambda: stats.adjusted(0.9, 2), "predictors must be >= 0 and <= 0"),
         (lambda: stats.adjusted(float("nan")), "r_squared must be finite, got nan"),
     ],
 )

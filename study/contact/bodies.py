@@ -28,7 +28,7 @@ def composite_modulus(ball_modulus, ball_poisson, socket_modulus, socket_poisson
         For a value outside its range.
     """
     moduli = [
-        checks.number(f"{body} Young's modulus", value, "Pa", above=0)
+        checks.number(f"{body} Young's modulus", value, "Pa", above=0, scalar=True)
         for body, value in (("ball", ball_modulus), ("socket", socket_modulus))
     ]
     ratios = [

@@ -37,19 +37,18 @@ def _law(parts, usual_r2_star=None, deepest=None):
 
     @wraps(parts)
     def law(depth_star, r2_star=usual_r2_star, *, derivative=False, **options):
-        depth = np.asarray(checks.number("depth_star", depth_star))
+        depth = np.asarray(checks.depth("depth_star", depth_star))
         r2 = np.asarray(checks.number("r2_star", r2_star, above=1))
-        depth, r2 = np.broadcast_arrays(depth, r2)
+        checks.flag("derivative", derivative)
+        depth, r2 = _broadcast(depth_star=depth, r2_star=r2)
         contact = depth > 0
         scale, shape, constants = parts(r2[contact], **options)
         limit = shapes.LIMITS.get(shape, deepest)
-        most = None if limit is None else limit * (1 + ROUNDING)
-        checks.number(f"depth_star of {parts.__name__}", depth, most=most)
+        if limit is not None:
+            most = limit * (1 + ROUNDING)
+            checks.number(f"depth_star of {parts.__name__}", depth, most=most)
         result = np.zeros(depth.shape)
-        with np.errstate(over="ignore"):
-            result[contact] = scale * shape(depth[contact], constants)[int(derivative)]
-        if not np.isfinite(result).all():
-            raise ValueError(f"depth_star must not overflow the force, got {depth.max():g}")
+        result[contact] = scale * shape(depth[contact], constants)[int(derivative)]
         return float(result) if result.ndim == 0 else result
 
     given = list(signature(parts).parameters.values())
@@ -58,6 +57,16 @@ def _law(parts, usual_r2_star=None, deepest=None):
     law.__signature__ = Signature([first, given[0], which, *given[1:]])
     law.parts = parts
     return law
+
+
+def _broadcast(**arrays):
+    try:
+        return np.broadcast_arrays(*arrays.values())
+    except ValueError:
+        names, shapes = " and ".join(arrays), (f"{array.shape}" for array in arrays.values())
+        raise ValueError(
+            f"{names} must be of shapes that fit, got {' and '.join(shapes)}"
+        ) from None
 
 
 @_law
@@ -123,8 +132,10 @@ def steuermann(r2_star, *, n=1, radius="geometric"):
     c_n = sqrt(pi) * gamma(n + 1) / gamma(n + 0.5)
     taylor = factorial(2 * n - 2) / (2 ** (2 * n - 1) * factorial(n - 1) * factorial(n))
     odd = 2 * n - 1
-    # ln(R1^-odd - R2^-odd), in units of dR: the powers themselves may underflow
-    difference = np.log(np.expm1(-odd * np.log1p(-1 / r2_star))) - odd * np.log(r2_star)
+    # ln(R1^-odd - R2^-odd), in units of dR: the powers themselves may under- or overflow
+    ratio = -odd * np.log1p(-1 / r2_star)  # ln((R2/R1)^odd); beyond 700 the 1 in it is lost
+    difference = np.where(ratio < 700, np.log(np.expm1(np.minimum(ratio, 700))), ratio)
+    difference = difference - odd * np.log(r2_star)
     radius_star = np.exp(-(np.log(c_n * taylor) + difference) / (2 * n))  # at ds = 1
     return factor * radius_star, shapes.power, (1 + 1 / (2 * n),)
 
@@ -307,8 +318,11 @@ def tabulated(curve):
     ValueError
         For too few or too deep depths, or a force that does not increase with depth.
     """
-    order = np.argsort(curve.depth_star)
-    depth, force = np.asarray(curve.depth_star)[order], np.asarray(curve.force_star)[order]
+    checks.like("curve", curve, "ForceCurve", "joint", "depth_star", "force_star")
+    lists = {"depth_star of curve": curve.depth_star, "force_star of curve": curve.force_star}
+    depth, force = checks.same_length(**lists)
+    order = np.argsort(depth)
+    depth, force = depth[order], force[order]
     depth, force = depth[depth > 0], force[depth > 0]
     if len(depth) < 4 or (np.diff(depth) <= 0).any():
         raise ValueError(f"curve must have at least 4 different depths > 0, got {len(depth)}")
@@ -359,7 +373,7 @@ PAPER_LAWS = ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler")
 
 def find(law):
     """The law of a name, or the law itself, or ``ValueError``."""
-    if hasattr(law, "parts"):
+    if callable(getattr(law, "parts", None)):
         return law
     return LAWS[checks.choice("law", law, LAWS)]
 
@@ -400,7 +414,7 @@ def contact_stiffness(law, depth, ball_radius, socket_radius, composite, **optio
 
 def _dimensional(law, depth, ball_radius, socket_radius, composite, derivative, options):
     law = find(law)
-    depth = checks.number("depth", depth, "m")
+    depth = checks.depth("depth", depth, "m")
     r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
     r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
     modulus = checks.number("composite modulus", composite, "Pa", above=0, scalar=True)

@@ -54,9 +54,10 @@ def hertz_pressure(radius, depth_star, r2_star):
         Pressure, in E* dR/R2, in the shape of ``radius``.
     """
     checks.number("depth_star", depth_star, above=0)
+    radius = checks.number("radius", radius)
     edge = contact_radius(depth_star, r2_star)
     peak = 2 / pi * edge / (1 - 1 / r2_star)
-    return peak * np.sqrt(np.clip(1 - (np.asarray(radius) / edge) ** 2, 0, None))
+    return peak * np.sqrt(np.clip(1 - (radius / edge) ** 2, 0, None))
 
 
 def hyperbolic_pressure(polar_angle, depth_star, r2_star):
@@ -79,7 +80,8 @@ def hyperbolic_pressure(polar_angle, depth_star, r2_star):
     alpha = contact_half_angle("hyperbolic_winkler", depth_star, r2_star)
     checks.number("depth_star", depth_star, above=0)
     peak = depth_star / foundation_height("hyperbolic_winkler", r2_star)
-    return peak * np.clip(1 - (np.asarray(polar_angle) / alpha) ** 2, 0, None)
+    angle = checks.number("polar_angle", polar_angle)
+    return peak * np.clip(1 - (angle / alpha) ** 2, 0, None)
 
 
 def contact_half_angle(law, depth_star, r2_star):

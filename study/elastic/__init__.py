@@ -5,10 +5,38 @@ radius and unit Young's modulus, and serves every clearance, depth and modulus.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache, wraps
 
 import numpy as np
 
+from study import checks
+
+FINEST_RESOLUTION = 1280
+"""Finer hats than these are too much alike for the series, and meshes take gigabytes."""
+THICKEST_RATIO = 1e6
+"""Largest ratio of the socket's radii: a thicker one changes the force by less than 1e-6, and
+takes meshes of ever more rings."""
 _ANGLE_SCALE = 0.157  # rad: spacing of the surface's nodes grows from this polar angle on
+
+
+def remembered(maxsize):
+    """`functools.lru_cache`, but that what cannot be hashed is left to the function to refuse."""
+
+    def make(function):
+        known = lru_cache(maxsize)(function)
+
+        @wraps(known)
+        def call(*args, **kwargs):
+            try:
+                hash((args, *kwargs.values()))
+            except TypeError:
+                return function(*args, **kwargs)
+            return known(*args, **kwargs)
+
+        call.cache_clear = known.cache_clear
+        return call
+
+    return make
 
 
 def graded(length, scale, count):
@@ -28,10 +56,16 @@ def surface_angles(resolution):
     -------
     ndarray, shape (resolution + 1,)
         Angles from 0 to pi/2, in rad.
+
+    Raises
+    ------
+    ValueError
+        For another resolution.
     """
-    if resolution != int(resolution) or resolution < 16 or resolution % 16:
-        raise ValueError(f"resolution must be a multiple of 16, >= 16, got {resolution}")
-    angles = graded(np.pi / 2, _ANGLE_SCALE, int(resolution))
+    resolution = checks.whole("resolution", resolution, least=16, most=FINEST_RESOLUTION)
+    if resolution % 16:
+        raise ValueError(f"resolution must be a multiple of 16, got {resolution}")
+    angles = graded(np.pi / 2, _ANGLE_SCALE, resolution)
     angles[-1] = np.pi / 2
     return angles
 
@@ -79,6 +113,9 @@ class HatFunctions:
     _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
     def __init__(self, angles):
+        angles = np.asarray(checks.number("angles", angles))
+        if angles.ndim != 1 or angles.size < 2 or (np.diff(angles) <= 0).any():
+            raise ValueError(f"angles must be a rising list, got {checks.shown(angles)}")
         self.angles = angles
         width = np.diff(angles)[:, None]
         self._right = (1 + self._POINTS) / 2  # value of an element's right hat; left is 1 - it

@@ -7,7 +7,7 @@ meshes give an error estimate. Contact itself is not solved here: see `study.joi
 """
 
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse.linalg import splu
@@ -26,12 +26,14 @@ from skfem.helpers import ddot, div, dot, eye, grad, mul, sym_grad, trace, trans
 from skfem.models.elasticity import lame_parameters
 
 from study import checks
-from study.elastic import Compliance, graded, surface_angles
+from study.elastic import THICKEST_RATIO, Compliance, graded, remembered, surface_angles
 from study.threads import one_thread
 
 DRIVES = ("plane", "clamped", "point")
 RIMS = ("mirror", "free")
 RESOLUTION = 160
+FINEST_RESOLUTION = 320
+"""A curve takes 20 s and 2 GB there, and 80 s and 5 GB at one and a half times as fine."""
 THINNEST_RATIO = 1.02
 """Least ratio of the socket's radii: elements of a thinner shell are too flat to be mapped."""
 
@@ -56,6 +58,7 @@ def ball_mesh(resolution=RESOLUTION, nodes=6):
         Triangles in the (r, z) plane with boundaries ``surface``, ``axis`` and ``equator``;
         the surface's vertices come first, in order of polar angle.
     """
+    resolution = _checked(resolution, nodes)
     layers = max(8, round(_RADIAL_ELEMENTS * resolution * np.log1p(1 / _DEPTH_SCALE)))
     depths = graded(1.0, _DEPTH_SCALE, layers)[:-1]
     return _ring_mesh(1.0 - depths, surface_angles(resolution), nodes, centre=True)
@@ -76,12 +79,20 @@ def socket_mesh(ratio, resolution=RESOLUTION, nodes=6):
     skfem.MeshTri2 or skfem.MeshTri
         As `ball_mesh`, with the boundary ``outside`` besides.
     """
-    thickness = checks.number("socket_ratio", ratio, least=THINNEST_RATIO, scalar=True) - 1.0
+    resolution = _checked(resolution, nodes)
+    limits = {"least": THINNEST_RATIO, "most": THICKEST_RATIO}
+    thickness = checks.number("socket_ratio", ratio, **limits, scalar=True) - 1.0
     if thickness < 0.05 and resolution < 32:
         raise ValueError(f"resolution must be >= 32 for socket_ratio < 1.05, got {resolution}")
     layers = round(_RADIAL_ELEMENTS * resolution * np.log1p(thickness / _DEPTH_SCALE))
     depths = graded(thickness, _DEPTH_SCALE, max(resolution // 16, layers, 2))
     return _ring_mesh(1.0 + depths, surface_angles(resolution), nodes, centre=False)
+
+
+def _checked(resolution, nodes):
+    if checks.whole("nodes", nodes, least=3, most=6) not in (3, 6):
+        raise ValueError(f"nodes must be 3 or 6, got {nodes}")
+    return checks.whole("resolution", resolution, least=16, most=FINEST_RESOLUTION)
 
 
 class Body:
@@ -184,7 +195,7 @@ class Body:
         return compliance
 
 
-@lru_cache(maxsize=4)
+@remembered(maxsize=4)
 @one_thread
 def ball(poisson=0.3, drive="plane", resolution=RESOLUTION, nodes=6):
     """Half ball held at its equatorial plane.
@@ -221,7 +232,7 @@ def ball(poisson=0.3, drive="plane", resolution=RESOLUTION, nodes=6):
     return Body(ball_mesh(resolution, nodes), poisson, {"axis": "r"} | support)
 
 
-@lru_cache(maxsize=4)
+@remembered(maxsize=4)
 @one_thread
 def socket(ratio, poisson=0.3, rim="mirror", resolution=RESOLUTION, nodes=6):
     """Hemispherical socket fixed on its outer sphere.
@@ -253,13 +264,13 @@ def socket(ratio, poisson=0.3, rim="mirror", resolution=RESOLUTION, nodes=6):
     return Body(socket_mesh(ratio, resolution, nodes), poisson, held)
 
 
-@lru_cache(maxsize=32)
+@remembered(maxsize=32)
 def ball_compliance(*args, **kwargs):
     """`Compliance` of a `ball`; same arguments, same errors."""
     return ball(*args, **kwargs).compliance
 
 
-@lru_cache(maxsize=32)
+@remembered(maxsize=32)
 def socket_compliance(*args, **kwargs):
     """`Compliance` of a `socket`; same arguments, same errors."""
     return socket(*args, **kwargs).compliance

@@ -13,17 +13,22 @@ from functools import lru_cache
 import numpy as np
 
 from study import checks
-from study.elastic import Compliance, HatFunctions, surface_angles
+from study.elastic import (
+    THICKEST_RATIO,
+    Compliance,
+    HatFunctions,
+    remembered,
+    surface_angles,
+)
 from study.threads import one_thread
 
 RESOLUTION = 320
-FINEST_RESOLUTION = 1280
-"""Finer hats than these are too much alike for the series of `LAST_ORDER`."""
 LAST_ORDER = 10_000
+MOST_ORDERS = 100_000
 THINNEST_RATIO = 1.001
 
 
-@lru_cache(maxsize=32)
+@remembered(maxsize=32)
 @one_thread
 def ball_compliance(poisson=0.3, resolution=RESOLUTION, last_order=LAST_ORDER):
     """Compliance of a solid ball that is symmetric about its equatorial plane.
@@ -50,7 +55,7 @@ def ball_compliance(poisson=0.3, resolution=RESOLUTION, last_order=LAST_ORDER):
     return _compliance(ball_receptance(_orders(last_order), poisson), resolution)
 
 
-@lru_cache(maxsize=32)
+@remembered(maxsize=32)
 @one_thread
 def socket_compliance(ratio, poisson=0.3, resolution=RESOLUTION, last_order=LAST_ORDER):
     """Compliance of a shell fixed on its outer sphere, symmetric about the equator.
@@ -71,7 +76,8 @@ def socket_compliance(ratio, poisson=0.3, resolution=RESOLUTION, last_order=LAST
     ValueError
         For a ratio, Poisson's ratio, resolution or order outside its range.
     """
-    ratio = checks.number("socket_ratio", ratio, least=THINNEST_RATIO, scalar=True)
+    limits = {"least": THINNEST_RATIO, "most": THICKEST_RATIO}
+    ratio = checks.number("socket_ratio", ratio, **limits, scalar=True)
     poisson = checks.poisson("poisson", poisson)
     return _compliance(socket_receptance(_orders(last_order), ratio, poisson), resolution)
 
@@ -91,6 +97,7 @@ def ball_receptance(orders, poisson):
     ndarray, shape (m,)
         Factors of P_n(cos theta), for radius 1 and Young's modulus 1.
     """
+    orders, poisson = _checked(orders), checks.poisson("poisson", poisson)
     radial, _, normal, shear = _modes(orders, poisson, 1.0)
     amplitudes = _amplitudes([normal[:2], shear[:2]], orders, poisson)
     return np.where(orders == 0, 1 - 2 * poisson, -(radial[:2] * amplitudes).sum(axis=0))
@@ -113,6 +120,8 @@ def socket_receptance(orders, ratio, poisson):
     ndarray, shape (m,)
         Factors of P_n(cos theta), for inner radius 1 and Young's modulus 1.
     """
+    orders, poisson = _checked(orders), checks.poisson("poisson", poisson)
+    ratio = checks.number("ratio", ratio, above=1, most=THICKEST_RATIO, scalar=True)
     radial, _, normal, shear = _modes(orders, poisson, 1.0, ratio)
     outer_radial, outer_polar, _, _ = _modes(orders, poisson, ratio, ratio)
     conditions = [normal, shear, outer_radial, outer_polar]
@@ -169,8 +178,15 @@ def _amplitudes(conditions, orders, poisson):
     return found.T
 
 
+def _checked(orders):
+    found = np.asarray(checks.number("orders", orders, least=0, most=MOST_ORDERS))
+    if found.ndim != 1 or (found != np.round(found)).any():
+        raise ValueError(f"orders must be a list of whole numbers, got {checks.shown(orders)}")
+    return found.astype(int)
+
+
 def _orders(last_order):
-    last = checks.whole("last_order", last_order, least=2, most=100_000)
+    last = checks.whole("last_order", last_order, least=2, most=MOST_ORDERS)
     if last % 2:
         raise ValueError(f"last_order must be even, got {last}")
     return np.arange(0, last + 1, 2)

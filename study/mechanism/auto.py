@@ -11,7 +11,7 @@ the last digit by SciPy it takes longer here than the compiled clearance joint.
 
 from dataclasses import dataclass, field
 from functools import partial
-from math import inf, isfinite
+from math import inf
 from time import perf_counter
 
 import numpy as np
@@ -134,11 +134,12 @@ def choose_model(
         For a value outside its range.
     ModelError
         If no model is known to be within the tolerance; says what is.
+    study.checks.StudyError
+        If the contact force is not known by any law within `LAW_TOLERANCE`.
     study.mechanism.response.MechanismError
         If a simulation cannot go on.
     """
-    if not isinstance(scene, Scene):
-        raise ValueError(f"scene must be a Scene, got {scene!r}")
+    checks.instance("scene", scene, Scene)
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
     checks.choice("quantity", quantity, links.QUANTITIES)
     run = partial(_Run, scene, duration, outputs)
@@ -208,9 +209,10 @@ def choose_model(
 
 def _apart(one, other, quantity):
     """NRMS difference of two runs' responses; inf where the other one does not move."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found = difference(one.response, other.response, quantity)
-    return found if isfinite(found) else inf
+    try:
+        return difference(one.response, other.response, quantity)
+    except checks.RangeError:
+        return inf
 
 
 def table_row(scene, tolerance, quantity):
@@ -243,6 +245,11 @@ def _law(scene, depth, socket_ratio):
     checks.number("socket radius over clearance", r2_star, least=LEAST_R2_STAR)
     joint = Joint(r2_star, socket_ratio, material, material)
     choice = choose(joint, 1.0, LAW_TOLERANCE)
+    if choice.evaluate is None:
+        raise StudyError(
+            f"no law for calls at every step is known to be within {LAW_TOLERANCE:g} of the "
+            f"contact force of this joint, only the {choice.law} itself"
+        )
     law = (choice.evaluate, {}) if choice.law == "tabulated" else (choice.law, choice.options)
     at = max(depth / scene.clearance, SHALLOWEST), joint.r2_star
     of_hertz = abs(hertz(*at) / choice.evaluate(*at) - 1)

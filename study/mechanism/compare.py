@@ -3,7 +3,10 @@
 import numpy as np
 import pandas as pd
 
+from study import checks
 from study.mechanism.models import run
+from study.mechanism.response import COLUMNS, Response
+from study.mechanism.scene import Scene
 
 
 def difference(response, truth, column):
@@ -25,10 +28,20 @@ def difference(response, truth, column):
     ValueError
         If the times differ.
     """
-    if not np.array_equal(response.time, truth.time):
-        raise ValueError("responses must have the same times")
+    _same_times(response=response, truth=truth)
+    checks.choice("column", column, tuple(COLUMNS))
     one, other = getattr(response, column), getattr(truth, column)
+    if not np.ptp(other) > 0:
+        raise checks.RangeError(f"{column} of truth must change, got only {other[0]:g}")
     return float(np.sqrt(np.mean((one - other) ** 2) / np.mean((other - other[0]) ** 2)))
+
+
+def _same_times(**responses):
+    for name, response in responses.items():
+        checks.instance(name, response, Response)
+    first, second = responses.values()
+    if not np.array_equal(first.time, second.time):
+        raise ValueError(f"{' and '.join(responses)} must have the same times, got others")
 
 
 def lead(response, ideal):
@@ -44,6 +57,7 @@ def lead(response, ideal):
     ndarray
         In s, negative where it is behind; 0 where the ideal one rests.
     """
+    _same_times(response=response, ideal=ideal)
     ahead = response.crank_angle - ideal.crank_angle
     return np.divide(
         ahead, ideal.crank_speed, out=np.zeros_like(ahead), where=ideal.crank_speed != 0
@@ -62,11 +76,13 @@ def ahead(response, ideal):
     -------
     ndarray of bool
     """
+    _same_times(response=response, ideal=ideal)
     return (response.slider_position - ideal.slider_position) * ideal.slider_velocity > 0
 
 
 def last_separation(response):
     """Time at which the surfaces part for the last time, in s; 0 if they never do."""
+    checks.instance("response", response, Response)
     ends = (response.impacts.time + response.impacts.duration)[
         response.impacts.separation_speed.notna()
     ]
@@ -88,6 +104,7 @@ def summary(response, ideal):
         force of the contacts that ended, of all contacts, lowest normal force at the outputs
         (N), and the energy error.
     """
+    _same_times(response=response, ideal=ideal)
     return {
         "contacts": len(response.impacts),
         "last_separation": last_separation(response),
@@ -117,6 +134,8 @@ def refinement(scene, crank_elements, **options):
     pandas.DataFrame
         Columns elements, difference.
     """
+    checks.instance("scene", scene, Scene)
+    crank_elements = [checks.whole("crank_elements", n, least=1) for n in crank_elements]
     step, rows = options.pop("step"), []
     for n in crank_elements:
         pair = {"elements": (n, 2 * n), "joint": "ideal"}
@@ -147,6 +166,8 @@ def stiffening(scene, factors, **options):
         Columns factor; particles, beams (largest differences of the slider's place, relative
         to its way); approach_speed, peak_force (of the particles' first impact, relative).
     """
+    checks.instance("scene", scene, Scene)
+    factors = np.atleast_1d(checks.number("factors", factors, above=0))
     step, elements, rows = options.pop("step"), {"elements": (2, 4)}, []
     rigid = run(scene, "rigid", joint="ideal", **options)
     longer = options | {"duration": 2 * options["duration"]}
@@ -170,5 +191,10 @@ def _way(response):
 
 
 def order(x, y):
-    """Slope of ``y`` over ``x`` in logarithms, by least squares."""
+    """Slope of ``y`` over ``x``, all > 0, in logarithms, by least squares."""
+    for name, values in {"x": x, "y": y}.items():
+        checks.number(name, values, above=0)
+    x, y = checks.same_length(2, x=x, y=y)
+    if not np.ptp(np.log(x)) > 0:
+        raise ValueError(f"x must vary for a slope, got only {x[0]:g}")
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])

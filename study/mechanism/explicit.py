@@ -16,10 +16,12 @@ from study.contact.forces import elastic_force
 from study.contact.friction import friction_branch
 from study.mechanism import rigid
 from study.mechanism.response import MechanismError, divide
+from study.mechanism.scene import Scene
 
 SCHEMES = ("symplectic Euler", "lagged", "centred", "velocity Verlet", "RK4")
 """``lagged`` and ``centred`` are central differences, by the velocity in damping and friction."""
 EULER, LAGGED, CENTRED, VERLET, RK4 = range(5)
+MOST_STEPS = 1e10
 MOST_DAMPING = 100.0  # h D P c/v0, for which `_centre` still finds the velocity
 
 
@@ -188,14 +190,19 @@ def simulate(scene, law, duration, outputs, step, scheme, start=None, approach=i
     study.mechanism.response.MechanismError
         If the step is beyond its limit, or the ball goes deeper than one clearance.
     """
+    checks.instance("scene", scene, Scene)
+    numbers = checks.number("law", law)
+    if np.ndim(numbers) != 1 or np.size(numbers) < 3:
+        raise ValueError(f"law must be packed numbers of a law, got {checks.shown(law)}")
     checks.choice("scheme", scheme, SCHEMES)
-    checks.number("step", step, "s", above=0, scalar=True)
     checks.number("duration", duration, "s", above=0, scalar=True)
-    outputs = checks.whole("outputs", outputs, least=1)
-    if approach != inf:
+    checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
+    outputs = checks.whole("outputs", outputs, least=1, most=10**6)
+    checks.flag("guarded", guarded)
+    if not (isinstance(approach, float) and approach == inf):
         checks.number("approach", approach, "m/s", above=0, scalar=True)
-    if start is not None:
-        checks.number("start", start)
+    if start is not None and np.shape(checks.number("start", start)) != (6,):
+        raise ValueError(f"start must be 6 numbers, got {checks.shown(start)}")
     y = np.array([0.0, *scene.initial_eccentricity, 0, 0, 0] if start is None else start, float)
     strides, h = divide([duration * np.arange(2) / outputs], step)
     found = np.zeros((outputs + 1, 2))

@@ -5,6 +5,8 @@ paper's finite particle method), links of beam elements. `study.mechanism.simula
 call; which of them a scene needs is chosen in `study.mechanism.auto`.
 """
 
+from math import sqrt
+
 import numpy as np
 
 from study import checks
@@ -21,6 +23,9 @@ TOLERANCE = 1e-8
 BEAM_STEP = 1e-6
 ELEMENTS = (4, 8)
 MOST_STEPS = 1e10
+MOST_TURNED = 1e6
+"""Angle in rad that drive and gravity may turn the crank by itself, which takes rigid links some
+minutes: a crank that is far too short or light for its drive does nothing else."""
 BLOCKS = 100  # after each the progress is told, and an interruption is heeded
 
 
@@ -40,8 +45,7 @@ def run(
     **law_options,
 ):
     """Run one of `MODELS`: arguments, result and errors of `study.mechanism.simulate`."""
-    if not isinstance(scene, Scene):
-        raise ValueError(f"scene must be a Scene, got {scene!r}")
+    checks.instance("scene", scene, Scene)
     checks.choice("model", model, MODELS)
     checks.choice("joint", joint, JOINTS)
     flexible, gapless = model != "rigid", joint == "ideal"
@@ -53,15 +57,19 @@ def run(
     ):
         if value is not None and not used:
             raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
+    if progress is not None and not callable(progress):
+        raise ValueError(f"progress must be a function of the time, got {checks.shown(progress)}")
     checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
+    turned = _turned(scene, duration)
+    checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)
     outputs = checks.whole("outputs", outputs, least=1, most=10**6)
     packed = pack(
         law, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **law_options
     )
     try:
         find(law)(1.0, scene.socket_radius / scene.clearance, **law_options)
-    except ValueError as error:
-        raise ValueError(f"law must reach a depth of one clearance: {error}") from None
+    except checks.RangeError as error:
+        raise checks.RangeError(f"law must reach a depth of one clearance: {error}") from None
     times = np.array_split(
         duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1)
     )
@@ -72,10 +80,7 @@ def run(
         checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
         blocks = rigid.simulate(scene, packed, times, tolerance)
     else:
-        pair = ELEMENTS if elements is None else elements
-        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-            raise ValueError(f"elements must be two numbers, of crank and coupler, got {elements}")
-        pair = tuple(checks.whole("elements", n, least=1, most=500) for n in pair)
+        pair = particles.numbers_of_elements(ELEMENTS if elements is None else elements)
         if step is not None:
             checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
         if model == "particles":
@@ -86,6 +91,13 @@ def run(
             step = BEAM_STEP if step is None else step
             blocks = beams.simulate(scene, packed, times, gapless, step, pair)
     return _gather(blocks, times, progress)
+
+
+def _turned(scene, duration):
+    """Angle by which drive and gravity turn the crank if nothing holds it, in rad."""
+    inertia = scene.inertias[0] + scene.crank_mass * scene.crank_length**2 / 4
+    swing = sqrt(abs(scene.gravity) / scene.crank_length)
+    return abs(scene.driving_moment) * duration**2 / (2 * inertia) + swing * duration
 
 
 def _gather(blocks, times, progress):

@@ -27,6 +27,7 @@ from study.mechanism.response import (
     advance_in_blocks,
     divide,
 )
+from study.mechanism.scene import Scene
 
 METHODS = ("centred", "lagged", "unguarded")
 
@@ -130,8 +131,19 @@ class Frame:
         return sqrt(scipy.linalg.eigvalsh(scaled)[-1])
 
 
+def numbers_of_elements(pair):
+    """Return the numbers of elements of crank and coupler, or raise ``ValueError``."""
+    if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+        raise ValueError(
+            f"elements must be two numbers, of crank and coupler, got {checks.shown(pair)}"
+        )
+    return tuple(checks.whole("elements", n, least=1, most=500) for n in pair)
+
+
 def stable_step(scene, elements):
     """Limit of stability of the explicit step with a clearance joint out of contact, in s."""
+    checks.instance("scene", scene, Scene)
+    elements = numbers_of_elements(elements)
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
 
 

@@ -14,6 +14,7 @@ from study.contact import composite_modulus
 from study.contact.damping import damping_factor
 
 ROUNDING = 4e-16
+LINKS = ("crank", "coupler")
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ class Scene:
     def __post_init__(self):
         for name, unit in _POSITIVE.items():
             value = getattr(self, name)
-            if value is not None:
+            if value is not None or name != "link_modulus":
                 checks.number(name.replace("_", " "), value, unit, above=0, scalar=True)
         for body in ("crank", "coupler"):
             inertia = getattr(self, f"{body}_inertia")
@@ -92,14 +93,18 @@ class Scene:
         longest = self.coupler_length - self.clearance
         checks.number("crank length", self.crank_length, "m", below=longest)
         checks.number("friction", self.friction, least=0, scalar=True)
-        checks.number("slow speed", self.slow_speed, "m/s", least=0, below=self.full_speed)
+        checks.number(
+            "slow speed", self.slow_speed, "m/s", least=0, below=self.full_speed, scalar=True
+        )
         moment = "driving moment", self.driving_moment, "N m"
         checks.number(*moment, least=-1e6, most=1e6, scalar=True)
         checks.number("gravity", self.gravity, "m/s^2", least=-1e6, most=1e6, scalar=True)
         damping_factor(self.damping, self.restitution)
         pair = self.initial_eccentricity
         if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-            raise ValueError(f"initial eccentricity must be two numbers, in m, got {pair!r}")
+            raise ValueError(
+                f"initial eccentricity must be two numbers, in m, got {checks.shown(pair)}"
+            )
         for axis, value in zip("xy", pair, strict=True):
             checks.number(f"{axis} of initial eccentricity", value, "m", scalar=True)
         inside = self.clearance - ROUNDING * self.socket_radius  # R2 - R1 is known to no more
@@ -146,6 +151,7 @@ class Scene:
         ValueError
             If the link's moment of inertia is below that of a thin rod, which a beam has at least.
         """
+        checks.choice("body", body, LINKS)
         length, mass = getattr(self, f"{body}_length"), getattr(self, f"{body}_mass")
         rod = mass * length**2 / 12
         own = self.inertias[("crank", "coupler").index(body)]
@@ -215,6 +221,8 @@ def square_bar_inertia(scene, body):
     float
         m (L^2 + h^2) / 12 with the side h, in kg m^2.
     """
+    checks.instance("scene", scene, Scene)
+    checks.choice("body", body, LINKS)
     length, mass = getattr(scene, f"{body}_length"), getattr(scene, f"{body}_mass")
     return mass * (length**2 + mass / (scene.density * length)) / 12
 

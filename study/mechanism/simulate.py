@@ -73,7 +73,8 @@ def simulate(
     study.mechanism.response.MechanismError
         If the simulation cannot go on; says when, with which step, and what limit was passed.
     """
-    scene = Scene() if scene is None else scene
+    scene = Scene() if scene is None else checks.instance("scene", scene, Scene)
+    checks.choice("model", model, (*models.MODELS, "auto"))
     given = {"joint": joint, "law": law, "step": step, "elements": elements, "method": method}
     given = {name: value for name, value in given.items() if value is not None}
     common = {"duration": duration, "outputs": outputs}
