@@ -16,7 +16,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from study import checks, dataset
 from study.contact import LAWS, hertz, tabulated
-from study.joint import Joint, force_curve
+from study.joint import Joint, UnresolvedError, force_curve
 from study.threads import one_thread
 
 SHALLOWEST = 0.005
@@ -26,7 +26,9 @@ INTERPOLATION = 5e-4
 ESTIMATE = 1.5  # times a solution's error estimate, for depths between those solved
 RESOLUTIONS = {"series": (64, 160, 320, 640, 1280), "quadratic": (64, 160), "finite": (32, 64, 96)}
 DEPTHS = {"series": 40, "quadratic": 40, "finite": 12}  # `finite` takes a second for each
-LARGEST_TOLERANCE = 1.0
+TOLERANCES = (1e-5, 1.0)
+"""Least and largest. No solution at the finest resolution is known to within 1e-5; to find that
+out for a joint takes a minute."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ def choose(joint, depth_star, tolerance):
     depth_star : float
         Largest depth of the scene, in clearances.
     tolerance : float
-        Largest relative error of the force, > 0 and <= 1.
+        Largest relative error of the force, from 1e-5 to 1.
 
     Returns
     -------
@@ -96,10 +98,9 @@ def choose(joint, depth_star, tolerance):
     study.checks.StudyError
         If not even the finest solution is known to be within the tolerance; says what is.
     """
-    if not isinstance(joint, Joint):
-        raise ValueError(f"joint must be a Joint, got {joint!r}")
+    checks.instance("joint", joint, Joint)
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
-    checks.number("tolerance", tolerance, above=0, most=LARGEST_TOLERANCE, scalar=True)
+    checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1], scalar=True)
     widest = np.sqrt(2 * joint.r2_star - 1) - 1
     checks.number("depth_star", deepest, below=widest / 1.05)  # room to estimate errors beside it
     note = outside(joint, deepest)
@@ -217,7 +218,7 @@ def errors(joint, depth_star, force_star):
     for law in relative_costs().keys() & LAWS.keys():
         try:
             force = LAWS[law](depth_star, joint.r2_star, **law_options(law, joint))
-        except ValueError:  # outside the range of the law's formula or fit
+        except checks.RangeError:  # of the law's formula or fit
             continue
         found[law] = np.abs(force / force_star - 1)
     return found
@@ -261,7 +262,7 @@ def cheapest(joints, depth_star, tolerances, resolution=None):
 
 
 def law_options(law, joint):
-    """Options with which a law knows of the joint what it can; ``ValueError`` if it cannot.
+    """Options with which a law knows of the joint what it can; `RangeError` if it cannot.
 
     ``stiffened_hertz`` is for a radially free ball: of supports it knows nothing, and what they
     cost it in the joint at hand is part of its error.
@@ -269,7 +270,7 @@ def law_options(law, joint):
     if law != "stiffened_hertz":
         return {}
     if joint.ball != joint.socket:
-        raise ValueError("materials of ball and socket must be equal for stiffened_hertz")
+        raise checks.RangeError("materials of ball and socket must be equal for stiffened_hertz")
     return {
         "socket_ratio": joint.socket_ratio,
         "poisson": joint.ball.poisson,
@@ -309,7 +310,7 @@ def _table(joint, deepest, tolerance):
     for resolution in RESOLUTIONS[_kind(joint)]:
         try:
             curve = force_curve(joint, depths, resolution=resolution)
-        except ValueError:  # elements larger than the contact at the least depth
+        except UnresolvedError:  # at the least depth
             if resolution == RESOLUTIONS[_kind(joint)][-1]:
                 raise
             continue

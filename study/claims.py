@@ -8,7 +8,7 @@ statement means is judged here; whether the results themselves are right is judg
 import numpy as np
 import pandas as pd
 
-from study import dataset, paths
+from study import checks, dataset, paths
 from study.rules import RULES, ClaimError, result
 
 VERDICTS = ("contradicted", "cannot be decided", "reproduced")
@@ -93,9 +93,11 @@ def judge():
             result(name)
         try:
             found = RULES[row.rule](row.of)
-        except (LookupError, ValueError, TypeError, AttributeError) as error:
-            message = f"{row.claim}: rule {row.rule} fails for {row.of!r} ({error!r})"
-            raise ClaimError(message) from None
+        except ClaimError as error:
+            raise ClaimError(f"claim {row.claim}: {error}") from None
+        except LookupError as error:  # results of other parameters than the catalogue's
+            message = f"claim {row.claim}: rule {row.rule} finds no {error} in {row.evidence}"
+            raise ClaimError(f"{message}; make them anew with: study run {row.evidence}") from None
         if not found or not np.isfinite(list(found.values())).all():
             raise ClaimError(f"claim {row.claim} must be judged by finite numbers, got {found}")
         terms = row.relation, row.expected, row.tolerance
@@ -129,10 +131,22 @@ def verdict(values, relation, expected, tolerance):
     str
         ``reproduced`` if every reading holds, ``contradicted`` if none does, and ``cannot be
         decided`` if some do, so that the verdict hangs on what the paper does not say.
+
+    Raises
+    ------
+    ValueError
+        For an unknown relation, a value outside its range, or no number at all.
     """
+    values = np.atleast_1d(checks.number("values", values))
+    if values.size == 0:
+        raise ValueError("values must hold a number, got none")
+    checks.choice("relation", relation, RELATIONS)
+    checks.number("tolerance", tolerance, "%", least=0, scalar=True)
+    if checks.number("expected", expected, scalar=True) == 0:
+        raise ValueError("expected must not be 0 (tolerances are relative), got 0")
     if relation == "?":
         return "cannot be decided"
-    excess = (np.asarray(values) - expected) / abs(expected) * 100
+    excess = (values - expected) / abs(expected) * 100
     holds = {"=": np.abs(excess), "<": excess, ">": -excess}[relation] <= tolerance
     if holds.all():
         return "reproduced"

@@ -5,7 +5,8 @@ model, material, duration or socket radius that what is given in the paper allow
 text in the claim's column of that name, where a rule serves several claims.
 """
 
-from functools import cache
+import re
+from functools import cache, wraps
 
 import numpy as np
 import pandas as pd
@@ -31,10 +32,27 @@ class ClaimError(checks.StudyError):
     """A claim cannot be judged; the message names it and what is missing."""
 
 
-def rule(function):
-    """Make a function a rule under its own name."""
-    RULES[function.__name__] = function
-    return function
+LAW = f"({'|'.join(LAWS)})"
+NUMBER = r"\d+\.?\d*"
+
+
+def rule(pattern=""):
+    """Make a function a rule under its own name, for an ``of`` of a pattern."""
+
+    def make(function):
+        @wraps(function)
+        def checked(of):
+            if not isinstance(of, str) or not re.fullmatch(pattern, of):
+                raise ClaimError(
+                    f"of must be {pattern or 'empty'!r} for rule {function.__name__}, "
+                    f"got {checks.shown(of)}"
+                )
+            return function(of)
+
+        RULES[function.__name__] = checked
+        return checked
+
+    return make
 
 
 @cache
@@ -79,7 +97,7 @@ def _per_model(compute):
 # ---- Tables 1 and 2 ----
 
 
-@rule
+@rule("R2|R2_adj|RMSE|RE_min_percent|RE_max_percent")
 def table_1(of):
     """A number of Table 1: quantity."""
     return {"this study": result("table1").set_index("quantity").ours[of]}
@@ -89,28 +107,28 @@ def _table_2(column):
     return result("table2").pivot(index="law", columns="quantity", values=column)
 
 
-@rule
+@rule(f"{LAW} (R2|R2_adj|RMSE)")
 def table_2(of):
     """Absolute value of a number of Table 2: law and quantity, by the paper's definition."""
     law, quantity = of.split()
     return {PAPER: abs(_table_2("ours")[quantity][law])}
 
 
-@rule
+@rule(f"{LAW}( {LAW})*")
 def correct_r_squared(of):
     """Absolute R2 of some laws by its definition."""
     table = _table_2("correct").R2.abs()
     return {law: table[law] for law in of.split()}
 
 
-@rule
+@rule()
 def order(of):
     """How many of the five laws have the rank by RMSE that they have in Table 2."""
     ours, published = (_table_2(column).RMSE.rank() for column in ("ours", "published"))
     return {PAPER: (ours == published).sum()}
 
 
-@rule
+@rule()
 def improvement(of):
     """RMSE of the fitted Winkler law over that of the proposed one."""
     error = _table_2("ours").RMSE
@@ -120,14 +138,14 @@ def improvement(of):
 # ---- force against depth ----
 
 
-@rule
+@rule()
 def start(of):
     """How many of Hertz and Steuermann are closer than the proposed law as contact begins."""
     error = _errors(0.005).iloc[0].abs()
     return {PAPER: (error[["hertz", "steuermann"]] < error[PROPOSED]).sum()}
 
 
-@rule
+@rule(f"{LAW}( {LAW})*")
 def crossing(of):
     """Depth beyond which the proposed law is closer than some others."""
     error = _inside(_errors().abs())
@@ -137,13 +155,13 @@ def crossing(of):
     }
 
 
-@rule
+@rule(f"{LAW}( {LAW})*")
 def last_crossing(of):
     """Depth beyond which the proposed law is closer than all of some others."""
     return {PAPER: max(crossing(of).values())}
 
 
-@rule
+@rule(f"{NUMBER} {NUMBER}( {LAW})+")
 def closest(of):
     """Share of depths (from, to) at which the proposed law is closer than others, in percent."""
     low, high, *others = of.split()
@@ -151,7 +169,7 @@ def closest(of):
     return {PAPER: 100 * error[others].gt(error[PROPOSED], axis=0).all(axis=1).mean()}
 
 
-@rule
+@rule(f"{NUMBER} {NUMBER}( {LAW})+")
 def growth(of):
     """Least |relative error| at the second depth over that at the first, of some laws."""
     first, second, *laws = of.split()
@@ -159,7 +177,7 @@ def growth(of):
     return {PAPER: (_at(error, float(second)) / _at(error, float(first))).min()}
 
 
-@rule
+@rule(LAW)
 def scaled_fit(of):
     """RMSE of the proposed law over that of another, each times the factor that fits it best."""
     table, left = _inside(_trend()), {}
@@ -169,7 +187,7 @@ def scaled_fit(of):
     return {PAPER: left[PROPOSED] / left[of]}
 
 
-@rule
+@rule(f"(slope|exponent) {LAW}( {LAW})+")
 def trend(of):
     """Share of depths up to 0.5 at which a law's slope or exponent is closer than others'."""
     quantity, law, *others = of.split()
@@ -178,7 +196,7 @@ def trend(of):
     return {PAPER: 100 * error[others].gt(error[law], axis=0).all(axis=1).mean()}
 
 
-@rule
+@rule()
 def best_exponent(of):
     """Share of depths up to 0.5 at which the proposed law's exponent is the closest, percent."""
     rivals = [law for law in LAWS if law != PROPOSED]
@@ -189,14 +207,14 @@ def best_exponent(of):
     }
 
 
-@rule
+@rule(f"{NUMBER} {NUMBER}")
 def overall_error(of):
     """Relative RMSE of the proposed law between two depths, in percent."""
     table = _inside(_trend(), *map(float, of.split()))
     return {PAPER: 100 * statistics.relative_rmse(table.exact, table[PROPOSED])}
 
 
-@rule
+@rule()
 def half_angle(of):
     """Contact half-angle of Eq. 21 over that of the elastic solution, at two depths."""
     table = result("fig06").query("panel == 'b'").pivot(index="x", columns="part", values="y")
@@ -204,7 +222,7 @@ def half_angle(of):
     return {f"depth {depth:g}": _at(share, depth) for depth in (0.1, 0.5)}
 
 
-@rule
+@rule()
 def arc(of):
     """Growth of the contact half-angle with depth at 0.5 over that at 0.1."""
     angle = result("trend").set_index("depth_star").half_angle_deg
@@ -219,34 +237,34 @@ def _radii(kinematics="linear"):
     return result("fig14").query("kinematics == @kinematics").set_index("r2_star")
 
 
-@rule
+@rule(f"{NUMBER} {NUMBER}")
 def least_r_squared(of):
     """Least adjusted R2 (the paper's definition) of the proposed law over a range of R2*."""
     low, high = map(float, of.split())
     return {PAPER: _radii().loc[low:high].R2_adj.min()}
 
 
-@rule
+@rule("(small|linear|finite)( (small|linear|finite))*")
 def unexplained(of):
     """1 - R2 (the paper's definition) at the largest R2* over that at the least, by kinematics."""
     tables = {kinematics: 1 - _radii(kinematics).R2 for kinematics in of.split()}
     return {kinematics: t.iloc[-1] / t.iloc[0] for kinematics, t in tables.items()}
 
 
-@rule
+@rule()
 def relative_rmse(of):
     """Relative RMSE at the largest R2*, in percent."""
     return {PAPER: _radii().relative_RMSE_percent.iloc[-1]}
 
 
-@rule
+@rule()
 def rise(of):
     """Relative RMSE at the largest R2* over that at the smallest."""
     error = _radii().relative_RMSE_percent
     return {PAPER: error.iloc[-1] / error.iloc[0]}
 
 
-@rule
+@rule()
 def worst_errors(of):
     """Largest relative RMSE, and largest relative error from a depth of 0.1 on, in percent."""
     return {
@@ -255,20 +273,20 @@ def worst_errors(of):
     }
 
 
-@rule
+@rule()
 def worst_relative_rmse(of):
     """Largest relative RMSE at any R2*, in percent."""
     return {PAPER: _radii().relative_RMSE_percent.max()}
 
 
-@rule
+@rule()
 def spread_over_radius(of):
     """Largest |relative error| up to a depth of 0.5, the largest over the least of any R2*."""
     error = result("fig15").whole_range_percent
     return {PAPER: error.max() / error.min()}
 
 
-@rule
+@rule()
 def thickness(of):
     """By how much the force (R2* = 200, depth 0.5) falls from socket ratio 1.1 to 3, percent."""
     table = result("assumptions").set_index("case").force_at_largest_depth
@@ -277,7 +295,7 @@ def thickness(of):
     }
 
 
-@rule
+@rule("poisson|modulus_ratio")
 def material(of):
     """Largest change of the force at depth 0.5 with a property at the same E*, in percent."""
     table = result("reach_material").query("panel == @of and law == 'hertz'")
@@ -295,7 +313,7 @@ def material(of):
     return {f"{name} {least:.2g} to {most:.2g} against {usual:g}": change.max()}
 
 
-@rule
+@rule(NUMBER)
 def error_over_ratio(of):
     """Largest |relative error| of the proposed law at a depth, socket ratios 1.1 to 3."""
     table = result("reach_socket").query("law == @PROPOSED and 1.0999 < socket_ratio < 3.0001")
@@ -303,7 +321,7 @@ def error_over_ratio(of):
     return {"ratios 1.1 to 3": table.relative_error_percent.abs().max()}
 
 
-@rule
+@rule()
 def scale(of):
     """By how much P/(E* dR^2) changes between clearances of 10 um, 0.1 mm and 1 mm, percent."""
     table = result("fig10")
@@ -316,7 +334,7 @@ def scale(of):
     return {"laws in SI units": 100 * np.ptp(forces, axis=0).max() / np.max(forces)}
 
 
-@rule
+@rule()
 def triangles(of):
     """Largest error of three-node triangles on coarse and fine meshes, in percent."""
     table = result("speed_solvers").set_index(["method", "setting"]).largest_error
@@ -338,7 +356,7 @@ def _deviation(motion, one, other):
     return 100 * np.sqrt((difference**2).mean() / (change**2).mean())
 
 
-@rule
+@rule("fig1[789]")
 def methods_agree(of):
     """RMS difference of particles and finite elements in one quantity, in percent."""
     motion = _motion(of)
@@ -349,7 +367,7 @@ def methods_agree(of):
     }
 
 
-@rule
+@rule()
 def ahead(of):
     """Share of the time in which the slider is ahead of the ideal one, in percent, by duration."""
     place, speed = _motion("fig17"), _motion("fig18")
@@ -361,21 +379,21 @@ def ahead(of):
     return {f"{m}, {end} ms": share(m, end) for end in DURATIONS for m in MODELS}
 
 
-@rule
+@rule("fig1[789]")
 def deviation(of):
     """RMS difference of clearance and ideal joint over that of the ideal motion, in percent."""
     motion = _motion(of)
     return _per_model(lambda m: _deviation(motion, f"clearance_{m}", f"ideal_{m}"))
 
 
-@rule
+@rule()
 def larger_acceleration(of):
     """Largest |acceleration| with clearance over that without, in the first 10 ms."""
     largest = _motion("fig19").loc[:EARLY].abs().max()
     return _per_model(lambda m: largest[f"clearance_{m}"] / largest[f"ideal_{m}"])
 
 
-@rule
+@rule()
 def larger_force(of):
     """Largest force with clearance over that of the ideal joint, for several durations."""
     impacts, found = result("impacts"), {}
@@ -388,7 +406,7 @@ def larger_force(of):
     return found
 
 
-@rule
+@rule()
 def impact_force(of):
     """Largest force of the impacts over that of the ideal joint in the same first 10 ms."""
     impacts = result("impacts")
@@ -397,7 +415,7 @@ def impact_force(of):
     return _per_model(lambda m: peaks[m] / ideal[f"ideal_{m}"])
 
 
-@rule
+@rule()
 def last_separation(of):
     """Last separation as share of the simulated time, in percent, for several durations."""
     impacts = result("impacts")
@@ -405,7 +423,7 @@ def last_separation(of):
     return {f"{m}, {end} ms": 100 * last[m] / end for end in DURATIONS for m in MODELS}
 
 
-@rule
+@rule()
 def oscillation(of):
     """Share of windows of 1 ms in which the force swings twice as far as in an ideal joint."""
     force, found = _motion("fig20"), {}
@@ -431,7 +449,7 @@ def _clearance():
     return dataset.published()["Table 3", "joint", "clearance_m"]
 
 
-@rule
+@rule()
 def downwards(of):
     """How far below the socket's centre the ball first touches, in percent of the clearance."""
 
@@ -453,13 +471,13 @@ def _by_duration(compute):
     }
 
 
-@rule
+@rule()
 def in_contact(of):
     """Share of the time in contact, in percent, by duration."""
     return _by_duration(lambda x, y, touches: 100 * touches.mean())
 
 
-@rule
+@rule()
 def circumference(of):
     """Arc along the socket that the contact covers, in degrees, by duration."""
     return _by_duration(
@@ -467,7 +485,7 @@ def circumference(of):
     )
 
 
-@rule
+@rule()
 def preferred(of):
     """Share of the time in contact in the most visited quarter of directions, in percent."""
 
@@ -487,20 +505,20 @@ def _deepest():
         yield name, row.largest_depth
 
 
-@rule
+@rule()
 def depth_in_mechanism(of):
     """Largest depth in the crank-slider, in clearances, for socket radii and durations."""
     return dict(_deepest())
 
 
-@rule
+@rule()
 def law_in_mechanism(of):
     """|Relative error| of the proposed law at the largest depths of the crank-slider, percent."""
     error = _errors(0.005)[PROPOSED].abs()
     return {name: np.interp(depth, error.index, error) for name, depth in _deepest()}
 
 
-@rule
+@rule()
 def restitution(of):
     """Restitution that Lankarani and Nikravesh's damping delivers."""
     first = result("impacts").query("model == 'rigid'").delivered_restitution.iloc[0]
@@ -508,7 +526,7 @@ def restitution(of):
     return {"free impact": float(limits["restitution, lankarani-nikravesh"]), "first impact": first}
 
 
-@rule
+@rule()
 def solving_each_call(of):
     """Time of solving the elastic contact at every call over that of Hertz's law."""
     return {PAPER: result("speed_laws").set_index("method").relative["solver"]}

@@ -24,7 +24,7 @@ from study import checks, kinematics
 from study.compiled import compiled
 from study.contact import LAWS, tabulated
 from study.contact.forces import elastic_force, pack
-from study.elastic import fem, series
+from study.elastic import FINEST_RESOLUTION, fem, series
 from study.joint import Joint, force_curve, paper_joint
 from study.mechanism import Scene, explicit, simulate
 from study.peers import calculix, multibody, odes
@@ -68,9 +68,11 @@ SOLVERS = (
     *(("CAX3", n) for n in (32, 64, 96, 160)),
 )
 STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7)
+LONGEST_STEPS = {"velocity Verlet": 1e-6, "RK4": 1e-6}
+"""Of the explicit steppers with which the ball goes too deep by longer ones (notebook 17)."""
 STEPPERS = (
     *(("Rodas5P, events", t) for t in (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)),
-    *((scheme, h) for scheme in explicit.SCHEMES for h in STEPS),
+    *((s, h) for s in explicit.SCHEMES for h in STEPS if h <= LONGEST_STEPS.get(s, STEPS[0])),
     *((method, t) for method in odes.METHODS for t in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)),
     *(("generalised alpha", h) for h in (1e-5, 4e-6, 1e-6)),
 )
@@ -223,7 +225,7 @@ def solvers(repeats=3, chosen=SOLVERS):
     pandas.DataFrame
         Columns of `COLUMNS`.
     """
-    exact, rows = _truth(FREE, tuple(CURVE_DEPTHS), series.FINEST_RESOLUTION), []
+    exact, rows = _truth(FREE, tuple(CURVE_DEPTHS), FINEST_RESOLUTION), []
     force_curve(FREE, CURVE_DEPTHS[:1], resolution=32)  # imports
     for method, n in chosen:
         setting = f"resolution {n}"
@@ -269,8 +271,8 @@ def steppers(repeats=3, chosen=STEPPERS, compile_times=True):
     ----------
     repeats : int
     chosen : sequence of (str, float)
-        Method and its tolerance or step, some of `STEPPERS`. Programs that are not installed,
-        and runs that fail, are left out.
+        Method and its tolerance or step, some of `STEPPERS`. Programs that are not installed
+        are left out.
     compile_times : bool
         As for `laws`.
 
@@ -301,10 +303,7 @@ def steppers(repeats=3, chosen=STEPPERS, compile_times=True):
             others = {"program": "Exudyn", "version": _version("exudyn")}
         if others.get("version") == "":
             continue
-        try:
-            times, found = timed(run, repeats)
-        except checks.StudyError:  # it went too deep: notebook 17
-            continue
+        times, found = timed(run, repeats)
         error = (found - truth) / np.sqrt(np.mean(truth**2))
         nrms = float(np.sqrt(np.mean(error**2)))
         own = seconds["explicit" if method in explicit.SCHEMES else "rigid"]

@@ -172,7 +172,7 @@ def changed(monkeypatch, tmp_path):
         ("tolerance", "wide", "tolerance of table1_r2 must be a number >= 0, in percent"),
         ("tolerance", "-1", "tolerance of table1_r2 must be a number >= 0, in percent"),
         ("claim", "table1_rmse", "claim table1_rmse stands twice"),
-        ("of", "R3", "table1_r2: rule table_1 fails for 'R3'"),
+        ("of", "R3", "claim table1_r2: of must be 'R2|R2_adj|RMSE|RE_min_percent|RE_max"),
     ],
 )
 def test_a_wrong_claim_is_one_clear_error(changed, column, value, message):
