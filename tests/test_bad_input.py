@@ -1,0 +1,683 @@
+"""Wrong input to every public function: one clear error each, at once, and never a silent number.
+
+A table of (call, argument, wrong values), the same by hypothesis with numbers of any size, and
+the command line. An error is one line and names the argument, or shows the value.
+"""
+
+import re
+from dataclasses import replace
+from functools import partial
+from math import inf, nan
+from time import perf_counter
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from study import (
+    checks,
+    choose,
+    claims,
+    cli,
+    complementarity,
+    contact,
+    dataset,
+    export,
+    fitting,
+    kinematics,
+    rules,
+    speed,
+    stability,
+    statistics,
+)
+from study.contact import damping, forces, pressure
+from study.elastic import HatFunctions, fem, series, surface_angles
+from study.joint import Joint, Material, force_curve, paper_joint
+from study.mechanism import MechanismError, Scene, auto, compare, explicit, simulate, stable_step
+
+LONGEST = 5.0  # s, of a refusal
+ERRORS = (ValueError, TypeError, checks.StudyError)
+
+MASKED = np.ma.masked_array([0.1, 0.2], [False, True])
+RAGGED = [[0.1], [0.2, 0.3]]
+NO_NUMBER = (nan, inf, -inf, None, "0.1", True, 1j, {}, MASKED, RAGGED, 1e308, 10**400)
+LIST = (*NO_NUMBER, [0.1, nan], ["a"], [None])
+NUMBER = (*NO_NUMBER, [0.1, 0.2], [], np.eye(2))
+POSITIVE = (*NUMBER, 0, -1, 1e-300)
+WHOLE = (*NUMBER, 0.5, -3, 1e30)
+NAME = ("", "x", None, 3, nan, ["x"], {}, np.array(["x", "y"]), np.eye(2))
+FLAG = (-1, 2, None, "yes", nan, [True], np.array([True, False]))
+THING = (None, 3, nan, "joint", {}, [1, 2], np.eye(2), object)
+TABLE = (None, 3, [1, 2], {}, np.eye(2), pd.DataFrame(), pd.DataFrame({"x": [1]}))
+
+GOOD = {"depth": 1e-5, "ball_radius": 9.95e-3, "socket_radius": 0.01, "composite": 1.1e11}
+CURVE = force_curve(Joint(200), np.linspace(0.025, 1, 40) ** 2, 64)
+BODIES = series.ball_compliance(0.3, 64), series.socket_compliance(1.3, 0.3, 64)
+RESPONSE = simulate(duration=1e-3, outputs=10)
+STATE = np.array([0.1, 3e-5, 4.1e-5, 1.0, 0.0, 0.0])
+SCENE = Scene()
+PACKED = stability.packed(SCENE, "hertz")
+FORCES = [1.0, 2.0, 4.0]
+
+
+def curve_with(**changes):
+    return contact.tabulated(replace(CURVE, **changes))
+
+
+def rows(function, **arguments):
+    """Rows of the table: a function with good arguments, and what is wrong for one of them."""
+    good = {name: value for name, (value, _) in arguments.items()}
+    for name, (_, wrong) in arguments.items():
+        for value in wrong:
+            yield function, good, name, value
+
+
+def law_rows():
+    for name, law in contact.LAWS.items():
+        yield from rows(
+            law,
+            depth_star=(0.3, LIST if name != "hyperbolic_winkler" else (*LIST, 1.3, [0.1, 5])),
+            r2_star=(200, (*LIST, 1, 0, -5, [2, 1])),
+            derivative=(False, FLAG),
+        )
+    tiny = (1e-300, 1e-45, [0.1, 1e-320])
+    yield from rows(contact.hertz, depth_star=(0.3, (*tiny, 1e50)), r2_star=(200, (1e200,)))
+    yield from rows(partial(contact.steuermann, 0.3, 200), n=(1, WHOLE), radius=("profile", NAME))
+    yield from rows(
+        partial(contact.winkler, 0.3, 200), coefficient=(1.0, set_without(POSITIVE, None))
+    )
+    yield from rows(partial(contact.hyperbolic_winkler, 0.3, 200), area=("flat", NAME))
+    yield from rows(
+        contact.stiffened_hertz,
+        depth_star=(0.3, (1.1, [0.1, 2])),
+        r2_star=(200, (19, 2)),
+        socket_ratio=(1.3, (*NUMBER, 1, 3.1)),
+        poisson=(0.3, (*NUMBER, 0.1, 0.5)),
+        kinematics=("linear", (*NAME, "small")),
+    )
+    for function in (contact.contact_force, contact.contact_stiffness):
+        yield from rows(
+            partial(function, "hertz"),
+            depth=(1e-5, (*LIST, 1e-60, 1e60)),
+            ball_radius=(9.95e-3, (*POSITIVE, 0.02)),
+            socket_radius=(0.01, (*POSITIVE, 0.009)),
+            composite=(1.1e11, POSITIVE),
+        )
+        yield from rows(partial(function, **GOOD), law=("hertz", (*NAME, print)))
+        yield from rows(partial(function, **GOOD, law="hertz"), n=(1, (1,)))
+    yield from rows(
+        contact.composite_modulus,
+        ball_modulus=(2e11, POSITIVE),
+        ball_poisson=(0.3, (*NUMBER, 0.5, -1)),
+        socket_modulus=(2e11, POSITIVE),
+        socket_poisson=(0.3, (*NUMBER, 0.5, -1)),
+    )
+    yield from rows(contact.tabulated, curve=(CURVE, THING))
+    yield from rows(
+        curve_with,
+        depth_star=(CURVE.depth_star, (*LIST, [0.1, 0.2], np.zeros(40), -CURVE.depth_star)),
+        force_star=(CURVE.force_star, (*LIST, [0.1, 0.2], np.zeros(40), -CURVE.force_star)),
+    )
+    table = contact.tabulated(CURVE)
+    yield from rows(table, depth_star=(0.3, (*LIST, 1.1)), r2_star=(200, (*LIST, 100)))
+    yield from rows(
+        damping.damping_factor, damping=("exact", NAME), restitution=(0.5, (*NUMBER, -0.1, 1.1, 0))
+    )
+    yield from rows(
+        forces.pack,
+        law=("hertz", (*NAME, print)),
+        ball_radius=(9.95e-3, (*POSITIVE, 0.02)),
+        socket_radius=(0.01, POSITIVE),
+        composite=(1.1e11, POSITIVE),
+    )
+    yield from rows(partial(forces.pack, "hertz", 9.95e-3, 0.01, 1e11), n=(1, (1,)))
+    depth, radius = (0.3, (*LIST, -1)), (200, (*NO_NUMBER, 1, 0))
+    yield from rows(pressure.contact_radius, depth_star=depth, r2_star=radius)
+    angled = partial(pressure.contact_half_angle, "hertz")
+    yield from rows(angled, depth_star=(0.3, (*LIST, -1)), r2_star=radius)
+    yield from rows(
+        partial(pressure.contact_half_angle, depth_star=0.3, r2_star=200),
+        law=("hertz", (*NAME, "winkler")),
+    )
+    yield from rows(
+        pressure.foundation_height, law=("winkler", (*NAME, "hertz")), r2_star=(200, (*NUMBER, 1))
+    )
+    yield from rows(
+        pressure.hertz_pressure, radius=(0.1, LIST), depth_star=(0.3, POSITIVE[-3:]), r2_star=radius
+    )
+    hyperbolic = partial(pressure.hyperbolic_pressure, r2_star=200)
+    yield from rows(hyperbolic, polar_angle=(0.1, LIST), depth_star=(0.3, (0, -1, 2, nan)))
+    yield from rows(pressure.vertical_share, depth_star=(0.3, (*POSITIVE, 2)))
+
+
+def set_without(values, one):
+    return tuple(value for value in values if value is not one)
+
+
+def joint_rows():
+    yield from rows(
+        Material, youngs_modulus=(2e11, POSITIVE), poisson=(0.3, (*NUMBER, 0.5, -1, 0.6))
+    )
+    for function in (Joint, paper_joint):
+        yield from rows(
+            function,
+            r2_star=(200, (*NUMBER, 1, 0, -5)),
+            socket_ratio=(1.3, (*NUMBER, 1, 0.5, 1e100)),
+            ball=(Material(), THING),
+            socket=(Material(), (*THING, Material(2e-4), Material(2e30))),
+            ball_drive=("plane", NAME),
+            rim=("mirror", NAME),
+            kinematics=("linear", NAME),
+        )
+    yield from rows(paper_joint, colour=("red", ("red",)))
+    yield from rows(
+        force_curve,
+        joint=(Joint(200), THING),
+        depth_star=(0.3, (*LIST, -0.1, 30, 1e-9, [], np.eye(2))),
+        resolution=(64, (*set_without(WHOLE, None), 0, 16, 48, 1920)),
+        solver=("series", set_without((*NAME, "bem"), None)),
+    )
+    free = partial(force_curve, Joint(200, rim="free"), 0.3)
+    yield from rows(free, solver=("quadratic", ("series",)), resolution=(64, (640, 1e6)))
+    ratio, poisson = (1.3, (*NUMBER, 1, 1e100)), (0.3, (*NUMBER, 0.5, -1))
+    mesh = (64, (*WHOLE, 0, 50, 2000))
+    yield from rows(surface_angles, resolution=mesh)
+    yield from rows(HatFunctions, angles=([0, 1], (*LIST, 0.1, [1, 0], [1], np.eye(2))))
+    orders = (1000, (*WHOLE, 0, 3, 1e6))
+    yield from rows(series.ball_compliance, poisson=poisson, resolution=mesh, last_order=orders)
+    yield from rows(
+        series.socket_compliance, ratio=ratio, poisson=poisson, resolution=mesh, last_order=orders
+    )
+    several = (np.arange(0, 10, 2), (*LIST, -1, [0.5, 2], np.eye(2)))
+    yield from rows(series.ball_receptance, orders=several, poisson=poisson)
+    yield from rows(series.socket_receptance, orders=several, ratio=ratio, poisson=poisson)
+    yield from rows(fem.ball_mesh, resolution=mesh, nodes=(6, (*WHOLE, 4)))
+    yield from rows(fem.socket_mesh, ratio=ratio, resolution=mesh, nodes=(6, (*WHOLE, 4)))
+    for ball in (fem.ball, fem.ball_compliance):
+        yield from rows(ball, poisson=poisson, drive=("plane", NAME), resolution=mesh)
+    for socket in (fem.socket, fem.socket_compliance):
+        yield from rows(socket, ratio=ratio, poisson=poisson, rim=("mirror", NAME), resolution=mesh)
+    matrices = (None, 3, "x", np.ones(3), np.ones((2, 3)), [[1, 2], [3]], np.full((2, 2), nan))
+    yield from rows(
+        complementarity.solve,
+        matrix=(np.eye(2), (*matrices, -np.eye(2))),
+        vector=(-np.ones(2), (None, 3, "x", [1.0], [nan, 1], [inf, 1], MASKED)),
+        active=(None, (3, "x", [True], np.ones(2), np.ones(3, bool))),
+        max_pivots=(10, set_without((*WHOLE[:-1], 0), None)),
+    )
+    for pairing in (kinematics.small, kinematics.linear):
+        ball, socket = BODIES
+        yield from rows(
+            pairing, joint=(Joint(200), THING), ball=(ball, THING), socket=(socket, THING)
+        )
+    problem = kinematics.linear(Joint(200), *BODIES)
+    yield from rows(
+        partial(kinematics.solve, problem=problem[0], axial=problem[1]),
+        joint=(Joint(200), THING),
+        depths=(np.array([0.1]), LIST),
+    )
+    finite = partial(kinematics.solve_finite, Joint(200), np.array([0.1]))
+    yield from rows(
+        finite,
+        ball=(fem.ball(0.3, "plane", 32), (*THING, BODIES[0])),
+        socket=(fem.socket(1.3, 0.3, "mirror", 32), (*THING, BODIES[1])),
+    )
+
+
+def study_rows():
+    pair = (FORCES, (*LIST, 1.0, [1.0], [1, 2], np.eye(2)))
+    for measure in (
+        statistics.r_squared,
+        statistics.r_squared_as_published,
+        statistics.rmse,
+        statistics.relative_rmse,
+        statistics.agreement,
+        statistics.relative_error,
+    ):
+        yield from rows(measure, truth=pair, prediction=pair)
+    yield from rows(partial(statistics.r_squared, prediction=FORCES), truth=(FORCES, ([2, 2, 2],)))
+    yield from rows(
+        partial(statistics.relative_error, prediction=FORCES), truth=(FORCES, ([0, 1, 2],))
+    )
+    yield from rows(
+        partial(statistics.relative_rmse, prediction=FORCES), truth=(FORCES, ([-1, 0, 1],))
+    )
+    yield from rows(
+        statistics.adjusted,
+        r_squared=(0.9, NUMBER),
+        size=(20, WHOLE[:-1]),
+        predictors=(1, (*WHOLE, 19)),
+    )
+    yield from rows(statistics.last_crossing, x=(FORCES, LIST), lead=(FORCES, (*LIST, [1, 1, -1])))
+    table = pd.DataFrame({"a": FORCES}, index=[1.0, 2.0, 3.0])
+    yield from rows(
+        statistics.local_exponent,
+        table=(table, (*TABLE[:-1], -table, table[:1], table[::-1], table * nan)),
+    )
+    curve = pd.DataFrame({"r2_star": 200, "depth_star": [0.1, 0.2], "force_star": [1, 2]})
+    yield from rows(
+        fitting.coefficient,
+        law=("winkler", NAME),
+        depth_star=(FORCES, (*LIST, [0, 0, 0], [0.1, 0.2])),
+        force_star=(FORCES, (*LIST, [0.1, 0.2])),
+    )
+    yield from rows(fitting.shape, law=("winkler", NAME), depth_star=([0.1], LIST))
+    yield from rows(fitting.sampled, curve=(None, (*TABLE, curve)))
+    yield from rows(
+        fitting.coefficients_by_case, law=("winkler", NAME), curves=(curve, (*TABLE, curve * nan))
+    )
+    yield from rows(
+        fitting.surrogate,
+        r2_star=(FORCES, (*LIST, [1], [1, 1, 1], [1, 2])),
+        f1=(FORCES, (*LIST, [1], [1, 2])),
+    )
+    yield from rows(
+        partial(fitting.liu_coefficient, unit=np.ones(20)),
+        force_star=(np.ones(21), LIST),
+        published_r_squared=(-1.6, (*NUMBER, 2)),
+    )
+    yield from rows(partial(fitting.fit_laws, liu_r_squared=-1.6), curves=(None, TABLE))
+    yield from rows(fitting.fit_stiffening, curves=(None, TABLE))
+    yield from rows(
+        choose.choose,
+        joint=(Joint(200), THING),
+        depth_star=(0.3, (*POSITIVE, 30)),
+        tolerance=(0.01, (*POSITIVE, 1.1, 1e-15)),
+    )
+    yield from rows(
+        export.export,
+        law=("tabulated", (*NAME, "hertz")),
+        form=("c", NAME),
+        joint=(Joint(200), THING),
+    )
+    yield from rows(dataset.load, r2_star=(200, (nan, None, 7, "x")), case=("x", ("x", None, 3)))
+    yield from rows(dataset.load, colour=("red", ("red",)))
+    yield from rows(dataset.published, where=("Table 2", set_without(NAME, None)))
+    yield from rows(dataset.measured, chart=("laws", set_without(NAME, None)))
+    yield from rows(
+        claims.verdict,
+        values=([1.0], (*LIST, [])),
+        relation=("=", NAME),
+        expected=(1.0, (*NUMBER, 0)),
+        tolerance=(1.0, (*NUMBER, -1)),
+    )
+    yield from rows(rules.result, name=("table2", (345, None)))
+    for name in rules.RULES:
+        yield from rows(rules.RULES[name], of=("", ("x y z w", None, 3, ["hertz"])))
+
+
+def mechanism_rows():
+    lengths = dict.fromkeys(
+        ("crank_length", "coupler_length", "clearance", "socket_radius"), POSITIVE
+    )
+    masses = dict.fromkeys(
+        ("crank_mass", "coupler_mass", "slider_mass", "youngs_modulus", "density", "full_speed"),
+        POSITIVE,
+    )
+    others = {
+        "poisson": (*NUMBER, 0.5),
+        "restitution": (*NUMBER, 1.1, -0.1),
+        "friction": (*NUMBER, -0.1),
+        "slow_speed": (*NUMBER, -1, 1),
+        "driving_moment": (*NUMBER, 1e9),
+        "gravity": (*NUMBER, 1e9),
+        "damping": NAME,
+        "initial_eccentricity": (*NO_NUMBER, [1e-5], (1, 2), (nan, 0), (None, 0), RAGGED),
+        "crank_inertia": set_without((*NUMBER, -1), None),
+        "link_modulus": set_without(POSITIVE, None),
+    }
+    for name, wrong in (lengths | masses | others).items():
+        yield from rows(Scene, **{name: (None, wrong)})
+    yield from rows(Scene, colour=("red", ("red",)))
+    yield from rows(SCENE.link, body=("crank", NAME))
+    things = set_without(THING, None)
+    yield from rows(
+        simulate,
+        scene=(SCENE, things),
+        model=("rigid", NAME),
+        joint=("clearance", set_without(NAME, None)),
+        law=("hertz", set_without((*NAME, print), None)),
+        duration=(0.01, POSITIVE),
+        outputs=(10, (*WHOLE, 0, 10**7)),
+        tolerance=(1e-8, set_without((*POSITIVE, 0.1, 1e-15), None)),
+        progress=(None, (3, "x", [])),
+        step=(None, (1e-6,)),
+        elements=(None, ((4, 8),)),
+        method=(None, ("centred",)),
+        quantity=(None, ("slider_position",)),
+    )
+    yield from rows(simulate, colour=("red", ("red",)))
+    for model in ("particles", "beams"):
+        flexible = partial(simulate, model=model, duration=1e-3, outputs=2)
+        yield from rows(
+            flexible,
+            step=(None, set_without(POSITIVE, None)),
+            elements=(
+                None,
+                (3, (4,), (4, 0), (4, 1e9), (4.5, 8), ("4", 8), (None, 8), "48", RAGGED),
+            ),
+        )
+    yield from rows(
+        partial(simulate, model="particles", duration=1e-3, outputs=2),
+        method=("centred", set_without(NAME, None)),
+    )
+    yield from rows(
+        partial(simulate, model="auto"),
+        tolerance=(0.1, (*POSITIVE, 1.1)),
+        socket_ratio=(1.3, ()),
+        quantity=("slider_position", set_without((*NAME, "depth"), None)),
+        law=(None, ("hertz",)),
+    )
+    yield from rows(auto.choose_model, scene=(SCENE, THING), tolerance=(0.1, (*POSITIVE, 1.1)))
+    yield from rows(
+        compare.difference,
+        response=(RESPONSE, THING),
+        truth=(RESPONSE, THING),
+        column=("slider_position", (*NAME, "motion")),
+    )
+    for function in (compare.lead, compare.ahead, compare.summary):
+        yield from rows(function, response=(RESPONSE, THING), ideal=(RESPONSE, THING))
+    yield from rows(compare.last_separation, response=(RESPONSE, THING))
+    yield from rows(compare.order, x=(FORCES, (*LIST, [1, 1, 1])), y=(FORCES, (*LIST, [0, 1, 2])))
+    yield from rows(
+        explicit.simulate,
+        scene=(SCENE, THING),
+        law=(PACKED, (None, 3, "hertz", [1], RAGGED, [nan] * 5)),
+        duration=(1e-4, POSITIVE),
+        outputs=(2, (*WHOLE, 0, 10**9)),
+        step=(1e-6, (*POSITIVE, 1e-20)),
+        scheme=("RK4", NAME),
+        start=(None, set_without((*LIST, [0] * 5), None)),
+        approach=(inf, set_without(POSITIVE, inf)),
+        guarded=(True, FLAG),
+    )
+    yield from rows(stable_step, scene=(SCENE, THING), elements=((4, 8), (None, 3, (4,), (4, nan))))
+
+
+def stability_rows():
+    scene, law, state = (SCENE, THING), ("hertz", NAME), (STATE, (*LIST, [0] * 6, [1] * 5))
+    yield from rows(stability.packed, scene=scene, law=law)
+    yield from rows(
+        stability.bisect, fails=(bool, (None, 3)), low=(1, POSITIVE), high=(2, POSITIVE)
+    )
+    yield from rows(stability.lasting_contact, scene=scene, law=law, duration=(1e-4, POSITIVE))
+    yield from rows(stability.oscillator, scene=scene, law=law, state=state)
+    yield from rows(stability.friction_rate, scene=scene, law=law, state=state)
+    yield from rows(
+        stability.observed_step, scene=scene, law=law, state=state, scheme=("RK4", NAME)
+    )
+    yield from rows(stability.amplification, scheme=("RK4", NAME), w=(1.0, NUMBER), g=(0.0, NUMBER))
+    yield from rows(
+        stability.step_limit, scheme=("RK4", NAME), frequency=(1.0, POSITIVE), rate=(0.0, (nan, -1))
+    )
+    pair = ((4, 8), (None, 3, (4,), (4, nan), (0, 8)))
+    yield from rows(stability.frame_limits, scene=scene, elements=pair)
+    yield from rows(stability.observed_frame_step, scene=scene, elements=pair)
+    yield from rows(
+        stability.rigid_steps,
+        scene=scene,
+        law=law,
+        duration=(1e-4, POSITIVE),
+        tolerance=(1e-8, POSITIVE),
+    )
+    yield from rows(stability.delivered, factor=(0.5, (*NUMBER, -1)))
+    yield from rows(
+        stability.free_impact,
+        factor=(0.5, (*NUMBER, -1)),
+        pull=(0.0, (*NUMBER, -1)),
+        depth=(0.0, (*NUMBER, -1)),
+        speed=(1.0, (*NUMBER, 0, -1)),
+        power=(1.5, (*NUMBER, 0)),
+    )
+    yield from rows(stability.pulling, pull=(0.1, (nan, -1, None)))
+    yield from rows(
+        partial(stability.event_differences, change=1e-9, duration=1e-3), scene=scene, law=law
+    )
+    yield from rows(stability.growth, differences=(None, TABLE))
+    yield from rows(stability.pivots, size=(5, (*WHOLE, 0, 10**6)), seed=(0, WHOLE[:-1]))
+    yield from rows(
+        stability.refused, joint=(Joint(200), THING), low=(0.1, POSITIVE), high=(1, POSITIVE)
+    )
+    yield from rows(stability.textbook, depth_star=(0.1, (*LIST, 0, -1)), area=("flat", NAME))
+    yield from rows(stability.deepest, law=law, r2_star=(200, (*NUMBER, 1)))
+
+
+TABLE_OF_CASES = [
+    case
+    for part in (law_rows, joint_rows, study_rows, mechanism_rows, stability_rows)
+    for case in part()
+]
+
+
+def name_of(function):
+    while isinstance(function, partial):
+        function = function.func
+    return getattr(function, "__name__", "law")
+
+
+def refused(call, *told):
+    """Message of the error that a call ends in: at once, on one line, and it tells something."""
+    start = perf_counter()
+    with pytest.raises(ERRORS) as caught:
+        call()
+    assert perf_counter() - start < LONGEST
+    message = str(caught.value)
+    assert "\n" not in message.strip()
+    assert any(word in message for word in told), message
+    return message
+
+
+def tells(error, pattern="must be .* got"):
+    assert re.search(pattern, str(error))
+
+
+def signs_of(name, value):
+    """What a message may name an argument by: its name, a word of it, or its value."""
+    words = [word for word in re.split("[_ ]", name) if len(word) > 3]
+    shown = [f"{value:g}"] if isinstance(value, (int, float)) and abs(value) < 1e300 else []
+    return name, checks.shown(value), *words, *shown
+
+
+@pytest.mark.parametrize(
+    ("function", "good", "name", "value"),
+    [pytest.param(*case, id=f"{name_of(case[0])}-{case[2]}") for case in TABLE_OF_CASES],
+)
+def test_wrong_argument_is_one_clear_error(function, good, name, value):
+    refused(lambda: function(**(good | {name: value})), *signs_of(name, value))
+
+
+def test_the_table_is_long_enough():
+    assert len(TABLE_OF_CASES) >= 500
+
+
+def test_steuermanns_profile_of_high_order_on_a_nearly_full_ball():
+    # (R2/R1)^99 overflows; mpmath with 60 digits
+    force = contact.steuermann(0.3, 1.0005, n=50, radius="profile")
+    assert force == pytest.approx(3.315413834728e-4, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: force_curve(Joint(200, 1.01, rim="free"), 0.3), "socket_ratio must be >= 1.02"),
+        (lambda: force_curve(Joint(1e9, kinematics="finite"), 0.3), "r2_star must be <= 1e+08"),
+        (lambda: force_curve(Joint(1.01), 0.3), "depth_star must be < 0.00995"),
+        (lambda: Joint(200, 1e100, rim="free"), "socket_ratio must be >= 1.001 and <= 1e+06"),
+        (lambda: Joint(1e308), "r2_star must be > 1 and <= 1e+40 in size, got 1e+308"),
+        (lambda: Joint(200, socket=Material(2e-4)), "over that of the ball must be >= 1e-09"),
+        (lambda: simulate(Scene(crank_length=1e-9)), "speed of the crank must be <= 1e+06"),
+        (lambda: simulate(Scene(crank_length=2e-5)), "speed of the crank must be <= 1e+06"),
+        (lambda: contact.hertz([0.1, 0.2], [20, 30, 40]), "depth_star and r2_star must be of"),
+        (lambda: contact.hertz(10**5000, 200), "depth_star must be a number, got"),
+    ],
+)
+def test_a_limit_says_what_it_limits(call, message):
+    assert message in refused(call, message)
+
+
+SIZES = st.floats(1e-40, 1e40)
+ANY = st.floats()
+
+
+@given(depth=ANY, r2_star=ANY, n=st.integers(1, 50))
+def test_a_law_gives_a_positive_force_or_refuses(depth, r2_star, n):
+    calls = [partial(law, depth, r2_star) for law in contact.LAWS.values()]
+    for call in [*calls, partial(contact.steuermann, depth, r2_star, n=n, radius="profile")]:
+        for derivative in (False, True):
+            try:
+                value = call(derivative=derivative)
+            except ValueError as error:
+                tells(error)
+                continue
+            assert np.isfinite(value)
+            assert (value > 0) == (depth > 0)
+
+
+@given(depth=SIZES, gap=st.floats(1e-15, 1), socket=SIZES, modulus=SIZES)
+def test_a_force_in_si_units_neither_overflows_nor_vanishes(depth, gap, socket, modulus):
+    ball = socket * (1 - gap)
+    for law in contact.LAWS:
+        for function in (contact.contact_force, contact.contact_stiffness):
+            try:
+                value = function(law, depth, ball, socket, modulus)
+            except ValueError as error:
+                tells(error)
+                continue
+            assert 0 < value < inf
+
+
+@given(ANY, ANY, ANY, ANY)
+def test_a_composite_modulus_is_between_half_of_the_lesser_and_infinity(e1, nu1, e2, nu2):
+    try:
+        found = contact.composite_modulus(e1, nu1, e2, nu2)
+    except ValueError as error:
+        tells(error)
+        return
+    assert min(e1, e2) / 2.01 <= found < inf
+
+
+@settings(max_examples=30)
+@given(ratio=st.floats(1e-9, 1e9), r2_star=st.floats(3, 1e40), thickness=st.floats(1.001, 1e6))
+def test_a_joint_inside_its_limits_is_solved_or_refused(ratio, r2_star, thickness):
+    joint = Joint(r2_star, thickness, socket=Material(ratio * 2e11))
+    try:
+        curve = force_curve(joint, [0.2, 0.4], 64)
+    except ERRORS as error:
+        tells(error, "must|did not converge")
+        return
+    assert (curve.force_star > 0).all()
+    assert np.isfinite(curve.force_star).all()
+
+
+@given(st.lists(ANY, min_size=2, max_size=6), st.lists(ANY, min_size=2, max_size=6))
+def test_measures_of_agreement_are_finite_or_refused(truth, prediction):
+    try:
+        found = statistics.agreement(truth, prediction)
+    except ValueError as error:
+        tells(error, "must .* got")
+        return
+    assert np.isfinite(list(found.values())).all()
+
+
+@given(st.lists(ANY, max_size=5), st.lists(ANY, max_size=5))
+def test_a_line_is_finite_or_refused(r2_star, f1):
+    try:
+        line = fitting.surrogate(r2_star, f1)
+    except ValueError as error:
+        tells(error, "must .* got")
+        return
+    assert np.isfinite(list(line.values())).all()
+
+
+JOINT = ("joint", "--r2-star", 200, "--depth-star", 0.3)
+CHOOSE = ("choose", "--r2-star", 200, "--depth-star", 0.3, "--tolerance", 0.01)
+NUMBERS = ("nan", "inf", "-inf", "1e308", "x", "")
+COMMANDS = [
+    *((*JOINT, "--modulus-ratio", value) for value in (*NUMBERS, "0", "-1", "1e-15", "1e15")),
+    *((*JOINT, "--socket-ratio", value) for value in (*NUMBERS, "0", "1", "1e100")),
+    *((*JOINT, "--socket-ratio", "1e100", "--rim", value) for value in ("free", "x")),
+    *((*JOINT, "--poisson", value) for value in (*NUMBERS, "0.5", "-1")),
+    *((*JOINT, "--socket-poisson", value) for value in (*NUMBERS, "0.5", "-1")),
+    *((*JOINT, "--depth-star", value) for value in (*NUMBERS, "-1", "99", "1e-9")),
+    *((*JOINT, "--r2-star", value) for value in (*NUMBERS, "1", "-5")),
+    *((*JOINT, f"--{name}", "x") for name in ("drive", "rim", "kinematics", "solver", "colour")),
+    *((*CHOOSE, "--tolerance", value) for value in (*NUMBERS, "0", "2", "1e-15")),
+    *((*CHOOSE, "--depth-star", value) for value in (*NUMBERS, "0", "99")),
+    *(("law", law, "--r2-star", 200, "--depth-star", v) for law in contact.LAWS for v in NUMBERS),
+    *(("law", "hertz", "--r2-star", value, "--depth-star", 1) for value in (*NUMBERS, "1")),
+    *(("export", "--law", "tabulated", "--format", "csv", "--r2-star", v) for v in NUMBERS),
+    ("export", "--law", "tabulated", "--format", "csv", "--modulus-ratio", "1e-15"),
+    ("export", "--law", "x", "--format", "csv"),
+    ("export", "--law", "tabulated", "--format", "x"),
+    *(("simulate", "--duration", value) for value in (*NUMBERS, "0", "-1", "1e12", "1e6")),
+    *(("simulate", "--outputs", value) for value in (*NUMBERS, "0", "1e9", "10000000")),
+    *(("simulate", "--tolerance", value) for value in (*NUMBERS, "0", "1", "1e-30")),
+    *(("simulate", "--model", "beams", "--step", value) for value in (*NUMBERS, "0", "1e-30")),
+    *(("simulate", "--elements", value) for value in ("", "4", "4,8,9", "a,b", "4.5,8", "4,8")),
+    *(("simulate", "--inertia", value) for value in ("", "1", "a,b", "nan,1", "-1,1", "1e99,1")),
+    *(
+        ("simulate", "--scene", f"{name}={value}")
+        for name in Scene.__dataclass_fields__
+        for value in ("", "x", "nan", "inf", "1e308", "-1e300")
+    ),
+    ("simulate", "--scene", "crank_length=1e-9"),
+    ("simulate", "--scene", "x=1"),
+    ("simulate", "--model", "auto", "--tolerance", "0"),
+    *(("data", "show", "--r2-star", value) for value in (*NUMBERS, "7")),
+    ("data", "show", "--case", "x"),
+    ("data", "show", "--group", "x"),
+    ("measure", "--repeats", "0"),
+    ("measure", "--chart", "x"),
+    ("run", "x"),
+    ("run", "fig10", "--jobs", "0"),
+    ("x",),
+]
+
+
+@pytest.mark.parametrize("words", COMMANDS, ids=lambda words: " ".join(map(str, words)))
+def test_a_wrong_command_line_is_one_line_and_status_2(words, monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["study", *map(str, words)])
+    start = perf_counter()
+    with pytest.raises(SystemExit) as stop:
+        cli.main()
+    out, err = capsys.readouterr()
+    assert (stop.value.code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert perf_counter() - start < LONGEST
+
+
+def test_a_scene_whose_contact_only_the_solver_knows_is_refused_by_auto(monkeypatch):
+    only = choose.choose(Joint(200), 0.3, 0.01)
+    monkeypatch.setattr(auto, "choose", lambda *_: replace(only, law="solver", evaluate=None))
+    with pytest.raises(checks.StudyError, match="no law for calls at every step is known"):
+        simulate(model="auto", tolerance=0.01)
+
+
+def test_an_error_of_the_program_is_not_taken_for_a_law_out_of_range(monkeypatch):
+    def broken(*arguments, **options):
+        raise ValueError("a slip")
+
+    monkeypatch.setitem(contact.LAWS, "hertz", broken)
+    with pytest.raises(ValueError, match="a slip"):
+        choose.choose(Joint(200), 0.3, 0.01)
+
+
+def test_an_error_of_the_program_is_not_taken_for_a_wrong_claim(monkeypatch):
+    def broken(of):
+        raise ValueError("a slip")
+
+    monkeypatch.setitem(rules.RULES, "order", broken)
+    with pytest.raises(ValueError, match="a slip"):
+        claims.judge()
+
+
+def test_a_stepper_that_fails_is_not_dropped_from_its_chart(monkeypatch):
+    def too_deep(*arguments):
+        raise MechanismError("too deep")
+
+    monkeypatch.setattr(speed, "_ours", lambda _: np.ones(3))
+    monkeypatch.setattr(speed, "_explicit", too_deep)
+    with pytest.raises(MechanismError, match="too deep"):
+        speed.steppers(1, [("RK4", 4e-6)], compile_times=False)
