@@ -200,7 +200,8 @@ def test_a_failure_is_one_line_and_status_1(run, monkeypatch, tmp_path):
     monkeypatch.setattr(dataset, "PACKAGE", dataset.paths.ROOT / "missing.json")
     status, _, err = run("data", "show")
     assert status == 1
-    assert err == "study: missing.json is missing; make it with: study data build\n"
+    assert err.startswith("study: missing.json is missing; mend it with: git checkout -- missing.j")
+    assert err.count("\n") == 1
 
 
 def test_no_dask_scheduler_is_one_line_and_status_1(run):
