@@ -110,24 +110,36 @@ def load(**filters):
     frame = pd.read_csv(CURVES)
     for column in filters:
         checks.choice("column", column, tuple(frame.columns))
+    filters = {column: _values(column, wanted) for column, wanted in filters.items()}
     kept = pd.DataFrame(index=frame.index)
     for column, wanted in filters.items():
-        kept[column] = frame[column].isin(np.atleast_1d(wanted))
+        kept[column] = frame[column].isin(wanted)
     keep = kept.all(axis=1)
     for column, wanted in filters.items():
         others = kept.drop(columns=column).all(axis=1)  # what is left without this filter
-        unknown = set(np.atleast_1d(wanted).tolist()) - set(frame[column])
+        unknown = set(wanted) - set(frame[column])
         if unknown or (others.any() and not keep.any()):
             held = frame[column][others if others.any() else ~keep].unique()
             known = [f"{v:g}" if isinstance(v, float) else str(v) for v in held]
             known = ", ".join(known[:30] + ["..."] * (len(known) > 30))
-            got = ", ".join(str(value) for value in unknown or np.atleast_1d(wanted))
+            got = ", ".join(str(value) for value in unknown or wanted)
             raise ValueError(f"{column} must be one of {known}, got {got}")
     if not keep.any():
         asked = ", ".join(f"{column} = {wanted}" for column, wanted in filters.items())
         raise ValueError(f"filters must leave a case, but none has {asked}")
     frame = frame[keep]
     return frame.reset_index(drop=True)
+
+
+def _values(column, wanted):
+    """Values of a filter as a list, or ``ValueError``."""
+    several = pd.api.types.is_list_like(wanted) and not isinstance(wanted, dict)
+    values = list(wanted) if several else [wanted]
+    for value in values:
+        if not isinstance(value, str | float | int | np.number):
+            shown = checks.shown(value)
+            raise ValueError(f"{column} must be a value or a list of values, got {shown}")
+    return values
 
 
 def paper_curves(kinematics=design.PAPER_KINEMATICS, **filters):

@@ -384,6 +384,15 @@ def test_simulate_fails_in_one_line(run):
     assert "stopped at time 0.0" in err
 
 
+@pytest.fixture
+def heeding_interrupts():
+    """Python's own handler of Ctrl-C, which a job in the background of a script has not."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heeding_interrupts")
 def test_interrupted_simulation_prints_and_writes_what_it_has(run, tmp_path, monkeypatch):
     def interrupted(*words, progress, **options):
         def stop(time):

@@ -300,14 +300,3 @@ def test_a_case_is_solved_to_the_same_bytes_on_any_number_of_threads(tmp_path):
         with threadpool_limits(threads):
             dataset.write_table(dataset.solve_case(*case), tmp_path / name)
     assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "second.csv").read_bytes()
-
-
-def test_a_file_is_written_whole_or_not_at_all(tmp_path):
-    path = tmp_path / "folder" / "table.csv"
-    with paths.whole(path) as temporary:
-        temporary.write_text("old")
-    with pytest.raises(KeyboardInterrupt), paths.whole(path) as temporary:
-        temporary.write_text("half")
-        raise KeyboardInterrupt
-    assert path.read_text() == "old"
-    assert [p.name for p in path.parent.iterdir()] == ["table.csv"]
