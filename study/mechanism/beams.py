@@ -8,13 +8,14 @@ generalised-alpha method (Chung & Hulbert 1993) with Newton's method on a banded
 the scene and the contact law are shared with `particles`.
 """
 
-from math import asin, atan2, cos, hypot, inf, sin
+from math import inf
 
 import numpy as np
 
 from study.compiled import compiled
 from study.contact.forces import joint_forces, stored_energy
 from study.contact.friction import friction_branch
+from study.mechanism.angles import arcsine, direction, norm, sine_cosine
 from study.mechanism.response import (
     CONTACT,
     FAILED,
@@ -80,10 +81,11 @@ class Mesh:
             section = length, link.axial, shear, link.bending
             section += link.mass_per_length, link.rotary_per_length
             if body == "coupler":  # at the pin: the same place, a rotation of its own
-                angle = 0.0 if ideal else asin(scene.initial_eccentricity[1] / link.length)
+                angle = 0.0 if ideal else arcsine(scene.initial_eccentricity[1] / link.length)
                 near = [*near[:2], number(angle)]
+            sine, cosine = sine_cosine(angle)
             for e in range(n):
-                x, y = x + length * cos(angle), y + length * sin(angle)
+                x, y = x + length * cosine, y + length * sine
                 held = ideal and body == "coupler" and e == n - 1
                 far = [number(x), -1 if held else number(y), number(angle)]
                 sections.append(section)
@@ -122,7 +124,7 @@ def _internal(q, sections, unknowns, force, matrix, factor):
             d[i] = q[at[i]] if at[i] >= 0 else 0.0
         dx, dy = (d[3] - d[0]) / length, (d[4] - d[1]) / length
         turn = 0.5 * (d[2] + d[5])
-        c, s = cos(turn), sin(turn)
+        s, c = sine_cosine(turn)
         along, across = c * dx + s * dy, c * dy - s * dx
         stretch, slide, bend = along - 1, across, (d[5] - d[2]) / length
         n, v, m = axial * stretch, shear * slide, bending * bend
@@ -156,7 +158,7 @@ def _internal(q, sections, unknowns, force, matrix, factor):
 def _sliding(q, v, ball, p):
     """Sliding speed of the ball's surface on the socket's."""
     ex, ey = q[ball[0]] - q[ball[3]], q[ball[1]]
-    across = (v[ball[1]] * ex - (v[ball[0]] - v[ball[3]]) * ey) / hypot(ex, ey)
+    across = (v[ball[1]] * ex - (v[ball[0]] - v[ball[3]]) * ey) / norm(ex, ey)
     return across + p[R1] * v[ball[2]]
 
 
@@ -170,7 +172,7 @@ def _contact(q, v, ball, contact, approach, branch, p, law, found):
     stiff, damp = np.zeros((3, 3)), np.zeros((3, 3))
     ex, ey = q[ball[0]] - q[ball[3]], q[ball[1]]
     wx, wy, spin = v[ball[0]] - v[ball[3]], v[ball[1]], v[ball[2]]
-    r = hypot(ex, ey)
+    r = norm(ex, ey)
     found[:] = 0.0
     found[DEPTH], found[EX], found[EY] = r - law[1], ex, ey
     nx, ny = (ex / r, ey / r) if r > 0 else (1.0, 0.0)
@@ -412,9 +414,9 @@ def _record(row, t, motion, mesh, mass, load, now, strain, state, p, law):
     y = 0.0 if ideal else q[ball[1]]
     row[0], row[1], row[2] = t, q[0], q[ball[3]]
     row[3], row[4], row[5], row[6] = v[0], v[ball[3]], a[0], fx / p[M3]
-    row[7] = atan2(y - q[pin + 1], q[ball[0]] - q[pin])
+    row[7] = direction(y - q[pin + 1], q[ball[0]] - q[pin])
     row[8] = v[ball[2]]
-    row[12] = hypot(fx, fy)
+    row[12] = norm(fx, fy)
     if not ideal:
         row[9], row[10], row[11] = now[EX], now[EY], now[DEPTH]
         row[12], row[13] = now[NORMAL], now[TANGENTIAL]
@@ -431,22 +433,28 @@ def _start(mesh, arrays, mass, load):
     size = len(load)
     motion = np.zeros((4, size))
     motion[0] = mesh.initial
-    dense = np.zeros((size, size))
-    force, band = -load, np.zeros_like(mass)
-    _internal(motion[0], arrays[0], arrays[1], force, band, 1.0)
-    stiffness = np.zeros((size, size))
-    for i in range(size):
-        for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
-            dense[i, j], stiffness[i, j] = mass[i, BAND + j - i], band[i, BAND + j - i]
-    light = np.diag(dense) == 0
+    force, stiffness = -load, np.zeros_like(mass)
+    _internal(motion[0], arrays[0], arrays[1], force, stiffness, 1.0)
+    light = mass[:, BAND] == 0
     if light.any():
-        motion[0, light] -= np.linalg.solve(stiffness[np.ix_(light, light)], force[light])
+        motion[0] -= _solve_for(light, stiffness, force)
         force = -load
-        _internal(motion[0], arrays[0], arrays[1], force, band, 0.0)
-    heavy = ~light
-    motion[2, heavy] = np.linalg.solve(dense[np.ix_(heavy, heavy)], -force[heavy])
+        _internal(motion[0], arrays[0], arrays[1], force, stiffness, 0.0)
+    motion[2] = _solve_for(~light, mass, -force)
     motion[3] = motion[2]
     return motion
+
+
+def _solve_for(some, matrix, right):
+    """Solve a banded system for some unknowns, the others zero."""
+    matrix, right = matrix.copy(), np.where(some, right, 0.0)
+    size = len(right)
+    for i in range(size):
+        for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
+            if not (some[i] and some[j]):
+                matrix[i, BAND + j - i] = float(i == j)
+    _solve(matrix, right)
+    return right
 
 
 def simulate(scene, law, times, ideal, step, elements):

@@ -6,7 +6,7 @@ its depth for the approach speed. If they no longer approach by then, there is n
 and the contact is not damped, which is safe: dividing by nearly nothing is not.
 """
 
-from math import atan2, cos, hypot, inf, sin, sqrt
+from math import inf, sqrt
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from study.compiled import compiled
 from study.contact.forces import elastic_force
 from study.contact.friction import friction_branch
 from study.mechanism import rigid
+from study.mechanism.angles import angle_of, norm, sine_cosine
 from study.mechanism.response import MechanismError, divide
 from study.mechanism.scene import Scene
 
@@ -33,17 +34,18 @@ def acceleration(y, contact, approach, p, law, work, out):
     for none. Returns depth, its rate and the slider's acceleration.
     """
     f, seen, unused, z = work
-    r = hypot(y[1], y[2])
+    r = norm(y[1], y[2])
     if not (contact and r > law[1]):
         z[:6] = y
         rigid.motion(z, (False, 0, 1.0), p, law, False, f, seen, unused)
         out[:3] = f[:3]
         return seen[rigid.DEPTH], seen[rigid.RATE], seen[rigid.SLIDER]
     nx, ny = y[1] / r, y[2] / r
-    z[0], z[1], z[2], z[3] = y[0], r - law[1], atan2(ny, nx), y[3]
+    z[0], z[1], z[2], z[3] = y[0], r - law[1], angle_of(ny, nx), y[3]
     z[4], z[5] = nx * y[4] + ny * y[5], (nx * y[5] - ny * y[4]) / r
-    sp = (y[2] - p[rigid.L1] * sin(y[0])) / p[rigid.L2]
-    psi = (y[5] - p[rigid.L1] * cos(y[0]) * y[3]) / (p[rigid.L2] * sqrt(1 - sp * sp))
+    st, ct = sine_cosine(y[0])
+    sp = (y[2] - p[rigid.L1] * st) / p[rigid.L2]
+    psi = (y[5] - p[rigid.L1] * ct * y[3]) / (p[rigid.L2] * sqrt(1 - sp * sp))
     branch = friction_branch(r * z[5] + p[rigid.R1] * psi, p[rigid.V0], p[rigid.V1])
     rigid.motion(z, (True, branch, approach), p, law, False, f, seen, unused)
     outward, across = f[1] - r * z[5] * z[5], r * f[2] + 2 * z[4] * z[5]

@@ -8,7 +8,7 @@ the centred one, which the forces of the step are solved for, or the one half a 
 (``lagged``); ``unguarded`` is the latter without the checks of the limits of stability.
 """
 
-from math import asin, atan2, hypot, inf, pi, sqrt
+from math import inf, pi, sqrt
 
 import numpy as np
 import scipy.linalg
@@ -17,6 +17,7 @@ from study import checks
 from study.compiled import compiled
 from study.contact.forces import elastic_force, joint_forces, stored_energy
 from study.contact.friction import friction_branch, friction_factor
+from study.mechanism.angles import angle_of, arcsine, direction, norm, sine_cosine
 from study.mechanism.response import (
     CONTACT,
     FAILED,
@@ -175,9 +176,9 @@ def _internal_forces(places, turns, elements, pin, forces, moments):
     for e in range(len(elements)):
         length0, axial, near, far = elements[e]
         dx, dy = places[e + 1, 0] - places[e, 0], places[e + 1, 1] - places[e, 1]
-        length = hypot(dx, dy)
+        length = norm(dx, dy)
         c, s = dx / length, dy / length
-        rigid = atan2(s, c)  # the element's rotation; what is left of the particles' bends it
+        rigid = angle_of(s, c)  # the element's rotation; what is left of the particles' bends it
         j = e + (1 if e >= pin else 0)
         bent1, bent2 = turns[j] - rigid, turns[j + 1] - rigid
         whole = 2 * pi * round((bent1 + bent2) / (4 * pi))
@@ -258,7 +259,7 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
             fx, fy = p[M3] / end_mass * forces[last, 0], forces[last, 1]
         else:
             ex, ey = x[last, 0] - slide[0], x[last, 1]
-            r = hypot(ex, ey)
+            r = norm(ex, ey)
             depth = r - law[1]
             if depth > deepest or not r < inf:
                 return done, TOO_DEEP, 0.0
@@ -343,10 +344,10 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
             row[0], row[1], row[2] = t, turns[0], slide[0]
             row[3], row[4] = spins[0] - 0.5 * h * turning, speed
             row[5], row[6] = turning, pull
-            row[7] = atan2(x[last, 1] - x[pin, 1], x[last, 0] - x[pin, 0])
+            row[7] = direction(x[last, 1] - x[pin, 1], x[last, 0] - x[pin, 0])
             row[8] = spins[-1] - 0.5 * h * moments[-1] / rotaries[-1]
             row[9], row[10], row[11] = ex, ey, depth
-            row[12], row[13] = hypot(fx, fy) if held else normal, tangential
+            row[12], row[13] = norm(fx, fy) if held else normal, tangential
             row[14], row[15] = fx, fy
             row[16], row[17] = work, kinetic
             row[18] = strain + stored_energy(law, depth)
@@ -419,9 +420,9 @@ def simulate(scene, law, times, ideal, step, elements, method):
     )
     particles = len(frame.masses)
     places = np.zeros((particles, 2))
-    angle = 0.0 if ideal else asin(scene.initial_eccentricity[1] / scene.coupler_length)
+    angle = 0.0 if ideal else arcsine(scene.initial_eccentricity[1] / scene.coupler_length)
     angles = np.where(np.arange(particles - 1) < frame.pin, 0.0, angle)
-    chords = frame.elements[:, :1] * np.column_stack([np.cos(angles), np.sin(angles)])
+    chords = frame.elements[:, :1] * np.array([sine_cosine(a)[::-1] for a in angles])
     places[1:] = np.cumsum(chords, axis=0)
     turns = np.where(np.arange(particles + 1) <= frame.pin, 0.0, angle)
     slide = np.array([places[-1, 0] - (0 if ideal else scene.initial_eccentricity[0]), 0.0])
@@ -430,7 +431,7 @@ def simulate(scene, law, times, ideal, step, elements, method):
     spins[0] = -h / 2 * scene.driving_moment / frame.rotaries[0]
     velocities[1 : -1 if ideal else None, 1] = h / 2 * scene.gravity
     state = np.zeros(8)
-    state[GAP] = hypot(places[-1, 0] - slide[0], places[-1, 1]) - scene.clearance
+    state[GAP] = norm(places[-1, 0] - slide[0], places[-1, 1]) - scene.clearance
     arrays = (frame.elements, frame.masses, frame.rotaries, frame.pin)
     moving = (places, velocities, turns, spins, slide)
     return advance_in_blocks(

@@ -11,13 +11,14 @@ analytic Jacobian; its end is located by repeating the last step with another le
 event function vanishes. What the flexible models need is not here.
 """
 
-from math import atan2, cos, hypot, inf, sin, sqrt
+from math import inf, sqrt
 
 import numpy as np
 
 from study.compiled import compiled
 from study.contact.forces import elastic_force, joint_forces, stored_energy
 from study.contact.friction import friction_branch
+from study.mechanism.angles import angle_of, norm, sine_cosine
 from study.mechanism.response import (
     CONTACT,
     FAILED,
@@ -119,9 +120,10 @@ def motion(y, piece, p, law, jacobian, f, seen, k):
     """
     contact, branch, approach = piece
     l1, l2 = p[L1], p[L2]
-    st, ct, omega = sin(y[0]), cos(y[0]), y[3]
+    (st, ct), omega = sine_cosine(y[0]), y[3]
     if contact:
-        r, nx, ny, rate, spin = law[1] + y[1], cos(y[2]), sin(y[2]), y[4], y[5]
+        ny, nx = sine_cosine(y[2])
+        r, rate, spin = law[1] + y[1], y[4], y[5]
         ey, wx, wy = r * ny, rate * nx - r * spin * ny, rate * ny + r * spin * nx
     else:
         ey, wx, wy = y[2], y[4], y[5]
@@ -353,7 +355,7 @@ def compliance(theta, ey, dx, dy, arm, p):
 
     ``arm`` is that of the force about the ball's centre, which turns the coupler.
     """
-    st, ct = sin(theta), cos(theta)
+    st, ct = sine_cosine(theta)
     sp = (ey - p[L1] * st) / p[L2]
     cp = sqrt(1 - sp * sp)
     d1, d2 = p[L1] * (ct * dy - st * dx), p[L2] * (cp * dy - sp * dx) + arm
@@ -369,7 +371,7 @@ def impact_depth(y, rate, p, law):
 
     With the mechanism's effective mass along the normal; ``y`` in the coordinates of contact.
     """
-    nx, ny = cos(y[2]), sin(y[2])
+    ny, nx = sine_cosine(y[2])
     energy = rate * rate / (2 * compliance(y[0], law[1] * ny, nx, ny, 0.0, p))
     depth = law[1]
     for _ in range(200):  # Newton's method on a convex function
@@ -383,15 +385,16 @@ def impact_depth(y, rate, p, law):
 @compiled
 def _touch(y, law):
     """Turn flight's coordinates into those of contact, at depth 0."""
-    r = hypot(y[1], y[2])
+    r = norm(y[1], y[2])
     nx, ny, wx, wy = y[1] / r, y[2] / r, y[4], y[5]
-    y[1], y[2], y[4], y[5] = 0.0, atan2(ny, nx), nx * wx + ny * wy, (nx * wy - ny * wx) / law[1]
+    y[1], y[2], y[4], y[5] = 0.0, angle_of(ny, nx), nx * wx + ny * wy, (nx * wy - ny * wx) / law[1]
 
 
 @compiled
 def _part(y, law):
     """Turn contact's coordinates into those of flight, at depth 0."""
-    nx, ny, rate, across = cos(y[2]), sin(y[2]), y[4], law[1] * y[5]
+    ny, nx = sine_cosine(y[2])
+    rate, across = y[4], law[1] * y[5]
     y[1], y[2] = law[1] * nx, law[1] * ny
     y[4], y[5] = rate * nx - across * ny, rate * ny + across * nx
 
@@ -399,15 +402,16 @@ def _part(y, law):
 @compiled
 def _record(row, t, y, f, seen, contact, p, law):
     """Fill a row of output with what there is at time ``t``."""
-    st, ct = sin(y[0]), cos(y[0])
+    st, ct = sine_cosine(y[0])
     sp, cp, psi = seen[SINE], seen[COSINE], seen[PSI]
     ex, ey, wx, nx, ny = y[1], y[2], y[4], 0.0, 0.0
     if contact:
-        nx, ny, r = cos(y[2]), sin(y[2]), law[1] + y[1]
+        ny, nx = sine_cosine(y[2])
+        r = law[1] + y[1]
         ex, ey, wx = r * nx, r * ny, y[4] * nx - y[5] * r * ny
     row[0], row[1], row[2] = t, y[0], p[L1] * ct + p[L2] * cp - ex
     row[3], row[4] = y[3], -p[L1] * st * y[3] - p[L2] * sp * psi - wx
-    row[5], row[6], row[7], row[8] = f[0], seen[SLIDER], atan2(sp, cp), psi
+    row[5], row[6], row[7], row[8] = f[0], seen[SLIDER], angle_of(sp, cp), psi
     row[9], row[10], row[11] = ex, ey, seen[DEPTH]
     row[12], row[13] = seen[NORMAL], seen[TANGENTIAL]
     row[14] = seen[NORMAL] * nx + seen[TANGENTIAL] * ny
@@ -544,7 +548,7 @@ def simulate(scene, law, times, tolerance):
     f = np.zeros(5)
     motion(state[:8], (False, 0, 1.0), p, law, False, f, np.zeros(10), np.zeros((5, 6)))
     horizon = times[-1][-1]
-    reach = sqrt(hypot(f[1], f[2]) * scene.clearance)
+    reach = sqrt(norm(f[1], f[2]) * scene.clearance)
     state[REACH] = max(reach, scene.clearance / horizon)
     state[STEP] = min(1e-3 * scene.clearance / state[REACH], horizon)
     state[DEEP] = scene.clearance
