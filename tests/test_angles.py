@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study.mechanism.angles import LARGEST, arcsine, direction, norm, sine_cosine
+from study.mechanism.angles import LARGEST, arcsine, direction, fifth_root, norm, sine_cosine
 
 angles = st.floats(-LARGEST, LARGEST, exclude_min=True, exclude_max=True)
 
@@ -43,6 +43,11 @@ def test_directions_are_those_of_vectors(angle, size):
 )
 def test_directions_of_axes_and_diagonals(y, x):
     assert direction(float(y), float(x)) == pytest.approx(math.atan2(y, x), abs=5e-16)
+
+
+@given(st.floats(1e-60, 1e60))
+def test_fifth_roots(x):
+    assert fifth_root(x) == pytest.approx(float(mpmath.root(x, 5)), rel=2e-15)
 
 
 @given(st.floats(-1, 1))

@@ -1,4 +1,4 @@
-"""Sine, cosine and angle with the same bits on every processor, for compiled loops.
+"""Sine, angle and fifth root with the same bits on every processor, for compiled loops.
 
 Impacts are chaotic: after some of them the last bit of a sine decides what happens. Those of the
 system's mathematical library differ from processor to processor; additions, multiplications,
@@ -78,6 +78,18 @@ def angle_of(sine, cosine):
     if cosine > 0:
         return angle
     return pi - angle if sine >= 0 else -pi - angle
+
+
+@compiled
+def fifth_root(x):
+    """Fifth root of a number > 0, by Newton's method from its fourth root; within 1e-15."""
+    root = sqrt(sqrt(x))
+    for _ in range(60):
+        better = root + (x / (root * root * root * root) - root) / 5
+        if abs(better - root) <= 1e-15 * better:
+            break
+        root = better
+    return better
 
 
 def arcsine(sine):

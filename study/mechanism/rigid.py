@@ -18,7 +18,7 @@ import numpy as np
 from study.compiled import compiled
 from study.contact.forces import elastic_force, joint_forces, stored_energy
 from study.contact.friction import friction_branch
-from study.mechanism.angles import angle_of, norm, sine_cosine
+from study.mechanism.angles import angle_of, fifth_root, norm, sine_cosine
 from study.mechanism.response import (
     CONTACT,
     FAILED,
@@ -452,12 +452,12 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
         steps += 1
         error = _error(scratch[0], state, piece[0], seen[DEPTH], tolerance, p, law[1])
         if not error <= 1.0:
-            h = length * (max(0.2, 0.9 * error**-0.2) if error < inf else 0.1)
+            h = length * (max(0.2, 0.9 / fifth_root(error)) if error < inf else 0.1)
             if h > 1e-15 * t:
                 continue
             return done, FAILED, steps
         motion(new, piece, p, law, True, f1, seen1, k1)
-        grown = length * min(5.0, 0.9 * max(error, 1e-12) ** -0.2)
+        grown = length * min(5.0, 0.9 / fifth_root(max(error, 1e-12)))
         h = max(h, grown) if landing else grown
 
         first, ahead = -1, length  # the first event in the step ends it
