@@ -82,14 +82,12 @@ def angle_of(sine, cosine):
 
 @compiled
 def fifth_root(x):
-    """Fifth root of a number > 0, by Newton's method from its fourth root; within 1e-15."""
-    root = sqrt(sqrt(x))
-    for _ in range(60):
-        better = root + (x / (root * root * root * root) - root) / 5
-        if abs(better - root) <= 1e-15 * better:
-            break
-        root = better
-    return better
+    """Fifth root of a number > 0 by Newton's method, within 1e-15 from 1e-60 to 1e60."""
+    eighth = sqrt(sqrt(sqrt(x)))
+    root = eighth * sqrt(eighth)  # x^(3/16)
+    for _ in range(12):
+        root += (x / (root * root * root * root) - root) / 5
+    return root
 
 
 def arcsine(sine):
