@@ -45,7 +45,7 @@ def test_directions_of_axes_and_diagonals(y, x):
     assert direction(float(y), float(x)) == pytest.approx(math.atan2(y, x), abs=5e-16)
 
 
-@given(st.floats(1e-60, 1e60))
+@given(st.floats(1e-12, 1e12))
 def test_fifth_roots(x):
     assert fifth_root(x) == pytest.approx(float(mpmath.root(x, 5)), rel=2e-15)
 

@@ -82,7 +82,7 @@ def angle_of(sine, cosine):
 
 @compiled
 def fifth_root(x):
-    """Fifth root of a number > 0 by Newton's method, within 1e-15 from 1e-60 to 1e60."""
+    """Fifth root of a number by Newton's method, within 1e-15 from 1e-12 to 1e12."""
     eighth = sqrt(sqrt(sqrt(x)))
     root = eighth * sqrt(eighth)  # x^(3/16)
     for _ in range(12):
