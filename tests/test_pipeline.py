@@ -4,13 +4,11 @@ import json
 import os
 import re
 import shutil
-import signal
 import socket
 import subprocess
 import sys
 import time
 
-import pandas as pd
 import pytest
 
 from study import notebooks, paths, verify
@@ -148,6 +146,7 @@ def test_a_failing_cell_stops_its_figure_alone(project):
     assert re.search(rf"failed: {TWO[1]}, cell In\[\d+\]: ZeroDivisionError", failures[0])
     assert "Traceback" not in done.stdout + done.stderr
     edit(project, TWO[1], 'behind = 1 / 0\\n",\n    "behind = ', "behind = ")
+    study(project, "verify", "--keep")
 
 
 SAVE = r"figures.save(figure, \"fig09\", cases)"
@@ -179,105 +178,6 @@ def test_a_damaged_dataset_stops_the_run_with_a_remedy(project):
     assert "data/force_curves.csv is damaged" in done.stderr
     assert "study data build" in done.stderr
     curves.write_bytes(whole)
-
-
-def heed_interrupts():
-    """Undo what a shell does to a background job, whose children ignore Ctrl-C."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-LESS = """
-DESIGN = tuple(
-    s
-    for s in DESIGN
-    if s.group == "ratio"
-    or (s.group == "paper" and "finite" not in s.kinematics)
-    or (s.group == "fit" and s.poisson == 0.3)
-)
-"""
-"""A part of the dataset's design, for the whole takes minutes."""
-
-
-@pytest.fixture
-def less_data(project):
-    """The project with less data to build; put right again afterwards."""
-    module = project / "study/design.py"
-    module.write_text(module.read_text() + LESS)
-    module = project / "study/mechanism/links.py"
-    module.write_text(module.read_text().replace("COUNT = 160", "COUNT = 3"))
-    yield project
-    changed = "design.py", "mechanism/links.py", "contact/coefficients.json"
-    for name in (f"study/{name}" for name in changed):
-        shutil.copy(paths.ROOT / name, project / name)
-    shutil.copytree(paths.DATA, project / "data", dirs_exist_ok=True)
-
-
-def start_build(project):
-    """Start a build of the data, and return once two cases are noted down as finished."""
-    command = [sys.executable, "-m", "study.cli", "data", "build"]
-    process = subprocess.Popen(
-        command,
-        cwd=project,
-        env=environment(project),
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        preexec_fn=heed_interrupts,
-    )
-    deadline, before = time.monotonic() + 60, finished(project)
-    while finished(project) < before + 2:
-        assert process.poll() is None
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
-    return process
-
-
-def finished(root):
-    """How many cases pytask has noted as finished, in its lock file or the journal beside it."""
-    return len(set(re.findall(r"task_curve\[.*?\]", "".join(p.read_text() for p in notes(root)))))
-
-
-def notes(root):
-    return root.glob("pytask.lock*")
-
-
-def leftovers(root):
-    return [path for path in root.rglob(".part-*") if path.exists()]
-
-
-def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
-    project = less_data
-    (project / "data/force_curves.csv").unlink()
-    killed = start_build(project)
-    os.killpg(killed.pid, signal.SIGKILL)
-    killed.communicate()
-    for path in (project / "build/curves").glob("*.csv"):  # whole, or not there
-        assert path.read_text().endswith("\n")
-    (project / f"data/.part-{socket.gethostname()}-{killed.pid}-x.csv").touch()
-    done = finished(project)
-
-    process = start_build(project)
-    assert finished(project) >= done + 2
-    assert leftovers(project / "data") == []
-    os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert err.splitlines()[-1] == "study: interrupted; what was finished is kept"
-    assert not (project / "data/force_curves.csv").exists()
-
-    resumed = study(project, "data", "build")
-    assert resumed.returncode == 0, resumed.stderr
-    skipped = re.search(r"(\d+) +Skipped because unchanged", resumed.stdout)
-    assert int(skipped[1]) >= done + 2
-    assert leftovers(project) == []
-    keys = ["case", "depth_star"]
-    built = pd.read_csv(project / "data/force_curves.csv").set_index(keys)
-    kept = pd.read_csv(paths.DATA / "force_curves.csv").set_index(keys)
-    assert len(built) > 2000
-    numbers = ["force_star", "peak_pressure_star"]
-    pd.testing.assert_frame_equal(built[numbers], kept.loc[built.index, numbers], rtol=1e-7)
-    assert study(project, "data", "show").returncode == 0
 
 
 def test_mechanism_notebooks_run_with_other_parameters(project):

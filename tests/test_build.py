@@ -1,0 +1,129 @@
+"""A build of the data that is killed and interrupted, in a temporary copy of the project."""
+
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import pandas as pd
+import pytest
+
+from study import paths
+
+
+@pytest.fixture
+def project(tmp_path):
+    root = tmp_path / "project"
+    ignored = shutil.ignore_patterns(".*", "build", "__pycache__", "pytask.lock", "tests")
+    shutil.copytree(paths.ROOT, root, ignore=ignored)
+    return root
+
+
+def environment(root):
+    return os.environ | {"PYTHONPATH": str(root)}
+
+
+def study(root, *words):
+    command = [sys.executable, "-m", "study.cli", *words]
+    return subprocess.run(
+        command, cwd=root.parent, env=environment(root), capture_output=True, text=True
+    )
+
+
+def heed_interrupts():
+    """Undo what a shell does to a background job, whose children ignore Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+LESS = """
+DESIGN = tuple(
+    s
+    for s in DESIGN
+    if s.group == "ratio"
+    or (s.group == "paper" and "finite" not in s.kinematics)
+    or (s.group == "fit" and s.poisson == 0.3)
+)
+"""
+"""A part of the dataset's design, for the whole takes minutes."""
+
+
+@pytest.fixture
+def less_data(project):
+    """The project with less data to build."""
+    module = project / "study/design.py"
+    module.write_text(module.read_text() + LESS)
+    module = project / "study/mechanism/links.py"
+    module.write_text(module.read_text().replace("COUNT = 160", "COUNT = 3"))
+    return project
+
+
+def start_build(project):
+    """Start a build of the data, and return once two cases are noted down as finished."""
+    command = [sys.executable, "-m", "study.cli", "data", "build"]
+    process = subprocess.Popen(
+        command,
+        cwd=project,
+        env=environment(project),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=heed_interrupts,
+    )
+    deadline, before = time.monotonic() + 60, finished(project)
+    while finished(project) < before + 2:
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+    return process
+
+
+def finished(root):
+    """How many cases pytask has noted as finished, in its lock file or the journal beside it."""
+    return len(set(re.findall(r"task_curve\[.*?\]", "".join(p.read_text() for p in notes(root)))))
+
+
+def notes(root):
+    return root.glob("pytask.lock*")
+
+
+def leftovers(root):
+    return [path for path in root.rglob(".part-*") if path.exists()]
+
+
+def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
+    project = less_data
+    (project / "data/force_curves.csv").unlink()
+    killed = start_build(project)
+    os.killpg(killed.pid, signal.SIGKILL)
+    killed.communicate()
+    for path in (project / "build/curves").glob("*.csv"):  # whole, or not there
+        assert path.read_text().endswith("\n")
+    (project / f"data/.part-{socket.gethostname()}-{killed.pid}-x.csv").touch()
+    done = finished(project)
+
+    process = start_build(project)
+    assert finished(project) >= done + 2
+    assert leftovers(project / "data") == []
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert err.splitlines()[-1] == "study: interrupted; what was finished is kept"
+    assert not (project / "data/force_curves.csv").exists()
+
+    resumed = study(project, "data", "build")
+    assert resumed.returncode == 0, resumed.stderr
+    skipped = re.search(r"(\d+) +Skipped because unchanged", resumed.stdout)
+    assert int(skipped[1]) > done  # what the killed one had finished, and more
+    assert leftovers(project) == []
+    keys = ["case", "depth_star"]
+    built = pd.read_csv(project / "data/force_curves.csv").set_index(keys)
+    kept = pd.read_csv(paths.DATA / "force_curves.csv").set_index(keys)
+    assert len(built) > 2000
+    numbers = ["force_star", "peak_pressure_star"]
+    pd.testing.assert_frame_equal(built[numbers], kept.loc[built.index, numbers], rtol=1e-7)
+    assert study(project, "data", "show").returncode == 0
