@@ -64,6 +64,10 @@ WhichKinematics = Annotated[
     Kinematics, typer.Option(help="Pairing of the surfaces, see study.joint.Joint.")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+Names = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[NAME]...", help="Figures, tables or notebooks; default all."),
+]
 Jobs = Annotated[
     int | None, typer.Option("--jobs", min=1, help="Processes; by default one per core.")
 ]
@@ -95,10 +99,7 @@ def _complain(text, status):
 
 @app.command("run")
 def run_notebooks(
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[NAME]...", help="Figures, tables or notebooks; default all."),
-    ] = None,
+    names: Names = None,
     jobs: Jobs = None,
     force: Annotated[bool, typer.Option("--force", help="Run fresh notebooks too.")] = False,
     settings: Annotated[
@@ -121,16 +122,12 @@ def run_notebooks(
     dataset.verify_files()
     notebooks.check_claims()
     session = notebooks.run(selected, parameters, jobs=jobs, force=force, dask_address=dask)
-    _tell(selected, session)
-    _compare(selected)
+    _compare(_tell(selected, session))
 
 
 @app.command("verify")
 def verify_results(
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[NAME]...", help="Figures, tables or notebooks; default all."),
-    ] = None,
+    names: Names = None,
     keep: Annotated[
         bool, typer.Option("--keep", help="Take what differs as the kept results from now on.")
     ] = False,
@@ -182,7 +179,7 @@ def write_report(jobs: Jobs = None):
 
 
 def _tell(selected, session):
-    """Say what was made and where, or what failed."""
+    """Say what was made and where, or what failed; return the selected notebooks and what ran."""
     from pytask import TaskOutcome
 
     from study import notebooks
@@ -195,13 +192,13 @@ def _tell(selected, session):
     failures = []
     if reports:
         failures = [f"{nb.name} was not run" for nb in selected if nb.name not in reports]
-    ran = False
+    ran = []
     for name, lines in made.items():  # with those that the selected ones read from
         outcome = reports[name].outcome if name in reports else None
         if outcome == TaskOutcome.FAIL:
             failures.append(reports[name].exc_info[1])
         elif outcome == TaskOutcome.SUCCESS:
-            ran = True
+            ran.append(name)
             print("\n".join(lines))
     if session.exit_code != 0 and not failures:
         failures.append("the tasks could not be collected, as said above")
@@ -213,6 +210,7 @@ def _tell(selected, session):
         whole = len(selected) == len(notebooks.CATALOGUE)
         names = "" if whole else f" of {', '.join(notebook.name for notebook in selected)}"
         print(f"Nothing was stale: every figure and table{names} in figures/ is up to date.")
+    return [nb for nb in notebooks.CATALOGUE if nb in selected or nb.name in ran]
 
 
 def _made(notebook):

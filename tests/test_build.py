@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import signal
 import socket
 import subprocess
@@ -11,27 +10,9 @@ import time
 
 import pandas as pd
 import pytest
+from copied import copy_project, environment, study
 
 from study import paths
-
-
-@pytest.fixture
-def project(tmp_path):
-    root = tmp_path / "project"
-    ignored = shutil.ignore_patterns(".*", "build", "__pycache__", "pytask.lock", "tests")
-    shutil.copytree(paths.ROOT, root, ignore=ignored)
-    return root
-
-
-def environment(root):
-    return os.environ | {"PYTHONPATH": str(root)}
-
-
-def study(root, *words):
-    command = [sys.executable, "-m", "study.cli", *words]
-    return subprocess.run(
-        command, cwd=root.parent, env=environment(root), capture_output=True, text=True
-    )
 
 
 def heed_interrupts():
@@ -52,8 +33,9 @@ DESIGN = tuple(
 
 
 @pytest.fixture
-def less_data(project):
-    """The project with less data to build."""
+def less_data(tmp_path):
+    """A copy of the project with less data to build."""
+    project = copy_project(tmp_path / "project")
     module = project / "study/design.py"
     module.write_text(module.read_text() + LESS)
     module = project / "study/mechanism/links.py"

@@ -1,7 +1,6 @@
 """The whole pipeline in a temporary copy of the project, run as a user runs it."""
 
 import json
-import os
 import re
 import shutil
 import socket
@@ -10,6 +9,7 @@ import sys
 import time
 
 import pytest
+from copied import copy_project, environment, study
 
 from study import notebooks, paths, verify
 
@@ -19,23 +19,10 @@ MADE = ("fig07.png", "fig07.csv", "fig09.png", "fig09.csv", "table1.csv", "fig10
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
-    root = tmp_path_factory.mktemp("copy") / "project"
-    ignored = shutil.ignore_patterns(".*", "build", "__pycache__", "pytask.lock", "tests")
-    shutil.copytree(paths.ROOT, root, ignore=ignored)
+    root = copy_project(tmp_path_factory.mktemp("copy") / "project")
     for path in (root / "figures").iterdir():
         path.unlink()
     return root
-
-
-def environment(root):
-    return os.environ | {"PYTHONPATH": str(root)}
-
-
-def study(root, *words):
-    command = [sys.executable, "-m", "study.cli", *words]
-    return subprocess.run(
-        command, cwd=root.parent, env=environment(root), capture_output=True, text=True
-    )
 
 
 def edit(root, name, old, new):

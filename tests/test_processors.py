@@ -1,14 +1,11 @@
 """Other processors: their kernels change the last digits, and no result with them."""
 
-import os
 import platform
 import re
-import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from copied import copy_project, study
 
 from study import paths
 
@@ -35,16 +32,8 @@ pytestmark = pytest.mark.skipif(
     ],
 )
 def test_results_agree_and_the_kept_files_stay(tmp_path, processor, names):
-    root = tmp_path / "project"
-    ignored = shutil.ignore_patterns(".*", "build", "__pycache__", "pytask.lock", "tests")
-    shutil.copytree(paths.ROOT, root, ignore=ignored)
-    done = subprocess.run(
-        [sys.executable, "-m", "study.cli", "run", *names],
-        cwd=root,
-        env=os.environ | {"PYTHONPATH": str(root)} | processor,
-        capture_output=True,
-        text=True,
-    )
+    root = copy_project(tmp_path / "project")
+    done = study(root, "run", *names, **processor)
     assert done.returncode == 0, done.stdout + done.stderr
     last = done.stdout.splitlines()[-1]
     assert re.fullmatch(r"\d+ results: \d+ identical, \d+ agree, 0 differ", last)
