@@ -7,8 +7,10 @@ from typing import Annotated
 import pandas as pd
 from pytask import Product, PythonNode, task
 
-from study import contact, dataset, design, fitting, paths, tasks
-from study.mechanism import links
+from study import contact, dataset, paths
+from study.choose import links
+from study.dataset import design, fitting
+from study.pages import tasks
 
 CASES = [(s.group, name, joint, s.depths) for s in design.DESIGN for name, joint in s.cases()]
 PARTS = [paths.BUILD / "curves" / f"{name}.csv" for _, name, _, _ in CASES]
@@ -60,7 +62,7 @@ def task_description(
     links: Path = dataset.LINKS,
     coefficients: Path = contact.laws.COEFFICIENTS,
     code: list[Path] = sorted({p for f in dataset.GENERATED for p in dataset.sources(f)}),
-    design: Path = paths.ROOT / "study/design.py",
+    design: Path = paths.ROOT / "study/dataset/design.py",
     parts: list[Path] = PARTS,
     published: tuple[Path, ...] = tuple(paths.DATA / name for name in dataset.PUBLISHED),
     description: Annotated[Path, Product] = dataset.PACKAGE,

@@ -7,11 +7,11 @@ from typing import Annotated
 
 from pytask import Product, PythonNode, task
 
-from study import execute, notebooks, tasks
+from study.pages import catalogue, execute, tasks
 
-settings = json.loads(os.environ.get(notebooks.PARAMETERS_VARIABLE, "{}"))
+settings = json.loads(os.environ.get(catalogue.PARAMETERS_VARIABLE, "{}"))
 
-for notebook in notebooks.CATALOGUE:
+for notebook in catalogue.CATALOGUE:
     chosen = json.dumps(settings.get(notebook.name, {}), sort_keys=True)
 
     @task(id=notebook.name)
@@ -22,5 +22,5 @@ for notebook in notebooks.CATALOGUE:
         products: Annotated[list[Path], Product] = notebook.products(),
     ):
         tasks.leave_interrupts_to_the_runner()
-        (selected,) = notebooks.select([name])
+        (selected,) = catalogue.select([name])
         execute.execute(selected, json.loads(parameters))

@@ -5,9 +5,10 @@ from typing import Annotated
 
 from pytask import Product
 
-from study import contact, dataset, notebooks, paths, tasks, typeset
+from study import contact, dataset, paths
+from study.pages import catalogue, tasks, typeset
 
-RESULTS = [path for notebook in notebooks.CATALOGUE for path in notebook.products()]
+RESULTS = [path for notebook in catalogue.CATALOGUE for path in notebook.products()]
 SHOWN = [path for path in RESULTS if path.parent == paths.FIGURES]
 NUMBERS = [
     dataset.CURVES,
@@ -39,6 +40,6 @@ def task_report(
     index: Annotated[Path, Product] = paths.BUILD / "report/index.html",
 ):
     tasks.leave_interrupts_to_the_runner()
-    from study import report  # takes seconds to import: only where a report is written
+    from study.pages import report
 
     report.write(index.parent)

@@ -115,13 +115,14 @@ def run_notebooks(
 
     What agrees stays as it is; what differs is written anew and named, with exit status 1.
     """
-    from study import dataset, notebooks
+    from study import dataset
+    from study.pages import catalogue
 
-    selected = notebooks.select(names or [])
-    parameters = notebooks.check_parameters(selected, settings or [])
+    selected = catalogue.select(names or [])
+    parameters = catalogue.check_parameters(selected, settings or [])
     dataset.verify_files()
-    notebooks.check_claims()
-    session = notebooks.run(selected, parameters, jobs=jobs, force=force, dask_address=dask)
+    catalogue.check_claims()
+    session = catalogue.run(selected, parameters, jobs=jobs, force=force, dask_address=dask)
     _compare(_tell(selected, session))
 
 
@@ -133,9 +134,10 @@ def verify_results(
     ] = False,
 ):
     """Say which results, as made here last, are the kept ones; run nothing."""
-    from study import notebooks, verify
+    from study.dataset import verify
+    from study.pages import catalogue
 
-    selected = notebooks.select(names or [])
+    selected = catalogue.select(names or [])
     if keep:
         for notebook in selected:
             verify.keep(notebook.files())
@@ -144,9 +146,10 @@ def verify_results(
 
 def _compare(selected):
     """Say how many results are the kept ones, and which are not; fail if one differs."""
-    from study import notebooks, verify
+    from study.dataset import verify
+    from study.pages import catalogue
 
-    found = notebooks.compare(selected)
+    found = catalogue.compare(selected)
     for comparison in found:
         if comparison.state == "differs":
             print(f"differs  {comparison.where}", file=sys.stderr)
@@ -158,7 +161,7 @@ def _compare(selected):
 @app.command("paper")
 def typeset_paper():
     """Typeset the paper, build/paper.pdf, from the results in figures/ as they are."""
-    from study.typeset import typeset
+    from study.pages.typeset import typeset
 
     typeset()
     print("made  build/paper.pdf")
@@ -167,27 +170,28 @@ def typeset_paper():
 @app.command("report")
 def write_report(jobs: Jobs = None):
     """Bring everything up to date: figures, tables, paper, and the report, build/report/."""
-    from study import dataset, notebooks
+    from study import dataset
+    from study.pages import catalogue
 
     dataset.verify_files()
-    notebooks.check_claims()
-    session = notebooks.run(notebooks.CATALOGUE, {}, report=True, jobs=jobs)
-    _tell(notebooks.CATALOGUE, session)
+    catalogue.check_claims()
+    session = catalogue.run(catalogue.CATALOGUE, {}, report=True, jobs=jobs)
+    _tell(catalogue.CATALOGUE, session)
     print("Figures and tables are in figures/, the paper is build/paper.pdf.")
     print("The report to browse: build/report/index.html")
-    _compare(notebooks.CATALOGUE)
+    _compare(catalogue.CATALOGUE)
 
 
 def _tell(selected, session):
     """Say what was made and where, or what failed; return the selected notebooks and what ran."""
     from pytask import TaskOutcome
 
-    from study import notebooks
+    from study.pages import catalogue
 
     reports = {
         re.split(r"\[|::task_", r.task.name)[-1].rstrip("]"): r for r in session.execution_reports
     }
-    made = {notebook.name: _made(notebook) for notebook in notebooks.CATALOGUE}
+    made = {notebook.name: _made(notebook) for notebook in catalogue.CATALOGUE}
     made |= {"typeset": ["made  build/paper.pdf"], "report": ["made  build/report/index.html"]}
     failures = []
     if reports:
@@ -207,10 +211,10 @@ def _tell(selected, session):
     if failures:
         raise typer.Exit(1)
     if not ran:
-        whole = len(selected) == len(notebooks.CATALOGUE)
+        whole = len(selected) == len(catalogue.CATALOGUE)
         names = "" if whole else f" of {', '.join(notebook.name for notebook in selected)}"
         print(f"Nothing was stale: every figure and table{names} in figures/ is up to date.")
-    return [nb for nb in notebooks.CATALOGUE if nb in selected or nb.name in ran]
+    return [nb for nb in catalogue.CATALOGUE if nb in selected or nb.name in ran]
 
 
 def _made(notebook):
@@ -230,9 +234,9 @@ def list_results():
     """List every figure and table: what it shows, its notebook, fresh or stale."""
     from pytask import TaskOutcome
 
-    from study import notebooks
+    from study.pages import catalogue
 
-    session = notebooks.run(list(notebooks.CATALOGUE), {}, dry=True)
+    session = catalogue.run(list(catalogue.CATALOGUE), {}, dry=True)
     fresh = {
         r.task.name.split("[")[-1].rstrip("]")
         for r in session.execution_reports
@@ -240,7 +244,7 @@ def list_results():
     }
     rows = [
         (name, "fresh" if notebook.name in fresh else "stale", notebook.name, shows)
-        for notebook in notebooks.CATALOGUE
+        for notebook in catalogue.CATALOGUE
         for name, shows in notebook.results.items()
     ]
     _table(["name", "state", "notebook", "shows"], rows)
@@ -354,7 +358,8 @@ def choose_law(
 
     For a whole mechanism: study simulate --model auto --tolerance ... .
     """
-    from study.choose import choose, relative_costs
+    from study.choose import choose
+    from study.choose.law import relative_costs
 
     materials = modulus_ratio, socket_poisson
     supports = {"ball_drive": str(drive), "rim": str(rim)}
@@ -493,6 +498,7 @@ def simulate_mechanism(
     as_json: AsJson = False,
 ):
     """Simulate the crank-slider: where it is at the end, and every impact (SI units)."""
+    from study.choose import choose_model
     from study.compiled import CACHE
     from study.mechanism import simulate
     from study.mechanism.compare import last_separation
@@ -503,22 +509,27 @@ def simulate_mechanism(
     pair = None if elements is None else _numbers("--elements", elements, int)
     if sys.stderr.isatty() and not any(CACHE.rglob("*.nbi")):
         print("Compiling the stepping loops, once: some seconds ...", file=sys.stderr)
+    names = {"joint": joint, "law": law, "method": method}
+    given = {name: str(value) for name, value in names.items() if value is not None}
+    given |= {} if step is None else {"step": step}
+    given |= {} if pair is None else {"elements": pair}
+    of_auto = {} if socket_ratio is None else {"socket_ratio": socket_ratio}
+    of_auto |= {} if quantity is None else {"quantity": str(quantity)}
+    common = {"duration": duration, "outputs": outputs}
+    chosen = None
+    if model == Model.auto:
+        for name in given:
+            raise ValueError(f"{name} must be left out: model auto chooses it")
+        if tolerance is None:
+            raise ValueError("tolerance must be given: the largest error that model auto may make")
+        chosen = choose_model(changed, tolerance, **common, **of_auto)
+    else:
+        for name in of_auto:
+            raise ValueError(f"{name} must be left out: model {model} has none")
+        given |= {"model": str(model), "tolerance": tolerance}
     with _progress(duration) as progress:
-        response = simulate(
-            changed,
-            model=str(model),
-            joint=None if joint is None else str(joint),
-            law=None if law is None else str(law),
-            duration=duration,
-            outputs=outputs,
-            tolerance=tolerance,
-            step=step,
-            elements=pair,
-            method=None if method is None else str(method),
-            quantity=None if quantity is None else str(quantity),
-            progress=progress,
-            **({} if socket_ratio is None else {"socket_ratio": socket_ratio}),
-        )
+        common |= {"progress": progress}
+        response = chosen.run(changed, **common) if chosen else simulate(changed, **given, **common)
     last = response.motion.iloc[-1]
     end = {
         "time": last.time,
@@ -531,14 +542,14 @@ def simulate_mechanism(
         "energy_error": response.energy_error,
         "complete": response.complete,
     }
-    choice = _model_choice(response.choice)
+    choice = _model_choice(chosen)
     impacts = response.impacts.astype(object).where(response.impacts.notna(), None)
     if as_json:
         told = end | choice | {"impacts": impacts.to_dict("records")}
         print(json.dumps(told, allow_nan=False))
     else:
         if choice:
-            _print_choice(response.choice, duration)
+            _print_choice(chosen, duration)
         _table(list(end), [[_text(value) for value in end.values()]])
         shown = impacts.head(SHOWN)
         _table(impacts.columns, shown.map(_text).itertuples(index=False))
@@ -666,7 +677,7 @@ def show_data(
 @data_app.command("check")
 def check_data():
     """Check files, schema and physics of the dataset, and solve one case anew."""
-    from study import quality
+    from study.dataset import quality
 
     _table(["checked", "found"], quality.check())
 
@@ -689,7 +700,8 @@ def measure_speed(
     """
     import pandas as pd
 
-    from study import dataset, paths, speed
+    from study import dataset, paths
+    from study.measure import speed
 
     if output is not None:
         _check_output(output, ".csv")
@@ -711,7 +723,8 @@ def build_data(jobs: Jobs = None):
     """Build the dataset from nothing; an interrupted build resumes."""
     from pytask import TaskOutcome
 
-    from study import paths, tasks
+    from study import paths
+    from study.pages import tasks
 
     session = tasks.build([paths.DATA], jobs=jobs)
     for report in session.execution_reports:

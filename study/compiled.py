@@ -11,7 +11,7 @@ import numba
 
 from study import paths
 
-_FOLDERS = (paths.ROOT / "study/contact", paths.ROOT / "study/mechanism")
+_FOLDERS = tuple(paths.ROOT / "study" / room for room in ("contact", "mechanism", "measure"))
 
 
 def _digest():

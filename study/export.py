@@ -13,8 +13,7 @@ import pandas as pd
 
 from study import checks, contact
 from study.contact import laws, shapes
-from study.elastic import series
-from study.joint import Joint, force_curve
+from study.joint import Joint, force_curve, series
 
 FORMATS = ("c", "json", "csv")
 EXPORTED = ("stiffened_hertz", "tabulated")

@@ -6,8 +6,7 @@ import pytest
 from study import contact
 from study.compiled import compiled
 from study.contact import forces
-from study.elastic import fem, series
-from study.joint import Joint, force_curve
+from study.joint import Joint, fem, force_curve, series
 
 DEPTHS = np.linspace(0.025, 0.5, 20)
 

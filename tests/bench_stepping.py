@@ -9,10 +9,10 @@ from functools import partial
 
 import pytest
 
-from study import speed
 from study.contact.forces import pack
-from study.mechanism import explicit, simulate
-from study.peers import odes
+from study.measure import explicit, speed
+from study.measure.peers import odes
+from study.mechanism import simulate
 
 LAW = pack(
     "hertz", speed.SCENE.ball_radius, speed.SCENE.socket_radius, speed.SCENE.composite_modulus

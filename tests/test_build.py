@@ -36,9 +36,9 @@ DESIGN = tuple(
 def less_data(tmp_path):
     """A copy of the project with less data to build."""
     project = copy_project(tmp_path / "project")
-    module = project / "study/design.py"
+    module = project / "study/dataset/design.py"
     module.write_text(module.read_text() + LESS)
-    module = project / "study/mechanism/links.py"
+    module = project / "study/choose/links.py"
     module.write_text(module.read_text().replace("COUNT = 160", "COUNT = 3"))
     return project
 

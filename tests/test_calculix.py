@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from study import checks
-from study.elastic import fem
-from study.joint import Joint, Material
+from study.joint import Joint, Material, fem
 from study.joint import force_curve as own
-from study.peers import calculix
+from study.measure.peers import calculix
 
 installed = pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
 

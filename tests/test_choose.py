@@ -9,10 +9,11 @@ import pytest
 
 from study import choose, contact, dataset
 from study.checks import StudyError
-from study.choose import SHALLOWEST
+from study.choose import links
+from study.choose.law import SHALLOWEST
+from study.choose.model import ModelError, choose_model
 from study.joint import Joint, Material, force_curve
-from study.mechanism import Scene, compare, links, simulate
-from study.mechanism.auto import ModelError, choose_model
+from study.mechanism import Scene, compare, simulate
 
 MATERIALS = 13
 PER_MATERIAL = 8
@@ -202,36 +203,25 @@ def test_a_scene_that_nothing_can_be_said_of_is_refused(scene, duration, message
         choose_model(scene, 0.1, duration=duration)
 
 
-def test_auto_simulates_the_choice_and_tells_it():
-    loose = simulate(model="auto", tolerance=0.05, duration=0.05)
-    assert (loose.choice.model, loose.choice.joint) == ("rigid", "ideal")
-    tight = simulate(model="auto", tolerance=1e-3, duration=0.05)
-    assert (tight.choice.model, tight.choice.joint) == ("rigid", "clearance")
-    assert tight.choice.error_bound <= 1e-3 < max(r["error_bound"] for r in tight.choice.evidence)
-    assert len(tight.impacts) > 0
-    soft = Scene(link_modulus=1e9)
-    flexible = simulate(soft, model="auto", tolerance=0.2, duration=0.05, socket_ratio=1.5)
-    assert flexible.choice.compliance_ratio > 10
-    assert flexible.choice.links == "compared"
+def test_a_choice_runs_what_it_chose():
+    loose = choose_model(Scene(), 0.05, duration=0.05)
+    assert (loose.model, loose.joint) == ("rigid", "ideal")
+    tight = choose_model(Scene(), 1e-3, duration=0.05)
+    assert (tight.model, tight.joint) == ("rigid", "clearance")
+    assert tight.error_bound <= 1e-3 < max(row["error_bound"] for row in tight.evidence)
+    assert len(tight.run(Scene(), 0.05, 100).impacts) > 0
+    flexible = choose_model(Scene(link_modulus=1e9), 0.2, duration=0.05, socket_ratio=1.5)
+    assert flexible.compliance_ratio > 10
+    assert flexible.links == "compared"
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({}, "tolerance must be given"),
         ({"tolerance": 0.0}, "tolerance must be > 0 and <= 1, got 0"),
-        ({"tolerance": 0.1, "law": "hertz"}, "law must be left out: model auto chooses it"),
-        ({"tolerance": 0.1, "joint": "ideal"}, "joint must be left out"),
-        ({"tolerance": 0.1, "step": 1e-6}, "step must be left out"),
         ({"tolerance": 0.1, "quantity": "crank_angle"}, "quantity must be one of slider_position"),
-        ({"tolerance": 0.1, "area": "flat"}, "option of model auto must be one of socket_ratio"),
     ],
 )
-def test_auto_refuses_what_it_chooses_itself(options, message):
+def test_a_choice_of_model_refuses_what_is_out_of_range(options, message):
     with pytest.raises(ValueError, match=message):
-        simulate(model="auto", **options)
-
-
-def test_quantity_belongs_to_auto():
-    with pytest.raises(ValueError, match="quantity must be left out: model rigid has none"):
-        simulate(quantity="slider_position")
+        choose_model(Scene(), **options)

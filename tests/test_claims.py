@@ -7,12 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study import claims, dataset, figures, paths, rules
-from study.notebooks import CATALOGUE, check_claims
-from study.report import claims as report_claims
+from study import dataset, paths
+from study.claims import rules, verdicts
+from study.pages import figures
+from study.pages.catalogue import CATALOGUE, check_claims
+from study.pages.report import claims as report_claims
 
-ROWS = claims.load()
-JUDGED = claims.judge()
+ROWS = verdicts.load()
+JUDGED = verdicts.judge()
 RESULTS = {name for notebook in CATALOGUE for name in notebook.results}
 NUMBER = st.floats(-1e6, 1e6)
 
@@ -27,13 +29,13 @@ def test_kept_claims_are_the_computed_ones():
 def test_there_are_enough_claims_and_each_verdict_occurs():
     assert len(ROWS) >= 20
     assert not ROWS.claim.duplicated().any()
-    assert set(JUDGED.verdict) == set(claims.VERDICTS) == set(figures.VERDICT_COLORS)
-    assert set(JUDGED.kind) == set(claims.KINDS) == {"stated", *report_claims.GROUPS}
+    assert set(JUDGED.verdict) == set(verdicts.VERDICTS) == set(figures.VERDICT_COLORS)
+    assert set(JUDGED.kind) == set(verdicts.KINDS) == {"stated", *report_claims.GROUPS}
 
 
 def test_claims_are_grouped_by_kind_and_verdict():
     groups = list(zip(JUDGED.kind, JUDGED.verdict, strict=True))
-    order = [(kind, verdict) for kind in claims.KINDS for verdict in claims.VERDICTS]
+    order = [(kind, verdict) for kind in verdicts.KINDS for verdict in verdicts.VERDICTS]
     assert groups == sorted(groups, key=order.index)
 
 
@@ -119,20 +121,20 @@ def test_the_notebook_depends_on_all_evidence():
     ],
 )
 def test_verdict_by_hand(values, relation, expected, found):
-    assert claims.verdict(values, relation, expected, 1) == found
+    assert verdicts.verdict(values, relation, expected, 1) == found
 
 
 @given(
     st.lists(NUMBER, min_size=1, max_size=4),
-    st.sampled_from(claims.RELATIONS),
+    st.sampled_from(verdicts.RELATIONS),
     NUMBER.filter(lambda x: abs(x) > 1e-3),
     st.floats(0, 10),
 )
 def test_wider_tolerance_never_makes_a_single_reading_worse(values, relation, expected, tolerance):
-    narrow = claims.verdict(values[:1], relation, expected, tolerance)
-    wide = claims.verdict(values[:1], relation, expected, 2 * tolerance)
-    assert claims.VERDICTS.index(wide) >= claims.VERDICTS.index(narrow)
-    forth, back = (claims.verdict(v, relation, expected, 1) for v in (values, values[::-1]))
+    narrow = verdicts.verdict(values[:1], relation, expected, tolerance)
+    wide = verdicts.verdict(values[:1], relation, expected, 2 * tolerance)
+    assert verdicts.VERDICTS.index(wide) >= verdicts.VERDICTS.index(narrow)
+    forth, back = (verdicts.verdict(v, relation, expected, 1) for v in (values, values[::-1]))
     assert forth == back
 
 
@@ -154,7 +156,7 @@ def changed(monkeypatch, tmp_path):
         monkeypatch.setattr(dataset, "published", lambda: stated)
         monkeypatch.setattr(paths, "DATA", tmp_path / "data")
         monkeypatch.setattr(paths, "FIGURES", tmp_path / "figures")
-        return claims.judge
+        return verdicts.judge
 
     yield change
     rules.result.cache_clear()
@@ -176,16 +178,18 @@ def changed(monkeypatch, tmp_path):
     ],
 )
 def test_a_wrong_claim_is_one_clear_error(changed, column, value, message):
-    with pytest.raises(claims.ClaimError, match=re.escape(message)):
+    with pytest.raises(verdicts.ClaimError, match=re.escape(message)):
         changed(column, value)()
 
 
 def test_names_that_no_notebook_makes_stop_a_run_at_once(changed):
     changed("evidence", "explianed")
-    with pytest.raises(claims.ClaimError, match="claim table1_r2: no notebook makes 'explianed'"):
+    with pytest.raises(verdicts.ClaimError, match="claim table1_r2: no notebook makes 'explianed'"):
         check_claims()
 
 
 def test_missing_evidence_is_one_clear_error(changed):
-    with pytest.raises(claims.ClaimError, match=r"figures/table1.csv is missing; .*study run tab"):
+    with pytest.raises(
+        verdicts.ClaimError, match=r"figures/table1.csv is missing; .*study run tab"
+    ):
         changed(without="table1")()

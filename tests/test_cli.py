@@ -9,9 +9,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study import cli, contact, dataset, export, joint, speed
-from study.joint import Joint, force_curve
-from study.mechanism import Scene, links, models, particles, simulate
+from study import cli, contact, dataset, export
+from study.choose import links
+from study.joint import Joint, curve, force_curve
+from study.measure import speed
+from study.mechanism import Scene, particles, simulate
+from study.mechanism.simulate import JOINTS, MODELS
 
 
 @pytest.fixture
@@ -45,7 +48,7 @@ def test_law_passes_its_options_on(run):
     assert json.loads(out)["force_star"] == pytest.approx([expected])
 
 
-@pytest.mark.parametrize("kinematics", joint.KINEMATICS)
+@pytest.mark.parametrize("kinematics", curve.KINEMATICS)
 def test_joint_knows_all_kinematics(run, kinematics):
     words = ["--r2-star", 20, "--depth-star", 0.5, "--kinematics", kinematics]
     _, out, _ = run("joint", *words, "--json")
@@ -87,13 +90,13 @@ def test_data_show_filters(run):
 
 def test_choices_and_defaults_are_those_of_the_library():
     signature = inspect.signature(cli.solve_joint)
-    assert signature.parameters["socket_ratio"].default == joint.SOCKET_RATIO
-    assert str(signature.parameters["kinematics"].default) == joint.Joint(200).kinematics
-    assert tuple(cli.Kinematics) == joint.KINEMATICS
-    assert tuple(cli.Drive) == joint.fem.DRIVES
-    assert str(signature.parameters["rim"].default) == joint.Joint(200).rim
-    assert tuple(cli.Rim) == joint.fem.RIMS
-    assert tuple(cli.Solver) == joint.SOLVERS
+    assert signature.parameters["socket_ratio"].default == curve.SOCKET_RATIO
+    assert str(signature.parameters["kinematics"].default) == curve.Joint(200).kinematics
+    assert tuple(cli.Kinematics) == curve.KINEMATICS
+    assert tuple(cli.Drive) == curve.fem.DRIVES
+    assert str(signature.parameters["rim"].default) == curve.Joint(200).rim
+    assert tuple(cli.Rim) == curve.fem.RIMS
+    assert tuple(cli.Solver) == curve.SOLVERS
     assert tuple(cli.Exported) == export.EXPORTED
     assert tuple(cli.Format) == export.FORMATS
 
@@ -288,10 +291,10 @@ def test_simulate_refuses_bad_input_in_one_line(run, words, message):
 
 
 def test_simulate_offers_what_there_is():
-    assert list(cli.Model) == [*models.MODELS, "auto"]
+    assert list(cli.Model) == [*MODELS, "auto"]
     assert list(cli.Quantity) == list(links.QUANTITIES)
     assert list(cli.Chart) == list(speed.CHARTS)
-    assert list(cli.MechanismJoint) == list(models.JOINTS)
+    assert list(cli.MechanismJoint) == list(JOINTS)
     assert list(cli.Method) == list(particles.METHODS)
 
 
@@ -355,7 +358,7 @@ def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch)
 def test_joint_and_export_take_unequal_materials(run):
     words = ["--r2-star", 150, "--modulus-ratio", 0.35, "--socket-poisson", 0.33]
     _, out, _ = run("joint", *words, "--depth-star", 0.5, "--json")
-    expected = Joint(150, socket=joint.Material(0.35 * 2e11, 0.33))
+    expected = Joint(150, socket=curve.Material(0.35 * 2e11, 0.33))
     force = json.loads(out)["force_star"][0]
     assert force == pytest.approx(force_curve(expected, 0.5).force_star[0])
     _, out, _ = run("export", "--law", "tabulated", "--format", "json", *words)

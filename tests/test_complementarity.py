@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 
-from study import complementarity
+from study.joint import complementarity
 
 
 def problem(seed, size, conditioning):

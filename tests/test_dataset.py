@@ -8,7 +8,9 @@ import pandas as pd
 import pytest
 from threadpoolctl import threadpool_limits
 
-from study import dataset, design, joint, paths, quality
+from study import dataset, paths
+from study.dataset import design, quality
+from study.joint import curve
 
 ROOT = paths.ROOT
 
@@ -203,8 +205,13 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
 @pytest.mark.parametrize(
     ("module", "old", "new", "outdated"),
     [
-        ("joint", "_BESIDE = (0.97, 1.03)", "_BESIDE = (0.98, 1.02)", ["data/force_curves.csv"]),
-        ("elastic/series", '"""', '"""Another. ', ["data/force_curves.csv"]),
+        (
+            "joint/curve",
+            "_BESIDE = (0.97, 1.03)",
+            "_BESIDE = (0.98, 1.02)",
+            ["data/force_curves.csv"],
+        ),
+        ("joint/series", '"""', '"""Another. ', ["data/force_curves.csv"]),
         ("contact/bodies", "(1 - nu**2)", "(1.01 - nu**2)", ["data/force_curves.csv"]),
         (
             "contact/laws",
@@ -212,10 +219,10 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
             "return 1.01 * 4 / 3 * np.sqrt",
             ["study/contact/coefficients.json", "data/links.csv"],
         ),
-        ("fitting", "SLACK = 1.05", "SLACK = 1.06", ["study/contact/coefficients.json"]),
-        ("mechanism/links", "COUNT = 160", "COUNT = 161", ["data/links.csv"]),
-        ("figures", '"font.size": 9', '"font.size": 8', []),
-        ("mechanism/auto", '"""', '"""Another. ', []),
+        ("dataset/fitting", "SLACK = 1.05", "SLACK = 1.06", ["study/contact/coefficients.json"]),
+        ("choose/links", "COUNT = 160", "COUNT = 161", ["data/links.csv"]),
+        ("pages/figures", '"font.size": 9', '"font.size": 8', []),
+        ("choose/model", '"""', '"""Another. ', []),
     ],
 )
 def test_changed_code_makes_out_of_date_what_reaches_it(copy, module, old, new, outdated):
@@ -237,7 +244,7 @@ def test_changed_code_makes_out_of_date_what_reaches_it(copy, module, old, new, 
 
 def test_a_changed_default_of_the_joint_makes_the_dataset_out_of_date(copy, monkeypatch):
     monkeypatch.setattr(
-        design, "Joint", lambda r2_star, **given: joint.Joint(r2_star, **{"rim": "free"} | given)
+        design, "Joint", lambda r2_star, **given: curve.Joint(r2_star, **{"rim": "free"} | given)
     )
     with pytest.raises(dataset.DatasetError, match=r"out of date: the design.*a default of the j"):
         dataset.load()
@@ -294,9 +301,9 @@ def test_a_curve_unlike_the_solver_fails_the_check(copy):
 
 
 def test_a_case_is_solved_to_the_same_bytes_on_any_number_of_threads(tmp_path):
-    case = ("ratio", "one", joint.Joint(20, 1.5, kinematics="small"), (0.1, 0.5))
+    case = ("ratio", "one", curve.Joint(20, 1.5, kinematics="small"), (0.1, 0.5))
     for threads, name in ((1, "first.csv"), (2, "second.csv")):
-        joint.series.socket_compliance.cache_clear()
+        curve.series.socket_compliance.cache_clear()
         with threadpool_limits(threads):
             dataset.write_table(dataset.solve_case(*case), tmp_path / name)
     assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "second.csv").read_bytes()

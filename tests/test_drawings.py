@@ -7,9 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study import drawings, figures, paths
+from study import paths
 from study.contact import hertz, hyperbolic_winkler, pressure, winkler
 from study.joint import Joint, force_curve
+from study.pages import drawings, figures
 
 
 def new_axes(count=1):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from study.elastic import HatFunctions, fem
+from study.joint import fem
+from study.joint.compliance import HatFunctions
 
 
 def mean_displacement(compliance):

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study import contact, dataset, fitting
-from study import statistics as stats
+from study import contact, dataset
+from study.claims import statistics as stats
+from study.dataset import fitting
 from study.joint import Joint, Material, force_curve
 
 laws = pytest.mark.parametrize("law", fitting.FITTED_LAWS)

@@ -4,8 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study import dataset, fitting, identification, paths
-from study import statistics as stats
+from study import dataset, paths
+from study.claims import identification
+from study.claims import statistics as stats
+from study.dataset import fitting
 
 RATIOS = (1.15, 1.2, 1.25, 1.3, 1.36, 1.45)
 FREE = {"ball_drive": "plane", "rim": "mirror"}  # solved by the series, in milliseconds

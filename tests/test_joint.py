@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from study import contact, kinematics, paths
-from study.complementarity import ComplementarityError
-from study.elastic import HatFunctions, fem, series
-from study.joint import Joint, Material, force_curve
+from study import contact, paths
+from study.joint import Joint, Material, fem, force_curve, pairing, series
+from study.joint.complementarity import ComplementarityError
+from study.joint.compliance import HatFunctions
 
 REFERENCE = pd.read_csv(paths.DATA / "published" / "joint.csv")
 
@@ -132,8 +132,8 @@ def test_large_displacements_of_unequal_bodies(stiffer):
 def test_large_displacements_do_not_depend_on_the_path():
     joint = Joint(10, 1.3, kinematics="finite")
     bodies = fem.ball(0.3, "plane", 64), fem.socket(1.3, 0.3, "mirror", 64)
-    _, steps = kinematics.solve_finite(joint, np.linspace(0, 0.8, 9), *bodies)
-    _, jump = kinematics.solve_finite(joint, np.array([0.8, 0.4]), *bodies)
+    _, steps = pairing.solve_finite(joint, np.linspace(0, 0.8, 9), *bodies)
+    _, jump = pairing.solve_finite(joint, np.array([0.8, 0.4]), *bodies)
     assert jump == pytest.approx(steps[[8, 4]], rel=1e-6)
 
 

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study import contact, dataset, fitting
+from study import contact, dataset
 from study.contact import laws
+from study.dataset import fitting
 from study.joint import Joint, force_curve
 
 depths = st.floats(1e-6, 0.999)

@@ -12,7 +12,8 @@ from study.contact import LAWS
 from study.contact.damping import DAMPINGS
 from study.contact.forces import pack
 from study.joint import Joint, force_curve
-from study.mechanism import MechanismError, Scene, compare, explicit, rigid, simulate
+from study.measure import explicit
+from study.mechanism import MechanismError, Scene, compare, rigid, simulate
 
 PAPER = Scene()
 HERTZ = pack("hertz", PAPER.ball_radius, PAPER.socket_radius, PAPER.composite_modulus)

@@ -7,9 +7,10 @@ import sys
 import nbformat
 import pytest
 
-from study import notebooks, paths
+from study import paths
+from study.pages import catalogue
 
-every_notebook = pytest.mark.parametrize("notebook", notebooks.CATALOGUE, ids=lambda n: n.name)
+every_notebook = pytest.mark.parametrize("notebook", catalogue.CATALOGUE, ids=lambda n: n.name)
 
 
 def code_cells(notebook):
@@ -18,13 +19,13 @@ def code_cells(notebook):
 
 
 def test_catalogue_and_folder_agree():
-    assert sorted(paths.NOTEBOOKS.glob("*.ipynb")) == [n.path for n in notebooks.CATALOGUE]
-    results = [name for n in notebooks.CATALOGUE for name in n.results]
+    assert sorted(paths.NOTEBOOKS.glob("*.ipynb")) == [n.path for n in catalogue.CATALOGUE]
+    results = [name for n in catalogue.CATALOGUE for name in n.results]
     assert len(results) == len(set(results))
 
 
 def test_notebooks_are_stripped():
-    files = [str(notebook.path) for notebook in notebooks.CATALOGUE]
+    files = [str(notebook.path) for notebook in catalogue.CATALOGUE]
     command = [sys.executable, "-m", "nbstripout", "--verify", *files]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -49,26 +50,26 @@ def test_cells_load_call_and_show(notebook):
 
 @every_notebook
 def test_parameters_are_documented_literals(notebook):
-    assert notebooks.parameters(notebook)
+    assert catalogue.parameters(notebook)
     (cell,) = [c for c in code_cells(notebook) if "parameters" in c.metadata.get("tags", [])]
     assert all("#" in line for line in cell.source.splitlines())
-    for key, (value, comment) in notebooks.parameters(notebook).items():
+    for key, (value, comment) in catalogue.parameters(notebook).items():
         numbers = isinstance(value, (list, tuple)) or not isinstance(value, bool)
         assert comment.endswith("]") == numbers or key == "parts"
-        notebooks._check_range(key, value, comment)
+        catalogue._check_range(key, value, comment)
 
 
 def test_results_and_notebooks_select_notebooks():
-    selected = notebooks.select(["table2", "fig11", "02-coefficient-over-socket-radius"])
+    selected = catalogue.select(["table2", "fig11", "02-coefficient-over-socket-radius"])
     assert [n.name[:2] for n in selected] == ["02", "04"]
-    assert notebooks.select([]) == list(notebooks.CATALOGUE)
+    assert catalogue.select([]) == list(catalogue.CATALOGUE)
     with pytest.raises(ValueError, match="NAME must be one of .*, got 'fig1'"):
-        notebooks.select(["fig1"])
+        catalogue.select(["fig1"])
 
 
 def test_settings_reach_the_notebooks_that_have_them():
-    chosen = notebooks.check_parameters(
-        notebooks.select(["fig09", "fig10", "fig13"]),
+    chosen = catalogue.check_parameters(
+        catalogue.select(["fig09", "fig10", "fig13"]),
         ["kinematics=small", "r2_star=100", "levels=[-5,5]"],
     )
     assert chosen == {
@@ -101,14 +102,14 @@ def test_settings_reach_the_notebooks_that_have_them():
 )
 def test_wrong_settings_stop_before_anything_runs(setting, message):
     with pytest.raises(ValueError, match=re.escape(message)):
-        notebooks.check_parameters(notebooks.select(["fig10"]), [setting])
+        catalogue.check_parameters(catalogue.select(["fig10"]), [setting])
 
 
 def order(names, report):
     """Tasks that would be run or are fresh, in order, of a process of its own."""
     code = (
         "from study import notebooks\n"
-        f"session = notebooks.run(notebooks.select({names}), {{}}, report={report}, dry=True)\n"
+        f"session = catalogue.run(catalogue.select({names}), {{}}, report={report}, dry=True)\n"
         "assert session.exit_code == 0\n"
         "for report in session.execution_reports:\n"
         "    if report.outcome.name != 'SKIP':\n"
@@ -122,12 +123,12 @@ def order(names, report):
 def test_paper_and_report_come_after_every_notebook():
     tasks = order([], True)
     assert tasks[-2:] == ["typeset", "report"]
-    assert sorted(tasks[:-2]) == [f"notebook[{nb.name}]" for nb in notebooks.CATALOGUE]
+    assert sorted(tasks[:-2]) == [f"notebook[{nb.name}]" for nb in catalogue.CATALOGUE]
 
 
 def test_a_notebook_comes_after_those_it_reads_from():
-    (last,) = notebooks.select(["claims"])
-    makers = [nb for nb in notebooks.CATALOGUE if set(nb.results) & set(last.reads)]
+    (last,) = catalogue.select(["claims"])
+    makers = [nb for nb in catalogue.CATALOGUE if set(nb.results) & set(last.reads)]
     tasks = order(["claims"], False)
     assert tasks[-1] == f"notebook[{last.name}]"
     assert sorted(tasks[:-1]) == [f"notebook[{nb.name}]" for nb in makers]

@@ -6,9 +6,10 @@ import pandas as pd
 import pytest
 import typst
 
-from study import paths, typeset
+from study import paths
 from study.checks import StudyError
-from study.notebooks import CATALOGUE
+from study.pages import typeset
+from study.pages.catalogue import CATALOGUE
 
 TEXT = typeset.SOURCE.read_text(encoding="utf-8")
 

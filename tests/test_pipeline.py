@@ -11,7 +11,9 @@ import time
 import pytest
 from copied import copy_project, environment, study
 
-from study import notebooks, paths, verify
+from study import paths
+from study.dataset import verify
+from study.pages import catalogue
 
 TWO = ("02-coefficient-over-socket-radius", "03-force-against-depth")
 MADE = ("fig07.png", "fig07.csv", "fig09.png", "fig09.csv", "table1.csv", "fig10.png", "fig10.csv")
@@ -48,7 +50,7 @@ def ran(done):
 def test_pipeline_from_nothing_to_fresh_and_stale(project):
     listed = study(project, "list")
     assert listed.returncode == 0, listed.stderr
-    results = [name for notebook in notebooks.CATALOGUE for name in notebook.results]
+    results = [name for notebook in catalogue.CATALOGUE for name in notebook.results]
     assert listed.stdout.count("stale") == len(results)
 
     done = study(project, "run", "fig09", "fig10")
@@ -97,7 +99,11 @@ def fresh(project):
 def test_a_changed_module_makes_stale_only_what_reaches_it(project):
     before = fresh(project)
     assert before == set(TWO)
-    for module, reached in (("stability", set()), ("fitting", {TWO[0]}), ("figures", set(TWO))):
+    for module, reached in (
+        ("measure/stability", set()),
+        ("dataset/fitting", {TWO[0]}),
+        ("pages/figures", set(TWO)),
+    ):
         path = project / f"study/{module}.py"
         text = path.read_text()
         path.write_text(text + "# changed\n")

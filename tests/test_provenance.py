@@ -4,7 +4,9 @@ import json
 
 import pytest
 
-from study import notebooks, paths, provenance
+from study import paths
+from study.dataset import provenance
+from study.pages import catalogue
 
 
 def reached(name):
@@ -14,32 +16,32 @@ def reached(name):
 
 def test_imports_are_followed_to_the_modules_that_define_the_names():
     # joint asks the package contact for two names of bodies.py, not for the laws
-    assert reached("joint.py") == {
-        *("checks.py", "complementarity.py", "contact/bodies.py", "elastic/__init__.py"),
-        *("elastic/fem.py", "elastic/series.py", "joint.py", "kinematics.py", "threads.py"),
+    assert reached("joint/curve.py") == {
+        *("checks.py", "contact/bodies.py", "joint/complementarity.py", "joint/compliance.py"),
+        *("joint/curve.py", "joint/fem.py", "joint/pairing.py", "joint/series.py", "threads.py"),
     }
-    assert "contact/laws.py" in reached("fitting.py")
-    assert reached("verify.py") == {"verify.py"}
+    assert "contact/laws.py" in reached("dataset/fitting.py")
+    assert reached("dataset/verify.py") == {"dataset/verify.py"}
 
 
 def test_imports_inside_functions_count(tmp_path):
     path = tmp_path / "late.py"
-    path.write_text("def f():\n    import study.stability\n")
-    assert paths.ROOT / "study/stability.py" in provenance.sources(path)
+    path.write_text("def f():\n    import study.measure.stability\n")
+    assert paths.ROOT / "study/measure/stability.py" in provenance.sources(path)
 
 
 @pytest.mark.parametrize(
     ("changed", "stale"),
     [
-        ("study/stability.py", ["17"]),
-        ("study/speed.py", ["16"]),
-        ("study/rules.py", ["18"]),
-        ("study/identification.py", ["04", "12", "13"]),
+        ("study/measure/stability.py", ["17"]),
+        ("study/measure/speed.py", ["16"]),
+        ("study/claims/rules.py", ["18"]),
+        ("study/claims/identification.py", ["04", "12", "13"]),
         ("study/mechanism/beams.py", ["08", "09", "10", "11", "16", "17"]),
         ("study/mechanism/scene.py", ["07", "08", "09", "10", "11", "16", "17"]),
-        ("study/figures.py", [f"{n:02d}" for n in range(19)]),
+        ("study/pages/figures.py", [f"{n:02d}" for n in range(19)]),
         ("study/cli.py", []),
-        ("study/report/pages.py", []),
+        ("study/pages/report/pages.py", []),
         ("data/published/claims.csv", ["18"]),
         ("study/contact/coefficients.json", [f"{n:02d}" for n in range(19)]),
     ],
@@ -47,7 +49,7 @@ def test_imports_inside_functions_count(tmp_path):
 def test_a_change_makes_stale_what_reaches_it_and_nothing_else(changed, stale):
     path = paths.ROOT / changed
     assert path.is_file()
-    assert [nb.name[:2] for nb in notebooks.CATALOGUE if path in nb.inputs()] == stale
+    assert [nb.name[:2] for nb in catalogue.CATALOGUE if path in nb.inputs()] == stale
 
 
 def test_data_that_modules_read_are_there_and_named_in_them():
@@ -61,4 +63,4 @@ def test_data_that_modules_read_are_there_and_named_in_them():
 def test_every_data_file_of_the_dataset_decides_what_loads_it():
     described = json.loads((paths.DATA / "datapackage.json").read_text())["resources"]
     read = {f"data/{resource['path']}" for resource in described}
-    assert read - {"data/published/mechanism.csv"} == set(provenance.READS["dataset.py"])
+    assert read - {"data/published/mechanism.csv"} == set(provenance.READS["dataset/store.py"])

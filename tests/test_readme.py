@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study import cli, contact, dataset, identification, paths
+from study import cli, contact, dataset, paths
+from study.claims import identification
 from study.mechanism import compare, simulate
 
 README = " ".join((paths.ROOT / "README.md").read_text(encoding="utf-8").split())

@@ -16,13 +16,14 @@ import nbformat
 import pytest
 from nbformat import v4
 
-from study import paths, report
+from study import paths
 from study.checks import StudyError
 from study.contact import LAWS
-from study.notebooks import CATALOGUE
-from study.report.claims import COLUMNS, VERDICTS
-from study.report.prose import mathml
-from study.report.results import results
+from study.pages import report
+from study.pages.catalogue import CATALOGUE
+from study.pages.report.claims import COLUMNS, VERDICTS
+from study.pages.report.prose import mathml
+from study.pages.report.results import results
 
 RESULTS = {name: nb for nb in CATALOGUE for name in nb.results}
 FIGURES = [name for nb in CATALOGUE for name in nb.figures]

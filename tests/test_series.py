@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from study.elastic import HatFunctions, fem, series, surface_angles
+from study.joint import fem, series
+from study.joint.compliance import HatFunctions, surface_angles
 
 EVEN = np.arange(0, 10_001, 2)
 

@@ -6,12 +6,13 @@ import mpmath
 import numpy as np
 import pytest
 
-from study import complementarity, contact, stability
+from study import contact
 from study.contact import shapes
 from study.contact.damping import DAMPINGS, damping_factor
-from study.elastic import surface_angles
-from study.joint import Joint, Material, force_curve, paper_joint
-from study.mechanism import MechanismError, Scene, explicit, particles, rigid, simulate
+from study.joint import Joint, Material, complementarity, force_curve, paper_joint
+from study.joint.compliance import surface_angles
+from study.measure import explicit, stability
+from study.mechanism import MechanismError, Scene, particles, rigid, simulate
 
 PAPER = Scene()
 SLIPPERY = PAPER.but(friction=0.0)

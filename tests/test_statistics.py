@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study import dataset
-from study import statistics as stats
+from study.claims import statistics as stats
 
 TRUTH, PREDICTION = [1.0, 2.0, 4.0, 5.0], [1.0, 3.0, 4.0, 4.0]  # SSE 2, SST 10, mean 3
 

@@ -6,7 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study import figures, paths, verify
+from study import paths
+from study.dataset import verify
+from study.pages import figures
 
 
 @pytest.fixture

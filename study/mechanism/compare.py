@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 
 from study import checks
-from study.mechanism.models import run
 from study.mechanism.response import COLUMNS, Response
 from study.mechanism.scene import Scene
+from study.mechanism.simulate import simulate
 
 
 def difference(response, truth, column):
@@ -139,8 +139,8 @@ def refinement(scene, crank_elements, **options):
     step, rows = options.pop("step"), []
     for n in crank_elements:
         pair = {"elements": (n, 2 * n), "joint": "ideal"}
-        particles = run(scene, "particles", **pair, **options)
-        beams = run(scene, "beams", step=step, **pair, **options)
+        particles = simulate(scene, model="particles", **pair, **options)
+        beams = simulate(scene, model="beams", step=step, **pair, **options)
         apart = np.abs(particles.slider_position - beams.slider_position).max()
         rows.append((n, float(apart)))
     table = pd.DataFrame(rows, columns=["elements", "difference"])
@@ -169,17 +169,17 @@ def stiffening(scene, factors, **options):
     checks.instance("scene", scene, Scene)
     factors = np.atleast_1d(checks.number("factors", factors, above=0))
     step, elements, rows = options.pop("step"), {"elements": (2, 4)}, []
-    rigid = run(scene, "rigid", joint="ideal", **options)
+    rigid = simulate(scene, model="rigid", joint="ideal", **options)
     longer = options | {"duration": 2 * options["duration"]}
-    truth = run(scene, "rigid", **longer).impacts.iloc[0]
+    truth = simulate(scene, model="rigid", **longer).impacts.iloc[0]
     for factor in factors:
         stiff = scene.but(link_modulus=factor * scene.youngs_modulus)
         apart = []
         for model, own in (("particles", {}), ("beams", {"step": step})):
-            response = run(stiff, model, joint="ideal", **elements, **own, **options)
+            response = simulate(stiff, model=model, joint="ideal", **elements, **own, **options)
             largest = np.abs(response.slider_position - rigid.slider_position).max()
             apart.append(largest / _way(rigid))
-        first = run(stiff, "particles", **elements, **longer).impacts.iloc[0]
+        first = simulate(stiff, model="particles", **elements, **longer).impacts.iloc[0]
         changes = [abs(first[c] / truth[c] - 1) for c in ("approach_speed", "peak_force")]
         rows.append((factor, *apart, *changes))
     columns = ["factor", "particles", "beams", "approach_speed", "peak_force"]

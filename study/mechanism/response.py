@@ -126,14 +126,11 @@ class Response:
         ``separation_speed`` is missing (NaN), and ``duration`` and ``lost`` are those so far.
     complete : bool
         False if the simulation was interrupted.
-    choice : study.mechanism.auto.ModelChoice or None
-        How the model was chosen, if it was.
     """
 
     motion: pd.DataFrame
     impacts: pd.DataFrame
     complete: bool = True
-    choice: object = None
 
     def __getattr__(self, name):
         if name in COLUMNS:

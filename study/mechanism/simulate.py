@@ -1,25 +1,47 @@
-"""One call for every model of the crank-slider: ``simulate(scene, model=...)``."""
+"""One call for every model of the crank-slider, with checked arguments: ``simulate(scene, ...)``.
 
-from dataclasses import replace
+Three models with a clearance joint or an ideal one: rigid links, links of particles (the
+paper's finite particle method), links of beam elements. Which of them a scene needs is chosen in
+`study.choose.model`.
+"""
+
+from math import sqrt
+
+import numpy as np
 
 from study import checks
-from study.mechanism import auto, models
+from study.contact.forces import pack
+from study.contact.laws import find
+from study.mechanism import beams, ideal, particles, rigid
+from study.mechanism.response import collect
 from study.mechanism.scene import Scene
+from study.threads import one_thread
+
+MODELS = ("rigid", "particles", "beams")
+JOINTS = ("clearance", "ideal")
+TOLERANCE = 1e-8
+BEAM_STEP = 1e-6
+ELEMENTS = (4, 8)
+MOST_STEPS = 1e10
+MOST_TURNED = 1e6
+"""Angle in rad that drive and gravity may turn the crank by itself, which takes rigid links some
+minutes: a crank that is far too short or light for its drive does nothing else."""
+BLOCKS = 100  # after each the progress is told, and an interruption is heeded
 
 
+@one_thread
 def simulate(
     scene=None,
     *,
     model="rigid",
-    joint=None,
-    law=None,
+    joint="clearance",
+    law="hertz",
     duration=0.1,
     outputs=1000,
     tolerance=None,
     step=None,
     elements=None,
     method=None,
-    quantity=None,
     progress=None,
     **law_options,
 ):
@@ -29,9 +51,8 @@ def simulate(
     ----------
     scene : Scene, optional
         By default the paper's.
-    model : {"rigid", "particles", "beams", "auto"}
-        Links; ``auto`` finds the least model that is accurate enough, with its joint, law,
-        stepper and step (`study.mechanism.auto.choose_model`).
+    model : {"rigid", "particles", "beams"}
+        Links; which of them a scene needs is chosen in `study.choose.model`.
     joint : {"clearance", "ideal"}, optional
         Joint between coupler and slider, by default with clearance.
     law : str or callable, optional
@@ -44,7 +65,6 @@ def simulate(
     tolerance : float, optional
         Rigid links with clearance: largest local error of places and speeds, relative to the
         clearance, the depth of the impact and the speed that the drive gives; default 1e-8.
-        ``auto``, which needs it: largest NRMS error of the slider's motion, see ``quantity``.
     step : float, optional
         Flexible links: largest time step, in s. Default for particles: half their limit of
         stability; for beams 1e-6 s.
@@ -53,18 +73,15 @@ def simulate(
     method : {"centred", "lagged", "unguarded"}, optional
         Particles: velocity in damping and friction at the joint, centred (default) or half a
         step old; ``unguarded`` is the latter without the checks of the limits of stability.
-    quantity : {"slider_position", "slider_velocity", "slider_acceleration"}, optional
-        ``auto``: what the tolerance is for; default position.
     progress : callable, optional
         Called with the simulated time, in s, after each of 100 parts.
     **law_options
-        Of the law; ``auto``: ``socket_ratio`` of the joint, default 1.298.
+        Of the law.
 
     Returns
     -------
     study.mechanism.response.Response
-        What was computed so far, and ``complete=False``, if interrupted by Ctrl-C. For
-        ``auto``, ``choice`` tells what was chosen and why.
+        What was computed so far, and ``complete=False``, if interrupted by Ctrl-C.
 
     Raises
     ------
@@ -74,22 +91,71 @@ def simulate(
         If the simulation cannot go on; says when, with which step, and what limit was passed.
     """
     scene = Scene() if scene is None else checks.instance("scene", scene, Scene)
-    checks.choice("model", model, (*models.MODELS, "auto"))
-    given = {"joint": joint, "law": law, "step": step, "elements": elements, "method": method}
-    given = {name: value for name, value in given.items() if value is not None}
-    common = {"duration": duration, "outputs": outputs}
-    if model != "auto":
-        if quantity is not None:
-            raise ValueError(f"quantity must be left out: model {model} has none")
-        common |= {"tolerance": tolerance, "progress": progress}
-        return models.run(scene, model, **given, **common, **law_options)
-    for name in given:
-        raise ValueError(f"{name} must be left out: model auto chooses it")
-    if tolerance is None:
-        raise ValueError("tolerance must be given: the largest error that model auto may make")
-    for option in law_options:
-        checks.choice("option of model auto", option, ("socket_ratio",))
-    if quantity is not None:
-        common |= {"quantity": quantity}
-    choice = auto.choose_model(scene, tolerance, **common, **law_options)
-    return replace(choice.run(scene, duration, outputs, progress), choice=choice)
+    checks.choice("model", model, MODELS)
+    checks.choice("joint", joint, JOINTS)
+    flexible, gapless = model != "rigid", joint == "ideal"
+    for name, value, used in (
+        ("tolerance", tolerance, not flexible and not gapless),
+        ("step", step, flexible),
+        ("elements", elements, flexible),
+        ("method", method, model == "particles"),
+    ):
+        if value is not None and not used:
+            raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
+    if progress is not None and not callable(progress):
+        raise ValueError(f"progress must be a function of the time, got {checks.shown(progress)}")
+    checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
+    turned = _turned(scene, duration)
+    checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)
+    outputs = checks.whole("outputs", outputs, least=1, most=10**6)
+    packed = pack(
+        law, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **law_options
+    )
+    try:
+        find(law)(1.0, scene.socket_radius / scene.clearance, **law_options)
+    except checks.RangeError as error:
+        raise checks.RangeError(f"law must reach a depth of one clearance: {error}") from None
+    times = np.array_split(
+        duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1)
+    )
+    if model == "rigid" and gapless:
+        blocks = ideal.simulate(scene, times)
+    elif model == "rigid":
+        tolerance = TOLERANCE if tolerance is None else tolerance
+        checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
+        blocks = rigid.simulate(scene, packed, times, tolerance)
+    else:
+        pair = particles.numbers_of_elements(ELEMENTS if elements is None else elements)
+        if step is not None:
+            checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
+        if model == "particles":
+            method = particles.METHODS[0] if method is None else method
+            checks.choice("method", method, particles.METHODS)
+            blocks = particles.simulate(scene, packed, times, gapless, step, pair, method)
+        else:
+            step = BEAM_STEP if step is None else step
+            blocks = beams.simulate(scene, packed, times, gapless, step, pair)
+    return _gather(blocks, times, progress)
+
+
+def _turned(scene, duration):
+    """Angle by which drive and gravity turn the crank if nothing holds it, in rad."""
+    inertia = scene.inertias[0] + scene.crank_mass * scene.crank_length**2 / 4
+    swing = sqrt(abs(scene.gravity) / scene.crank_length)
+    return abs(scene.driving_moment) * duration**2 / (2 * inertia) + swing * duration
+
+
+def _gather(blocks, times, progress):
+    """Run a model to its end or to an interruption."""
+    rows, impacts, ended, complete = [], None, True, True
+    try:
+        for at, (block, impacts, ended) in zip(times, blocks, strict=True):  # noqa: B007
+            block[:, 0] = at  # the times asked for, to the last bit
+            rows.append(block)
+            if progress is not None:
+                progress(at[-1])
+    except KeyboardInterrupt:
+        if not rows:
+            raise
+        complete = False
+    return collect(rows, impacts, ended, complete)

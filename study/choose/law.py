@@ -1,0 +1,373 @@
+"""The cheapest law that is accurate enough for a joint, and how one knows.
+
+A law's error is the largest relative error of its force over all depths from `SHALLOWEST`
+clearances to the scene's largest. Inside the range of the dataset's group ``fit`` the exact
+force is interpolated from it; outside, or for other supports and unequal materials, the joint
+is solved. Costs are those of ``data/published/peers.csv``. The choice of a whole mechanism's
+model is in `study.choose.model`.
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import numpy as np
+import pandas as pd
+from scipy.interpolate import RegularGridInterpolator
+
+from study import checks, dataset
+from study.contact import LAWS, hertz, tabulated
+from study.joint import Joint, UnresolvedError, force_curve
+from study.threads import one_thread
+
+SHALLOWEST = 0.005
+"""Least depth_star of the error: below, the force is less than 1/1000 of that at 0.5."""
+INTERPOLATION = 5e-4
+"""Largest relative error of `stiffening`: twice that on the dataset's group ``judge``."""
+ESTIMATE = 1.5  # times a solution's error estimate, for depths between those solved
+RESOLUTIONS = {"series": (64, 160, 320, 640, 1280), "quadratic": (64, 160), "finite": (32, 64, 96)}
+DEPTHS = {"series": 40, "quadratic": 40, "finite": 12}  # `finite` takes a second for each
+TOLERANCES = (1e-5, 1.0)
+"""Least and largest. No solution at the finest resolution is known to within 1e-5; to find that
+out for a joint takes a minute."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A law for a joint, with the evidence.
+
+    Attributes
+    ----------
+    law : str
+        Key of ``study.contact.LAWS``; ``tabulated``, the table of a solved curve; or
+        ``solver``, the solution itself at every call.
+    options : dict
+        Of the law; for ``tabulated`` and ``solver`` the resolution of the solution.
+    error_bound : float
+        No relative error of the force is larger, from the least to the largest depth.
+    relative_cost : float
+        Time of a call in a compiled loop over that of Hertz's law. The time to solve the joint
+        once, for ``tabulated``, is not in it.
+    depths : tuple of float
+        Least and largest depth_star that the bound holds for.
+    source : str
+        ``dataset`` or ``solver``: where the exact force comes from.
+    note : str
+        Why the joint had to be solved; empty where the dataset sufficed.
+    rejected : tuple of dict
+        Laws that cost less and whose bound misses the tolerance, the most expensive first:
+        ``law``, ``options``, ``error``, ``error_bound``, ``relative_cost``.
+    errors : dict
+        Every closed law that the joint can have -> largest relative error found.
+    evaluate : callable
+        The law, of (``depth_star``, ``r2_star``); None for ``solver``. It is known to be good
+        enough between ``depths`` only.
+    """
+
+    law: str
+    options: dict
+    error_bound: float
+    relative_cost: float
+    depths: tuple
+    source: str
+    note: str
+    rejected: tuple
+    errors: dict
+    evaluate: object = field(repr=False, compare=False)
+
+
+@one_thread
+def choose(joint, depth_star, tolerance):
+    """Cheapest law whose force is known to be within a tolerance.
+
+    Parameters
+    ----------
+    joint : study.joint.Joint
+    depth_star : float
+        Largest depth of the scene, in clearances.
+    tolerance : float
+        Largest relative error of the force, from 1e-5 to 1.
+
+    Returns
+    -------
+    Choice
+
+    Raises
+    ------
+    ValueError
+        For a value outside its range, or a depth that the joint cannot have.
+    study.checks.StudyError
+        If not even the finest solution is known to be within the tolerance; says what is.
+    """
+    checks.instance("joint", joint, Joint)
+    deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
+    checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1], scalar=True)
+    widest = np.sqrt(2 * joint.r2_star - 1) - 1
+    checks.number("depth_star", deepest, below=widest / 1.05)  # room to estimate errors beside it
+    note = outside(joint, deepest)
+    least = min(SHALLOWEST, deepest / 12) if note else SHALLOWEST
+    depths = _depths(least, deepest, DEPTHS[_kind(joint)])
+    force, uncertainty = _exact(joint, depths, note)
+    uncertainty = uncertainty.max()
+    largest = {law: error.max() for law, error in errors(joint, depths, force).items()}
+    bounds = {law: bounded(error, uncertainty) for law, error in largest.items()}
+    costs, rejected, found = relative_costs(), [], None
+    for law in sorted([*bounds, "tabulated"], key=costs.get):
+        if law == "tabulated":
+            found, failed = _table(joint, deepest, tolerance)
+            rejected += failed
+        elif bounds[law] <= tolerance:
+            options = law_options(law, joint)
+            found = law, options, bounds[law], _with_options(law, options)
+        else:
+            rejected.append(_rejected(law, law_options(law, joint), largest[law], bounds[law]))
+        if found:
+            break
+    else:
+        found = _solver(joint, deepest, tolerance)
+    law, options, bound, evaluate = found
+    return Choice(
+        law=law,
+        options=options,
+        error_bound=float(bound),
+        relative_cost=costs[law],
+        depths=(float(least), deepest),
+        source="solver" if note or law in ("tabulated", "solver") else "dataset",
+        note=note,
+        rejected=tuple(r | {"relative_cost": costs[r["law"]]} for r in reversed(rejected)),
+        errors={law: float(error) for law, error in largest.items()},
+        evaluate=evaluate,
+    )
+
+
+def _exact(joint, depths, note, resolution=None):
+    """Exact forces, solved if there is a ``note`` and else from the dataset, and how sure."""
+    if not note:
+        force = hertz(depths, joint.r2_star) * stiffening(joint, depths)
+        return force, np.full(len(depths), INTERPOLATION)
+    curve = force_curve(joint, depths, resolution)
+    return curve.force_star, ESTIMATE * curve.error_estimate + INTERPOLATION
+
+
+def bounded(error, uncertainty):
+    """Bound of a relative error that was found against a force of some uncertainty."""
+    return error * (1 + uncertainty) + uncertainty
+
+
+def outside(joint, depth_star):
+    """Why the dataset's group ``fit`` does not hold a joint, or an empty text.
+
+    Parameters
+    ----------
+    joint : study.joint.Joint
+    depth_star : float
+        Largest depth.
+
+    Returns
+    -------
+    str
+    """
+    for name, usual in (("kinematics", "linear"), ("ball_drive", "plane"), ("rim", "mirror")):
+        if getattr(joint, name) != usual:
+            return f"{name} {getattr(joint, name)} is outside the dataset, which has {usual}"
+    if joint.ball != joint.socket:
+        return "unequal materials are outside the dataset"
+    places = (joint.r2_star, joint.socket_ratio, joint.ball.poisson, depth_star)
+    names = ("R2*", "socket ratio", "Poisson's ratio", "depth_star")
+    for name, value, axis in zip(names, places, _grid()[0], strict=True):
+        if not axis[0] <= value <= axis[-1]:
+            return f"{name} {value:g} is outside the dataset, {axis[0]:g} to {axis[-1]:g}"
+    return ""
+
+
+def stiffening(joint, depth_star):
+    """Exact force over Hertz's, interpolated from the dataset.
+
+    Cubic in 1/R2*, ln(q - 1), 1/(1 - 1.8 nu) and sqrt(ds), q the socket ratio and nu Poisson's
+    ratio, in which the values are smooth.
+
+    Parameters
+    ----------
+    joint : study.joint.Joint
+        One that `outside` has nothing to say of.
+    depth_star : ndarray, shape (k,)
+
+    Returns
+    -------
+    ndarray, shape (k,)
+    """
+    place = _straight(joint.r2_star, joint.socket_ratio, joint.ball.poisson, 0.0)[:3]
+    roots = np.sqrt(np.atleast_1d(depth_star))
+    return _grid()[1](np.column_stack([np.tile(place, (len(roots), 1)), roots]))
+
+
+def errors(joint, depth_star, force_star):
+    """Relative errors of every closed law that the joint can have and whose cost is known.
+
+    Parameters
+    ----------
+    joint : study.joint.Joint
+    depth_star, force_star : ndarray, shapes (k,)
+        Exact forces.
+
+    Returns
+    -------
+    dict
+        Law -> ndarray, shape (k,).
+    """
+    found = {}
+    for law in relative_costs().keys() & LAWS.keys():
+        try:
+            force = LAWS[law](depth_star, joint.r2_star, **law_options(law, joint))
+        except checks.RangeError:  # of the law's formula or fit
+            continue
+        found[law] = np.abs(force / force_star - 1)
+    return found
+
+
+@one_thread
+def cheapest(joints, depth_star, tolerances, resolution=None):
+    """Cheapest adequate law over joints and largest depths, as `choose` would find it.
+
+    Parameters
+    ----------
+    joints : sequence of study.joint.Joint
+    depth_star : ndarray, shape (k,)
+        Rising, from `SHALLOWEST`.
+    tolerances : sequence of float
+    resolution : int, optional
+        Of the solution of joints that the dataset does not hold.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns r2_star, socket_ratio, poisson, depth_star, tolerance, law: ``tabulated`` where
+        no closed law is adequate.
+    """
+    costs, rows = relative_costs(), []
+    depths = np.asarray(depth_star)
+    for joint in joints:
+        place = joint.r2_star, joint.socket_ratio, joint.ball.poisson
+        force, uncertainty = _exact(joint, depths, outside(joint, depths[-1]), resolution)
+        largest = {
+            law: bounded(np.maximum.accumulate(error), np.maximum.accumulate(uncertainty))
+            for law, error in errors(joint, depths, force).items()
+        }
+        ranked = sorted(largest, key=costs.get)
+        for tolerance in tolerances:
+            for n, ds in enumerate(depths):
+                able = (law for law in ranked if largest[law][n] <= tolerance)
+                rows.append((*place, float(ds), tolerance, next(able, "tabulated")))
+    columns = ["r2_star", "socket_ratio", "poisson", "depth_star", "tolerance", "law"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def law_options(law, joint):
+    """Options with which a law knows of the joint what it can; `RangeError` if it cannot.
+
+    ``stiffened_hertz`` is for a radially free ball: of supports it knows nothing, and what they
+    cost it in the joint at hand is part of its error.
+    """
+    if law != "stiffened_hertz":
+        return {}
+    if joint.ball != joint.socket:
+        raise checks.RangeError("materials of ball and socket must be equal for stiffened_hertz")
+    return {
+        "socket_ratio": joint.socket_ratio,
+        "poisson": joint.ball.poisson,
+        "kinematics": joint.kinematics,
+    }
+
+
+def relative_costs():
+    """Law -> time of a call in a compiled loop over that of Hertz's, as measured.
+
+    A law that `study measure` has not yet timed is not among them, and not chosen.
+    """
+    rows = dataset.measured("laws")
+    costs = dict(zip(rows["method"], rows["relative"].astype(float), strict=True))
+    for law in ("hertz", "tabulated", "solver"):
+        if law not in costs:
+            what = f"data/published/{dataset.PEERS.name} lacks {law}"
+            raise dataset.DatasetError(f"{what}; mend it with: git checkout -- data")
+    return costs
+
+
+def _with_options(law, options):
+    return lambda depth_star, r2_star: LAWS[law](depth_star, r2_star, **options)
+
+
+def _rejected(law, options, error, bound):
+    return {"law": law, "options": options, "error": float(error), "error_bound": float(bound)}
+
+
+def _table(joint, deepest, tolerance):
+    """Table of the coarsest solution within the tolerance, or None, and the coarser ones' errors.
+
+    Every second depth of the solution is left out of the table, and tells how it interpolates.
+    """
+    failed = []
+    depths = _depths(min(SHALLOWEST, deepest / 12), deepest, 2 * DEPTHS[_kind(joint)] - 1)
+    for resolution in RESOLUTIONS[_kind(joint)]:
+        try:
+            curve = force_curve(joint, depths, resolution=resolution)
+        except UnresolvedError:  # at the least depth
+            if resolution == RESOLUTIONS[_kind(joint)][-1]:
+                raise
+            continue
+        kept = {
+            name: getattr(curve, name)[::2]
+            for name in ("depth_star", "force_star", "error_estimate")
+        }
+        table = tabulated(replace(curve, **kept))
+        between = np.abs(table(depths) / curve.force_star - 1).max()
+        error = ESTIMATE * curve.error_estimate.max()
+        bound, options = bounded(error, between), {"resolution": resolution}
+        if bound <= tolerance:
+            return ("tabulated", options, bound, table), failed
+        failed.append(_rejected("tabulated", options, curve.error_estimate.max(), bound))
+    return None, failed
+
+
+def _solver(joint, deepest, tolerance):
+    """The finest solution itself, if it is within the tolerance."""
+    resolution = RESOLUTIONS[_kind(joint)][-1]
+    depths = _depths(min(SHALLOWEST, deepest / 12), deepest, DEPTHS[_kind(joint)])
+    bound = ESTIMATE * force_curve(joint, depths, resolution=resolution).error_estimate.max()
+    if bound > tolerance:
+        raise checks.StudyError(
+            f"no model is known to be within the tolerance {tolerance:g}: the finest solution, of "
+            f"resolution {resolution}, is known to {bound:.2g}"
+        )
+    return "solver", {"resolution": resolution}, bound, None
+
+
+def _kind(joint):
+    """Which of `RESOLUTIONS` a joint is solved with."""
+    if joint.kinematics == "finite":
+        return "finite"
+    return "series" if joint.ball_drive == "plane" and joint.rim == "mirror" else "quadratic"
+
+
+def _depths(least, deepest, count):
+    """Depths in equal steps of their square root."""
+    return np.linspace(np.sqrt(least), np.sqrt(deepest), count) ** 2
+
+
+def _straight(r2_star, socket_ratio, poisson, depth_star):
+    """Coordinates in which the stiffening is smooth."""
+    return 1 / r2_star, np.log(socket_ratio - 1), 1 / (1 - 1.8 * poisson), np.sqrt(depth_star)
+
+
+@lru_cache(maxsize=1)
+def _grid():
+    """Axes of the dataset's group ``fit``, and the interpolator over them."""
+    keys = ["r2_star", "socket_ratio", "poisson_ball", "depth_star"]
+    rows = dataset.load(group="fit", kinematics="linear").sort_values(keys)
+    axes = [np.sort(rows[key].unique()) for key in keys]
+    values = rows["force_star"].to_numpy() / hertz(rows["depth_star"], rows["r2_star"])
+    values = values.reshape([len(axis) for axis in axes])
+    points = [np.asarray(axis) for axis in _straight(*axes)]
+    points[0], values = points[0][::-1], values[::-1]  # 1/R2* falls as R2* grows
+    return axes, RegularGridInterpolator(
+        points, values, method="cubic", bounds_error=False, fill_value=None
+    )  # the edges are met up to rounding; `outside` keeps out what is beyond

@@ -1,0 +1,234 @@
+"""How far rigid links are from flexible ones, as random scenes show, and what bounds it.
+
+The change of the slider's motion grows with the links' compliance times the largest contact
+force, with their frequencies for its rates, and with the crank's turns, as other impacts leave
+it with another speed. The rest is chance: the error of rigid links over that estimate scatters
+by more than a decade, with a heavy tail. So the bound is no more than the largest ratio of
+``data/links.csv`` times a large `SAFETY`, and is given within the range of those scenes only.
+"""
+
+from dataclasses import dataclass, fields
+from math import pi, sqrt
+
+import numpy as np
+import pandas as pd
+
+from study.contact.forces import elastic_force, pack
+from study.mechanism.compare import difference
+from study.mechanism.response import MechanismError
+from study.mechanism.scene import Scene
+from study.mechanism.simulate import simulate
+
+QUANTITIES = ("slider_position", "slider_velocity", "slider_acceleration")
+ELEMENTS = (4, 8)
+SAFETY = 10.0
+"""On the largest ratio seen; other scenes exceed that by a factor of up to 5."""
+COUNT = 160
+RANGES = {
+    "link_modulus": (5e9, 2e12),
+    "driving_moment": (0.05, 5.0),
+    "clearance": (1e-5, 2e-4),
+    "crank_mass": (0.1, 1.0),
+    "coupler_mass": (0.1, 1.0),
+    "slider_mass": (0.05, 1.0),
+    "crank_length": (0.02, 0.07),
+    "coupler_length": (0.1, 0.3),
+    "duration": (0.02, 0.2),
+}
+"""Drawn evenly in the logarithm."""
+EVEN_RANGES = {"restitution": (0.1, 0.95), "friction": (0.0, 0.2)}
+"""Drawn evenly. All else is as in the paper's scene."""
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """Links beside the contact, at the largest depth of a response.
+
+    Attributes
+    ----------
+    compliance : float
+        Of both links along their axes, in m/N.
+    bending_frequency, axial_frequency : float
+        Lowest of the crank, simply supported and with one end held, in rad/s.
+    compliance_ratio : float
+        Links over contact.
+    frequency_ratio : float
+        Slider on the contact over the crank's axial frequency.
+    """
+
+    compliance: float
+    bending_frequency: float
+    axial_frequency: float
+    compliance_ratio: float
+    frequency_ratio: float
+
+
+def stiffness(scene, depth):
+    """Stiffness of the links of a scene, and of Hertz's contact at a depth.
+
+    Parameters
+    ----------
+    scene : study.mechanism.scene.Scene
+    depth : float
+        In m.
+
+    Returns
+    -------
+    Stiffness
+    """
+    crank, coupler = scene.link("crank"), scene.link("coupler")
+    compliance = crank.length / crank.axial + coupler.length / coupler.axial
+    bending = (pi / crank.length) ** 2 * sqrt(crank.bending / crank.mass_per_length)
+    axial = pi / (2 * crank.length) * sqrt(crank.axial / crank.mass_per_length)
+    law = pack("hertz", scene.ball_radius, scene.socket_radius, scene.composite_modulus)
+    contact = elastic_force(law, depth)[1]
+    return Stiffness(
+        compliance=compliance,
+        bending_frequency=bending,
+        axial_frequency=axial,
+        compliance_ratio=compliance * contact,
+        frequency_ratio=sqrt(contact / scene.slider_mass) / axial,
+    )
+
+
+def estimates(scene, response):
+    """What flexible links may change, as a share of each quantity of `QUANTITIES`.
+
+    The largest contact force times the links' compliance for the position, times the crank's
+    bending frequency for the velocity, times its axial frequency squared for the acceleration;
+    the former two times one plus the crank's angle, as they drift.
+
+    Parameters
+    ----------
+    scene : study.mechanism.scene.Scene
+    response : study.mechanism.response.Response
+        With rigid links and clearance.
+
+    Returns
+    -------
+    dict
+        Quantity -> estimate; 0 without contact.
+    """
+    if len(response.impacts) == 0:
+        return dict.fromkeys(QUANTITIES, 0.0)
+    links = stiffness(scene, float(response.impacts.peak_depth.max()))
+    change = links.compliance * float(response.impacts.peak_force.max())
+    drift = 1 + np.abs(response.crank_angle).max()
+    factors = (drift, drift * links.bending_frequency, links.axial_frequency**2)
+    found = {}
+    for quantity, factor in zip(QUANTITIES, factors, strict=True):
+        values = getattr(response, quantity)
+        size = np.sqrt(np.mean((values - values[0]) ** 2))
+        found[quantity] = float(change * factor / size)
+    return found
+
+
+def bounds(scene, response, seen):
+    """Largest NRMS error of rigid links: `estimates` times the largest ratio ever seen.
+
+    Parameters
+    ----------
+    scene, response
+        As for `estimates`.
+    seen : pandas.DataFrame
+        Errors and estimates on random scenes, from `measure`.
+
+    Returns
+    -------
+    dict
+        Quantity -> bound.
+    """
+    return {
+        quantity: float(
+            estimate * SAFETY * (seen[f"{quantity}_error"] / seen[f"{quantity}_estimate"]).max()
+        )
+        for quantity, estimate in estimates(scene, response).items()
+    }
+
+
+def outside(scene, duration):
+    """Why the random scenes do not speak for a scene, or an empty text.
+
+    Parameters
+    ----------
+    scene : study.mechanism.scene.Scene
+    duration : float
+        In s.
+
+    Returns
+    -------
+    str
+    """
+    given = {field.name: getattr(scene, field.name) for field in fields(scene)}
+    given |= {"link_modulus": scene.link_modulus or scene.youngs_modulus, "duration": duration}
+    usual = {field.name: field.default for field in fields(scene)}
+    for name, value in given.items():
+        low, high = (RANGES | EVEN_RANGES).get(name, (None, None))
+        if low is None and value != usual[name]:
+            return f"{name.replace('_', ' ')} {value} is not that of the random scenes"
+        if low is not None and not low <= value <= high:
+            return f"{name.replace('_', ' ')} {value:g} is outside the random scenes'"
+    return ""
+
+
+def random_scenes(seed, count=COUNT):
+    """Scenes and durations (s) at random places of the ranges, the same for the same seed.
+
+    Parameters
+    ----------
+    seed : int
+    count : int
+
+    Yields
+    ------
+    scene : study.mechanism.scene.Scene
+    duration : float
+    """
+    draw = np.random.default_rng(seed)
+    for _ in range(count):
+        values = {
+            name: float(f"{low * (high / low) ** draw.random():.4g}")
+            for name, (low, high) in RANGES.items()
+        }
+        duration = values.pop("duration")
+        values |= {name: round(draw.uniform(*ends), 3) for name, ends in EVEN_RANGES.items()}
+        yield Scene(**values), duration
+
+
+def measure(seed=0, count=COUNT, law="stiffened_hertz"):
+    """Errors of rigid links against particles on random scenes, beside their estimates.
+
+    Parameters
+    ----------
+    seed, count : int
+        Of `random_scenes`.
+    law : str
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row per scene: duration and the parameters that were drawn, compliance and frequency
+        ratio, and per quantity ``..._estimate`` and ``..._error``. Scenes that a model cannot
+        go on with are left out.
+    """
+    rows = []
+    for scene, duration in random_scenes(seed, count):
+        options = {"duration": duration, "outputs": 1000, "law": law}
+        try:
+            rigid = simulate(scene, model="rigid", **options)
+            flexible = simulate(scene, model="particles", elements=ELEMENTS, **options)
+        except MechanismError:
+            continue
+        if len(rigid.impacts) == 0:
+            continue
+        links = stiffness(scene, float(rigid.impacts.peak_depth.max()))
+        row = {"duration": duration}
+        row |= {name: getattr(scene, name) for name in RANGES if name != "duration"}
+        row |= {name: getattr(scene, name) for name in EVEN_RANGES}
+        row |= {"compliance_ratio": links.compliance_ratio}
+        row |= {"frequency_ratio": links.frequency_ratio}
+        for quantity, estimate in estimates(scene, rigid).items():
+            row[f"{quantity}_estimate"] = estimate
+            row[f"{quantity}_error"] = difference(rigid, flexible, quantity)
+        rows.append(row)
+    return pd.DataFrame(rows)

@@ -1,0 +1,279 @@
+"""Coefficients of laws from force-depth curves, by least squares.
+
+The paper's two steps: one coefficient f1 per case, then a surrogate of f1 over R2*. The
+surrogate is a straight line, because P* -> R2* F(ds) as R2* grows, with an intercept for the
+next order in 1/R2*; its coefficients are ours, the paper's are lost. Liu's coefficient follows
+from a published number. Those of `stiffened_hertz` make its largest relative error as small as
+can be.
+"""
+
+import json
+import re
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import linprog
+
+from study import checks
+from study.contact import LAWS, hertz, shapes
+from study.contact.laws import stiffening_scale, stiffening_terms
+from study.dataset.design import PAPER_KINEMATICS
+
+FITTED_LAWS = {
+    "hyperbolic_winkler": ("hyperbolic_winkler", {}),
+    "hyperbolic_winkler_sphere": ("hyperbolic_winkler", {"area": "sphere"}),
+    "winkler": ("winkler", {}),
+}
+"""Name of the coefficients -> law and its options."""
+SLACK = 1.05  # of the largest error, for fewer coefficients
+REACH, POLE = 0.6, 1.8  # constants of stiffened_hertz, chosen for the smallest error
+DIGITS = 7  # of a coefficient, and decimals of those of stiffened_hertz: 1e-6 of the force
+LARGEST_DEPTH = 0.5  # of the fit, in dR, as in the paper
+SAMPLE = np.linspace(0, LARGEST_DEPTH, 21)
+"""Depths of the paper's measures of agreement, identified from Table 2 (notebook 13)."""
+R2_STAR = 200  # of the paper's comparison of laws, Fig. 10 and Table 2
+LARGEST_R2_STAR = 300  # of the surrogate's fit, as in the paper
+
+
+def coefficient(law, depth_star, force_star):
+    """Coefficient f1 that minimises the sum of (P* - f1 f2(ds))^2 over one curve.
+
+    Parameters
+    ----------
+    law : str
+        Whose f2 to use, a key of `FITTED_LAWS`.
+    depth_star, force_star : array_like, shape (n,)
+        One case's curve.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        For an unknown law, lists of different lengths, a value that is not finite, or no depth > 0.
+    """
+    depth, force = checks.same_length(depth_star=depth_star, force_star=force_star)
+    f2 = shape(law, depth)
+    if not f2.any():
+        raise ValueError(f"depth_star must hold a depth > 0 to fit to, got {checks.shown(depth)}")
+    return float(f2 @ force / (f2 @ f2))
+
+
+def shape(law, depth_star):
+    """Function f2 of a law: its force with the coefficient 1, shape (n,)."""
+    name, options = FITTED_LAWS[checks.choice("law", law, FITTED_LAWS)]
+    return LAWS[name](depth_star, 2.0, coefficient=1.0, **options)
+
+
+def sampled(curve):
+    """Forces of one case at the depths of `SAMPLE`, from the dataset and 0 at no depth.
+
+    Parameters
+    ----------
+    curve : pandas.DataFrame
+        Rows of one case of `study.dataset.load`, in steps of 0.025.
+
+    Returns
+    -------
+    ndarray, shape (21,)
+    """
+    checks.frame("curve", curve, ("depth_star", "force_star"))
+    inside = curve[curve.depth_star <= LARGEST_DEPTH]
+    if len(inside) != len(SAMPLE) - 1 or not np.allclose(inside.depth_star, SAMPLE[1:]):
+        raise ValueError(f"curve must have the depths {SAMPLE[1]:g} to {SAMPLE[-1]:g} of SAMPLE")
+    return np.append(0, inside.force_star)
+
+
+def coefficients_by_case(law, curves):
+    """Coefficient f1 of every case of the dataset.
+
+    Parameters
+    ----------
+    law : str
+        A key of `FITTED_LAWS`.
+    curves : pandas.DataFrame
+        Rows of `study.dataset.load`, one joint set-up; depths beyond 0.5 are left out.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns ``r2_star`` and ``f1``, ordered by the former.
+    """
+    checks.frame("curves", curves, ("r2_star", "depth_star", "force_star"))
+    inside = checks.frame("curves", curves[curves.depth_star <= LARGEST_DEPTH], ())
+    rows = [
+        (r2_star, coefficient(law, case.depth_star, case.force_star))
+        for r2_star, case in inside.groupby("r2_star")
+    ]
+    return pd.DataFrame(rows, columns=["r2_star", "f1"])
+
+
+def surrogate(r2_star, f1):
+    """Straight line f1 = slope R2* + intercept by least squares.
+
+    Parameters
+    ----------
+    r2_star, f1 : array_like, shape (n,)
+        At least two cases, not all of the same R2*.
+
+    Returns
+    -------
+    dict
+        ``slope`` and ``intercept``.
+
+    Raises
+    ------
+    ValueError
+        For fewer cases, or a value that is not finite.
+    """
+    r2_star, f1 = checks.same_length(2, r2_star=r2_star, f1=f1)
+    if not np.ptp(r2_star) > 1e-9 * np.abs(r2_star).max():
+        raise ValueError(f"r2_star must vary for a line, got only {r2_star[0]:g}")
+    slope, intercept = np.polyfit(r2_star, f1, 1)
+    return {"slope": _rounded(slope), "intercept": _rounded(intercept)}
+
+
+def _rounded(value):
+    return float(f"{value:.{DIGITS}g}")
+
+
+def liu_coefficient(force_star, published_r_squared, unit):
+    """Coefficient of Liu's law, P* = c R2* (...), that gives it the R2 of the paper's Table 2.
+
+    That R2 depends on the mean difference of law and finite elements only
+    (`study.claims.statistics.r_squared_as_published`), and Liu's law is the smaller of the two.
+
+    Parameters
+    ----------
+    force_star : array_like, shape (21,)
+        Forces at `SAMPLE`, for the R2* of Table 2.
+    published_r_squared : float
+        With its sign, negative.
+    unit : ndarray, shape (20,)
+        The law's force over c R2* at the same depths but 0.
+
+    Returns
+    -------
+    float
+    """
+    (force,) = checks.same_length(2, force_star=force_star)
+    checks.number("published_r_squared", published_r_squared, most=1, scalar=True)
+    (unit,) = checks.same_length(unit=unit)
+    if unit.sum() == 0:
+        raise ValueError("unit must not be 0 throughout, got only 0")
+    missing = np.sqrt((1 - published_r_squared) * np.sum((force - force.mean()) ** 2))
+    return float((force.sum() - missing) / (R2_STAR * unit.sum()))
+
+
+def fit_all(curves, published):
+    """Coefficients of all fitted laws from the dataset.
+
+    Parameters
+    ----------
+    curves : pandas.DataFrame
+        Rows of the dataset, with the groups ``paper`` and ``fit``.
+    published : pandas.DataFrame
+        ``data/published/tables.csv``, for Liu's law.
+
+    Returns
+    -------
+    dict
+        As `study.contact.laws.fitted_coefficients`.
+    """
+    paper = curves[(curves.group == "paper") & (curves.kinematics == PAPER_KINEMATICS)]
+    stated = published.set_index(["where", "row", "quantity"]).value
+    fits = fit_laws(paper, -stated["Table 2", "liu", "R2"])  # printed without its sign
+    return fits | {"stiffened_hertz": fit_stiffening(curves[curves.group == "fit"])}
+
+
+def fit_laws(curves, liu_r_squared):
+    """Coefficients of all laws of the paper that have one, over its range 20 <= R2* <= 300.
+
+    Parameters
+    ----------
+    curves : pandas.DataFrame
+        Rows of `study.dataset.load` for one joint set-up.
+    liu_r_squared : float
+        Published R2 of Liu's law, with its sign.
+
+    Returns
+    -------
+    dict
+        Law name -> ``slope`` and ``intercept``.
+    """
+    checks.frame("curves", curves, ("r2_star", "depth_star", "force_star"))
+    fits = {}
+    for law in FITTED_LAWS:
+        cases = coefficients_by_case(law, curves[curves.r2_star <= LARGEST_R2_STAR])
+        fits[law] = surrogate(cases.r2_star, cases.f1)
+    force, (unit, _) = sampled(curves[curves.r2_star == R2_STAR]), shapes.liu(SAMPLE[1:], ())
+    slope = liu_coefficient(force, liu_r_squared, unit)
+    return fits | {"liu": {"slope": _rounded(slope), "intercept": 0.0}}
+
+
+def fit_stiffening(curves):
+    """Coefficients of `study.contact.stiffened_hertz`, by linear programming.
+
+    The coefficients enter S linearly. The largest relative error over all curves is within
+    `SLACK` of the smallest one; the sum of the scaled coefficients' sizes is then the smallest,
+    which leaves most of them at zero.
+
+    Parameters
+    ----------
+    curves : pandas.DataFrame
+        Rows of the dataset's group ``fit``, in several kinematics.
+
+    Returns
+    -------
+    dict
+        ``reach`` and ``pole``, the constants; ``limit``, and ``first_order`` by kinematics: lists
+        of shape (5, 9).
+    """
+    keys = ["kinematics", "r2_star", "socket_ratio", "poisson_ball"]
+    checks.frame("curves", curves, (*keys, "depth_star", "force_star"))
+    kinds = list(dict.fromkeys(curves.kinematics))
+    rows, right = [], []
+    for (kind, r2_star, ratio, poisson), case in curves.groupby(keys, sort=False):
+        ds = case.depth_star.to_numpy()
+        stiffening = case.force_star.to_numpy() / hertz(ds, r2_star)
+        u = np.sqrt(ds) / (np.sqrt(ds) + stiffening_scale(ratio, REACH))
+        powers = np.column_stack([u, u**2, ds, ds**2, ds**3])
+        terms = (powers[:, :, None] * stiffening_terms(ratio, poisson, POLE)).reshape(len(ds), -1)
+        blocks = [terms, *(terms / r2_star * (kind == other) for other in kinds)]
+        rows.append(np.hstack(blocks) / stiffening[:, None])
+        right.append(1 - 1 / stiffening)
+    found = _sparse_minimax(np.vstack(rows), np.concatenate(right))
+    matrix = found.reshape(1 + len(kinds), 5, 9)
+    limit, *first_order = (np.round(matrix, DIGITS - 1) + 0.0).tolist()
+    first_order = dict(zip(kinds, first_order, strict=True))
+    return {"reach": REACH, "pole": POLE, "limit": limit, "first_order": first_order}
+
+
+def _sparse_minimax(matrix, right):
+    """A sparse x whose largest |matrix x - right| is `SLACK` times the smallest possible."""
+    scale = np.abs(matrix).max(axis=0)
+    rows, unknowns = np.vstack([matrix / scale, -matrix / scale]), len(scale)
+    sides = np.concatenate([right, -right])
+    with_bound = np.hstack([rows, -np.ones((len(rows), 1))])
+    free = [(None, None)] * unknowns
+    best = _solve(np.append(np.zeros(unknowns), 1.0), with_bound, sides, [*free, (0, None)])
+    halves = np.hstack([rows, -rows])  # positive and negative parts of x: their sum is the least
+    limits = sides + SLACK * best[-1]
+    parts = _solve(np.ones(2 * unknowns), halves, limits, [(0, None)] * (2 * unknowns))
+    return (parts[:unknowns] - parts[unknowns:]) / scale
+
+
+def _solve(cost, matrix, limits, bounds):
+    found = linprog(cost, A_ub=matrix, b_ub=limits, bounds=bounds, method="highs-ds")
+    if not found.success:
+        raise checks.StudyError(f"coefficients were not found: {found.message}")
+    return found.x
+
+
+def format_coefficients(fits):
+    """JSON text of all fitted coefficients, a matrix row per line."""
+    text = json.dumps(fits, indent=2)
+    inner = re.compile(r"\[([^\[\]]*)\]")
+    return inner.sub(lambda row: f"[{' '.join(row[1].split())}]", text) + "\n"

@@ -1,0 +1,367 @@
+"""Ball and socket by axisymmetric finite elements.
+
+Six-node triangles (or three-node ones, as in the paper) on a structured mesh of rings, finest
+at the contact's pole and at the surface, halved in number where depth allows; one sparse
+factorisation per body. The mesh of resolution 2n halves every length of that of n, so that two
+meshes give an error estimate. Contact itself is not solved here: see `study.joint`.
+"""
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse.linalg import splu
+from skfem import (
+    Basis,
+    BilinearForm,
+    ElementTriP1,
+    ElementTriP2,
+    ElementVector,
+    FacetBasis,
+    LinearForm,
+    MeshTri,
+    MeshTri2,
+)
+from skfem.helpers import ddot, div, dot, eye, grad, mul, sym_grad, trace, transpose
+from skfem.models.elasticity import lame_parameters
+
+from study import checks
+from study.joint.compliance import THICKEST_RATIO, Compliance, graded, remembered, surface_angles
+from study.threads import one_thread
+
+DRIVES = ("plane", "clamped", "point")
+RIMS = ("mirror", "free")
+RESOLUTION = 160
+FINEST_RESOLUTION = 320
+"""A curve takes 20 s and 2 GB there, and 80 s and 5 GB at one and a half times as fine."""
+THINNEST_RATIO = 1.02
+"""Least ratio of the socket's radii: elements of a thinner shell are too flat to be mapped."""
+
+_DEPTH_SCALE = 0.1  # element size grows from this depth below the surface on, in radii
+_RADIAL_ELEMENTS = 0.1  # elements per unit of graded depth, as a share of the resolution
+_ASPECT = 1.4  # rings are halved once a radial step exceeds this many arc lengths
+
+
+def ball_mesh(resolution=RESOLUTION, nodes=6):
+    """Mesh of the half ball's meridian: unit radius, centre at the origin, pole on +z.
+
+    Parameters
+    ----------
+    resolution : int
+        Elements along the surface, a multiple of 16.
+    nodes : {6, 3}
+        Of a triangle: quadratic ones follow the rings, linear ones have straight edges.
+
+    Returns
+    -------
+    skfem.MeshTri2 or skfem.MeshTri
+        Triangles in the (r, z) plane with boundaries ``surface``, ``axis`` and ``equator``;
+        the surface's vertices come first, in order of polar angle.
+    """
+    resolution = _checked(resolution, nodes)
+    layers = max(8, round(_RADIAL_ELEMENTS * resolution * np.log1p(1 / _DEPTH_SCALE)))
+    depths = graded(1.0, _DEPTH_SCALE, layers)[:-1]
+    return _ring_mesh(1.0 - depths, surface_angles(resolution), nodes, centre=True)
+
+
+def socket_mesh(ratio, resolution=RESOLUTION, nodes=6):
+    """Mesh of the socket's meridian: inner radius 1, outer radius ``ratio``, pole on +z.
+
+    Parameters
+    ----------
+    ratio : float
+        Outer over inner radius, >= 1.02.
+    resolution, nodes : int
+        As for `ball_mesh`.
+
+    Returns
+    -------
+    skfem.MeshTri2 or skfem.MeshTri
+        As `ball_mesh`, with the boundary ``outside`` besides.
+    """
+    resolution = _checked(resolution, nodes)
+    limits = {"least": THINNEST_RATIO, "most": THICKEST_RATIO}
+    thickness = checks.number("socket_ratio", ratio, **limits, scalar=True) - 1.0
+    if thickness < 0.05 and resolution < 32:
+        raise ValueError(f"resolution must be >= 32 for socket_ratio < 1.05, got {resolution}")
+    layers = round(_RADIAL_ELEMENTS * resolution * np.log1p(thickness / _DEPTH_SCALE))
+    depths = graded(thickness, _DEPTH_SCALE, max(resolution // 16, layers, 2))
+    return _ring_mesh(1.0 + depths, surface_angles(resolution), nodes, centre=False)
+
+
+def _checked(resolution, nodes):
+    if checks.whole("nodes", nodes, least=3, most=6) not in (3, 6):
+        raise ValueError(f"nodes must be 3 or 6, got {nodes}")
+    return checks.whole("resolution", resolution, least=16, most=FINEST_RESOLUTION)
+
+
+class Body:
+    """An elastic body of unit radius and unit Young's modulus, meshed and factorised.
+
+    Parameters
+    ----------
+    mesh : skfem.MeshTri2 or skfem.MeshTri
+        From `ball_mesh` or `socket_mesh`.
+    poisson : float
+        Poisson's ratio.
+    held : dict
+        Boundary, or ``centre`` -> components (``"r"``, ``"z"``) of the displacement that are
+        zero there.
+
+    Attributes
+    ----------
+    size : int
+        Unknowns, with the fixed ones.
+    angles : ndarray, shape (k,)
+        Polar angles of all nodes on the surface, in rad.
+    surface : ndarray of int, shape (2, k)
+        Their unknowns, radial and axial.
+    """
+
+    def __init__(self, mesh, poisson, held):
+        quadratic = isinstance(mesh, MeshTri2)
+        self._element = ElementVector(ElementTriP2() if quadratic else ElementTriP1())
+        self._mesh, self._lame = mesh, lame_parameters(1.0, poisson)
+        self._basis = Basis(mesh, self._element, intorder=4 if quadratic else 2)
+        self.size = self._basis.N
+        self._stiffness = _elasticity(*self._lame).assemble(self._basis)
+        fixed = [(c, _of(self._dofs(name), c)) for name, cs in held.items() for c in cs]
+        self._support = np.unique(np.concatenate([dofs for c, dofs in fixed if c == "z"]))
+        self._free = np.setdiff1d(np.arange(self.size), np.concatenate([d for _, d in fixed]))
+        self._factor = splu(
+            self._stiffness[self._free][:, self._free].tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        radial, axial = (_of(self._dofs("surface"), component) for component in "rz")
+        angles = np.arctan2(*self._basis.doflocs[:, radial])
+        order = np.argsort(angles)
+        self.angles, self.surface = angles[order], np.array([radial[order], axial[order]])
+
+    def _dofs(self, boundary):
+        if boundary == "centre":
+            return self._basis.get_dofs(nodes=np.flatnonzero(~self._mesh.p.any(axis=0)))
+        return self._basis.get_dofs(self._mesh.boundaries[boundary])
+
+    def solve(self, load):
+        """Displacement under loads of shape (unknowns,) or (unknowns, k)."""
+        displacement = np.zeros(load.shape)
+        displacement[self._free] = self._factor.solve(load[self._free])
+        return displacement
+
+    def excess_force(self, displacement):
+        """Internal forces beyond the linear ones, at large displacements.
+
+        The material is that of Saint Venant and Kirchhoff: second Piola-Kirchhoff stress
+        proportional to Green's strain, as finite-element programs use for large rotations.
+        """
+        field = self._basis.interpolate(displacement)
+        gradient, hoop = field.grad, field[0] / self._basis.global_coordinates()[0]
+        linear = (gradient + transpose(gradient)) / 2
+        green = linear + mul(transpose(gradient), gradient) / 2
+        small, small_around = self._stress(linear, hoop)
+        large, large_around = self._stress(green, hoop + hoop**2 / 2)
+        stress = large + mul(gradient, large) - small
+        around = (1 + hoop) * large_around - small_around
+        return _internal_force.assemble(self._basis, stress=stress, around=around)
+
+    def _stress(self, strain, hoop):
+        """Stresses in the meridian's plane and around the axis, of linear elasticity."""
+        first, second = self._lame
+        volume = trace(strain) + hoop
+        in_plane = first * volume * eye(1.0 + 0 * volume, 2) + 2 * second * strain
+        return in_plane, first * volume + 2 * second * hoop
+
+    @cached_property
+    def compliance(self):
+        """`Compliance` of the surface: the body solved for every hat function of pressure."""
+        facets = self._mesh.boundaries["surface"]
+        traction = FacetBasis(self._mesh, self._element, facets=facets, intorder=6)
+        hats = FacetBasis(self._mesh, ElementTriP1(), facets=facets, intorder=6)
+        count = len(facets) + 1
+        load = -_normal_pressure.assemble(hats, traction)[:, :count].toarray()
+        displacement = self.solve(load)
+        flexibility = load.T @ displacement
+        balance = self._stiffness[self._support] @ displacement - load[self._support]
+        compliance = Compliance(
+            angles=np.arctan2(*self._mesh.p[:, :count]),
+            flexibility=(flexibility + flexibility.T) / 2,
+            reaction=np.abs(balance.sum(axis=0)),
+            unknowns=self._free.size,
+        )
+        for array in (compliance.angles, compliance.flexibility, compliance.reaction):
+            array.flags.writeable = False  # shared by every caller of the cached functions
+        return compliance
+
+
+@remembered(maxsize=4)
+@one_thread
+def ball(poisson=0.3, drive="plane", resolution=RESOLUTION, nodes=6):
+    """Half ball held at its equatorial plane.
+
+    Parameters
+    ----------
+    poisson : float
+        Poisson's ratio, in (-1, 0.5).
+    drive : {"plane", "clamped", "point"}
+        The equatorial plane is held axially and is radially free (``plane``), or fixed in
+        both directions (``clamped``); or only the ball's centre is held (``point``), a point
+        load, under which the force depends on the mesh.
+    resolution : int
+        Elements along the surface.
+    nodes : {6, 3}
+        Of a triangle.
+
+    Returns
+    -------
+    Body
+
+    Raises
+    ------
+    ValueError
+        For a Poisson's ratio, drive or resolution outside its range.
+    """
+    poisson = checks.poisson("poisson", poisson)
+    checks.choice("ball_drive", drive, DRIVES)
+    support = {
+        "plane": {"equator": "z"},
+        "clamped": {"equator": "rz"},
+        "point": {"centre": "z"},
+    }[drive]
+    return Body(ball_mesh(resolution, nodes), poisson, {"axis": "r"} | support)
+
+
+@remembered(maxsize=4)
+@one_thread
+def socket(ratio, poisson=0.3, rim="mirror", resolution=RESOLUTION, nodes=6):
+    """Hemispherical socket fixed on its outer sphere.
+
+    Parameters
+    ----------
+    ratio : float
+        Outer over inner radius, >= 1.02.
+    poisson : float
+        Poisson's ratio, in (-1, 0.5).
+    rim : {"mirror", "free"}
+        The edge at the equator is a mirror plane, or traction-free.
+    resolution, nodes : int
+        As for `ball`.
+
+    Returns
+    -------
+    Body
+
+    Raises
+    ------
+    ValueError
+        For a ratio, Poisson's ratio, rim or resolution outside its range.
+    """
+    poisson = checks.poisson("poisson", poisson)
+    checks.choice("rim", rim, RIMS)
+    mirror = {"equator": "z"} if rim == "mirror" else {}
+    held = {"axis": "r"} | mirror | {"outside": "rz"}
+    return Body(socket_mesh(ratio, resolution, nodes), poisson, held)
+
+
+@remembered(maxsize=32)
+def ball_compliance(*args, **kwargs):
+    """`Compliance` of a `ball`; same arguments, same errors."""
+    return ball(*args, **kwargs).compliance
+
+
+@remembered(maxsize=32)
+def socket_compliance(*args, **kwargs):
+    """`Compliance` of a `socket`; same arguments, same errors."""
+    return socket(*args, **kwargs).compliance
+
+
+def _of(dofs, component):
+    return dofs.all([f"u^{'rz'.index(component) + 1}"])
+
+
+def _ring_mesh(radii, angles, nodes, centre):
+    """Triangulate concentric quarter rings, from the surface (radius 1) to the last radius."""
+    points, triangles, first = [_ring(1.0, angles)], [], 0
+    for radius, step in zip(radii[1:], np.abs(np.diff(radii)), strict=True):
+        outer = first + np.arange(len(angles))
+        first = outer[-1] + 1
+        arc = radius * np.sqrt((angles[1] - angles[0]) * (angles[-1] - angles[-2]))
+        elements = len(angles) - 1
+        if step > _ASPECT * arc and elements % 2 == 0 and elements > 8:
+            angles = angles[::2]
+            inner = first + np.arange(len(angles))
+            a, b, c = outer[:-2:2], outer[1:-1:2], outer[2::2]
+            p, q = inner[:-1], inner[1:]
+            triangles += [(a, b, p), (b, q, p), (b, c, q)]
+        else:
+            inner = first + np.arange(len(angles))
+            for start, diagonal in ((0, False), (1, True)):  # diagonals alternate
+                a, b = outer[start:-1:2], outer[start + 1 :: 2]
+                p, q = inner[start:-1:2], inner[start + 1 :: 2]
+                triangles += [(a, b, p), (b, q, p)] if diagonal else [(a, b, q), (a, q, p)]
+        points.append(_ring(radius, angles))
+    last = first + np.arange(len(angles))
+    if centre:
+        points.append(np.zeros((2, 1)))
+        triangles.append((last[:-1], last[1:], np.full(len(last) - 1, last[-1] + 1)))
+    triangles = np.hstack([np.vstack(corners) for corners in triangles])
+    linear = MeshTri(np.ascontiguousarray(np.hstack(points)), np.ascontiguousarray(triangles))
+    boundaries = _boundaries(linear, radii[-1] if not centre else None)
+    mesh = _curved(linear) if nodes == 6 else linear
+    return mesh.with_boundaries(boundaries)
+
+
+def _ring(radius, angles):
+    points = radius * np.array([np.sin(angles), np.cos(angles)])
+    points[1, angles == np.pi / 2] = 0.0
+    return points
+
+
+def _boundaries(linear, outer_radius):
+    """Edges of each named boundary."""
+    radius = np.hypot(*linear.p)
+
+    def edges(on_boundary):
+        return np.flatnonzero(on_boundary[linear.facets].all(axis=0))
+
+    spheres = {"surface": 1.0} | ({"outside": outer_radius} if outer_radius else {})
+    named = {name: edges(np.isclose(radius, r, rtol=1e-12)) for name, r in spheres.items()}
+    return named | {"axis": edges(linear.p[0] == 0), "equator": edges(linear.p[1] == 0)}
+
+
+def _curved(linear):
+    """Quadratic mesh that follows the rings, however thin."""
+    radius = np.hypot(*linear.p)
+    mesh = MeshTri2.from_mesh(linear)
+    locations = mesh.doflocs.copy()
+    middles = mesh.dofs.facet_dofs[0]  # at the mean radius of their edge's ends: arcs and spirals
+    locations[:, middles] *= radius[linear.facets].mean(axis=0) / np.hypot(*locations[:, middles])
+    return replace(mesh, doflocs=locations)
+
+
+def _elasticity(lame_lambda, lame_mu):
+    """Weak form of axisymmetric linear elasticity in (r, z), over the whole circle."""
+
+    @BilinearForm
+    def form(u, v, w):
+        r = w.x[0]
+        hoop_u, hoop_v = u[0] / r, v[0] / r
+        shear = ddot(sym_grad(u), sym_grad(v)) + hoop_u * hoop_v
+        volume = (div(u) + hoop_u) * (div(v) + hoop_v)
+        return 2 * np.pi * r * (2 * lame_mu * shear + lame_lambda * volume)
+
+    return form
+
+
+@LinearForm
+def _internal_force(v, w):
+    """Work of given stresses against a displacement."""
+    r = w.x[0]
+    return 2 * np.pi * r * (ddot(w["stress"], grad(v)) + w["around"] * v[0] / r)
+
+
+@BilinearForm
+def _normal_pressure(p, v, w):
+    """Work of a normal pressure against an outward displacement of the surface."""
+    return 2 * np.pi * w.x[0] * p * dot(w.n, v)

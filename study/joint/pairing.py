@@ -1,0 +1,265 @@
+"""Which points of ball and socket face each other, and along which normals pressure acts.
+
+Three answers, which differ by terms of order 1/R2*. ``small``: pairs at equal angles seen from
+the socket's centre, the gap of the rigid spheres, the force on the socket's area. ``linear``:
+every point of the ball faces the point of the socket it has moved to, and pressure acts on the
+ball's area; bodies stay linear, as in a small-strain analysis that searches contact on moved
+surfaces. ``finite``: large displacements and rotations of bodies and normals as well.
+
+Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module; every joint is a
+`study.joint.Joint`.
+"""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.sparse import csr_array
+
+from study import checks
+from study.joint import complementarity
+from study.joint.compliance import Compliance, HatFunctions
+from study.joint.fem import Body
+from study.threads import one_thread
+
+RELAXATIONS = (0.8, 0.5, 0.25)  # of the pressure's step, tried in turn: they damp modes as
+# short as the elements, which are the stronger the softer the socket is against the ball
+TOLERANCE = 1e-7  # of the force between two steps
+MOST_STEPS = 60
+LARGEST_R2_STAR = 1e8  # beyond it the gap is lost in the rounding of the surfaces' places
+
+
+def _check(joint, ball, socket, kind):
+    checks.like("joint", joint, "Joint", "modulus_shares", "r2_star")
+    checks.instance("ball", ball, kind)
+    checks.instance("socket", socket, kind)
+
+
+def small(joint, ball, socket):
+    """Contact problem with pairs at equal angles; the rigid spheres' exact overlap is the gap.
+
+    Parameters
+    ----------
+    joint : study.joint.Joint
+    ball, socket : study.joint.compliance.Compliance
+
+    Returns
+    -------
+    problem : callable
+        Depth -> matrix and vector of the complementarity problem.
+    axial : ndarray, shape (n,)
+        Axial force of unit nodal pressures.
+    """
+    _check(joint, ball, socket, Compliance)
+    of_ball, of_socket = joint.modulus_shares
+    r1, r2_star = joint.ball_radius, joint.r2_star
+    matrix = of_ball * r1 * ball.flexibility + of_socket * socket.flexibility
+    hats = HatFunctions(ball.angles)
+
+    def problem(depth):
+        e = (1 + depth) / r2_star
+
+        def gap(theta):
+            # no ball is left in directions beyond its tangent, where the root would end
+            side = (e * np.sin(theta)) ** 2
+            root = np.sqrt(np.maximum(r1**2 - side, 0))
+            return 1 - (1 + depth) * np.cos(theta) + r2_star * np.minimum(side, r1**2) / (r1 + root)
+
+        return matrix, hats.integrate(gap)
+
+    return problem, hats.integrate(np.cos)
+
+
+def linear(joint, ball, socket):
+    """Contact problem with each point of the ball facing the point it has moved to.
+
+    Parameters and results as for `small`.
+    """
+    _check(joint, ball, socket, Compliance)
+    of_ball, of_socket = joint.modulus_shares
+    r1, r2_star = joint.ball_radius, joint.r2_star
+    hats = HatFunctions(ball.angles)
+    mass = hats.mass()
+    per_force = np.linalg.inv(mass)
+    socket_flexibility = per_force @ socket.flexibility @ per_force
+    of_pressure = csr_array(r1 * mass)
+
+    def problem(depth):
+        e = (1 + depth) / r2_star
+        moved = np.arctan2(r1 * np.sin(hats.angles), r1 * np.cos(hats.angles) + e)
+        forces = of_pressure @ csr_array(hats.values(moved))  # on the socket's nodes
+        by_socket = forces @ (forces @ socket_flexibility).T
+        matrix = of_ball * r1 * ball.flexibility + of_socket * by_socket
+
+        def gap(phi):
+            along = r1 + e * np.cos(phi)
+            side = (e * np.sin(phi)) ** 2
+            beyond = side / (along + np.sqrt(along**2 + side))
+            return 1 - (1 + depth) * np.cos(phi) - r2_star * beyond
+
+        return matrix, hats.integrate(gap)
+
+    return problem, r1**2 * hats.integrate(np.cos)
+
+
+@one_thread
+def solve(joint, depths, problem, axial):
+    """Pressures and forces of the kinematics that leave the bodies linear.
+
+    Parameters
+    ----------
+    joint : study.joint.Joint
+    depths : ndarray, shape (k,)
+        In dR.
+    problem, axial
+        From `small` or `linear`.
+
+    Returns
+    -------
+    pressure : ndarray, shape (k, n)
+    force : ndarray, shape (k,)
+    """
+    checks.like("joint", joint, "Joint", "modulus_shares", "r2_star")
+    depths = np.atleast_1d(checks.number("depths", depths))
+    pressure = np.zeros((len(depths), len(axial)))
+    active = None
+    for k in np.argsort(-depths, kind="stable"):
+        if depths[k] > 0:
+            matrix, gap = problem(depths[k])
+            pressure[k], active = complementarity.solve(matrix, gap, active)
+    return pressure, joint.r2_star * pressure @ axial
+
+
+@one_thread
+def solve_finite(joint, depths, ball, socket):
+    """Pressures and forces at large displacements.
+
+    At each depth the `linear` contact problem is solved again and again, with the gap of the
+    deformed surfaces and with what the bodies' internal forces, and the loads along deformed
+    normals, have beyond the linear ones. These are of order 1/R2*, so that some ten steps do,
+    and the linear factorisation serves all of them. Pressure is per area of the unloaded ball.
+
+    Parameters
+    ----------
+    joint : study.joint.Joint
+    depths : ndarray, shape (k,)
+        In dR.
+    ball, socket : study.joint.fem.Body
+
+    Returns
+    -------
+    pressure : ndarray, shape (k, n)
+    force : ndarray, shape (k,)
+
+    Raises
+    ------
+    study.joint.complementarity.ComplementarityError
+        If the steps do not converge; carries depth and residual.
+    """
+    _check(joint, ball, socket, Body)
+    depths = np.atleast_1d(checks.number("depths", depths))
+    problem, _ = linear(joint, ball.compliance, socket.compliance)
+    surfaces = _Surfaces(joint, ball, socket)
+    pressure = np.zeros((len(depths), len(ball.compliance.angles)))
+    force, current = np.zeros(len(depths)), pressure[0]
+    for k in np.argsort(depths, kind="stable"):
+        if depths[k] > 0:
+            current, force[k] = _iterate(surfaces, depths[k], problem(depths[k])[0], current)
+            pressure[k] = current
+    return pressure, force
+
+
+def _iterate(surfaces, depth, matrix, pressure):
+    """Pressure and force at one depth, from those of a smaller one."""
+    start = surfaces.displacements()
+    for relaxation in RELAXATIONS:
+        surfaces.displace(start)
+        current, force, active = pressure, 0.0, None
+        for _ in range(MOST_STEPS):
+            gap, normals, angles = surfaces.face(depth)
+            residual = surfaces.hats.T @ (surfaces.area * gap) - matrix @ current
+            wanted, active = complementarity.solve(matrix, residual, active)
+            current = current + relaxation * (wanted - current)
+            last, force = force, surfaces.deform(current, normals, angles)
+            if not np.isfinite(force):
+                break
+            if abs(force - last) < TOLERANCE * abs(force):
+                return np.where(active, current, 0.0), force
+    raise complementarity.ComplementarityError(
+        f"contact with finite kinematics did not converge at depth_star {depth:g}: strains of the "
+        "order of depth_star/R2* are too large, or the socket too soft; take smaller depths or "
+        "linear kinematics"
+    )
+
+
+class _Surfaces:
+    """Both bodies' surfaces as they deform, sampled at the ball's Gauss points."""
+
+    def __init__(self, joint, ball, socket):
+        self._joint, self._ball, self._socket = joint, ball, socket
+        functions = HatFunctions(ball.compliance.angles)
+        self._theta, self.area = functions.points, functions.areas
+        self.hats = functions.values(self._theta)
+        self._shapes = _quadratic_shapes(ball.angles, self._theta)
+        self._of_ball, self._of_socket = np.zeros(ball.size), np.zeros(socket.size)
+
+    def displacements(self):
+        """Copies of both bodies' displacements."""
+        return self._of_ball.copy(), self._of_socket.copy()
+
+    def displace(self, displacements):
+        """Set both bodies' displacements."""
+        self._of_ball[:], self._of_socket[:] = displacements
+
+    def face(self, depth):
+        """Gap in dR, normals of the socket and reference angles of the points faced."""
+        joint = self._joint
+        ball = CubicSpline(self._ball.angles, self._of_ball[self._ball.surface].T)
+        socket = CubicSpline(self._socket.angles, self._of_socket[self._socket.surface].T)
+        place = joint.ball_radius * (_sphere(self._theta) + ball(self._theta))
+        place[:, 1] += (1 + depth) / joint.r2_star
+        angles = np.arctan2(*place.T)
+        for _ in range(6):  # nearest points, by Gauss-Newton steps
+            tangent = _tangent(angles) + socket(angles, 1)
+            off = ((place - _sphere(angles) - socket(angles)) * tangent).sum(axis=1)
+            angles = np.clip(angles + off / (tangent**2).sum(axis=1), 0, np.pi / 2)
+        tangent = _tangent(angles) + socket(angles, 1)
+        normals = np.column_stack([-tangent[:, 1], tangent[:, 0]])
+        normals /= np.hypot(*normals.T)[:, None]
+        gap = -((place - _sphere(angles) - socket(angles)) * normals).sum(axis=1)
+        return gap * joint.r2_star, normals, angles
+
+    def deform(self, pressure, normals, angles):
+        """Displace the bodies under pressure along normals; returns the force P*."""
+        joint = self._joint
+        of_ball, of_socket = joint.modulus_shares
+        traction = (self.area * (self.hats @ pressure))[:, None] * normals / joint.r2_star
+        pull = _quadratic_shapes(self._socket.angles, angles).T @ traction
+        for body, displacement, load in (
+            (self._ball, self._of_ball, -of_ball * self._shapes.T @ traction),
+            (self._socket, self._of_socket, of_socket * joint.ball_radius**2 * pull),
+        ):
+            force = -body.excess_force(displacement)
+            force[body.surface] += load.T
+            displacement[:] = body.solve(force)
+            if not np.abs(displacement).max() < 1:  # a radius: diverging, the caller stops
+                return np.nan
+        return joint.r2_star**2 * joint.ball_radius**2 * traction[:, 1].sum()
+
+
+def _sphere(theta):
+    return np.column_stack([np.sin(theta), np.cos(theta)])
+
+
+def _tangent(theta):
+    return np.column_stack([np.cos(theta), -np.sin(theta)])
+
+
+def _quadratic_shapes(angles, theta):
+    """Shape functions at ``theta`` of quadratic edges; ``angles`` of their ends and middles."""
+    ends = angles[::2]
+    edge = np.clip(np.searchsorted(ends, theta) - 1, 0, len(ends) - 2)
+    x = (theta - ends[edge]) / np.diff(ends)[edge]
+    shapes, rows = np.zeros((len(theta), len(angles))), np.arange(len(theta))
+    shapes[rows, 2 * edge] = (1 - x) * (1 - 2 * x)
+    shapes[rows, 2 * edge + 1] = 4 * x * (1 - x)
+    shapes[rows, 2 * edge + 2] = x * (2 * x - 1)
+    return shapes

@@ -1,0 +1,120 @@
+"""SciPy's and SUNDIALS' integrators on the rigid links' equations, with located impacts.
+
+They get the compiled equations of `study.measure.explicit` and end each flight and each
+contact at their own event. The kinks of the friction law are left to their error control.
+"""
+
+from math import hypot, inf
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from study import checks
+from study.measure import explicit
+from study.mechanism import rigid
+
+SCIPY = ("LSODA", "Radau", "DOP853")
+METHODS = (*SCIPY, "CVODE")
+ABSOLUTE = np.array([1e-2, 1e-6, 1e-6, 1.0, 1e-2, 1e-2])  # of the state's parts, times rtol
+LONGEST_FLIGHT_STEP = 2e-4  # s: a longer one may fly over a short contact
+DISARMED = 1e-9  # s after a start, in which the gap is rounding only
+
+
+def slider_acceleration(method, scene, law, duration, outputs, rtol):
+    """Slider's acceleration at equally spaced times after the start.
+
+    Parameters
+    ----------
+    method : {"LSODA", "Radau", "DOP853", "CVODE"}
+        The last is SUNDIALS' through scikit-sundae.
+    scene : study.mechanism.scene.Scene
+    law : ndarray
+        From ``study.contact.forces.pack``.
+    duration : float
+        In s.
+    outputs : int
+    rtol : float
+        Relative tolerance.
+
+    Returns
+    -------
+    ndarray, shape (outputs,)
+        In m/s^2.
+
+    Raises
+    ------
+    ValueError
+        For an unknown method or a tolerance <= 0.
+    study.checks.StudyError
+        If the integrator fails.
+    """
+    checks.choice("method", method, METHODS)
+    checks.number("rtol", rtol, above=0, scalar=True)
+    integrate = _sundials if method == "CVODE" else _scipy
+    times = duration * np.arange(1, outputs + 1) / outputs
+    p, y, t, approach, found = rigid.describe(scene), np.zeros(6), 0.0, 0.0, []
+    y[1:3] = scene.initial_eccentricity
+    work, out = (np.zeros(5), np.zeros(10), np.zeros((5, 6)), np.zeros(8)), np.zeros(3)
+    while True:
+        contact, speed = approach > 0, approach or inf
+
+        def slopes(y, rates, contact=contact, speed=speed):
+            rates[:3] = y[3:]
+            explicit.acceleration(y, contact, speed, p, law, work, out)
+            rates[3:] = out
+
+        def gap(now, y, start=t, contact=contact):
+            if now <= start + DISARMED:
+                return 1.0 if contact else -1.0
+            return hypot(y[1], y[2]) - scene.clearance
+
+        states, end = integrate(method, slopes, gap, contact, t, y, times[t < times], rtol)
+        found += [explicit.acceleration(z, contact, speed, p, law, work, out)[2] for z in states]
+        if end is None:
+            return np.array(found)
+        t, y = end
+        n = y[1:3] / np.hypot(y[1], y[2])
+        approach = 0.0 if contact else float(y[4:] @ n)
+
+
+def _scipy(method, slopes, gap, contact, t, y, times, rtol):
+    rates = np.zeros(6)
+
+    def right(_, y):
+        slopes(y, rates)
+        return rates.copy()
+
+    gap.terminal, gap.direction = True, -1 if contact else 1
+    limits = {"rtol": rtol, "atol": rtol * ABSOLUTE}
+    limits["max_step"] = inf if contact else LONGEST_FLIGHT_STEP
+    part = solve_ivp(right, (t, times[-1]), y, method, t_eval=times, events=gap, **limits)
+    if part.status < 0:
+        raise checks.StudyError(f"{method} failed after {t:.9g} s: {part.message}")
+    end = (part.t_events[0][0], part.y_events[0][0]) if part.status == 1 else None
+    return np.transpose(part.y), end
+
+
+def _sundials(method, slopes, gap, contact, t, y, times, rtol):
+    from sksundae.cvode import CVODE
+
+    def meet(now, y, events):
+        events[0] = gap(now, y)
+
+    meet.terminal, meet.direction = [True], [-1 if contact else 1]
+    solver = CVODE(
+        lambda _, y, out: slopes(y, out),
+        rtol=rtol,
+        atol=rtol * ABSOLUTE,
+        eventsfn=meet,
+        num_events=1,
+        max_step=0.0 if contact else LONGEST_FLIGHT_STEP,
+        max_num_steps=1_000_000,
+    )
+    part = solver.solve(np.append(t, times), y)
+    if not part.success:
+        raise checks.StudyError(f"{method} failed after {t:.9g} s: {part.message}")
+    inside = part.t > t
+    if part.t_events is None or len(part.t_events) == 0:
+        return part.y[inside], None
+    end = part.t_events[0], part.y_events[0]
+    return part.y[inside & (part.t < end[0])], end

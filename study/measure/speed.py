@@ -1,0 +1,412 @@
+"""Speed against accuracy: every law, solver and stepper timed and judged in one process.
+
+Three charts. ``laws``: a call in a compiled loop, against the curve of the paper's joint.
+``solvers``: a curve of 20 depths from nothing, of a radially free ball, against the series.
+``steppers``: 0.3 s of the paper's scene with clearance, against the study's stepper at its
+smallest tolerance. Times depend on the machine, so that those drawn are kept in
+``data/published/peers.csv``, made by `study measure`.
+"""
+
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from functools import cache, partial
+from importlib import metadata
+from time import perf_counter
+
+import numpy as np
+import pandas as pd
+from threadpoolctl import threadpool_limits
+
+from study import checks
+from study.compiled import compiled
+from study.contact import LAWS, tabulated
+from study.contact.forces import elastic_force, pack
+from study.joint import Joint, fem, force_curve, pairing, paper_joint, series
+from study.joint.compliance import FINEST_RESOLUTION
+from study.measure import explicit
+from study.measure.peers import calculix, multibody, odes
+from study.mechanism import Scene, simulate
+
+COLUMNS = {
+    "chart": "laws, solvers or steppers",
+    "program": "ours, or the other program's name",
+    "version": "Version of the program",
+    "method": "Law, elements or stepper",
+    "setting": "Its resolution, orders, tolerance or step",
+    "time": "Median of the repeats, per call, curve or scene",
+    "time_low": "First quartile of the repeats",
+    "time_high": "Third quartile of the repeats",
+    "repeats": "Number of repeats, after one that is not counted",
+    "relative": "Time over that of the chart's first row",
+    "vectorised": "Laws: time per element of an array of 10,000, over that of Hertz's law; else 0",
+    "largest_error": "Largest relative error of the force; of a stepper the same as rms_error",
+    "rms_error": "RMS relative error of the force, or NRMS error of the slider's acceleration",
+    "compile_time": "Time to compile, once per machine; 0 for what is not compiled on use",
+    "machine": "Processor and Python",
+}
+RADII = (9.95e-3, 10e-3, 1.1e11)  # of the laws' calls: R1, R2 in m, E* in Pa
+PAPER = paper_joint()  # of the laws
+FINEST = 224  # elements along the surface of the curve that the laws are judged by
+FREE = Joint(200, 1.3)  # of the solvers: a radially free ball, for which the series is exact
+LAW_DEPTHS = np.linspace(0.025, 1, 40)
+CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
+SCENE, DURATION, OUTPUTS = Scene(), 0.3, 3000
+CHARTS = ("laws", "solvers", "steppers")
+LONG = 5.0  # s: what takes longer is repeated twice only
+
+FEWEST_ORDERS = {32: 200, 64: 300, 160: 1000, 320: 3000}
+"""By resolution: with fewer the hats' compliance is not positive definite."""
+SOLVERS = (
+    *(("series", n) for n in (320, 32, 64, 160, 640)),
+    *(("series of few orders", n) for n in (32, 64, 160, 320)),
+    *(("six-node triangles", n) for n in (32, 64, 96, 160, 224)),
+    *(("three-node triangles", n) for n in (32, 64, 96, 160, 320)),
+    *(("CAX6", n) for n in (32, 64)),
+    *(("CAX6, node to surface", n) for n in (32, 64, 96)),
+    *(("CAX3", n) for n in (32, 64, 96, 160)),
+)
+STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7)
+LONGEST_STEPS = {"velocity Verlet": 1e-6, "RK4": 1e-6}
+"""Of the explicit steppers with which the ball goes too deep by longer ones (notebook 17)."""
+STEPPERS = (
+    *(("Rodas5P, events", t) for t in (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)),
+    *((s, h) for s in explicit.SCHEMES for h in STEPS if h <= LONGEST_STEPS.get(s, STEPS[0])),
+    *((method, t) for method in odes.METHODS for t in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)),
+    *(("generalised alpha", h) for h in (1e-5, 4e-6, 1e-6)),
+)
+
+
+def timed(function, repeats):
+    """Times of a call in s, on one thread, after one not counted, and what it returned.
+
+    Parameters
+    ----------
+    function : callable
+    repeats : int
+
+    Returns
+    -------
+    times : ndarray, shape (repeats,)
+    result
+    """
+    times = []
+    with threadpool_limits(limits=1):
+        start = perf_counter()
+        result = function()
+        if perf_counter() - start > LONG:
+            repeats = min(repeats, 2)
+        for _ in range(repeats):
+            start = perf_counter()
+            function()
+            times.append(perf_counter() - start)
+    return np.array(times), result
+
+
+def fronts(rows, error="rms_error", cost="time"):
+    """Which rows no other one beats in both error and cost.
+
+    Parameters
+    ----------
+    rows : pandas.DataFrame
+    error, cost : str
+        Columns.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The rows of the Pareto front, from the cheapest to the most accurate.
+    """
+    ordered = rows.dropna(subset=[cost, error]).sort_values([cost, error])
+    best = ordered[error].cummin().shift(fill_value=np.inf)
+    return ordered[ordered[error] < best]
+
+
+def winners(rows, levels, error="rms_error"):
+    """Fastest row at each level of accuracy.
+
+    Parameters
+    ----------
+    rows : pandas.DataFrame
+    levels : sequence of float
+        Largest errors allowed.
+    error : str
+        Column.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The rows, with a column ``level`` in front; none for a level that no row meets.
+    """
+    found = []
+    for level in levels:
+        able = rows[rows[error] <= level]
+        if len(able):
+            found.append(able.loc[able["time"].idxmin()].to_dict() | {"level": level})
+    return pd.DataFrame(found, columns=["level", *rows.columns])
+
+
+def measure(chart, repeats):
+    """A chart, with what is installed.
+
+    Parameters
+    ----------
+    chart : {"laws", "solvers", "steppers"}
+    repeats : int
+        Of each timing; three times as many for laws.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns of `COLUMNS`.
+    """
+    checks.choice("chart", chart, CHARTS)
+    run = {"laws": laws, "solvers": solvers, "steppers": steppers}[chart]
+    return run(3 * repeats if chart == "laws" else repeats)
+
+
+def laws(repeats=15, compile_times=True):
+    """Cost and error of every law, `tabulated` and the direct solution; Hertz's law first.
+
+    Parameters
+    ----------
+    repeats : int
+    compile_times : bool
+        Whether to measure them as well, which takes some seconds; else they are 0.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns of `COLUMNS`.
+    """
+    table = tabulated(force_curve(PAPER, np.linspace(0.025, 1, 40) ** 2))
+    exact = _truth(PAPER, tuple(LAW_DEPTHS), FINEST)
+    draw = np.random.default_rng(0)
+    depths = draw.uniform(1e-7, 5e-5, 10_000)
+    compile_time = _compile_time(
+        "from study.contact.forces import pack; from study.measure.speed import _add; "
+        "law = pack('hertz', 9.95e-3, 1e-2, 1e11); depths = np.ones(2) * 1e-6",
+        "_add(law, depths)",
+        compile_times,
+    )
+    rows = []
+    for name, law in (LAWS | {"tabulated": table}).items():
+        packed = pack(law, *RADII)
+        times, _ = timed(partial(_add, packed, depths), repeats)
+        elements, _ = timed(partial(law, depths / 5e-5, 200.0), repeats)
+        error = law(LAW_DEPTHS, 200.0) / exact - 1
+        rows.append(
+            _row("laws", name, "", times / depths.size, error, compile_time)
+            | {"vectorised": float(np.median(elements))}
+        )
+    times, curve = timed(partial(force_curve, PAPER, LAW_DEPTHS), repeats)
+    error = curve.force_star / exact - 1
+    setting = f"six-node triangles, resolution {fem.RESOLUTION}"
+    rows.append(_row("laws", "solver", setting, times / LAW_DEPTHS.size, error))
+    rows[-1]["vectorised"] = float(np.median(times)) * depths.size / LAW_DEPTHS.size
+    frame = _frame(rows)
+    frame["vectorised"] /= frame["vectorised"].iloc[0]
+    return frame
+
+
+def solvers(repeats=3, chosen=SOLVERS):
+    """Time and error of a curve of 20 depths, bodies included; the usual series first.
+
+    Parameters
+    ----------
+    repeats : int
+    chosen : sequence of (str, int)
+        Method and its resolution, some of `SOLVERS`. CalculiX's are left
+        out where ``ccx`` is not installed.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns of `COLUMNS`.
+    """
+    exact, rows = _truth(FREE, tuple(CURVE_DEPTHS), FINEST_RESOLUTION), []
+    force_curve(FREE, CURVE_DEPTHS[:1], resolution=32)  # imports
+    for method, n in chosen:
+        setting = f"resolution {n}"
+        if method.startswith("series"):
+            setting += f", {_orders(method, n)} orders"
+        if method.startswith("CAX"):
+            if calculix.version() is None:
+                continue
+            how = {"nodes": int(method[3]), "contact": "node" if "node" in method else "surface"}
+            run = partial(calculix.force_curve, FREE, CURVE_DEPTHS, n, **how)
+            others = {"program": "CalculiX", "version": calculix.version()}
+        else:
+            run, others = partial(_curve, method, n), {}
+        times, force = timed(run, repeats)
+        rows.append(_row("solvers", method, setting, times, force / exact - 1) | others)
+    return _frame(rows)
+
+
+def _orders(method, n):
+    return FEWEST_ORDERS[n] if "few" in method else series.LAST_ORDER
+
+
+def _curve(method, n):
+    """One solution of our own, bodies and all, at one resolution and without error estimate."""
+    if method.startswith("series"):
+        for cached in (series.ball_compliance, series.socket_compliance, series._hat_coefficients):
+            cached.cache_clear()
+        ball = series.ball_compliance(0.3, n, _orders(method, n))
+        socket = series.socket_compliance(FREE.socket_ratio, 0.3, n, _orders(method, n))
+    else:
+        for cached in (fem.ball, fem.socket, fem.ball_compliance, fem.socket_compliance):
+            cached.cache_clear()
+        mesh = n, 6 if method.startswith("six") else 3
+        ball = fem.ball_compliance(0.3, "plane", *mesh)
+        socket = fem.socket_compliance(FREE.socket_ratio, 0.3, "mirror", *mesh)
+    return pairing.solve(FREE, CURVE_DEPTHS, *pairing.linear(FREE, ball, socket))[1]
+
+
+def steppers(repeats=3, chosen=STEPPERS, compile_times=True):
+    """Time and error of 0.3 s of the mechanism; the study's stepper at its default first.
+
+    Parameters
+    ----------
+    repeats : int
+    chosen : sequence of (str, float)
+        Method and its tolerance or step, some of `STEPPERS`. Programs that are not installed
+        are left out.
+    compile_times : bool
+        As for `laws`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns of `COLUMNS`.
+    """
+    truth = _ours(1e-11)
+    law = pack("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
+    seconds, rows = _stepper_compile_times(compile_times), []
+    for method, setting in chosen:
+        others, text = {}, f"tolerance {setting:g}"
+        if method.startswith("Rodas"):
+            run = partial(_ours, setting)
+        elif method in explicit.SCHEMES:
+            run, text = partial(_explicit, law, setting, method), f"step {setting:g} s"
+        elif method in odes.METHODS:
+            run = partial(odes.slider_acceleration, method, SCENE, law, DURATION, OUTPUTS, setting)
+            package = "scikit-sundae" if method == "CVODE" else "scipy"
+            program = "SUNDIALS" if method == "CVODE" else "SciPy"
+            others = {"program": program, "version": _version(package)}
+            if method == "CVODE" and others["version"]:
+                others["version"] = f"scikit-sundae {others['version']}"
+        else:
+            text = f"step {setting:g} s"
+            run = partial(multibody.slider_acceleration, SCENE, DURATION, OUTPUTS, setting)
+            others = {"program": "Exudyn", "version": _version("exudyn")}
+        if others.get("version") == "":
+            continue
+        times, found = timed(run, repeats)
+        error = (found - truth) / np.sqrt(np.mean(truth**2))
+        nrms = float(np.sqrt(np.mean(error**2)))
+        own = seconds["explicit" if method in explicit.SCHEMES else "rigid"]
+        row = _row("steppers", method, text, times, np.full(1, nrms), 0 if others else own)
+        rows.append(row | others)
+    return _frame(rows)
+
+
+def _ours(tolerance):
+    options = {"duration": DURATION, "outputs": OUTPUTS, "tolerance": tolerance}
+    return simulate(SCENE, **options).slider_acceleration[1:]
+
+
+def _explicit(law, step, scheme):
+    options = (DURATION, OUTPUTS, step, scheme)
+    return explicit.simulate(SCENE, law, *options, guarded=False)[0][1:]
+
+
+@compiled
+def _add(law, depths):
+    """Sum of a law's forces and stiffnesses: nothing is optimised away."""
+    total = 0.0
+    for depth in depths:
+        force, stiffness = elastic_force(law, depth)
+        total += force + stiffness
+    return total
+
+
+@cache
+def _truth(joint, depths, resolution):
+    """Forces of a joint at the finest resolution."""
+    return force_curve(joint, depths, resolution).force_star
+
+
+def _compile_time(prepare, call, wanted=True):
+    """Seconds that a compiled call takes longer in a new process with an empty cache."""
+    if not wanted:
+        return 0.0
+    with tempfile.TemporaryDirectory() as folder:
+        code = (
+            "import sys, pathlib, time; import numpy as np; from study import paths; "
+            f"paths.BUILD = pathlib.Path(sys.argv[1]); {prepare}; start = time.perf_counter(); "
+            f"{call}; middle = time.perf_counter(); {call}; "
+            "print(middle - start - (time.perf_counter() - middle))"
+        )
+        command = [sys.executable, "-c", code, folder]
+        done = subprocess.run(command, capture_output=True, check=True, text=True)
+    return float(done.stdout)
+
+
+def _stepper_compile_times(wanted):
+    scene = "from study.mechanism import Scene, explicit, simulate; "
+    law = "from study.contact.forces import pack; law = pack('hertz', 9.95e-3, 1e-2, 1e11)"
+    explicit_call = "explicit.simulate(Scene(), law, 1e-5, 1, 1e-6, 'RK4')"
+    return {
+        "rigid": _compile_time(scene + law, "simulate(duration=1e-5, outputs=1)", wanted),
+        "explicit": _compile_time(scene + law, explicit_call, wanted),
+    }
+
+
+def _version(package):
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return ""
+
+
+def _row(chart, method, setting, times, error, compile_time=0.0):
+    low, middle, high = np.quantile(times, [0.25, 0.5, 0.75])
+    return {
+        "chart": chart,
+        "program": "ours",
+        "version": _version("spherical-clearance-joint-study"),
+        "method": method,
+        "setting": setting,
+        "time": middle,
+        "time_low": low,
+        "time_high": high,
+        "repeats": len(times),
+        "vectorised": 0.0,
+        "largest_error": float(np.abs(error).max()),
+        "rms_error": float(np.sqrt(np.mean(error**2))),
+        "compile_time": compile_time,
+        "machine": machine(),
+    }
+
+
+def _frame(rows):
+    frame = pd.DataFrame(rows, columns=list(COLUMNS))
+    frame["relative"] = frame["time"] / frame["time"].iloc[0]
+    return frame
+
+
+@cache
+def machine():
+    """Processor, its number of cores, Python and NumPy, in words."""
+    model = platform.processor() or platform.machine()
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as file:
+            names = [line.split(":")[1].strip() for line in file if line.startswith("model name")]
+        model = names[0] if names else model
+    except OSError:
+        pass  # not Linux
+    python = f"Python {platform.python_version()}, NumPy {_version('numpy')}"
+    return f"{model}, {os.cpu_count()} cores, {python}, Numba {_version('numba')}"

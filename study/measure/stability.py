@@ -1,0 +1,408 @@
+"""Where each method fails: limits of steps, of impacts, of the contact solver and of the laws.
+
+Most limits have a prediction in closed form, or from the linearised equations, and an observed
+value, found by running the method itself on both sides of it; some are measured only.
+"""
+
+from math import inf, sqrt
+
+import numpy as np
+import pandas as pd
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from study import checks
+from study.checks import StudyError
+from study.contact import laws
+from study.contact.forces import elastic_force, pack, stored_energy
+from study.joint import complementarity, force_curve
+from study.measure import explicit
+from study.mechanism import MechanismError, Scene, particles, rigid, simulate
+
+
+def limit(what, condition, predicted, observed, unit):
+    """Row of the table of limits, numbers as text."""
+    numbers = (x if isinstance(x, str) else f"{x:.3g}" for x in (predicted, observed))
+    names = ("what", "condition", "predicted", "observed", "unit")
+    return dict(zip(names, (what, condition, *numbers, unit), strict=True))
+
+
+def bisect(fails, low, high, times=40):
+    """Smallest value that fails, from ``low`` to ``high``, both > 0, to 4 digits."""
+    if not callable(fails):
+        raise ValueError(f"fails must be a function, got {checks.shown(fails)}")
+    low = checks.number("low", low, above=0, scalar=True)
+    high = checks.number("high", high, above=low, scalar=True)
+    ends = low, high
+    for _ in range(checks.whole("times", times, least=1)):
+        middle = sqrt(low * high)
+        low, high = (low, middle) if fails(middle) else (middle, high)
+    if low == ends[0] or high == ends[1]:
+        raise StudyError(f"there is no limit between {ends[0]:g} and {ends[1]:g}")
+    return float(f"{high:.4g}")
+
+
+def packed(scene, law):
+    """Numbers of a law and a scene's joint for the compiled functions."""
+    checks.instance("scene", scene, Scene)
+    return pack(law, scene.ball_radius, scene.socket_radius, scene.composite_modulus)
+
+
+def _checked(state):
+    state = np.asarray(checks.number("state", state))
+    if state.shape != (6,) or not state[1:3].any():
+        raise ValueError(f"state must be 6 numbers, of a contact, got {checks.shown(state)}")
+    return state
+
+
+def lasting_contact(scene, law, duration):
+    """State of rigid links at the end of a simulation, in contact by then.
+
+    Returns
+    -------
+    ndarray, shape (6,)
+        (theta, e_x, e_y) and their rates, in rad, m and s.
+    """
+    packed(scene, law)  # checks both
+    last = simulate(scene, law=law, duration=duration, outputs=2, tolerance=1e-10).motion.iloc[-1]
+    crank, coupler = last.crank_angle, last.coupler_angle
+    turns = scene.crank_length * last.crank_speed, scene.coupler_length * last.coupler_speed
+    ex = -turns[0] * np.sin(crank) - turns[1] * np.sin(coupler) - last.slider_velocity
+    ey = turns[0] * np.cos(crank) + turns[1] * np.cos(coupler)
+    return np.array([crank, last.eccentricity_x, last.eccentricity_y, last.crank_speed, ex, ey])
+
+
+def oscillator(scene, law, state):
+    """The contact as an oscillator along its normal: m x'' = -P' x - (D P/v0) x'.
+
+    Returns
+    -------
+    dict
+        ``depth`` in m, ``force`` P in N, ``mass`` m of the mechanism along the normal in kg,
+        ``frequency`` w = sqrt(P'/m) in rad/s.
+    """
+    numbers, p, state = packed(scene, law), rigid.describe(scene), _checked(state)
+    depth = np.hypot(state[1], state[2]) - numbers[1]
+    y = np.array([state[0], 0.0, np.arctan2(state[2], state[1]), *state[3:]])
+    mass = 2 * stored_energy(numbers, rigid.impact_depth(y, 1.0, p, numbers))  # at 1 m/s
+    force, stiffness = elastic_force(numbers, depth)
+    return {"depth": depth, "force": force, "mass": mass, "frequency": sqrt(stiffness / mass)}
+
+
+def amplification(scheme, w, g):
+    """Matrix (2, 2) that a step h of a scheme applies to (x, h x') of h^2 x'' = -w^2 x - g h x'."""
+    checks.choice("scheme", scheme, explicit.SCHEMES)
+    for name, value in {"w": w, "g": g}.items():
+        checks.number(name, value, scalar=True)
+    one, pull = np.eye(2), np.array([-w * w, -g])
+    place, speed = one
+    if scheme in ("symplectic Euler", "lagged"):
+        speed = speed + pull
+        return np.array([place + speed, speed])
+    if scheme == "centred":
+        speed = ((1 - g / 2) * speed - w * w * place) / (1 + g / 2)
+        return np.array([place + speed, speed])
+    if scheme == "velocity Verlet":
+        moved = place + speed + pull / 2
+        return np.array([moved, speed + (pull - w * w * moved - g * (speed + pull)) / 2])
+    system = np.array([speed, pull])
+    return one + system @ (one + system @ (one + system @ (one + system / 4) / 3) / 2)
+
+
+def step_limit(scheme, frequency, rate=0.0):
+    """Longest stable step of a scheme for x'' = -w^2 x - rate x', in s: spectral radius 1."""
+    checks.number("frequency", frequency, "rad/s", above=0, scalar=True)
+    checks.number("rate", rate, "1/s", least=0, scalar=True)
+
+    def unstable(h):
+        matrix = amplification(scheme, h * frequency, h * rate)
+        return np.abs(np.linalg.eigvals(matrix)).max() > 1 + 1e-8
+
+    return bisect(unstable, 1e-3 / (frequency + rate), 4 / frequency)
+
+
+def friction_rate(scene, law, state):
+    """Rate mu P / ((v1 - v0) m) at which friction slows sliding between v0 and v1, in 1/s.
+
+    A unit force along the tangent of the ball's surface accelerates the sliding by 1/m: through
+    crank and coupler, a double pendulum, and through the slider (this study, closed form).
+
+    Parameters
+    ----------
+    scene : study.mechanism.scene.Scene
+    law : str
+    state : ndarray, shape (6,)
+        From `lasting_contact`.
+
+    Returns
+    -------
+    float
+    """
+    state = _checked(state)
+    numbers, p = packed(scene, law), rigid.describe(scene)
+    (crank, ex, ey), direction = state[:3], np.arctan2(state[2], state[1])
+    coupler = np.arcsin((ey - p[rigid.L1] * np.sin(crank)) / p[rigid.L2])
+    arms = np.array([p[rigid.L1], p[rigid.L2]]) * np.cos([crank - direction, coupler - direction])
+    arms[1] += p[rigid.R1]
+    inertia = np.diag([p[rigid.A11], p[rigid.A22]])
+    inertia[0, 1] = inertia[1, 0] = p[rigid.A12] * np.cos(crank - coupler)
+    lightness = arms @ np.linalg.solve(inertia, arms) + np.sin(direction) ** 2 / p[rigid.M3]
+    force, _ = elastic_force(numbers, np.hypot(ex, ey) - numbers[1])
+    return scene.friction * force * lightness / (scene.full_speed - scene.slow_speed)
+
+
+def observed_step(scene, law, state, scheme, approach=inf, steps=40):
+    """Step from which on the accelerations of two runs that start side by side part.
+
+    Parameters
+    ----------
+    scene : study.mechanism.scene.Scene
+    law : str
+    state : ndarray, shape (6,)
+        From `lasting_contact`.
+    scheme : str
+        One of ``study.measure.explicit.SCHEMES``.
+    approach : float
+        Approach speed that the contact remembers, in m/s; inf: not damped.
+    steps : int
+        Of each run, in which a difference of a millionth grows tenfold.
+
+    Returns
+    -------
+    float
+        In s.
+    """
+    checks.choice("scheme", scheme, explicit.SCHEMES)
+    steps, state = checks.whole("steps", steps, least=2), _checked(state)
+    numbers, contact = packed(scene, law), oscillator(scene, law, state)
+    rate = scene.damping_factor * contact["force"] / contact["mass"] / approach
+    rates = contact["frequency"] + rate
+    nx, ny = state[1:3] / np.hypot(state[1], state[2])
+    change, slip = contact["depth"] * np.array([nx, ny]), np.array([-ny, nx]) * scene.full_speed
+    slip *= scene.friction > 0
+    beside = state + 1e-6 * np.array([0, *change, 0, *rates * change + slip])
+
+    def leave(h):
+        options = (steps * h, steps, h * (1 + 1e-9), scheme)
+        try:
+            runs = [
+                explicit.simulate(scene, numbers, *options, start, approach, guarded=False)[0]
+                for start in (state, beside)
+            ]
+        except MechanismError:
+            return True
+        apart = np.abs(runs[1] - runs[0])
+        return not apart.max() < 10 * apart[:2].max()
+
+    if scene.friction > 0:
+        rates += friction_rate(scene, law, state)
+    return bisect(leave, 0.1 / rates, 4 / contact["frequency"], 30)
+
+
+def frame_limits(scene, elements):
+    """Limits 2/frequency of the explicit step for long chains of particles, in closed form.
+
+    Neighbours that move oppositely along have the frequency (2/l) sqrt(EA/m'). With the rotary
+    inertia m' l^3/12 all particles turn alike, against shear s = 12 EI/(k GA l^2), at
+    (12/l^2) sqrt(EI/(m' (1 + s))), and neighbours oppositely, in bending, at sqrt(48 EI/m')/l^2.
+
+    Returns
+    -------
+    dict
+        (link, "axial", "shear" or "bending") -> limit, in s.
+    """
+    checks.instance("scene", scene, Scene)
+    limits, elements = {}, particles.numbers_of_elements(elements)
+    for body, number in zip(("crank", "coupler"), elements, strict=True):
+        link = scene.link(body)
+        length = link.length / number
+        shear = 12 * link.bending / (link.shear * length**2)
+        turning = length**2 * sqrt(link.mass_per_length / link.bending)
+        limits[body, "axial"] = length * sqrt(link.mass_per_length / link.axial)
+        limits[body, "shear"] = turning * sqrt(1 + shear) / 6
+        limits[body, "bending"] = turning / sqrt(12)
+    return limits
+
+
+def observed_frame_step(scene, elements, steps=600):
+    """Step from which on links of particles with an ideal joint lose their energy, in s."""
+    checks.instance("scene", scene, Scene)
+    elements, steps = particles.numbers_of_elements(elements), checks.whole("steps", steps, least=2)
+    options = {"model": "particles", "joint": "ideal", "method": "unguarded", "outputs": 2}
+
+    def fails(h):
+        try:
+            run = {"step": h * (1 + 1e-9), "duration": steps * h, "elements": elements}
+            return simulate(scene, **options, **run).energy_error > 0.01
+        except MechanismError:
+            return True
+
+    limit = 2 / particles.Frame(scene, elements).highest_frequency(scene.slider_mass, True)
+    return bisect(fails, limit / 2, 2 * limit, 14)
+
+
+def rigid_steps(scene, law, duration, tolerance=1e-8):
+    """Steps that rigid links try in a time, in s, and the energy that friction takes, in J."""
+    checks.number("duration", duration, "s", above=0, scalar=True)
+    checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
+    numbers, p, state = packed(scene, law), rigid.describe(scene), np.zeros(16)
+    state[1:3] = scene.initial_eccentricity
+    rates = np.zeros(5)
+    at_rest = state[:8], (False, 0, 1.0), p, numbers, False, rates
+    rigid.motion(*at_rest, np.zeros(10), np.zeros((5, 6)))
+    state[rigid.REACH] = sqrt(np.hypot(*rates[1:3]) * scene.clearance)
+    state[rigid.STEP] = 1e-3 * scene.clearance / state[rigid.REACH]
+    state[rigid.DEEP] = scene.clearance
+    ends, rows, impacts = np.array([0.0, duration]), np.zeros((2, 21)), np.zeros((1000, 8))
+    run = rigid.advance(state, p, numbers, tolerance, ends, rows, impacts, scene.clearance)
+    return run[2], rows[1, 20]
+
+
+def delivered(factor):
+    """Restitution cr that a damping factor D gives in a free impact.
+
+    The root of D (1 + cr) = ln((1 + D)/(1 - cr D)) below 1/D, where the force would vanish.
+    """
+    if checks.number("factor", factor, least=0, scalar=True) < 1e-6:
+        return 1.0 - 2 / 3 * factor
+
+    def surplus(w):  # cr = (1 - e^-w)/D: no cancellation near 1/D
+        return np.log1p(factor) + w - factor + np.expm1(-w)
+
+    low = 1e-3 * factor / (1 + factor)
+    return -np.expm1(-brentq(surplus, low, 1 + factor, xtol=1e-15)) / factor
+
+
+def free_impact(factor, pull=0.0, depth=0.0, speed=1.0, power=1.5):
+    """Contact of a mass by x'' = -x^p (1 + D x') - pull, until the surfaces part.
+
+    Parameters
+    ----------
+    factor : float
+        Damping factor D over the approach speed.
+    pull : float
+        Constant force that drives the surfaces apart.
+    depth, speed : float
+        At the start: an impact, or the release of a loaded contact.
+    power : float
+        Exponent p.
+
+    Returns
+    -------
+    separation : float
+        Speed at the end.
+    tension : float
+        Largest tensile force of the contact over the largest compressive one.
+    """
+    given = {"factor": factor, "pull": pull, "depth": depth}
+    for name, value in given.items():
+        checks.number(name, value, least=0, scalar=True)
+    limits = {"least": 0} if depth > 0 else {"above": 0}
+    checks.number("speed", speed, **limits, scalar=True)
+    checks.number("power", power, least=1, most=10, scalar=True)
+
+    def motion(t, y):
+        return y[1], -(max(y[0], 0.0) ** power) * (1 + factor * y[1]) - pull
+
+    def parting(t, y):
+        return y[0]
+
+    parting.terminal, parting.direction = True, -1
+    options = {"method": "LSODA", "rtol": 1e-9, "atol": 1e-12, "max_step": 0.02}
+    found = solve_ivp(motion, (0, 1e3), (depth, speed), events=parting, **options)
+    force = np.maximum(found.y[0], 0.0) ** power * (1 + factor * found.y[1])
+    return -found.y[1, -1], max(-force.min(), 0.0) / force.max()
+
+
+def pulling(pull):
+    """Damping factor from which on a contact released at depth 1 pulls, see `free_impact`."""
+    return bisect(lambda factor: free_impact(factor, pull, 1.0, 0.0)[1] > 1e-9, 0.05, 50, 20)
+
+
+def event_differences(scene, law, change, duration, share=0.05):
+    """How far apart the same impacts of two runs are, whose balls start ``change`` apart, in m.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``impact`` from 1, ``time`` and ``difference`` in s; up to the impact where the
+        difference reaches a ``share`` of the time between impacts.
+    """
+    packed(scene, law)  # checks both
+    checks.number("share", share, above=0, scalar=True)
+    times = []
+    for x in (0.0, change):
+        moved = scene.but(initial_eccentricity=(x, 0.0))
+        run = simulate(moved, law=law, duration=duration, outputs=2, tolerance=1e-12)
+        times.append(run.impacts.time.to_numpy())
+    both = min(map(len, times))
+    first, second = (t[:both] for t in times)
+    difference = np.abs(second - first)
+    saturated = difference > share * np.diff(first, prepend=0.0)
+    end = np.argmax(saturated) if saturated.any() else both
+    table = {"impact": 1 + np.arange(end), "time": first[:end], "difference": difference[:end]}
+    return pd.DataFrame(table)
+
+
+def growth(differences):
+    """Factor per impact by which the largest difference so far grows, by least squares."""
+    checks.frame("differences", differences, ("impact", "difference"))
+    checks.number("difference of differences", differences.difference, above=0)
+    largest = differences.difference.cummax()
+    return np.exp(np.polyfit(differences.impact, np.log(largest), 1)[0])
+
+
+def pivots(size, seed):
+    """Pivoting steps that a random positive definite contact problem of a size takes."""
+    size, seed = checks.whole("size", size, least=1, most=1000), checks.whole("seed", seed, least=0)
+    generator = np.random.default_rng(seed)
+    root = generator.normal(size=(size, size))
+    problem = root @ root.T + 1e-3 * np.eye(size), generator.normal(size=size)
+    for most in range(1, 20 * size + 100):
+        try:
+            complementarity.solve(*problem, max_pivots=most)
+            break
+        except complementarity.ComplementarityError:
+            continue
+    return most
+
+
+def refused(joint, low, high, times=24, **options):
+    """Last dimensionless depth that is solved, from ``low`` to ``high``, which is refused."""
+    low = checks.number("low", low, above=0, scalar=True)
+    high = checks.number("high", high, above=0, scalar=True)
+    for _ in range(checks.whole("times", times, least=1)):
+        middle = sqrt(low * high)
+        try:
+            force_curve(joint, middle, **options)
+            low = middle
+        except checks.RangeError:
+            high = middle
+    return low
+
+
+def textbook(depth_star, area):
+    """f2 of the hyperbolic law as it is printed, which cancels near depth 0 (see the law)."""
+    checks.choice("area", area, ("sphere", "flat"))
+    depth_star = checks.number("depth_star", depth_star, above=0)
+    a = np.sqrt(2 * depth_star)
+    if area == "sphere":
+        bracket = 1 / 2 - np.sin(2 * a) / (2 * a) + np.sin(a) ** 2 / (2 * a**2)
+        return depth_star * bracket
+    bracket = 6 / a * np.sin(a) + (6 / a**2 - 2) * np.cos(a) - 1 - 6 / a**2
+    return 2 * depth_star * bracket
+
+
+def deepest(law, r2_star):
+    """Largest dimensionless depth, up to 100, that a law does not refuse."""
+    checks.number("r2_star", r2_star, above=1, scalar=True)
+    laws.find(law)
+
+    def refuses(depth_star):
+        try:
+            laws.find(law)(depth_star, r2_star)
+        except checks.RangeError:
+            return True
+        return False
+
+    return bisect(refuses, 1e-3, 100)

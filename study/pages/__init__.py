@@ -1,0 +1,1 @@
+"""Notebooks, figures, paper and report: what a reader sees."""

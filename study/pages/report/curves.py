@@ -1,0 +1,84 @@
+"""The dataset's cases and the laws at their depths, for the plot in the page."""
+
+from study import checks, dataset
+from study.choose.law import law_options
+from study.contact import LAWS
+from study.dataset import design
+from study.pages.figures import LOOKS
+
+PARAMETERS = {
+    "group": "Set of cases",
+    "kinematics": "Kinematics",
+    "support": "Ball's drive, socket's rim",
+    "modulus_ratio": "Modulus ratio, socket/ball",
+    "socket_ratio": "Socket ratio, outer/inner",
+    "poisson": "Poisson's ratio",
+    "r2_star": "Socket radius R2* = R2/ΔR",
+}
+"""What a case is chosen by -> its name in words."""
+
+
+def curves():
+    """Cases, laws and their looks, as the page's script takes them.
+
+    Returns
+    -------
+    dict
+        ``parameters``, ``groups`` and ``looks`` by name; ``depths``, the lists of depth_star
+        that occur; ``cases``, each with its parameters as text, the number of its depths' list,
+        ``force``, ``laws`` (name -> forces) and ``undefined`` (name -> why), with 5 digits.
+    """
+    frames = dict(iter(dataset.load().sort_values("depth_star").groupby("case")))
+    depths, cases = {}, []
+    for group, name, joint in ((s.group, *case) for s in design.DESIGN for case in s.cases()):
+        frame = frames[name]
+        depth = frame["depth_star"].to_numpy()
+        last = frame.iloc[-1]
+        case = {"name": name} | _parameters(group, joint)
+        case["solver"] = last["solver"]
+        case["half_angle"] = _rounded(last["contact_half_angle"])
+        case["error"] = _rounded(100 * frame["error_estimate"].max())
+        case["depths"] = depths.setdefault(tuple(map(_rounded, depth)), len(depths))
+        case["force"] = [_rounded(force) for force in frame["force_star"]]
+        case["laws"], case["undefined"] = {}, {}
+        for law, function in LAWS.items():
+            try:
+                force = function(depth, joint.r2_star, **law_options(law, joint))
+            except ValueError as error:
+                case["undefined"][law] = str(error)
+            else:
+                case["laws"][law] = [_rounded(value) for value in force]
+        cases.append(case)
+    if len(cases) != len(frames):
+        raise checks.StudyError(f"the design and the dataset differ; mend it with: {dataset.MEND}")
+    return {
+        "parameters": PARAMETERS,
+        "groups": design.GROUPS,
+        "looks": {name: vars(LOOKS[name]) for name in ("exact", *LAWS)},
+        "depths": list(depths),
+        "cases": cases,
+    }
+
+
+def describe(case):
+    """A case's parameters in words."""
+    values = [f"{PARAMETERS[key]} {case[key]}" for key in PARAMETERS if key != "group"]
+    return "; ".join([*values, f"solver {case['solver']}", f"set {case['group']}"])
+
+
+def _parameters(group, joint):
+    ball, socket = joint.ball, joint.socket
+    ratios = dict.fromkeys((f"{ball.poisson:g}", f"{socket.poisson:g}"))
+    return {
+        "group": group,
+        "kinematics": joint.kinematics,
+        "support": f"{joint.ball_drive}, {joint.rim}",
+        "modulus_ratio": f"{socket.youngs_modulus / ball.youngs_modulus:g}",
+        "socket_ratio": f"{joint.socket_ratio:g}",
+        "poisson": " / ".join(ratios),
+        "r2_star": f"{joint.r2_star:g}",
+    }
+
+
+def _rounded(value):
+    return float(f"{value:.5g}")
