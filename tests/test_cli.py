@@ -4,6 +4,7 @@ import inspect
 import json
 import os
 import signal
+from typing import get_args
 
 import numpy as np
 import pandas as pd
@@ -14,7 +15,7 @@ from study.choose import links
 from study.joint import Joint, curve, force_curve
 from study.measure import speed
 from study.mechanism import Scene, particles, simulate
-from study.mechanism.simulate import JOINTS, MODELS
+from study.mechanism.simulate import JointKind, Model
 
 
 @pytest.fixture
@@ -291,11 +292,11 @@ def test_simulate_refuses_bad_input_in_one_line(run, words, message):
 
 
 def test_simulate_offers_what_there_is():
-    assert list(cli.Model) == [*MODELS, "auto"]
+    assert list(cli.Model) == [*get_args(Model), "auto"]
     assert list(cli.Quantity) == list(links.QUANTITIES)
     assert list(cli.Chart) == list(speed.CHARTS)
-    assert list(cli.MechanismJoint) == list(JOINTS)
-    assert list(cli.Method) == list(particles.METHODS)
+    assert list(cli.MechanismJoint) == list(get_args(JointKind))
+    assert list(cli.Method) == list(get_args(particles.Method))
 
 
 CHOOSE = ["choose", "--r2-star", 200, "--depth-star", 0.3]

@@ -9,6 +9,7 @@ by more than a decade, with a heavy tail. So the bound is no more than the large
 
 from dataclasses import dataclass, fields
 from math import pi, sqrt
+from typing import Literal, get_args
 
 import numpy as np
 import pandas as pd
@@ -19,7 +20,8 @@ from study.mechanism.response import MechanismError
 from study.mechanism.scene import Scene
 from study.mechanism.simulate import simulate
 
-QUANTITIES = ("slider_position", "slider_velocity", "slider_acceleration")
+Quantity = Literal["slider_position", "slider_velocity", "slider_acceleration"]
+QUANTITIES = get_args(Quantity)
 ELEMENTS = (4, 8)
 SAFETY = 10.0
 """On the largest ratio seen; other scenes exceed that by a factor of up to 5."""

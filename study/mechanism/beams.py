@@ -457,13 +457,13 @@ def _solve_for(some, matrix, right):
     return right
 
 
-def simulate(scene, law, times, ideal, step, elements):
-    """Simulate the scene with flexible links made of beam elements.
+def blocks(scene, law, times, ideal, step, elements):
+    """Yield blocks of output rows of the scene with flexible links made of beam elements.
 
     Parameters
     ----------
     scene, law, times, ideal, elements
-        As for ``study.mechanism.particles.simulate``.
+        As for ``study.mechanism.particles.blocks``.
     step : float
         Largest step, in s, shortened to divide the outputs' distance.
 

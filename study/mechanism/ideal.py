@@ -10,8 +10,8 @@ from study.mechanism.response import MechanismError
 from study.mechanism.rigid import describe
 
 
-def simulate(scene, times):
-    """Simulate the scene with an ideal joint.
+def blocks(scene, times):
+    """Yield blocks of output rows of the scene with an ideal joint.
 
     Parameters
     ----------

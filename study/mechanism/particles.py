@@ -9,6 +9,7 @@ the centred one, which the forces of the step are solved for, or the one half a 
 """
 
 from math import inf, pi, sqrt
+from typing import Literal
 
 import numpy as np
 import scipy.linalg
@@ -30,7 +31,7 @@ from study.mechanism.response import (
 )
 from study.mechanism.scene import Scene
 
-METHODS = ("centred", "lagged", "unguarded")
+Method = Literal["centred", "lagged", "unguarded"]
 
 # Places in the array of numbers that describes the scene
 M3, MOMENT, GRAVITY, R1, DAMPING, FRICTION, V0, V1, FREQUENCY, LAGGED, GUARDED, IDEAL = range(12)
@@ -360,8 +361,8 @@ def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, i
     return done, FINE, 0.0
 
 
-def simulate(scene, law, times, ideal, step, elements, method):
-    """Simulate the scene with flexible links made of particles.
+def blocks(scene, law, times, ideal, step, elements, method):
+    """Yield blocks of output rows of the scene with flexible links made of particles.
 
     Parameters
     ----------

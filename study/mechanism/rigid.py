@@ -519,8 +519,8 @@ def advance(state, p, law, tolerance, times, rows, impacts, deepest):
     return done, FINE, steps
 
 
-def simulate(scene, law, times, tolerance):
-    """Simulate the scene with its clearance joint.
+def blocks(scene, law, times, tolerance):
+    """Yield blocks of output rows of the scene with its clearance joint.
 
     Parameters
     ----------

@@ -6,6 +6,7 @@ paper's finite particle method), links of beam elements. Which of them a scene n
 """
 
 from math import sqrt
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -17,8 +18,8 @@ from study.mechanism.response import collect
 from study.mechanism.scene import Scene
 from study.threads import one_thread
 
-MODELS = ("rigid", "particles", "beams")
-JOINTS = ("clearance", "ideal")
+Model = Literal["rigid", "particles", "beams"]
+JointKind = Literal["clearance", "ideal"]
 TOLERANCE = 1e-8
 BEAM_STEP = 1e-6
 ELEMENTS = (4, 8)
@@ -91,8 +92,8 @@ def simulate(
         If the simulation cannot go on; says when, with which step, and what limit was passed.
     """
     scene = Scene() if scene is None else checks.instance("scene", scene, Scene)
-    checks.choice("model", model, MODELS)
-    checks.choice("joint", joint, JOINTS)
+    checks.choice("model", model, get_args(Model))
+    checks.choice("joint", joint, get_args(JointKind))
     flexible, gapless = model != "rigid", joint == "ideal"
     for name, value, used in (
         ("tolerance", tolerance, not flexible and not gapless),
@@ -119,22 +120,22 @@ def simulate(
         duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1)
     )
     if model == "rigid" and gapless:
-        blocks = ideal.simulate(scene, times)
+        blocks = ideal.blocks(scene, times)
     elif model == "rigid":
         tolerance = TOLERANCE if tolerance is None else tolerance
         checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
-        blocks = rigid.simulate(scene, packed, times, tolerance)
+        blocks = rigid.blocks(scene, packed, times, tolerance)
     else:
         pair = particles.numbers_of_elements(ELEMENTS if elements is None else elements)
         if step is not None:
             checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
         if model == "particles":
-            method = particles.METHODS[0] if method is None else method
-            checks.choice("method", method, particles.METHODS)
-            blocks = particles.simulate(scene, packed, times, gapless, step, pair, method)
+            method = "centred" if method is None else method
+            checks.choice("method", method, get_args(particles.Method))
+            blocks = particles.blocks(scene, packed, times, gapless, step, pair, method)
         else:
             step = BEAM_STEP if step is None else step
-            blocks = beams.simulate(scene, packed, times, gapless, step, pair)
+            blocks = beams.blocks(scene, packed, times, gapless, step, pair)
     return _gather(blocks, times, progress)
 
 
