@@ -107,7 +107,7 @@ def test_wrong_settings_stop_before_anything_runs(setting, message):
 def order(names, report):
     """Tasks that would be run or are fresh, in order, of a process of its own."""
     code = (
-        "from study import notebooks\n"
+        "from study.pages import catalogue\n"
         f"session = catalogue.run(catalogue.select({names}), {{}}, report={report}, dry=True)\n"
         "assert session.exit_code == 0\n"
         "for report in session.execution_reports:\n"
