@@ -703,7 +703,9 @@ def measure_speed(
     from study import dataset, paths
     from study.measure import speed
 
-    if output is not None:
+    if output is None:
+        dataset.verify_files()  # before ten minutes of timing
+    else:
         _check_output(output, ".csv")
     frames = []
     for name in [str(name) for name in chart or speed.CHARTS]:

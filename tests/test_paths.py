@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from study import paths
+from study import cli, paths
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path):
@@ -57,18 +57,39 @@ def test_what_killed_processes_left_is_removed_and_nothing_else(tmp_path, monkey
     done = subprocess.run([sys.executable, "-c", "import os; print(os.getpid())"], stdout=-1)
     dead, host = int(done.stdout), socket.gethostname()
     left = [
-        tmp_path / "FIGURES" / f".part-{host}-{dead}-a.csv",
-        tmp_path / "DATA" / f".part-{host}-{dead}-b.csv",
+        tmp_path / "FIGURES" / f".part-{host}-{dead}-a",
+        tmp_path / "DATA" / "published" / f".part-{host}-{dead}-b",
         tmp_path / f".part-{host}-{dead}-kernel",
     ]
     others = [
-        tmp_path / "FIGURES" / f".part-{host}-{os.getpid()}-a.csv",
-        tmp_path / "FIGURES" / f".part-another-{dead}-a.csv",
+        tmp_path / "FIGURES" / f".part-{host}-{os.getpid()}-a",
+        tmp_path / "FIGURES" / f".part-another-{dead}-a",
         tmp_path / "FIGURES" / "fig01.csv",
     ]
-    for path in (*left[:2], *others):
-        path.touch()
-    (left[2] / "socket").mkdir(parents=True)
+    for path in (*left, *others):
+        path.mkdir(parents=True)
+        (path / "table.csv").touch()
     paths.sweep()
     assert not any(path.exists() for path in left)
     assert all(path.exists() for path in others)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        *(["run", "fig10"], ["verify"], ["list"], ["report"], ["paper"], ["data", "show"]),
+        *(["data", "check"], ["data", "build"], ["measure", "--chart", "laws"]),
+        ["choose", "--r2-star", "200", "--depth-star", "0.3", "--tolerance", "0.01"],
+        ["simulate", "--model", "auto", "--tolerance", "0.1"],
+    ],
+)
+def test_what_needs_a_checkout_says_so_where_there_is_none(monkeypatch, capsys, words):
+    monkeypatch.setattr(paths, "IS_CHECKOUT", False)
+    monkeypatch.setattr("sys.argv", ["study", *words])
+    with pytest.raises(SystemExit) as stop:
+        cli.main()
+    assert stop.value.code == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("study: this needs a checkout of the project: ")
+    assert err.endswith("/ is not part of the installed package\n")

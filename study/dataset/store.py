@@ -384,6 +384,7 @@ def _refuse_damaged_published_files():
 
 def _read_package():
     """Content of the description, with everything in it that is used here."""
+    paths.require_checkout(paths.DATA)
     name = PACKAGE.relative_to(paths.ROOT)
     remedy = f"mend it with: git checkout -- {name}, or make it anew with: {MEND}"
     try:

@@ -252,6 +252,7 @@ def select(names):
     ValueError
         For an unknown name; lists the known ones.
     """
+    paths.require_checkout(paths.NOTEBOOKS)
     known = [name for nb in CATALOGUE for name in (nb.name, *nb.results)]
     for name in names:
         if name not in known:

@@ -52,6 +52,7 @@ def build(folders, expression="", *, jobs=None, force=False, dask_address=None, 
     KeyboardInterrupt
         If interrupted; finished tasks stay finished, and the next call resumes.
     """
+    paths.require_checkout(folders[0])
     options = {"n_workers": jobs or cpu_count()}
     options["parallel_backend"] = "loky" if options["n_workers"] > 1 else "none"
     client = None

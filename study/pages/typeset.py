@@ -28,6 +28,7 @@ def typeset(source=SOURCE, output=PDF):
     study.checks.StudyError
         If a number, figure or reference is missing, or Typst warns; tells which.
     """
+    paths.require_checkout(paths.PAPER)
     try:
         pdf, warnings = typst.compile_with_warnings(
             source, root=paths.ROOT, ignore_system_fonts=True, format="pdf"
