@@ -7,6 +7,7 @@ their arguments and return 0, or the number of one that is out of range with not
 import io
 import json
 import textwrap
+from typing import Literal, get_args
 
 import numpy as np
 import pandas as pd
@@ -15,8 +16,10 @@ from study import checks, contact
 from study.contact import laws, shapes
 from study.joint import Joint, force_curve, series
 
-FORMATS = ("c", "json", "csv")
-EXPORTED = ("stiffened_hertz", "tabulated")
+Exported = Literal["stiffened_hertz", "tabulated"]
+Format = Literal["c", "json", "csv"]
+EXPORTED: tuple[Exported, ...] = get_args(Exported)
+FORMATS: tuple[Format, ...] = get_args(Format)
 ROOTS = 40  # depths of a table, in equal steps of sqrt(depth_star)
 
 _SOURCE = "Spherical clearance joint study; see CITATION.cff there."

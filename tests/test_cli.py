@@ -94,9 +94,9 @@ def test_choices_and_defaults_are_those_of_the_library():
     assert signature.parameters["socket_ratio"].default == curve.SOCKET_RATIO
     assert str(signature.parameters["kinematics"].default) == curve.Joint(200).kinematics
     assert tuple(cli.Kinematics) == curve.KINEMATICS
-    assert tuple(cli.Drive) == curve.fem.DRIVES
+    assert tuple(cli.Drive) == curve.DRIVES
     assert str(signature.parameters["rim"].default) == curve.Joint(200).rim
-    assert tuple(cli.Rim) == curve.fem.RIMS
+    assert tuple(cli.Rim) == curve.RIMS
     assert tuple(cli.Solver) == curve.SOLVERS
     assert tuple(cli.Exported) == export.EXPORTED
     assert tuple(cli.Format) == export.FORMATS

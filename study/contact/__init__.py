@@ -4,6 +4,7 @@ from study.contact.bodies import SOCKET_RATIO, composite_modulus
 from study.contact.laws import (
     LAWS,
     PAPER_LAWS,
+    LawName,
     contact_force,
     contact_stiffness,
     hertz,
@@ -19,6 +20,7 @@ __all__ = [
     "LAWS",
     "PAPER_LAWS",
     "SOCKET_RATIO",
+    "LawName",
     "composite_modulus",
     "contact_force",
     "contact_stiffness",

@@ -5,11 +5,13 @@ D the damping factor; four ways to choose it from the coefficient of restitution
 """
 
 from math import expm1, log1p
+from typing import Literal
 
 from scipy.optimize import brentq
 
 from study import checks
 
+Damping = Literal["lankarani-nikravesh", "hunt-crossley", "flores", "exact"]
 POWERS = range(2, 60)  # of a series that converges as 0.5^k
 
 

@@ -9,10 +9,12 @@ its docstring; "Eq." numbers are those of the paper the study reproduces.
 """
 
 import json
+from collections.abc import Callable
 from functools import lru_cache, wraps
 from inspect import Parameter, Signature, signature
 from math import factorial, gamma, pi, sqrt
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
@@ -21,6 +23,7 @@ from study import checks
 from study.contact import shapes
 from study.contact.bodies import SOCKET_RATIO
 
+LawName = Literal["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler", "stiffened_hertz"]
 COEFFICIENTS = Path(__file__).with_name("coefficients.json")
 STIFFENED_RANGES = {"r2_star": (20, None), "socket_ratio": (1.1, 3), "poisson": (0.2, 0.45)}
 """Where `stiffened_hertz` is fitted: least and largest value."""
@@ -359,7 +362,7 @@ def _monotone_slopes(x, y):
     )
 
 
-LAWS = {
+LAWS: dict[LawName, Callable] = {
     "hertz": hertz,
     "steuermann": steuermann,
     "liu": liu,

@@ -15,6 +15,7 @@ from study import checks, contact, paths
 from study.contact.laws import COEFFICIENTS
 from study.dataset import design, provenance, verify
 from study.joint import fem, force_curve, series
+from study.joint.compliance import DRIVES, RIMS
 from study.joint.curve import FINITE_RESOLUTION, KINEMATICS, SOLVERS
 
 CURVES = paths.DATA / "force_curves.csv"
@@ -63,8 +64,8 @@ _CONSTRAINTS = {
     "group": {"enum": list(design.GROUPS)},
     "r2_star": {"minimum": 1},
     "socket_ratio": {"minimum": 1},
-    "ball_drive": {"enum": list(fem.DRIVES)},
-    "rim": {"enum": list(fem.RIMS)},
+    "ball_drive": {"enum": list(DRIVES)},
+    "rim": {"enum": list(RIMS)},
     "kinematics": {"enum": list(KINEMATICS)},
     "solver": {"enum": list(SOLVERS)},
     "depth_star": {"minimum": 0},

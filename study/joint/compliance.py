@@ -6,11 +6,18 @@ radius and unit Young's modulus, and serves every clearance, depth and modulus.
 
 from dataclasses import dataclass
 from functools import lru_cache, wraps
+from typing import Literal, get_args
 
 import numpy as np
 
 from study import checks
 
+Drive = Literal["plane", "clamped", "point"]
+"""How the half ball is displaced: see `study.joint.Joint`."""
+Rim = Literal["mirror", "free"]
+"""What holds the socket's edge at the equator."""
+DRIVES: tuple[Drive, ...] = get_args(Drive)
+RIMS: tuple[Rim, ...] = get_args(Rim)
 FINEST_RESOLUTION = 1280
 """Finer hats than these are too much alike for the series, and meshes take gigabytes."""
 THICKEST_RATIO = 1e6

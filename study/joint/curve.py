@@ -8,17 +8,20 @@ Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 """
 
 from dataclasses import dataclass, field
+from typing import Literal, get_args
 
 import numpy as np
 
 from study import checks
 from study.contact import SOCKET_RATIO, composite_modulus
 from study.joint import fem, pairing, series
-from study.joint.compliance import FINEST_RESOLUTION, THICKEST_RATIO
+from study.joint.compliance import DRIVES, FINEST_RESOLUTION, RIMS, THICKEST_RATIO, Drive, Rim
 from study.threads import one_thread
 
-KINEMATICS = ("small", "linear", "finite")
-SOLVERS = ("series", "quadratic", "linear")
+Kinematics = Literal["small", "linear", "finite"]
+Solver = Literal["series", "quadratic", "linear"]
+KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
+SOLVERS: tuple[Solver, ...] = get_args(Solver)
 FINITE_RESOLUTION = 96  # large displacements cost more
 LARGEST_MODULUS_RATIO = 1e9
 """Of the bodies' Young's moduli, either way: a stiffer body is rigid, within 1e-9 of the force, and
@@ -92,9 +95,9 @@ class Joint:
     socket_ratio: float = SOCKET_RATIO
     ball: Material = field(default_factory=Material)
     socket: Material = field(default_factory=Material)
-    ball_drive: str = "plane"
-    rim: str = "mirror"
-    kinematics: str = "linear"
+    ball_drive: Drive = "plane"
+    rim: Rim = "mirror"
+    kinematics: Kinematics = "linear"
 
     def __post_init__(self):
         checks.number("r2_star", self.r2_star, above=1, scalar=True)
@@ -105,8 +108,8 @@ class Joint:
         moduli = {"least": 1 / LARGEST_MODULUS_RATIO, "most": LARGEST_MODULUS_RATIO}
         ratio = self.socket.youngs_modulus / self.ball.youngs_modulus
         checks.number("Young's modulus of the socket over that of the ball", ratio, **moduli)
-        checks.choice("ball_drive", self.ball_drive, fem.DRIVES)
-        checks.choice("rim", self.rim, fem.RIMS)
+        checks.choice("ball_drive", self.ball_drive, DRIVES)
+        checks.choice("rim", self.rim, RIMS)
         checks.choice("kinematics", self.kinematics, KINEMATICS)
 
     @property

@@ -26,11 +26,17 @@ from skfem.helpers import ddot, div, dot, eye, grad, mul, sym_grad, trace, trans
 from skfem.models.elasticity import lame_parameters
 
 from study import checks
-from study.joint.compliance import THICKEST_RATIO, Compliance, graded, remembered, surface_angles
+from study.joint.compliance import (
+    DRIVES,
+    RIMS,
+    THICKEST_RATIO,
+    Compliance,
+    graded,
+    remembered,
+    surface_angles,
+)
 from study.threads import one_thread
 
-DRIVES = ("plane", "clamped", "point")
-RIMS = ("mirror", "free")
 RESOLUTION = 160
 FINEST_RESOLUTION = 320
 """A curve takes 20 s and 2 GB there, and 80 s and 5 GB at one and a half times as fine."""
