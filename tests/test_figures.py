@@ -1,0 +1,77 @@
+"""The saved drawings are to scale, their arrows add up to the laws' forces; style and saving."""
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import pytest
+
+from study import paths
+from study.contact import SOCKET_RATIO, hyperbolic_winkler, pressure, winkler
+from study.pages import catalogue, drawings, figures
+
+(NOTEBOOK,) = catalogue.select(["fig01"])
+DRAWN = {name: value for name, (value, _) in catalogue.parameters(NOTEBOOK).items()}
+R2_STAR, DEPTH_STAR = DRAWN["drawn_r2_star"], DRAWN["depth_star"]
+
+
+def panel(name, letter):
+    """Parts of a saved drawing, each of shape (2, n)."""
+    rows = pd.read_csv(paths.FIGURES / f"{name}.csv").query("panel == @letter")
+    return {part: points[["x", "y"]].to_numpy().T for part, points in rows.groupby("part")}
+
+
+def test_gaps_are_the_clearance_and_the_eccentricity():
+    socket = np.hypot(*panel("fig01", "a")["socket"])
+    assert (socket.min(), socket.max()) == pytest.approx((1, SOCKET_RATIO), abs=2e-6)
+    free, eccentricity = panel("fig01", "b"), DRAWN["eccentricity_star"]
+    assert np.hypot(*np.diff(free["e"]).ravel()) == pytest.approx(eccentricity / R2_STAR, abs=2e-6)
+    ball = np.hypot(*free["ball and rod"][:, :181])
+    assert 1 - ball.max() == pytest.approx((1 - eccentricity) / R2_STAR, rel=1e-3)
+
+
+def test_overlap_is_as_deep_as_the_depth():
+    parts, depth = panel("fig02", "a"), DEPTH_STAR / R2_STAR
+    along = drawings.polar(1, np.radians(DRAWN["direction"]))
+    assert np.ptp(along @ parts["depth"]) == pytest.approx(depth, abs=2e-6)
+    assert (along @ parts["overlap"]).max() == pytest.approx(1 + depth, abs=2e-6)
+    eccentricity = np.hypot(*np.diff(parts["e"]).ravel())
+    assert eccentricity == pytest.approx(depth + 1 / R2_STAR, abs=2e-6)
+    assert (np.hypot(*(parts["overlap"] - parts["e"][:, 1:])) <= 1 - 1 / R2_STAR + 2e-6).all()
+    assert (np.hypot(*parts["overlap"]) >= 1 - 2e-6).all()
+
+
+def test_arrows_of_the_flat_foundation_add_up_to_winkler():
+    x, share = panel("fig04", "a")["pressure"]
+    peak = DEPTH_STAR / pressure.foundation_height("winkler", R2_STAR)  # K d/h in E* dR/R2
+    total = R2_STAR * peak * np.sum(np.pi * np.abs(x) * share) * np.diff(x)[0]
+    assert total == pytest.approx(winkler(DEPTH_STAR, R2_STAR), rel=0.01)
+
+
+def test_arrows_along_the_arc_add_up_to_the_law():
+    theta, share = panel("fig06", "a")["pressure"]
+    peak = DEPTH_STAR / pressure.foundation_height("hyperbolic_winkler", R2_STAR)
+    rings = np.pi * np.abs(theta) * np.diff(theta)[0]  # of a disc
+    total = R2_STAR * peak * np.sum(rings * share * np.cos(theta))
+    assert total == pytest.approx(hyperbolic_winkler(DEPTH_STAR, R2_STAR), rel=0.01)
+
+
+@pytest.mark.parametrize(("letter", "depth"), [("a", "small_depth_star"), ("b", "depth_star")])
+def test_vertical_arrows_are_components_of_the_radial_ones(letter, depth):
+    parts = panel("fig05", letter)
+    radial, vertical = (parts[name] - parts["tails"] for name in ("radial", "vertical"))
+    np.testing.assert_allclose(vertical[1], radial[1], atol=3e-6)
+    np.testing.assert_allclose(vertical[0], 0, atol=3e-6)
+    edge = np.arctan2(*(parts["arc of contact"][:, -1] * [1, -1]))
+    assert edge == pytest.approx(np.sqrt(2 * DRAWN[depth]), abs=3e-6)
+
+
+def test_a_figure_leaves_the_settings_of_the_session(tmp_path, monkeypatch):
+    monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
+    figures._style.close()  # of figures that other tests have not saved
+    with mpl.rc_context({"lines.linewidth": 7.0, "font.size": 5.0}):
+        before = dict(mpl.rcParams)
+        figure, axes = figures.new()
+        assert axes.plot([0, 1])[0].get_linewidth() == figures.STYLE["lines.linewidth"]
+        figures.save(figure, "fig", pd.DataFrame({"x": [0.0, -0.0]}))
+        assert dict(mpl.rcParams) == before
+    assert (tmp_path / "fig.csv").read_text() == "x\n0\n0\n"

@@ -1,0 +1,49 @@
+"""The pressures behind the laws add up to their forces, and the half-angles agree."""
+
+import numpy as np
+import pytest
+
+from study.contact import hertz, hyperbolic_winkler, pressure
+from study.joint import Joint, force_curve
+
+
+def force(radius, values, r2_star):
+    """Dimensionless force of a pressure over the distance from the axis."""
+    return r2_star * np.trapezoid(2 * np.pi * radius * values, radius)
+
+
+@pytest.mark.parametrize("depth_star", [0.02, 0.5])
+@pytest.mark.parametrize("r2_star", [4.0, 200.0])
+def test_hertz_pressure_adds_up_to_hertz(depth_star, r2_star):
+    radius = pressure.contact_radius(depth_star, r2_star) * np.sin(np.linspace(0, np.pi / 2, 2001))
+    values = pressure.hertz_pressure(radius, depth_star, r2_star)
+    assert force(radius, values, r2_star) == pytest.approx(hertz(depth_star, r2_star), rel=1e-6)
+
+
+def test_exact_pressure_tends_to_hertz():
+    joint = Joint(2000.0, socket_ratio=3.0)
+    curve = force_curve(joint, [0.001], resolution=640)
+    peak = pressure.hertz_pressure(0.0, 0.001, joint.r2_star)
+    radius = pressure.contact_radius(0.001, joint.r2_star)
+    assert curve.peak_pressure[0] == pytest.approx(peak, rel=0.05)
+    assert np.sin(curve.contact_half_angle[0]) == pytest.approx(radius, rel=0.03)
+
+
+def test_hyperbolic_pressure_adds_up_to_its_law():
+    depth, r2_star = 0.5, 200.0
+    alpha = pressure.contact_half_angle("hyperbolic_winkler", depth, r2_star)
+    theta = np.linspace(0, alpha, 2001)
+    values = pressure.hyperbolic_pressure(theta, depth, r2_star)
+    vertical, total = (  # with the law's area element, that of a disc
+        r2_star * np.trapezoid(2 * np.pi * theta * values * share, theta)
+        for share in (np.cos(theta), 1)
+    )
+    assert vertical == pytest.approx(hyperbolic_winkler(depth, r2_star), rel=1e-5)
+    assert vertical / total == pytest.approx(pressure.vertical_share(depth), rel=1e-5)
+
+
+def test_half_angles_agree_where_they_must():
+    assert pressure.contact_half_angle("hyperbolic_winkler", 0.5, 20.0) == pytest.approx(1.0)
+    assert np.cos(pressure.contact_half_angle("steuermann", 1.0, 20.0)) == pytest.approx(0.5)
+    tiny = [pressure.contact_half_angle(law, 1e-8, 1e6) for law in ("steuermann", "hertz")]
+    assert tiny[0] / tiny[1] == pytest.approx(np.sqrt(2), rel=1e-4)
