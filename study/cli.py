@@ -134,26 +134,24 @@ def verify_results(
     ] = False,
 ):
     """Say which results, as made here last, are the kept ones; run nothing."""
-    from study.dataset import verify
-    from study.pages import catalogue
+    from study.pages import catalogue, kept
 
     selected = catalogue.select(names or [])
     if keep:
         for notebook in selected:
-            verify.keep(notebook.files())
+            kept.accept(notebook.files())
     _compare(selected)
 
 
 def _compare(selected):
     """Say how many results are the kept ones, and which are not; fail if one differs."""
-    from study.dataset import verify
-    from study.pages import catalogue
+    from study.pages import catalogue, kept
 
     found = catalogue.compare(selected)
     for comparison in found:
         if comparison.state == "differs":
             print(f"differs  {comparison.where}", file=sys.stderr)
-    print(verify.summary(found))
+    print(kept.summary(found))
     if any(comparison.state == "differs" for comparison in found):
         raise typer.Exit(1)
 

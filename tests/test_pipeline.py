@@ -12,7 +12,7 @@ import pytest
 from copied import copy_project, environment, study
 
 from study import paths
-from study.dataset import verify
+from study.dataset.agreement import table_differs
 from study.pages import catalogue
 
 TWO = ("02-coefficient-over-socket-radius", "03-force-against-depth")
@@ -38,7 +38,7 @@ def assert_agrees(root, name):
     """The file made in a copy holds the kept numbers: other bytes only on another processor."""
     made, kept = root / "figures" / name, paths.FIGURES / name
     if made.suffix == ".csv":
-        assert verify.table_differs(kept, made) is None, name
+        assert table_differs(kept, made) is None, name
     assert made.is_file()
     return made.read_bytes()
 

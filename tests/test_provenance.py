@@ -21,7 +21,7 @@ def test_imports_are_followed_to_the_modules_that_define_the_names():
         *("joint/curve.py", "joint/fem.py", "joint/pairing.py", "joint/series.py", "threads.py"),
     }
     assert "contact/laws.py" in reached("dataset/fitting.py")
-    assert reached("dataset/verify.py") == {"dataset/verify.py"}
+    assert reached("dataset/agreement.py") == {"dataset/agreement.py"}
 
 
 def test_imports_inside_functions_count(tmp_path):

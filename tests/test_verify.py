@@ -7,16 +7,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study import paths
-from study.dataset import verify
-from study.pages import figures
+from study.dataset.agreement import table_differs
+from study.pages import figures, kept
 
 
 @pytest.fixture
 def folders(tmp_path, monkeypatch):
     """Empty folders that the module takes for the project's."""
     monkeypatch.setattr(paths, "FIGURES", tmp_path / "figures")
-    monkeypatch.setattr(verify, "MADE", tmp_path / "build/made")
-    monkeypatch.setattr(verify, "KEPT", tmp_path / "build/kept")
+    monkeypatch.setattr(kept, "MADE", tmp_path / "build/made")
+    monkeypatch.setattr(kept, "KEPT", tmp_path / "build/kept")
     monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path / "work"))
     return tmp_path
 
@@ -29,52 +29,52 @@ def make(folders, scale=1.0, label="force", name="fig"):
     axes.plot(table.x, table.force)
     axes.set_ylabel(label)
     figures.save(figure, name, table)
-    verify.place(folders / "work", verify.files(name, True))
-    return verify.compare(name, True)
+    kept.place(folders / "work", kept.files(name, True))
+    return kept.compare(name, True)
 
 
-def kept(folders, name="fig"):
-    return [(folders / "figures" / file).read_bytes() for file in verify.files(name, True)]
+def kept_bytes(folders, name="fig"):
+    return [(folders / "figures" / file).read_bytes() for file in kept.files(name, True)]
 
 
 def test_a_result_is_new_then_identical(folders):
-    assert verify.compare("fig", True).state == "not made here"
+    assert kept.compare("fig", True).state == "not made here"
     assert make(folders).state == "identical"  # there was none: what was made is kept
-    first = kept(folders)
+    first = kept_bytes(folders)
     assert make(folders).state == "identical"
-    assert kept(folders) == first
+    assert kept_bytes(folders) == first
 
 
 def test_numbers_that_agree_leave_the_kept_files(folders):
     make(folders)
-    first = kept(folders)
+    first = kept_bytes(folders)
     assert make(folders, 1 + 5e-7).state == "agrees"
-    assert kept(folders) == first
+    assert kept_bytes(folders) == first
 
 
 def test_numbers_that_differ_are_written_and_named(folders):
     make(folders)
-    first = kept(folders)
+    first = kept_bytes(folders)
     found = make(folders, 1.004)
     assert found.state == "differs"
     assert found.where == "figures/fig.csv, row 4, column force: kept 25, now 25.1 (3 in all)"
-    assert kept(folders) != first
+    assert kept_bytes(folders) != first
     assert make(folders, 1.004).state == "differs"  # until somebody takes it as right
     assert make(folders, 1 + 5e-7).state == "agrees"  # with those that were kept
-    assert kept(folders) == first
+    assert kept_bytes(folders) == first
     make(folders, 1.004)
-    verify.keep(verify.files("fig", True))
-    assert verify.compare("fig", True).state == "identical"
+    kept.accept(kept.files("fig", True))
+    assert kept.compare("fig", True).state == "identical"
 
 
 def test_a_label_that_differs_is_written(folders):
     make(folders)
-    first = kept(folders)
+    first = kept_bytes(folders)
     found = make(folders, label="Force")
     assert found.state == "differs"
     assert "figures/fig.png" in found.where
-    assert kept(folders)[0] == first[0]
-    assert kept(folders)[1] != first[1]
+    assert kept_bytes(folders)[0] == first[0]
+    assert kept_bytes(folders)[1] != first[1]
 
 
 def test_a_label_that_differs_is_seen_beside_numbers_that_agree(folders):
@@ -82,11 +82,11 @@ def test_a_label_that_differs_is_seen_beside_numbers_that_agree(folders):
     assert make(folders, 1 + 5e-7, label="Force").state == "differs"
 
 
-def test_a_file_put_back_by_hand_counts_as_kept(folders):
+def test_a_file_put_back_by_hand_counts_as_kept_bytes(folders):
     make(folders)
-    first = kept(folders)
+    first = kept_bytes(folders)
     make(folders, 1.004)
-    for file, content in zip(verify.files("fig", True), first, strict=True):
+    for file, content in zip(kept.files("fig", True), first, strict=True):
         (folders / "figures" / file).write_bytes(content)
     assert make(folders).state == "identical"
     assert not any((folders / "build/kept").iterdir())
@@ -115,7 +115,7 @@ def table(folders, name, **columns):
     ],
 )
 def test_tables_are_compared_number_by_number(tmp_path, old, new, text):
-    found = verify.table_differs(table(tmp_path, "t", **old), table(tmp_path / "new", "t", **new))
+    found = table_differs(table(tmp_path, "t", **old), table(tmp_path / "new", "t", **new))
     assert found == text
 
 
@@ -124,13 +124,13 @@ def test_chaotic_results_and_few_digits_have_their_own_tolerance(tmp_path):
     other = {"value": [2.001, 1.01e-4]}
     for name, text in (("convergence", None), ("fig10", "row 3")):
         old, new = table(tmp_path, name, **column), table(tmp_path / "new", name, **other)
-        found = verify.table_differs(old, new)
+        found = table_differs(old, new)
         assert found is None if text is None else found.startswith(text)
     name, column = "stability_steps", {"y": ["1.23", "4.56e-07"]}
     for value, same in (("1.24", True), ("1.26", False)):
         old = table(tmp_path, name, **column)
         new = table(tmp_path / "new", name, y=[value, "4.57e-07"])
-        assert (verify.table_differs(old, new) is None) == same
+        assert (table_differs(old, new) is None) == same
 
 
 @given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=8), st.floats(-9e-7, 9e-7))
@@ -138,13 +138,13 @@ def test_any_change_within_the_tolerance_agrees_and_twice_it_does_not(tmp_path_f
     folder = tmp_path_factory.mktemp("tables")
     x = np.round(x, 3)
     old = table(folder, "t", a=x)
-    assert verify.table_differs(old, table(folder / "near", "t", a=x * (1 + change))) is None
-    beyond = verify.table_differs(old, table(folder / "far", "t", a=x * (1 + 2.1e-6)))
+    assert table_differs(old, table(folder / "near", "t", a=x * (1 + change))) is None
+    beyond = table_differs(old, table(folder / "far", "t", a=x * (1 + 2.1e-6)))
     assert (beyond is None) == (not x.any())
 
 
 def test_the_summary_counts(folders):
-    found = [verify.Comparison("a", "identical")] * 57 + [verify.Comparison("b", "agrees")] * 4
-    assert verify.summary(found) == "61 results: 57 identical, 4 agree, 0 differ"
-    found[0] = verify.Comparison("c", "not made here")
-    assert verify.summary(found).endswith("56 identical, 4 agree, 0 differ, 1 not made here")
+    found = [kept.Comparison("a", "identical")] * 57 + [kept.Comparison("b", "agrees")] * 4
+    assert kept.summary(found) == "61 results: 57 identical, 4 agree, 0 differ"
+    found[0] = kept.Comparison("c", "not made here")
+    assert kept.summary(found).endswith("56 identical, 4 agree, 0 differ, 1 not made here")

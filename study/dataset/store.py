@@ -13,7 +13,7 @@ import pandas as pd
 
 from study import checks, contact, paths
 from study.contact.laws import COEFFICIENTS
-from study.dataset import design, provenance, verify
+from study.dataset import agreement, design, provenance
 from study.joint import fem, force_curve, series
 from study.joint.compliance import DRIVES, RIMS
 from study.joint.curve import FINITE_RESOLUTION, KINEMATICS, SOLVERS
@@ -287,9 +287,9 @@ def solve_case(group, name, joint, depths):
 def write_table(frame, path):
     """Write a table as CSV, whole or not at all, if it does not agree with the kept one.
 
-    Numbers have 9 significant digits, or as many as `verify.DIGITS` says: estimates have
+    Numbers have 9 significant digits, or as many as `agreement.DIGITS` says: estimates have
     few that mean anything. On another processor the last ones differ; a kept file whose numbers
-    all agree (`study.dataset.verify.table_differs`) stays as it is.
+    all agree (`study.dataset.agreement.table_differs`) stays as it is.
 
     Parameters
     ----------
@@ -297,12 +297,12 @@ def write_table(frame, path):
     path : pathlib.Path
     """
     frame = frame.copy()
-    for column, digits in verify.DIGITS.get(path.stem, {}).items():
+    for column, digits in agreement.DIGITS.get(path.stem, {}).items():
         frame[column] = [float(f"{value:.{digits}g}") for value in frame[column]]
     with paths.scratch(path.parent) as folder:
         made = folder / path.name
         frame.to_csv(made, index=False, float_format="%.9g", lineterminator="\n")
-        if not path.is_file() or verify.table_differs(path, made):
+        if not path.is_file() or agreement.table_differs(path, made):
             paths.copy(made, path)
 
 

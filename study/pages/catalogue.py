@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from study import checks, paths
 from study.claims import verdicts
 from study.contact import LAWS
-from study.dataset import provenance, verify
-from study.pages import tasks
+from study.dataset import provenance
+from study.pages import kept, tasks
 from study.pages.execute import NotebookError
 
 LONGEST = 1000  # setting, in characters
@@ -57,7 +57,7 @@ class Notebook:
 
     def files(self):
         """File names of its results: a CSV each, and a PNG for a figure."""
-        return [file for name in self.results for file in verify.files(name, name in self.figures)]
+        return [file for name in self.results for file in kept.files(name, name in self.figures)]
 
     def products(self):
         """Files it makes: those of its results, and its executed copy."""
@@ -382,11 +382,11 @@ def compare(notebooks):
 
     Returns
     -------
-    list of study.dataset.verify.Comparison
+    list of study.pages.kept.Comparison
         In the order of the catalogue.
     """
     return [
-        verify.compare(name, name in notebook.figures, other)
+        kept.compare(name, name in notebook.figures, other)
         for notebook in notebooks
         for other in [_has_other_parameters(notebook)]
         for name in notebook.results

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from study import paths
 from study.checks import StudyError
-from study.dataset import verify
+from study.pages import kept
 
 
 class NotebookError(StudyError):
@@ -23,7 +23,7 @@ class NotebookError(StudyError):
 def execute(notebook, settings):
     """Execute one notebook; its executed copy lands in ``build/notebooks``.
 
-    Its results are compared with the kept ones (`verify.place`) if every cell succeeds and
+    Its results are compared with the kept ones (`kept.place`) if every cell succeeds and
     it has made just the files that the catalogue names.
 
     Parameters
@@ -48,7 +48,7 @@ def execute(notebook, settings):
         finally:
             if executed.is_file():
                 paths.copy(executed, notebook.executed)
-        verify.place(results, notebook.files())
+        kept.place(results, notebook.files())
 
 
 def _execute_in_a_child(notebook, executed, settings, folder, results):

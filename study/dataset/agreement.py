@@ -1,0 +1,74 @@
+"""Do two tables of one name agree? On another processor the last digits of a number differ."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+TOLERANCE = 1e-6
+"""Largest difference of two numbers that agree, relative to the larger."""
+OF_DIFFERENCES = 1e-12
+"""Added to it: what rounding leaves of differences between numbers of size 1."""
+CHAOTIC = (
+    *("fig17", "fig18", "fig19", "fig20", "fig21", "first_impacts", "impacts", "persistence"),
+    *("variants", "durations", "agreement", "convergence", "choice_mechanism"),
+    "links",
+)
+"""Results of simulated impacts, each of which enlarges the rounding of the one before."""
+CHAOTIC_TOLERANCE = 1e-3
+"""Instead of `TOLERANCE` there, and as share of the column's largest number times 1/1000."""
+DIGITS = {
+    "stability_steps": {"y": 3},
+    "stability_impacts": {"y": 3},
+    "stability_contact": {"y": 3},
+    "force_curves": {"error_estimate": 3, "contact_half_angle": 5},
+}
+"""Columns that are written with fewer digits: one unit of the last agrees."""
+
+
+def table_differs(kept: Path, made: Path) -> str | None:
+    """Where two tables differ by more than agrees, or None.
+
+    Parameters
+    ----------
+    kept, made
+        CSV files; the name of ``kept`` tells the tolerance.
+
+    Returns
+    -------
+    str or None
+        Row, column, kept and new value, and how many differ.
+    """
+    result = kept.stem
+    kept, made = (pd.read_csv(path, dtype=str, keep_default_na=False) for path in (kept, made))
+    if list(kept) != list(made):
+        return f"columns: kept {', '.join(kept)}; now {', '.join(made)}"
+    if len(kept) != len(made):
+        return f"rows: kept {len(kept)}, now {len(made)}"
+    excess = np.array([_excess(kept[name], made[name], result, name) for name in kept])
+    if not (excess > 1).any():
+        return None
+    column, row = np.unravel_index(excess.argmax(), excess.shape)  # the first of the worst
+    old, new = kept.iloc[row, column], made.iloc[row, column]
+    return (
+        f"row {row + 2}, column {kept.columns[column]}: kept {old}, now {new} "
+        f"({np.count_nonzero(excess > 1)} in all)"
+    )
+
+
+def _excess(old, new, result, column):
+    """Differences of two columns in units of what agrees; infinite where text differs."""
+    changed = (old != new).to_numpy()
+    excess = np.where(changed, np.inf, 0.0)
+    numbers = [pd.to_numeric(values, errors="coerce").to_numpy(float) for values in (old, new)]
+    both = changed & np.isfinite(numbers).all(axis=0)
+    if both.any():
+        size = np.nanmax(np.abs(numbers), axis=0)
+        limit = OF_DIFFERENCES + TOLERANCE * size
+        if result in CHAOTIC:
+            limit = CHAOTIC_TOLERANCE * (size + 1e-3 * np.nanmax(size))
+        if digits := DIGITS.get(result, {}).get(column):
+            last = np.floor(np.log10(np.maximum(size, OF_DIFFERENCES))) + 1 - digits
+            limit = limit + 10.0**last
+        excess[both] = (np.abs(numbers[0] - numbers[1]) / limit)[both]
+    return excess

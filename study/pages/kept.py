@@ -1,0 +1,135 @@
+"""Results as made here beside the kept ones: identical, agreeing, or different.
+
+The kept results are the files in ``figures/``. Where every number agrees
+(`study.dataset.agreement`) the kept file stays as it is, and where one does not the new file
+takes its place. What was made last lies in ``build/made``, and a kept file that has been replaced
+in ``build/kept``.
+"""
+
+import filecmp
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+
+from study import paths
+from study.dataset.agreement import table_differs
+
+MADE, KEPT = paths.BUILD / "made", paths.BUILD / "kept"
+LEVELS = 8
+"""Largest difference of two pixels that agree, of 255 levels."""
+State = Literal["identical", "agrees", "differs", "new", "other parameters", "not made here"]
+STATES: tuple[State, ...] = get_args(State)
+"""``new``: there was none to compare with. ``other parameters``: not to be compared."""
+_PLURAL = {"agrees": "agree", "differs": "differ"}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A result as made here beside the kept one; ``where`` it differs, if it does."""
+
+    name: str
+    state: State
+    where: str = ""
+
+
+def files(name: str, is_figure: bool) -> list[str]:
+    """File names of a result: its numbers first, then its image if it is a figure."""
+    return [f"{name}.csv", *([f"{name}.png"] if is_figure else [])]
+
+
+def place(folder: Path, names: Iterable[str]) -> None:
+    """Take over files made in a folder: those that differ from the kept ones replace them.
+
+    The CSV of a figure is named before its image.
+    """
+    paths.FIGURES.mkdir(exist_ok=True)
+    for name in names:
+        new, kept, aside, shown = folder / name, _kept(name), KEPT / name, paths.FIGURES / name
+        state, _ = _compare(name, kept, new)
+        if state in ("identical", "agrees"):
+            if kept == aside:
+                paths.copy(aside, shown)
+            aside.unlink(missing_ok=True)
+        else:
+            if kept != aside and shown.is_file():
+                paths.copy(shown, aside)
+            paths.copy(new, shown)
+        paths.copy(new, MADE / name)
+
+
+def accept(names: Iterable[str]) -> None:
+    """Take what was made as the kept files from now on."""
+    for name in names:
+        (KEPT / name).unlink(missing_ok=True)
+
+
+def compare(name: str, is_figure: bool, other_parameters: bool = False) -> Comparison:
+    """Compare a result as made last with the kept one; runs nothing.
+
+    ``other_parameters`` says that it was made with parameters that are not the notebook's own.
+    """
+    state, where = max(
+        (_compare(file, _kept(file), MADE / file) for file in files(name, is_figure)),
+        key=lambda found: STATES.index(found[0]),
+    )
+    if other_parameters and state in ("agrees", "differs"):
+        return Comparison(name, "other parameters")
+    return Comparison(name, state, where)
+
+
+def summary(comparisons: list[Comparison]) -> str:
+    """One line: how many results are identical, agree and differ, and more if there are others."""
+    counts = {state: sum(c.state == state for c in comparisons) for state in STATES}
+    told = [
+        f"{count} {_PLURAL.get(state, state)}"
+        for state, count in counts.items()
+        if count or state in STATES[:3]
+    ]
+    return f"{len(comparisons)} results: {', '.join(told)}"
+
+
+def _kept(name):
+    """The kept file: the one set aside, as long as ``figures/`` holds what a run put there."""
+    shown, made, aside = paths.FIGURES / name, MADE / name, KEPT / name
+    replaced = aside.is_file() and made.is_file() and shown.is_file()
+    return aside if replaced and filecmp.cmp(made, shown, shallow=False) else shown
+
+
+def _compare(name, kept, made):
+    """State of one file, and where it differs."""
+    if not made.is_file():
+        return "not made here", ""
+    if not kept.is_file():
+        return "new", ""
+    if filecmp.cmp(kept, made, shallow=False):
+        return "identical", ""
+    where = table_differs(kept, made) if made.suffix == ".csv" else _pixels(name, kept, made)
+    return ("differs", f"figures/{name}, {where}") if where else ("agrees", "")
+
+
+def _pixels(name, kept, made):
+    """Where two images differ by more than agrees, or None.
+
+    If the numbers beside them are the same, every pixel must be; if they only agree, a line may
+    have moved by less than a pixel, so that a pixel must be within the range of its neighbours.
+    """
+    from matplotlib.image import imread
+    from scipy.ndimage import maximum_filter, minimum_filter
+
+    old, new = (np.round(255 * imread(path)) for path in (kept, made))
+    if old.shape != new.shape:
+        return f"size: kept {old.shape[1]} x {old.shape[0]}, now {new.shape[1]} x {new.shape[0]}"
+    table = f"{name.removesuffix('.png')}.csv"
+    numbers, _ = _compare(table, _kept(table), MADE / table)
+    if numbers == "differs":
+        return "for its numbers do"
+    around = (1, 1, 1) if numbers == "identical" else (3, 3, 1)
+    outside = np.zeros(old.shape)
+    for one, other in ((old, new), (new, old)):
+        for off in (minimum_filter(one, around) - other, other - maximum_filter(one, around)):
+            outside = np.maximum(outside, off)
+    count = np.count_nonzero(outside.max(axis=2) > LEVELS)
+    return f"{count} pixels differ" if count else None
