@@ -32,7 +32,7 @@ from study.joint import (
     series,
 )
 from study.joint.compliance import HatFunctions, surface_angles
-from study.measure import explicit, speed, stability
+from study.measure import explicit, limits, speed, stability
 from study.mechanism import MechanismError, Scene, compare, simulate, stable_step
 
 LONGEST = 5.0  # s, of a refusal
@@ -396,9 +396,7 @@ def mechanism_rows():
 def stability_rows():
     scene, law, state = (SCENE, THING), ("hertz", NAME), (STATE, (*LIST, [0] * 6, [1] * 5))
     yield from rows(stability.packed, scene=scene, law=law)
-    yield from rows(
-        stability.bisect, fails=(bool, (None, 3)), low=(1, POSITIVE), high=(2, POSITIVE)
-    )
+    yield from rows(limits.bisect, fails=(bool, (None, 3)), low=(1, POSITIVE), high=(2, POSITIVE))
     yield from rows(stability.lasting_contact, scene=scene, law=law, duration=(1e-4, POSITIVE))
     yield from rows(stability.oscillator, scene=scene, law=law, state=state)
     yield from rows(stability.friction_rate, scene=scene, law=law, state=state)
@@ -419,7 +417,7 @@ def stability_rows():
         duration=(1e-4, POSITIVE),
         tolerance=(1e-8, POSITIVE),
     )
-    yield from rows(stability.delivered, factor=(0.5, (*NUMBER, -1)))
+    yield from rows(damping.delivered_restitution, factor=(0.5, (*NUMBER, -1)))
     yield from rows(
         stability.free_impact,
         factor=(0.5, (*NUMBER, -1)),
@@ -428,17 +426,12 @@ def stability_rows():
         speed=(1.0, (*NUMBER, 0, -1)),
         power=(1.5, (*NUMBER, 0)),
     )
-    yield from rows(stability.pulling, pull=(0.1, (nan, -1, None)))
     yield from rows(
         partial(stability.event_differences, change=1e-9, duration=1e-3), scene=scene, law=law
     )
-    yield from rows(stability.growth, differences=(None, TABLE))
-    yield from rows(stability.pivots, size=(5, (*WHOLE, 0, 10**6)), seed=(0, WHOLE[:-1]))
     yield from rows(
-        stability.refused, joint=(Joint(200), THING), low=(0.1, POSITIVE), high=(1, POSITIVE)
+        limits.refused, joint=(Joint(200), THING), low=(0.1, POSITIVE), high=(1, POSITIVE)
     )
-    yield from rows(stability.textbook, depth_star=(0.1, (*LIST, 0, -1)), area=("flat", NAME))
-    yield from rows(stability.deepest, law=law, r2_star=(200, (*NUMBER, 1)))
 
 
 TABLE_OF_CASES = [

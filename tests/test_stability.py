@@ -8,10 +8,10 @@ import pytest
 
 from study import contact
 from study.contact import shapes
-from study.contact.damping import DAMPINGS, damping_factor
+from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
 from study.joint import Joint, Material, complementarity, force_curve, paper_joint
 from study.joint.compliance import surface_angles
-from study.measure import explicit, stability
+from study.measure import explicit, limits, stability
 from study.mechanism import MechanismError, Scene, particles, rigid, simulate
 
 PAPER = Scene()
@@ -176,24 +176,28 @@ def test_unguarded_particles_below_the_limits_are_the_lagged_ones():
 def test_delivered_restitution_is_that_of_an_integrated_impact(rule, power, asked):
     factor = damping_factor(rule, asked)
     separation, tension = stability.free_impact(factor, power=power)
-    assert stability.delivered(factor) == pytest.approx(separation, abs=1e-7)
+    assert delivered_restitution(factor) == pytest.approx(separation, abs=1e-7)
     assert tension == 0
     if rule == "exact":
         assert separation == pytest.approx(asked, abs=1e-7)
 
 
 def test_delivered_restitution_at_its_ends():
-    assert stability.delivered(0.0) == 1
-    below, above = stability.delivered(0.99e-6), stability.delivered(1.01e-6)
+    assert delivered_restitution(0.0) == 1
+    below, above = delivered_restitution(0.99e-6), delivered_restitution(1.01e-6)
     assert above < below
     assert below - above == pytest.approx(2 / 3 * 0.02e-6, abs=1e-9)
-    assert stability.delivered(1e3) == pytest.approx(1e-3, rel=1e-9)
+    assert delivered_restitution(1e3) == pytest.approx(1e-3, rel=1e-9)
 
 
 def test_a_slow_contact_that_is_driven_apart_pulls_and_the_response_tells():
     assert stability.free_impact(0.3, 1.0, depth=1.0, speed=0.0)[1] == 0
     assert stability.free_impact(100, 1.0, depth=1.0, speed=0.0)[1] == pytest.approx(1, abs=0.01)
-    onset = stability.pulling(10.0)
+
+    def pulls(factor):
+        return stability.free_impact(factor, 10.0, 1.0, 0.0)[1] > 1e-9
+
+    onset = limits.bisect(pulls, 0.05, 50, 20)
     assert onset == pytest.approx(1 / np.sqrt(2 * (0.4 + 10)), rel=0.03)  # undamped
     start = (-PAPER.clearance * (1 - 1e-8), 0.0)
     scene = PAPER.but(initial_eccentricity=start)
@@ -297,7 +301,8 @@ def test_runs_with_loss_can_be_repeated_and_those_without_cannot():
     assert calm.difference.max() < 1e-7
     scene = PAPER.but(restitution=0.99)
     near, far = (stability.event_differences(scene, "hertz", x, 0.06) for x in (1e-11, 1e-9))
-    factor = stability.growth(near)
+    largest = near.difference.cummax()
+    factor = np.exp(np.polyfit(near.impact, np.log(largest), 1)[0])
     assert 1.6 < factor < 2.2
     predicted = near.impact.max() - np.log(100) / np.log(factor)
     assert far.impact.max() == pytest.approx(predicted, abs=2)
@@ -307,8 +312,12 @@ def test_runs_with_loss_can_be_repeated_and_those_without_cannot():
 
 
 def test_pivoting_takes_few_steps_and_too_few_end_in_an_error():
-    worst = max(stability.pivots(size, seed) for size in (10, 40, 160) for seed in range(30))
-    assert worst <= 10
+    for seed in range(30):
+        generator = np.random.default_rng(seed)
+        for size in (10, 40, 160):
+            root = generator.normal(size=(size, size))
+            problem = root @ root.T + 1e-3 * np.eye(size), generator.normal(size=size)
+            complementarity.solve(*problem, max_pivots=10)
     matrix, vector = np.array([[2.0, 1.9], [1.9, 2.0]]), np.array([-1.0, -0.5])
     with pytest.raises(complementarity.ComplementarityError, match="did not converge: residual"):
         complementarity.solve(matrix, vector, max_pivots=1)
@@ -329,7 +338,7 @@ def test_no_contact_has_no_force():
     ],
 )
 def test_contact_is_solved_up_to_the_rim_and_refused_there(r2_star, reach, message):
-    seen = stability.refused(Joint(r2_star), 0.1, 10, resolution=64)
+    seen = limits.refused(Joint(r2_star), 0.1, 10, resolution=64)
     assert seen == pytest.approx(reach, rel=1e-3)
     with pytest.raises(ValueError, match=re.escape(message)):
         force_curve(Joint(r2_star), 1.01 * seen, resolution=64)
@@ -338,7 +347,7 @@ def test_contact_is_solved_up_to_the_rim_and_refused_there(r2_star, reach, messa
 @pytest.mark.parametrize("resolution", [32, 128])
 def test_smallest_contact_is_that_of_one_hat(resolution):
     pole = surface_angles(resolution // 2)[1]
-    seen = stability.refused(Joint(200), 0.1, 1e-9, resolution=resolution)
+    seen = limits.refused(Joint(200), 0.1, 1e-9, resolution=resolution)
     assert seen == pytest.approx(0.15 * pole**2 / 0.97, rel=0.01)
     true = force_curve(Joint(200), seen, resolution=640).force_star
     found = force_curve(Joint(200), seen, resolution=resolution)
@@ -390,15 +399,11 @@ def test_series_of_the_bracket_is_exact_where_the_printed_one_cancels(area, dept
         flat = 6 / a * mpmath.sin(a) + (6 / a**2 - 2) * mpmath.cos(a) - 1 - 6 / a**2
         true = float(ds * sphere if area == "sphere" else 2 * ds * flat)
     assert shapes.hyperbolic(depth, shapes.BRACKETS[area])[0] == pytest.approx(true, rel=1e-14)
-    if depth == 1e-12:
-        assert abs(stability.textbook(depth, area) / true - 1) > 1e-6
-    if depth == 1.0:
-        assert stability.textbook(depth, area) == pytest.approx(true, rel=1e-13)
 
 
 def test_laws_end_where_they_are_defined():
-    assert stability.deepest("hyperbolic_winkler", 200) == pytest.approx(np.pi**2 / 8, rel=1e-3)
-    assert stability.deepest("stiffened_hertz", 200) == pytest.approx(1, rel=1e-3)
+    assert contact.hyperbolic_winkler(np.pi**2 / 8, 200) > contact.hyperbolic_winkler(1.23, 200)
+    assert contact.stiffened_hertz(1.0, 200) > 0
     with pytest.raises(ValueError, match="depth_star of hyperbolic_winkler must be <= 1.2337"):
         contact.hyperbolic_winkler(1.24, 200)
     with pytest.raises(ValueError, match="depth_star of stiffened_hertz must be <= 1, got 1.1"):
@@ -424,6 +429,7 @@ def test_steuermann_of_any_order_is_finite_and_settles():
 
 
 def test_rows_of_the_table_hold_numbers_as_text():
-    row = stability.limit("a limit", "if so", 2.0, 1.23456, "s")
-    assert list(row.values()) == ["a limit", "if so", "2", "1.23", "s"]
-    assert stability.limit("another", "", "none", 0, "")["predicted"] == "none"
+    rows = [("a limit", "if so", 2.0, 1.23456, "s", ""), ("other", "", "none", 0, "", "nothing")]
+    table = limits.table(rows)
+    assert table.predicted.tolist() == ["2", "none"]
+    assert table.observed.tolist() == ["1.23", "0"]

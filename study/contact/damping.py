@@ -90,3 +90,18 @@ def damping_factor(damping, restitution):
     if damping in ("flores", "exact"):
         checks.number(f"restitution for damping {damping}", cr, least=1e-3)
     return DAMPINGS[damping](cr)
+
+
+def delivered_restitution(factor):
+    """Restitution cr that a damping factor D gives in a free impact.
+
+    The root of D (1 + cr) = ln((1 + D)/(1 - cr D)) below 1/D, where the force would vanish.
+    """
+    if checks.number("factor", factor, least=0, scalar=True) < 1e-6:
+        return 1.0 - 2 / 3 * factor
+
+    def surplus(w):  # cr = (1 - e^-w)/D: no cancellation near 1/D
+        return log1p(factor) + w - factor + expm1(-w)
+
+    low = 1e-3 * factor / (1 + factor)
+    return -expm1(-brentq(surplus, low, 1 + factor, xtol=1e-15)) / factor

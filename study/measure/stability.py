@@ -9,37 +9,12 @@ from math import inf, sqrt
 import numpy as np
 import pandas as pd
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from study import checks
-from study.checks import StudyError
-from study.contact import laws
 from study.contact.forces import elastic_force, pack, stored_energy
-from study.joint import complementarity, force_curve
 from study.measure import explicit
+from study.measure.limits import bisect
 from study.mechanism import MechanismError, Scene, particles, rigid, simulate
-
-
-def limit(what, condition, predicted, observed, unit):
-    """Row of the table of limits, numbers as text."""
-    numbers = (x if isinstance(x, str) else f"{x:.3g}" for x in (predicted, observed))
-    names = ("what", "condition", "predicted", "observed", "unit")
-    return dict(zip(names, (what, condition, *numbers, unit), strict=True))
-
-
-def bisect(fails, low, high, times=40):
-    """Smallest value that fails, from ``low`` to ``high``, both > 0, to 4 digits."""
-    if not callable(fails):
-        raise ValueError(f"fails must be a function, got {checks.shown(fails)}")
-    low = checks.number("low", low, above=0, scalar=True)
-    high = checks.number("high", high, above=low, scalar=True)
-    ends = low, high
-    for _ in range(checks.whole("times", times, least=1)):
-        middle = sqrt(low * high)
-        low, high = (low, middle) if fails(middle) else (middle, high)
-    if low == ends[0] or high == ends[1]:
-        raise StudyError(f"there is no limit between {ends[0]:g} and {ends[1]:g}")
-    return float(f"{high:.4g}")
 
 
 def packed(scene, law):
@@ -258,21 +233,6 @@ def rigid_steps(scene, law, duration, tolerance=1e-8):
     return run[2], rows[1, 20]
 
 
-def delivered(factor):
-    """Restitution cr that a damping factor D gives in a free impact.
-
-    The root of D (1 + cr) = ln((1 + D)/(1 - cr D)) below 1/D, where the force would vanish.
-    """
-    if checks.number("factor", factor, least=0, scalar=True) < 1e-6:
-        return 1.0 - 2 / 3 * factor
-
-    def surplus(w):  # cr = (1 - e^-w)/D: no cancellation near 1/D
-        return np.log1p(factor) + w - factor + np.expm1(-w)
-
-    low = 1e-3 * factor / (1 + factor)
-    return -np.expm1(-brentq(surplus, low, 1 + factor, xtol=1e-15)) / factor
-
-
 def free_impact(factor, pull=0.0, depth=0.0, speed=1.0, power=1.5):
     """Contact of a mass by x'' = -x^p (1 + D x') - pull, until the surfaces part.
 
@@ -314,11 +274,6 @@ def free_impact(factor, pull=0.0, depth=0.0, speed=1.0, power=1.5):
     return -found.y[1, -1], max(-force.min(), 0.0) / force.max()
 
 
-def pulling(pull):
-    """Damping factor from which on a contact released at depth 1 pulls, see `free_impact`."""
-    return bisect(lambda factor: free_impact(factor, pull, 1.0, 0.0)[1] > 1e-9, 0.05, 50, 20)
-
-
 def event_differences(scene, law, change, duration, share=0.05):
     """How far apart the same impacts of two runs are, whose balls start ``change`` apart, in m.
 
@@ -342,67 +297,3 @@ def event_differences(scene, law, change, duration, share=0.05):
     end = np.argmax(saturated) if saturated.any() else both
     table = {"impact": 1 + np.arange(end), "time": first[:end], "difference": difference[:end]}
     return pd.DataFrame(table)
-
-
-def growth(differences):
-    """Factor per impact by which the largest difference so far grows, by least squares."""
-    checks.frame("differences", differences, ("impact", "difference"))
-    checks.number("difference of differences", differences.difference, above=0)
-    largest = differences.difference.cummax()
-    return np.exp(np.polyfit(differences.impact, np.log(largest), 1)[0])
-
-
-def pivots(size, seed):
-    """Pivoting steps that a random positive definite contact problem of a size takes."""
-    size, seed = checks.whole("size", size, least=1, most=1000), checks.whole("seed", seed, least=0)
-    generator = np.random.default_rng(seed)
-    root = generator.normal(size=(size, size))
-    problem = root @ root.T + 1e-3 * np.eye(size), generator.normal(size=size)
-    for most in range(1, 20 * size + 100):
-        try:
-            complementarity.solve(*problem, max_pivots=most)
-            break
-        except complementarity.ComplementarityError:
-            continue
-    return most
-
-
-def refused(joint, low, high, times=24, **options):
-    """Last dimensionless depth that is solved, from ``low`` to ``high``, which is refused."""
-    low = checks.number("low", low, above=0, scalar=True)
-    high = checks.number("high", high, above=0, scalar=True)
-    for _ in range(checks.whole("times", times, least=1)):
-        middle = sqrt(low * high)
-        try:
-            force_curve(joint, middle, **options)
-            low = middle
-        except checks.RangeError:
-            high = middle
-    return low
-
-
-def textbook(depth_star, area):
-    """f2 of the hyperbolic law as it is printed, which cancels near depth 0 (see the law)."""
-    checks.choice("area", area, ("sphere", "flat"))
-    depth_star = checks.number("depth_star", depth_star, above=0)
-    a = np.sqrt(2 * depth_star)
-    if area == "sphere":
-        bracket = 1 / 2 - np.sin(2 * a) / (2 * a) + np.sin(a) ** 2 / (2 * a**2)
-        return depth_star * bracket
-    bracket = 6 / a * np.sin(a) + (6 / a**2 - 2) * np.cos(a) - 1 - 6 / a**2
-    return 2 * depth_star * bracket
-
-
-def deepest(law, r2_star):
-    """Largest dimensionless depth, up to 100, that a law does not refuse."""
-    checks.number("r2_star", r2_star, above=1, scalar=True)
-    laws.find(law)
-
-    def refuses(depth_star):
-        try:
-            laws.find(law)(depth_star, r2_star)
-        except checks.RangeError:
-            return True
-        return False
-
-    return bisect(refuses, 1e-3, 100)

@@ -212,17 +212,28 @@ CATALOGUE = (
         },
     ),
     Notebook(
-        "17-where-methods-fail",
-        {
-            "stability_steps": "limits of explicit steps, predicted and observed",
-            "stability_impacts": "restitution delivered and asked for; how errors of impacts grow",
-            "stability_contact": "the contact solver at its limits",
-            "stability_laws": "the laws' formulas at their limits",
-        },
-        {"stability_limits": "threshold of each failure, and how the software tells of it"},
+        "17-where-explicit-steps-fail",
+        {"stability_steps": "limits of explicit steps, predicted and observed"},
+        {"limits_steps": "limits of steps, and how the software tells of them"},
     ),
     Notebook(
-        "18-which-statements-hold",
+        "18-where-impacts-go-wrong",
+        {"stability_impacts": "restitution delivered and asked for; how errors of impacts grow"},
+        {"limits_impacts": "limits of impacts, and how the software tells of them"},
+    ),
+    Notebook(
+        "19-where-the-contact-solver-fails",
+        {"stability_contact": "the contact solver at its limits"},
+        {"limits_contact": "limits of the contact solver, and how it tells of them"},
+    ),
+    Notebook(
+        "20-where-the-laws-formulas-fail",
+        {"stability_laws": "the laws' formulas at their limits"},
+        {"stability_limits": "threshold of each failure, and how the software tells of it"},
+        reads=("limits_steps", "limits_impacts", "limits_contact"),
+    ),
+    Notebook(
+        "21-which-statements-hold",
         {"verdicts": "how many of the paper's statements hold, by part"},
         {"claims": "every checkable statement of the paper, judged by a stated rule"},
         reads=(
