@@ -43,7 +43,7 @@ def test_imports_inside_functions_count(tmp_path):
         ("study/cli.py", []),
         ("study/pages/report/pages.py", []),
         ("data/published/claims.csv", ["21"]),
-        ("study/contact/coefficients.json", [f"{n:02d}" for n in range(22)]),
+        ("study/contact/coefficients.json", [f"{n:02d}" for n in range(22) if n not in (7, 19)]),
     ],
 )
 def test_a_change_makes_stale_what_reaches_it_and_nothing_else(changed, stale):

@@ -5,20 +5,24 @@ judged by: a rule of `rules`, what its number should be and how far off it may b
 statement means is judged here; whether the results themselves are right is judged by the tests.
 """
 
+from collections.abc import Sequence
+from typing import Literal, get_args
+
 import numpy as np
 import pandas as pd
 
 from study import checks, dataset, paths
 from study.claims.rules import RULES, ClaimError, result
 
-VERDICTS = ("contradicted", "cannot be decided", "reproduced")
+Verdict = Literal["contradicted", "cannot be decided", "reproduced"]
+Relation = Literal["=", "<", ">", "?"]
+VERDICTS, RELATIONS = get_args(Verdict), get_args(Relation)
 KINDS = ("stated", "implied only", "used to identify", "can hardly fail")
 """What a statement's verdict says: only that of a stated one speaks for or against the paper. The
 others are not said in so many words, served to identify the set-up, or hold by construction."""
-RELATIONS = ("=", "<", ">", "?")
 
 
-def load():
+def load() -> pd.DataFrame:
     """The claims as they are kept, without verdicts.
 
     Returns
@@ -33,9 +37,8 @@ def load():
     Raises
     ------
     ClaimError
-        If a claim has no rule, an unknown kind or relation, a name that stands twice or a
-        tolerance that is no number >= 0, or expects 0, what is no number, or a number that the
-        published tables do not hold.
+        For a name that stands twice, or a rule, kind, relation, tolerance or expected number
+        that is none.
     """
     frame = pd.read_csv(paths.DATA / "published/claims.csv", keep_default_na=False)
     stated = dataset.published()
@@ -46,9 +49,8 @@ def load():
         if not 0 <= row.tolerance < np.inf:
             raise ClaimError(f"tolerance of {row.claim} must be a number >= 0, in percent")
         if row.rule not in RULES:
-            raise ClaimError(
-                f"claim {row.claim} has no rule: {row.rule!r} is not in study.claims.rules"
-            )
+            rules = "study.claims.rules"
+            raise ClaimError(f"claim {row.claim} has no rule: {row.rule!r} is not in {rules}")
         for column, known in (("kind", KINDS), ("relation", RELATIONS)):
             value = getattr(row, column)
             if value not in known:
@@ -72,7 +74,7 @@ def _expected(claim, text, stated):
     return value
 
 
-def judge():
+def judge() -> pd.DataFrame:
     """Judge every claim from the results in ``figures/``.
 
     Returns
@@ -88,44 +90,50 @@ def judge():
         If a result that a claim is judged by is missing, or a number is not finite.
     """
     result.cache_clear()
-    frame = load()
-    rows = []
-    for row in frame.itertuples():
-        for name in row.evidence.split():
-            result(name)
-        try:
-            found = RULES[row.rule](row.of)
-        except ClaimError as error:
-            raise ClaimError(f"claim {row.claim}: {error}") from None
-        except LookupError as error:  # results of other parameters than the catalogue's
-            message = f"claim {row.claim}: rule {row.rule} finds no {error} in {row.evidence}"
-            raise ClaimError(f"{message}; make them anew with: study run {row.evidence}") from None
-        if not found or not np.isfinite(list(found.values())).all():
-            raise ClaimError(f"claim {row.claim} must be judged by finite numbers, got {found}")
-        terms = row.relation, row.expected, row.tolerance
-        text = "; ".join(f"{reading}: {value:.4g}" for reading, value in found.items())
-        ends = {"lowest": min(found.values()), "highest": max(found.values())}
-        rows.append({"found": text, **ends, "verdict": verdict(list(found.values()), *terms)})
-    judged = frame.drop(columns=["rule", "of"]).join(pd.DataFrame(rows))
-    return judged.sort_values(["kind", "verdict"], key=_rank, kind="stable", ignore_index=True)
+    claims = load()
+    judged = claims.drop(columns=["rule", "of"]).join(
+        pd.DataFrame(map(_judge, claims.itertuples()))
+    )
+    rank = {name: n for n, name in enumerate(KINDS + VERDICTS)}
+    order = {"key": lambda column: column.map(rank), "kind": "stable", "ignore_index": True}
+    return judged.sort_values(["kind", "verdict"], **order)
 
 
-def _rank(column):
-    return column.map({name: n for n, name in enumerate(KINDS + VERDICTS)})
+def _judge(claim):
+    for name in claim.evidence.split():
+        result(name)
+    try:
+        found = RULES[claim.rule](claim.of)
+    except ClaimError as error:
+        raise ClaimError(f"claim {claim.claim}: {error}") from None
+    except LookupError as error:  # results of other parameters than the catalogue's
+        message = f"claim {claim.claim}: rule {claim.rule} finds no {error} in {claim.evidence}"
+        raise ClaimError(f"{message}; make them anew with: study run {claim.evidence}") from None
+    values = list(found.values())
+    if not found or not np.isfinite(values).all():
+        raise ClaimError(f"claim {claim.claim} must be judged by finite numbers, got {found}")
+    return {
+        "found": "; ".join(f"{reading}: {value:.4g}" for reading, value in found.items()),
+        "lowest": min(values),
+        "highest": max(values),
+        "verdict": verdict(values, claim.relation, claim.expected, claim.tolerance),
+    }
 
 
-def verdict(values, relation, expected, tolerance):
+def verdict(
+    values: Sequence[float], relation: Relation, expected: float, tolerance: float
+) -> Verdict:
     """Verdict on one claim from its numbers, one per reading.
 
     Parameters
     ----------
-    values : sequence of float
-    relation : {"=", "<", ">", "?"}
+    values
+    relation
         The number should equal ``expected``, not exceed it, or not be less; or what is given in
         the paper cannot tell.
-    expected : float
+    expected
         Not 0.
-    tolerance : float
+    tolerance
         Deviation from ``expected``, in percent of it, up to which a reading holds.
 
     Returns
@@ -133,11 +141,6 @@ def verdict(values, relation, expected, tolerance):
     str
         ``reproduced`` if every reading holds, ``contradicted`` if none does, and ``cannot be
         decided`` if some do, so that the verdict hangs on what the paper does not say.
-
-    Raises
-    ------
-    ValueError
-        For an unknown relation, a value outside its range, or no number at all.
     """
     values = np.atleast_1d(checks.number("values", values))
     if values.size == 0:
