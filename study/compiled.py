@@ -2,12 +2,16 @@
 
 numba's own cache looks at the file of a function only, not at those of the functions that it
 calls; here the cache's folder is named by a hash of every source that is compiled, so that a
-change of any of them compiles all anew, and an unchanged study starts at once.
+change of any of them compiles all anew, and an unchanged study starts at once. A checkout has
+the cache in ``build/``, an installed package in the user's cache folder; where neither can be
+written, every process compiles anew.
 """
 
 import hashlib
+import os
 
 import numba
+import platformdirs
 
 from study import paths
 
@@ -21,7 +25,20 @@ def _digest():
     return digest.hexdigest()[:16]
 
 
-CACHE = paths.BUILD / "compiled" / _digest()
+def _writable(folder):
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK)
+
+
+_PARENT = (
+    paths.BUILD
+    if paths.IS_CHECKOUT
+    else platformdirs.user_cache_path("spherical-clearance-joint-study")
+)
+CACHE = _PARENT / "compiled" / _digest()
 numba.config.CACHE_DIR = str(CACHE)
 
-compiled = numba.njit(cache=True, error_model="numpy")
+compiled = numba.njit(cache=_writable(CACHE), error_model="numpy")

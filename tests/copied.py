@@ -5,13 +5,32 @@ import shutil
 import subprocess
 import sys
 
+from numba.core.caching import UserProvidedCacheLocator
+
 from study import paths
+from study.compiled import CACHE
 
 
 def copy_project(root):
-    """Copy what a run needs: no environment, no builds, no tests."""
+    """Copy what a run needs: no environment, no builds, no tests; but what is compiled."""
     ignored = shutil.ignore_patterns(".*", "build", "__pycache__", "pytask.lock", "tests")
-    return shutil.copytree(paths.ROOT, root, ignore=ignored)
+    shutil.copytree(paths.ROOT, root, ignore=ignored)
+    share_compiled(root, root / "build/compiled")
+    return root
+
+
+def share_compiled(root, kept):
+    """Copy what is compiled to the cache ``kept`` of a package in ``root``.
+
+    numba names a folder of its cache by the path of the sources.
+    """
+    for room in ("contact", "mechanism", "measure"):
+        here, there = (
+            UserProvidedCacheLocator.get_suitable_cache_subpath(parent / "study" / room / "x.py")
+            for parent in (paths.ROOT, root)
+        )
+        if (CACHE / here).is_dir():
+            shutil.copytree(CACHE / here, kept / CACHE.name / there)
 
 
 def environment(root):

@@ -429,6 +429,7 @@ def run(notebooks, settings, report=False, **options):
     -------
     pytask.Session
     """
+    paths.require_checkout(paths.NOTEBOOKS)
     for notebook in notebooks:
         if not notebook.path.is_file():
             raise NotebookError(f"notebooks/{notebook.path.name} is missing")
