@@ -39,20 +39,18 @@ def table_differs(kept: Path, made: Path) -> str | None:
     str or None
         Row, column, kept and new value, and how many differ.
     """
-    result = kept.stem
-    kept, made = (pd.read_csv(path, dtype=str, keep_default_na=False) for path in (kept, made))
-    if list(kept) != list(made):
-        return f"columns: kept {', '.join(kept)}; now {', '.join(made)}"
-    if len(kept) != len(made):
-        return f"rows: kept {len(kept)}, now {len(made)}"
-    excess = np.array([_excess(kept[name], made[name], result, name) for name in kept])
+    old, new = (pd.read_csv(path, dtype=str, keep_default_na=False) for path in (kept, made))
+    if list(old) != list(new):
+        return f"columns: kept {', '.join(old)}; now {', '.join(new)}"
+    if len(old) != len(new):
+        return f"rows: kept {len(old)}, now {len(new)}"
+    excess = np.array([_excess(old[name], new[name], kept.stem, name) for name in old])
     if not (excess > 1).any():
         return None
     column, row = np.unravel_index(excess.argmax(), excess.shape)  # the first of the worst
-    old, new = kept.iloc[row, column], made.iloc[row, column]
     return (
-        f"row {row + 2}, column {kept.columns[column]}: kept {old}, now {new} "
-        f"({np.count_nonzero(excess > 1)} in all)"
+        f"row {row + 2}, column {old.columns[column]}: kept {old.iloc[row, column]}, "
+        f"now {new.iloc[row, column]} ({np.count_nonzero(excess > 1)} in all)"
     )
 
 
