@@ -44,7 +44,7 @@ def test_cells_load_call_and_show(notebook):
     assert sum("parameters" in cell.metadata.get("tags", []) for cell in cells) == 1
     for cell in cells:
         assert cell.source.count("\n") < 15
-        assert not re.search(r"""["'](\.{0,2}/|data/|figures/)""", cell.source)
+        assert not re.search(r"""["'](\.{1,2}/|/\w|data/|figures/)""", cell.source)
 
 
 @every_notebook
