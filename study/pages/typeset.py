@@ -1,6 +1,7 @@
 """The paper as PDF: Typst reads text, figures and numbers; a missing one is an error."""
 
 import re
+from pathlib import Path
 
 import typst
 
@@ -11,17 +12,10 @@ SOURCE = paths.PAPER / "paper.typ"
 PDF = paths.BUILD / "paper.pdf"
 
 
-def typeset(source=SOURCE, output=PDF):
+def typeset(source: Path = SOURCE, output: Path = PDF) -> None:
     """Typeset the paper from the results in ``figures/`` and the data; same bytes every time.
 
-    Only Typst's own fonts are used, and no date is written.
-
-    Parameters
-    ----------
-    source : pathlib.Path
-        Typst file inside the project.
-    output : pathlib.Path
-        PDF file.
+    Only Typst's own fonts are used, and no date is written. The source is inside the project.
 
     Raises
     ------
@@ -41,7 +35,7 @@ def typeset(source=SOURCE, output=PDF):
         temporary.write_bytes(pdf)
 
 
-def _told(problem):
+def _told(problem) -> str:
     """Typst's error or warning in one line: file, line, message."""
     place = re.search(r"([\w.-]+):(\d+):\d+", problem.diagnostic)
     where = f"paper/{place[1]}, line {place[2]}" if place else "paper"
