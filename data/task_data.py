@@ -7,14 +7,16 @@ from typing import Annotated
 import pandas as pd
 from pytask import Product, PythonNode, task
 
-from study import contact, dataset, paths
+from study import paths
 from study.choose import links
-from study.dataset import design, fitting
+from study.contact.laws import COEFFICIENTS
+from study.dataset import design, fitting, store
 from study.pages import tasks
 
 CASES = [(s.group, name, joint, s.depths) for s in design.DESIGN for name, joint in s.cases()]
 PARTS = [paths.BUILD / "curves" / f"{name}.csv" for _, name, _, _ in CASES]
-PUBLISHED = paths.DATA / "published/tables.csv"
+TABLES = paths.DATA / "published/tables.csv"
+DESCRIBED = tuple(paths.DATA / name for name in store.ORIGINS)
 
 for case, part in zip(CASES, PARTS, strict=True):
 
@@ -22,26 +24,26 @@ for case, part in zip(CASES, PARTS, strict=True):
     def task_curve(
         resolved: Annotated[str, PythonNode(value=repr(case), hash=True)],
         case: tuple = case,
-        code: list[Path] = dataset.sources(dataset.CURVES),
+        code: list[Path] = store.sources(store.CURVES),
         part: Annotated[Path, Product] = part,
     ):
         tasks.leave_interrupts_to_the_runner()
         start = time.perf_counter()
-        curve = dataset.solve_case(*case)
+        curve = store.solve_case(*case)
         with paths.whole(part) as temporary:
             curve.assign(seconds=time.perf_counter() - start).to_csv(temporary, index=False)
 
 
-def task_table(parts: list[Path] = PARTS, table: Annotated[Path, Product] = dataset.CURVES):
+def task_table(parts: list[Path] = PARTS, table: Annotated[Path, Product] = store.CURVES):
     frames = [pd.read_csv(part) for part in parts]
-    dataset.write_table(pd.concat(frames).drop(columns="seconds"), table)
+    store.write_table(pd.concat(frames).drop(columns="seconds"), table)
 
 
 def task_coefficients(
-    table: Path = dataset.CURVES,
-    published: Path = PUBLISHED,
-    code: list[Path] = dataset.sources(contact.laws.COEFFICIENTS),
-    coefficients: Annotated[Path, Product] = contact.laws.COEFFICIENTS,
+    table: Path = store.CURVES,
+    published: Path = TABLES,
+    code: list[Path] = store.sources(COEFFICIENTS),
+    coefficients: Annotated[Path, Product] = COEFFICIENTS,
 ):
     fits = fitting.fit_all(pd.read_csv(table), pd.read_csv(published))
     with paths.whole(coefficients) as temporary:
@@ -49,22 +51,20 @@ def task_coefficients(
 
 
 def task_links(
-    coefficients: Path = contact.laws.COEFFICIENTS,
-    code: list[Path] = dataset.sources(dataset.LINKS),
-    table: Annotated[Path, Product] = dataset.LINKS,
+    coefficients: Path = COEFFICIENTS,
+    code: list[Path] = store.sources(store.LINKS),
+    table: Annotated[Path, Product] = store.LINKS,
 ):
     tasks.leave_interrupts_to_the_runner()
-    dataset.write_table(links.measure(), table)
+    store.write_table(links.measure(), table)
 
 
 def task_description(
-    table: Path = dataset.CURVES,
-    links: Path = dataset.LINKS,
-    coefficients: Path = contact.laws.COEFFICIENTS,
-    code: list[Path] = sorted({p for f in dataset.GENERATED for p in dataset.sources(f)}),
+    coefficients: Path = COEFFICIENTS,
+    code: list[Path] = sorted({p for f in store.GENERATED for p in store.sources(f)}),
     design: Path = paths.ROOT / "study/dataset/design.py",
     parts: list[Path] = PARTS,
-    published: tuple[Path, ...] = tuple(paths.DATA / name for name in dataset.PUBLISHED),
-    description: Annotated[Path, Product] = dataset.PACKAGE,
+    described: tuple[Path, ...] = DESCRIBED,
+    description: Annotated[Path, Product] = store.PACKAGE,
 ):
-    dataset.write_package(sum(pd.read_csv(part).seconds[0] for part in parts))
+    store.write_package(sum(pd.read_csv(part).seconds[0] for part in parts))

@@ -5,14 +5,15 @@ from typing import Annotated
 
 from pytask import Product
 
-from study import contact, dataset, paths
+from study import contact, paths
+from study.dataset import store
 from study.pages import catalogue, tasks, typeset
 
 RESULTS = [path for notebook in catalogue.CATALOGUE for path in notebook.products()]
 SHOWN = [path for path in RESULTS if path.parent == paths.FIGURES]
 NUMBERS = [
-    dataset.CURVES,
-    dataset.PACKAGE,
+    store.CURVES,
+    store.PACKAGE,
     paths.DATA / "published/tables.csv",
     contact.laws.COEFFICIENTS,
 ]
@@ -23,7 +24,7 @@ LIBRARY = [
     if path.suffix in (".py", ".html", ".css", ".js", ".json")
 ]
 PAPER = [*TEXT, *SHOWN, *NUMBERS]
-REPORT = [*RESULTS, *LIBRARY, *paths.DOCUMENTS, dataset.CURVES, dataset.PACKAGE]
+REPORT = [*RESULTS, *LIBRARY, *paths.DOCUMENTS, store.CURVES, store.PACKAGE]
 
 
 def task_typeset(

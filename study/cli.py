@@ -698,11 +698,12 @@ def measure_speed(
     """
     import pandas as pd
 
-    from study import dataset, paths
+    from study import paths
+    from study.dataset import store
     from study.measure import speed
 
     if output is None:
-        dataset.verify_files()  # before ten minutes of timing
+        store.verify_files()  # before ten minutes of timing
     else:
         _check_output(output, ".csv")
     frames = []
@@ -710,7 +711,7 @@ def measure_speed(
         print(name, file=sys.stderr)
         frames.append(speed.measure(name, repeats))
         if output is None:
-            dataset.keep_measured(frames[-1])
+            store.keep_measured(frames[-1])
     frame = pd.concat(frames)
     if output is not None:
         with paths.whole(output) as temporary:

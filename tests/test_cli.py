@@ -10,8 +10,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study import cli, contact, dataset, export
+from study import cli, contact, dataset, export, paths
 from study.choose import links
+from study.dataset import store
 from study.joint import Joint, curve, force_curve
 from study.measure import speed
 from study.mechanism import Scene, particles, simulate
@@ -201,7 +202,7 @@ def test_wrong_use_is_one_line_and_status_2(run, words, message):
 
 
 def test_a_failure_is_one_line_and_status_1(run, monkeypatch, tmp_path):
-    monkeypatch.setattr(dataset, "PACKAGE", dataset.paths.ROOT / "missing.json")
+    monkeypatch.setattr(store, "PACKAGE", paths.ROOT / "missing.json")
     status, _, err = run("data", "show")
     assert status == 1
     assert err.startswith("study: missing.json is missing; mend it with: git checkout -- missing.j")
@@ -344,14 +345,14 @@ def test_choose_refuses_in_one_line(run, words, status, message):
 def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch):
     monkeypatch.setattr(speed, "_compile_time", lambda *_: 1.0)  # it takes some seconds
     table = tmp_path / "laws.csv"
-    kept = dataset.PEERS.read_bytes()
+    kept = store.PEERS.read_bytes()
     status, out, _ = run("measure", "--chart", "laws", "--repeats", 1, "--output", table)
     assert status == 0
     assert "rows, on" in out
     rows = pd.read_csv(table)
     assert set(rows.method) == {*contact.LAWS, "tabulated", "solver"}
     assert (rows.time > 0).all()
-    assert dataset.PEERS.read_bytes() == kept
+    assert store.PEERS.read_bytes() == kept
     status, _, err = run("measure", "--output", tmp_path / "laws.txt")
     assert (status, err.count("\n")) == (2, 1)
 

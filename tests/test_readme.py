@@ -8,6 +8,7 @@ import pytest
 
 from study import cli, contact, dataset, paths
 from study.claims import identification
+from study.dataset.design import case_name
 from study.mechanism import compare, simulate
 
 README = " ".join((paths.ROOT / "README.md").read_text(encoding="utf-8").split())
@@ -110,9 +111,9 @@ def test_socket_ratio_as_claimed():
         r"changes the force by up to (\d+) % \(ratio 1.1 to 3\). Clamping the ball adds (\d+) %, "
         r"unequal moduli change it by a factor of up to ([\d.]+) at"
     )
-    change = 1 - force["ratio-3-linear-200"] / force["ratio-1.1-linear-200"]
+    change = 1 - force[case_name("ratio-3")] / force[case_name("ratio-1.1")]
     assert 100 * change == pytest.approx(percent, abs=0.5)
-    clamped = force["paper-linear-200"] / force["plane-free-linear-200"]
+    clamped = force[case_name("paper")] / force[case_name("plane-free")]
     assert 100 * (clamped - 1) == pytest.approx(clamping, abs=0.5)
     moduli = dataset.load(group=["modulus", "paper"], r2_star=200, kinematics="linear")
     shown = moduli[moduli.depth_star == 0.5].set_index("modulus_ratio").force_star

@@ -287,7 +287,7 @@ def relative_costs():
     costs = dict(zip(rows["method"], rows["relative"].astype(float), strict=True))
     for law in ("hertz", "tabulated", "solver"):
         if law not in costs:
-            what = f"data/published/{dataset.PEERS.name} lacks {law}"
+            what = f"data/published/peers.csv lacks {law}"
             raise dataset.DatasetError(f"{what}; mend it with: git checkout -- data")
     return costs
 

@@ -15,6 +15,7 @@ import pandas as pd
 
 from study import checks, contact, dataset, paths
 from study.claims import statistics
+from study.dataset.design import case_name
 
 RULES: dict[str, Callable[[str], dict[str, float]]] = {}
 """Name of a rule -> function(of) -> {reading: number}."""
@@ -255,7 +256,7 @@ define("solving_each_call", lambda: result("speed_laws").set_index("method").rel
 def thickness():
     """By how much the force (R2* = 200, depth 0.5) falls from socket ratio 1.1 to 3, percent."""
     table = result("assumptions").set_index("case").force_at_largest_depth
-    return {RATIOS: 100 * (1 - table["ratio-3-linear-200"] / table["ratio-1.1-linear-200"])}
+    return {RATIOS: 100 * (1 - table[case_name("ratio-3")] / table[case_name("ratio-1.1")])}
 
 
 @rule("poisson|modulus_ratio")

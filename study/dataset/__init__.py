@@ -1,15 +1,7 @@
 """The cached force-depth curves, and what is fitted to them."""
 
 from study.dataset.store import (
-    CURVES,
-    GENERATED,
-    LINKS,
-    MEND,
-    PACKAGE,
-    PEERS,
-    PUBLISHED,
     DatasetError,
-    keep_measured,
     links,
     load,
     measured,
@@ -17,24 +9,12 @@ from study.dataset.store import (
     published,
     published_table_2,
     reference_forces,
-    solve_case,
-    sources,
     summary,
     verify_files,
-    write_package,
-    write_table,
 )
 
 __all__ = [
-    "CURVES",
-    "GENERATED",
-    "LINKS",
-    "MEND",
-    "PACKAGE",
-    "PEERS",
-    "PUBLISHED",
     "DatasetError",
-    "keep_measured",
     "links",
     "load",
     "measured",
@@ -42,10 +22,6 @@ __all__ = [
     "published",
     "published_table_2",
     "reference_forces",
-    "solve_case",
-    "sources",
     "summary",
     "verify_files",
-    "write_package",
-    "write_table",
 ]

@@ -1,10 +1,11 @@
 """Which joints the dataset holds, and why: its design, in groups of set-ups."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from study.joint import Joint, Material
+from study.joint import Joint, Kinematics, Material
 from study.joint.curve import PAPER_SUPPORTS
 
 DEPTHS = tuple(np.round(np.arange(1, 41) * 0.025, 3).tolist())
@@ -12,31 +13,27 @@ ROOT_DEPTHS = tuple(np.round(np.linspace(0.005**0.5, 1, 32) ** 2, 6).tolist())
 """In equal steps of sqrt(depth_star), from 0.005 to 1."""
 PAPER_R2_STARS = tuple(range(20, 301, 20))
 WIDER_R2_STARS = (400, 600, 1000, 2000, 5000, 10_000)
-PAPER_KINEMATICS = "linear"
+R2_STAR = 200
+"""Of the paper's comparison of laws, Fig. 10 and Table 2, and of what is changed in its joint."""
+PAPER_KINEMATICS: Kinematics = "linear"
 """Of the paper's finite elements: identified from Table 2 (notebook 13), and the only ones of ours
 with which the relative RMSE of Fig. 14 rises with R2* and R2 falls (notebooks 06, 12)."""
 
 
+def case_name(
+    set_up: str, kinematics: Kinematics = PAPER_KINEMATICS, r2_star: float = R2_STAR
+) -> str:
+    """Name of a case of a set-up: ``paper-linear-200``."""
+    return f"{set_up}-{kinematics}-{r2_star:g}"
+
+
 @dataclass(frozen=True)
 class SetUp:
-    """Joints that share their elastic bodies.
+    """Joints that share their elastic bodies; its cases are all R2* with all kinematics.
 
-    Attributes
-    ----------
-    group : str
-        What the study needs it for, a key of `GROUPS`.
-    name : str
-        Short name; first part of its cases' names.
-    joint : dict
-        Arguments of `study.joint.Joint` besides ``r2_star``, ``kinematics`` and materials.
-    poisson : float
-        Poisson's ratio of both bodies.
-    modulus_ratio : float
-        Young's modulus of the socket over that of the ball.
-    r2_stars, kinematics : tuple
-        Its cases are all combinations of these.
-    depths : tuple
-        Values of ``depth_star``.
+    ``group`` is a key of `GROUPS`, ``joint`` holds arguments of `study.joint.Joint`, ``poisson``
+    is Poisson's ratio of both bodies, ``modulus_ratio`` Young's modulus of the socket over that of
+    the ball, and ``depths`` are values of ``depth_star``.
     """
 
     group: str
@@ -44,19 +41,20 @@ class SetUp:
     joint: dict = field(default_factory=dict)
     poisson: float = 0.3
     modulus_ratio: float = 1.0
-    r2_stars: tuple = (200,)
-    kinematics: tuple = (PAPER_KINEMATICS,)
-    depths: tuple = DEPTHS
+    r2_stars: tuple[float, ...] = (R2_STAR,)
+    kinematics: tuple[Kinematics, ...] = (PAPER_KINEMATICS,)
+    depths: tuple[float, ...] = DEPTHS
 
-    def cases(self):
-        """Yield (case name, Joint) of every case."""
+    def cases(self) -> Iterator[tuple[str, Joint]]:
+        """Yield name and joint of every case."""
         ball = Material(2e11, self.poisson)
         socket = Material(2e11 * self.modulus_ratio, self.poisson)
         for kinematics in self.kinematics:
             for r2_star in self.r2_stars:
-                name = f"{self.name}-{kinematics}-{r2_star:g}"
-                materials = {"ball": ball, "socket": socket}
-                yield name, Joint(r2_star, kinematics=kinematics, **materials, **self.joint)
+                yield (
+                    case_name(self.name, kinematics, r2_star),
+                    Joint(r2_star, kinematics=kinematics, ball=ball, socket=socket, **self.joint),
+                )
 
 
 GROUPS = {
@@ -70,12 +68,10 @@ GROUPS = {
 }
 
 
-def _sweep(group, values, set_up):
-    """The paper's joint with one property changed."""
-    for value in values:
-        changes = set_up(value)
-        joint = PAPER_SUPPORTS | changes.pop("joint", {})
-        yield SetUp(group, f"{group}-{value:g}", joint, **changes)
+def _fits(ratios, poissons, **cases):
+    for ratio in ratios:
+        for nu in poissons:
+            yield SetUp("fit", f"fit-{ratio:g}-{nu:g}", {"socket_ratio": ratio}, nu, **cases)
 
 
 def _judges():
@@ -116,49 +112,34 @@ DESIGN = (
         kinematics=("finite",),
         depths=DEPTHS[:20],
     ),
-    *_sweep(
-        "ratio",
-        (1.05, 1.1, 1.15, 1.2, 1.25, 1.4, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0),
-        lambda ratio: {"joint": {"socket_ratio": ratio}},
+    *(
+        SetUp("ratio", f"ratio-{ratio:g}", PAPER_SUPPORTS | {"socket_ratio": ratio})
+        for ratio in (1.05, 1.1, 1.15, 1.2, 1.25, 1.4, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0)
     ),
-    *_sweep(
-        "poisson",
-        (0.0, 0.1, 0.2, 0.25, 0.35, 0.4, 0.45, 0.48),
-        lambda nu: {"poisson": nu},
+    *(
+        SetUp("poisson", f"poisson-{nu:g}", PAPER_SUPPORTS, poisson=nu)
+        for nu in (0.0, 0.1, 0.2, 0.25, 0.35, 0.4, 0.45, 0.48)
     ),
-    *_sweep(
-        "modulus",
-        (0.05, 0.1, 0.2, 0.333, 0.5, 2.0, 3.0, 5.0, 10.0, 20.0),
-        lambda ratio: {"modulus_ratio": ratio},
+    *(
+        SetUp("modulus", f"modulus-{ratio:g}", PAPER_SUPPORTS, modulus_ratio=ratio)
+        for ratio in (0.05, 0.1, 0.2, 0.333, 0.5, 2.0, 3.0, 5.0, 10.0, 20.0)
     ),
     *(
         SetUp("support", f"{drive}-{rim}", {"ball_drive": drive, "rim": rim})
         for drive, rim in (("clamped", "mirror"), ("plane", "free"), ("plane", "mirror"))
     ),
-    *(
-        SetUp(
-            "fit",
-            f"fit-{ratio:g}-{nu:g}",
-            {"socket_ratio": ratio},
-            poisson=nu,
-            r2_stars=(20, 40, 120, 10_000),
-            depths=ROOT_DEPTHS,
-        )
-        for ratio in (1.1, 1.13, 1.19, 1.27, 1.38, 1.5, 1.7, 2.0, 2.5, 3.0)
-        for nu in (0.2, 0.25, 0.3, 0.35, 0.4, 0.43, 0.45)
+    *_fits(
+        ratios=(1.1, 1.13, 1.19, 1.27, 1.38, 1.5, 1.7, 2.0, 2.5, 3.0),
+        poissons=(0.2, 0.25, 0.3, 0.35, 0.4, 0.43, 0.45),
+        r2_stars=(20, 40, 120, 10_000),
+        depths=ROOT_DEPTHS,
     ),
-    *(
-        SetUp(
-            "fit",
-            f"fit-{ratio:g}-{nu:g}",
-            {"socket_ratio": ratio},
-            poisson=nu,
-            r2_stars=(20,),
-            kinematics=("finite",),
-            depths=ROOT_DEPTHS[3::4],
-        )
-        for ratio in (1.1, 1.19, 1.5, 3.0)
-        for nu in (0.2, 0.3, 0.4, 0.45)
+    *_fits(
+        ratios=(1.1, 1.19, 1.5, 3.0),
+        poissons=(0.2, 0.3, 0.4, 0.45),
+        r2_stars=(20,),
+        kinematics=("finite",),
+        depths=ROOT_DEPTHS[3::4],
     ),
     *_judges(),
 )

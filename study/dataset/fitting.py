@@ -12,12 +12,13 @@ import re
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linprog
 
 from study import checks
 from study.contact import LAWS, hertz, shapes
 from study.contact.laws import stiffening_scale, stiffening_terms
-from study.dataset.design import PAPER_KINEMATICS
+from study.dataset.design import PAPER_KINEMATICS, R2_STAR
 
 FITTED_LAWS = {
     "hyperbolic_winkler": ("hyperbolic_winkler", {}),
@@ -31,23 +32,18 @@ DIGITS = 7  # of a coefficient, and decimals of those of stiffened_hertz: 1e-6 o
 LARGEST_DEPTH = 0.5  # of the fit, in dR, as in the paper
 SAMPLE = np.linspace(0, LARGEST_DEPTH, 21)
 """Depths of the paper's measures of agreement, identified from Table 2 (notebook 13)."""
-R2_STAR = 200  # of the paper's comparison of laws, Fig. 10 and Table 2
 LARGEST_R2_STAR = 300  # of the surrogate's fit, as in the paper
 
 
-def coefficient(law, depth_star, force_star):
-    """Coefficient f1 that minimises the sum of (P* - f1 f2(ds))^2 over one curve.
+def coefficient(law: str, depth_star: ArrayLike, force_star: ArrayLike) -> float:
+    """Coefficient f1 that minimises the sum of (P* - f1 f2(ds))^2 over one case's curve.
 
     Parameters
     ----------
-    law : str
+    law
         Whose f2 to use, a key of `FITTED_LAWS`.
-    depth_star, force_star : array_like, shape (n,)
-        One case's curve.
-
-    Returns
-    -------
-    float
+    depth_star, force_star
+        Shape (n,).
 
     Raises
     ------
@@ -61,24 +57,14 @@ def coefficient(law, depth_star, force_star):
     return float(f2 @ force / (f2 @ f2))
 
 
-def shape(law, depth_star):
-    """Function f2 of a law: its force with the coefficient 1, shape (n,)."""
+def shape(law: str, depth_star: ArrayLike) -> NDArray[np.float64]:
+    """Function f2 of a law: its force with the coefficient 1."""
     name, options = FITTED_LAWS[checks.choice("law", law, FITTED_LAWS)]
     return LAWS[name](depth_star, 2.0, coefficient=1.0, **options)
 
 
-def sampled(curve):
-    """Forces of one case at the depths of `SAMPLE`, from the dataset and 0 at no depth.
-
-    Parameters
-    ----------
-    curve : pandas.DataFrame
-        Rows of one case of `study.dataset.load`, in steps of 0.025.
-
-    Returns
-    -------
-    ndarray, shape (21,)
-    """
+def sampled(curve: pd.DataFrame) -> NDArray[np.float64]:
+    """Forces of one case of the dataset at the depths of `SAMPLE`: 0 at no depth, shape (21,)."""
     checks.frame("curve", curve, ("depth_star", "force_star"))
     inside = curve[curve.depth_star <= LARGEST_DEPTH]
     if len(inside) != len(SAMPLE) - 1 or not np.allclose(inside.depth_star, SAMPLE[1:]):
@@ -86,15 +72,15 @@ def sampled(curve):
     return np.append(0, inside.force_star)
 
 
-def coefficients_by_case(law, curves):
-    """Coefficient f1 of every case of the dataset.
+def coefficients_by_case(law: str, curves: pd.DataFrame) -> pd.DataFrame:
+    """Coefficient f1 of every case of one set-up, without depths beyond 0.5.
 
     Parameters
     ----------
-    law : str
+    law
         A key of `FITTED_LAWS`.
-    curves : pandas.DataFrame
-        Rows of `study.dataset.load`, one joint set-up; depths beyond 0.5 are left out.
+    curves
+        Rows of `study.dataset.load`.
 
     Returns
     -------
@@ -110,23 +96,13 @@ def coefficients_by_case(law, curves):
     return pd.DataFrame(rows, columns=["r2_star", "f1"])
 
 
-def surrogate(r2_star, f1):
-    """Straight line f1 = slope R2* + intercept by least squares.
-
-    Parameters
-    ----------
-    r2_star, f1 : array_like, shape (n,)
-        At least two cases, not all of the same R2*.
-
-    Returns
-    -------
-    dict
-        ``slope`` and ``intercept``.
+def surrogate(r2_star: ArrayLike, f1: ArrayLike) -> dict[str, float]:
+    """``slope`` and ``intercept`` of the line f1 = slope R2* + intercept, by least squares.
 
     Raises
     ------
     ValueError
-        For fewer cases, or a value that is not finite.
+        For fewer than two cases, all of the same R2*, or a value that is not finite.
     """
     r2_star, f1 = checks.same_length(2, r2_star=r2_star, f1=f1)
     if not np.ptp(r2_star) > 1e-9 * np.abs(r2_star).max():
@@ -139,7 +115,7 @@ def _rounded(value):
     return float(f"{value:.{DIGITS}g}")
 
 
-def liu_coefficient(force_star, published_r_squared, unit):
+def liu_coefficient(force_star: ArrayLike, published_r_squared: float, unit: ArrayLike) -> float:
     """Coefficient of Liu's law, P* = c R2* (...), that gives it the R2 of the paper's Table 2.
 
     That R2 depends on the mean difference of law and finite elements only
@@ -147,16 +123,12 @@ def liu_coefficient(force_star, published_r_squared, unit):
 
     Parameters
     ----------
-    force_star : array_like, shape (21,)
+    force_star
         Forces at `SAMPLE`, for the R2* of Table 2.
-    published_r_squared : float
+    published_r_squared
         With its sign, negative.
-    unit : ndarray, shape (20,)
-        The law's force over c R2* at the same depths but 0.
-
-    Returns
-    -------
-    float
+    unit
+        The law's force over c R2* at the same depths but 0, shape (20,).
     """
     (force,) = checks.same_length(2, force_star=force_star)
     checks.number("published_r_squared", published_r_squared, most=1, scalar=True)
@@ -167,20 +139,15 @@ def liu_coefficient(force_star, published_r_squared, unit):
     return float((force.sum() - missing) / (R2_STAR * unit.sum()))
 
 
-def fit_all(curves, published):
-    """Coefficients of all fitted laws from the dataset.
+def fit_all(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict]:
+    """All of `study.contact.laws.fitted_coefficients`, from the dataset.
 
     Parameters
     ----------
-    curves : pandas.DataFrame
-        Rows of the dataset, with the groups ``paper`` and ``fit``.
-    published : pandas.DataFrame
+    curves
+        With the groups ``paper`` and ``fit``.
+    published
         ``data/published/tables.csv``, for Liu's law.
-
-    Returns
-    -------
-    dict
-        As `study.contact.laws.fitted_coefficients`.
     """
     paper = curves[(curves.group == "paper") & (curves.kinematics == PAPER_KINEMATICS)]
     stated = published.set_index(["where", "row", "quantity"]).value
@@ -188,20 +155,15 @@ def fit_all(curves, published):
     return fits | {"stiffened_hertz": fit_stiffening(curves[curves.group == "fit"])}
 
 
-def fit_laws(curves, liu_r_squared):
-    """Coefficients of all laws of the paper that have one, over its range 20 <= R2* <= 300.
+def fit_laws(curves: pd.DataFrame, liu_r_squared: float) -> dict[str, dict[str, float]]:
+    """``slope`` and ``intercept`` by law of the paper that has them, over its 20 <= R2* <= 300.
 
     Parameters
     ----------
-    curves : pandas.DataFrame
+    curves
         Rows of `study.dataset.load` for one joint set-up.
-    liu_r_squared : float
+    liu_r_squared
         Published R2 of Liu's law, with its sign.
-
-    Returns
-    -------
-    dict
-        Law name -> ``slope`` and ``intercept``.
     """
     checks.frame("curves", curves, ("r2_star", "depth_star", "force_star"))
     fits = {}
@@ -213,7 +175,7 @@ def fit_laws(curves, liu_r_squared):
     return fits | {"liu": {"slope": _rounded(slope), "intercept": 0.0}}
 
 
-def fit_stiffening(curves):
+def fit_stiffening(curves: pd.DataFrame) -> dict[str, object]:
     """Coefficients of `study.contact.stiffened_hertz`, by linear programming.
 
     The coefficients enter S linearly. The largest relative error over all curves is within
@@ -222,7 +184,7 @@ def fit_stiffening(curves):
 
     Parameters
     ----------
-    curves : pandas.DataFrame
+    curves
         Rows of the dataset's group ``fit``, in several kinematics.
 
     Returns
@@ -245,8 +207,8 @@ def fit_stiffening(curves):
         rows.append(np.hstack(blocks) / stiffening[:, None])
         right.append(1 - 1 / stiffening)
     found = _sparse_minimax(np.vstack(rows), np.concatenate(right))
-    matrix = found.reshape(1 + len(kinds), 5, 9)
-    limit, *first_order = (np.round(matrix, DIGITS - 1) + 0.0).tolist()
+    matrices = np.round(found.reshape(1 + len(kinds), 5, 9), DIGITS - 1) + 0.0  # no -0
+    limit, *first_order = matrices.tolist()
     first_order = dict(zip(kinds, first_order, strict=True))
     return {"reach": REACH, "pole": POLE, "limit": limit, "first_order": first_order}
 
@@ -272,7 +234,7 @@ def _solve(cost, matrix, limits, bounds):
     return found.x
 
 
-def format_coefficients(fits):
+def format_coefficients(fits: dict[str, dict]) -> str:
     """JSON text of all fitted coefficients, a matrix row per line."""
     text = json.dumps(fits, indent=2)
     inner = re.compile(r"\[([^\[\]]*)\]")

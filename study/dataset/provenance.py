@@ -3,7 +3,9 @@
 import ast
 import hashlib
 import json
+from collections.abc import Iterable
 from functools import lru_cache
+from pathlib import Path
 
 from study import paths
 
@@ -18,22 +20,12 @@ READS = {
 """Data files of modules of `study`, by the module that reads them."""
 
 
-def sources(*starts):
-    """Source files of the study that some files reach through imports, themselves included.
+def sources(*starts: Path) -> list[Path]:
+    """Source files of the study that modules or notebooks reach through imports, and themselves.
 
     A name that a package takes over from one of its modules leads to that module, not to the
     whole package. Imports inside functions count. `study.paths` is left out: where a file is
     does not decide what is in it.
-
-    Parameters
-    ----------
-    *starts : pathlib.Path
-        Modules or notebooks.
-
-    Returns
-    -------
-    list of pathlib.Path
-        Python files, sorted.
     """
     found, todo = set(), list(starts)
     while todo:
@@ -44,59 +36,42 @@ def sources(*starts):
     return sorted(path for path in found if path.suffix == ".py" and path.name != "paths.py")
 
 
-def inputs(notebook):
-    """Files that decide what a notebook makes: itself, code and data.
-
-    Parameters
-    ----------
-    notebook : pathlib.Path
-
-    Returns
-    -------
-    list of pathlib.Path
-    """
+def inputs(notebook: Path) -> list[Path]:
+    """Files that decide what a notebook makes: itself, code and data."""
     code = sources(notebook) if notebook.is_file() else []
     return [notebook, *code, *data(code)]
 
 
-def data(code):
+def data(code: Iterable[Path]) -> list[Path]:
     """Data files that some modules read."""
     library = paths.ROOT / "study"
     names = [n for path in code for n in READS.get(path.relative_to(library).as_posix(), ())]
     return [paths.ROOT / name for name in names]
 
 
-def digests(files):
-    """First 16 digits of the SHA-256 of each file, by its path in the project.
-
-    Parameters
-    ----------
-    files : iterable of pathlib.Path
-
-    Returns
-    -------
-    dict
-    """
+def digests(files: Iterable[Path]) -> dict[str, str]:
+    """First 16 digits of the SHA-256 of each file, by its path in the project."""
     return {
-        path.relative_to(paths.ROOT).as_posix(): digest(path.read_bytes())[:16] for path in files
+        path.relative_to(paths.ROOT).as_posix(): sha256(path.read_bytes())[:16] for path in files
     }
 
 
-def digest(content):
-    """SHA-256 of some bytes, in hexadecimal."""
+def sha256(content: bytes) -> str:
+    """SHA-256 in hexadecimal."""
     return hashlib.sha256(content).hexdigest()
 
 
 @lru_cache(maxsize=256)
 def _imported(path, _modified):
     """Files of the study that one file imports."""
-    return [
-        module
-        for node in ast.walk(_parse(path))
-        if isinstance(node, ast.Import | ast.ImportFrom)
-        for name in _names(node)
-        for module in _resolve(name)
-    ]
+    names = []
+    for node in ast.walk(_parse(path)):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names += [f"{node.module}.{alias.name}" for alias in node.names]
+    found = [_definition(name) for name in names if name.startswith("study.")]
+    return [path for path in found if path.is_file()]
 
 
 def _parse(path):
@@ -108,33 +83,18 @@ def _parse(path):
     return ast.parse(text, str(path))
 
 
-def _names(node):
-    """Dotted names that an import statement asks for."""
-    if isinstance(node, ast.Import):
-        return [alias.name for alias in node.names]
-    return [f"{node.module}.{alias.name}" for alias in node.names]
-
-
-def _resolve(name):
-    """Files that define a dotted name of the study; none for names of other packages."""
-    parts = name.split(".")
-    if parts[0] != "study" or len(parts) == 1:
-        return []
-    path = paths.ROOT.joinpath(*parts)
-    if path.with_suffix(".py").is_file():
-        return [path.with_suffix(".py")]
-    package = path / "__init__.py"
-    if package.is_file():
-        return [package]
-    above = path.parent
-    if above.with_suffix(".py").is_file():  # a name of a module
-        return [above.with_suffix(".py")]
-    package = above / "__init__.py"  # a name of a package: its own, or one that it passes on
+def _definition(name):
+    """File that defines a dotted name of the study: a module, a package or a name in one."""
+    path = paths.ROOT.joinpath(*name.split("."))
+    package = path.parent / "__init__.py"
+    for file in (path.with_suffix(".py"), path / "__init__.py", path.parent.with_suffix(".py")):
+        if file.is_file():
+            return file
     if not package.is_file():
-        return []
-    for node in _parse(package).body:
+        return package
+    for node in _parse(package).body:  # its own name, or one that it passes on
         if isinstance(node, ast.ImportFrom):
             for alias in node.names:
-                if parts[-1] == (alias.asname or alias.name):
-                    return _resolve(f"{node.module}.{alias.name}")
-    return [package]
+                if path.name == (alias.asname or alias.name):
+                    return _definition(f"{node.module}.{alias.name}")
+    return package

@@ -1,12 +1,13 @@
-"""The cached force-depth curves: what they are, how they are built, checked and loaded.
+"""The cached force-depth curves: how they are loaded, checked and described.
 
-The design stands in `design`, the numbers in ``data/force_curves.csv`` (one row per case
-and depth), their description in ``data/datapackage.json`` (Frictionless Data Package).
+The numbers are in ``data/force_curves.csv``, one row per case and depth, and their description is
+``data/datapackage.json`` (Frictionless Data Package). Which joints there are: `design`.
 """
 
 import json
 import platform
 from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -14,69 +15,72 @@ import pandas as pd
 from study import checks, contact, paths
 from study.contact.laws import COEFFICIENTS
 from study.dataset import agreement, design, provenance
-from study.joint import fem, force_curve, series
+from study.joint import Joint, Kinematics, fem, force_curve, series
 from study.joint.compliance import DRIVES, RIMS
 from study.joint.curve import FINITE_RESOLUTION, KINEMATICS, SOLVERS
 
 CURVES = paths.DATA / "force_curves.csv"
+LINKS = paths.DATA / "links.csv"
+PEERS = paths.DATA / "published/peers.csv"
 PACKAGE = paths.DATA / "datapackage.json"
 MEND = "study data build"
-
-LINKS = paths.DATA / "links.csv"
-GENERATED = {
-    CURVES: "joint/curve",
-    COEFFICIENTS: "dataset/fitting",
-    LINKS: "choose/links",
-}
-"""Generated file -> module whose imports lead to all code that decides it."""
-PEERS = paths.DATA / "published/peers.csv"
-PUBLISHED = {
+ORIGINS = {
+    "force_curves.csv": "generated",
+    "links.csv": "generated",
     "published/tables.csv": "published",
     "published/joint.csv": "reference",
     "published/mechanism.csv": "reference",
     "published/peers.csv": "measured",
 }
+"""Data files whose hash is kept -> where their numbers come from."""
+GENERATED = {CURVES: "joint/curve", COEFFICIENTS: "dataset/fitting", LINKS: "choose/links"}
+"""Generated file -> module whose imports lead to all code that decides it."""
+COLUMNS = {
+    "group": ("", "What the study needs the case for", {"enum": list(design.GROUPS)}),
+    "case": ("", "Name of the case: set-up, kinematics and R2*", {}),
+    "r2_star": ("1", "Dimensionless socket radius R2/dR", {"minimum": 1}),
+    "socket_ratio": ("1", "Outer over inner radius of the socket", {"minimum": 1}),
+    "poisson_ball": ("1", "Poisson's ratio of the ball", {}),
+    "poisson_socket": ("1", "Poisson's ratio of the socket", {}),
+    "modulus_ratio": ("1", "Young's modulus of the socket over that of the ball", {}),
+    "ball_drive": (
+        "",
+        "Ball's equatorial plane: plane (radially free) or clamped",
+        {"enum": list(DRIVES)},
+    ),
+    "rim": ("", "Socket's edge at the equator: mirror plane or free", {"enum": list(RIMS)}),
+    "kinematics": (
+        "",
+        "Pairing of the surfaces: small, linear or finite",
+        {"enum": list(KINEMATICS)},
+    ),
+    "solver": (
+        "",
+        "series, or finite elements: quadratic or linear triangles",
+        {"enum": list(SOLVERS)},
+    ),
+    "depth_star": ("1", "Dimensionless penetration depth d/dR", {"minimum": 0}),
+    "force_star": ("1", "Dimensionless force P/(E* dR^2)", {"minimum": 0}),
+    "contact_half_angle": (
+        "deg",
+        "Polar angle of the contact's edge",
+        {"minimum": 0, "maximum": 90},
+    ),
+    "peak_pressure_star": ("1", "Largest pressure p R2/(E* dR)", {"minimum": 0}),
+    "error_estimate": (
+        "1",
+        "Relative discretisation error of the force, estimated",
+        {"minimum": 0},
+    ),
+}
+"""Column of the curves -> its unit (empty for text), meaning and constraints."""
 
 
 class DatasetError(checks.StudyError):
     """The dataset is missing, damaged or out of date; the message names file and remedy."""
 
 
-_SCHEMA = [
-    ("group", "string", "", "What the study needs the case for"),
-    ("case", "string", "", "Name of the case: set-up, kinematics and R2*"),
-    ("r2_star", "number", "1", "Dimensionless socket radius R2/dR"),
-    ("socket_ratio", "number", "1", "Outer over inner radius of the socket"),
-    ("poisson_ball", "number", "1", "Poisson's ratio of the ball"),
-    ("poisson_socket", "number", "1", "Poisson's ratio of the socket"),
-    ("modulus_ratio", "number", "1", "Young's modulus of the socket over that of the ball"),
-    ("ball_drive", "string", "", "Ball's equatorial plane: plane (radially free) or clamped"),
-    ("rim", "string", "", "Socket's edge at the equator: mirror plane or free"),
-    ("kinematics", "string", "", "Pairing of the surfaces: small, linear or finite"),
-    ("solver", "string", "", "series, or finite elements: quadratic or linear triangles"),
-    ("depth_star", "number", "1", "Dimensionless penetration depth d/dR"),
-    ("force_star", "number", "1", "Dimensionless force P/(E* dR^2)"),
-    ("contact_half_angle", "number", "deg", "Polar angle of the contact's edge"),
-    ("peak_pressure_star", "number", "1", "Largest pressure p R2/(E* dR)"),
-    ("error_estimate", "number", "1", "Relative discretisation error of the force, estimated"),
-]
-_CONSTRAINTS = {
-    "group": {"enum": list(design.GROUPS)},
-    "r2_star": {"minimum": 1},
-    "socket_ratio": {"minimum": 1},
-    "ball_drive": {"enum": list(DRIVES)},
-    "rim": {"enum": list(RIMS)},
-    "kinematics": {"enum": list(KINEMATICS)},
-    "solver": {"enum": list(SOLVERS)},
-    "depth_star": {"minimum": 0},
-    "force_star": {"minimum": 0},
-    "contact_half_angle": {"minimum": 0, "maximum": 90},
-    "peak_pressure_star": {"minimum": 0},
-    "error_estimate": {"minimum": 0},
-}
-
-
-def load(**filters):
+def load(**filters: object) -> pd.DataFrame:
     """The dataset as a tidy frame, one row per case and depth.
 
     Parameters
@@ -87,23 +91,7 @@ def load(**filters):
     Returns
     -------
     pandas.DataFrame
-        Columns
-
-        - ``group``: what the study needs the case for, a key of `study.dataset.design.GROUPS`
-        - ``case``: name of the case
-        - ``r2_star``: dimensionless socket radius R2/dR
-        - ``socket_ratio``: outer over inner radius of the socket
-        - ``poisson_ball``, ``poisson_socket``: Poisson's ratios
-        - ``modulus_ratio``: Young's modulus of the socket over that of the ball
-        - ``ball_drive``: ``plane`` or ``clamped``
-        - ``rim``: ``mirror`` or ``free``
-        - ``kinematics``: ``small``, ``linear`` or ``finite`` (see `study.joint.Joint`)
-        - ``solver``: ``series`` or ``quadratic`` (see `study.joint.force_curve`)
-        - ``depth_star``: dimensionless penetration depth d/dR
-        - ``force_star``: dimensionless force P/(E* dR^2)
-        - ``contact_half_angle``: polar angle of the contact's edge, in deg
-        - ``peak_pressure_star``: largest pressure p R2/(E* dR)
-        - ``error_estimate``: estimated relative discretisation error of ``force_star``
+        The columns of `study.dataset.store.COLUMNS`, also in ``data/README.md``.
 
     Raises
     ------
@@ -112,17 +100,17 @@ def load(**filters):
     ValueError
         For an unknown column, or filters that leave no row.
     """
-    verify_files()
-    frame = pd.read_csv(CURVES)
+    frame = _read(CURVES)
     for column in filters:
         checks.choice("column", column, tuple(frame.columns))
     filters = {column: _values(column, wanted) for column, wanted in filters.items()}
-    kept = pd.DataFrame(index=frame.index)
+    matches = pd.DataFrame(
+        {column: frame[column].isin(wanted) for column, wanted in filters.items()},
+        index=frame.index,
+    )
+    keep = matches.all(axis=1)
     for column, wanted in filters.items():
-        kept[column] = frame[column].isin(wanted)
-    keep = kept.all(axis=1)
-    for column, wanted in filters.items():
-        others = kept.drop(columns=column).all(axis=1)  # what is left without this filter
+        others = matches.drop(columns=column).all(axis=1)  # what is left without this filter
         unknown = set(wanted) - set(frame[column])
         if unknown or (others.any() and not keep.any()):
             held = frame[column][others if others.any() else ~keep].unique()
@@ -133,8 +121,7 @@ def load(**filters):
     if not keep.any():
         asked = ", ".join(f"{column} = {wanted}" for column, wanted in filters.items())
         raise ValueError(f"filters must leave a case, but none has {asked}")
-    frame = frame[keep]
-    return frame.reset_index(drop=True)
+    return frame[keep].reset_index(drop=True)
 
 
 def _values(column, wanted):
@@ -148,29 +135,19 @@ def _values(column, wanted):
     return values
 
 
-def paper_curves(kinematics=design.PAPER_KINEMATICS, **filters):
-    """Curves of the paper's joint (`study.joint.paper_joint`), R2* = 20..10,000.
-
-    Parameters
-    ----------
-    kinematics : {"linear", "small", "finite"}
-    **filters
-        As for `load`.
-
-    Returns
-    -------
-    pandas.DataFrame
-        See `load` for the columns.
-    """
+def paper_curves(
+    kinematics: Kinematics | list[Kinematics] = design.PAPER_KINEMATICS, **filters: object
+) -> pd.DataFrame:
+    """Curves of the paper's joint (`study.joint.paper_joint`), R2* = 20..10,000: see `load`."""
     return load(group="paper", kinematics=kinematics, **filters)
 
 
-def published(where=None):
+def published(where: str | None = None) -> pd.Series:
     """Numbers that the paper prints, from ``data/published/tables.csv``.
 
     Parameters
     ----------
-    where : str, optional
+    where
         Table or figure, e.g. ``"Table 2"``.
 
     Returns
@@ -178,15 +155,14 @@ def published(where=None):
     pandas.Series
         Value by (``row``, ``quantity``), or by (``where``, ``row``, ``quantity``).
     """
-    verify_files()
-    frame = pd.read_csv(paths.DATA / "published/tables.csv")
+    frame = _read(paths.DATA / "published/tables.csv")
     if where is not None:
         checks.choice("where", where, tuple(frame["where"].unique()))
     values = frame.set_index(["where", "row", "quantity"])["value"].sort_index()
     return values if where is None else values.loc[where]
 
 
-def published_table_2():
+def published_table_2() -> pd.DataFrame:
     """Table 2 with the signs that the paper leaves out: absolute values above 1 are negative.
 
     Returns
@@ -200,7 +176,7 @@ def published_table_2():
     return table
 
 
-def reference_forces():
+def reference_forces() -> pd.DataFrame:
     """Forces of independent origin, from ``data/published/joint.csv``.
 
     Returns
@@ -208,93 +184,66 @@ def reference_forces():
     pandas.DataFrame
         Source, joint, depth, force, and ``trust``: the relative accuracy to expect.
     """
-    verify_files()
-    return pd.read_csv(paths.DATA / "published/joint.csv")
+    return _read(paths.DATA / "published/joint.csv")
 
 
-def measured(chart=None):
-    """Times and errors of laws, solvers and steppers, from ``data/published/peers.csv``.
+def measured(chart: str | None = None) -> pd.DataFrame:
+    """Times and errors from ``data/published/peers.csv``, of all charts or one.
 
     Parameters
     ----------
-    chart : {"laws", "solvers", "steppers"}, optional
+    chart
+        ``laws``, ``solvers`` or ``steppers``.
 
     Returns
     -------
     pandas.DataFrame
         Columns of ``study.measure.speed.COLUMNS``.
     """
-    verify_files()
-    frame = pd.read_csv(PEERS, dtype={"version": str, "setting": str}).fillna({"setting": ""})
+    frame = _read(PEERS, dtype={"version": str, "setting": str}).fillna({"setting": ""})
     if chart is None:
         return frame
     checks.choice("chart", chart, tuple(frame["chart"].unique()))
     return frame[frame["chart"] == chart].reset_index(drop=True)
 
 
-def keep_measured(frame):
+def keep_measured(frame: pd.DataFrame) -> None:
     """Write charts to ``data/published/peers.csv``, and its hash to the description.
 
-    Parameters
-    ----------
-    frame : pandas.DataFrame
-        Columns of ``study.measure.speed.COLUMNS``. Charts that it does not hold are kept, and
-        so are
-        other programs in those that it holds.
+    Charts that the frame does not hold are kept, and so are other programs in those that it does.
     """
-    kept = measured()
-    new = set(zip(frame["chart"], frame["program"], strict=True))
-    old = [(c, p) not in new for c, p in zip(kept["chart"], kept["program"], strict=True)]
-    frame = pd.concat([frame, kept[old]], ignore_index=True)
+    kept, by = measured(), ["chart", "program"]
+    others = ~kept.set_index(by).index.isin(frame.set_index(by).index)
     order = {chart: n for n, chart in enumerate(kept["chart"].unique())}
+    frame = pd.concat([frame, kept[others]], ignore_index=True)
     frame = frame.sort_values("chart", key=lambda names: names.map(order), kind="stable")
     package, name = _read_package(), PEERS.relative_to(paths.DATA).as_posix()
     with paths.whole(PEERS) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")
-    resource = _resource(PEERS, name[:-4].replace("/", "-"), PUBLISHED[name], None)
-    others = [r for r in package["resources"] if r["path"] != name]
-    _write_description(package | {"resources": [*others, resource]})
+    resources = [_resource(name) if r["path"] == name else r for r in package["resources"]]
+    _write_description(package | {"resources": resources})
 
 
-def links():
-    """Errors of rigid links on random scenes, from ``data/links.csv``.
+def links() -> pd.DataFrame:
+    """Errors of rigid links on random scenes: the columns of `study.choose.links.measure`."""
+    return _read(LINKS)
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns of ``study.choose.links.measure``.
-    """
+
+def _read(path, **options):
     verify_files()
-    return pd.read_csv(LINKS)
+    return pd.read_csv(path, **options)
 
 
-def solve_case(group, name, joint, depths):
-    """One case of the design, in the columns of the dataset.
-
-    Parameters
-    ----------
-    group, name : str
-    joint : study.joint.Joint
-    depths : tuple of float
-
-    Returns
-    -------
-    pandas.DataFrame
-    """
+def solve_case(group: str, name: str, joint: Joint, depths: tuple[float, ...]) -> pd.DataFrame:
+    """One case of the design, in the columns of the dataset."""
     return pd.DataFrame({"group": group, "case": name} | force_curve(joint, depths).columns())
 
 
-def write_table(frame, path):
+def write_table(frame: pd.DataFrame, path: Path) -> None:
     """Write a table as CSV, whole or not at all, if it does not agree with the kept one.
 
-    Numbers have 9 significant digits, or as many as `agreement.DIGITS` says: estimates have
-    few that mean anything. On another processor the last ones differ; a kept file whose numbers
-    all agree (`study.dataset.agreement.table_differs`) stays as it is.
-
-    Parameters
-    ----------
-    frame : pandas.DataFrame
-    path : pathlib.Path
+    Numbers have 9 significant digits, or fewer where `agreement.DIGITS` says so. On another
+    processor the last ones differ: a kept file that agrees stays as it is.
     """
     frame = frame.copy()
     for column, digits in agreement.DIGITS.get(path.stem, {}).items():
@@ -306,49 +255,43 @@ def write_table(frame, path):
             paths.copy(made, path)
 
 
-def write_package(wall_time):
+def write_package(wall_time: float) -> None:
     """Describe the dataset in ``datapackage.json``: schema, units, hashes and provenance.
 
     Parameters
     ----------
-    wall_time : float
+    wall_time
         Time that the cases took together, in s.
     """
     _refuse_damaged_published_files()
-    provenance = {
-        "command": MEND,
-        "coefficients_sha256": _sha256(COEFFICIENTS),
-        "design": _design(),
-        "made_by": _made_by(),
-        "versions": {p: version(p) for p in ("numpy", "scipy", "scikit-fem")}
-        | {"python": platform.python_version()},
-        "wall_time_s": round(wall_time, 1),
-    }
-    description = {
-        "name": "spherical-clearance-joint-force-curves",
-        "title": "Force-depth curves of spherical clearance joints, by series and finite elements",
-        "description": "Frictionless elastic contact of a ball in a socket; see README.md.",
-        "profile": "data-package",
-        "licenses": [{"name": "CC-BY-4.0", "title": "Creative Commons Attribution 4.0"}],
-        "resources": [
-            _resource(CURVES, "force-curves", "generated", _schema()),
-            _resource(LINKS, "links", "generated", None),
-            *(
-                _resource(paths.DATA / name, name[:-4].replace("/", "-"), origin, None)
-                for name, origin in PUBLISHED.items()
-            ),
-        ],
-        "provenance": provenance,
-    }
-    _write_description(description)
+    _write_description(
+        {
+            "name": "spherical-clearance-joint-force-curves",
+            "title": "Force-depth curves of spherical clearance joints, "
+            "by series and finite elements",
+            "description": "Frictionless elastic contact of a ball in a socket; see README.md.",
+            "profile": "data-package",
+            "licenses": [{"name": "CC-BY-4.0", "title": "Creative Commons Attribution 4.0"}],
+            "resources": [_resource(name) for name in ORIGINS],
+            "provenance": {
+                "command": MEND,
+                "coefficients_sha256": _sha256(COEFFICIENTS),
+                "design": _design(),
+                "made_by": _made_by(),
+                "versions": {p: version(p) for p in ("numpy", "scipy", "scikit-fem")}
+                | {"python": platform.python_version()},
+                "wall_time_s": round(wall_time, 1),
+            },
+        }
+    )
 
 
 def _schema():
     fields = [
-        {"name": name, "type": kind, "description": text}
+        {"name": name, "type": "number" if unit else "string", "description": text}
         | ({"unit": unit} if unit else {})
-        | {"constraints": {"required": True} | _CONSTRAINTS.get(name, {})}
-        for name, kind, unit, text in _SCHEMA
+        | {"constraints": {"required": True} | constraints}
+        for name, (unit, text, constraints) in COLUMNS.items()
     ]
     return {"fields": fields, "primaryKey": ["case", "depth_star"]}
 
@@ -358,29 +301,33 @@ def _write_description(description):
         temporary.write_text(json.dumps(description, indent=2) + "\n", encoding="utf-8")
 
 
-def _resource(path, name, origin, schema):
+def _resource(name):
+    """Description of one data file, by its name in ``data/``."""
+    path = paths.DATA / name
     resource = {
-        "name": name,
-        "path": path.relative_to(paths.DATA).as_posix(),
+        "name": name.removesuffix(".csv").replace("/", "-").replace("_", "-"),
+        "path": name,
         "format": "csv",
         "mediatype": "text/csv",
         "encoding": "utf-8",
         "bytes": path.stat().st_size,
         "hash": f"sha256:{_sha256(path)}",
-        "origin": origin,
+        "origin": ORIGINS[name],
     }
-    return resource | ({"profile": "tabular-data-resource", "schema": schema} if schema else {})
+    if path != CURVES:
+        return resource
+    return resource | {"profile": "tabular-data-resource", "schema": _schema()}
 
 
 def _refuse_damaged_published_files():
     """Files from elsewhere keep the hash they have: a build does not bless a damaged one."""
     try:
-        package = _read_package()
+        stated = {r["path"]: r["hash"] for r in _read_package()["resources"]}
     except DatasetError:
         return  # there is nothing to compare with
-    stated = {r["path"]: r["hash"] for r in package["resources"]}
-    for name in set(PUBLISHED) & set(stated):  # a new file has no hash yet
-        _verify(name, stated[name])
+    for name, origin in ORIGINS.items():
+        if origin != "generated" and name in stated:  # a new file has no hash yet
+            _verify(paths.DATA / name, stated[name], generated=False)
 
 
 def _read_package():
@@ -397,32 +344,33 @@ def _read_package():
         raise DatasetError(f"{name} is missing; {remedy}") from None
     except (ValueError, KeyError, TypeError, AttributeError):
         raise DatasetError(f"{name} is damaged; {remedy}") from None
-    names = {path.relative_to(paths.DATA).as_posix() for path in (CURVES, LINKS)} | set(PUBLISHED)
-    if missing := names - set(described):
+    if missing := set(ORIGINS) - set(described):
         raise DatasetError(f"{name} does not describe {', '.join(sorted(missing))}; {remedy}")
     if described[CURVES.name].get("schema") != _schema():
         raise DatasetError(f"{name} is damaged: the schema of {CURVES.name} is another; {remedy}")
     return package
 
 
-def _verify(name, stated):
-    """Compare one data file with the hash stated for it."""
-    path = paths.DATA / name
+def _verify(path, stated, generated):
+    """Compare one file with the hash stated for it.
+
+    By hashlib: frictionless, which `quality` asks, takes a second to import at every load.
+    """
+    name, description = path.relative_to(paths.ROOT).as_posix(), f"data/{PACKAGE.name}"
     # the description too: its hash may be the one that is wrong
-    remedy = f"git checkout -- data/{name} data/{PACKAGE.name}"
-    if path in (CURVES, LINKS):
+    remedy = f"mend it with: git checkout -- {name} {description}"
+    if generated:
         remedy += f", or make it anew with: {MEND}"
     if not path.is_file():
-        raise DatasetError(f"data/{name} is missing; mend it with: {remedy}")
-    if stated != f"sha256:{_sha256(path)}":
+        raise DatasetError(f"{name} is missing; {remedy}")
+    if stated.removeprefix("sha256:") != _sha256(path):
         raise DatasetError(
-            f"data/{name} is damaged (or its sha256 in data/{PACKAGE.name}: they do not agree); "
-            f"mend it with: {remedy}"
+            f"{name} is damaged (or its sha256 in {description}: they do not agree); {remedy}"
         )
 
 
 def _sha256(path):
-    return provenance.digest(path.read_bytes())
+    return provenance.sha256(path.read_bytes())
 
 
 def _design():
@@ -438,11 +386,11 @@ def _design():
             "quadratic": fem.RESOLUTION,
             "finite": FINITE_RESOLUTION,
         },
-        "cases_sha256": provenance.digest(repr(cases).encode()),
+        "cases_sha256": provenance.sha256(repr(cases).encode()),
     }
 
 
-def sources(path):
+def sources(path: Path) -> list[Path]:
     """Source files that decide a generated file."""
     return provenance.sources(paths.ROOT / f"study/{GENERATED[path]}.py")
 
@@ -458,29 +406,24 @@ def _made_by():
     }
 
 
-def verify_files():
+def verify_files() -> None:
     """Compare every data file with its description.
 
     Raises
     ------
     DatasetError
         If a file is missing, damaged (its hash differs) or out of date (other code, other data
-        or another design made it); the message names the file, what has changed and the command
-        that mends it.
+        or another design made it); names the file, what has changed and the command that mends it.
     """
     package = _read_package()
     stated = package["provenance"]
     for resource in package["resources"]:
-        _verify(resource["path"], resource["hash"])
-    if not COEFFICIENTS.is_file() or stated["coefficients_sha256"] != _sha256(COEFFICIENTS):
-        raise DatasetError(
-            f"study/contact/{COEFFICIENTS.name} is missing or damaged; mend it with: "
-            f"git checkout -- study/contact/{COEFFICIENTS.name}, or make it anew with: {MEND}"
-        )
+        _verify(paths.DATA / resource["path"], resource["hash"], resource["origin"] == "generated")
+    _verify(COEFFICIENTS, stated["coefficients_sha256"], generated=True)
     if stated["design"] != _design():
         raise DatasetError(
-            f"data/{CURVES.name} is out of date: the design (study/design.py), a default of the "
-            f"joint or a resolution has changed since it was made; make it anew with: {MEND}"
+            f"data/{CURVES.name} is out of date: the design (study/dataset/design.py), a default "
+            f"of the joint or a resolution has changed since it was made; make it anew with: {MEND}"
         )
     for name, digests in _made_by().items():
         before = stated["made_by"].get(name, {})
@@ -492,7 +435,7 @@ def verify_files():
             )
 
 
-def summary(frame):
+def summary(frame: pd.DataFrame) -> pd.DataFrame:
     """One row per case of a frame of `load`: its parameters, ranges and largest error."""
     keys = ["case", "r2_star", "socket_ratio", "poisson_ball", "modulus_ratio"]
     keys += ["ball_drive", "rim", "kinematics", "solver"]

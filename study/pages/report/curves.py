@@ -3,7 +3,7 @@
 from study import checks, dataset
 from study.choose.law import law_options
 from study.contact import LAWS
-from study.dataset import design
+from study.dataset import design, store
 from study.pages.figures import LOOKS
 
 PARAMETERS = {
@@ -50,7 +50,7 @@ def curves():
                 case["laws"][law] = [_rounded(value) for value in force]
         cases.append(case)
     if len(cases) != len(frames):
-        raise checks.StudyError(f"the design and the dataset differ; mend it with: {dataset.MEND}")
+        raise checks.StudyError(f"the design and the dataset differ; mend it with: {store.MEND}")
     return {
         "parameters": PARAMETERS,
         "groups": design.GROUPS,

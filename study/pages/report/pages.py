@@ -17,7 +17,8 @@ from nbconvert import HTMLExporter
 from nbformat import v4
 
 import study
-from study import dataset, paths
+from study import paths
+from study.dataset import store
 from study.pages.catalogue import CATALOGUE
 from study.pages.report.claims import VERDICTS
 from study.pages.report.curves import PARAMETERS, curves, describe
@@ -51,7 +52,7 @@ def write_all(site, results, claims, executed, paper):
     for name in modules:
         path = f"{name.replace('.', '/')}.html"
         site.sources |= {path[:-5] + end: f"api/{path}" for end in (".py", "")}
-    for file in (dataset.CURVES, dataset.PACKAGE):
+    for file in (store.CURVES, store.PACKAGE):
         site.copy(file, f"data/{file.name}")
         site.sources[f"data/{file.name}"] = f"data/{file.name}"
     site.copy(paper, "paper.pdf")
