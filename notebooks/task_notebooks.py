@@ -9,7 +9,7 @@ from pytask import Product, PythonNode, task
 
 from study.pages import catalogue, execute, tasks
 
-settings = json.loads(os.environ.get(catalogue.PARAMETERS_VARIABLE, "{}"))
+settings = json.loads(os.environ.get(execute.PARAMETERS_VARIABLE, "{}"))
 
 for notebook in catalogue.CATALOGUE:
     chosen = json.dumps(settings.get(notebook.name, {}), sort_keys=True)

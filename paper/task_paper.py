@@ -24,7 +24,7 @@ LIBRARY = [
     if path.suffix in (".py", ".html", ".css", ".js", ".json")
 ]
 PAPER = [*TEXT, *SHOWN, *NUMBERS]
-REPORT = [*RESULTS, *LIBRARY, *paths.DOCUMENTS, store.CURVES, store.PACKAGE]
+REPORT = [*RESULTS, *LIBRARY, *paths.DOCUMENTS, catalogue.FILE, store.CURVES, store.PACKAGE]
 
 
 def task_typeset(

@@ -5,7 +5,6 @@ A user's mistake is one line on standard error and exit status 2; a failure is e
 
 import json
 import os
-import re
 import sys
 from contextlib import contextmanager
 from dataclasses import fields
@@ -116,14 +115,14 @@ def run_notebooks(
     What agrees stays as it is; what differs is written anew and named, with exit status 1.
     """
     from study import dataset
-    from study.pages import catalogue
+    from study.pages import catalogue, execute
 
     selected = catalogue.select(names or [])
-    parameters = catalogue.check_parameters(selected, settings or [])
+    parameters = execute.check_parameters(selected, settings or [])
     dataset.verify_files()
     catalogue.check_claims()
-    session = catalogue.run(selected, parameters, jobs=jobs, force=force, dask_address=dask)
-    _compare(_tell(selected, session))
+    built = execute.run(selected, parameters, jobs=jobs, force=force, dask_address=dask)
+    _compare(_tell(selected, built))
 
 
 @app.command("verify")
@@ -145,14 +144,14 @@ def verify_results(
 
 def _compare(selected):
     """Say how many results are the kept ones, and which are not; fail if one differs."""
-    from study.pages import catalogue, kept
+    from study.pages import execute, kept
 
-    found = catalogue.compare(selected)
-    for comparison in found:
-        if comparison.state == "differs":
-            print(f"differs  {comparison.where}", file=sys.stderr)
+    found = execute.compare(selected)
+    differing = [comparison.where for comparison in found if comparison.state == "differs"]
+    for where in differing:
+        print(f"differs  {where}", file=sys.stderr)
     print(kept.summary(found))
-    if any(comparison.state == "differs" for comparison in found):
+    if differing:
         raise typer.Exit(1)
 
 
@@ -169,77 +168,53 @@ def typeset_paper():
 def write_report(jobs: Jobs = None):
     """Bring everything up to date: figures, tables, paper, and the report, build/report/."""
     from study import dataset
-    from study.pages import catalogue
+    from study.pages import catalogue, execute
 
     dataset.verify_files()
     catalogue.check_claims()
-    session = catalogue.run(catalogue.CATALOGUE, {}, report=True, jobs=jobs)
-    _tell(catalogue.CATALOGUE, session)
+    built = execute.run(catalogue.CATALOGUE, {}, report=True, jobs=jobs)
+    _tell(catalogue.CATALOGUE, built)
     print("Figures and tables are in figures/, the paper is build/paper.pdf.")
     print("The report to browse: build/report/index.html")
     _compare(catalogue.CATALOGUE)
 
 
-def _tell(selected, session):
-    """Say what was made and where, or what failed; return the selected notebooks and what ran."""
-    from pytask import TaskOutcome
+def _tell(selected, built):
+    """Say what was made, or what failed; return the notebooks asked for and those that ran."""
+    from study.pages.catalogue import CATALOGUE
 
-    from study.pages import catalogue
+    made = built.made()
+    ran = [notebook for notebook in CATALOGUE if notebook.name in made]  # with those needed
+    for notebook in ran:
+        for name, shows in notebook.results.items():
+            suffix = "csv" if name in notebook.tables else "png"
+            print(f"made  figures/{name}.{suffix:<4}  {shows}")
+        print(f"      build/notebooks/{notebook.path.name}")
+    for task, file in (("typeset", "paper.pdf"), ("report", "report/index.html")):
+        if task in made:
+            print(f"made  build/{file}")
+    _fail(built)
+    if not made:
+        names = ", ".join(notebook.name for notebook in selected)
+        of = f" of {names}" if len(selected) < len(CATALOGUE) else ""
+        print(f"Nothing was stale: every figure and table{of} in figures/ is up to date.")
+    return [notebook for notebook in CATALOGUE if notebook in selected or notebook in ran]
 
-    reports = {
-        re.split(r"\[|::task_", r.task.name)[-1].rstrip("]"): r for r in session.execution_reports
-    }
-    made = {notebook.name: _made(notebook) for notebook in catalogue.CATALOGUE}
-    made |= {"typeset": ["made  build/paper.pdf"], "report": ["made  build/report/index.html"]}
-    failures = []
-    if reports:
-        failures = [f"{nb.name} was not run" for nb in selected if nb.name not in reports]
-    ran = []
-    for name, lines in made.items():  # with those that the selected ones read from
-        outcome = reports[name].outcome if name in reports else None
-        if outcome == TaskOutcome.FAIL:
-            failures.append(reports[name].exc_info[1])
-        elif outcome == TaskOutcome.SUCCESS:
-            ran.append(name)
-            print("\n".join(lines))
-    if session.exit_code != 0 and not failures:
-        failures.append("the tasks could not be collected, as said above")
-    for failure in failures:
-        print(f"failed: {' '.join(str(failure).split())}", file=sys.stderr)
-    if failures:
+
+def _fail(built):
+    """Say what failed, and end if something did."""
+    for failure in built.failures:
+        print(f"failed: {' '.join(failure.split())}", file=sys.stderr)
+    if built.failures:
         raise typer.Exit(1)
-    if not ran:
-        whole = len(selected) == len(catalogue.CATALOGUE)
-        names = "" if whole else f" of {', '.join(notebook.name for notebook in selected)}"
-        print(f"Nothing was stale: every figure and table{names} in figures/ is up to date.")
-    return [nb for nb in catalogue.CATALOGUE if nb in selected or nb.name in ran]
-
-
-def _made(notebook):
-    """Lines that say what a notebook has made."""
-    from study import paths
-
-    suffixes = {name: "csv" if name in notebook.tables else "png" for name in notebook.results}
-    lines = [
-        f"made  figures/{name}.{suffixes[name]:<4}  {shows}"
-        for name, shows in notebook.results.items()
-    ]
-    return [*lines, f"      {notebook.executed.relative_to(paths.ROOT)}"]
 
 
 @app.command("list")
 def list_results():
     """List every figure and table: what it shows, its notebook, fresh or stale."""
-    from pytask import TaskOutcome
+    from study.pages import catalogue, execute
 
-    from study.pages import catalogue
-
-    session = catalogue.run(list(catalogue.CATALOGUE), {}, dry=True)
-    fresh = {
-        r.task.name.split("[")[-1].rstrip("]")
-        for r in session.execution_reports
-        if r.outcome == TaskOutcome.SKIP_UNCHANGED
-    }
+    fresh = execute.run(catalogue.CATALOGUE, {}, dry=True).fresh()
     rows = [
         (name, "fresh" if notebook.name in fresh else "stale", notebook.name, shows)
         for notebook in catalogue.CATALOGUE
@@ -722,17 +697,10 @@ def measure_speed(
 @data_app.command("build")
 def build_data(jobs: Jobs = None):
     """Build the dataset from nothing; an interrupted build resumes."""
-    from pytask import TaskOutcome
-
     from study import paths
     from study.pages import tasks
 
-    session = tasks.build([paths.DATA], jobs=jobs)
-    for report in session.execution_reports:
-        if report.outcome == TaskOutcome.FAIL:
-            print(f"failed: {report.task.name}: {report.exc_info[1]}", file=sys.stderr)
-    if session.exit_code != 0:
-        raise typer.Exit(1)
+    _fail(tasks.build([paths.DATA], jobs=jobs))
     print("The dataset is up to date: data/force_curves.csv, links.csv and datapackage.json.")
 
 

@@ -8,7 +8,7 @@ import nbformat
 import pytest
 
 from study import paths
-from study.pages import catalogue
+from study.pages import catalogue, execute
 
 every_notebook = pytest.mark.parametrize("notebook", catalogue.CATALOGUE, ids=lambda n: n.name)
 
@@ -49,13 +49,13 @@ def test_cells_load_call_and_show(notebook):
 
 @every_notebook
 def test_parameters_are_documented_literals(notebook):
-    assert catalogue.parameters(notebook)
+    assert execute.parameters(notebook)
     (cell,) = [c for c in code_cells(notebook) if "parameters" in c.metadata.get("tags", [])]
     assert all("#" in line for line in cell.source.splitlines())
-    for key, (value, comment) in catalogue.parameters(notebook).items():
+    for key, (value, comment) in execute.parameters(notebook).items():
         numbers = isinstance(value, (list, tuple)) or not isinstance(value, bool)
         assert comment.endswith("]") == numbers or key == "parts"
-        catalogue._check_range(key, value, comment)
+        execute._check_range(key, value, comment)
 
 
 def test_results_and_notebooks_select_notebooks():
@@ -67,7 +67,7 @@ def test_results_and_notebooks_select_notebooks():
 
 
 def test_settings_reach_the_notebooks_that_have_them():
-    chosen = catalogue.check_parameters(
+    chosen = execute.check_parameters(
         catalogue.select(["fig09", "fig10", "fig13"]),
         ["kinematics=small", "r2_star=100", "levels=[-5,5]"],
     )
@@ -101,18 +101,18 @@ def test_settings_reach_the_notebooks_that_have_them():
 )
 def test_wrong_settings_stop_before_anything_runs(setting, message):
     with pytest.raises(ValueError, match=re.escape(message)):
-        catalogue.check_parameters(catalogue.select(["fig10"]), [setting])
+        execute.check_parameters(catalogue.select(["fig10"]), [setting])
 
 
 def order(names, report):
     """Tasks that would be run or are fresh, in order, of a process of its own."""
     code = (
-        "from study.pages import catalogue\n"
-        f"session = catalogue.run(catalogue.select({names}), {{}}, report={report}, dry=True)\n"
-        "assert session.exit_code == 0\n"
-        "for report in session.execution_reports:\n"
-        "    if report.outcome.name != 'SKIP':\n"
-        "        print(report.task.name.split('::task_')[-1])"
+        "from study.pages import catalogue, execute\n"
+        f"built = execute.run(catalogue.select({names}), {{}}, report={report}, dry=True)\n"
+        "assert not built.failures\n"
+        "for name, outcome in built.outcomes.items():\n"
+        "    if outcome.name != 'SKIP':\n"
+        "        print(name)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -122,7 +122,7 @@ def order(names, report):
 def test_paper_and_report_come_after_every_notebook():
     tasks = order([], True)
     assert tasks[-2:] == ["typeset", "report"]
-    assert sorted(tasks[:-2]) == [f"notebook[{nb.name}]" for nb in catalogue.CATALOGUE]
+    assert sorted(tasks[:-2]) == [nb.name for nb in catalogue.CATALOGUE]
 
 
 def test_a_notebook_comes_after_those_it_reads_from():
@@ -132,5 +132,5 @@ def test_a_notebook_comes_after_those_it_reads_from():
         read |= set(notebook.reads) if read & set(notebook.results) else set()
     makers = [nb for nb in catalogue.CATALOGUE if read & set(nb.results)]
     tasks = order(["claims"], False)
-    assert tasks[-1] == f"notebook[{last.name}]"
-    assert sorted(tasks[:-1]) == [f"notebook[{nb.name}]" for nb in makers]
+    assert tasks[-1] == last.name
+    assert sorted(tasks[:-1]) == [nb.name for nb in makers]

@@ -147,13 +147,13 @@ SAVE_AS = r"figures.save(figure, \"fig9\", cases)"
 
 
 def test_a_notebook_that_saves_something_else_fails(project):
-    edit(project, TWO[0], SAVE, "len(cases)")
+    edit(project, TWO[0], SAVE, "cases.shape")
     done = study(project, "run", "fig09")
     assert done.returncode == 1
     failure = done.stderr.splitlines()[-1]
     assert failure == f"failed: {TWO[0]} did not save fig09.csv, fig09.png"
     assert TWO[0] not in fresh(project)
-    edit(project, TWO[0], "len(cases)", f"{SAVE}; {SAVE_AS}")
+    edit(project, TWO[0], "cases.shape", f"{SAVE}; {SAVE_AS}")
     done = study(project, "run", "fig09")
     assert done.returncode == 1
     assert "saved fig9.csv, fig9.png, which the catalogue does not name" in done.stderr

@@ -1,26 +1,178 @@
-"""One notebook executed with papermill: in a process of its own, with folders of its own.
+"""Notebooks executed by papermill: their parameters checked, the stale ones as tasks, one alone.
 
-Nothing of the process that asks is changed, neither its environment nor its working folder, so
-that several threads of one process may execute notebooks at the same time.
+A notebook is executed in a process and with folders of its own, and nothing of the process that
+asks is changed, so that several threads may execute notebooks at the same time. As a program this
+module is that process.
 """
 
+import ast
 import json
 import os
+import re
 import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from study import paths
-from study.checks import StudyError
+from study import checks, paths
+from study.contact import LAWS
 from study.pages import kept
 
+if TYPE_CHECKING:  # not in the process that executes one notebook
+    from study.pages.catalogue import Notebook
+    from study.pages.tasks import Built
 
-class NotebookError(StudyError):
+LONGEST = 1000  # setting, in characters
+PARAMETERS_VARIABLE = "STUDY_PARAMETERS"  # hands parameters to notebooks/task_notebooks.py
+
+
+class NotebookError(checks.StudyError):
     """A notebook failed; the message names it, and cell and error if a cell did."""
 
 
-def execute(notebook, settings):
+def parameters(notebook: "Notebook") -> dict[str, tuple[Any, str]]:
+    """Parameters of a notebook with default value and comment, from its ``parameters`` cell.
+
+    A comment ends with the values that are allowed, in brackets: ``[20 to 10000]`` for a number
+    or each of a list, ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``.
+    """
+    import papermill
+
+    found = papermill.inspect_notebook(str(notebook.path))
+    return {
+        name: (ast.literal_eval(entry["default"]), entry["help"]) for name, entry in found.items()
+    }
+
+
+def check_parameters(notebooks: "list[Notebook]", settings: list[str]) -> dict[str, dict[str, Any]]:
+    """Turn settings into parameters per notebook, before anything runs.
+
+    Papermill itself only warns of an unknown parameter and runs the default.
+
+    Parameters
+    ----------
+    settings
+        Each ``key=value``, the value a Python literal or a bare word.
+
+    Returns
+    -------
+    dict
+        Notebook name -> {parameter: value}; a notebook gets the parameters it has.
+
+    Raises
+    ------
+    ValueError
+        For a setting without ``=`` or too long, a parameter that no selected notebook has, or a
+        value of another type than the default's or out of its range.
+    """
+    known = {nb.name: parameters(nb) for nb in notebooks} if settings else {}
+    chosen = {nb.name: {} for nb in notebooks}
+    for setting in settings:
+        if len(setting) > LONGEST:
+            raise ValueError(
+                f"-p must have at most {LONGEST} characters, got {len(setting)}: {setting[:20]}..."
+            )
+        key, equals, text = setting.partition("=")
+        if not equals:
+            raise ValueError(f"-p must be key=value, got {setting!r}")
+        owners = [name for name, entries in known.items() if key in entries]
+        if not owners:
+            keys = ", ".join(sorted({key for entries in known.values() for key in entries}))
+            raise ValueError(f"parameter must be one of {keys}, got {key!r}")
+        try:
+            value = ast.literal_eval(text)
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
+            value = text
+        for name in owners:
+            default, comment = known[name][key]
+            chosen[name][key] = _as_default(key, value, default)
+            _check_range(key, chosen[name][key], comment)
+    return chosen
+
+
+def _as_default(key, value, default):
+    """``value`` in the type of ``default``: a whole number may stand for a float."""
+    if isinstance(default, float) and type(value) is int:
+        value = float(value)
+    if type(value) is not type(default):
+        kind = type(default).__name__
+        raise ValueError(f"parameter {key} must be of type {kind}, got {value!r}")
+    if isinstance(default, list | tuple) and default:
+        return type(default)(_as_default(key, item, default[0]) for item in value)
+    return value
+
+
+def _check_range(key, value, comment):
+    """Refuse a value, or one of a list, outside what the parameter's comment allows."""
+    allowed = re.search(r"\[([^][]*)\]$", comment)
+    if allowed is None:
+        return
+    low, to, high = allowed[1].partition(" to ")
+    for item in value if isinstance(value, list | tuple) else [value]:
+        if to:
+            checks.number(f"parameter {key}", item, least=float(low), most=float(high))
+        else:
+            names = LAWS if allowed[1] == "a law" else allowed[1].split(", ")
+            checks.choice(f"parameter {key}", item, tuple(names))
+
+
+def run(
+    notebooks: "list[Notebook]",
+    settings: dict[str, dict[str, Any]],
+    *,
+    report: bool = False,
+    **options: Any,
+) -> "Built":
+    """Run the stale ones of some notebooks, and of those that they read from, as pytask tasks.
+
+    Parameters
+    ----------
+    settings
+        Parameters per notebook, from `check_parameters`.
+    report
+        Write paper and report afterwards, for which all notebooks are run.
+    **options
+        As for `study.pages.tasks.build`.
+    """
+    from study.pages import tasks
+
+    products = [product for notebook in notebooks for product in notebook.products()]
+    pages = [paths.BUILD / "paper.pdf", paths.BUILD / "report/index.html"] if report else []
+    for product in [*products, *pages]:
+        if product.is_dir():
+            raise NotebookError(f"{product.relative_to(paths.ROOT)} must be a file, not a folder")
+    for notebook in notebooks:
+        if not notebook.path.is_file():
+            raise NotebookError(f"notebooks/{notebook.path.name} is missing")
+    os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
+    selected = "task_report" if report else " or ".join(f"[{nb.name}]" for nb in notebooks)
+    built = tasks.build([paths.NOTEBOOKS, *([paths.PAPER] if report else [])], selected, **options)
+    if built.outcomes:
+        left = [nb.name for nb in notebooks if nb.name not in built.outcomes]
+        built.failures.extend(f"{name} was not run" for name in left)
+    return built
+
+
+def compare(notebooks: "list[Notebook]") -> list[kept.Comparison]:
+    """Compare the results of some notebooks, as made last, with the kept ones."""
+    return [
+        kept.compare(name, name in notebook.figures, other)
+        for notebook in notebooks
+        for other in [_has_other_parameters(notebook)]
+        for name in notebook.results
+    ]
+
+
+def _has_other_parameters(notebook):
+    """Whether a notebook was executed last with parameters that are not its own."""
+    if not notebook.executed.is_file():
+        return False
+    executed = json.loads(notebook.executed.read_text(encoding="utf-8"))
+    return bool(executed["metadata"]["papermill"]["parameters"])
+
+
+def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
     """Execute one notebook; its executed copy lands in ``build/notebooks``.
 
     Its results are compared with the kept ones (`kept.place`) if every cell succeeds and
@@ -28,8 +180,7 @@ def execute(notebook, settings):
 
     Parameters
     ----------
-    notebook : study.pages.catalogue.Notebook
-    settings : dict
+    settings
         Values for its parameters.
 
     Raises
@@ -44,10 +195,16 @@ def execute(notebook, settings):
         results.mkdir()
         try:
             _execute_in_a_child(notebook, executed, settings, folder, results)
-            _require(notebook, {path.name for path in results.iterdir()})
         finally:
             if executed.is_file():
                 paths.copy(executed, notebook.executed)
+        wanted, made = set(notebook.files()), {path.name for path in results.iterdir()}
+        if missing := ", ".join(sorted(wanted - made)):
+            raise NotebookError(f"{notebook.name} did not save {missing}")
+        if unknown := ", ".join(sorted(made - wanted)):
+            raise NotebookError(
+                f"{notebook.name} saved {unknown}, which the catalogue does not name"
+            )
         kept.place(results, notebook.files())
 
 
@@ -58,8 +215,8 @@ def _execute_in_a_child(notebook, executed, settings, folder, results):
     environment = os.environ | {
         paths.RESULTS_VARIABLE: str(results),
         "PYTHONPATH": os.pathsep.join([str(paths.ROOT), os.environ.get("PYTHONPATH", "")]),
-        # kernels run side by side: with threads of their own they would wait for each other
         "PYTHONUTF8": "1",
+        # kernels run side by side: with threads of their own they would wait for each other
         "OMP_NUM_THREADS": "1",
         "OPENBLAS_NUM_THREADS": "1",
         # what a user keeps in the home folder does not change a result
@@ -69,36 +226,17 @@ def _execute_in_a_child(notebook, executed, settings, folder, results):
         "JUPYTER_RUNTIME_DIR": str(folder / "runtime"),
     }
     ours, held = os.pipe()  # the child reads from it until this process closes it, or is killed
-    try:
-        child = subprocess.Popen(
-            [*command, *arguments],
-            stdin=ours,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            cwd=folder,
-            env=environment,
+    with open(ours), open(held, "w"):
+        child = subprocess.run(
+            [*command, *arguments], stdin=ours, capture_output=True, cwd=folder, env=environment
         )
-        os.close(ours)
-        out, err = (text.decode(errors="replace") for text in child.communicate())
-    finally:
-        os.close(held)
     if child.returncode != 0:
-        said = out or " ".join(err.split()[-40:]) or f"ended with status {child.returncode}"
-        raise NotebookError(f"{notebook.name}{said if out else ': ' + said}")
+        out, err = (text.decode(errors="replace") for text in (child.stdout, child.stderr))
+        said = " ".join(err.split()[-40:]) or f"ended with status {child.returncode}"
+        raise NotebookError(notebook.name + (out or f": {said}"))
 
 
-def _require(notebook, made):
-    """Refuse a notebook that has not made what the catalogue says."""
-    wanted = set(notebook.files())
-    if missing := sorted(wanted - made):
-        raise NotebookError(f"{notebook.name} did not save {', '.join(missing)}")
-    if unknown := sorted(made - wanted):
-        raise NotebookError(
-            f"{notebook.name} saved {', '.join(unknown)}, which the catalogue does not name"
-        )
-
-
-def main(path, executed, settings, folder):
+def main(path: str, executed: str, settings: str, folder: str) -> int:
     """Execute a notebook in this process; say what failed, and return the exit status."""
     import nbformat
     import papermill

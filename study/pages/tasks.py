@@ -1,13 +1,17 @@
 """Runs tasks with pytask: what is stale, in parallel, on this machine or on a Dask cluster."""
 
 import os
+import re
 import signal
 import threading
 from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from typing import NamedTuple
 
 import pytask
 from _pytask import build as pytask_build
 from loky import cpu_count, get_reusable_executor
+from pytask import TaskOutcome
 
 from study import paths
 from study.checks import StudyError
@@ -15,34 +19,54 @@ from study.checks import StudyError
 _RUNNER = "STUDY_RUNNER"  # process number of the runner, for its workers
 
 
-def leave_interrupts_to_the_runner():
+class Built(NamedTuple):
+    """Outcome of each task by its name, in order, and what is to say of those that failed."""
+
+    outcomes: dict[str, TaskOutcome]
+    failures: list[str]
+
+    def made(self) -> list[str]:
+        """Tasks that were run."""
+        return [name for name, found in self.outcomes.items() if found == TaskOutcome.SUCCESS]
+
+    def fresh(self) -> list[str]:
+        """Tasks that need not be run."""
+        unchanged = TaskOutcome.SKIP_UNCHANGED
+        return [name for name, found in self.outcomes.items() if found == unchanged]
+
+
+def leave_interrupts_to_the_runner() -> None:
     """Ignore Ctrl-C in a worker process: the runner stops it, and says so once."""
     in_main_thread = threading.current_thread() is threading.main_thread()
     if in_main_thread and os.environ.get(_RUNNER) == str(os.getppid()):
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def build(folders, expression="", *, jobs=None, force=False, dask_address=None, dry=False):
+def build(
+    folders: list[Path],
+    expression: str = "",
+    *,
+    jobs: int | None = None,
+    force: bool = False,
+    dask_address: str | None = None,
+    dry: bool = False,
+) -> Built:
     """Run the stale tasks of some folders.
 
     Parameters
     ----------
-    folders : list of pathlib.Path
+    folders
         Where the ``task_*.py`` files are.
-    expression : str
+    expression
         Which tasks, as for ``pytask -k``, with those that they need; all by default.
-    jobs : int, optional
+    jobs
         Processes, by default one per core.
-    force : bool
+    force
         Run fresh ones too.
-    dask_address : str, optional
-        Address of a Dask scheduler whose workers run the tasks instead.
-    dry : bool
+    dask_address
+        Dask scheduler whose workers run the tasks instead.
+    dry
         Run nothing and print nothing, only find what is stale.
-
-    Returns
-    -------
-    pytask.Session
 
     Raises
     ------
@@ -88,7 +112,16 @@ def build(folders, expression="", *, jobs=None, force=False, dask_address=None, 
             get_reusable_executor(reuse=False, kill_workers=True).shutdown()
     if not finished:
         raise KeyboardInterrupt  # pytask-parallel swallows it and leaves its tasks undone
-    return session
+    outcomes, failures = {}, []
+    for report in session.execution_reports:
+        name = re.split(r"\[|::task_", report.task.name)[-1].rstrip("]")
+        outcomes[name] = report.outcome
+        if report.outcome == TaskOutcome.FAIL:
+            error = report.exc_info[1]
+            failures.append(str(error) if isinstance(error, StudyError) else f"{name}: {error}")
+    if session.exit_code != 0 and not failures:
+        failures.append("the tasks could not be collected, as said above")
+    return Built(outcomes, failures)
 
 
 @contextmanager
