@@ -101,7 +101,7 @@ def test_tangent_of_finite_elements_is_the_derivative():
 def test_contact_tangent_of_finite_elements_is_the_derivative():
     s = PAPER
     law = pack("hertz", s.ball_radius, s.socket_radius, s.composite_modulus)
-    p = np.array([0.14, s.ball_radius, s.damping_factor, 0.05, s.slow_speed, s.full_speed])
+    p = s.constants()
     ball = np.array([0, 1, 2, 3])
     q, v = np.array([3e-5, -4.1e-5, 0.3, 0.0]), np.array([0.02, 0.01, 0.5, 0.015])
 

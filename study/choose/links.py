@@ -16,9 +16,9 @@ import pandas as pd
 
 from study.contact.forces import elastic_force, pack
 from study.mechanism.compare import difference
-from study.mechanism.response import MechanismError
 from study.mechanism.scene import Scene
 from study.mechanism.simulate import simulate
+from study.mechanism.stepping import MechanismError
 
 Quantity = Literal["slider_position", "slider_velocity", "slider_acceleration"]
 QUANTITIES = get_args(Quantity)

@@ -137,7 +137,7 @@ def choose_model(
         If no model is known to be within the tolerance; says what is.
     study.checks.StudyError
         If the contact force is not known by any law within `LAW_TOLERANCE`.
-    study.mechanism.response.MechanismError
+    study.mechanism.MechanismError
         If a simulation cannot go on.
     """
     checks.instance("scene", scene, Scene)

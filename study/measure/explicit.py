@@ -16,8 +16,8 @@ from study.contact.forces import elastic_force
 from study.contact.friction import friction_branch
 from study.mechanism import rigid
 from study.mechanism.angles import angle_of, norm, sine_cosine
-from study.mechanism.response import MechanismError, divide
 from study.mechanism.scene import Scene
+from study.mechanism.stepping import MechanismError, divide
 
 SCHEMES = ("symplectic Euler", "lagged", "centred", "velocity Verlet", "RK4")
 """``lagged`` and ``centred`` are central differences, by the velocity in damping and friction."""
@@ -33,21 +33,22 @@ def acceleration(y, contact, approach, p, law, work, out):
     ``contact`` says whether surfaces that overlap push, ``approach`` is the approach speed, inf
     for none. Returns depth, its rate and the slider's acceleration.
     """
-    f, seen, unused, z = work
+    slopes, z = work
+    f, seen, _ = slopes
     r = norm(y[1], y[2])
     if not (contact and r > law[1]):
         z[:6] = y
-        rigid.motion(z, (False, 0, 1.0), p, law, False, f, seen, unused)
+        rigid.motion(z, (False, 0, 1.0), p, law, False, slopes)
         out[:3] = f[:3]
         return seen[rigid.DEPTH], seen[rigid.RATE], seen[rigid.SLIDER]
     nx, ny = y[1] / r, y[2] / r
     z[0], z[1], z[2], z[3] = y[0], r - law[1], angle_of(ny, nx), y[3]
     z[4], z[5] = nx * y[4] + ny * y[5], (nx * y[5] - ny * y[4]) / r
     st, ct = sine_cosine(y[0])
-    sp = (y[2] - p[rigid.L1] * st) / p[rigid.L2]
-    psi = (y[5] - p[rigid.L1] * ct * y[3]) / (p[rigid.L2] * sqrt(1 - sp * sp))
-    branch = friction_branch(r * z[5] + p[rigid.R1] * psi, p[rigid.V0], p[rigid.V1])
-    rigid.motion(z, (True, branch, approach), p, law, False, f, seen, unused)
+    sp = (y[2] - p.l1 * st) / p.l2
+    psi = (y[5] - p.l1 * ct * y[3]) / (p.l2 * sqrt(1 - sp * sp))
+    branch = friction_branch(r * z[5] + p.r1 * psi, p.v0, p.v1)
+    rigid.motion(z, (True, branch, approach), p, law, False, slopes)
     outward, across = f[1] - r * z[5] * z[5], r * f[2] + 2 * z[4] * z[5]
     out[0], out[1], out[2] = f[0], outward * nx - across * ny, outward * ny + across * nx
     return seen[rigid.DEPTH], seen[rigid.RATE], seen[rigid.SLIDER]
@@ -65,12 +66,12 @@ def _limit(scheme, y, depth, approach, p, law):
     nx, ny = y[1] / r, y[2] / r
     ease = rigid.compliance(y[0], y[2], nx, ny, 0.0, p)
     force, stiffness = elastic_force(law, depth)
-    stiff, loss = stiffness * ease, force * p[rigid.DAMPING] / approach * ease
+    stiff, loss = stiffness * ease, force * p.damping / approach * ease
     limit = (sqrt(loss * loss + 4 * stiff) - loss) / stiff
     if scheme == CENTRED:
         limit = min(2 / sqrt(stiff), MOST_DAMPING / loss if loss > 0 else inf)
-    slip = rigid.compliance(y[0], y[2], -ny, nx, p[rigid.R1], p)
-    grip = force * p[rigid.FRICTION] / (p[rigid.V1] - p[rigid.V0]) * slip
+    slip = rigid.compliance(y[0], y[2], -ny, nx, p.r1, p)
+    grip = force * p.friction / (p.v1 - p.v0) * slip
     return min(limit, 2 / grip) if grip > 0 else limit
 
 
@@ -81,7 +82,7 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest, gu
     Returns how many outputs were reached, fewer where it fails, and the limit of the step if
     that was passed, or 0 where the ball went too deep.
     """
-    work = (np.zeros(5), np.zeros(10), np.zeros((5, 6)), np.zeros(8))
+    work = rigid.new_slopes(), np.zeros(8)
     a, b, c, d = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     z, half = np.zeros(6), 0.5 * h
     depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
@@ -189,7 +190,7 @@ def simulate(scene, law, duration, outputs, step, scheme, start=None, approach=i
     ------
     ValueError
         For an unknown scheme or a value outside its range.
-    study.mechanism.response.MechanismError
+    study.mechanism.MechanismError
         If the step is beyond its limit, or the ball goes deeper than one clearance.
     """
     checks.instance("scene", scene, Scene)
@@ -208,7 +209,7 @@ def simulate(scene, law, duration, outputs, step, scheme, start=None, approach=i
     y = np.array([0.0, *scene.initial_eccentricity, 0, 0, 0] if start is None else start, float)
     strides, h = divide([duration * np.arange(2) / outputs], step)
     found = np.zeros((outputs + 1, 2))
-    args = (rigid.describe(scene), law, h, strides, outputs, found, scene.clearance, guarded)
+    args = (scene.constants(), law, h, strides, outputs, found, scene.clearance, guarded)
     reached, limit = advance(SCHEMES.index(scheme), y, float(approach), *args)
     if reached <= outputs:
         what = f"the depth must stay <= one clearance ({scene.clearance:g} m)"

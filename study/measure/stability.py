@@ -14,7 +14,7 @@ from study import checks
 from study.contact.forces import elastic_force, pack, stored_energy
 from study.measure import explicit
 from study.measure.limits import bisect
-from study.mechanism import MechanismError, Scene, particles, rigid, simulate
+from study.mechanism import MechanismError, Scene, particles, rigid, simulate, stepping
 
 
 def packed(scene, law):
@@ -56,7 +56,7 @@ def oscillator(scene, law, state):
         ``depth`` in m, ``force`` P in N, ``mass`` m of the mechanism along the normal in kg,
         ``frequency`` w = sqrt(P'/m) in rad/s.
     """
-    numbers, p, state = packed(scene, law), rigid.describe(scene), _checked(state)
+    numbers, p, state = packed(scene, law), scene.constants(), _checked(state)
     depth = np.hypot(state[1], state[2]) - numbers[1]
     y = np.array([state[0], 0.0, np.arctan2(state[2], state[1]), *state[3:]])
     mass = 2 * stored_energy(numbers, rigid.impact_depth(y, 1.0, p, numbers))  # at 1 m/s
@@ -114,14 +114,14 @@ def friction_rate(scene, law, state):
     float
     """
     state = _checked(state)
-    numbers, p = packed(scene, law), rigid.describe(scene)
+    numbers, p = packed(scene, law), scene.constants()
     (crank, ex, ey), direction = state[:3], np.arctan2(state[2], state[1])
-    coupler = np.arcsin((ey - p[rigid.L1] * np.sin(crank)) / p[rigid.L2])
-    arms = np.array([p[rigid.L1], p[rigid.L2]]) * np.cos([crank - direction, coupler - direction])
-    arms[1] += p[rigid.R1]
-    inertia = np.diag([p[rigid.A11], p[rigid.A22]])
-    inertia[0, 1] = inertia[1, 0] = p[rigid.A12] * np.cos(crank - coupler)
-    lightness = arms @ np.linalg.solve(inertia, arms) + np.sin(direction) ** 2 / p[rigid.M3]
+    coupler = np.arcsin((ey - p.l1 * np.sin(crank)) / p.l2)
+    arms = np.array([p.l1, p.l2]) * np.cos([crank - direction, coupler - direction])
+    arms[1] += p.r1
+    inertia = np.diag([p.a11, p.a22])
+    inertia[0, 1] = inertia[1, 0] = p.a12 * np.cos(crank - coupler)
+    lightness = arms @ np.linalg.solve(inertia, arms) + np.sin(direction) ** 2 / p.m3
     force, _ = elastic_force(numbers, np.hypot(ex, ey) - numbers[1])
     return scene.friction * force * lightness / (scene.full_speed - scene.slow_speed)
 
@@ -220,17 +220,11 @@ def rigid_steps(scene, law, duration, tolerance=1e-8):
     """Steps that rigid links try in a time, in s, and the energy that friction takes, in J."""
     checks.number("duration", duration, "s", above=0, scalar=True)
     checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
-    numbers, p, state = packed(scene, law), rigid.describe(scene), np.zeros(16)
-    state[1:3] = scene.initial_eccentricity
-    rates = np.zeros(5)
-    at_rest = state[:8], (False, 0, 1.0), p, numbers, False, rates
-    rigid.motion(*at_rest, np.zeros(10), np.zeros((5, 6)))
-    state[rigid.REACH] = sqrt(np.hypot(*rates[1:3]) * scene.clearance)
-    state[rigid.STEP] = 1e-3 * scene.clearance / state[rigid.REACH]
-    state[rigid.DEEP] = scene.clearance
+    numbers = packed(scene, law)
+    state = rigid.start(scene, numbers, duration)
     ends, rows, impacts = np.array([0.0, duration]), np.zeros((2, 21)), np.zeros((1000, 8))
-    run = rigid.advance(state, p, numbers, tolerance, ends, rows, impacts, scene.clearance)
-    return run[2], rows[1, 20]
+    rigid.advance(state, scene.constants(), numbers, tolerance, ends, rows, impacts)
+    return int(state[stepping.STEPS]), rows[1, 20]
 
 
 def free_impact(factor, pull=0.0, depth=0.0, speed=1.0, power=1.5):

@@ -8,38 +8,65 @@ generalised-alpha method (Chung & Hulbert 1993) with Newton's method on a banded
 the scene and the contact law are shared with `particles`.
 """
 
+from collections.abc import Iterator
 from math import inf
+from typing import NamedTuple, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from study.compiled import compiled
-from study.contact.forces import joint_forces, stored_energy
+from study.contact.forces import joint_forces
 from study.contact.friction import friction_branch
 from study.mechanism.angles import arcsine, direction, norm, sine_cosine
-from study.mechanism.response import (
+from study.mechanism.scene import Body, Scene
+from study.mechanism.stepping import (
+    APPROACH,
     CONTACT,
     FAILED,
     FINE,
     FULL,
     IMPACTS,
+    LOST_DAMPING,
+    LOST_FRICTION,
+    STATE,
+    STEP,
+    STEPS,
+    TIME,
     TOO_DEEP,
+    Block,
     advance_in_blocks,
+    begin_impact,
     divide,
+    end_impact,
+    follow_impact,
+    record,
 )
 
 SPECTRAL_RADIUS = 0.8
 """At infinite frequency: what the steps leave of the motions that they cannot follow."""
+ALPHA_M = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)
+ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1)
 NEWTON_TOLERANCE = 1e-9
 """Change of a Newton iteration, relative to the clearance, at which it stops."""
 BAND = 6  # unknowns of neighbouring nodes are at most this far apart
 
-# Places in the array of numbers that describes the scene
-M3, R1, DAMPING, FRICTION, V0, V1, GRAVITY = range(7)
-# ... in the state of the stepper
-APPROACH, STEPS, LOST_DAMPING, LOST_FRICTION = range(4)
+NO_TANGENT = (0.0, 0.0)
 ANY = 3  # friction branch: that of the sliding speed found
 # ... in what `_contact` finds
 DEPTH, NORMAL, TANGENTIAL, ELASTIC, RATE, SLIDING, FORCE_X, FORCE_Y, EX, EY = range(10)
+
+
+class System(NamedTuple):
+    """What does not change: as in `Mesh`, with its mass, the load, and the pin's first unknown."""
+
+    sections: NDArray[np.float64]
+    unknowns: NDArray[np.int64]
+    ball: NDArray[np.int64]
+    ideal: bool
+    pin: int
+    mass: NDArray[np.float64]
+    load: NDArray[np.float64]
 
 
 class Mesh:
@@ -47,25 +74,24 @@ class Mesh:
 
     Parameters
     ----------
-    scene : study.mechanism.scene.Scene
-    elements : tuple of int
+    elements
         Number of elements of crank and coupler.
-    ideal : bool
+    ideal
         Whether the ball is fixed to the slider, else the slider has an unknown of its own.
 
     Attributes
     ----------
-    sections : ndarray, shape (n, 6)
+    sections : shape (n, 6)
         Length; axial, shear and bending stiffness; mass and rotary inertia per length.
-    unknowns : ndarray of int, shape (n, 6)
+    unknowns : shape (n, 6)
         Numbers of (x, y, rotation) at both ends of each element; -1 where held.
-    ball : ndarray of int, shape (4,)
+    ball : shape (4,)
         Numbers of the ball's x, y and rotation, and of the slider's x.
-    initial : ndarray
+    initial
         Places and rotations at t = 0.
     """
 
-    def __init__(self, scene, elements, ideal):
+    def __init__(self, scene: Scene, elements: tuple[int, int], ideal: bool) -> None:
         sections, unknowns, initial = [], [], []
 
         def number(value):
@@ -74,7 +100,7 @@ class Mesh:
 
         near = [-1, -1, number(0.0)]
         x = y = angle = 0.0
-        for body, n in zip(("crank", "coupler"), elements, strict=True):
+        for body, n in zip(get_args(Body), elements, strict=True):
             link = scene.link(body)
             length = link.length / n
             shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
@@ -95,7 +121,7 @@ class Mesh:
         self.sections, self.unknowns = np.array(sections), np.array(unknowns)
         self.ball, self.initial = np.array([*near, slider]), np.array(initial)
 
-    def mass(self, slider_mass):
+    def mass(self, slider_mass: float) -> NDArray[np.float64]:
         """Consistent mass as a band, shape (unknowns, 2 BAND + 1): column BAND is the diagonal."""
         band = np.zeros((len(self.initial), 2 * BAND + 1))
         for (length, _, _, _, mass, rotary), at in zip(self.sections, self.unknowns, strict=True):
@@ -159,7 +185,7 @@ def _sliding(q, v, ball, p):
     """Sliding speed of the ball's surface on the socket's."""
     ex, ey = q[ball[0]] - q[ball[3]], q[ball[1]]
     across = (v[ball[1]] * ex - (v[ball[0]] - v[ball[3]]) * ey) / norm(ex, ey)
-    return across + p[R1] * v[ball[2]]
+    return across + p.r1 * v[ball[2]]
 
 
 @compiled
@@ -178,14 +204,14 @@ def _contact(q, v, ball, contact, approach, branch, p, law, found):
     nx, ny = (ex / r, ey / r) if r > 0 else (1.0, 0.0)
     tx, ty = -ny, nx
     rate, across = wx * nx + wy * ny, wx * tx + wy * ty
-    sliding = across + p[R1] * spin
+    sliding = across + p.r1 * spin
     found[RATE], found[SLIDING] = rate, sliding
     if not contact or found[DEPTH] <= 0:
         return stiff, damp
     if branch == ANY:
-        branch = friction_branch(sliding, p[V0], p[V1])
+        branch = friction_branch(sliding, p.v0, p.v1)
     normal, normal_d, normal_r, elastic, _, tangential, tangential_n, tangential_s = joint_forces(
-        law, r - law[1], rate, sliding, branch, approach, p[DAMPING], p[FRICTION], p[V0], p[V1]
+        law, r - law[1], rate, sliding, branch, approach, p.damping, p.friction, p.v0, p.v1
     )
     found[NORMAL], found[TANGENTIAL], found[ELASTIC] = normal, tangential, elastic
     found[FORCE_X] = normal * nx - tangential * tx
@@ -197,14 +223,14 @@ def _contact(q, v, ball, contact, approach, branch, p, law, found):
         dtangential = tangential_n * dnormal - tangential_s * rate * bend
         dn, dt = -dnormal - tangential * bend, dtangential - normal * bend
         stiff[0, j], stiff[1, j] = dn * nx + dt * tx, dn * ny + dt * ty
-        stiff[2, j] = p[R1] * dtangential
+        stiff[2, j] = p.r1 * dtangential
         dnormal = normal_r * n_j
         dtangential = tangential_n * dnormal + tangential_s * t_j
         damp[0, j] = -dnormal * nx + dtangential * tx
         damp[1, j] = -dnormal * ny + dtangential * ty
-        damp[2, j] = p[R1] * dtangential
-    dtangential = tangential_s * p[R1]
-    damp[0, 2], damp[1, 2], damp[2, 2] = dtangential * tx, dtangential * ty, p[R1] * dtangential
+        damp[2, j] = p.r1 * dtangential
+    dtangential = tangential_s * p.r1
+    damp[0, 2], damp[1, 2], damp[2, 2] = dtangential * tx, dtangential * ty, p.r1 * dtangential
     return stiff, damp
 
 
@@ -227,34 +253,37 @@ def _solve(matrix, right):
 
 
 @compiled
-def _forces(q, v, load, mesh, contact, approach, branch, p, law, found, force, matrix, by_q, by_v):
-    """Forces that resist (internal, contact, load), tangent times ``by_q``, and strain energy."""
-    sections, unknowns, ball, ideal, _ = mesh
-    force[:] = -load
-    energy = _internal(q, sections, unknowns, force, matrix, by_q)
-    if not ideal:
-        stiff, damp = _contact(q, v, ball, contact, approach, branch, p, law, found)
-        if found[NORMAL] != 0 or found[ELASTIC] != 0:
-            force[ball[0]] += found[FORCE_X]
-            force[ball[1]] += found[FORCE_Y]
-            force[ball[2]] -= p[R1] * found[TANGENTIAL]
-            force[ball[3]] -= found[FORCE_X]
-            if by_q != 0:
-                for i in range(4):
-                    for j in range(4):
-                        row, column = (0 if i == 3 else i), (0 if j == 3 else j)
-                        sign = (-1.0 if i == 3 else 1.0) * (-1.0 if j == 3 else 1.0)
-                        value = by_q * stiff[row, column] + by_v * damp[row, column]
-                        matrix[ball[i], BAND + ball[j] - ball[i]] -= sign * value
+def _forces(q, v, system, state, branch, p, law, found, force, matrix, tangent):
+    """Fill ``force`` with what resists (internal, contact, load) and return the strain energy.
+
+    ``tangent`` has the factors of the derivatives to places and rates that fill ``matrix``.
+    """
+    ball, (by_q, by_v) = system.ball, tangent
+    force[:] = -system.load
+    energy = _internal(q, system.sections, system.unknowns, force, matrix, by_q)
+    if system.ideal:
+        return energy
+    contact, approach = state[CONTACT] > 0, state[APPROACH]
+    stiff, damp = _contact(q, v, ball, contact, approach, branch, p, law, found)
+    if found[NORMAL] != 0 or found[ELASTIC] != 0:
+        force[ball[0]] += found[FORCE_X]
+        force[ball[1]] += found[FORCE_Y]
+        force[ball[2]] -= p.r1 * found[TANGENTIAL]
+        force[ball[3]] -= found[FORCE_X]
+        for i in range(4 if by_q != 0 else 0):
+            for j in range(4):
+                row, column = (0 if i == 3 else i), (0 if j == 3 else j)
+                sign = (-1.0 if i == 3 else 1.0) * (-1.0 if j == 3 else 1.0)
+                value = by_q * stiff[row, column] + by_v * damp[row, column]
+                matrix[ball[i], BAND + ball[j] - ball[i]] -= sign * value
     return energy
 
 
 @compiled
-def _reaction(q, a, mesh, gravity):
+def _reaction(q, a, system, gravity):
     """Force along y that holds the ball of an ideal joint on the slide."""
-    sections, unknowns = mesh[0][-1:], mesh[1][-1:].copy()
-    at, free = unknowns[0], np.zeros(6)
-    local = np.zeros(6)
+    sections, at = system.sections[-1:], system.unknowns[-1]
+    local, free = np.zeros(6), np.zeros(6)
     for i in range(6):
         local[i] = q[at[i]] if at[i] >= 0 else 0.0
     whole = np.arange(6).reshape(1, 6)
@@ -281,167 +310,145 @@ def _meet(gap0, rate0, gap1, rate1, h):
 
 
 @compiled
-def advance(state, motion, mesh, mass, load, p, law, h, strides, rows, impacts, deepest):
+def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
+    """Fill ``new`` with places, rates and accelerations after a step; False for no balance.
+
+    ``old`` are the forces before the step. An iteration takes one linear piece of the friction
+    law, which then moves by one: free to jump, it would go to and fro between the law's ends.
+    """
+    (force, right, matrix, found), size = work, motion.shape[1]
+    q, v, a, q1, v1, a1 = motion[0], motion[1], motion[2], new[0], new[1], new[2]
+    gamma = 0.5 - ALPHA_M + ALPHA_F
+    beta = 0.25 * (1 - ALPHA_M + ALPHA_F) ** 2
+    by_a = (1 - ALPHA_M) / (beta * h * h)
+    by_q, by_v = 1 - ALPHA_F, (1 - ALPHA_F) * gamma / (beta * h)
+    for i in range(size):
+        a1[i] = a[i]
+        v1[i] = v[i] + h * a[i]
+        q1[i] = q[i] + h * v[i] + 0.5 * h * h * a[i]
+    branch = 0 if system.ideal else friction_branch(sliding, p.v0, p.v1)
+    for _ in range(60):
+        matrix[:] = by_a * system.mass
+        _forces(q1, v1, system, state, branch, p, law, found, force, matrix, (by_q, by_v))
+        for i in range(size):
+            right[i] = -(1 - ALPHA_F) * force[i] - ALPHA_F * old[i]
+            for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
+                share = (1 - ALPHA_M) * a1[j] + ALPHA_M * a[j]
+                right[i] -= system.mass[i, BAND + j - i] * share
+        _solve(matrix, right)
+        change = 0.0
+        for i in range(size):
+            change = max(change, abs(right[i]))
+            q1[i] += right[i]
+            v1[i] += gamma / (beta * h) * right[i]
+            a1[i] += right[i] / (beta * h * h)
+        if not change < inf:
+            return False
+        away = 0
+        if state[CONTACT] > 0:
+            away = friction_branch(_sliding(q1, v1, system.ball, p), p.v0, p.v1) - branch
+        if change <= tolerance and abs(away) <= 1:
+            return True
+        branch += min(max(away, -1), 1)
+    return False
+
+
+@compiled
+def advance(state, motion, system, p, law, h, strides, rows, impacts):
     """Step to each output, ``strides`` steps apart, and fill ``rows``; all else goes on.
 
     ``motion`` has the rows places, rates, the method's own accelerations, and those one step
-    before. Returns the number of rows filled, how it ended, and 0.
+    before. Returns the number of rows filled and how it ended.
     """
-    size, ideal = motion.shape[1], mesh[3]
-    q, v, a, before = motion[0], motion[1], motion[2], motion[3]
-    alpha_m = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)
-    alpha_f = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1)
-    gamma = 0.5 - alpha_m + alpha_f
-    beta = 0.25 * (1 - alpha_m + alpha_f) ** 2
-    by_a = (1 - alpha_m) / (beta * h * h)
-    by_q, by_v = 1 - alpha_f, (1 - alpha_f) * gamma / (beta * h)
-    force, old, right = np.zeros(size), np.zeros(size), np.zeros(size)
-    matrix = np.zeros_like(mass)
-    found, now = np.zeros(10), np.zeros(10)
-    q1, v1, a1 = np.zeros(size), np.zeros(size), np.zeros(size)
-    contact, approach = state[CONTACT] > 0, state[APPROACH]
-    strain = _forces(q, v, load, mesh, contact, approach, ANY, p, law, now, old, matrix, 0.0, 0.0)
-    done, rounding = 0, 1e-13 * abs(q[mesh[2][3]])
+    size, done = motion.shape[1], 0
+    new, old, force, right = np.zeros((3, size)), np.zeros(size), np.zeros(size), np.zeros(size)
+    matrix, now, found = np.zeros_like(system.mass), np.zeros(10), np.zeros(10)
+    work = force, right, matrix, found
+    strain = _forces(motion[0], motion[1], system, state, ANY, p, law, now, old, matrix, NO_TANGENT)
+    tolerance = NEWTON_TOLERANCE * law[1] + 1e-13 * abs(motion[0, system.ball[3]])
     while True:
         if int(state[IMPACTS]) == len(impacts):
-            return done, FULL, 0.0
-        steps = int(state[STEPS])
-        if steps % strides == 0:
-            _record(rows[done], steps * h, motion, mesh, mass, load, now, strain, state, p, law)
+            return done, FULL
+        t = state[TIME] = state[STEPS] * h
+        if int(state[STEPS]) % strides == 0:
+            _record(rows[done], t, motion, system, now, strain, state, p, law)
             done += 1
-        lasting = False
         while True:  # a second time if the surfaces meet in this step
-            for i in range(size):
-                a1[i] = a[i]
-                v1[i] = v[i] + h * a[i]
-                q1[i] = q[i] + h * v[i] + 0.5 * h * h * a[i]
-            settled = False
-            # Newton's method on one linear piece of the friction law, which then moves by one:
-            # free to jump, it would go to and fro between the law's ends
-            branch = 0 if ideal else friction_branch(now[SLIDING], p[V0], p[V1])
-            for _ in range(60):
-                matrix[:] = by_a * mass
-                strain = _forces(
-                    q1,
-                    v1,
-                    load,
-                    mesh,
-                    contact,
-                    approach,
-                    branch,
-                    p,
-                    law,
-                    found,
-                    force,
-                    matrix,
-                    by_q,
-                    by_v,
-                )
-                for i in range(size):
-                    right[i] = -(1 - alpha_f) * force[i] - alpha_f * old[i]
-                    for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
-                        share = (1 - alpha_m) * a1[j] + alpha_m * a[j]
-                        right[i] -= mass[i, BAND + j - i] * share
-                _solve(matrix, right)
-                change = 0.0
-                for i in range(size):
-                    change = max(change, abs(right[i]))
-                    q1[i] += right[i]
-                    v1[i] += gamma / (beta * h) * right[i]
-                    a1[i] += right[i] / (beta * h * h)
-                if not change < inf:
-                    break
-                away = 0
-                if contact:
-                    speed = _sliding(q1, v1, mesh[2], p)
-                    away = friction_branch(speed, p[V0], p[V1]) - branch
-                if change <= NEWTON_TOLERANCE * law[1] + rounding and abs(away) <= 1:
-                    settled = True
-                    break
-                branch += min(max(away, -1), 1)
-            if not settled:
-                return done, FAILED, 0.0
+            sliding = now[SLIDING]
+            if not _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
+                return done, FAILED
             strain = _forces(
-                q1, v1, load, mesh, contact, approach, ANY, p, law, found, force, matrix, 0.0, 0.0
+                new[0], new[1], system, state, ANY, p, law, found, force, matrix, NO_TANGENT
             )
-            if ideal or contact or lasting or found[DEPTH] <= 0:
+            if system.ideal or state[CONTACT] > 0 or found[DEPTH] <= 0:
                 break
-            count = int(state[IMPACTS])
             after, approach = _meet(now[DEPTH], now[RATE], found[DEPTH], found[RATE], h)
-            contact, lasting = True, True
-            lost = state[LOST_DAMPING] + state[LOST_FRICTION]
-            impacts[count] = steps * h + after, approach, 0.0, 0.0, 0.0, 0.0, 0.0, lost
-            state[IMPACTS] = count + 1
-        state[STEPS] = steps + 1
-        if contact:
-            if found[DEPTH] > deepest:
-                return done, TOO_DEEP, 0.0
+            begin_impact(impacts, state, t + after, approach)
+        state[STEPS] += 1
+        state[TIME] = state[STEPS] * h
+        if state[CONTACT] > 0:
+            if found[DEPTH] > p.clearance:
+                return done, TOO_DEEP
             for which in (now, found):
                 damping = (which[NORMAL] - which[ELASTIC]) * which[RATE]
                 state[LOST_DAMPING] += 0.5 * h * damping
                 state[LOST_FRICTION] -= 0.5 * h * which[TANGENTIAL] * which[SLIDING]
-            impact = impacts[int(state[IMPACTS]) - 1]
-            impact[2] = max(impact[2], found[NORMAL])
-            impact[3] = max(impact[3], found[DEPTH])
-            lost = state[LOST_DAMPING] + state[LOST_FRICTION]
-            impact[4], impact[6] = (steps + 1) * h, lost - impact[7]
+            follow_impact(impacts, state, state[TIME], found[NORMAL], found[DEPTH])
             if found[DEPTH] <= 0:
-                impact[5] = -found[RATE]
-                contact = False
-        state[CONTACT], state[APPROACH] = contact, approach
-        before[:], q[:], v[:], a[:] = a, q1, v1, a1
-        old[:], now[:] = force, found
+                end_impact(impacts, state, state[TIME], -found[RATE])
+        motion[3] = motion[2]
+        motion[:3], old[:], now[:] = new, force, found
         if done == len(rows):
-            return done, FINE, 0.0
+            return done, FINE
 
 
 @compiled
-def _record(row, t, motion, mesh, mass, load, now, strain, state, p, law):
+def _record(row, t, motion, system, now, strain, state, p, law):
     """Fill a row of output with what there is at time ``t``."""
-    q, v = motion[0], motion[1]
-    ball, ideal, pin = mesh[2], mesh[3], mesh[4]
+    q, v, ball, pin = motion[0], motion[1], system.ball, system.pin
     # the method's accelerations belong to a time (alpha_f - alpha_m) h before
     late = (1 - SPECTRAL_RADIUS) / (SPECTRAL_RADIUS + 1)
     a = motion[2] + late * (motion[2] - motion[3])
     kinetic, work, size = 0.0, 0.0, len(q)
     for i in range(size):
-        work += load[i] * q[i]
+        work += system.load[i] * q[i]
         for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
-            kinetic += 0.5 * v[i] * mass[i, BAND + j - i] * v[j]
-    fx, fy = now[FORCE_X], now[FORCE_Y]
-    if ideal:
-        fx, fy = p[M3] * a[ball[0]], -_reaction(q, a, mesh, p[GRAVITY])
-    y = 0.0 if ideal else q[ball[1]]
-    row[0], row[1], row[2] = t, q[0], q[ball[3]]
-    row[3], row[4], row[5], row[6] = v[0], v[ball[3]], a[0], fx / p[M3]
-    row[7] = direction(y - q[pin + 1], q[ball[0]] - q[pin])
-    row[8] = v[ball[2]]
-    row[12] = norm(fx, fy)
-    if not ideal:
-        row[9], row[10], row[11] = now[EX], now[EY], now[DEPTH]
-        row[12], row[13] = now[NORMAL], now[TANGENTIAL]
-    row[14], row[15], row[16], row[17] = fx, fy, work, kinetic
-    row[18] = strain + stored_energy(law, row[11])
-    row[19], row[20] = state[LOST_DAMPING], state[LOST_FRICTION]
+            kinetic += 0.5 * v[i] * system.mass[i, BAND + j - i] * v[j]
+    y, place = q[ball[1]], (now[EX], now[EY], now[DEPTH])
+    forces = now[NORMAL], now[TANGENTIAL], now[FORCE_X], now[FORCE_Y]
+    if system.ideal:
+        fx, fy = p.m3 * a[ball[0]], -_reaction(q, a, system, p.gravity)
+        y, place, forces = 0.0, (0.0, 0.0, 0.0), (norm(fx, fy), 0.0, fx, fy)
+    record(
+        row,
+        t,
+        (q[0], v[0], a[0]),
+        (q[ball[3]], v[ball[3]], forces[2] / p.m3),
+        (direction(y - q[pin + 1], q[ball[0]] - q[pin]), v[ball[2]]),
+        place,
+        forces,
+        (work, kinetic, strain),
+        law,
+        (state[LOST_DAMPING], state[LOST_FRICTION]),
+    )
 
 
-def _start(mesh, arrays, mass, load):
+def _start(system, initial):
     """Places and accelerations at t = 0, in the rows of ``advance``'s ``motion``.
 
     Rotations without inertia follow the load at once: they balance it before anything moves.
     """
-    size = len(load)
-    motion = np.zeros((4, size))
-    motion[0] = mesh.initial
+    sections, unknowns, _, _, _, mass, load = system
+    motion = np.zeros((4, len(load)))
+    motion[0] = initial
     force, stiffness = -load, np.zeros_like(mass)
-    _internal(motion[0], arrays[0], arrays[1], force, stiffness, 1.0)
+    _internal(motion[0], sections, unknowns, force, stiffness, 1.0)
     light = mass[:, BAND] == 0
     if light.any():
         motion[0] -= _solve_for(light, stiffness, force)
         force = -load
-        _internal(motion[0], arrays[0], arrays[1], force, stiffness, 0.0)
-    motion[2] = _solve_for(~light, mass, -force)
-    motion[3] = motion[2]
+        _internal(motion[0], sections, unknowns, force, stiffness, 0.0)
+    motion[2:] = _solve_for(~light, mass, -force)
     return motion
 
 
@@ -457,57 +464,34 @@ def _solve_for(some, matrix, right):
     return right
 
 
-def blocks(scene, law, times, ideal, step, elements):
-    """Yield blocks of output rows of the scene with flexible links made of beam elements.
+def blocks(
+    scene: Scene,
+    law: NDArray[np.float64],
+    times: list[NDArray[np.float64]],
+    ideal: bool,
+    step: float,
+    elements: tuple[int, int],
+) -> Iterator[Block]:
+    """Blocks of output rows of the scene with links of beam elements, see `advance_in_blocks`.
 
-    Parameters
-    ----------
-    scene, law, times, ideal, elements
-        As for ``study.mechanism.particles.blocks``.
-    step : float
-        Largest step, in s, shortened to divide the outputs' distance.
-
-    Returns
-    -------
-    iterator
-        Of what `advance_in_blocks` yields.
-
-    Raises
-    ------
-    MechanismError
-        If Newton's method finds no balance, or the ball goes deeper than one clearance.
+    All arguments as for `study.mechanism.particles.blocks`.
     """
-    mesh = Mesh(scene, elements, ideal)
+    mesh, p, state = Mesh(scene, elements, ideal), scene.constants(), np.zeros(STATE)
     strides, h = divide(times, step)
-    p = np.array(
-        [
-            scene.slider_mass,
-            scene.ball_radius,
-            scene.damping_factor,
-            scene.friction,
-            scene.slow_speed,
-            scene.full_speed,
-            scene.gravity,
-        ]
-    )
     load = np.zeros(len(mesh.initial))
     load[0] = scene.driving_moment
     for section, at in zip(mesh.sections, mesh.unknowns, strict=True):
         for y in (at[1], at[4]):
             if y >= 0:
                 load[y] -= scene.gravity * section[0] * section[4] / 2
-    pin = mesh.unknowns[elements[0] - 1, 3]
-    arrays = (mesh.sections, mesh.unknowns, mesh.ball, ideal, pin)
-    mass = mesh.mass(scene.slider_mass)
-    motion = _start(mesh, arrays, mass, load)
-    state = np.zeros(6)
+    pin = int(mesh.unknowns[elements[0] - 1, 3])
+    links = mesh.sections, mesh.unknowns, mesh.ball, ideal, pin
+    system = System(*links, mesh.mass(scene.slider_mass), load)
+    motion, state[STEP] = _start(system, mesh.initial), h
     return advance_in_blocks(
-        lambda _, *block: advance(
-            state, motion, arrays, mass, load, p, law, h, strides, *block, scene.clearance
-        ),
+        lambda _, *block: advance(state, motion, system, p, law, h, strides, *block),
         times,
         state,
         scene,
-        lambda: (state[STEPS] * h, h),
-        lambda _: "Newton's method found no balance",
+        "Newton's method found no balance",
     )

@@ -3,33 +3,25 @@
 One degree of freedom, integrated by SciPy's DOP853 at the smallest tolerance it takes.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from study.mechanism.response import MechanismError
-from study.mechanism.rigid import describe
+from study.mechanism.scene import Scene
+from study.mechanism.stepping import Block, MechanismError
 
 
-def blocks(scene, times):
-    """Yield blocks of output rows of the scene with an ideal joint.
-
-    Parameters
-    ----------
-    scene : study.mechanism.scene.Scene
-    times : list of ndarray
-        Outputs, in blocks.
-
-    Yields
-    ------
-    rows, impacts, ended
-        As ``study.mechanism.response.advance_in_blocks``; there are no impacts.
+def blocks(scene: Scene, times: list[NDArray[np.float64]]) -> Iterator[Block]:
+    """Blocks of output rows at ``times`` of the scene with an ideal joint; there are no impacts.
 
     Raises
     ------
     MechanismError
         If the integrator fails.
     """
-    p = describe(scene)
+    p = scene.constants()
     l1, l2, a11, a22, a12, m3, moment, g1, g2 = p[:9]
 
     def kinematics(theta):

@@ -8,52 +8,84 @@ the centred one, which the forces of the step are solved for, or the one half a 
 (``lagged``); ``unguarded`` is the latter without the checks of the limits of stability.
 """
 
+from collections.abc import Iterator
 from math import inf, pi, sqrt
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import NDArray
 
 from study import checks
 from study.compiled import compiled
-from study.contact.forces import elastic_force, joint_forces, stored_energy
+from study.contact.forces import elastic_force, joint_forces
 from study.contact.friction import friction_branch, friction_factor
 from study.mechanism.angles import angle_of, arcsine, direction, norm, sine_cosine
-from study.mechanism.response import (
+from study.mechanism.scene import Link, Scene
+from study.mechanism.stepping import (
+    APPROACH,
     CONTACT,
     FAILED,
     FINE,
     FULL,
     IMPACTS,
+    LIMIT,
+    LOST_DAMPING,
+    LOST_FRICTION,
+    STATE,
+    STEP,
+    STEPS,
+    TIME,
     TOO_DEEP,
+    Block,
     advance_in_blocks,
+    begin_impact,
     divide,
+    end_impact,
+    follow_impact,
+    record,
 )
-from study.mechanism.scene import Scene
 
 Method = Literal["centred", "lagged", "unguarded"]
-
-# Places in the array of numbers that describes the scene
-M3, MOMENT, GRAVITY, R1, DAMPING, FRICTION, V0, V1, FREQUENCY, LAGGED, GUARDED, IDEAL = range(12)
-# ... in the state of the stepper
-APPROACH, STEPS, GAP, GAP_RATE, LOST_DAMPING, LOST_FRICTION = range(6)
+GAP, GAP_RATE = range(2)  # places in the state, before those of all models
 
 
-def lump(link, elements):
+class System(NamedTuple):
+    """What does not change: elements and particles as in `Frame`, and how damping is stepped."""
+
+    elements: NDArray[np.float64]
+    masses: NDArray[np.float64]
+    rotaries: NDArray[np.float64]
+    pin: int
+    frequency: float
+    ideal: bool
+    lagged: bool
+    guarded: bool
+
+
+class Motion(NamedTuple):
+    """Places (x, y) and turns at the current time, their rates half a step before it.
+
+    ``slide`` is (x, x') of the slider.
+    """
+
+    places: NDArray[np.float64]
+    rates: NDArray[np.float64]
+    turns: NDArray[np.float64]
+    spins: NDArray[np.float64]
+    slide: NDArray[np.float64]
+
+
+def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Particles of one link: masses, and rotary inertias of the half elements at each.
 
     With two or more elements a little of each end's mass goes to its neighbour, so that mass,
     centre and moment of inertia of the link are exact: stiff links then move as the rigid ones
     at any number of elements. A single element has its mass at its ends, and too much inertia.
 
-    Parameters
-    ----------
-    link : study.mechanism.scene.Link
-    elements : int
-
     Returns
     -------
-    masses, rotaries : ndarray, shapes (elements + 1,)
+    masses, rotaries : shapes (elements + 1,)
         In kg and kg m^2.
     """
     length = link.length / elements
@@ -77,19 +109,18 @@ class Frame:
 
     Parameters
     ----------
-    scene : study.mechanism.scene.Scene
-    elements : tuple of int
+    elements
         Number of elements of crank and coupler.
 
     Attributes
     ----------
-    elements : ndarray, shape (n, 4)
+    elements : shape (n, 4)
         Length (m), axial stiffness (N/m), and the bending stiffnesses that tie the moment at an
         end to the rotations of the near and the far end (N m).
-    masses, rotaries : ndarray, shapes (n + 1,) and (n + 2,)
+    masses, rotaries : shapes (n + 1,) and (n + 2,)
     """
 
-    def __init__(self, scene, elements):
+    def __init__(self, scene: Scene, elements: tuple[int, int]) -> None:
         links = scene.link("crank"), scene.link("coupler")
         rows = []
         for link, n in zip(links, elements, strict=True):
@@ -104,15 +135,10 @@ class Frame:
         self.masses = np.concatenate([m1[:-1], [m1[-1] + m2[0]], m2[1:]])
         self.rotaries = np.concatenate([j1, j2])
 
-    def highest_frequency(self, end_mass, held):
+    def highest_frequency(self, end_mass: float, held: bool) -> float:
         """Highest natural frequency of the straight frame, in rad/s.
 
-        Parameters
-        ----------
-        end_mass : float
-            Added to the last particle along the slide, in kg.
-        held : bool
-            Whether the last particle is held on the slide.
+        ``end_mass``, in kg, is added to the last particle along the slide, where it is ``held``.
         """
         count = len(self.elements)
         turns = 2 * (count + 1)
@@ -133,37 +159,25 @@ class Frame:
         return sqrt(scipy.linalg.eigvalsh(scaled)[-1])
 
 
-def numbers_of_elements(pair):
+def numbers_of_elements(pair: tuple[int, int]) -> tuple[int, int]:
     """Return the numbers of elements of crank and coupler, or raise ``ValueError``."""
     if not isinstance(pair, (tuple, list)) or len(pair) != 2:
         raise ValueError(
             f"elements must be two numbers, of crank and coupler, got {checks.shown(pair)}"
         )
-    return tuple(checks.whole("elements", n, least=1, most=500) for n in pair)
+    crank, coupler = (checks.whole("elements", n, least=1, most=500) for n in pair)
+    return crank, coupler
 
 
-def stable_step(scene, elements):
+def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
     """Limit of stability of the explicit step with a clearance joint out of contact, in s."""
     checks.instance("scene", scene, Scene)
     elements = numbers_of_elements(elements)
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
 
 
-def usual_step(scene, law, elements):
-    """Half the limit of stability with a clearance joint at a depth of one clearance, in s.
-
-    Parameters
-    ----------
-    scene : study.mechanism.scene.Scene
-    law : ndarray
-        From ``study.contact.forces.pack``.
-    elements : tuple of int
-        Of crank and coupler.
-
-    Returns
-    -------
-    float
-    """
+def usual_step(scene: Scene, law: NDArray[np.float64], elements: tuple[int, int]) -> float:
+    """Half the limit of stability with a clearance joint at a depth of one clearance, in s."""
     frame = Frame(scene, elements)
     ease = 1 / frame.masses[-1] + 1 / scene.slider_mass
     stiffest = elastic_force(law, scene.clearance)[1] * ease
@@ -233,166 +247,194 @@ def _meet(gap, rate, rate_before, h):
 
 
 @compiled
-def advance(state, x, v, turns, spins, slide, frame, p, law, h, strides, rows, impacts, deepest):
+def _follow_gap(state, impacts, depth, t, h):
+    """Begin or end an impact where the depth has changed its sign."""
+    rate = (depth - state[GAP]) / h
+    if depth <= 0 and state[CONTACT] > 0:
+        end_impact(impacts, state, t, -rate)
+    elif depth > 0 and state[CONTACT] == 0:
+        part, approach = _meet(state[GAP], rate, state[GAP_RATE], h)
+        begin_impact(impacts, state, t - (1 - part) * h, approach)
+    state[GAP], state[GAP_RATE] = depth, rate
+
+
+@compiled
+def _joint(place, state, motion, system, acting, p, law, h):
+    """Normal and tangential force of the step, powers lost to each, and the limit of the step.
+
+    ``place`` is the ball's eccentricity and depth, > 0, ``acting`` the other forces and moments.
+    """
+    (ex, ey, depth), (forces, moments) = place, acting
+    last, spin = len(system.masses) - 1, motion.spins[-1]
+    mass, rotary = system.masses[last], system.rotaries[-1]
+    r = norm(ex, ey)
+    nx, ny = ex / r, ey / r
+    wx, wy = motion.rates[last, 0] - motion.slide[1], motion.rates[last, 1]
+    rate, sliding = wx * nx + wy * ny, wy * nx - wx * ny + p.r1 * spin
+    elastic, stiffness = elastic_force(law, depth)
+    loss = elastic * p.damping / state[APPROACH]
+    ease = 1 / mass + nx * nx / p.m3
+    stiff = system.frequency**2 + stiffness * ease
+    if system.lagged:  # (h w)^2 + 2 h c/m < 4
+        limit = (sqrt((loss * ease) ** 2 + 4 * stiff) - loss * ease) / stiff
+        branch = friction_branch(sliding, p.v0, p.v1)
+        given = rate, sliding, branch, state[APPROACH], p.damping, p.friction, p.v0, p.v1
+        found = joint_forces(law, depth, *given)
+        normal, tangential = found[0], found[5]
+    else:  # with the forces of this step, which depend on it
+        limit = 2 / sqrt(stiff)
+        fnx, fny = forces[last, 0] / mass, forces[last, 1] / mass
+        rate += 0.5 * h * (fnx * nx + fny * ny)
+        sliding += 0.5 * h * (fny * nx - fnx * ny + p.r1 * moments[-1] / rotary)
+        free_rate, free_sliding, both = rate, sliding, 0.5 * h * nx * ny / p.m3
+        side = 1 / mass + ny * ny / p.m3 + p.r1**2 / rotary
+        normal = tangential = 0.0
+        for _ in range(4):  # normal and tangential force act on each other weakly
+            pushed = free_rate - both * tangential
+            normal = (elastic + loss * pushed) / (1 + 0.5 * h * loss * ease)
+            rate = pushed - 0.5 * h * ease * normal
+            grip = 0.5 * h * side * p.friction * max(normal, 0.0)
+            factor, sliding = _resist(free_sliding + both * normal, grip, p.v0, p.v1)
+            tangential = -p.friction * max(normal, 0.0) * factor
+    fx, fy = normal * nx + tangential * ny, normal * ny - tangential * nx
+    forces[last, 0] -= fx
+    forces[last, 1] -= fy
+    moments[-1] += p.r1 * tangential
+    state[LOST_DAMPING] += h * (normal - elastic) * rate
+    state[LOST_FRICTION] -= h * tangential * sliding
+    return (normal, tangential, fx, fy), limit
+
+
+@compiled
+def _accelerate(motion, system, acting, end_mass, h):
+    """Step the rates and return the kinetic energy at the middle of the step."""
+    masses, rotaries, (forces, moments) = system.masses, system.rotaries, acting
+    last, kinetic = len(masses) - 1, 0.0
+    for i in range(1, last + 1):
+        mass = end_mass if i == last else masses[i]
+        for n in range(1 if system.ideal and i == last else 2):
+            change = h * forces[i, n] / mass
+            kinetic += 0.5 * mass * (motion.rates[i, n] + 0.5 * change) ** 2
+            motion.rates[i, n] += change
+    for j in range(len(rotaries)):
+        change = h * moments[j] / rotaries[j]
+        kinetic += 0.5 * rotaries[j] * (motion.spins[j] + 0.5 * change) ** 2
+        motion.spins[j] += change
+    return kinetic
+
+
+@compiled
+def _record(row, t, motion, system, acting, joint, p, law, h, strain, kinetic, lost):
+    """Fill a row of output, after the step's rates and before its places."""
+    places, _, turns, spins, _ = motion
+    (_, moments), (place, found, slider), pin = acting, joint, system.pin
+    last, work, turning = len(places) - 1, p.moment * turns[0], moments[0] / system.rotaries[0]
+    for i in range(1, last + 1):
+        work -= p.gravity * system.masses[i] * places[i, 1]
+    along, across = places[last, 0] - places[pin, 0], places[last, 1] - places[pin, 1]
+    coupler_speed = spins[-1] - 0.5 * h * moments[-1] / system.rotaries[-1]
+    record(
+        row,
+        t,
+        (turns[0], spins[0] - 0.5 * h * turning, turning),
+        slider,
+        (direction(across, along), coupler_speed),
+        place,
+        found,
+        (work, kinetic, strain),
+        law,
+        lost,
+    )
+
+
+@compiled
+def advance(state, motion, system, p, law, h, strides, rows, impacts):
     """Step to each output, ``strides`` steps apart, and fill ``rows``; all else goes on.
 
-    ``x`` and ``turns`` are at the current time, ``v`` and ``spins`` half a step before it;
-    ``slide`` is (x, v) of the slider. Returns the number of rows filled, how it ended, and the
-    limit of the step if that was passed.
+    Returns the number of rows filled and how it ended.
     """
-    elements, masses, rotaries, pin = frame
-    last = len(masses) - 1
-    forces, moments = np.zeros_like(x), np.zeros_like(turns)
-    held = p[IDEAL] > 0
-    end_mass = masses[last] + (p[M3] if held else 0.0)
-    done = 0
+    places, rates, turns, spins, slide = motion
+    masses, ideal = system.masses, system.ideal
+    last, done = len(masses) - 1, 0
+    acting = forces, moments = np.zeros_like(places), np.zeros_like(turns)
+    end_mass = masses[last] + (p.m3 if ideal else 0.0)
     while done < len(rows):
         if int(state[IMPACTS]) == len(impacts):
-            return done, FULL, 0.0
-        t = state[STEPS] * h
+            return done, FULL
+        t = state[TIME] = state[STEPS] * h
         forces[:, 0] = 0.0
-        forces[:, 1] = -p[GRAVITY] * masses
+        forces[:, 1] = -p.gravity * masses
         moments[:] = 0.0
-        moments[0] = p[MOMENT]
-        strain = _internal_forces(x, turns, elements, pin, forces, moments)
-        normal = tangential = depth = ex = ey = fx = fy = 0.0
-        if held:
-            fx, fy = p[M3] / end_mass * forces[last, 0], forces[last, 1]
+        moments[0] = p.moment
+        strain = _internal_forces(places, turns, system.elements, system.pin, forces, moments)
+        place, found = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
+        if ideal:
+            fx, fy = p.m3 / end_mass * forces[last, 0], forces[last, 1]
+            found = norm(fx, fy), 0.0, fx, fy
         else:
-            ex, ey = x[last, 0] - slide[0], x[last, 1]
-            r = norm(ex, ey)
-            depth = r - law[1]
-            if depth > deepest or not r < inf:
-                return done, TOO_DEEP, 0.0
-            gap_rate = (depth - state[GAP]) / h
-            if depth <= 0:
-                if state[CONTACT] > 0:
-                    state[CONTACT] = 0.0
-                    impact = impacts[int(state[IMPACTS]) - 1]
-                    impact[4], impact[5] = t, -gap_rate
-            else:
-                if state[CONTACT] == 0:
-                    count = int(state[IMPACTS])
-                    part, approach = _meet(state[GAP], gap_rate, state[GAP_RATE], h)
-                    state[CONTACT], state[APPROACH] = 1.0, approach
-                    lost = state[LOST_DAMPING] + state[LOST_FRICTION]
-                    impacts[count] = t - (1 - part) * h, approach, 0.0, 0.0, t, 0.0, 0.0, lost
-                    state[IMPACTS] = count + 1
-                nx, ny = ex / r, ey / r
-                wx, wy = v[last, 0] - slide[1], v[last, 1]
-                rate, sliding = wx * nx + wy * ny, wy * nx - wx * ny + p[R1] * spins[-1]
-                elastic, stiffness = elastic_force(law, depth)
-                loss = elastic * p[DAMPING] / state[APPROACH]
-                ease = 1 / masses[last] + nx * nx / p[M3]
-                stiff = p[FREQUENCY] ** 2 + stiffness * ease
-                limit = 2 / sqrt(stiff)
-                if p[LAGGED] > 0:  # (h w)^2 + 2 h c/m < 4
-                    limit = (sqrt((loss * ease) ** 2 + 4 * stiff) - loss * ease) / stiff
-                if h > limit and p[GUARDED] > 0:
-                    return done, FAILED, limit
-                if p[LAGGED] > 0:
-                    branch, limits = friction_branch(sliding, p[V0], p[V1]), (p[V0], p[V1])
-                    given = (rate, sliding, branch, state[APPROACH], p[DAMPING], p[FRICTION])
-                    found = joint_forces(law, depth, *given, *limits)
-                    normal, tangential = found[0], found[5]
-                else:  # with the forces of this step, which depend on it
-                    fnx, fny = forces[last, 0] / masses[last], forces[last, 1] / masses[last]
-                    rate += 0.5 * h * (fnx * nx + fny * ny)
-                    sliding += 0.5 * h * (fny * nx - fnx * ny + p[R1] * moments[-1] / rotaries[-1])
-                    free_rate, free_sliding, both = rate, sliding, 0.5 * h * nx * ny / p[M3]
-                    side = 1 / masses[last] + ny * ny / p[M3] + p[R1] ** 2 / rotaries[-1]
-                    for _ in range(4):  # normal and tangential force act on each other weakly
-                        pushed = free_rate - both * tangential
-                        normal = (elastic + loss * pushed) / (1 + 0.5 * h * loss * ease)
-                        rate = pushed - 0.5 * h * ease * normal
-                        grip = 0.5 * h * side * p[FRICTION] * max(normal, 0.0)
-                        factor, sliding = _resist(free_sliding + both * normal, grip, p[V0], p[V1])
-                        tangential = -p[FRICTION] * max(normal, 0.0) * factor
-                fx, fy = normal * nx + tangential * ny, normal * ny - tangential * nx
-                forces[last, 0] -= fx
-                forces[last, 1] -= fy
-                moments[-1] += p[R1] * tangential
-                state[LOST_DAMPING] += h * (normal - elastic) * rate
-                state[LOST_FRICTION] -= h * tangential * sliding
-                impact = impacts[int(state[IMPACTS]) - 1]
-                impact[2], impact[3] = max(impact[2], normal), max(impact[3], depth)
-                lost = state[LOST_DAMPING] + state[LOST_FRICTION]
-                impact[4], impact[6] = t, lost - impact[7]
-            state[GAP], state[GAP_RATE] = depth, gap_rate
-        output = int(state[STEPS]) % strides == 0
-        kinetic, work = 0.0, p[MOMENT] * turns[0]
-        for i in range(1, last + 1):
-            mass = end_mass if i == last else masses[i]
-            for n in range(1 if held and i == last else 2):
-                change = h * forces[i, n] / mass
-                kinetic += 0.5 * mass * (v[i, n] + 0.5 * change) ** 2
-                v[i, n] += change
-            work -= p[GRAVITY] * masses[i] * x[i, 1]
-        for j in range(len(turns)):
-            change = h * moments[j] / rotaries[j]
-            kinetic += 0.5 * rotaries[j] * (spins[j] + 0.5 * change) ** 2
-            spins[j] += change
-        pull = fx / p[M3]  # the slider's acceleration
-        slide[1] = v[last, 0] if held else slide[1] + h * pull
+            ex, ey = places[last, 0] - slide[0], places[last, 1]
+            place = ex, ey, norm(ex, ey) - law[1]
+            if not place[2] <= p.clearance:
+                return done, TOO_DEEP
+            _follow_gap(state, impacts, place[2], t, h)
+            if place[2] > 0:
+                found, limit = _joint(place, state, motion, system, acting, p, law, h)
+                if h > limit and system.guarded:
+                    state[LIMIT] = limit
+                    return done, FAILED
+                follow_impact(impacts, state, t, found[0], place[2])
+        pull = found[2] / p.m3  # the slider's acceleration
+        kinetic = _accelerate(motion, system, acting, end_mass, h)
+        slide[1] = rates[last, 0] if ideal else slide[1] + h * pull
         speed = slide[1] - 0.5 * h * pull
-        if not held:
-            kinetic += 0.5 * p[M3] * speed * speed
+        if not ideal:
+            kinetic += 0.5 * p.m3 * speed * speed
         if not kinetic < inf:
-            return done, FAILED, 2 / p[FREQUENCY]
-        if output:
-            row = rows[done]
-            turning = moments[0] / rotaries[0]
-            row[0], row[1], row[2] = t, turns[0], slide[0]
-            row[3], row[4] = spins[0] - 0.5 * h * turning, speed
-            row[5], row[6] = turning, pull
-            row[7] = direction(x[last, 1] - x[pin, 1], x[last, 0] - x[pin, 0])
-            row[8] = spins[-1] - 0.5 * h * moments[-1] / rotaries[-1]
-            row[9], row[10], row[11] = ex, ey, depth
-            row[12], row[13] = norm(fx, fy) if held else normal, tangential
-            row[14], row[15] = fx, fy
-            row[16], row[17] = work, kinetic
-            row[18] = strain + stored_energy(law, depth)
-            row[19], row[20] = state[LOST_DAMPING], state[LOST_FRICTION]
+            state[LIMIT] = 2 / system.frequency
+            return done, FAILED
+        if int(state[STEPS]) % strides == 0:
+            joint = place, found, (slide[0], speed, pull)
+            lost = state[LOST_DAMPING], state[LOST_FRICTION]
+            _record(rows[done], t, motion, system, acting, joint, p, law, h, strain, kinetic, lost)
             done += 1
-        x += h * v
+        places += h * rates
         turns += h * spins
-        slide[0] = x[last, 0] if held else slide[0] + h * slide[1]
+        slide[0] = places[last, 0] if ideal else slide[0] + h * slide[1]
         state[STEPS] += 1
-    return done, FINE, 0.0
+    return done, FINE
 
 
-def blocks(scene, law, times, ideal, step, elements, method):
-    """Yield blocks of output rows of the scene with flexible links made of particles.
+def blocks(
+    scene: Scene,
+    law: NDArray[np.float64],
+    times: list[NDArray[np.float64]],
+    ideal: bool,
+    step: float | None,
+    elements: tuple[int, int],
+    method: Method,
+) -> Iterator[Block]:
+    """Blocks of output rows of the scene with links of particles, see `advance_in_blocks`.
 
     Parameters
     ----------
-    scene : study.mechanism.scene.Scene
-    law : ndarray
+    law
         From ``study.contact.forces.pack``.
-    times : list of ndarray
+    times
         Equally spaced outputs, the first at 0, in blocks.
-    ideal : bool
+    ideal
         Whether the ball is fixed to the slider.
-    step : float or None
+    step
         Largest step, in s, shortened to divide the outputs' distance; None: half the limit of
         stability at the largest depth.
-    elements : tuple of int
+    elements
         Of crank and coupler.
-    method : {"centred", "lagged", "unguarded"}
+    method
         Velocity in damping and friction.
-
-    Returns
-    -------
-    iterator
-        Of what `advance_in_blocks` yields.
 
     Raises
     ------
     ValueError
         For a step above the limit of stability, unless ``unguarded``.
-    MechanismError
-        If the limit is passed on the way, the motion overflows, or the ball goes deeper than one
-        clearance.
     """
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
@@ -403,45 +445,32 @@ def blocks(scene, law, times, ideal, step, elements, method):
     strides, h = divide(times, step)
     if h > limit and method != "unguarded":
         raise ValueError(f"step must be <= {limit:.4g} s, the limit of stability, got {step:.4g} s")
-    p = np.array(
-        [
-            scene.slider_mass,
-            scene.driving_moment,
-            scene.gravity,
-            scene.ball_radius,
-            scene.damping_factor,
-            scene.friction,
-            scene.slow_speed,
-            scene.full_speed,
-            frequency,
-            method != "centred",
-            method != "unguarded",
-            ideal,
-        ]
+    how = method != "centred", method != "unguarded"
+    system = System(frame.elements, frame.masses, frame.rotaries, frame.pin, frequency, ideal, *how)
+    motion, state, p = _at_rest(scene, frame, ideal, h), np.zeros(STATE), scene.constants()
+    state[STEP] = h
+    ball, slide = motion.places[-1], motion.slide
+    state[GAP] = norm(ball[0] - slide[0], ball[1]) - scene.clearance
+    return advance_in_blocks(
+        lambda _, *block: advance(state, motion, system, p, law, h, strides, *block),
+        times,
+        state,
+        scene,
+        "the step must stay <= {:.4g} s, the limit of stability",
     )
-    particles = len(frame.masses)
-    places = np.zeros((particles, 2))
-    angle = 0.0 if ideal else arcsine(scene.initial_eccentricity[1] / scene.coupler_length)
+
+
+def _at_rest(scene, frame, ideal, h):
+    """Motion at rest at t = 0, with the rates of half a step earlier by the accelerations then."""
+    particles, (e_x, e_y) = len(frame.masses), scene.initial_eccentricity
+    places, rates = np.zeros((particles, 2)), np.zeros((particles, 2))
+    angle = 0.0 if ideal else arcsine(e_y / scene.coupler_length)
     angles = np.where(np.arange(particles - 1) < frame.pin, 0.0, angle)
     chords = frame.elements[:, :1] * np.array([sine_cosine(a)[::-1] for a in angles])
     places[1:] = np.cumsum(chords, axis=0)
     turns = np.where(np.arange(particles + 1) <= frame.pin, 0.0, angle)
-    slide = np.array([places[-1, 0] - (0 if ideal else scene.initial_eccentricity[0]), 0.0])
-    # at rest at t = 0, half a step earlier by the accelerations of that time
-    velocities, spins = np.zeros((particles, 2)), np.zeros(particles + 1)
+    slide = np.array([places[-1, 0] - (0 if ideal else e_x), 0.0])
+    spins = np.zeros(particles + 1)
     spins[0] = -h / 2 * scene.driving_moment / frame.rotaries[0]
-    velocities[1 : -1 if ideal else None, 1] = h / 2 * scene.gravity
-    state = np.zeros(8)
-    state[GAP] = norm(places[-1, 0] - slide[0], places[-1, 1]) - scene.clearance
-    arrays = (frame.elements, frame.masses, frame.rotaries, frame.pin)
-    moving = (places, velocities, turns, spins, slide)
-    return advance_in_blocks(
-        lambda _, *block: advance(
-            state, *moving, arrays, p, law, h, strides, *block, scene.clearance
-        ),
-        times,
-        state,
-        scene,
-        lambda: (state[STEPS] * h, h),
-        lambda limit: f"the step must stay <= {limit:.4g} s, the limit of stability",
-    )
+    rates[1 : -1 if ideal else None, 1] = h / 2 * scene.gravity
+    return Motion(places, rates, turns, spins, slide)

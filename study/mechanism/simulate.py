@@ -1,21 +1,24 @@
-"""One call for every model of the crank-slider, with checked arguments: ``simulate(scene, ...)``.
+"""One call for every model of the crank-slider, with checked arguments.
 
 Three models with a clearance joint or an ideal one: rigid links, links of particles (the
 paper's finite particle method), links of beam elements. Which of them a scene needs is chosen in
 `study.choose.model`.
 """
 
+from collections.abc import Callable, Iterator
 from math import sqrt
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from study import checks
 from study.contact.forces import pack
 from study.contact.laws import find
 from study.mechanism import beams, ideal, particles, rigid
-from study.mechanism.response import collect
+from study.mechanism.response import COLUMNS, Response
 from study.mechanism.scene import Scene
+from study.mechanism.stepping import END, SEPARATION_SPEED, Block
 from study.threads import one_thread
 
 Model = Literal["rigid", "particles", "beams"]
@@ -32,63 +35,60 @@ BLOCKS = 100  # after each the progress is told, and an interruption is heeded
 
 @one_thread
 def simulate(
-    scene=None,
+    scene: Scene | None = None,
     *,
-    model="rigid",
-    joint="clearance",
-    law="hertz",
-    duration=0.1,
-    outputs=1000,
-    tolerance=None,
-    step=None,
-    elements=None,
-    method=None,
-    progress=None,
-    **law_options,
-):
+    model: Model = "rigid",
+    joint: JointKind = "clearance",
+    law: str | Callable = "hertz",
+    duration: float = 0.1,
+    outputs: int = 1000,
+    tolerance: float | None = None,
+    step: float | None = None,
+    elements: tuple[int, int] | None = None,
+    method: particles.Method | None = None,
+    progress: Callable[[float], Any] | None = None,
+    **law_options: Any,
+) -> Response:
     """Simulate the crank-slider from rest.
 
     Parameters
     ----------
-    scene : Scene, optional
+    scene
         By default the paper's.
-    model : {"rigid", "particles", "beams"}
-        Links; which of them a scene needs is chosen in `study.choose.model`.
-    joint : {"clearance", "ideal"}, optional
-        Joint between coupler and slider, by default with clearance.
-    law : str or callable, optional
-        Contact law, a key of ``study.contact.LAWS``, by default ``hertz``, or a law itself:
-        ``tabulated(curve)``.
-    duration : float
+    joint
+        Joint between coupler and slider.
+    law
+        Contact law, a key of ``study.contact.LAWS``, or a law itself: ``tabulated(curve)``.
+    duration
         In s.
-    outputs : int
+    outputs
         Number of equal intervals between the times of output.
-    tolerance : float, optional
+    tolerance
         Rigid links with clearance: largest local error of places and speeds, relative to the
         clearance, the depth of the impact and the speed that the drive gives; default 1e-8.
-    step : float, optional
+    step
         Flexible links: largest time step, in s. Default for particles: half their limit of
         stability; for beams 1e-6 s.
-    elements : tuple of int, optional
+    elements
         Flexible links: number of elements of crank and coupler; default (4, 8).
-    method : {"centred", "lagged", "unguarded"}, optional
+    method
         Particles: velocity in damping and friction at the joint, centred (default) or half a
         step old; ``unguarded`` is the latter without the checks of the limits of stability.
-    progress : callable, optional
+    progress
         Called with the simulated time, in s, after each of 100 parts.
     **law_options
         Of the law.
 
     Returns
     -------
-    study.mechanism.response.Response
+    Response
         What was computed so far, and ``complete=False``, if interrupted by Ctrl-C.
 
     Raises
     ------
     ValueError
         For an unknown name, a value out of range, or an option that the model does not have.
-    study.mechanism.response.MechanismError
+    MechanismError
         If the simulation cannot go on; says when, with which step, and what limit was passed.
     """
     scene = Scene() if scene is None else checks.instance("scene", scene, Scene)
@@ -120,22 +120,21 @@ def simulate(
         duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1)
     )
     if model == "rigid" and gapless:
-        blocks = ideal.blocks(scene, times)
-    elif model == "rigid":
+        return _gather(ideal.blocks(scene, times), times, progress)
+    if model == "rigid":
         tolerance = TOLERANCE if tolerance is None else tolerance
         checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
-        blocks = rigid.blocks(scene, packed, times, tolerance)
+        return _gather(rigid.blocks(scene, packed, times, tolerance), times, progress)
+    pair = particles.numbers_of_elements(ELEMENTS if elements is None else elements)
+    if step is not None:
+        checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
+    if model == "particles":
+        method = "centred" if method is None else method
+        checks.choice("method", method, get_args(particles.Method))
+        blocks = particles.blocks(scene, packed, times, gapless, step, pair, method)
     else:
-        pair = particles.numbers_of_elements(ELEMENTS if elements is None else elements)
-        if step is not None:
-            checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
-        if model == "particles":
-            method = "centred" if method is None else method
-            checks.choice("method", method, get_args(particles.Method))
-            blocks = particles.blocks(scene, packed, times, gapless, step, pair, method)
-        else:
-            step = BEAM_STEP if step is None else step
-            blocks = beams.blocks(scene, packed, times, gapless, step, pair)
+        step = BEAM_STEP if step is None else step
+        blocks = beams.blocks(scene, packed, times, gapless, step, pair)
     return _gather(blocks, times, progress)
 
 
@@ -146,17 +145,27 @@ def _turned(scene, duration):
     return abs(scene.driving_moment) * duration**2 / (2 * inertia) + swing * duration
 
 
-def _gather(blocks, times, progress):
+def _gather(
+    blocks: Iterator[Block],
+    times: list[NDArray[np.float64]],
+    progress: Callable[[float], Any] | None,
+) -> Response:
     """Run a model to its end or to an interruption."""
-    rows, impacts, ended, complete = [], None, True, True
+    parts: list[NDArray[np.float64]] = []
+    complete = True
     try:
         for at, (block, impacts, ended) in zip(times, blocks, strict=True):  # noqa: B007
             block[:, 0] = at  # the times asked for, to the last bit
-            rows.append(block)
+            parts.append(block)
             if progress is not None:
                 progress(at[-1])
     except KeyboardInterrupt:
-        if not rows:
+        if not parts:
             raise
         complete = False
-    return collect(rows, impacts, ended, complete)
+    rows, work = np.vstack(parts), list(COLUMNS).index("work")
+    rows[:, work] -= rows[0, work]
+    impacts[:, END] -= impacts[:, 0]
+    if not ended:
+        impacts[-1, SEPARATION_SPEED] = np.nan
+    return Response(rows, impacts, complete)

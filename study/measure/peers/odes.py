@@ -52,9 +52,9 @@ def slider_acceleration(method, scene, law, duration, outputs, rtol):
     checks.number("rtol", rtol, above=0, scalar=True)
     integrate = _sundials if method == "CVODE" else _scipy
     times = duration * np.arange(1, outputs + 1) / outputs
-    p, y, t, approach, found = rigid.describe(scene), np.zeros(6), 0.0, 0.0, []
+    p, y, t, approach, found = scene.constants(), np.zeros(6), 0.0, 0.0, []
     y[1:3] = scene.initial_eccentricity
-    work, out = (np.zeros(5), np.zeros(10), np.zeros((5, 6)), np.zeros(8)), np.zeros(3)
+    work, out = (rigid.new_slopes(), np.zeros(8)), np.zeros(3)
     while True:
         contact, speed = approach > 0, approach or inf
 
