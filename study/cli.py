@@ -502,7 +502,9 @@ def simulate_mechanism(
         given |= {"model": str(model), "tolerance": tolerance}
     with _progress(duration) as progress:
         common |= {"progress": progress}
-        response = chosen.run(changed, **common) if chosen else simulate(changed, **given, **common)
+        response = (
+            chosen.simulate(progress=progress) if chosen else simulate(changed, **given, **common)
+        )
     last = response.motion.iloc[-1]
     end = {
         "time": last.time,
@@ -537,7 +539,7 @@ def _model_choice(choice):
     """What is told of a choice of model, if there was one, under the key ``choice``."""
     if choice is None:
         return {}
-    names = [field.name for field in fields(choice) if field.name != "run"]
+    names = [field.name for field in fields(choice) if field.name != "simulate"]
     return {"choice": {name: getattr(choice, name) for name in names}}
 
 

@@ -7,11 +7,13 @@ is solved. Costs are those of ``data/published/peers.csv``. The choice of a whol
 model is in `study.choose.model`.
 """
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from study import checks, dataset
@@ -37,28 +39,28 @@ class Choice:
 
     Attributes
     ----------
-    law : str
+    law
         Key of ``study.contact.LAWS``; ``tabulated``, the table of a solved curve; or
         ``solver``, the solution itself at every call.
-    options : dict
+    options
         Of the law; for ``tabulated`` and ``solver`` the resolution of the solution.
-    error_bound : float
+    error_bound
         No relative error of the force is larger, from the least to the largest depth.
-    relative_cost : float
+    relative_cost
         Time of a call in a compiled loop over that of Hertz's law. The time to solve the joint
         once, for ``tabulated``, is not in it.
-    depths : tuple of float
+    depths
         Least and largest depth_star that the bound holds for.
-    source : str
+    source
         ``dataset`` or ``solver``: where the exact force comes from.
-    note : str
+    note
         Why the joint had to be solved; empty where the dataset sufficed.
-    rejected : tuple of dict
+    rejected
         Laws that cost less and whose bound misses the tolerance, the most expensive first:
         ``law``, ``options``, ``error``, ``error_bound``, ``relative_cost``.
-    errors : dict
+    errors
         Every closed law that the joint can have -> largest relative error found.
-    evaluate : callable
+    evaluate
         The law, of (``depth_star``, ``r2_star``); None for ``solver``. It is known to be good
         enough between ``depths`` only.
     """
@@ -67,29 +69,25 @@ class Choice:
     options: dict
     error_bound: float
     relative_cost: float
-    depths: tuple
+    depths: tuple[float, float]
     source: str
     note: str
-    rejected: tuple
-    errors: dict
-    evaluate: object = field(repr=False, compare=False)
+    rejected: tuple[dict, ...]
+    errors: dict[str, float]
+    evaluate: Callable | None = field(repr=False, compare=False)
 
 
 @one_thread
-def choose(joint, depth_star, tolerance):
+def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     """Cheapest law whose force is known to be within a tolerance.
 
     Parameters
     ----------
-    joint : study.joint.Joint
-    depth_star : float
+    joint
+    depth_star
         Largest depth of the scene, in clearances.
-    tolerance : float
+    tolerance
         Largest relative error of the force, from 1e-5 to 1.
-
-    Returns
-    -------
-    Choice
 
     Raises
     ------
@@ -107,36 +105,72 @@ def choose(joint, depth_star, tolerance):
     least = min(SHALLOWEST, deepest / 12) if note else SHALLOWEST
     depths = _depths(least, deepest, DEPTHS[_kind(joint)])
     force, uncertainty = _exact(joint, depths, note)
-    uncertainty = uncertainty.max()
-    largest = {law: error.max() for law, error in errors(joint, depths, force).items()}
-    bounds = {law: bounded(error, uncertainty) for law, error in largest.items()}
-    costs, rejected, found = relative_costs(), [], None
-    for law in sorted([*bounds, "tabulated"], key=costs.get):
-        if law == "tabulated":
-            found, failed = _table(joint, deepest, tolerance)
-            rejected += failed
-        elif bounds[law] <= tolerance:
-            options = law_options(law, joint)
-            found = law, options, bounds[law], _with_options(law, options)
-        else:
-            rejected.append(_rejected(law, law_options(law, joint), largest[law], bounds[law]))
-        if found:
+    found = {law: float(error.max()) for law, error in errors(joint, depths, force).items()}
+    rejected = []
+    for candidate in _candidates(joint, deepest, found, float(uncertainty.max())):
+        if candidate.error_bound <= tolerance:
             break
+        rejected.append({k: v for k, v in vars(candidate).items() if k != "evaluate"})
     else:
-        found = _solver(joint, deepest, tolerance)
-    law, options, bound, evaluate = found
+        raise checks.StudyError(
+            f"no model is known to be within the tolerance {tolerance:g}: the finest solution, of "
+            f"resolution {candidate.options['resolution']}, is known to "
+            f"{candidate.error_bound:.2g}"
+        )
     return Choice(
-        law=law,
-        options=options,
-        error_bound=float(bound),
-        relative_cost=costs[law],
+        law=candidate.law,
+        options=candidate.options,
+        error_bound=candidate.error_bound,
+        relative_cost=candidate.relative_cost,
         depths=(float(least), deepest),
-        source="solver" if note or law in ("tabulated", "solver") else "dataset",
+        source="solver" if note or candidate.law in ("tabulated", "solver") else "dataset",
         note=note,
-        rejected=tuple(r | {"relative_cost": costs[r["law"]]} for r in reversed(rejected)),
-        errors={law: float(error) for law, error in largest.items()},
-        evaluate=evaluate,
+        rejected=tuple(reversed(rejected)),
+        errors=found,
+        evaluate=candidate.evaluate,
     )
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    law: str
+    options: dict
+    error: float
+    error_bound: float
+    relative_cost: float
+    evaluate: Callable | None
+
+
+def _candidates(joint, deepest, found, uncertainty):
+    """Closed laws and tables by their cost, tables from the coarsest on; the solution is last.
+
+    Every second depth of a solution is left out of its table, and tells how this interpolates.
+    """
+    costs, kind, least = relative_costs(), _kind(joint), min(SHALLOWEST, deepest / 12)
+    finest = RESOLUTIONS[kind][-1]
+    for law in sorted([*found, "tabulated"], key=costs.get):
+        if law != "tabulated":
+            options, bound = law_options(law, joint), bounded(found[law], uncertainty)
+            evaluate = partial(LAWS[law], **options)
+            yield _Candidate(law, options, found[law], bound, costs[law], evaluate)
+            continue
+        depths = _depths(least, deepest, 2 * DEPTHS[kind] - 1)
+        for resolution in RESOLUTIONS[kind]:
+            try:
+                curve = force_curve(joint, depths, resolution)
+            except UnresolvedError:  # at the least depth
+                if resolution == finest:
+                    raise
+                continue
+            names = ("depth_star", "force_star", "error_estimate")
+            table = tabulated(replace(curve, **{name: getattr(curve, name)[::2] for name in names}))
+            between = float(np.abs(table(depths) / curve.force_star - 1).max())
+            error, options = float(curve.error_estimate.max()), {"resolution": resolution}
+            bound = bounded(ESTIMATE * error, between)
+            yield _Candidate(law, options, error, bound, costs[law], table)
+    curve = force_curve(joint, _depths(least, deepest, DEPTHS[kind]), finest)
+    error, options = float(curve.error_estimate.max()), {"resolution": finest}
+    yield _Candidate("solver", options, error, ESTIMATE * error, costs["solver"], None)
 
 
 def _exact(joint, depths, note, resolution=None):
@@ -148,24 +182,13 @@ def _exact(joint, depths, note, resolution=None):
     return curve.force_star, ESTIMATE * curve.error_estimate + INTERPOLATION
 
 
-def bounded(error, uncertainty):
+def bounded(error: ArrayLike, uncertainty: ArrayLike) -> ArrayLike:
     """Bound of a relative error that was found against a force of some uncertainty."""
     return error * (1 + uncertainty) + uncertainty
 
 
-def outside(joint, depth_star):
-    """Why the dataset's group ``fit`` does not hold a joint, or an empty text.
-
-    Parameters
-    ----------
-    joint : study.joint.Joint
-    depth_star : float
-        Largest depth.
-
-    Returns
-    -------
-    str
-    """
+def outside(joint: Joint, depth_star: float) -> str:
+    """Why the dataset's group ``fit`` does not hold a joint and a depth, or an empty text."""
     for name, usual in (("kinematics", "linear"), ("ball_drive", "plane"), ("rim", "mirror")):
         if getattr(joint, name) != usual:
             return f"{name} {getattr(joint, name)} is outside the dataset, which has {usual}"
@@ -179,43 +202,35 @@ def outside(joint, depth_star):
     return ""
 
 
-def stiffening(joint, depth_star):
-    """Exact force over Hertz's, interpolated from the dataset.
+def stiffening(joint: Joint, depth_star: ArrayLike) -> NDArray[np.float64]:
+    """Exact force over Hertz's, interpolated from the dataset, for what is not `outside`.
 
     Cubic in 1/R2*, ln(q - 1), 1/(1 - 1.8 nu) and sqrt(ds), q the socket ratio and nu Poisson's
     ratio, in which the values are smooth.
-
-    Parameters
-    ----------
-    joint : study.joint.Joint
-        One that `outside` has nothing to say of.
-    depth_star : ndarray, shape (k,)
-
-    Returns
-    -------
-    ndarray, shape (k,)
     """
     place = _straight(joint.r2_star, joint.socket_ratio, joint.ball.poisson, 0.0)[:3]
     roots = np.sqrt(np.atleast_1d(depth_star))
     return _grid()[1](np.column_stack([np.tile(place, (len(roots), 1)), roots]))
 
 
-def errors(joint, depth_star, force_star):
+def errors(
+    joint: Joint, depth_star: ArrayLike, force_star: ArrayLike
+) -> dict[str, NDArray[np.float64]]:
     """Relative errors of every closed law that the joint can have and whose cost is known.
 
     Parameters
     ----------
-    joint : study.joint.Joint
-    depth_star, force_star : ndarray, shapes (k,)
-        Exact forces.
+    joint
+    depth_star, force_star
+        Exact forces, shape (k,).
 
     Returns
     -------
     dict
-        Law -> ndarray, shape (k,).
+        Law -> errors, shape (k,).
     """
-    found = {}
-    for law in relative_costs().keys() & LAWS.keys():
+    costs, found = relative_costs(), {}
+    for law in (law for law in LAWS if law in costs):
         try:
             force = LAWS[law](depth_star, joint.r2_star, **law_options(law, joint))
         except checks.RangeError:  # of the law's formula or fit
@@ -225,16 +240,21 @@ def errors(joint, depth_star, force_star):
 
 
 @one_thread
-def cheapest(joints, depth_star, tolerances, resolution=None):
+def cheapest(
+    joints: Iterable[Joint],
+    depth_star: ArrayLike,
+    tolerances: Iterable[float],
+    resolution: int | None = None,
+) -> pd.DataFrame:
     """Cheapest adequate law over joints and largest depths, as `choose` would find it.
 
     Parameters
     ----------
-    joints : sequence of study.joint.Joint
-    depth_star : ndarray, shape (k,)
+    joints
+    depth_star
         Rising, from `SHALLOWEST`.
-    tolerances : sequence of float
-    resolution : int, optional
+    tolerances
+    resolution
         Of the solution of joints that the dataset does not hold.
 
     Returns
@@ -261,7 +281,7 @@ def cheapest(joints, depth_star, tolerances, resolution=None):
     return pd.DataFrame(rows, columns=columns)
 
 
-def law_options(law, joint):
+def law_options(law: str, joint: Joint) -> dict[str, object]:
     """Options with which a law knows of the joint what it can; `RangeError` if it cannot.
 
     ``stiffened_hertz`` is for a radially free ball: of supports it knows nothing, and what they
@@ -278,7 +298,7 @@ def law_options(law, joint):
     }
 
 
-def relative_costs():
+def relative_costs() -> dict[str, float]:
     """Law -> time of a call in a compiled loop over that of Hertz's, as measured.
 
     A law that `study measure` has not yet timed is not among them, and not chosen.
@@ -287,58 +307,10 @@ def relative_costs():
     costs = dict(zip(rows["method"], rows["relative"].astype(float), strict=True))
     for law in ("hertz", "tabulated", "solver"):
         if law not in costs:
-            what = f"data/published/peers.csv lacks {law}"
-            raise dataset.DatasetError(f"{what}; mend it with: git checkout -- data")
+            raise dataset.DatasetError(
+                f"data/published/peers.csv lacks {law}; mend it with: git checkout -- data"
+            )
     return costs
-
-
-def _with_options(law, options):
-    return lambda depth_star, r2_star: LAWS[law](depth_star, r2_star, **options)
-
-
-def _rejected(law, options, error, bound):
-    return {"law": law, "options": options, "error": float(error), "error_bound": float(bound)}
-
-
-def _table(joint, deepest, tolerance):
-    """Table of the coarsest solution within the tolerance, or None, and the coarser ones' errors.
-
-    Every second depth of the solution is left out of the table, and tells how it interpolates.
-    """
-    failed = []
-    depths = _depths(min(SHALLOWEST, deepest / 12), deepest, 2 * DEPTHS[_kind(joint)] - 1)
-    for resolution in RESOLUTIONS[_kind(joint)]:
-        try:
-            curve = force_curve(joint, depths, resolution=resolution)
-        except UnresolvedError:  # at the least depth
-            if resolution == RESOLUTIONS[_kind(joint)][-1]:
-                raise
-            continue
-        kept = {
-            name: getattr(curve, name)[::2]
-            for name in ("depth_star", "force_star", "error_estimate")
-        }
-        table = tabulated(replace(curve, **kept))
-        between = np.abs(table(depths) / curve.force_star - 1).max()
-        error = ESTIMATE * curve.error_estimate.max()
-        bound, options = bounded(error, between), {"resolution": resolution}
-        if bound <= tolerance:
-            return ("tabulated", options, bound, table), failed
-        failed.append(_rejected("tabulated", options, curve.error_estimate.max(), bound))
-    return None, failed
-
-
-def _solver(joint, deepest, tolerance):
-    """The finest solution itself, if it is within the tolerance."""
-    resolution = RESOLUTIONS[_kind(joint)][-1]
-    depths = _depths(min(SHALLOWEST, deepest / 12), deepest, DEPTHS[_kind(joint)])
-    bound = ESTIMATE * force_curve(joint, depths, resolution=resolution).error_estimate.max()
-    if bound > tolerance:
-        raise checks.StudyError(
-            f"no model is known to be within the tolerance {tolerance:g}: the finest solution, of "
-            f"resolution {resolution}, is known to {bound:.2g}"
-        )
-    return "solver", {"resolution": resolution}, bound, None
 
 
 def _kind(joint):

@@ -7,6 +7,7 @@ by more than a decade, with a heavy tail. So the bound is no more than the large
 ``data/links.csv`` times a large `SAFETY`, and is given within the range of those scenes only.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from math import pi, sqrt
 from typing import Literal, get_args
@@ -14,8 +15,10 @@ from typing import Literal, get_args
 import numpy as np
 import pandas as pd
 
+from study.contact import LawName
 from study.contact.forces import elastic_force, pack
 from study.mechanism.compare import difference
+from study.mechanism.response import Response
 from study.mechanism.scene import Scene
 from study.mechanism.simulate import simulate
 from study.mechanism.stepping import MechanismError
@@ -46,16 +49,10 @@ EVEN_RANGES = {"restitution": (0.1, 0.95), "friction": (0.0, 0.2)}
 class Stiffness:
     """Links beside the contact, at the largest depth of a response.
 
-    Attributes
-    ----------
-    compliance : float
-        Of both links along their axes, in m/N.
-    bending_frequency, axial_frequency : float
-        Lowest of the crank, simply supported and with one end held, in rad/s.
-    compliance_ratio : float
-        Links over contact.
-    frequency_ratio : float
-        Slider on the contact over the crank's axial frequency.
+    ``compliance`` is of both links along their axes, in m/N. The frequencies are the lowest of the
+    crank, simply supported and with one end held, in rad/s. The ratios are of the links'
+    compliance to the contact's, and of the slider's frequency on the contact to the crank's axial
+    one: 0 without contact.
     """
 
     compliance: float
@@ -65,19 +62,8 @@ class Stiffness:
     frequency_ratio: float
 
 
-def stiffness(scene, depth):
-    """Stiffness of the links of a scene, and of Hertz's contact at a depth.
-
-    Parameters
-    ----------
-    scene : study.mechanism.scene.Scene
-    depth : float
-        In m.
-
-    Returns
-    -------
-    Stiffness
-    """
+def stiffness(scene: Scene, depth: float) -> Stiffness:
+    """Stiffness of the links of a scene, and of Hertz's contact at a depth in m."""
     crank, coupler = scene.link("crank"), scene.link("coupler")
     compliance = crank.length / crank.axial + coupler.length / coupler.axial
     bending = (pi / crank.length) ** 2 * sqrt(crank.bending / crank.mass_per_length)
@@ -93,23 +79,13 @@ def stiffness(scene, depth):
     )
 
 
-def estimates(scene, response):
+def estimates(scene: Scene, response: Response) -> dict[Quantity, float]:
     """What flexible links may change, as a share of each quantity of `QUANTITIES`.
 
     The largest contact force times the links' compliance for the position, times the crank's
     bending frequency for the velocity, times its axial frequency squared for the acceleration;
-    the former two times one plus the crank's angle, as they drift.
-
-    Parameters
-    ----------
-    scene : study.mechanism.scene.Scene
-    response : study.mechanism.response.Response
-        With rigid links and clearance.
-
-    Returns
-    -------
-    dict
-        Quantity -> estimate; 0 without contact.
+    the former two times one plus the crank's angle, as they drift. The response is of rigid links
+    and clearance; without contact it is 0.
     """
     if len(response.impacts) == 0:
         return dict.fromkeys(QUANTITIES, 0.0)
@@ -125,42 +101,29 @@ def estimates(scene, response):
     return found
 
 
-def bounds(scene, response, seen):
-    """Largest NRMS error of rigid links: `estimates` times the largest ratio ever seen.
+def bounds(scene: Scene, response: Response, seen: pd.DataFrame) -> dict[Quantity, float]:
+    """Largest NRMS error of rigid links: `estimates` times the largest ratio that was `seen`.
 
     Parameters
     ----------
     scene, response
         As for `estimates`.
-    seen : pandas.DataFrame
+    seen
         Errors and estimates on random scenes, from `measure`.
-
-    Returns
-    -------
-    dict
-        Quantity -> bound.
     """
     return {
-        quantity: float(
-            estimate * SAFETY * (seen[f"{quantity}_error"] / seen[f"{quantity}_estimate"]).max()
-        )
+        quantity: float(estimate * SAFETY * largest_ratio(seen, quantity))
         for quantity, estimate in estimates(scene, response).items()
     }
 
 
-def outside(scene, duration):
-    """Why the random scenes do not speak for a scene, or an empty text.
+def largest_ratio(seen: pd.DataFrame, quantity: Quantity) -> float:
+    """Largest ratio of error to estimate in a table of `measure`."""
+    return (seen[f"{quantity}_error"] / seen[f"{quantity}_estimate"]).max()
 
-    Parameters
-    ----------
-    scene : study.mechanism.scene.Scene
-    duration : float
-        In s.
 
-    Returns
-    -------
-    str
-    """
+def outside(scene: Scene, duration: float) -> str:
+    """Why the random scenes do not speak for a scene and a duration in s, or an empty text."""
     given = {field.name: getattr(scene, field.name) for field in fields(scene)}
     given |= {"link_modulus": scene.link_modulus or scene.youngs_modulus, "duration": duration}
     usual = {field.name: field.default for field in fields(scene)}
@@ -173,19 +136,8 @@ def outside(scene, duration):
     return ""
 
 
-def random_scenes(seed, count=COUNT):
-    """Scenes and durations (s) at random places of the ranges, the same for the same seed.
-
-    Parameters
-    ----------
-    seed : int
-    count : int
-
-    Yields
-    ------
-    scene : study.mechanism.scene.Scene
-    duration : float
-    """
+def random_scenes(seed: int, count: int = COUNT) -> Iterator[tuple[Scene, float]]:
+    """Scenes and durations (s) at random places of the ranges, the same for the same seed."""
     draw = np.random.default_rng(seed)
     for _ in range(count):
         values = {
@@ -197,21 +149,15 @@ def random_scenes(seed, count=COUNT):
         yield Scene(**values), duration
 
 
-def measure(seed=0, count=COUNT, law="stiffened_hertz"):
-    """Errors of rigid links against particles on random scenes, beside their estimates.
-
-    Parameters
-    ----------
-    seed, count : int
-        Of `random_scenes`.
-    law : str
+def measure(seed: int = 0, count: int = COUNT, law: LawName = "stiffened_hertz") -> pd.DataFrame:
+    """Errors of rigid links against particles on `random_scenes`, beside their estimates.
 
     Returns
     -------
     pandas.DataFrame
         A row per scene: duration and the parameters that were drawn, compliance and frequency
         ratio, and per quantity ``..._estimate`` and ``..._error``. Scenes that a model cannot
-        go on with are left out.
+        go on with, or without an impact, are left out.
     """
     rows = []
     for scene, duration in random_scenes(seed, count):
@@ -224,11 +170,10 @@ def measure(seed=0, count=COUNT, law="stiffened_hertz"):
         if len(rigid.impacts) == 0:
             continue
         links = stiffness(scene, float(rigid.impacts.peak_depth.max()))
-        row = {"duration": duration}
-        row |= {name: getattr(scene, name) for name in RANGES if name != "duration"}
-        row |= {name: getattr(scene, name) for name in EVEN_RANGES}
-        row |= {"compliance_ratio": links.compliance_ratio}
-        row |= {"frequency_ratio": links.frequency_ratio}
+        drawn = [name for name in (RANGES | EVEN_RANGES) if name != "duration"]
+        row = {"duration": duration} | {name: getattr(scene, name) for name in drawn}
+        row["compliance_ratio"] = links.compliance_ratio
+        row["frequency_ratio"] = links.frequency_ratio
         for quantity, estimate in estimates(scene, rigid).items():
             row[f"{quantity}_estimate"] = estimate
             row[f"{quantity}_error"] = difference(rigid, flexible, quantity)

@@ -3,12 +3,13 @@
 Models in order of detail: an ideal joint, rigid links with Hertz's contact, with a law that
 knows the joint, links of particles. The rigid ones take milliseconds, so that they are run and
 compared. What flexible links would change is first bounded from their compliance and frequency
-(`study.choose.links`), and only if that bound is too large are particles run and compared,
-on two meshes and with two steps: what these change tells how far they can be trusted.
+(`study.choose.links`). Only if that bound is too large are particles run and compared, on two
+meshes and with two steps: what these change tells how far they can be trusted.
 The ideal joint comes first because it asks for nothing about the contact, though integrated to
 the last digit by SciPy it takes longer here than the compiled clearance joint.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from math import inf
@@ -20,6 +21,7 @@ from study import checks, dataset
 from study.checks import StudyError
 from study.choose import links
 from study.choose.law import SHALLOWEST, choose
+from study.choose.links import Quantity
 from study.contact import SOCKET_RATIO, hertz
 from study.contact.forces import pack
 from study.joint import Joint, Material
@@ -44,7 +46,7 @@ WARM_UP = 1e-5  # s, simulated once before a model is timed
 class ModelError(StudyError):
     """No model is known to be within the tolerance; ``known`` is the least bound of any."""
 
-    def __init__(self, message, known):
+    def __init__(self, message: str, known: float) -> None:
         super().__init__(message)
         self.known = known
 
@@ -55,33 +57,33 @@ class ModelChoice:
 
     Attributes
     ----------
-    model, joint, law : str
+    model, joint, law
         Links (``rigid`` or ``particles``), joint (``ideal`` or ``clearance``), contact law
         (``none`` for an ideal joint).
-    settings : dict
+    settings
         Stepper, and its tolerance, or its step (s) and elements.
-    error_bound : float
+    error_bound
         Of the NRMS error of the slider's motion: RMS of the error over RMS of the change since
         t = 0, over the duration chosen for. Not proven: an estimate with a margin (`SAFETY`
         here and in `links`), as impacts of flexible links are chaotic.
-    relative_cost : float
+    relative_cost
         Time over that of rigid links with Hertz's law, measured while choosing.
-    links : str
+    links
         How the links' share of the bound is known: ``bounded`` or ``compared``.
-    quantity : str
+    quantity
         What the tolerance is for.
-    compliance_ratio, frequency_ratio : float
+    compliance_ratio, frequency_ratio
         Links over contact at the largest depth, and the slider's frequency on the contact over
         the crank's axial one; 0 without contact.
-    depth_star : float
+    depth_star
         Largest depth of rigid links with Hertz's law, in clearances.
-    note : str
+    note
         Why the random scenes behind ``bounded`` do not speak for this one; empty if they do.
-    evidence : tuple of dict
+    evidence
         The same attributes, from ``model`` to ``links``, of every model that was looked at, in
         order of detail.
-    run : callable
-        Runs the model: of scene, duration, outputs and progress.
+    simulate
+        Simulates the scene chosen for; takes ``progress`` as `study.mechanism.simulate` does.
     """
 
     model: str
@@ -91,43 +93,39 @@ class ModelChoice:
     error_bound: float
     relative_cost: float
     links: str
-    quantity: str
+    quantity: Quantity
     compliance_ratio: float
     frequency_ratio: float
     depth_star: float
     note: str
-    evidence: tuple
-    run: object = field(repr=False, compare=False)
+    evidence: tuple[dict, ...]
+    simulate: Callable = field(repr=False, compare=False)
 
 
 def choose_model(
-    scene,
-    tolerance,
-    duration=0.1,
-    outputs=1000,
-    quantity="slider_position",
-    socket_ratio=SOCKET_RATIO,
-):
+    scene: Scene,
+    tolerance: float,
+    duration: float = 0.1,
+    outputs: int = 1000,
+    quantity: Quantity = "slider_position",
+    socket_ratio: float = SOCKET_RATIO,
+) -> ModelChoice:
     """Least model whose motion of the slider is known to be within a tolerance.
 
     Parameters
     ----------
-    scene : study.mechanism.scene.Scene
-    tolerance : float
+    scene
+    tolerance
         Largest NRMS error, > 0 and <= 1: RMS of the error over RMS of the change since t = 0.
-    duration : float
+    duration
         In s.
-    outputs : int
+    outputs
         Number of equal intervals between the times of output.
-    quantity : {"slider_position", "slider_velocity", "slider_acceleration"}
+    quantity
         What the tolerance is for.
-    socket_ratio : float
+    socket_ratio
         Outer over inner radius of the socket; its supports are the defaults of
         `study.joint.Joint`.
-
-    Returns
-    -------
-    ModelChoice
 
     Raises
     ------
@@ -144,67 +142,89 @@ def choose_model(
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
     checks.choice("quantity", quantity, links.QUANTITIES)
     run = partial(_Run, scene, duration, outputs)
-    simple = run("rigid", "hertz", {"tolerance": FINEST_TOLERANCE})
-    for values in (getattr(simple.response, name) for name in links.QUANTITIES):
+    of_hertz = run("rigid", ("hertz", {}), tolerance=FINEST_TOLERANCE)
+    for values in (getattr(of_hertz.response, name) for name in links.QUANTITIES):
         if not np.ptp(values) > 0:
             raise ValueError(f"duration must be so long that the slider moves, got {duration:g} s")
-    impacts = simple.response.impacts
+    impacts = of_hertz.response.impacts
     depth = float(impacts.peak_depth.max()) if len(impacts) else 0.0
     law, law_share = _law(scene, depth, socket_ratio)
-    best = run("rigid", law, {"tolerance": FINEST_TOLERANCE})
-    of_law = law_share * _apart(simple, best, quantity)
-    note = links.outside(scene, duration)
-    of_links = inf if note else links.bounds(scene, simple.response, dataset.links())[quantity]
+    exact = run("rigid", law, tolerance=FINEST_TOLERANCE)
+    of_law = law_share * _apart(of_hertz, exact, quantity)
 
-    rigid = [run("rigid", "hertz", {"joint": "ideal"})]
-    for finest in (simple, best):
-        allowed = STEP_SHARE * tolerance
-        looser = (run("rigid", finest.law, {"tolerance": t}) for t in TOLERANCES)
-        near = (r for r in looser if _apart(r, finest, quantity) <= allowed)
-        rigid.append(next(near, finest))
-    apart = [_apart(r, best, quantity) for r in rigid]
-    found = [(r, a + of_law + of_links, "bounded") for r, a in zip(rigid, apart, strict=True)]
-    spread = {}
-    if all(error > tolerance for _, error, _ in found):
-        coarse, fine = (run("particles", law, {"elements": n}) for n in ELEMENTS)
-        half = run("particles", law, {"elements": ELEMENTS[-1], "share": 0.5})
-        spread = {
-            "the mesh": _apart(coarse, fine, quantity),
-            "half the step": _apart(half, fine, quantity),
-        }
+    runs = [
+        run("rigid", ("hertz", {}), joint="ideal"),
+        *(_loosest(run, finest, STEP_SHARE * tolerance, quantity) for finest in (of_hertz, exact)),
+    ]
+    unit = runs[1].cost
+    apart = [_apart(one, exact, quantity) for one in runs]
+    note = links.outside(scene, duration)
+    of_links = inf if note else links.bounds(scene, of_hertz.response, dataset.links())[quantity]
+    bounds, how, spread = [a + of_law + of_links for a in apart], "bounded", {}
+    if min(bounds) > tolerance:
+        coarse, fine, spread = _particles(run, law, quantity)
         doubt = SAFETY * max(spread.values()) + of_law
-        of_links = _apart(best, fine, quantity) + doubt
-        found = [
-            (r, min(error, a + of_links), "compared")
-            for (r, error, _), a in zip(found, apart, strict=True)
-        ]
-        found += [(r, doubt, "compared") for r in (coarse, fine)]
-    unit = rigid[1].cost
+        of_links = _apart(exact, fine, quantity) + doubt
+        bounds = [min(b, a + of_links) for b, a in zip(bounds, apart, strict=True)]
+        runs, bounds, how = [*runs, coarse, fine], [*bounds, doubt, doubt], "compared"
+
     evidence = tuple(
-        r.tell() | {"error_bound": error, "relative_cost": r.cost / unit, "links": how}
-        for r, error, how in found
+        one.description | {"error_bound": bound, "relative_cost": one.cost / unit, "links": how}
+        for one, bound in zip(runs, bounds, strict=True)
     )
-    good = [n for n, (_, error, _) in enumerate(found) if error <= tolerance]
-    if not good:
-        known = min(row["error_bound"] for row in evidence)
+    chosen = next((n for n, bound in enumerate(bounds) if bound <= tolerance), None)
+    if chosen is None:
         cause = max(spread, key=spread.get)
         raise ModelError(
             f"no model's {quantity.replace('_', ' ')} is known to be within the tolerance "
-            f"{tolerance:g}, the best within {known:.2g}: {cause} of flexible links changes it by "
-            f"{spread[cause]:.2g} over {duration:g} s",
-            known,
+            f"{tolerance:g}, the best within {min(bounds):.2g}: {cause} of flexible links changes "
+            f"it by {spread[cause]:.2g} over {duration:g} s",
+            min(bounds),
         )
-    chosen = found[good[0]][0]
-    stiffness = links.stiffness(scene, depth) if depth > 0 else None
+    stiffness = links.stiffness(scene, depth)
     return ModelChoice(
-        **evidence[good[0]],
+        **evidence[chosen],
         quantity=quantity,
-        compliance_ratio=stiffness.compliance_ratio if stiffness else 0.0,
-        frequency_ratio=stiffness.frequency_ratio if stiffness else 0.0,
+        compliance_ratio=stiffness.compliance_ratio,
+        frequency_ratio=stiffness.frequency_ratio,
         depth_star=depth / scene.clearance,
         note=note,
         evidence=evidence,
-        run=chosen.again,
+        simulate=runs[chosen].simulate,
+    )
+
+
+def _law(scene, depth, socket_ratio):
+    """Law that stands for the exact one, with its options, and its error over Hertz's law's."""
+    material = Material(scene.youngs_modulus, scene.poisson)
+    r2_star = scene.socket_radius / scene.clearance
+    checks.number("socket radius over clearance", r2_star, least=LEAST_R2_STAR)
+    choice = choose(Joint(r2_star, socket_ratio, material, material), 1.0, LAW_TOLERANCE)
+    if choice.evaluate is None:
+        raise StudyError(
+            f"no law for calls at every step is known to be within {LAW_TOLERANCE:g} of the "
+            f"contact force of this joint, only the {choice.law} itself"
+        )
+    law = (choice.evaluate, {}) if choice.law == "tabulated" else (choice.law, choice.options)
+    at = max(depth / scene.clearance, SHALLOWEST), r2_star
+    of_hertz = abs(hertz(*at) / choice.evaluate(*at) - 1)
+    return law, choice.error_bound / of_hertz if of_hertz > 0 else 1.0
+
+
+def _loosest(run, finest, allowed, quantity):
+    """Rigid links with the largest tolerance whose steps change the motion by what is allowed."""
+    looser = (run("rigid", finest.law, tolerance=tolerance) for tolerance in TOLERANCES)
+    return next((one for one in looser if _apart(one, finest, quantity) <= allowed), finest)
+
+
+def _particles(run, law, quantity):
+    """Flexible links on two meshes, and what mesh and step change."""
+    coarse, fine = (run("particles", law, elements=n) for n in ELEMENTS)
+    half = run("particles", law, step_share=0.5, elements=ELEMENTS[-1])
+    return (
+        coarse,
+        fine,
+        {"the mesh": _apart(coarse, fine, quantity), "half the step": _apart(half, fine, quantity)},
     )
 
 
@@ -216,84 +236,32 @@ def _apart(one, other, quantity):
         return inf
 
 
-def table_row(scene, tolerance, quantity):
-    """What is chosen for a scene of 0.1 s, in words and numbers for a table.
-
-    Parameters
-    ----------
-    scene, tolerance, quantity
-        As for `choose_model`.
-
-    Returns
-    -------
-    dict
-        ``model``, ``joint``, ``law``, ``error_bound`` (2 digits), ``links``; ``none`` and the
-        least bound of any model where none is known to be good enough.
-    """
-    names = ("model", "joint", "law", "error_bound", "links")
-    try:
-        choice = choose_model(scene, tolerance, quantity=quantity)
-        found = {name: getattr(choice, name) for name in names}
-    except ModelError as error:
-        found = dict(zip(names, ("none", "none", "none", error.known, "compared"), strict=True))
-    return found | {"error_bound": float(f"{found['error_bound']:.2g}")}
-
-
-def _law(scene, depth, socket_ratio):
-    """Law that stands for the exact one, with its options, and its error over Hertz's law's."""
-    material = Material(scene.youngs_modulus, scene.poisson)
-    r2_star = scene.socket_radius / scene.clearance
-    checks.number("socket radius over clearance", r2_star, least=LEAST_R2_STAR)
-    joint = Joint(r2_star, socket_ratio, material, material)
-    choice = choose(joint, 1.0, LAW_TOLERANCE)
-    if choice.evaluate is None:
-        raise StudyError(
-            f"no law for calls at every step is known to be within {LAW_TOLERANCE:g} of the "
-            f"contact force of this joint, only the {choice.law} itself"
-        )
-    law = (choice.evaluate, {}) if choice.law == "tabulated" else (choice.law, choice.options)
-    at = max(depth / scene.clearance, SHALLOWEST), joint.r2_star
-    of_hertz = abs(hertz(*at) / choice.evaluate(*at) - 1)
-    return law, choice.error_bound / of_hertz if of_hertz > 0 else 1.0
-
-
 class _Run:
-    """A model that was run: its response, its time, and how to run it again.
+    """A model that was run: its description, its response, and the time that this took in s.
 
-    ``law`` is a name, or a law or name with its options.
+    ``law`` is a law or its name, and its options; ``step_share`` is of the particles' usual step.
     """
 
-    def __init__(self, scene, duration, outputs, model, law, settings):
-        self.law, self._model, self._settings = law, model, dict(settings)
-        name, options = law if isinstance(law, tuple) else (law, {})
-        self._name = name if isinstance(name, str) else "tabulated"
+    def __init__(self, scene, duration, outputs, model, law, step_share=1.0, **settings):
+        name, options = self.law = law
         if model == "particles":
-            packed = pack(
-                name, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **options
-            )
-            share = self._settings.pop("share", 1.0)
-            self._settings["step"] = share * usual_step(scene, packed, settings["elements"])
-        self._given = {"law": name} | options | self._settings
-        self.again(scene, min(WARM_UP, duration), 1)
+            radii = scene.ball_radius, scene.socket_radius
+            packed = pack(name, *radii, scene.composite_modulus, **options)
+            settings["step"] = step_share * usual_step(scene, packed, settings["elements"])
+        given = {"model": model, "law": name, "duration": duration, "outputs": outputs}
+        self.simulate = partial(simulate, scene, **given, **settings, **options)
+        self.simulate(duration=min(WARM_UP, duration), outputs=1)
         start = perf_counter()
-        self.response = self.again(scene, duration, outputs)
+        self.response = self.simulate()
         self.cost = perf_counter() - start
-
-    def again(self, scene, duration, outputs, progress=None):
-        """Run the model: `study.mechanism.simulate`."""
-        given = {"duration": duration, "outputs": outputs, "progress": progress}
-        return simulate(scene, model=self._model, **given, **self._given)
-
-    def tell(self):
-        """Model, joint, law and settings."""
-        settings = {k: v for k, v in self._settings.items() if k != "joint"}
-        joint = self._settings.get("joint", "clearance")
-        ideal = joint == "ideal"
-        stepper = "DOP853" if ideal else STEPPERS[self._model]
-        law = "none" if ideal else self._name
-        return {
-            "model": self._model,
+        joint = settings.pop("joint", "clearance")
+        if joint == "ideal":
+            name, stepper = "none", "DOP853"
+        else:
+            name, stepper = (name if isinstance(name, str) else "tabulated"), STEPPERS[model]
+        self.description = {
+            "model": model,
             "joint": joint,
-            "law": law,
+            "law": name,
             "settings": {"stepper": stepper} | settings,
         }
