@@ -7,10 +7,10 @@ import pytest
 
 from study import paths
 from study.contact import SOCKET_RATIO, hyperbolic_winkler, pressure, winkler
-from study.pages import catalogue, drawings, figures
+from study.pages import catalogue, drawings, execute, figures
 
 (NOTEBOOK,) = catalogue.select(["fig01"])
-DRAWN = {name: value for name, (value, _) in catalogue.parameters(NOTEBOOK).items()}
+DRAWN = {name: value for name, (value, _) in execute.parameters(NOTEBOOK).items()}
 R2_STAR, DEPTH_STAR = DRAWN["drawn_r2_star"], DRAWN["depth_star"]
 
 
