@@ -5,13 +5,17 @@ clamped and nothing is guessed.
 """
 
 import math
+from collections.abc import Collection, Iterable
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+T = TypeVar("T")
 
 LARGEST, SMALLEST = 1e40, 1e-40
-"""Size of any number, and least size of a positive one. The force of a law in SI units has six
-factors of such numbers and of a clearance that is 1e-16 of the radii: it neither overflows nor
-underflows."""
+"""Size of any number, and least size of a positive one. A law's force in SI units is a product of
+six such numbers and of a clearance of 1e-16 radii: it neither overflows nor underflows."""
 
 
 class StudyError(RuntimeError):
@@ -22,34 +26,34 @@ class RangeError(ValueError):
     """A value that is possible, but outside the range of what it is given to."""
 
 
-def number(name, value, unit="", *, above=None, least=None, below=None, most=None, scalar=False):
-    """Return ``value`` as floats if all of it lies in the stated range.
+def number(
+    name: str,
+    value: ArrayLike,
+    unit: str = "",
+    *,
+    above: float | None = None,
+    least: float | None = None,
+    below: float | None = None,
+    most: float | None = None,
+    scalar: bool = False,
+) -> Any:
+    """Return ``value``, in ``unit``, as a float or as an array of floats.
 
     Parameters
     ----------
-    name : str
+    name
         What the value is, in the words of the error message.
-    value : float or array_like
-        Value to check, in ``unit``.
-    unit : str
-        Unit named in the message; empty for a pure number.
-    above, least, below, most : float, optional
+    above, least, below, most
         Open lower, closed lower, open upper and closed upper limit.
-    scalar : bool
+    scalar
         Refuse an array.
-
-    Returns
-    -------
-    float or ndarray
-        A float for a scalar, else an array of the same shape.
 
     Raises
     ------
     ValueError
         If any element is no finite number, or masked.
     RangeError
-        If any lies outside the range or is larger than `LARGEST`, or, for the range above 0, is
-        below `SMALLEST`.
+        If any is outside the limits, larger than `LARGEST`, or, if > 0, below `SMALLEST`.
     """
     unit = f" {unit}" if unit else ""
     try:
@@ -58,38 +62,36 @@ def number(name, value, unit="", *, above=None, least=None, below=None, most=Non
         array = np.array(None)
     masked = isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value)
     if array.dtype.kind not in "iuf" or (scalar and array.ndim) or masked:
-        kind = "one number" if scalar else "a number"
-        raise ValueError(f"{name} must be {kind}, got {shown(value)}")
+        wanted = "one number" if scalar else "a number"
+        raise ValueError(f"{name} must be {wanted}, got {shown(value)}")
     array = array.astype(float)
     good = np.abs(array) <= LARGEST
+    if above == 0:
+        good &= array >= SMALLEST
     limits = []
-    if above is not None:
-        good &= (array > above) if above else (array >= SMALLEST)
-        limits.append(f"> {above:g}")
-    if least is not None:
-        good &= array >= least
-        limits.append(f">= {least:g}")
-    if below is not None:
-        good &= array < below
-        limits.append(f"< {below:g}")
-    if most is not None:
-        good &= array <= most
-        limits.append(f"<= {most:g}")
+    for sign, within, limit in (
+        (">", np.greater, above),
+        (">=", np.greater_equal, least),
+        ("<", np.less, below),
+        ("<=", np.less_equal, most),
+    ):
+        if limit is not None:
+            good &= within(array, limit)
+            limits.append(f"{sign} {limit:g}")
     if not good.all():
         worst = float(array[~good].flat[0])
-        kind = RangeError
         if not math.isfinite(worst):
-            kind, limits = ValueError, ["finite", *limits]
-        elif abs(worst) > LARGEST and ((below, most), (above, least))[worst < 0] == (None, None):
+            wanted = " and ".join(["finite", *limits])
+            raise ValueError(f"{name} must be {wanted}{unit}, got {worst:g}{unit}")
+        if abs(worst) > LARGEST and ((below, most), (above, least))[worst < 0] == (None, None):
             limits.append(f"<= {LARGEST:g} in size")
         elif above == 0 and 0 < worst < SMALLEST:
             limits[0] = f">= {SMALLEST:g}"
-        wanted = " and ".join(limits)
-        raise kind(f"{name} must be {wanted}{unit}, got {worst:g}{unit}")
+        raise RangeError(f"{name} must be {' and '.join(limits)}{unit}, got {worst:g}{unit}")
     return float(array) if array.ndim == 0 else array
 
 
-def whole(name, value, *, least, most=None):
+def whole(name: str, value: Any, *, least: int, most: int | None = None) -> int:
     """Return a whole number from ``least`` to ``most`` as int, or raise ``ValueError``."""
     found = number(name, value, least=least, most=most, scalar=True)
     if found != int(found):
@@ -98,60 +100,59 @@ def whole(name, value, *, least, most=None):
     return int(found)
 
 
-def poisson(name, value):
+def poisson(name: str, value: Any) -> float:
     """Return a Poisson's ratio inside the open range (-1, 0.5), or raise ``ValueError``."""
     return number(name, value, above=-1.0, below=0.5, scalar=True)
 
 
-def depth(name, value, unit=""):
+def depth(name: str, value: ArrayLike, unit: str = "") -> Any:
     """Return penetration depths, of any sign: `number`, but none from 0 to `SMALLEST`."""
     found = number(name, value, unit)
-    tiny = (found > 0) & (found < SMALLEST)
-    if tiny.any() if isinstance(found, np.ndarray) else tiny:
-        number(name, np.asarray(found)[tiny], unit, least=SMALLEST)
+    tiny = np.atleast_1d(found)
+    tiny = tiny[(tiny > 0) & (tiny < SMALLEST)]
+    if tiny.size:
+        number(name, tiny, unit, least=SMALLEST)
     return found
 
 
-def choice(name, value, allowed):
+def choice(name: str, value: Any, allowed: Collection[str]) -> Any:
     """Return ``value`` if it is one of the names ``allowed``, or raise `RangeError`."""
     if not isinstance(value, str) or value not in allowed:
         raise RangeError(f"{name} must be one of {', '.join(allowed)}, got {shown(value)}")
     return value
 
 
-def flag(name, value):
+def flag(name: str, value: Any) -> Any:
     """Return ``value`` if it is True or False, or raise ``ValueError``."""
     if value is not True and value is not False and not isinstance(value, np.bool_):
         raise ValueError(f"{name} must be True or False, got {shown(value)}")
     return value
 
 
-def instance(name, value, kind):
+def instance(name: str, value: Any, kind: type[T]) -> T:
     """Return ``value`` if it is of a class, or raise ``ValueError`` naming the class."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be a {kind.__name__}, got {shown(value)}")
     return value
 
 
-def like(name, value, kind, *attributes):
+def like(name: str, value: T, kind: str, *attributes: str) -> T:
     """Return ``value`` if it has the attributes of a class that is not at hand here."""
     if isinstance(value, type) or not all(hasattr(value, a) for a in attributes):
         raise ValueError(f"{name} must be a {kind}, got {shown(value)}")
     return value
 
 
-def same_length(least=1, **lists):
+def same_length(least: int = 1, **lists: ArrayLike) -> list[NDArray[np.float64]]:
     """Return lists of numbers as arrays, or raise ``ValueError`` if their lengths differ."""
     arrays = [np.asarray(number(name, value)) for name, value in lists.items()]
     if arrays[0].ndim != 1 or arrays[0].size < least or len({a.shape for a in arrays}) > 1:
-        names, shapes = " and ".join(lists), " and ".join(f"{a.shape}" for a in arrays)
-        raise ValueError(
-            f"{names} must be lists of the same length >= {least}, got shapes {shapes}"
-        )
+        wanted = f"{' and '.join(lists)} must be lists of the same length >= {least}"
+        raise ValueError(f"{wanted}, got shapes {' and '.join(f'{a.shape}' for a in arrays)}")
     return arrays
 
 
-def frame(name, value, columns):
+def frame(name: str, value: Any, columns: Iterable[str]) -> Any:
     """Return a ``pandas.DataFrame`` that has some columns, or raise ``ValueError``."""
     held = getattr(value, "columns", ())
     missing = [column for column in columns if column not in held]
@@ -161,7 +162,7 @@ def frame(name, value, columns):
     return value
 
 
-def shown(value):
+def shown(value: object) -> str:
     """A value as an error message shows it: one line, not too long."""
     try:
         text = " ".join(repr(value).split())

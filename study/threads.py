@@ -4,17 +4,19 @@ The matrices here are small: more threads wait for each other longer than they c
 as long where other processes are busy. What a user's own code does outside is left alone.
 """
 
+from collections.abc import Callable
 from functools import cache, wraps
+from typing import ParamSpec, TypeVar
 
-import scipy.linalg  # noqa: F401  (with NumPy: the libraries that are limited)
-from threadpoolctl import ThreadpoolController
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
-def one_thread(function):
+def one_thread(function: Callable[P, R]) -> Callable[P, R]:
     """Decorate a function so that BLAS and LAPACK have one thread while it runs."""
 
     @wraps(function)
-    def limited(*args, **kwargs):
+    def limited(*args: P.args, **kwargs: P.kwargs) -> R:
         with _controller().limit(limits=1, user_api="blas"):
             return function(*args, **kwargs)
 
@@ -23,4 +25,7 @@ def one_thread(function):
 
 @cache
 def _controller():
+    import scipy.linalg  # noqa: F401  (with NumPy: the libraries that are limited)
+    from threadpoolctl import ThreadpoolController
+
     return ThreadpoolController()  # finding the libraries takes a millisecond, limiting 0.02

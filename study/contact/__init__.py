@@ -1,6 +1,6 @@
 """Contact laws: the force between ball and socket as a function of penetration depth."""
 
-from study.contact.bodies import SOCKET_RATIO, composite_modulus
+from study.contact.bodies import SOCKET_RATIO, composite_modulus, largest_depth
 from study.contact.laws import (
     LAWS,
     PAPER_LAWS,
@@ -26,6 +26,7 @@ __all__ = [
     "contact_stiffness",
     "hertz",
     "hyperbolic_winkler",
+    "largest_depth",
     "liu",
     "steuermann",
     "stiffened_hertz",

@@ -1,4 +1,6 @@
-"""What a law takes from the two bodies: composite modulus, and the socket ratio of the paper."""
+"""What the two bodies give to a law: composite modulus, clearance, largest depth."""
+
+import numpy as np
 
 from study import checks
 
@@ -7,32 +9,39 @@ SOCKET_RATIO = 1.298
 which its Table 2 is met best on a fine mesh (notebook 13). It was perhaps drawn as 1.3."""
 
 
-def composite_modulus(ball_modulus, ball_poisson, socket_modulus, socket_poisson):
-    """Composite modulus E* of two bodies: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2.
+def composite_modulus(
+    ball_modulus: float, ball_poisson: float, socket_modulus: float, socket_poisson: float
+) -> float:
+    """Composite modulus E*, in Pa: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2.
 
     Parameters
     ----------
-    ball_modulus, socket_modulus : float
+    ball_modulus, socket_modulus
         Young's moduli, > 0, in Pa.
-    ball_poisson, socket_poisson : float
+    ball_poisson, socket_poisson
         Poisson's ratios, in (-1, 0.5).
-
-    Returns
-    -------
-    float
-        Composite modulus, in Pa.
 
     Raises
     ------
     ValueError
         For a value outside its range.
     """
-    moduli = [
-        checks.number(f"{body} Young's modulus", value, "Pa", above=0, scalar=True)
-        for body, value in (("ball", ball_modulus), ("socket", socket_modulus))
-    ]
-    ratios = [
-        checks.poisson(f"{body} Poisson's ratio", value)
-        for body, value in (("ball", ball_poisson), ("socket", socket_poisson))
-    ]
-    return 1 / sum((1 - nu**2) / e for e, nu in zip(moduli, ratios, strict=True))
+    bodies = {"ball": (ball_modulus, ball_poisson), "socket": (socket_modulus, socket_poisson)}
+    compliance = 0.0
+    for body, (modulus, poisson) in bodies.items():
+        e = checks.number(f"{body} Young's modulus", modulus, "Pa", above=0, scalar=True)
+        nu = checks.poisson(f"{body} Poisson's ratio", poisson)
+        compliance += (1 - nu**2) / e
+    return 1 / compliance
+
+
+def clearance_and_r2_star(ball_radius: float, socket_radius: float) -> tuple[float, float]:
+    """Clearance dR = R2 - R1, in m, and R2/dR, of radii in m with 0 < R1 < R2 (``ValueError``)."""
+    r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
+    r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
+    return r2 - r1, r2 / (r2 - r1)
+
+
+def largest_depth(r2_star: float) -> float:
+    """Depth d/dR = sqrt(2 R2* - 1) - 1 at which the spheres' overlap is widest: their equator."""
+    return np.sqrt(2 * r2_star - 1) - 1

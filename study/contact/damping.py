@@ -1,9 +1,10 @@
 """Damping of the normal contact force: F_N = P(d) (1 + D d'/v0).
 
 v0 is the approach speed at the start of the impact, latched until the surfaces part, and
-D the damping factor; four ways to choose it from the coefficient of restitution.
+D the damping factor; four rules choose it by the coefficient of restitution.
 """
 
+from collections.abc import Callable
 from math import expm1, log1p
 from typing import Literal
 
@@ -15,34 +16,17 @@ Damping = Literal["lankarani-nikravesh", "hunt-crossley", "flores", "exact"]
 POWERS = range(2, 60)  # of a series that converges as 0.5^k
 
 
-def lankarani_nikravesh(restitution):
-    """D = 3 (1 - cr^2) / 4: from the energy lost in a nearly elastic impact (Eq. 31)."""
-    return 3 * (1 - restitution**2) / 4
-
-
-def hunt_crossley(restitution):
-    """D = 3 (1 - cr) / 2, right to first order in 1 - cr (Hunt & Crossley 1975)."""
-    return 3 * (1 - restitution) / 2
-
-
-def flores(restitution):
-    """D = 8 (1 - cr) / (5 cr) (Flores, Machado, Silva & Martins 2011)."""
-    return 8 * (1 - restitution) / (5 * restitution)
-
-
-def exact(restitution):
+def exact(restitution: float) -> float:
     """The D that delivers cr in a free impact, whatever P: D (1 + cr) = ln((1+D)/(1-cr D)).
 
-    Follows from dv/dd of the free impact, which separates for a force of this form.
+    Follows from dv/dd of the free impact, which separates for a force of this form (this study).
     """
     if restitution == 1:
         return 0.0
-
     if restitution > 0.8:  # the logarithms' series over D^2: nothing cancels as cr -> 1
 
         def series(factor):
-            terms = (((-1) ** (k + 1) + restitution**k) * factor ** (k - 2) / k for k in POWERS)
-            return sum(terms)
+            return sum(((-1) ** (k + 1) + restitution**k) * factor ** (k - 2) / k for k in POWERS)
 
         return brentq(series, 0.0, 0.5, xtol=1e-15 * (1 - restitution))
 
@@ -56,29 +40,24 @@ def exact(restitution):
     return factor(brentq(surplus, 1e-3 * restitution, high, xtol=1e-15))
 
 
-DAMPINGS = {
-    "lankarani-nikravesh": lankarani_nikravesh,
-    "hunt-crossley": hunt_crossley,
-    "flores": flores,
+DAMPINGS: dict[Damping, Callable[[float], float]] = {
+    "lankarani-nikravesh": lambda cr: 3 * (1 - cr**2) / 4,  # Eq. 31: of a nearly elastic impact
+    "hunt-crossley": lambda cr: 3 * (1 - cr) / 2,  # exact to first order in 1 - cr (1975)
+    "flores": lambda cr: 8 * (1 - cr) / (5 * cr),  # Flores, Machado, Silva & Martins (2011)
     "exact": exact,
 }
 
 
-def damping_factor(damping, restitution):
-    """Damping factor D of one of `DAMPINGS`.
+def damping_factor(damping: Damping, restitution: float) -> float:
+    """Damping factor D >= 0 of one of `DAMPINGS`.
 
     Parameters
     ----------
-    damping : str
+    damping
         Name of the rule.
-    restitution : float
+    restitution
         Coefficient of restitution asked for, from 0 to 1; from 0.001 for ``flores`` and
         ``exact``, whose D grows as 1/cr.
-
-    Returns
-    -------
-    float
-        D >= 0, dimensionless.
 
     Raises
     ------

@@ -5,35 +5,35 @@ kept on disk cannot hold Python functions; every formula stays in `shapes` and `
 """
 
 from inspect import signature
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from study import checks
 from study.compiled import compiled
 from study.contact import shapes
+from study.contact.bodies import clearance_and_r2_star
 from study.contact.friction import friction_factor
-from study.contact.laws import find
+from study.contact.laws import Law, find
 
-_hertz = compiled(shapes.hertz)
-_winkler = compiled(shapes.winkler)
-_power = compiled(shapes.power)
-_chord = compiled(shapes.chord)
-_liu = compiled(shapes.liu)
-_hyperbolic = compiled(shapes.hyperbolic)
-_stiffened = compiled(shapes.stiffened)
-_tabulated = compiled(shapes.tabulated)
+_hertz, _winkler, _power, _chord, _liu, _hyperbolic, _stiffened, _tabulated = (
+    compiled(shape) for shape in shapes.SHAPES
+)
 
 
-def pack(law, ball_radius, socket_radius, composite, **options):
+def pack(
+    law: str | Law, ball_radius: float, socket_radius: float, composite: float, **options: Any
+) -> NDArray[np.float64]:
     """Numbers that `elastic_force` needs, for one law and one joint.
 
     Parameters
     ----------
-    law : str or callable
+    law
         Key of ``study.contact.LAWS``, or a law itself, such as ``tabulated(curve)``.
-    ball_radius, socket_radius : float
+    ball_radius, socket_radius
         In m, ball smaller than socket.
-    composite : float
+    composite
         Composite modulus, in Pa.
     **options
         Of the law.
@@ -49,14 +49,12 @@ def pack(law, ball_radius, socket_radius, composite, **options):
         For an unknown law or a value out of range.
     """
     parts = find(law).parts
-    r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
-    r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
+    clearance, r2_star = clearance_and_r2_star(ball_radius, socket_radius)
     modulus = checks.number("composite modulus", composite, "Pa", above=0, scalar=True)
-    clearance = r2 - r1
     known = list(signature(parts).parameters)[1:]
     for option in options:
         checks.choice(f"option of {parts.__name__}", option, known or ["(it has none)"])
-    scale, shape, constants = parts(r2 / clearance, **options)
+    scale, shape, constants = parts(r2_star, **options)
     index = shapes.SHAPES.index(shape)
     return np.array([index, clearance, modulus * clearance**2 * scale, *constants], dtype=float)
 

@@ -14,75 +14,87 @@ from functools import lru_cache, wraps
 from inspect import Parameter, Signature, signature
 from math import factorial, gamma, pi, sqrt
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal, Protocol, cast, get_args
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from study import checks
 from study.contact import shapes
-from study.contact.bodies import SOCKET_RATIO
+from study.contact.bodies import SOCKET_RATIO, clearance_and_r2_star
 
 LawName = Literal["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler", "stiffened_hertz"]
+Area = Literal["flat", "sphere"]
+Floats = float | NDArray[np.float64]
+Parts = tuple[Any, Callable, Any]
+"""Of a law at some R2*: scale, shape, and the shape's constants."""
 COEFFICIENTS = Path(__file__).with_name("coefficients.json")
+AREA_COEFFICIENTS: dict[Area, str] = {
+    "flat": "hyperbolic_winkler",
+    "sphere": "hyperbolic_winkler_sphere",
+}
+"""Name of the fitted coefficient of `hyperbolic_winkler`, by the area element of its pressure."""
 STIFFENED_RANGES = {"r2_star": (20, None), "socket_ratio": (1.1, 3), "poisson": (0.2, 0.45)}
 """Where `stiffened_hertz` is fitted: least and largest value."""
-ROUNDING = 1e-9  # of the limits: d/dR and R2/dR of radii in m may exceed them by rounding
+LIMIT_MARGIN = 1e-9  # of the limits: d/dR and R2/dR of radii in m may exceed them by rounding
 STEPS = 256  # of `tabulated`, per unit of sqrt(depth_star)
 
 
-def _law(parts, usual_r2_star=None, deepest=None):
-    """Make a law of its parts: ``parts(r2_star, **options)`` is (scale, shape, constants).
+class Law(Protocol):
+    """Dimensionless force over depth, a function with the arguments of `hertz`."""
 
-    The law checks its arguments, sees penetrating depths only, and returns the force or its
-    derivative; ``law.parts`` stays at hand for the compiled loops.
-    """
+    __name__: str
+    __call__: Callable[..., Any]
+    parts: Callable[..., Parts]
+
+
+def _law(
+    parts: Callable[..., Parts], usual_r2_star: float | None = None, deepest: float | None = None
+) -> Law:
+    """Make a law of its parts: it checks its arguments and sees penetrating depths only."""
 
     @wraps(parts)
     def law(depth_star, r2_star=usual_r2_star, *, derivative=False, **options):
         depth = np.asarray(checks.depth("depth_star", depth_star))
         r2 = np.asarray(checks.number("r2_star", r2_star, above=1))
         checks.flag("derivative", derivative)
-        depth, r2 = _broadcast(depth_star=depth, r2_star=r2)
+        try:
+            depth, r2 = np.broadcast_arrays(depth, r2)
+        except ValueError:
+            got = f"{depth.shape} and {r2.shape}"
+            raise ValueError(
+                f"depth_star and r2_star must be of shapes that fit, got {got}"
+            ) from None
         contact = depth > 0
         scale, shape, constants = parts(r2[contact], **options)
         limit = shapes.LIMITS.get(shape, deepest)
         if limit is not None:
-            most = limit * (1 + ROUNDING)
+            most = limit * (1 + LIMIT_MARGIN)
             checks.number(f"depth_star of {parts.__name__}", depth, most=most)
         result = np.zeros(depth.shape)
         result[contact] = scale * shape(depth[contact], constants)[int(derivative)]
         return float(result) if result.ndim == 0 else result
 
-    given = list(signature(parts).parameters.values())
-    first = Parameter("depth_star", Parameter.POSITIONAL_OR_KEYWORD)
-    which = Parameter("derivative", Parameter.KEYWORD_ONLY, default=False)
-    law.__signature__ = Signature([first, given[0], which, *given[1:]])
-    law.parts = parts
-    return law
-
-
-def _broadcast(**arrays):
-    try:
-        return np.broadcast_arrays(*arrays.values())
-    except ValueError:
-        names, shapes = " and ".join(arrays), (f"{array.shape}" for array in arrays.values())
-        raise ValueError(
-            f"{names} must be of shapes that fit, got {' and '.join(shapes)}"
-        ) from None
+    r2_star, *options = signature(parts).parameters.values()
+    r2_star = r2_star.replace(annotation=ArrayLike)
+    kind = Parameter("derivative", Parameter.KEYWORD_ONLY, default=False, annotation=bool)
+    given = [r2_star.replace(name="depth_star"), r2_star, kind, *options]
+    vars(law).update(parts=parts, __signature__=Signature(given, return_annotation=Floats))
+    return cast(Law, law)
 
 
 @_law
-def hertz(r2_star):
+def hertz(r2_star: Floats) -> Parts:
     """Hertz: P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) (Eqs. 4-6, given).
 
     Parameters
     ----------
-    depth_star : float or ndarray
+    depth_star
         Dimensionless penetration depth; zero force where it is negative.
-    r2_star : float or ndarray
+    r2_star
         Dimensionless socket radius, > 1.
-    derivative : bool
+    derivative
         Return dP*/d(depth_star) instead of P*.
 
     Returns
@@ -99,7 +111,9 @@ def hertz(r2_star):
 
 
 @_law
-def steuermann(r2_star, *, n=1, radius="geometric"):
+def steuermann(
+    r2_star: Floats, *, n: int = 1, radius: Literal["geometric", "profile"] = "geometric"
+) -> Parts:
     """Steuermann: P = (4n/(2n+1)) E* a d for a profile of order 2n (Eq. 7; Johnson, sec. 5.3).
 
     ``radius="geometric"`` takes the contact radius a = R2 sin(eps) with
@@ -112,20 +126,10 @@ def steuermann(r2_star, *, n=1, radius="geometric"):
     ----------
     depth_star, r2_star, derivative
         As for `hertz`.
-    n : int
+    n
         Half the order of the profile, from 1 to 50.
-    radius : {"geometric", "profile"}
+    radius
         Where the contact radius comes from.
-
-    Returns
-    -------
-    float or ndarray
-        Dimensionless force, or its derivative.
-
-    Raises
-    ------
-    ValueError
-        As for `hertz`; for n not a whole number from 1 to 50, or an unknown ``radius``.
     """
     checks.choice("radius", radius, ("geometric", "profile"))
     n = checks.whole("n", n, least=1, most=50)
@@ -144,59 +148,36 @@ def steuermann(r2_star, *, n=1, radius="geometric"):
 
 
 @_law
-def liu(r2_star):
+def liu(r2_star: Floats) -> Parts:
     """Liu et al. 2006: P* = 4.57 R2* ds sin(eps) sin(eps/2) (Eq. 8 is lost; reconstructed).
 
-    Reconstructed from two published numbers: the R2 of Table 2 gives the factor, the RMSE the
-    growth with depth (notebook 13). cos(eps) = dR/(dR + d) is Steuermann's half-angle, and
-    sin(eps/2) the factor of Liu's law for cylinders. Another form that meets both numbers, a
-    pressure 1 - theta^2/eps^2 on the socket's sphere, differs from this one by less than 1 %
-    of the force at a depth of 0.5.
-
-    Parameters
-    ----------
-    depth_star, r2_star, derivative
-        As for `hertz`.
-
-    Returns
-    -------
-    float or ndarray
-        Dimensionless force, or its derivative.
-
-    Raises
-    ------
-    ValueError
-        As for `hertz`.
+    Arguments as for `hertz`. Reconstructed from two published numbers: the R2 of Table 2 gives
+    the factor, the RMSE the growth with depth (notebook 13). cos(eps) = dR/(dR + d) is
+    Steuermann's half-angle, and sin(eps/2) the factor of Liu's law for cylinders. Another form
+    that meets both numbers, a pressure 1 - theta^2/eps^2 on the socket's sphere, differs from
+    this one by less than 1 % of the force at a depth of 0.5.
     """
     return _coefficient("liu", r2_star, None), shapes.liu, ()
 
 
 @_law
-def winkler(r2_star, *, coefficient=None):
+def winkler(r2_star: Floats, *, coefficient: float | None = None) -> Parts:
     """Winkler with fitted coefficient: P* = f1w(R2*) ds^2 (Eq. 28, derived; f1w fitted).
 
     Parameters
     ----------
     depth_star, r2_star, derivative
         As for `hertz`.
-    coefficient : float, optional
+    coefficient
         Value of f1w, > 0; by default this study's fit in the paper's joint, linear in R2*.
-
-    Returns
-    -------
-    float or ndarray
-        Dimensionless force, or its derivative.
-
-    Raises
-    ------
-    ValueError
-        As for `hertz`, or for a coefficient <= 0.
     """
     return _coefficient("winkler", r2_star, coefficient), shapes.winkler, ()
 
 
 @_law
-def hyperbolic_winkler(r2_star, *, area="flat", coefficient=None):
+def hyperbolic_winkler(
+    r2_star: Floats, *, area: Area = "flat", coefficient: float | None = None
+) -> Parts:
     """The paper's law: P* = f1(R2*) f2(ds) (Eqs. 20-27, f2 derived; f1 fitted by this study).
 
     f2 = 2 ds [(6/a) sin(a) + (6/a^2 - 2) cos(a) - 1 - 6/a^2] with the contact half-angle
@@ -211,90 +192,73 @@ def hyperbolic_winkler(r2_star, *, area="flat", coefficient=None):
     ----------
     depth_star, r2_star, derivative
         As for `hertz`; depth_star <= pi^2/8, where the half-angle is 90 deg.
-    area : {"flat", "sphere"}
+    area
         Area element of the integral over the contact.
-    coefficient : float, optional
+    coefficient
         Value of f1, > 0; by default this study's fit in the paper's joint
         (`study.joint.paper_joint`), linear in R2*.
-
-    Returns
-    -------
-    float or ndarray
-        Dimensionless force, or its derivative.
-
-    Raises
-    ------
-    ValueError
-        As for `hertz`, for depth_star > pi^2/8, an unknown area, or a coefficient <= 0.
     """
     checks.choice("area", area, tuple(shapes.BRACKETS))
-    name = "hyperbolic_winkler" if area == "flat" else "hyperbolic_winkler_sphere"
+    name = AREA_COEFFICIENTS[area]
     return _coefficient(name, r2_star, coefficient), shapes.hyperbolic, shapes.BRACKETS[area]
 
 
 @_law
-def stiffened_hertz(r2_star, *, socket_ratio=SOCKET_RATIO, poisson=0.3, kinematics="linear"):
+def stiffened_hertz(
+    r2_star: Floats,
+    *,
+    socket_ratio: float = SOCKET_RATIO,
+    poisson: float = 0.3,
+    kinematics: Literal["linear", "finite"] = "linear",
+) -> Parts:
     """Hertz stiffened by the socket's thickness and conformity (this study, fitted).
 
     P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + a1 u + a2 u^2 + b1 ds + b2 ds^2
     + b3 ds^3, where s = sqrt(ds) and u = s/(s + 0.6 (socket_ratio - 1)): S -> 1 as ds -> 0.
     The five coefficients are linear in 1/R2* and in products of (1, 1/q, 1/q^4) and
     (1, nu, 1/(1 - 1.8 nu)), q the socket ratio and nu Poisson's ratio (`stiffening_terms`).
-    For equal materials, a radially free ball (``plane`` drive) and a socket with ``mirror``
-    rim: there it is right within 1 % for ds from 0.005 to 1, and may be 2 % too soft at smaller
-    depths. It does not know other supports: in the paper's joint, whose ball is clamped, it is
-    up to 9 % too soft (notebook 15); `tabulated` is the law that is right there.
+    It is for equal materials, ``plane`` drive and ``mirror`` rim: its error is at most 1 % for
+    ds from 0.005 to 1, and may be 2 % below. In the paper's joint, whose ball is clamped, it is
+    up to 9 % too soft (notebook 15); there `tabulated` is accurate.
 
     Parameters
     ----------
     depth_star, r2_star, derivative
         As for `hertz`; depth_star <= 1 and r2_star >= 20.
-    socket_ratio : float
+    socket_ratio
         Outer over inner radius of the socket, from 1.1 to 3.
-    poisson : float
+    poisson
         Poisson's ratio of both bodies, from 0.2 to 0.45.
-    kinematics : {"linear", "finite"}
+    kinematics
         As for `study.joint.Joint`; ``small`` is not offered, as it misses Hertz's limit by a
         term of order 1/R2*.
-
-    Returns
-    -------
-    float or ndarray
-        Dimensionless force, or its derivative.
-
-    Raises
-    ------
-    ValueError
-        As for `hertz`, or for a value outside its range.
     """
     given = {"r2_star": r2_star, "socket_ratio": socket_ratio, "poisson": poisson}
     for name, (least, most) in STIFFENED_RANGES.items():
-        least *= 1 - ROUNDING
+        least *= 1 - LIMIT_MARGIN
         one = name != "r2_star"
         checks.number(f"{name} of stiffened_hertz", given[name], least=least, most=most, scalar=one)
     fit = _fitted("stiffened_hertz")
     checks.choice("kinematics", kinematics, tuple(fit["first_order"]))
-    limit, first_order = np.array(fit["limit"]), np.array(fit["first_order"][kinematics])
-    at_limit, slope = np.stack([limit, first_order]) @ stiffening_terms(
-        socket_ratio, poisson, fit["pole"]
-    )
+    matrices = np.array([fit["limit"], fit["first_order"][kinematics]])
+    at_limit, slope = matrices @ stiffening_terms(socket_ratio, poisson, fit["pole"])
     coefficients = at_limit + np.divide.outer(slope, r2_star).T
     constants = (stiffening_scale(socket_ratio, fit["reach"]), *coefficients.T)
     return hertz.parts(r2_star)[0], shapes.stiffened, constants
 
 
-def stiffening_scale(socket_ratio, reach):
+def stiffening_scale(socket_ratio: float, reach: float) -> float:
     """Constant g of `stiffened_hertz`: the sqrt(ds) at which the socket's thickness is felt."""
     return reach * (socket_ratio - 1)
 
 
-def stiffening_terms(socket_ratio, poisson, pole):
+def stiffening_terms(socket_ratio: float, poisson: float, pole: float) -> NDArray[np.float64]:
     """Products of (1, 1/q, 1/q^4) and (1, nu, 1/(1 - pole nu)), shape (9,)."""
     thickness = [1, 1 / socket_ratio, socket_ratio**-4]
     return np.outer(thickness, [1, poisson, 1 / (1 - pole * poisson)]).ravel()
 
 
-def tabulated(curve):
+def tabulated(curve: Any) -> Law:
     """Law of one joint, interpolated from its force-depth curve.
 
     The stiffening S = P*/P*(Hertz) is interpolated over sqrt(ds), from S = 1 at ds = 0, by a
@@ -304,17 +268,16 @@ def tabulated(curve):
 
     Parameters
     ----------
-    curve : study.joint.ForceCurve
-        At least 4 different depths > 0, the shallowest at most a tenth of the deepest. With 40
-        depths in equal steps of sqrt(ds) from 0.025 to 1 and a resolution of 640 the law is
-        within 1e-4 of the solver at all other depths from 0.001 on; the usual resolution of 320
-        leaves noise of 3e-4 below 0.005 in the curve.
+    curve
+        A `study.joint.ForceCurve` of at least 4 different depths > 0, the shallowest at most a
+        tenth of the deepest. With 40 depths in equal steps of sqrt(ds) from 0.025 to 1 and a
+        resolution of 640 the law is within 1e-4 of the solver at all other depths from 0.001 on;
+        the usual resolution of 320 leaves noise of 3e-4 below 0.005 in the curve.
 
     Returns
     -------
-    callable
-        Law of (``depth_star``, ``r2_star``) like the others; ``r2_star`` may be left out. Its
-        largest depth is the curve's.
+    Law
+        Its ``r2_star`` may be left out; its largest depth is the curve's.
 
     Raises
     ------
@@ -344,7 +307,7 @@ def tabulated(curve):
     table = np.column_stack([spline(knots), spline(knots, 1)]).ravel()
     constants = np.array([(len(knots) - 1) / root[-1], *table])
 
-    def tabulated(r2_star):
+    def tabulated(r2_star: Floats) -> Parts:
         if not np.allclose(r2_star, joint_r2_star, rtol=1e-6, atol=0):
             raise ValueError(f"r2_star must be the curve's, {joint_r2_star:g}, got {r2_star}")
         return hertz.parts(r2_star)[0], shapes.tabulated, constants
@@ -357,73 +320,76 @@ def _monotone_slopes(x, y):
     chords = np.diff(y) / np.diff(x)
     left, right = np.insert(chords, 0, chords[0]), np.append(chords, chords[-1])
     most = 3 * np.minimum(np.abs(left), np.abs(right)) * (left * right > 0)
-    return np.clip(
-        CubicSpline(x, y)(x, 1), np.where(left > 0, 0, -most), np.where(left > 0, most, 0)
-    )
+    least = np.where(left > 0, 0, -most)
+    return np.clip(CubicSpline(x, y)(x, 1), least, np.where(left > 0, most, 0))
 
 
-LAWS: dict[LawName, Callable] = {
-    "hertz": hertz,
-    "steuermann": steuermann,
-    "liu": liu,
-    "winkler": winkler,
-    "hyperbolic_winkler": hyperbolic_winkler,
-    "stiffened_hertz": stiffened_hertz,
+LAWS: dict[str, Law] = {
+    law.__name__: law
+    for law in (hertz, steuermann, liu, winkler, hyperbolic_winkler, stiffened_hertz)
 }
-PAPER_LAWS = ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler")
+PAPER_LAWS: tuple[LawName, ...] = get_args(LawName)[:-1]
 """Those that the paper compares."""
 
 
-def find(law):
+def find(law: str | Law) -> Law:
     """The law of a name, or the law itself, or ``ValueError``."""
-    if callable(getattr(law, "parts", None)):
+    if not isinstance(law, str) and callable(getattr(law, "parts", None)):
         return law
     return LAWS[checks.choice("law", law, LAWS)]
 
 
-def contact_force(law, depth, ball_radius, socket_radius, composite, **options):
-    """Contact force of a law in SI units: P = E* dR^2 P*(d/dR, R2/dR).
+def contact_force(
+    law: str | Law,
+    depth: ArrayLike,
+    ball_radius: float,
+    socket_radius: float,
+    composite: float,
+    *,
+    derivative: bool = False,
+    **options: Any,
+) -> Floats:
+    """Contact force of a law in SI units, in N: P = E* dR^2 P*(d/dR, R2/dR).
 
     Parameters
     ----------
-    law : str or callable
+    law
         Name of a law, a key of `LAWS`, or a law itself, such as ``tabulated(curve)``.
-    depth : float or ndarray
+    depth
         Penetration depth, in m; zero force where it is negative.
-    ball_radius, socket_radius : float
+    ball_radius, socket_radius
         Radii, in m, with 0 < ball_radius < socket_radius.
-    composite : float
+    composite
         Composite modulus E*, > 0, in Pa (see `composite_modulus`).
+    derivative
+        Return dP/dd, in N/m.
     **options
         Passed to the law.
-
-    Returns
-    -------
-    float or ndarray
-        Force, in N.
 
     Raises
     ------
     ValueError
         For an unknown law, a value outside its range or NaN.
     """
-    return _dimensional(law, depth, ball_radius, socket_radius, composite, False, options)
-
-
-def contact_stiffness(law, depth, ball_radius, socket_radius, composite, **options):
-    """Derivative dP/dd of `contact_force`, in N/m; same arguments, same errors."""
-    return _dimensional(law, depth, ball_radius, socket_radius, composite, True, options)
-
-
-def _dimensional(law, depth, ball_radius, socket_radius, composite, derivative, options):
     law = find(law)
-    depth = checks.depth("depth", depth, "m")
-    r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
-    r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
+    d = checks.depth("depth", depth, "m")
+    clearance, r2_star = clearance_and_r2_star(ball_radius, socket_radius)
     modulus = checks.number("composite modulus", composite, "Pa", above=0, scalar=True)
-    clearance = r2 - r1
-    value = law(depth / clearance, r2 / clearance, derivative=derivative, **options)
+    value = law(d / clearance, r2_star, derivative=derivative, **options)
     return modulus * clearance ** (1 if derivative else 2) * value
+
+
+def contact_stiffness(
+    law: str | Law,
+    depth: ArrayLike,
+    ball_radius: float,
+    socket_radius: float,
+    composite: float,
+    **options: Any,
+) -> Floats:
+    """Contact stiffness dP/dd, in N/m: the derivative of `contact_force`, with its arguments."""
+    joint = ball_radius, socket_radius, composite
+    return contact_force(law, depth, *joint, derivative=True, **options)
 
 
 def _coefficient(law, r2_star, coefficient):
@@ -436,24 +402,21 @@ def _coefficient(law, r2_star, coefficient):
 def _fitted(law):
     fits = fitted_coefficients()
     if law not in fits:
-        raise checks.StudyError(
-            f"study/contact/{COEFFICIENTS.name} lacks {law}; make it anew with: study data build"
-        )
+        raise _unusable(f"lacks {law}")
     return fits[law]
 
 
 @lru_cache(maxsize=1)
-def fitted_coefficients():
+def fitted_coefficients() -> dict[str, Any]:
     """Coefficients of the fitted laws, from this package's ``coefficients.json``.
 
     Returns
     -------
     dict
-        Law name -> ``slope`` and ``intercept`` of its coefficient, slope R2* + intercept,
-        for 20 <= R2* <= 300, dimensionless; for ``stiffened_hertz`` the constants ``reach`` (of
-        `stiffening_scale`) and ``pole`` (of `stiffening_terms`), and the matrices ``limit`` and,
-        per kinematics, ``first_order``, both (5, 9): coefficients a1, a2, b1, b2, b3 by the
-        products of `stiffening_terms`.
+        By name ``slope`` and ``intercept`` of a coefficient, slope R2* + intercept, for
+        20 <= R2* <= 300; for ``stiffened_hertz`` ``reach`` (of `stiffening_scale`), ``pole`` (of
+        `stiffening_terms`), and the matrices ``limit`` and, per kinematics, ``first_order``, both
+        (5, 9): coefficients a1, a2, b1, b2, b3 by the products of `stiffening_terms`.
 
     Raises
     ------
@@ -472,7 +435,9 @@ def fitted_coefficients():
                 float(fit["slope"]), float(fit["intercept"])
         return fits
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        raise checks.StudyError(
-            f"study/contact/{COEFFICIENTS.name} is missing or damaged; make it anew with: "
-            "study data build"
-        ) from None
+        raise _unusable("is missing or damaged") from None
+
+
+def _unusable(why):
+    file = f"study/contact/{COEFFICIENTS.name}"
+    return checks.StudyError(f"{file} {why}; make it anew with: study data build")
