@@ -14,7 +14,8 @@ import pandas as pd
 
 from study import checks, contact
 from study.contact import laws, shapes
-from study.joint import Joint, force_curve, series
+from study.joint import Joint, force_curve
+from study.joint.compliance import RESOLUTION
 
 Exported = Literal["stiffened_hertz", "tabulated"]
 Format = Literal["c", "json", "csv"]
@@ -132,7 +133,7 @@ def _tabulated(joint):
     depths = np.linspace(0, 1, ROOTS + 1)[1:] ** 2
     curve = force_curve(joint, depths)
     if curve.solver == "series":  # finer than usual, for it costs little
-        curve = force_curve(joint, depths, resolution=2 * series.RESOLUTION)
+        curve = force_curve(joint, depths, resolution=2 * RESOLUTION["series"])
     return contact.tabulated(curve), float(curve.error_estimate[depths >= 0.005].max())
 
 
@@ -159,7 +160,7 @@ def _described(joint):
         "r2_star": joint.r2_star,
         "socket_ratio": joint.socket_ratio,
         "poisson": [joint.ball.poisson, joint.socket.poisson],
-        "modulus_ratio": joint.socket.youngs_modulus / joint.ball.youngs_modulus,
+        "modulus_ratio": joint.modulus_ratio,
         "ball_drive": joint.ball_drive,
         "rim": joint.rim,
         "kinematics": joint.kinematics,
@@ -196,7 +197,7 @@ int stiffened_hertz(double depth, double ball_radius, double socket_radius,
 {{
     static const double limit[5][9] = {_braces(limit)};
     static const double first_order[5][9] = {_braces(first_order)};
-    const double most = 1 + {laws.ROUNDING}, least = 1 - {laws.ROUNDING};
+    const double most = 1 + {laws.LIMIT_MARGIN}, least = 1 - {laws.LIMIT_MARGIN};
     double clearance, r2_star, ds, thickness[3], material[3], c[5];
     double s, u, factor, growth, scale;
     int i, j, k;
@@ -264,7 +265,7 @@ int tabulated(double depth, double clearance, double composite_modulus,
     if (!(clearance > 0 && clearance <= DBL_MAX)) return 2;
     if (!(composite_modulus > 0 && composite_modulus <= DBL_MAX)) return 3;
     ds = depth / clearance;
-    if (!(ds <= 1 + {laws.ROUNDING})) return 1;
+    if (!(ds <= 1 + {laws.LIMIT_MARGIN})) return 1;
     if (ds <= 0) {{ *force = 0; *stiffness = 0; return 0; }}
 
     s = sqrt(ds);

@@ -25,8 +25,8 @@ def test_bodies_by_finite_elements(benchmark):
     def both():
         for cached in (fem.ball, fem.socket):
             cached.cache_clear()
-        assert fem.ball().compliance.unknowns > 0
-        assert fem.socket(1.19).compliance.unknowns > 0
+        assert fem.ball().compliance.flexibility.size
+        assert fem.socket(1.19).compliance.flexibility.size
 
     benchmark.pedantic(both, rounds=5, warmup_rounds=1)
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from study import checks, dataset
-from study.contact import LAWS, hertz, tabulated
+from study.contact import LAWS, hertz, largest_depth, tabulated
 from study.joint import Joint, UnresolvedError, force_curve
 from study.threads import one_thread
 
@@ -99,7 +99,7 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     checks.instance("joint", joint, Joint)
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1], scalar=True)
-    widest = np.sqrt(2 * joint.r2_star - 1) - 1
+    widest = largest_depth(joint.r2_star)
     checks.number("depth_star", deepest, below=widest / 1.05)  # room to estimate errors beside it
     note = outside(joint, deepest)
     least = min(SHALLOWEST, deepest / 12) if note else SHALLOWEST
@@ -317,7 +317,7 @@ def _kind(joint):
     """Which of `RESOLUTIONS` a joint is solved with."""
     if joint.kinematics == "finite":
         return "finite"
-    return "series" if joint.ball_drive == "plane" and joint.rim == "mirror" else "quadratic"
+    return "series" if joint.series_applies else "quadratic"
 
 
 def _depths(least, deepest, count):

@@ -17,6 +17,7 @@ from scipy.interpolate import CubicSpline
 
 from study import contact
 from study.claims import statistics
+from study.contact.laws import AREA_COEFFICIENTS
 from study.dataset import fitting
 from study.dataset.fitting import LARGEST_DEPTH, R2_STAR
 from study.joint import force_curve, paper_joint
@@ -25,7 +26,6 @@ ROWS = ("hertz", "steuermann", "winkler", "hyperbolic_winkler")
 """Rows of Table 2 that count: Liu's formula is reconstructed from its own row."""
 NUMBERS = tuple(f"{quantity} {law}" for law in ROWS for quantity in ("1 - R2", "RMSE"))
 """The eight numbers that are compared."""
-AREAS = {"flat": "hyperbolic_winkler", "sphere": "hyperbolic_winkler_sphere"}
 SAMPLINGS = {f"{n}, from 0": np.linspace(0, LARGEST_DEPTH, n) for n in (19, 20, 21, 22, 39)} | {
     f"{n}, without 0": np.linspace(0, LARGEST_DEPTH, n + 1)[1:] for n in (19, 20, 21)
 }
@@ -71,7 +71,7 @@ def table_2(
         Share by which the fitted coefficients are lowered.
     """
     options = {law: {} for law in contact.PAPER_LAWS}
-    for law, name in (("winkler", "winkler"), ("hyperbolic_winkler", AREAS[area])):
+    for law, name in (("winkler", "winkler"), ("hyperbolic_winkler", AREA_COEFFICIENTS[area])):
         coefficient = (1 - lower) * fitting.coefficient(name, sample, force)
         options[law] = {"coefficient": coefficient}
     options["hyperbolic_winkler"]["area"] = area
@@ -126,7 +126,9 @@ def scan(published: pd.DataFrame, ratios: Sequence[float] = RATIOS, **set_up: An
     rows, grid = [], np.linspace(0, LARGEST_DEPTH, 401)
     for ratio in ratios:
         truth = CubicSpline(grid, forces(grid, socket_ratio=ratio, **set_up))
-        for (sampling, sample), area, factor in product(SAMPLINGS.items(), AREAS, FACTORS):
+        for (sampling, sample), area, factor in product(
+            SAMPLINGS.items(), AREA_COEFFICIENTS, FACTORS
+        ):
             key = {"ratio": ratio, "sampling": sampling, "area": area, "factor": factor}
             found = deviations(published, sample, truth(sample), area, factor=FACTORS[factor])
             rows.append(key | found)

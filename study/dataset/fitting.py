@@ -17,14 +17,12 @@ from scipy.optimize import linprog
 
 from study import checks
 from study.contact import LAWS, hertz, shapes
-from study.contact.laws import stiffening_scale, stiffening_terms
+from study.contact.laws import AREA_COEFFICIENTS, stiffening_scale, stiffening_terms
 from study.dataset.design import PAPER_KINEMATICS, R2_STAR
 
 FITTED_LAWS = {
-    "hyperbolic_winkler": ("hyperbolic_winkler", {}),
-    "hyperbolic_winkler_sphere": ("hyperbolic_winkler", {"area": "sphere"}),
-    "winkler": ("winkler", {}),
-}
+    name: ("hyperbolic_winkler", {"area": area}) for area, name in AREA_COEFFICIENTS.items()
+} | {"winkler": ("winkler", {})}
 """Name of the coefficients -> law and its options."""
 SLACK = 1.05  # of the largest error, for fewer coefficients
 REACH, POLE = 0.6, 1.8  # constants of stiffened_hertz, chosen for the smallest error

@@ -15,9 +15,9 @@ import pandas as pd
 from study import checks, contact, paths
 from study.contact.laws import COEFFICIENTS
 from study.dataset import agreement, design, provenance
-from study.joint import Joint, Kinematics, fem, force_curve, series
-from study.joint.compliance import DRIVES, RIMS
-from study.joint.curve import FINITE_RESOLUTION, KINEMATICS, SOLVERS
+from study.joint import Joint, Kinematics, force_curve
+from study.joint.compliance import DRIVES, RESOLUTION, RIMS
+from study.joint.curve import KINEMATICS, SOLVERS
 
 CURVES = paths.DATA / "force_curves.csv"
 LINKS = paths.DATA / "links.csv"
@@ -381,11 +381,7 @@ def _design():
             group: {"why": why, "cases": sum(case[0] == group for case in cases)}
             for group, why in design.GROUPS.items()
         },
-        "resolution": {
-            "series": series.RESOLUTION,
-            "quadratic": fem.RESOLUTION,
-            "finite": FINITE_RESOLUTION,
-        },
+        "resolution": RESOLUTION,
         "cases_sha256": provenance.sha256(repr(cases).encode()),
     }
 

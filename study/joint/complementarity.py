@@ -5,6 +5,7 @@ definite here, so that there is exactly one solution and block principal pivotin
 """
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from study import checks
@@ -20,7 +21,12 @@ class ComplementarityError(StudyError):
 
 
 @one_thread
-def solve(matrix, vector, active=None, max_pivots=None):
+def solve(
+    matrix: ArrayLike,
+    vector: ArrayLike,
+    active: NDArray[np.bool_] | None = None,
+    max_pivots: int | None = None,
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Solve a linear complementarity problem by block principal pivoting.
 
     All indices whose sign is wrong change sides at once as long as this makes progress; else
@@ -29,13 +35,13 @@ def solve(matrix, vector, active=None, max_pivots=None):
 
     Parameters
     ----------
-    matrix : ndarray, shape (n, n)
-        Symmetric positive definite.
-    vector : ndarray, shape (n,)
-        Value of w at p = 0.
-    active : ndarray of bool, shape (n,), optional
+    matrix
+        A, symmetric positive definite, shape (n, n).
+    vector
+        b, the value of w at p = 0, shape (n,).
+    active
         First guess of where p > 0; by default where ``vector`` < 0.
-    max_pivots : int, optional
+    max_pivots
         Limit of pivoting steps, by default 20 n + 100.
 
     Returns
@@ -49,37 +55,35 @@ def solve(matrix, vector, active=None, max_pivots=None):
     ValueError
         For an entry that is not finite, shapes that do not fit, or no step at all.
     ComplementarityError
-        If the limit of steps is reached, with the residual max |min(p, w)|, or if the matrix is
-        not positive definite, which that of a socket much softer than its ball is not once
-        rounded.
+        At the limit of steps, with the residual max |min(p, w)|; or for a matrix that is not
+        positive definite, as that of a socket much softer than its ball is not once rounded.
     """
-    matrix = np.asarray(checks.number("matrix", matrix))
-    vector = np.asarray(checks.number("vector", vector))
-    size = len(vector) if vector.ndim == 1 else -1
-    if matrix.shape != (size, size):
-        shapes = f"{matrix.shape} and {vector.shape}"
+    a = np.asarray(checks.number("matrix", matrix))
+    b = np.asarray(checks.number("vector", vector))
+    size = len(b) if b.ndim == 1 else -1
+    if a.shape != (size, size):
+        shapes = f"{a.shape} and {b.shape}"
         raise ValueError(f"matrix and vector must be of shapes (n, n) and (n,), got {shapes}")
-    zero = TOLERANCE * np.abs(vector).max(initial=0.0)
-    active = vector < 0 if active is None else np.array(active)
+    zero = TOLERANCE * np.abs(b).max(initial=0.0)
+    active = b < 0 if active is None else np.array(active)
     if active.shape != (size,) or active.dtype != bool:
         raise ValueError(f"active must be {size} of True and False, got {checks.shown(active)}")
-    most = 20 * size + 100
-    if max_pivots is not None:
-        most = checks.whole("max_pivots", max_pivots, least=1)
+    if max_pivots is None:
+        max_pivots = 20 * size + 100
     fewest, patience = size + 1, PATIENCE
-    for _ in range(most):
+    for _ in range(checks.whole("max_pivots", max_pivots, least=1)):
         p = np.zeros(size)
         if active.any():
             try:
-                block = cho_factor(matrix[np.ix_(active, active)], check_finite=False)
+                block = cho_factor(a[np.ix_(active, active)], check_finite=False)
             except LinAlgError:
                 raise ComplementarityError(
                     "contact did not converge: its matrix is not positive definite"
                 ) from None
-            p[active] = cho_solve(block, -vector[active], check_finite=False)
-        w = vector + matrix[:, active] @ p[active]
+            p[active] = cho_solve(block, -b[active], check_finite=False)
+        w = b + a[:, active] @ p[active]
         wrong = np.where(active, p < -TOLERANCE * np.abs(p).max(initial=0.0), w < -zero)
-        count = np.count_nonzero(wrong)
+        count = int(np.count_nonzero(wrong))
         if count == 0:
             p = np.maximum(p, 0.0)  # within the tolerance
             return p, p > 0

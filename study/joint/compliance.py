@@ -4,11 +4,13 @@ A `Compliance` is all that contact needs to know of a body. It is computed once,
 radius and unit Young's modulus, and serves every clearance, depth and modulus.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, wraps
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 
@@ -18,6 +20,8 @@ Rim = Literal["mirror", "free"]
 """What holds the socket's edge at the equator."""
 DRIVES: tuple[Drive, ...] = get_args(Drive)
 RIMS: tuple[Rim, ...] = get_args(Rim)
+RESOLUTION = {"series": 320, "quadratic": 160, "finite": 96}
+"""Usual elements along the quarter circle: by series, finite elements, with large displacements."""
 FINEST_RESOLUTION = 1280
 """Finer hats than these are too much alike for the series, and meshes take gigabytes."""
 THICKEST_RATIO = 1e6
@@ -26,7 +30,7 @@ takes meshes of ever more rings."""
 _ANGLE_SCALE = 0.157  # rad: spacing of the surface's nodes grows from this polar angle on
 
 
-def remembered(maxsize):
+def remembered(maxsize: int) -> Callable[[Callable], Any]:
     """`functools.lru_cache`, but that what cannot be hashed is left to the function to refuse."""
 
     def make(function):
@@ -40,29 +44,26 @@ def remembered(maxsize):
                 return function(*args, **kwargs)
             return known(*args, **kwargs)
 
-        call.cache_clear = known.cache_clear
+        vars(call)["cache_clear"] = known.cache_clear
         return call
 
     return make
 
 
-def graded(length, scale, count):
-    """``count`` steps over ``length``, each proportional to (distance + scale)."""
+def graded(length: float, scale: float, count: int) -> NDArray[np.float64]:
+    """Places of ``count`` steps over ``length``, each proportional to (distance + scale)."""
     return scale * np.expm1(np.linspace(0, np.log1p(length / scale), count + 1))
 
 
-def surface_angles(resolution):
-    """Polar angles of the surface's nodes, with spacing proportional to angle + 9 deg.
+def surface_angles(resolution: int) -> NDArray[np.float64]:
+    """Polar angles of the surface's nodes, from 0 to pi/2, in rad; shape (resolution + 1,).
+
+    Their spacing is proportional to angle + 9 deg.
 
     Parameters
     ----------
-    resolution : int
+    resolution
         Elements along the quarter circle: a multiple of 16, at least 16.
-
-    Returns
-    -------
-    ndarray, shape (resolution + 1,)
-        Angles from 0 to pi/2, in rad.
 
     Raises
     ------
@@ -82,67 +83,65 @@ class Compliance:
     """Inward normal displacement of a unit sphere's surface under axisymmetric pressure.
 
     Pressure is piecewise linear in the polar angle between ``angles`` (hat functions h_i);
-    w_j is the inward normal displacement under the pressure h_j.
+    w_j is the inward normal displacement under the pressure h_j. The arrays cannot be written
+    to, as all callers share them.
 
     Attributes
     ----------
-    angles : ndarray, shape (n,)
-        Polar angles of the pressure nodes, from 0 (contact axis) to pi/2, in rad.
-    flexibility : ndarray, shape (n, n)
+    angles
+        Polar angles of the pressure nodes, from 0 (contact axis) to pi/2, in rad; shape (n,).
+    flexibility
         Integral of h_i w_j over the surface, for radius 1 and Young's modulus 1; symmetric
-        and positive definite. For radius R and modulus E the displacement scales by R/E.
-    reaction : ndarray, shape (n,)
-        Axial reaction of the body's supports to the pressure h_j on a unit sphere.
-    unknowns : int
-        Unknowns of the linear system behind it.
+        and positive definite, shape (n, n). For radius R and modulus E it scales by R/E.
+    reaction
+        Axial reaction of the body's supports to the pressure h_j on a unit sphere; shape (n,).
     """
 
-    angles: np.ndarray
-    flexibility: np.ndarray
-    reaction: np.ndarray
-    unknowns: int
+    angles: NDArray[np.float64]
+    flexibility: NDArray[np.float64]
+    reaction: NDArray[np.float64]
+
+    def __post_init__(self):
+        for array in (self.angles, self.flexibility, self.reaction):
+            array.flags.writeable = False
 
 
 class HatFunctions:
     """Hat functions of the polar angle on a unit hemisphere: where pressures live.
 
-    Parameters
-    ----------
-    angles : ndarray, shape (n,)
-        Increasing polar angles of the nodes, in rad.
-
     Attributes
     ----------
-    points, areas : ndarray, shape (8 (n - 1),)
-        Gauss points, as polar angles in rad, and their areas on the unit sphere.
+    angles
+        Increasing polar angles of the nodes, in rad; shape (n,).
+    points, areas
+        Gauss points, as polar angles in rad, and their areas; shape (8 (n - 1),).
     """
 
     _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
-    def __init__(self, angles):
-        angles = np.asarray(checks.number("angles", angles))
+    def __init__(self, angles: ArrayLike):
+        self.angles = angles = np.asarray(checks.number("angles", angles))
         if angles.ndim != 1 or angles.size < 2 or (np.diff(angles) <= 0).any():
             raise ValueError(f"angles must be a rising list, got {checks.shown(angles)}")
-        self.angles = angles
         width = np.diff(angles)[:, None]
         self._right = (1 + self._POINTS) / 2  # value of an element's right hat; left is 1 - it
         self._theta = angles[:-1, None] + width * self._right
         self._area = np.pi * np.sin(self._theta) * width * self._WEIGHTS  # 2 pi sin / 2
         self.points, self.areas = self._theta.ravel(), self._area.ravel()
 
-    def integrate(self, function):
+    def integrate(self, function: Callable) -> NDArray[np.float64]:
         """Integral of ``function(theta)`` times each hat over the unit sphere, shape (n,)."""
         density = self._area * function(self._theta)
         return self._to_nodes((density * (1 - self._right)).sum(1), (density * self._right).sum(1))
 
-    def mass(self):
+    def mass(self) -> NDArray[np.float64]:
         """Integrals of products of two hats over the unit sphere, shape (n, n)."""
         left, right = 1 - self._right, self._right
         diagonal = self._to_nodes((self._area * left**2).sum(1), (self._area * right**2).sum(1))
         beside = (self._area * left * right).sum(1)
         return np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
 
-    def values(self, theta):
+    def values(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         """Value of every hat at every angle of ``theta``, shape (len(theta), n)."""
         element = np.clip(np.searchsorted(self.angles, theta) - 1, 0, len(self.angles) - 2)
         right = (theta - self.angles[element]) / np.diff(self.angles)[element]

@@ -8,21 +8,29 @@ Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 """
 
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact import SOCKET_RATIO, composite_modulus
-from study.joint import fem, pairing, series
-from study.joint.compliance import DRIVES, FINEST_RESOLUTION, RIMS, THICKEST_RATIO, Drive, Rim
+from study.contact import SOCKET_RATIO, composite_modulus, largest_depth
+from study.joint import pairing, series
+from study.joint.compliance import (
+    DRIVES,
+    FINEST_RESOLUTION,
+    RESOLUTION,
+    RIMS,
+    THICKEST_RATIO,
+    Drive,
+    Rim,
+)
 from study.threads import one_thread
 
 Kinematics = Literal["small", "linear", "finite"]
 Solver = Literal["series", "quadratic", "linear"]
 KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 SOLVERS: tuple[Solver, ...] = get_args(Solver)
-FINITE_RESOLUTION = 96  # large displacements cost more
 LARGEST_MODULUS_RATIO = 1e9
 """Of the bodies' Young's moduli, either way: a stiffer body is rigid, within 1e-9 of the force, and
 one much softer than its ball leaves a contact matrix that is not positive definite once rounded."""
@@ -35,15 +43,7 @@ class UnresolvedError(checks.RangeError):
 
 @dataclass(frozen=True)
 class Material:
-    """An isotropic, linear elastic material.
-
-    Attributes
-    ----------
-    youngs_modulus : float
-        Young's modulus, > 0, in Pa.
-    poisson : float
-        Poisson's ratio, in (-1, 0.5).
-    """
+    """An isotropic, linear elastic material: Young's modulus > 0, in Pa, Poisson's ratio < 0.5."""
 
     youngs_modulus: float = 2e11
     poisson: float = 0.3
@@ -59,25 +59,25 @@ class Joint:
 
     The supports are by default those of a joint in general, not of the paper's (`paper_joint`):
     a ball that is free to spread at its equator and a socket that ends in a mirror plane. They
-    are solved exactly, and it is for them that `study.contact.stiffened_hertz` is right.
+    are solved exactly, and `study.contact.stiffened_hertz` is for them.
 
     Attributes
     ----------
-    r2_star : float
+    r2_star
         Dimensionless socket radius R2/dR, > 1.
-    socket_ratio : float
+    socket_ratio
         Outer over inner radius of the socket, from 1.001 to 1e6; >= 1.02 for finite elements. By
         default the paper's.
-    ball, socket : Material
+    ball, socket
         Materials of the two bodies, Young's moduli within a factor of 1e9.
-    ball_drive : {"plane", "clamped", "point"}
-        The half ball's equatorial plane is displaced axially and is radially free, or fixed;
-        or its centre alone is displaced, as by a point load.
-    rim : {"mirror", "free"}
+    ball_drive
+        The half ball's equatorial plane is displaced axially and is radially free (``plane``), or
+        fixed (``clamped``); or its centre alone is displaced (``point``), as by a point load.
+    rim
         The socket's edge at the equator is a mirror plane, or traction-free. At Poisson's ratio
         0.3 and R2* = 200 the force differs by less than 1e-5 up to a socket ratio of 1.25, by
         0.7 % at 2 and 4 % at 3; at Poisson's ratio 0.45 by 0.4 % at 1.25 and 1.6 % at 1.5.
-    kinematics : {"linear", "small", "finite"}
+    kinematics
         ``small``: points face each other at equal angles seen from the socket's centre, the
         gap is the exact overlap of the rigid spheres, the force acts on the socket's area.
         ``linear``: every point of the ball faces the point of the socket it has moved to, and
@@ -101,37 +101,45 @@ class Joint:
 
     def __post_init__(self):
         checks.number("r2_star", self.r2_star, above=1, scalar=True)
-        thickness = {"least": series.THINNEST_RATIO, "most": THICKEST_RATIO}
-        checks.number("socket_ratio", self.socket_ratio, **thickness, scalar=True)
+        thinnest, thickest = series.THINNEST_RATIO, THICKEST_RATIO
+        checks.number("socket_ratio", self.socket_ratio, least=thinnest, most=thickest, scalar=True)
         for name in ("ball", "socket"):
             checks.instance(name, getattr(self, name), Material)
-        moduli = {"least": 1 / LARGEST_MODULUS_RATIO, "most": LARGEST_MODULUS_RATIO}
-        ratio = self.socket.youngs_modulus / self.ball.youngs_modulus
-        checks.number("Young's modulus of the socket over that of the ball", ratio, **moduli)
+        name, most = "Young's modulus of the socket over that of the ball", LARGEST_MODULUS_RATIO
+        checks.number(name, self.modulus_ratio, least=1 / most, most=most)
         checks.choice("ball_drive", self.ball_drive, DRIVES)
         checks.choice("rim", self.rim, RIMS)
         checks.choice("kinematics", self.kinematics, KINEMATICS)
 
     @property
-    def ball_radius(self):
+    def ball_radius(self) -> float:
         """Ball radius over socket radius, R1/R2."""
         return 1 - 1 / self.r2_star
 
     @property
-    def modulus_shares(self):
+    def modulus_ratio(self) -> float:
+        """Young's modulus of the socket over that of the ball."""
+        return self.socket.youngs_modulus / self.ball.youngs_modulus
+
+    @property
+    def modulus_shares(self) -> tuple[float, float]:
         """E*/E of the ball and of the socket."""
-        ball, socket = self.ball, self.socket
-        composite = composite_modulus(
-            ball.youngs_modulus, ball.poisson, socket.youngs_modulus, socket.poisson
-        )
-        return composite / ball.youngs_modulus, composite / socket.youngs_modulus
+        e1, e2 = self.ball.youngs_modulus, self.socket.youngs_modulus
+        composite = composite_modulus(e1, self.ball.poisson, e2, self.socket.poisson)
+        return composite / e1, composite / e2
+
+    @property
+    def series_applies(self) -> bool:
+        """Whether the exact series does: symmetric about the equator, bodies that stay linear."""
+        supports = self.ball_drive == "plane" and self.rim == "mirror"
+        return supports and self.kinematics != "finite"
 
 
-PAPER_SUPPORTS = {"ball_drive": "clamped", "rim": "free"}
+PAPER_SUPPORTS: dict[str, Any] = {"ball_drive": "clamped", "rim": "free"}
 """How the paper's finite elements hold ball and socket: identified from its Table 2."""
 
 
-def paper_joint(r2_star=200, **changes):
+def paper_joint(r2_star: float = 200, **changes: Any) -> Joint:
     """The joint of the paper's figures and tables, as far as it can be known.
 
     Clamped ball, free rim, socket ratio 1.298, linear kinematics, both bodies of Poisson's ratio
@@ -140,19 +148,10 @@ def paper_joint(r2_star=200, **changes):
 
     Parameters
     ----------
-    r2_star : float
+    r2_star
         Dimensionless socket radius; 200 is that of Fig. 10 and Table 2.
     **changes
         Other attributes of `Joint`.
-
-    Returns
-    -------
-    Joint
-
-    Raises
-    ------
-    ValueError
-        As for `Joint`.
     """
     return Joint(r2_star, **(PAPER_SUPPORTS | changes))
 
@@ -163,52 +162,45 @@ class ForceCurve:
 
     Attributes
     ----------
-    joint : Joint
-    solver : str
-        Which of `SOLVERS` made it.
-    depth_star : ndarray, shape (k,)
-        Dimensionless penetration depth d/dR, in the order asked for.
-    force_star : ndarray, shape (k,)
+    joint, solver
+        What was solved, and how.
+    depth_star
+        Dimensionless penetration depth d/dR, in the order asked for; shape (k,) as all below.
+    force_star
         Dimensionless force P/(E* dR^2).
-    contact_half_angle : ndarray, shape (k,)
+    contact_half_angle
         Polar angle of the contact's edge, in rad.
-    peak_pressure : ndarray, shape (k,)
+    peak_pressure
         Largest pressure, in E* dR/R2.
-    error_estimate : ndarray, shape (k,)
+    error_estimate
         Estimated relative discretisation error of the force: its largest difference from the
         force at half the resolution, at this depth and 3 % to both sides of it (the
         error oscillates as the contact's edge passes the nodes).
-    angles : ndarray, shape (n,)
-        Polar angles of the pressure profile, in rad.
-    pressure : ndarray, shape (k, n)
-        Pressure profile per depth, in E* dR/R2.
+    angles
+        Polar angles of the pressure profile, in rad; shape (n,).
+    pressure
+        Pressure profile per depth, in E* dR/R2; shape (k, n).
     """
 
     joint: Joint
-    solver: str
-    depth_star: np.ndarray
-    force_star: np.ndarray
-    contact_half_angle: np.ndarray
-    peak_pressure: np.ndarray
-    error_estimate: np.ndarray
-    angles: np.ndarray
-    pressure: np.ndarray
+    solver: Solver
+    depth_star: NDArray[np.float64]
+    force_star: NDArray[np.float64]
+    contact_half_angle: NDArray[np.float64]
+    peak_pressure: NDArray[np.float64]
+    error_estimate: NDArray[np.float64]
+    angles: NDArray[np.float64]
+    pressure: NDArray[np.float64]
 
-    def columns(self):
-        """The curve as columns of a table, a row per depth: those of `study.dataset.load`.
-
-        Returns
-        -------
-        dict
-            Column name -> value of all rows, or array of shape (k,).
-        """
+    def columns(self) -> dict[str, Any]:
+        """The curve as columns of a table, a row per depth: those of `study.dataset.load`."""
         joint = self.joint
         return {
             "r2_star": joint.r2_star,
             "socket_ratio": joint.socket_ratio,
             "poisson_ball": joint.ball.poisson,
             "poisson_socket": joint.socket.poisson,
-            "modulus_ratio": joint.socket.youngs_modulus / joint.ball.youngs_modulus,
+            "modulus_ratio": joint.modulus_ratio,
             "ball_drive": joint.ball_drive,
             "rim": joint.rim,
             "kinematics": joint.kinematics,
@@ -222,7 +214,12 @@ class ForceCurve:
 
 
 @one_thread
-def force_curve(joint, depth_star, resolution=None, solver=None):
+def force_curve(
+    joint: Joint,
+    depth_star: ArrayLike,
+    resolution: int | None = None,
+    solver: Solver | None = None,
+) -> ForceCurve:
     """Force-depth curve of a joint, at two resolutions.
 
     The bodies are cached: further curves with the same ones, whatever their R2*, moduli and
@@ -230,20 +227,15 @@ def force_curve(joint, depth_star, resolution=None, solver=None):
 
     Parameters
     ----------
-    joint : Joint
-    depth_star : float or array_like, shape (k,)
-        Dimensionless penetration depths, >= 0 and < sqrt(2 R2* - 1) - 1.
-    resolution : int, optional
+    depth_star
+        Dimensionless penetration depths, >= 0 and < sqrt(2 R2* - 1) - 1; shape (k,).
+    resolution
         Elements along the surface, a multiple of 32, by default 320 for ``series``, 160 for
         finite elements and 96 for ``finite`` kinematics; the error estimate uses half of it.
-    solver : {"series", "quadratic", "linear"}, optional
-        Exact Legendre series of both bodies, or finite elements: six-node or three-node
-        triangles. By default the series where it applies (``plane`` drive, ``mirror`` rim,
-        kinematics other than ``finite``), and else six-node triangles.
-
-    Returns
-    -------
-    ForceCurve
+    solver
+        Exact Legendre series of both bodies, or finite elements: six-node (``quadratic``) or
+        three-node (``linear``) triangles. By default the series where it applies (``plane``
+        drive, ``mirror`` rim, kinematics other than ``finite``), and else six-node triangles.
 
     Raises
     ------
@@ -254,45 +246,21 @@ def force_curve(joint, depth_star, resolution=None, solver=None):
         If the contact does not converge; carries the residual.
     """
     checks.instance("joint", joint, Joint)
-    finite = joint.kinematics == "finite"
-    able = joint.ball_drive == "plane" and joint.rim == "mirror" and not finite
-    if solver is None:
-        solver = "series" if able else "quadratic"
-    checks.choice("solver", solver, SOLVERS)
-    if solver == "series" and not able:
-        raise ValueError(
-            "solver must be quadratic or linear for this joint: the series needs ball_drive "
-            f"plane, rim mirror and kinematics small or linear, got {joint.ball_drive}, "
-            f"{joint.rim} and {joint.kinematics}"
-        )
-    if solver == "linear" and finite:
-        raise ValueError("solver must be quadratic for kinematics finite, got 'linear'")
-    if solver != "series":
-        checks.number("socket_ratio", joint.socket_ratio, least=fem.THINNEST_RATIO)
-    if finite:
-        checks.number("r2_star", joint.r2_star, most=pairing.LARGEST_R2_STAR)
-    if resolution is None:
-        usual = {"series": series.RESOLUTION}.get(solver, fem.RESOLUTION)
-        resolution = FINITE_RESOLUTION if finite else usual
+    solver = _solver(joint, solver)
     depths = np.atleast_1d(checks.number("depth_star", depth_star, least=0))
-    widest = np.sqrt(2 * joint.r2_star - 1) - 1  # beyond it the spheres' overlap gets narrower
-    checks.number("depth_star", depths, below=widest)
+    checks.number("depth_star", depths, below=largest_depth(joint.r2_star))
     if depths.ndim != 1 or depths.size == 0:
         raise ValueError(f"depth_star must be a list of depths, got shape {depths.shape}")
-    least = 64 if solver != "series" and joint.socket_ratio < 1.05 else 32
-    most = FINEST_RESOLUTION if solver == "series" else fem.FINEST_RESOLUTION
-    resolution = checks.whole("resolution", resolution, least=least, most=most)
-    if resolution % 32:
-        raise ValueError(f"resolution must be a multiple of 32, got {resolution}")
+    resolution = _resolution(joint, solver, resolution)
     beside = np.outer([1, *_BESIDE], depths)
     angles, pressure, fine = _solve(joint, solver, beside.ravel(), resolution)
     _, _, coarse = _solve(joint, solver, beside.ravel(), resolution // 2)
     pressure, force = pressure[: depths.size], fine[: depths.size]
-    if pressure[:, -2:].any():
-        least = depths[pressure[:, -2:].any(axis=1)].min()
+    at_rim = pressure[:, -2:].any(axis=1)
+    if at_rim.any():
         raise checks.RangeError(
             "depth_star must keep the contact off the socket's rim (half-angle < 90 deg), "
-            f"got {least:g}"
+            f"got {depths[at_rim].min():g}"
         )
     unseen = (np.minimum(fine, coarse) == 0) & (beside.ravel() > 0)
     if unseen.any():
@@ -314,12 +282,49 @@ def force_curve(joint, depth_star, resolution=None, solver=None):
     )
 
 
+def _solver(joint: Joint, solver: Solver | None) -> Solver:
+    """The solver asked for, if it can solve this joint, or the best one that can."""
+    if solver is None:
+        solver = "series" if joint.series_applies else "quadratic"
+    checks.choice("solver", solver, SOLVERS)
+    if solver == "series" and not joint.series_applies:
+        raise ValueError(
+            "solver must be quadratic or linear for this joint: the series needs ball_drive "
+            f"plane, rim mirror and kinematics small or linear, got {joint.ball_drive}, "
+            f"{joint.rim} and {joint.kinematics}"
+        )
+    if solver == "linear" and joint.kinematics == "finite":
+        raise ValueError("solver must be quadratic for kinematics finite, got 'linear'")
+    return solver
+
+
+def _resolution(joint, solver, resolution):
+    """Elements along the surface, as asked for or as usual, if this joint can be solved so."""
+    least, most, kind = 32, FINEST_RESOLUTION, solver
+    if solver != "series":
+        from study.joint import fem
+
+        checks.number("socket_ratio", joint.socket_ratio, least=fem.THINNEST_RATIO)
+        least, most = 64 if joint.socket_ratio < 1.05 else 32, fem.FINEST_RESOLUTION
+        kind = "quadratic"
+    if joint.kinematics == "finite":
+        checks.number("r2_star", joint.r2_star, most=pairing.LARGEST_R2_STAR)
+        kind = "finite"
+    resolution = RESOLUTION[kind] if resolution is None else resolution
+    resolution = checks.whole("resolution", resolution, least=least, most=most)
+    if resolution % 32:
+        raise ValueError(f"resolution must be a multiple of 32, got {resolution}")
+    return resolution
+
+
 def _solve(joint, solver, depths, resolution):
     """Nodal angles, pressure profiles (k, n) and forces (k,) at one resolution."""
     if solver == "series":
         ball = series.ball_compliance(joint.ball.poisson, resolution)
         socket = series.socket_compliance(joint.socket_ratio, joint.socket.poisson, resolution)
     else:
+        from study.joint import fem
+
         mesh = (resolution, 6 if solver == "quadratic" else 3)
         of_ball = (joint.ball.poisson, joint.ball_drive, *mesh)
         of_socket = (joint.socket_ratio, joint.socket.poisson, joint.rim, *mesh)
@@ -327,8 +332,8 @@ def _solve(joint, solver, depths, resolution):
             bodies = fem.ball(*of_ball), fem.socket(*of_socket)
             return bodies[0].compliance.angles, *pairing.solve_finite(joint, depths, *bodies)
         ball, socket = fem.ball_compliance(*of_ball), fem.socket_compliance(*of_socket)
-    problem = {"small": pairing.small, "linear": pairing.linear}[joint.kinematics]
-    return ball.angles, *pairing.solve(joint, depths, *problem(joint, ball, socket))
+    paired = pairing.small if joint.kinematics == "small" else pairing.linear
+    return ball.angles, *pairing.solve(joint, depths, *paired(joint, ball, socket))
 
 
 def _edge(angles, pressure):

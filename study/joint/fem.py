@@ -8,8 +8,10 @@ meshes give an error estimate. Contact itself is not solved here: see `study.joi
 
 from dataclasses import replace
 from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 from skfem import (
     Basis,
@@ -28,16 +30,20 @@ from skfem.models.elasticity import lame_parameters
 from study import checks
 from study.joint.compliance import (
     DRIVES,
+    RESOLUTION,
     RIMS,
     THICKEST_RATIO,
     Compliance,
+    Drive,
+    Rim,
     graded,
     remembered,
     surface_angles,
 )
 from study.threads import one_thread
 
-RESOLUTION = 160
+Nodes = Literal[6, 3]
+"""Of a triangle: quadratic ones follow the rings, linear ones have straight edges."""
 FINEST_RESOLUTION = 320
 """A curve takes 20 s and 2 GB there, and 80 s and 5 GB at one and a half times as fine."""
 THINNEST_RATIO = 1.02
@@ -48,21 +54,12 @@ _RADIAL_ELEMENTS = 0.1  # elements per unit of graded depth, as a share of the r
 _ASPECT = 1.4  # rings are halved once a radial step exceeds this many arc lengths
 
 
-def ball_mesh(resolution=RESOLUTION, nodes=6):
+def ball_mesh(resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6) -> MeshTri:
     """Mesh of the half ball's meridian: unit radius, centre at the origin, pole on +z.
 
-    Parameters
-    ----------
-    resolution : int
-        Elements along the surface, a multiple of 16.
-    nodes : {6, 3}
-        Of a triangle: quadratic ones follow the rings, linear ones have straight edges.
-
-    Returns
-    -------
-    skfem.MeshTri2 or skfem.MeshTri
-        Triangles in the (r, z) plane with boundaries ``surface``, ``axis`` and ``equator``;
-        the surface's vertices come first, in order of polar angle.
+    Triangles in the (r, z) plane with boundaries ``surface``, ``axis`` and ``equator``; the
+    surface's vertices come first, in order of polar angle. The ``resolution``, elements along
+    the surface, is a multiple of 16.
     """
     resolution = _checked(resolution, nodes)
     layers = max(8, round(_RADIAL_ELEMENTS * resolution * np.log1p(1 / _DEPTH_SCALE)))
@@ -70,24 +67,16 @@ def ball_mesh(resolution=RESOLUTION, nodes=6):
     return _ring_mesh(1.0 - depths, surface_angles(resolution), nodes, centre=True)
 
 
-def socket_mesh(ratio, resolution=RESOLUTION, nodes=6):
-    """Mesh of the socket's meridian: inner radius 1, outer radius ``ratio``, pole on +z.
+def socket_mesh(
+    ratio: float, resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6
+) -> MeshTri:
+    """Mesh of the socket's meridian: inner radius 1, outer radius ``ratio`` >= 1.02.
 
-    Parameters
-    ----------
-    ratio : float
-        Outer over inner radius, >= 1.02.
-    resolution, nodes : int
-        As for `ball_mesh`.
-
-    Returns
-    -------
-    skfem.MeshTri2 or skfem.MeshTri
-        As `ball_mesh`, with the boundary ``outside`` besides.
+    As `ball_mesh`, with the boundary ``outside`` besides.
     """
     resolution = _checked(resolution, nodes)
-    limits = {"least": THINNEST_RATIO, "most": THICKEST_RATIO}
-    thickness = checks.number("socket_ratio", ratio, **limits, scalar=True) - 1.0
+    limits: dict[str, Any] = {"least": THINNEST_RATIO, "most": THICKEST_RATIO, "scalar": True}
+    thickness = checks.number("socket_ratio", ratio, **limits) - 1.0
     if thickness < 0.05 and resolution < 32:
         raise ValueError(f"resolution must be >= 32 for socket_ratio < 1.05, got {resolution}")
     layers = round(_RADIAL_ELEMENTS * resolution * np.log1p(thickness / _DEPTH_SCALE))
@@ -106,25 +95,22 @@ class Body:
 
     Parameters
     ----------
-    mesh : skfem.MeshTri2 or skfem.MeshTri
+    mesh
         From `ball_mesh` or `socket_mesh`.
-    poisson : float
-        Poisson's ratio.
-    held : dict
-        Boundary, or ``centre`` -> components (``"r"``, ``"z"``) of the displacement that are
-        zero there.
+    held
+        Boundary, or ``centre`` -> components (of ``rz``) of the displacement that are zero there.
 
     Attributes
     ----------
-    size : int
+    size
         Unknowns, with the fixed ones.
-    angles : ndarray, shape (k,)
-        Polar angles of all nodes on the surface, in rad.
-    surface : ndarray of int, shape (2, k)
-        Their unknowns, radial and axial.
+    angles
+        Polar angles of all nodes on the surface, in rad; shape (k,).
+    surface
+        Their unknowns, radial and axial; shape (2, k).
     """
 
-    def __init__(self, mesh, poisson, held):
+    def __init__(self, mesh: MeshTri, poisson: float, held: dict[str, str]):
         quadratic = isinstance(mesh, MeshTri2)
         self._element = ElementVector(ElementTriP2() if quadratic else ElementTriP1())
         self._mesh, self._lame = mesh, lame_parameters(1.0, poisson)
@@ -150,13 +136,13 @@ class Body:
             return self._basis.get_dofs(nodes=np.flatnonzero(~self._mesh.p.any(axis=0)))
         return self._basis.get_dofs(self._mesh.boundaries[boundary])
 
-    def solve(self, load):
+    def solve(self, load: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement under loads of shape (unknowns,) or (unknowns, k)."""
         displacement = np.zeros(load.shape)
         displacement[self._free] = self._factor.solve(load[self._free])
         return displacement
 
-    def excess_force(self, displacement):
+    def excess_force(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """Internal forces beyond the linear ones, at large displacements.
 
         The material is that of Saint Venant and Kirchhoff: second Piola-Kirchhoff stress
@@ -180,7 +166,7 @@ class Body:
         return in_plane, first * volume + 2 * second * hoop
 
     @cached_property
-    def compliance(self):
+    def compliance(self) -> Compliance:
         """`Compliance` of the surface: the body solved for every hat function of pressure."""
         facets = self._mesh.boundaries["surface"]
         traction = FacetBasis(self._mesh, self._element, facets=facets, intorder=6)
@@ -190,94 +176,71 @@ class Body:
         displacement = self.solve(load)
         flexibility = load.T @ displacement
         balance = self._stiffness[self._support] @ displacement - load[self._support]
-        compliance = Compliance(
-            angles=np.arctan2(*self._mesh.p[:, :count]),
-            flexibility=(flexibility + flexibility.T) / 2,
-            reaction=np.abs(balance.sum(axis=0)),
-            unknowns=self._free.size,
-        )
-        for array in (compliance.angles, compliance.flexibility, compliance.reaction):
-            array.flags.writeable = False  # shared by every caller of the cached functions
-        return compliance
+        angles, reaction = np.arctan2(*self._mesh.p[:, :count]), np.abs(balance.sum(axis=0))
+        return Compliance(angles, (flexibility + flexibility.T) / 2, reaction)
 
 
 @remembered(maxsize=4)
 @one_thread
-def ball(poisson=0.3, drive="plane", resolution=RESOLUTION, nodes=6):
-    """Half ball held at its equatorial plane.
+def ball(
+    poisson: float = 0.3,
+    drive: Drive = "plane",
+    resolution: int = RESOLUTION["quadratic"],
+    nodes: Nodes = 6,
+) -> Body:
+    """Half ball held at its equatorial plane; ``ValueError`` for a value outside its range.
 
     Parameters
     ----------
-    poisson : float
+    poisson
         Poisson's ratio, in (-1, 0.5).
-    drive : {"plane", "clamped", "point"}
+    drive
         The equatorial plane is held axially and is radially free (``plane``), or fixed in
         both directions (``clamped``); or only the ball's centre is held (``point``), a point
         load, under which the force depends on the mesh.
-    resolution : int
+    resolution
         Elements along the surface.
-    nodes : {6, 3}
-        Of a triangle.
-
-    Returns
-    -------
-    Body
-
-    Raises
-    ------
-    ValueError
-        For a Poisson's ratio, drive or resolution outside its range.
     """
     poisson = checks.poisson("poisson", poisson)
-    checks.choice("ball_drive", drive, DRIVES)
-    support = {
-        "plane": {"equator": "z"},
-        "clamped": {"equator": "rz"},
-        "point": {"centre": "z"},
-    }[drive]
+    held = {"plane": {"equator": "z"}, "clamped": {"equator": "rz"}, "point": {"centre": "z"}}
+    support = held[checks.choice("ball_drive", drive, DRIVES)]
     return Body(ball_mesh(resolution, nodes), poisson, {"axis": "r"} | support)
 
 
 @remembered(maxsize=4)
 @one_thread
-def socket(ratio, poisson=0.3, rim="mirror", resolution=RESOLUTION, nodes=6):
-    """Hemispherical socket fixed on its outer sphere.
+def socket(
+    ratio: float,
+    poisson: float = 0.3,
+    rim: Rim = "mirror",
+    resolution: int = RESOLUTION["quadratic"],
+    nodes: Nodes = 6,
+) -> Body:
+    """Hemispherical socket fixed on its outer sphere; errors as of `ball`.
 
     Parameters
     ----------
-    ratio : float
+    ratio
         Outer over inner radius, >= 1.02.
-    poisson : float
-        Poisson's ratio, in (-1, 0.5).
-    rim : {"mirror", "free"}
-        The edge at the equator is a mirror plane, or traction-free.
-    resolution, nodes : int
+    poisson, resolution
         As for `ball`.
-
-    Returns
-    -------
-    Body
-
-    Raises
-    ------
-    ValueError
-        For a ratio, Poisson's ratio, rim or resolution outside its range.
+    rim
+        The edge at the equator is a mirror plane, or traction-free.
     """
     poisson = checks.poisson("poisson", poisson)
-    checks.choice("rim", rim, RIMS)
-    mirror = {"equator": "z"} if rim == "mirror" else {}
-    held = {"axis": "r"} | mirror | {"outside": "rz"}
+    mirror = checks.choice("rim", rim, RIMS) == "mirror"
+    held = {"axis": "r"} | ({"equator": "z"} if mirror else {}) | {"outside": "rz"}
     return Body(socket_mesh(ratio, resolution, nodes), poisson, held)
 
 
 @remembered(maxsize=32)
-def ball_compliance(*args, **kwargs):
+def ball_compliance(*args: Any, **kwargs: Any) -> Compliance:
     """`Compliance` of a `ball`; same arguments, same errors."""
     return ball(*args, **kwargs).compliance
 
 
 @remembered(maxsize=32)
-def socket_compliance(*args, **kwargs):
+def socket_compliance(*args: Any, **kwargs: Any) -> Compliance:
     """`Compliance` of a `socket`; same arguments, same errors."""
     return socket(*args, **kwargs).compliance
 

@@ -6,19 +6,32 @@ every point of the ball faces the point of the socket it has moved to, and press
 ball's area; bodies stay linear, as in a small-strain analysis that searches contact on moved
 surfaces. ``finite``: large displacements and rotations of bodies and normals as well.
 
-Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module; every joint is a
+Lengths are in socket radii R2, pressures in E* dR/R2 and depths in dR; every joint is a
 `study.joint.Joint`.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from scipy.sparse import csr_array
 
 from study import checks
 from study.joint import complementarity
 from study.joint.compliance import Compliance, HatFunctions
-from study.joint.fem import Body
 from study.threads import one_thread
+
+if TYPE_CHECKING:
+    from study.joint.curve import Joint
+    from study.joint.fem import Body
+
+Problem = Callable[[float], tuple[NDArray[np.float64], NDArray[np.float64]]]
+"""Depth -> matrix and vector of the complementarity problem."""
+Floats = NDArray[np.float64]
 
 RELAXATIONS = (0.8, 0.5, 0.25)  # of the pressure's step, tried in turn: they damp modes as
 # short as the elements, which are the stronger the softer the socket is against the ball
@@ -33,18 +46,12 @@ def _check(joint, ball, socket, kind):
     checks.instance("socket", socket, kind)
 
 
-def small(joint, ball, socket):
+def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
     """Contact problem with pairs at equal angles; the rigid spheres' exact overlap is the gap.
-
-    Parameters
-    ----------
-    joint : study.joint.Joint
-    ball, socket : study.joint.compliance.Compliance
 
     Returns
     -------
-    problem : callable
-        Depth -> matrix and vector of the complementarity problem.
+    problem : Problem
     axial : ndarray, shape (n,)
         Axial force of unit nodal pressures.
     """
@@ -68,11 +75,8 @@ def small(joint, ball, socket):
     return problem, hats.integrate(np.cos)
 
 
-def linear(joint, ball, socket):
-    """Contact problem with each point of the ball facing the point it has moved to.
-
-    Parameters and results as for `small`.
-    """
+def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
+    """Contact problem with each point of the ball facing the point it has moved to, as `small`."""
     _check(joint, ball, socket, Compliance)
     of_ball, of_socket = joint.modulus_shares
     r1, r2_star = joint.ball_radius, joint.r2_star
@@ -101,22 +105,10 @@ def linear(joint, ball, socket):
 
 
 @one_thread
-def solve(joint, depths, problem, axial):
-    """Pressures and forces of the kinematics that leave the bodies linear.
-
-    Parameters
-    ----------
-    joint : study.joint.Joint
-    depths : ndarray, shape (k,)
-        In dR.
-    problem, axial
-        From `small` or `linear`.
-
-    Returns
-    -------
-    pressure : ndarray, shape (k, n)
-    force : ndarray, shape (k,)
-    """
+def solve(
+    joint: Joint, depths: ArrayLike, problem: Problem, axial: Floats
+) -> tuple[Floats, Floats]:
+    """Pressures (k, n) and forces (k,) of `small` or `linear` pairing, whose bodies stay linear."""
     checks.like("joint", joint, "Joint", "modulus_shares", "r2_star")
     depths = np.atleast_1d(checks.number("depths", depths))
     pressure = np.zeros((len(depths), len(axial)))
@@ -129,31 +121,23 @@ def solve(joint, depths, problem, axial):
 
 
 @one_thread
-def solve_finite(joint, depths, ball, socket):
-    """Pressures and forces at large displacements.
+def solve_finite(
+    joint: Joint, depths: ArrayLike, ball: Body, socket: Body
+) -> tuple[Floats, Floats]:
+    """Pressures (k, n) and forces (k,) at large displacements.
 
     At each depth the `linear` contact problem is solved again and again, with the gap of the
     deformed surfaces and with what the bodies' internal forces, and the loads along deformed
     normals, have beyond the linear ones. These are of order 1/R2*, so that some ten steps do,
     and the linear factorisation serves all of them. Pressure is per area of the unloaded ball.
 
-    Parameters
-    ----------
-    joint : study.joint.Joint
-    depths : ndarray, shape (k,)
-        In dR.
-    ball, socket : study.joint.fem.Body
-
-    Returns
-    -------
-    pressure : ndarray, shape (k, n)
-    force : ndarray, shape (k,)
-
     Raises
     ------
     study.joint.complementarity.ComplementarityError
         If the steps do not converge; carries depth and residual.
     """
+    from study.joint.fem import Body
+
     _check(joint, ball, socket, Body)
     depths = np.atleast_1d(checks.number("depths", depths))
     problem, _ = linear(joint, ball.compliance, socket.compliance)

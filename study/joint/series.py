@@ -11,9 +11,11 @@ This is the half ball with ``plane`` drive and the socket with ``mirror`` rim of
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.joint.compliance import (
+    RESOLUTION,
     THICKEST_RATIO,
     Compliance,
     HatFunctions,
@@ -22,7 +24,6 @@ from study.joint.compliance import (
 )
 from study.threads import one_thread
 
-RESOLUTION = 320
 LAST_ORDER = 10_000
 MOST_ORDERS = 100_000
 THINNEST_RATIO = 1.001
@@ -30,106 +31,71 @@ THINNEST_RATIO = 1.001
 
 @remembered(maxsize=32)
 @one_thread
-def ball_compliance(poisson=0.3, resolution=RESOLUTION, last_order=LAST_ORDER):
+def ball_compliance(
+    poisson: float = 0.3, resolution: int = RESOLUTION["series"], last_order: int = LAST_ORDER
+) -> Compliance:
     """Compliance of a solid ball that is symmetric about its equatorial plane.
 
     Parameters
     ----------
-    poisson : float
+    poisson
         Poisson's ratio, in (-1, 0.5).
-    resolution : int
+    resolution
         Elements of pressure along the quarter circle, a multiple of 16.
-    last_order : int
+    last_order
         Order at which the series ends, even.
-
-    Returns
-    -------
-    Compliance
 
     Raises
     ------
     ValueError
         For a Poisson's ratio, resolution or order outside its range.
     """
-    poisson = checks.poisson("poisson", poisson)
     return _compliance(ball_receptance(_orders(last_order), poisson), resolution)
 
 
 @remembered(maxsize=32)
 @one_thread
-def socket_compliance(ratio, poisson=0.3, resolution=RESOLUTION, last_order=LAST_ORDER):
+def socket_compliance(
+    ratio: float,
+    poisson: float = 0.3,
+    resolution: int = RESOLUTION["series"],
+    last_order: int = LAST_ORDER,
+) -> Compliance:
     """Compliance of a shell fixed on its outer sphere, symmetric about the equator.
 
-    Parameters
-    ----------
-    ratio : float
-        Outer over inner radius, >= 1.001.
-    poisson, resolution, last_order
-        As for `ball_compliance`.
-
-    Returns
-    -------
-    Compliance
-
-    Raises
-    ------
-    ValueError
-        For a ratio, Poisson's ratio, resolution or order outside its range.
+    As `ball_compliance`; ``ratio`` is the outer over the inner radius, >= 1.001.
     """
-    limits = {"least": THINNEST_RATIO, "most": THICKEST_RATIO}
-    ratio = checks.number("socket_ratio", ratio, **limits, scalar=True)
-    poisson = checks.poisson("poisson", poisson)
+    checks.number("socket_ratio", ratio, least=THINNEST_RATIO, most=THICKEST_RATIO, scalar=True)
     return _compliance(socket_receptance(_orders(last_order), ratio, poisson), resolution)
 
 
-def ball_receptance(orders, poisson):
+def ball_receptance(orders: ArrayLike, poisson: float) -> NDArray[np.float64]:
     """Inward displacement of a solid ball's surface under the pressure P_n(cos theta).
 
-    Parameters
-    ----------
-    orders : ndarray of int, shape (m,)
-        Legendre orders n; not 1, whose pressure is not in balance.
-    poisson : float
-        Poisson's ratio.
-
-    Returns
-    -------
-    ndarray, shape (m,)
-        Factors of P_n(cos theta), for radius 1 and Young's modulus 1.
+    Factors of P_n(cos theta) for radius 1 and Young's modulus 1, by the orders n; these are not
+    1, whose pressure is not in balance.
     """
-    orders, poisson = _checked(orders), checks.poisson("poisson", poisson)
-    radial, _, normal, shear = _modes(orders, poisson, 1.0)
-    amplitudes = _amplitudes([normal[:2], shear[:2]], orders, poisson)
-    return np.where(orders == 0, 1 - 2 * poisson, -(radial[:2] * amplitudes).sum(axis=0))
+    n, poisson = _checked(orders), checks.poisson("poisson", poisson)
+    radial, _, normal, shear = _modes(n, poisson, 1.0)
+    amplitudes = _amplitudes([normal[:2], shear[:2]], n, poisson)
+    return np.where(n == 0, 1 - 2 * poisson, -(radial[:2] * amplitudes).sum(axis=0))
 
 
-def socket_receptance(orders, ratio, poisson):
+def socket_receptance(orders: ArrayLike, ratio: float, poisson: float) -> NDArray[np.float64]:
     """Outward displacement of a shell's inner surface under the pressure P_n(cos theta).
 
-    Parameters
-    ----------
-    orders : ndarray of int, shape (m,)
-        Legendre orders n.
-    ratio : float
-        Radius of the outer sphere, which is fixed, over that of the inner one.
-    poisson : float
-        Poisson's ratio.
-
-    Returns
-    -------
-    ndarray, shape (m,)
-        Factors of P_n(cos theta), for inner radius 1 and Young's modulus 1.
+    Factors of P_n(cos theta) for inner radius 1 and Young's modulus 1, by the orders n; the outer
+    sphere is fixed and ``ratio`` times as large as the inner one.
     """
-    orders, poisson = _checked(orders), checks.poisson("poisson", poisson)
+    n, poisson = _checked(orders), checks.poisson("poisson", poisson)
     ratio = checks.number("ratio", ratio, above=1, most=THICKEST_RATIO, scalar=True)
-    radial, _, normal, shear = _modes(orders, poisson, 1.0, ratio)
-    outer_radial, outer_polar, _, _ = _modes(orders, poisson, ratio, ratio)
-    conditions = [normal, shear, outer_radial, outer_polar]
-    amplitudes = _amplitudes(conditions, orders, poisson)
+    radial, _, normal, shear = _modes(n, poisson, 1.0, ratio)
+    outer_radial, outer_polar, _, _ = _modes(n, poisson, ratio, ratio)
+    amplitudes = _amplitudes([normal, shear, outer_radial, outer_polar], n, poisson)
     thick = ratio**3 - 1  # order 0: A r + B/r^2, zero at the outer sphere
     uniform = (1 + poisson) * (1 - 2 * poisson) * thick
     uniform /= 1 + poisson + 2 * (1 - 2 * poisson) * ratio**3
-    return np.where(orders == 0, uniform, (radial * amplitudes).sum(axis=0))
+    return np.where(n == 0, uniform, (radial * amplitudes).sum(axis=0))
 
 
 def _modes(orders, poisson, radius, largest_radius=1.0):
@@ -139,10 +105,8 @@ def _modes(orders, poisson, radius, largest_radius=1.0):
     shear stress with its derivative to theta; stresses are over 2 G. Regular modes are scaled
     to the largest radius and singular ones to radius 1, so that no power overflows.
 
-    Returns
-    -------
-    radial, polar, normal, shear : ndarray, shape (4, m)
-        Modes: regular r^(n+1), regular r^(n-1), singular r^-n, singular r^-(n+2).
+    Radial and polar displacement, normal and shear stress, each of shape (4, m) for the modes:
+    regular r^(n+1), regular r^(n-1), singular r^-n, singular r^-(n+2).
     """
     n, nu, r = orders.astype(float), poisson, radius
     inner, outer = (r / largest_radius) ** n, r**-n
@@ -199,15 +163,8 @@ def _compliance(receptance, resolution):
     shares = _hat_coefficients(resolution, int(orders[-1]))
     norms = 2 * np.pi / (2 * orders + 1)  # of P_n(cos theta) squared over the hemisphere
     flexibility = (shares.T * (receptance * norms)) @ shares
-    compliance = Compliance(
-        angles=angles,
-        flexibility=(flexibility + flexibility.T) / 2,
-        reaction=HatFunctions(angles).integrate(np.cos),
-        unknowns=len(orders),
-    )
-    for array in (compliance.angles, compliance.flexibility, compliance.reaction):
-        array.flags.writeable = False  # shared by every caller of the cached functions
-    return compliance
+    reaction = HatFunctions(angles).integrate(np.cos)
+    return Compliance(angles, (flexibility + flexibility.T) / 2, reaction)
 
 
 @lru_cache(maxsize=4)

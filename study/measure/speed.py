@@ -25,7 +25,7 @@ from study.compiled import compiled
 from study.contact import LAWS, tabulated
 from study.contact.forces import elastic_force, pack
 from study.joint import Joint, fem, force_curve, pairing, paper_joint, series
-from study.joint.compliance import FINEST_RESOLUTION
+from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
 from study.measure import explicit
 from study.measure.peers import calculix, multibody, odes
 from study.mechanism import Scene, simulate
@@ -203,7 +203,7 @@ def laws(repeats=15, compile_times=True):
         )
     times, curve = timed(partial(force_curve, PAPER, LAW_DEPTHS), repeats)
     error = curve.force_star / exact - 1
-    setting = f"six-node triangles, resolution {fem.RESOLUTION}"
+    setting = f"six-node triangles, resolution {RESOLUTION['quadratic']}"
     rows.append(_row("laws", "solver", setting, times / LAW_DEPTHS.size, error))
     rows[-1]["vectorised"] = float(np.median(times)) * depths.size / LAW_DEPTHS.size
     frame = _frame(rows)

@@ -73,7 +73,7 @@ def _parameters(group, joint):
         "group": group,
         "kinematics": joint.kinematics,
         "support": f"{joint.ball_drive}, {joint.rim}",
-        "modulus_ratio": f"{socket.youngs_modulus / ball.youngs_modulus:g}",
+        "modulus_ratio": f"{joint.modulus_ratio:g}",
         "socket_ratio": f"{joint.socket_ratio:g}",
         "poisson": " / ".join(ratios),
         "r2_star": f"{joint.r2_star:g}",
