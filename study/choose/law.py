@@ -148,9 +148,9 @@ def _candidates(joint, deepest, found, uncertainty):
     """
     costs, kind, least = relative_costs(), _kind(joint), min(SHALLOWEST, deepest / 12)
     finest = RESOLUTIONS[kind][-1]
-    for law in sorted([*found, "tabulated"], key=costs.get):
+    for law in sorted([*found, "tabulated"], key=costs.__getitem__):
         if law != "tabulated":
-            options, bound = law_options(law, joint), bounded(found[law], uncertainty)
+            options, bound = law_options(law, joint), _bounded(found[law], uncertainty)
             evaluate = partial(LAWS[law], **options)
             yield _Candidate(law, options, found[law], bound, costs[law], evaluate)
             continue
@@ -166,7 +166,7 @@ def _candidates(joint, deepest, found, uncertainty):
             table = tabulated(replace(curve, **{name: getattr(curve, name)[::2] for name in names}))
             between = float(np.abs(table(depths) / curve.force_star - 1).max())
             error, options = float(curve.error_estimate.max()), {"resolution": resolution}
-            bound = bounded(ESTIMATE * error, between)
+            bound = _bounded(ESTIMATE * error, between)
             yield _Candidate(law, options, error, bound, costs[law], table)
     curve = force_curve(joint, _depths(least, deepest, DEPTHS[kind]), finest)
     error, options = float(curve.error_estimate.max()), {"resolution": finest}
@@ -182,7 +182,7 @@ def _exact(joint, depths, note, resolution=None):
     return curve.force_star, ESTIMATE * curve.error_estimate + INTERPOLATION
 
 
-def bounded(error: ArrayLike, uncertainty: ArrayLike) -> ArrayLike:
+def _bounded(error, uncertainty):
     """Bound of a relative error that was found against a force of some uncertainty."""
     return error * (1 + uncertainty) + uncertainty
 
@@ -229,7 +229,8 @@ def errors(
     dict
         Law -> errors, shape (k,).
     """
-    costs, found = relative_costs(), {}
+    costs = relative_costs()
+    found: dict[str, NDArray[np.float64]] = {}
     for law in (law for law in LAWS if law in costs):
         try:
             force = LAWS[law](depth_star, joint.r2_star, **law_options(law, joint))
@@ -269,10 +270,10 @@ def cheapest(
         place = joint.r2_star, joint.socket_ratio, joint.ball.poisson
         force, uncertainty = _exact(joint, depths, outside(joint, depths[-1]), resolution)
         largest = {
-            law: bounded(np.maximum.accumulate(error), np.maximum.accumulate(uncertainty))
+            law: _bounded(np.maximum.accumulate(error), np.maximum.accumulate(uncertainty))
             for law, error in errors(joint, depths, force).items()
         }
-        ranked = sorted(largest, key=costs.get)
+        ranked = sorted(largest, key=costs.__getitem__)
         for tolerance in tolerances:
             for n, ds in enumerate(depths):
                 able = (law for law in ranked if largest[law][n] <= tolerance)

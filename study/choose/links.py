@@ -10,7 +10,7 @@ by more than a decade, with a heavy tail. So the bound is no more than the large
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from math import pi, sqrt
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import pandas as pd
@@ -140,7 +140,7 @@ def random_scenes(seed: int, count: int = COUNT) -> Iterator[tuple[Scene, float]
     """Scenes and durations (s) at random places of the ranges, the same for the same seed."""
     draw = np.random.default_rng(seed)
     for _ in range(count):
-        values = {
+        values: dict[str, Any] = {
             name: float(f"{low * (high / low) ** draw.random():.4g}")
             for name, (low, high) in RANGES.items()
         }

@@ -174,7 +174,7 @@ def choose_model(
     )
     chosen = next((n for n, bound in enumerate(bounds) if bound <= tolerance), None)
     if chosen is None:
-        cause = max(spread, key=spread.get)
+        cause = max(spread, key=spread.__getitem__)
         raise ModelError(
             f"no model's {quantity.replace('_', ' ')} is known to be within the tolerance "
             f"{tolerance:g}, the best within {min(bounds):.2g}: {cause} of flexible links changes "

@@ -16,11 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linprog
 
 from study import checks
-from study.contact import LAWS, hertz, shapes
+from study.contact import LAWS, LawName, hertz, shapes
 from study.contact.laws import AREA_COEFFICIENTS, stiffening_scale, stiffening_terms
 from study.dataset.design import PAPER_KINEMATICS, R2_STAR
 
-FITTED_LAWS = {
+FITTED_LAWS: dict[str, tuple[LawName, dict]] = {
     name: ("hyperbolic_winkler", {"area": area}) for area, name in AREA_COEFFICIENTS.items()
 } | {"winkler": ("winkler", {})}
 """Name of the coefficients -> law and its options."""
@@ -102,10 +102,10 @@ def surrogate(r2_star: ArrayLike, f1: ArrayLike) -> dict[str, float]:
     ValueError
         For fewer than two cases, all of the same R2*, or a value that is not finite.
     """
-    r2_star, f1 = checks.same_length(2, r2_star=r2_star, f1=f1)
-    if not np.ptp(r2_star) > 1e-9 * np.abs(r2_star).max():
-        raise ValueError(f"r2_star must vary for a line, got only {r2_star[0]:g}")
-    slope, intercept = np.polyfit(r2_star, f1, 1)
+    x, y = checks.same_length(2, r2_star=r2_star, f1=f1)
+    if not np.ptp(x) > 1e-9 * np.abs(x).max():
+        raise ValueError(f"r2_star must vary for a line, got only {x[0]:g}")
+    slope, intercept = np.polyfit(x, y, 1)
     return {"slope": _rounded(slope), "intercept": _rounded(intercept)}
 
 
@@ -130,11 +130,11 @@ def liu_coefficient(force_star: ArrayLike, published_r_squared: float, unit: Arr
     """
     (force,) = checks.same_length(2, force_star=force_star)
     checks.number("published_r_squared", published_r_squared, most=1, scalar=True)
-    (unit,) = checks.same_length(unit=unit)
-    if unit.sum() == 0:
+    (shape,) = checks.same_length(unit=unit)
+    if shape.sum() == 0:
         raise ValueError("unit must not be 0 throughout, got only 0")
     missing = np.sqrt((1 - published_r_squared) * np.sum((force - force.mean()) ** 2))
-    return float((force.sum() - missing) / (R2_STAR * unit.sum()))
+    return float((force.sum() - missing) / (R2_STAR * shape.sum()))
 
 
 def fit_all(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict]:

@@ -103,24 +103,24 @@ def load(**filters: object) -> pd.DataFrame:
     frame = _read(CURVES)
     for column in filters:
         checks.choice("column", column, tuple(frame.columns))
-    filters = {column: _values(column, wanted) for column, wanted in filters.items()}
+    asked = {column: _values(column, wanted) for column, wanted in filters.items()}
     matches = pd.DataFrame(
-        {column: frame[column].isin(wanted) for column, wanted in filters.items()},
+        {column: frame[column].isin(values) for column, values in asked.items()},
         index=frame.index,
     )
     keep = matches.all(axis=1)
-    for column, wanted in filters.items():
+    for column, values in asked.items():
         others = matches.drop(columns=column).all(axis=1)  # what is left without this filter
-        unknown = set(wanted) - set(frame[column])
+        unknown = set(values) - set(frame[column])
         if unknown or (others.any() and not keep.any()):
             held = frame[column][others if others.any() else ~keep].unique()
-            known = [f"{v:g}" if isinstance(v, float) else str(v) for v in held]
-            known = ", ".join(known[:30] + ["..."] * (len(known) > 30))
-            got = ", ".join(str(value) for value in unknown or wanted)
+            names = [f"{v:g}" if isinstance(v, float) else str(v) for v in held[:30]]
+            known = ", ".join([*names, *(["..."] if len(held) > 30 else [])])
+            got = ", ".join(str(value) for value in unknown or values)
             raise ValueError(f"{column} must be one of {known}, got {got}")
     if not keep.any():
-        asked = ", ".join(f"{column} = {wanted}" for column, wanted in filters.items())
-        raise ValueError(f"filters must leave a case, but none has {asked}")
+        text = ", ".join(f"{column} = {values}" for column, values in asked.items())
+        raise ValueError(f"filters must leave a case, but none has {text}")
     return frame[keep].reset_index(drop=True)
 
 
