@@ -9,6 +9,7 @@ by more than a decade, with a heavy tail. So the bound is no more than the large
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from functools import partial
 from math import pi, sqrt
 from typing import Any, Literal, get_args
 
@@ -161,10 +162,10 @@ def measure(seed: int = 0, count: int = COUNT, law: LawName = "stiffened_hertz")
     """
     rows = []
     for scene, duration in random_scenes(seed, count):
-        options = {"duration": duration, "outputs": 1000, "law": law}
+        run = partial(simulate, scene, law=law, duration=duration, outputs=1000)
         try:
-            rigid = simulate(scene, model="rigid", **options)
-            flexible = simulate(scene, model="particles", elements=ELEMENTS, **options)
+            rigid = run(model="rigid")
+            flexible = run(model="particles", elements=ELEMENTS)
         except MechanismError:
             continue
         if len(rigid.impacts) == 0:
