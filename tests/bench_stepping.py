@@ -22,7 +22,7 @@ RUNS = {
     "this study, 1e-8": partial(simulate, speed.SCENE, duration=SPAN[0], outputs=SPAN[1]),
     "LSODA, 1e-7": partial(odes.slider_acceleration, "LSODA", speed.SCENE, LAW, *SPAN, 1e-7),
     "velocity Verlet, 1e-6 s": partial(
-        explicit.simulate, speed.SCENE, LAW, *SPAN, 1e-6, "velocity Verlet", guarded=False
+        explicit.integrate, speed.SCENE, LAW, *SPAN, 1e-6, "velocity Verlet", guarded=False
     ),
 }
 

@@ -379,7 +379,7 @@ def mechanism_rows():
     yield from rows(compare.last_separation, response=(RESPONSE, THING))
     yield from rows(compare.order, x=(FORCES, (*LIST, [1, 1, 1])), y=(FORCES, (*LIST, [0, 1, 2])))
     yield from rows(
-        explicit.simulate,
+        explicit.integrate,
         scene=(SCENE, THING),
         law=(PACKED, (None, 3, "hertz", [1], RAGGED, [nan] * 5)),
         duration=(1e-4, POSITIVE),
@@ -403,7 +403,6 @@ def stability_rows():
     yield from rows(
         stability.observed_step, scene=scene, law=law, state=state, scheme=("RK4", NAME)
     )
-    yield from rows(stability.amplification, scheme=("RK4", NAME), w=(1.0, NUMBER), g=(0.0, NUMBER))
     yield from rows(
         stability.step_limit, scheme=("RK4", NAME), frequency=(1.0, POSITIVE), rate=(0.0, (nan, -1))
     )

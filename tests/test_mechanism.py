@@ -460,13 +460,13 @@ def test_a_law_that_ends_before_one_clearance_is_refused():
 def test_explicit_steps_refuse_bad_input(change, message):
     given = {"duration": 1e-3, "outputs": 10, "step": 1e-6, "scheme": "RK4"} | change
     with pytest.raises(ValueError, match=message):
-        explicit.simulate(PAPER, HERTZ, **given)
+        explicit.integrate(PAPER, HERTZ, **given)
 
 
 @pytest.mark.parametrize(("scheme", "order"), [("lagged", 1), ("velocity Verlet", 2), ("RK4", 4)])
 def test_explicit_steps_have_their_order_before_the_first_impact(scheme, order):
     exact = simulate(PAPER, duration=1.6e-3, outputs=4, tolerance=1e-12).depth
     assert (exact < 0).all()  # the slider rests, the ball moves
-    found = [explicit.simulate(PAPER, HERTZ, 1.6e-3, 4, step, scheme)[1] for step in (4e-4, 2e-4)]
+    found = [explicit.integrate(PAPER, HERTZ, 1.6e-3, 4, step, scheme)[1] for step in (4e-4, 2e-4)]
     coarse, fine = (np.abs(values - exact)[1:].max() for values in found)
     assert np.log2(coarse / fine) > order - 0.4

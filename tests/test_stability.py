@@ -91,7 +91,7 @@ def test_an_explicit_run_that_leaves_the_clearance_says_so(pressed):
     state, _ = pressed
     numbers = stability.packed(SLIPPERY, "hertz")
     with pytest.raises(MechanismError, match=r"the depth must stay <= one clearance \(5e-05 m\)"):
-        explicit.simulate(
+        explicit.integrate(
             SLIPPERY, numbers, 0.02, 1000, 2e-5, "velocity Verlet", state, 1e-5, guarded=False
         )
 
@@ -107,7 +107,7 @@ def test_an_explicit_step_beyond_its_limit_is_refused(pressed, scheme, approach)
     def run(step):
         outputs = round(20 * limit / step)
         duration = outputs * step
-        explicit.simulate(SLIPPERY, numbers, duration, outputs, step, scheme, state, approach)
+        explicit.integrate(SLIPPERY, numbers, duration, outputs, step, scheme, state, approach)
 
     run(0.6 * limit)
     with pytest.raises(MechanismError, match="the step must stay <= .* s, the limit of stability"):
@@ -268,7 +268,7 @@ def test_an_explicit_step_that_meets_while_leaving_is_not_damped(scheme):
     numbers, clearance = stability.packed(SLIPPERY, "hertz"), SLIPPERY.clearance
     for rate in (0.0, -1e-12, -1e-6):
         start = np.array([0.5, clearance * (1 + 1e-7), 0.0, 0.0, rate, 0.0])
-        pull, depth = explicit.simulate(SLIPPERY, numbers, 2e-3, 200, 1e-6, scheme, start)
+        pull, depth = explicit.integrate(SLIPPERY, numbers, 2e-3, 200, 1e-6, scheme, start)
         assert np.isfinite(pull).all()
         assert depth.max() < 0.01 * clearance
         assert np.abs(pull).max() < 300

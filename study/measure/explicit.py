@@ -9,6 +9,7 @@ and the contact is not damped, which is safe: dividing by nearly nothing is not.
 from math import inf, sqrt
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.compiled import compiled
@@ -83,20 +84,18 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest, gu
     that was passed, or 0 where the ball went too deep.
     """
     work = rigid.new_slopes(), np.zeros(8)
-    a, b, c, d = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    a, b, c, d = np.zeros((4, 3))
     z, half = np.zeros(6), 0.5 * h
     depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
     if scheme in (LAGGED, CENTRED):  # velocities half a step before the places
         y[3:] -= half * a
-    if guarded and depth > 0 and h > _limit(scheme, y, depth, approach, p, law):
-        return 0, _limit(scheme, y, depth, approach, p, law)
+    limit = _limit(scheme, y, depth, approach, p, law) if guarded and depth > 0 else inf
+    if h > limit:
+        return 0, limit
     for output in range(outputs + 1):
         for _ in range(strides if output > 0 else 0):
-            if scheme in (EULER, LAGGED):
-                y[3:] += h * a
-                y[:3] += h * y[3:]
-            elif scheme == CENTRED:
-                y[3:] += h * c
+            if scheme in (EULER, LAGGED, CENTRED):
+                y[3:] += h * (c if scheme == CENTRED else a)
                 y[:3] += h * y[3:]
             elif scheme == VERLET:
                 y[:3] += h * (y[3:] + half * a)
@@ -157,27 +156,36 @@ def _centre(y, approach, p, law, half, work, z, a, b, c):
     return acceleration(z, True, approach, p, law, work, c)[2]
 
 
-def simulate(scene, law, duration, outputs, step, scheme, start=None, approach=inf, guarded=True):
+def integrate(
+    scene: Scene,
+    law: NDArray[np.float64],
+    duration: float,
+    outputs: int,
+    step: float,
+    scheme: str,
+    start: ArrayLike | None = None,
+    approach: float = inf,
+    guarded: bool = True,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Slider's acceleration and depth of the clearance joint at equally spaced times.
 
     Parameters
     ----------
-    scene : study.mechanism.scene.Scene
-    law : ndarray
+    law
         From ``study.contact.forces.pack``.
-    duration : float
+    duration
         In s.
-    outputs : int
+    outputs
         Number of equal intervals between the times of output.
-    step : float
+    step
         Largest step, in s, shortened to divide the outputs' distance.
-    scheme : str
+    scheme
         One of `SCHEMES`.
-    start : array_like, shape (6,), optional
+    start
         (theta, e_x, e_y) and their rates at t = 0; by default at rest in the scene's place.
-    approach : float
+    approach
         Approach speed of the contact that the start is in, in m/s; inf for none.
-    guarded : bool
+    guarded
         Whether to stop where the step is beyond its limit in the contact. Without that the
         result is wrong there, and only a ball that goes too deep tells.
 
@@ -188,8 +196,6 @@ def simulate(scene, law, duration, outputs, step, scheme, start=None, approach=i
 
     Raises
     ------
-    ValueError
-        For an unknown scheme or a value outside its range.
     study.mechanism.MechanismError
         If the step is beyond its limit, or the ball goes deeper than one clearance.
     """

@@ -12,12 +12,15 @@ import platform
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Sequence
 from functools import cache, partial
 from importlib import metadata
 from time import perf_counter
+from typing import Any, Literal, get_args
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from study import checks
@@ -54,7 +57,8 @@ FREE = Joint(200, 1.3)  # of the solvers: a radially free ball, for which the se
 LAW_DEPTHS = np.linspace(0.025, 1, 40)
 CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
 SCENE, DURATION, OUTPUTS = Scene(), 0.3, 3000
-CHARTS = ("laws", "solvers", "steppers")
+Chart = Literal["laws", "solvers", "steppers"]
+CHARTS = get_args(Chart)
 LONG = 5.0  # s: what takes longer is repeated twice only
 
 FEWEST_ORDERS = {32: 200, 64: 300, 160: 1000, 320: 3000}
@@ -79,19 +83,8 @@ STEPPERS = (
 )
 
 
-def timed(function, repeats):
-    """Times of a call in s, on one thread, after one not counted, and what it returned.
-
-    Parameters
-    ----------
-    function : callable
-    repeats : int
-
-    Returns
-    -------
-    times : ndarray, shape (repeats,)
-    result
-    """
+def timed(function: Callable[[], Any], repeats: int) -> tuple[NDArray[np.float64], Any]:
+    """Times of a call in s, on one thread, after one not counted, and what it returned."""
     times = []
     with threadpool_limits(limits=1):
         start = perf_counter()
@@ -105,92 +98,50 @@ def timed(function, repeats):
     return np.array(times), result
 
 
-def fronts(rows, error="rms_error", cost="time"):
-    """Which rows no other one beats in both error and cost.
-
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-    error, cost : str
-        Columns.
-
-    Returns
-    -------
-    pandas.DataFrame
-        The rows of the Pareto front, from the cheapest to the most accurate.
-    """
+def fronts(rows: pd.DataFrame, error: str = "rms_error", cost: str = "time") -> pd.DataFrame:
+    """Rows that no other one beats in both error and cost, from the cheapest on (Pareto front)."""
     ordered = rows.dropna(subset=[cost, error]).sort_values([cost, error])
     best = ordered[error].cummin().shift(fill_value=np.inf)
     return ordered[ordered[error] < best]
 
 
-def winners(rows, levels, error="rms_error"):
-    """Fastest row at each level of accuracy.
-
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-    levels : sequence of float
-        Largest errors allowed.
-    error : str
-        Column.
-
-    Returns
-    -------
-    pandas.DataFrame
-        The rows, with a column ``level`` in front; none for a level that no row meets.
-    """
+def winners(rows: pd.DataFrame, levels: Sequence[float], error: str = "rms_error") -> pd.DataFrame:
+    """Fastest row at each level of accuracy, the level in front; none where no row meets it."""
     found = []
     for level in levels:
         able = rows[rows[error] <= level]
         if len(able):
-            found.append(able.loc[able["time"].idxmin()].to_dict() | {"level": level})
+            found.append({"level": level} | able.loc[able["time"].idxmin()].to_dict())
     return pd.DataFrame(found, columns=["level", *rows.columns])
 
 
-def measure(chart, repeats):
-    """A chart, with what is installed.
+def measure(chart: Chart, repeats: int) -> pd.DataFrame:
+    """A chart, with what is installed: columns of `COLUMNS`.
 
     Parameters
     ----------
-    chart : {"laws", "solvers", "steppers"}
-    repeats : int
+    repeats
         Of each timing; three times as many for laws.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns of `COLUMNS`.
     """
     checks.choice("chart", chart, CHARTS)
-    run = {"laws": laws, "solvers": solvers, "steppers": steppers}[chart]
-    return run(3 * repeats if chart == "laws" else repeats)
+    if chart == "laws":
+        return laws(3 * repeats)
+    return solvers(repeats) if chart == "solvers" else steppers(repeats)
 
 
-def laws(repeats=15, compile_times=True):
+def laws(repeats: int = 15, compile_times: bool = True) -> pd.DataFrame:
     """Cost and error of every law, `tabulated` and the direct solution; Hertz's law first.
 
     Parameters
     ----------
-    repeats : int
-    compile_times : bool
+    compile_times
         Whether to measure them as well, which takes some seconds; else they are 0.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns of `COLUMNS`.
     """
     table = tabulated(force_curve(PAPER, np.linspace(0.025, 1, 40) ** 2))
     exact = _truth(PAPER, tuple(LAW_DEPTHS), FINEST)
-    draw = np.random.default_rng(0)
-    depths = draw.uniform(1e-7, 5e-5, 10_000)
-    compile_time = _compile_time(
-        "from study.contact.forces import pack; from study.measure.speed import _add; "
-        "law = pack('hertz', 9.95e-3, 1e-2, 1e11); depths = np.ones(2) * 1e-6",
-        "_add(law, depths)",
-        compile_times,
-    )
+    depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
+    prepare = "from study.measure.speed import _add; depths = np.ones(2) * 1e-6"
+    compile_time = _compile_time(prepare, "_add(law, depths)") if compile_times else 0.0
     rows = []
     for name, law in (LAWS | {"tabulated": table}).items():
         packed = pack(law, *RADII)
@@ -211,20 +162,13 @@ def laws(repeats=15, compile_times=True):
     return frame
 
 
-def solvers(repeats=3, chosen=SOLVERS):
+def solvers(repeats: int = 3, chosen: Sequence[tuple[str, int]] = SOLVERS) -> pd.DataFrame:
     """Time and error of a curve of 20 depths, bodies included; the usual series first.
 
     Parameters
     ----------
-    repeats : int
-    chosen : sequence of (str, int)
-        Method and its resolution, some of `SOLVERS`. CalculiX's are left
-        out where ``ccx`` is not installed.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns of `COLUMNS`.
+    chosen
+        Method and its resolution, some of `SOLVERS`; CalculiX's are left out without ``ccx``.
     """
     exact, rows = _truth(FREE, tuple(CURVE_DEPTHS), FINEST_RESOLUTION), []
     force_curve(FREE, CURVE_DEPTHS[:1], resolution=32)  # imports
@@ -265,39 +209,41 @@ def _curve(method, n):
     return pairing.solve(FREE, CURVE_DEPTHS, *pairing.linear(FREE, ball, socket))[1]
 
 
-def steppers(repeats=3, chosen=STEPPERS, compile_times=True):
+def steppers(
+    repeats: int = 3,
+    chosen: Sequence[tuple[str, float]] = STEPPERS,
+    compile_times: bool = True,
+) -> pd.DataFrame:
     """Time and error of 0.3 s of the mechanism; the study's stepper at its default first.
 
     Parameters
     ----------
-    repeats : int
-    chosen : sequence of (str, float)
-        Method and its tolerance or step, some of `STEPPERS`. Programs that are not installed
+    chosen
+        Method and its tolerance or step, some of `STEPPERS`; programs that are not installed
         are left out.
-    compile_times : bool
+    compile_times
         As for `laws`.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns of `COLUMNS`.
     """
     truth = _ours(1e-11)
     law = pack("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
-    seconds, rows = _stepper_compile_times(compile_times), []
+    own, rows = {"rigid": 0.0, "explicit": 0.0}, []
+    if compile_times:
+        own["rigid"] = _compile_time("", "simulate(duration=1e-5, outputs=1)")
+        call = "explicit.integrate(Scene(), law, 1e-5, 1, 1e-6, 'RK4')"
+        own["explicit"] = _compile_time("", call)
     for method, setting in chosen:
-        others, text = {}, f"tolerance {setting:g}"
+        others, text, seconds = {}, f"tolerance {setting:g}", 0.0
         if method.startswith("Rodas"):
-            run = partial(_ours, setting)
+            run, seconds = partial(_ours, setting), own["rigid"]
         elif method in explicit.SCHEMES:
             run, text = partial(_explicit, law, setting, method), f"step {setting:g} s"
+            seconds = own["explicit"]
         elif method in odes.METHODS:
             run = partial(odes.slider_acceleration, method, SCENE, law, DURATION, OUTPUTS, setting)
-            package = "scikit-sundae" if method == "CVODE" else "scipy"
-            program = "SUNDIALS" if method == "CVODE" else "SciPy"
-            others = {"program": program, "version": _version(package)}
-            if method == "CVODE" and others["version"]:
-                others["version"] = f"scikit-sundae {others['version']}"
+            others = {"program": "SciPy", "version": _version("scipy")}
+            if method == "CVODE":
+                version = _version("scikit-sundae")
+                others = {"program": "SUNDIALS", "version": version and f"scikit-sundae {version}"}
         else:
             text = f"step {setting:g} s"
             run = partial(multibody.slider_acceleration, SCENE, DURATION, OUTPUTS, setting)
@@ -306,10 +252,8 @@ def steppers(repeats=3, chosen=STEPPERS, compile_times=True):
             continue
         times, found = timed(run, repeats)
         error = (found - truth) / np.sqrt(np.mean(truth**2))
-        nrms = float(np.sqrt(np.mean(error**2)))
-        own = seconds["explicit" if method in explicit.SCHEMES else "rigid"]
-        row = _row("steppers", method, text, times, np.full(1, nrms), 0 if others else own)
-        rows.append(row | others)
+        nrms = np.full(1, np.sqrt(np.mean(error**2)))
+        rows.append(_row("steppers", method, text, times, nrms, seconds) | others)
     return _frame(rows)
 
 
@@ -320,7 +264,7 @@ def _ours(tolerance):
 
 def _explicit(law, step, scheme):
     options = (DURATION, OUTPUTS, step, scheme)
-    return explicit.simulate(SCENE, law, *options, guarded=False)[0][1:]
+    return explicit.integrate(SCENE, law, *options, guarded=False)[0][1:]
 
 
 @compiled
@@ -339,30 +283,28 @@ def _truth(joint, depths, resolution):
     return force_curve(joint, depths, resolution).force_star
 
 
-def _compile_time(prepare, call, wanted=True):
+def _compile_time(prepare, call):
     """Seconds that a compiled call takes longer in a new process with an empty cache."""
-    if not wanted:
-        return 0.0
+    code = f"""
+import pathlib, sys, time
+import numpy as np
+from study import paths
+paths.BUILD = pathlib.Path(sys.argv[1])
+from study.contact.forces import pack
+from study.measure import explicit
+from study.mechanism import Scene, simulate
+law = pack("hertz", 9.95e-3, 1e-2, 1e11)
+{prepare}
+start = time.perf_counter()
+{call}
+middle = time.perf_counter()
+{call}
+print(middle - start - (time.perf_counter() - middle))
+"""
     with tempfile.TemporaryDirectory() as folder:
-        code = (
-            "import sys, pathlib, time; import numpy as np; from study import paths; "
-            f"paths.BUILD = pathlib.Path(sys.argv[1]); {prepare}; start = time.perf_counter(); "
-            f"{call}; middle = time.perf_counter(); {call}; "
-            "print(middle - start - (time.perf_counter() - middle))"
-        )
         command = [sys.executable, "-c", code, folder]
         done = subprocess.run(command, capture_output=True, check=True, text=True)
     return float(done.stdout)
-
-
-def _stepper_compile_times(wanted):
-    scene = "from study.mechanism import Scene, explicit, simulate; "
-    law = "from study.contact.forces import pack; law = pack('hertz', 9.95e-3, 1e-2, 1e11)"
-    explicit_call = "explicit.simulate(Scene(), law, 1e-5, 1, 1e-6, 'RK4')"
-    return {
-        "rigid": _compile_time(scene + law, "simulate(duration=1e-5, outputs=1)", wanted),
-        "explicit": _compile_time(scene + law, explicit_call, wanted),
-    }
 
 
 def _version(package):

@@ -1,23 +1,26 @@
-"""Where each method fails: limits of steps, of impacts, of the contact solver and of the laws.
+"""Where explicit steps and impacts fail, predicted and observed.
 
 Most limits have a prediction in closed form, or from the linearised equations, and an observed
-value, found by running the method itself on both sides of it; some are measured only.
+value, found by running the method itself on both sides of it.
 """
 
 from math import inf, sqrt
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_ivp
 
 from study import checks
-from study.contact.forces import elastic_force, pack, stored_energy
+from study.contact.forces import elastic_force, pack
 from study.measure import explicit
 from study.measure.limits import bisect
 from study.mechanism import MechanismError, Scene, particles, rigid, simulate, stepping
 
+Numbers = NDArray[np.float64]
 
-def packed(scene, law):
+
+def packed(scene: Scene, law: str) -> Numbers:
     """Numbers of a law and a scene's joint for the compiled functions."""
     checks.instance("scene", scene, Scene)
     return pack(law, scene.ball_radius, scene.socket_radius, scene.composite_modulus)
@@ -30,7 +33,7 @@ def _checked(state):
     return state
 
 
-def lasting_contact(scene, law, duration):
+def lasting_contact(scene: Scene, law: str, duration: float) -> Numbers:
     """State of rigid links at the end of a simulation, in contact by then.
 
     Returns
@@ -47,7 +50,7 @@ def lasting_contact(scene, law, duration):
     return np.array([crank, last.eccentricity_x, last.eccentricity_y, last.crank_speed, ex, ey])
 
 
-def oscillator(scene, law, state):
+def oscillator(scene: Scene, law: str, state: ArrayLike) -> dict[str, float]:
     """The contact as an oscillator along its normal: m x'' = -P' x - (D P/v0) x'.
 
     Returns
@@ -57,18 +60,16 @@ def oscillator(scene, law, state):
         ``frequency`` w = sqrt(P'/m) in rad/s.
     """
     numbers, p, state = packed(scene, law), scene.constants(), _checked(state)
-    depth = np.hypot(state[1], state[2]) - numbers[1]
-    y = np.array([state[0], 0.0, np.arctan2(state[2], state[1]), *state[3:]])
-    mass = 2 * stored_energy(numbers, rigid.impact_depth(y, 1.0, p, numbers))  # at 1 m/s
-    force, stiffness = elastic_force(numbers, depth)
-    return {"depth": depth, "force": force, "mass": mass, "frequency": sqrt(stiffness / mass)}
+    reach = np.hypot(state[1], state[2])
+    nx, ny = state[1:3] / reach
+    mass = 1 / rigid.compliance(state[0], state[2], nx, ny, 0.0, p)
+    force, stiffness = elastic_force(numbers, reach - numbers[1])
+    frequency = sqrt(stiffness / mass)
+    return {"depth": reach - numbers[1], "force": force, "mass": mass, "frequency": frequency}
 
 
-def amplification(scheme, w, g):
+def _amplification(scheme, w, g):
     """Matrix (2, 2) that a step h of a scheme applies to (x, h x') of h^2 x'' = -w^2 x - g h x'."""
-    checks.choice("scheme", scheme, explicit.SCHEMES)
-    for name, value in {"w": w, "g": g}.items():
-        checks.number(name, value, scalar=True)
     one, pull = np.eye(2), np.array([-w * w, -g])
     place, speed = one
     if scheme in ("symplectic Euler", "lagged"):
@@ -84,68 +85,57 @@ def amplification(scheme, w, g):
     return one + system @ (one + system @ (one + system @ (one + system / 4) / 3) / 2)
 
 
-def step_limit(scheme, frequency, rate=0.0):
-    """Longest stable step of a scheme for x'' = -w^2 x - rate x', in s: spectral radius 1."""
+def step_limit(scheme: str, frequency: float, rate: float = 0.0) -> float:
+    """Longest stable step of a scheme for x'' = -w^2 x - rate x', in s: spectral radius 1.
+
+    Parameters
+    ----------
+    frequency, rate
+        In rad/s and 1/s.
+    """
+    checks.choice("scheme", scheme, explicit.SCHEMES)
     checks.number("frequency", frequency, "rad/s", above=0, scalar=True)
     checks.number("rate", rate, "1/s", least=0, scalar=True)
 
     def unstable(h):
-        matrix = amplification(scheme, h * frequency, h * rate)
+        matrix = _amplification(scheme, h * frequency, h * rate)
         return np.abs(np.linalg.eigvals(matrix)).max() > 1 + 1e-8
 
     return bisect(unstable, 1e-3 / (frequency + rate), 4 / frequency)
 
 
-def friction_rate(scene, law, state):
+def friction_rate(scene: Scene, law: str, state: ArrayLike) -> float:
     """Rate mu P / ((v1 - v0) m) at which friction slows sliding between v0 and v1, in 1/s.
 
     A unit force along the tangent of the ball's surface accelerates the sliding by 1/m: through
     crank and coupler, a double pendulum, and through the slider (this study, closed form).
-
-    Parameters
-    ----------
-    scene : study.mechanism.scene.Scene
-    law : str
-    state : ndarray, shape (6,)
-        From `lasting_contact`.
-
-    Returns
-    -------
-    float
     """
-    state = _checked(state)
-    numbers, p = packed(scene, law), scene.constants()
-    (crank, ex, ey), direction = state[:3], np.arctan2(state[2], state[1])
-    coupler = np.arcsin((ey - p.l1 * np.sin(crank)) / p.l2)
-    arms = np.array([p.l1, p.l2]) * np.cos([crank - direction, coupler - direction])
-    arms[1] += p.r1
-    inertia = np.diag([p.a11, p.a22])
-    inertia[0, 1] = inertia[1, 0] = p.a12 * np.cos(crank - coupler)
-    lightness = arms @ np.linalg.solve(inertia, arms) + np.sin(direction) ** 2 / p.m3
-    force, _ = elastic_force(numbers, np.hypot(ex, ey) - numbers[1])
+    numbers, p, state = packed(scene, law), scene.constants(), _checked(state)
+    reach = np.hypot(state[1], state[2])
+    nx, ny = state[1:3] / reach
+    lightness = rigid.compliance(state[0], state[2], -ny, nx, p.r1, p)
+    force, _ = elastic_force(numbers, reach - numbers[1])
     return scene.friction * force * lightness / (scene.full_speed - scene.slow_speed)
 
 
-def observed_step(scene, law, state, scheme, approach=inf, steps=40):
-    """Step from which on the accelerations of two runs that start side by side part.
+def observed_step(
+    scene: Scene,
+    law: str,
+    state: ArrayLike,
+    scheme: str,
+    approach: float = inf,
+    steps: int = 40,
+) -> float:
+    """Step from which on the accelerations of two runs that start side by side part, in s.
 
     Parameters
     ----------
-    scene : study.mechanism.scene.Scene
-    law : str
-    state : ndarray, shape (6,)
-        From `lasting_contact`.
-    scheme : str
-        One of ``study.measure.explicit.SCHEMES``.
-    approach : float
+    scheme
+        One of `study.measure.explicit.SCHEMES`.
+    approach
         Approach speed that the contact remembers, in m/s; inf: not damped.
-    steps : int
+    steps
         Of each run, in which a difference of a millionth grows tenfold.
-
-    Returns
-    -------
-    float
-        In s.
     """
     checks.choice("scheme", scheme, explicit.SCHEMES)
     steps, state = checks.whole("steps", steps, least=2), _checked(state)
@@ -161,7 +151,7 @@ def observed_step(scene, law, state, scheme, approach=inf, steps=40):
         options = (steps * h, steps, h * (1 + 1e-9), scheme)
         try:
             runs = [
-                explicit.simulate(scene, numbers, *options, start, approach, guarded=False)[0]
+                explicit.integrate(scene, numbers, *options, start, approach, guarded=False)[0]
                 for start in (state, beside)
             ]
         except MechanismError:
@@ -174,17 +164,13 @@ def observed_step(scene, law, state, scheme, approach=inf, steps=40):
     return bisect(leave, 0.1 / rates, 4 / contact["frequency"], 30)
 
 
-def frame_limits(scene, elements):
+def frame_limits(scene: Scene, elements: tuple[int, int]) -> dict[tuple[str, str], float]:
     """Limits 2/frequency of the explicit step for long chains of particles, in closed form.
 
     Neighbours that move oppositely along have the frequency (2/l) sqrt(EA/m'). With the rotary
     inertia m' l^3/12 all particles turn alike, against shear s = 12 EI/(k GA l^2), at
     (12/l^2) sqrt(EI/(m' (1 + s))), and neighbours oppositely, in bending, at sqrt(48 EI/m')/l^2.
-
-    Returns
-    -------
-    dict
-        (link, "axial", "shear" or "bending") -> limit, in s.
+    Limits by link and ``axial``, ``shear`` or ``bending``, in s.
     """
     checks.instance("scene", scene, Scene)
     limits, elements = {}, particles.numbers_of_elements(elements)
@@ -199,7 +185,7 @@ def frame_limits(scene, elements):
     return limits
 
 
-def observed_frame_step(scene, elements, steps=600):
+def observed_frame_step(scene: Scene, elements: tuple[int, int], steps: int = 600) -> float:
     """Step from which on links of particles with an ideal joint lose their energy, in s."""
     checks.instance("scene", scene, Scene)
     elements, steps = particles.numbers_of_elements(elements), checks.whole("steps", steps, least=2)
@@ -216,7 +202,9 @@ def observed_frame_step(scene, elements, steps=600):
     return bisect(fails, limit / 2, 2 * limit, 14)
 
 
-def rigid_steps(scene, law, duration, tolerance=1e-8):
+def rigid_steps(
+    scene: Scene, law: str, duration: float, tolerance: float = 1e-8
+) -> tuple[int, float]:
     """Steps that rigid links try in a time, in s, and the energy that friction takes, in J."""
     checks.number("duration", duration, "s", above=0, scalar=True)
     checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
@@ -227,18 +215,20 @@ def rigid_steps(scene, law, duration, tolerance=1e-8):
     return int(state[stepping.STEPS]), rows[1, 20]
 
 
-def free_impact(factor, pull=0.0, depth=0.0, speed=1.0, power=1.5):
+def free_impact(
+    factor: float, pull: float = 0.0, depth: float = 0.0, speed: float = 1.0, power: float = 1.5
+) -> tuple[float, float]:
     """Contact of a mass by x'' = -x^p (1 + D x') - pull, until the surfaces part.
 
     Parameters
     ----------
-    factor : float
+    factor
         Damping factor D over the approach speed.
-    pull : float
+    pull
         Constant force that drives the surfaces apart.
-    depth, speed : float
+    depth, speed
         At the start: an impact, or the release of a loaded contact.
-    power : float
+    power
         Exponent p.
 
     Returns
@@ -268,7 +258,9 @@ def free_impact(factor, pull=0.0, depth=0.0, speed=1.0, power=1.5):
     return -found.y[1, -1], max(-force.min(), 0.0) / force.max()
 
 
-def event_differences(scene, law, change, duration, share=0.05):
+def event_differences(
+    scene: Scene, law: str, change: float, duration: float, share: float = 0.05
+) -> pd.DataFrame:
     """How far apart the same impacts of two runs are, whose balls start ``change`` apart, in m.
 
     Returns

@@ -13,9 +13,10 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.joint import fem
+from study.joint import Joint, fem
 
 CONTACTS = {"surface": "SURFACE TO SURFACE", "node": "NODE TO SURFACE"}
 NODES = (3, 6)
@@ -26,7 +27,7 @@ _SECTORS = 180  # an axisymmetric element stands for a sector of 2 degrees
 _TOTAL = re.compile(r"total force \(fx,fy,fz\) for set BALLEQUATOR and time\s+\S+\s+\S+\s+(\S+)")
 
 
-def version():
+def version() -> str | None:
     """Version of the installed CalculiX, such as ``2.20``, or None if there is none."""
     program = shutil.which("ccx")
     if program is None:
@@ -36,37 +37,37 @@ def version():
     return found and found.group(1)
 
 
-def force_curve(joint, depth_star, resolution=64, nodes=6, penalty=PENALTY, contact="surface"):
-    """Force of a joint at given depths, in one run of CalculiX with one step per depth.
+def force_curve(
+    joint: Joint,
+    depth_star: ArrayLike,
+    resolution: int = 64,
+    nodes: int = 6,
+    penalty: float = PENALTY,
+    contact: str = "surface",
+) -> NDArray[np.float64]:
+    """Dimensionless force P/(E* dR^2) at given depths, in one run with one step per depth.
 
     Parameters
     ----------
-    joint : study.joint.Joint
+    joint
         ``linear`` kinematics have no NLGEOM, ``finite`` have it; ``ball_drive`` is ``plane`` or
         ``clamped``.
-    depth_star : float or array_like, shape (k,)
+    depth_star
         Dimensionless penetration depths, >= 0, in any order.
-    resolution : int
+    resolution
         Elements along the surface, a multiple of 16, >= 32.
-    nodes : {6, 3}
-        CAX6 or CAX3.
-    penalty : float
+    nodes
+        6 (CAX6) or 3 (CAX3).
+    penalty
         Pressure per overclosure, in E*/R2. At R2* = 200 with CAX6 it costs 0.2 % of the force at
         1000, 0.06 % at 3000 and 0.03 % at 6000; from about 15,000 on some depths end 0.2 to
         2.8 % too low although CalculiX calls them converged.
-    contact : {"surface", "node"}
-        Contact from surface to surface; or from node to surface, which takes a fifth of the
+    contact
+        From ``surface`` to surface; or from ``node`` to surface, which takes a fifth of the
         time and scatters by up to 0.8 %.
-
-    Returns
-    -------
-    ndarray, shape (k,)
-        Dimensionless force P/(E* dR^2), in the order asked for.
 
     Raises
     ------
-    ValueError
-        For an argument outside its range, or a joint of other kinematics or drive.
     study.checks.StudyError
         If CalculiX is missing, fails or takes too long.
     """
@@ -82,7 +83,14 @@ def force_curve(joint, depth_star, resolution=64, nodes=6, penalty=PENALTY, cont
     return force[places]
 
 
-def deck(joint, depth_star, resolution=64, nodes=6, penalty=PENALTY, contact="surface"):
+def deck(
+    joint: Joint,
+    depth_star: ArrayLike,
+    resolution: int = 64,
+    nodes: int = 6,
+    penalty: float = PENALTY,
+    contact: str = "surface",
+) -> str:
     """CalculiX's input for increasing depths > 0; arguments and errors as for `force_curve`."""
     checks.choice("kinematics", joint.kinematics, KINEMATICS)
     checks.choice("ball_drive", joint.ball_drive, ("plane", "clamped"))
@@ -98,15 +106,10 @@ def deck(joint, depth_star, resolution=64, nodes=6, penalty=PENALTY, contact="su
         *_body("BALL", ball, radius * ball.doflocs + [[0], [clearance]], (1, 1)),
         *_body("SOCKET", socket, socket.doflocs, (1 + ball.doflocs.shape[1], 1 + ball.nelements)),
     ]
-    materials = zip(
-        ("BALL", "SOCKET"), joint.modulus_shares, (joint.ball, joint.socket), strict=True
-    )
-    for name, share, material in materials:
-        lines += [
-            f"*MATERIAL, NAME={name}",
-            "*ELASTIC",
-            f"{1 / share:.12g}, {material.poisson:.12g}",
-        ]
+    bodies = ("BALL", joint.ball), ("SOCKET", joint.socket)
+    for share, (name, material) in zip(joint.modulus_shares, bodies, strict=True):
+        lines += [f"*MATERIAL, NAME={name}", "*ELASTIC"]
+        lines += [f"{1 / share:.12g}, {material.poisson:.12g}"]
         lines += [f"*SOLID SECTION, ELSET={name}, MATERIAL={name}"]
     lines += [
         "*SURFACE INTERACTION, NAME=CONTACT",
@@ -165,15 +168,9 @@ def _run(text, count):
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "joint.inp").write_text(text)
         try:
-            run = subprocess.run(
-                [program, "joint"],
-                cwd=folder,
-                env=os.environ | {"OMP_NUM_THREADS": "1"},
-                capture_output=True,
-                text=True,
-                timeout=TIMEOUT,
-                check=False,
-            )
+            options = {"capture_output": True, "text": True, "timeout": TIMEOUT, "check": False}
+            one_thread = os.environ | {"OMP_NUM_THREADS": "1"}
+            run = subprocess.run([program, "joint"], cwd=folder, env=one_thread, **options)
         except subprocess.TimeoutExpired as error:
             raise checks.StudyError(f"ccx took more than {TIMEOUT:g} s") from error
         results = Path(folder, "joint.dat")

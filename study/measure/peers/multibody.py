@@ -1,36 +1,27 @@
 """Exudyn, a program for multibody dynamics, on the rigid links with their clearance joint."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from study.contact.forces import pack
+from study.mechanism import Scene
 
 
-def slider_acceleration(scene, duration, outputs, step):
-    """Slider's acceleration at equally spaced times after the start.
+def slider_acceleration(
+    scene: Scene, duration: float, outputs: int, step: float
+) -> NDArray[np.float64]:
+    """Slider's acceleration at equally spaced times after the start, in m/s^2.
 
     With Exudyn's own contact of a sphere in a sphere and Hertz's law; its restitution is set so
-    that its damping is that of Lankarani and Nikravesh.
-
-    Parameters
-    ----------
-    scene : study.mechanism.scene.Scene
-        With damping ``lankarani-nikravesh``.
-    duration : float
-        In s.
-    outputs : int
-    step : float
-        In s.
-
-    Returns
-    -------
-    ndarray, shape (outputs,)
-        In m/s^2.
+    that its damping is that of Lankarani and Nikravesh, which the scene must have. Duration and
+    step in s.
     """
     import exudyn as exu
     from exudyn import itemInterface as item  # noqa: N813
     from exudyn.utilities import SensorNode
 
-    law = pack("hertz", scene.ball_radius, scene.socket_radius, scene.composite_modulus)
-    system = exu.SystemContainer().AddSystem()
-    s = scene
+    s, system = scene, exu.SystemContainer().AddSystem()
+    law = pack("hertz", s.ball_radius, s.socket_radius, s.composite_modulus)
     ground = system.AddObject(item.ObjectGround())
     bodies = {}
     for name, mass, inertia, x in (

@@ -7,11 +7,12 @@ contact at their own event. The kinks of the friction law are left to their erro
 from math import hypot, inf
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from study import checks
 from study.measure import explicit
-from study.mechanism import rigid
+from study.mechanism import Scene, rigid
 
 SCIPY = ("LSODA", "Radau", "DOP853")
 METHODS = (*SCIPY, "CVODE")
@@ -20,31 +21,29 @@ LONGEST_FLIGHT_STEP = 2e-4  # s: a longer one may fly over a short contact
 DISARMED = 1e-9  # s after a start, in which the gap is rounding only
 
 
-def slider_acceleration(method, scene, law, duration, outputs, rtol):
-    """Slider's acceleration at equally spaced times after the start.
+def slider_acceleration(
+    method: str,
+    scene: Scene,
+    law: NDArray[np.float64],
+    duration: float,
+    outputs: int,
+    rtol: float,
+) -> NDArray[np.float64]:
+    """Slider's acceleration at equally spaced times after the start, in m/s^2.
 
     Parameters
     ----------
-    method : {"LSODA", "Radau", "DOP853", "CVODE"}
-        The last is SUNDIALS' through scikit-sundae.
-    scene : study.mechanism.scene.Scene
-    law : ndarray
+    method
+        One of `METHODS`; CVODE is SUNDIALS' through scikit-sundae.
+    law
         From ``study.contact.forces.pack``.
-    duration : float
+    duration
         In s.
-    outputs : int
-    rtol : float
+    rtol
         Relative tolerance.
-
-    Returns
-    -------
-    ndarray, shape (outputs,)
-        In m/s^2.
 
     Raises
     ------
-    ValueError
-        For an unknown method or a tolerance <= 0.
     study.checks.StudyError
         If the integrator fails.
     """
