@@ -53,8 +53,6 @@ def damping_factor(damping: Damping, restitution: float) -> float:
 
     Parameters
     ----------
-    damping
-        Name of the rule.
     restitution
         Coefficient of restitution asked for, from 0 to 1; from 0.001 for ``flores`` and
         ``exact``, whose D grows as 1/cr.

@@ -2,7 +2,8 @@
 
 In dimensionless form depth_star = d/dR, r2_star = R2/dR and force_star = P/(E* dR^2), with
 the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*. Damping and
-friction are not here. Every law is zero for depth <= 0 (no contact).
+friction are not here. Every law is zero for depth <= 0 (no contact); `hertz` tells the arguments
+and errors that all of them have.
 
 How sure we are of each formula (given, derived, identified, reconstructed, fitted) stands in
 its docstring; "Eq." numbers are those of the paper the study reproduces.
@@ -124,8 +125,6 @@ def steuermann(
 
     Parameters
     ----------
-    depth_star, r2_star, derivative
-        As for `hertz`.
     n
         Half the order of the profile, from 1 to 50.
     radius
@@ -151,7 +150,7 @@ def steuermann(
 def liu(r2_star: Floats) -> Parts:
     """Liu et al. 2006: P* = 4.57 R2* ds sin(eps) sin(eps/2) (Eq. 8 is lost; reconstructed).
 
-    Arguments as for `hertz`. Reconstructed from two published numbers: the R2 of Table 2 gives
+    Reconstructed from two published numbers: the R2 of Table 2 gives
     the factor, the RMSE the growth with depth (notebook 13). cos(eps) = dR/(dR + d) is
     Steuermann's half-angle, and sin(eps/2) the factor of Liu's law for cylinders. Another form
     that meets both numbers, a pressure 1 - theta^2/eps^2 on the socket's sphere, differs from
@@ -166,8 +165,6 @@ def winkler(r2_star: Floats, *, coefficient: float | None = None) -> Parts:
 
     Parameters
     ----------
-    depth_star, r2_star, derivative
-        As for `hertz`.
     coefficient
         Value of f1w, > 0; by default this study's fit in the paper's joint, linear in R2*.
     """
@@ -190,8 +187,8 @@ def hyperbolic_winkler(
 
     Parameters
     ----------
-    depth_star, r2_star, derivative
-        As for `hertz`; depth_star <= pi^2/8, where the half-angle is 90 deg.
+    depth_star
+        At most pi^2/8, where the half-angle is 90 deg.
     area
         Area element of the integral over the contact.
     coefficient
@@ -223,8 +220,8 @@ def stiffened_hertz(
 
     Parameters
     ----------
-    depth_star, r2_star, derivative
-        As for `hertz`; depth_star <= 1 and r2_star >= 20.
+    depth_star, r2_star
+        At most 1; at least 20.
     socket_ratio
         Outer over inner radius of the socket, from 1.1 to 3.
     poisson

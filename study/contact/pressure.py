@@ -27,12 +27,7 @@ def contact_radius(depth_star: ArrayLike, r2_star: float) -> Floats:
 def hertz_pressure(radius: ArrayLike, depth_star: float, r2_star: float) -> NDArray[np.float64]:
     """Hertz's pressure p0 sqrt(1 - (r/a)^2) with p0 = 2 E* a/(pi R) (Eq. 4); zero outside a.
 
-    Parameters
-    ----------
-    radius
-        Distances r/R2 from the contact's axis.
-    depth_star, r2_star
-        As for `contact_radius`; depth_star > 0.
+    The ``radius`` is the distance r/R2 from the contact's axis; depth_star > 0.
     """
     checks.number("depth_star", depth_star, above=0)
     r = checks.number("radius", radius)
@@ -48,12 +43,7 @@ def hyperbolic_pressure(
 
     K/h is what the law's fitted coefficient f1 implies (Eqs. 16 and 20, derived).
 
-    Parameters
-    ----------
-    polar_angle
-        Angles theta from the contact's centre, in rad.
-    depth_star, r2_star
-        As for `study.contact.hyperbolic_winkler`; depth_star > 0.
+    The ``polar_angle`` theta is from the contact's centre, in rad; depth_star > 0.
     """
     alpha = contact_half_angle("hyperbolic_winkler", depth_star, r2_star)
     checks.number("depth_star", depth_star, above=0)

@@ -145,13 +145,7 @@ def paper_joint(r2_star: float = 200, **changes: Any) -> Joint:
     Clamped ball, free rim, socket ratio 1.298, linear kinematics, both bodies of Poisson's ratio
     0.3: identified from Table 2 and Fig. 14 (notebook 13), but for the rim, which follows from
     the text ("the entire external surface of the socket is fixed") and changes nothing there.
-
-    Parameters
-    ----------
-    r2_star
-        Dimensionless socket radius; 200 is that of Fig. 10 and Table 2.
-    **changes
-        Other attributes of `Joint`.
+    R2* = 200 is that of Fig. 10 and Table 2; ``changes`` are other attributes of `Joint`.
     """
     return Joint(r2_star, **(PAPER_SUPPORTS | changes))
 

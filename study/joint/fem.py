@@ -195,9 +195,7 @@ def ball(
     poisson
         Poisson's ratio, in (-1, 0.5).
     drive
-        The equatorial plane is held axially and is radially free (``plane``), or fixed in
-        both directions (``clamped``); or only the ball's centre is held (``point``), a point
-        load, under which the force depends on the mesh.
+        As for `study.joint.Joint`; under a point load the force depends on the mesh.
     resolution
         Elements along the surface.
     """
@@ -222,10 +220,8 @@ def socket(
     ----------
     ratio
         Outer over inner radius, >= 1.02.
-    poisson, resolution
-        As for `ball`.
-    rim
-        The edge at the equator is a mirror plane, or traction-free.
+    poisson, rim, resolution
+        As for `ball` and `study.joint.Joint`.
     """
     poisson = checks.poisson("poisson", poisson)
     mirror = checks.choice("rim", rim, RIMS) == "mirror"
