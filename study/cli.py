@@ -1,29 +1,31 @@
 """The command line ``study``: notebooks, paper, report, dataset, laws, joints and simulations.
 
+An option that is a parameter of the library has type, default and help from there (`command`).
 A user's mistake is one line on standard error and exit status 2; a failure is exit status 1.
 """
 
 import json
 import os
+import re
 import sys
 from contextlib import contextmanager
 from dataclasses import fields
-from enum import StrEnum
-from inspect import signature
+from inspect import Parameter, Signature, getdoc, signature
 from pathlib import Path
-from typing import Annotated
+from pkgutil import resolve_name
+from types import UnionType
+from typing import Annotated, Literal, Union, get_args, get_origin
 
 import typer
 
-from study.checks import StudyError
-from study.contact import LAWS, SOCKET_RATIO
+from study import checks, paths
+from study.contact import LAWS, LawName
 
+STYLE = {"add_completion": False, "rich_markup_mode": None, "pretty_exceptions_enable": False}
 app = typer.Typer(
     help="Contact force laws for spherical clearance joints: rebuild, inspect, evaluate.",
     no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
+    **STYLE,
 )
 data_app = typer.Typer(help="The cached force-depth curves.", no_args_is_help=True)
 app.add_typer(data_app, name="data")
@@ -31,45 +33,31 @@ app.add_typer(data_app, name="data")
 SHOWN = 20  # impacts in a printed table
 INTERRUPTED = 130  # typer's status after Ctrl-C
 UsageError = typer.BadParameter.__base__  # of every wrong option or argument
-LawName = StrEnum("LawName", list(LAWS))
-Drive = StrEnum("Drive", ["plane", "clamped", "point"])
-Rim = StrEnum("Rim", ["mirror", "free"])
-Kinematics = StrEnum("Kinematics", ["small", "linear", "finite"])
-Solver = StrEnum("Solver", ["series", "quadratic", "linear"])
-Exported = StrEnum("Exported", ["stiffened_hertz", "tabulated"])
-Format = StrEnum("Format", ["c", "json", "csv"])
-Model = StrEnum("Model", ["rigid", "particles", "beams", "auto"])
-Chart = StrEnum("Chart", ["laws", "solvers", "steppers"])
-Quantity = StrEnum("Quantity", ["slider_position", "slider_velocity", "slider_acceleration"])
-MechanismJoint = StrEnum("MechanismJoint", ["clearance", "ideal"])
-Method = StrEnum("Method", ["centred", "lagged", "unguarded"])
-
-R2Star = Annotated[float, typer.Option("--r2-star", help="Dimensionless socket radius R2/dR, > 1.")]
-DepthStars = Annotated[
-    list[float],
-    typer.Option("--depth-star", help="Dimensionless penetration depth d/dR; may be repeated."),
-]
-SocketRatio = Annotated[
-    float, typer.Option(help="Outer over inner radius of the socket, >= 1.001.")
-]
-Poisson = Annotated[float, typer.Option(help="Poisson's ratio of both bodies, in (-1, 0.5).")]
-ModulusRatio = Annotated[
-    float, typer.Option(help="Young's modulus of the socket over that of the ball, > 0.")
-]
-SocketPoisson = Annotated[
-    float | None, typer.Option(help="Poisson's ratio of the socket, if not that of the ball.")
-]
-WhichKinematics = Annotated[
-    Kinematics, typer.Option(help="Pairing of the surfaces, see study.joint.Joint.")
-]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
-Names = Annotated[
-    list[str] | None,
-    typer.Argument(metavar="[NAME]...", help="Figures, tables or notebooks; default all."),
-]
-Jobs = Annotated[
-    int | None, typer.Option("--jobs", min=1, help="Processes; by default one per core.")
-]
+FLAGS = {"ball_drive": "--drive", "form": "--format", "dask_address": "--dask"}
+FLAGS |= {"as_json": "--json", "settings": "-p"}
+ARGUMENTS = {"name": "NAME", "names": "[NAME]..."}
+HELP = {
+    "as_json": "Print one JSON object.",
+    "case": "One case, every depth of it.",
+    "chart": "What to time; may be repeated [default: all].",
+    "depth_star": "Dimensionless penetration depth d/dR; may be repeated.",
+    "group": "Group of cases: paper, ratio, poisson, fit, judge, ...",
+    "inertia": "Of crank and coupler about their centres, in kg m^2: I1,I2 [default: rods].",
+    "keep": "Take what differs as the kept results from now on.",
+    "modulus_ratio": "Young's modulus of the socket over that of the ball, > 0.",
+    "name": f"One of {', '.join(LAWS)}.",
+    "names": "Figures, tables or notebooks; default all.",
+    "output": "File to write.",
+    "r2_star": "Dimensionless socket radius R2/dR, > 1.",
+    "repeats": "Of each timing, after one not counted [default: 5].",
+    "scene": "KEY=VALUE of the scene, SI; may be repeated: restitution=0.9, link_modulus=2e9.",
+    "settings": "KEY=VALUE of a notebook's parameter; may be repeated.",
+    "socket_poisson": "Poisson's ratio of the socket, if not that of the ball.",
+    "socket_ratio": "Outer over inner radius of the socket.",
+}
+"""Of the commands' own options."""
+MATERIALS = ("study.joint:Material poisson", "study.cli:_joint modulus_ratio socket_poisson")
+JOINT = ("study.joint:Joint socket_ratio ball_drive rim kinematics", *MATERIALS)
 
 
 def main():
@@ -84,7 +72,7 @@ def main():
             print(text, file=sys.stderr)
             sys.exit(2)
         _complain(text, 2)
-    except (StudyError, OSError) as error:
+    except (checks.StudyError, OSError) as error:
         _complain(str(error), 1)
     if status == INTERRUPTED:
         _complain("interrupted; what was finished is kept", status)
@@ -96,20 +84,77 @@ def _complain(text, status):
     sys.exit(status)
 
 
-@app.command("run")
-def run_notebooks(
-    names: Names = None,
-    jobs: Jobs = None,
-    force: Annotated[bool, typer.Option("--force", help="Run fresh notebooks too.")] = False,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("-p", metavar="KEY=VALUE", help="Set a notebook's parameter; repeatable."),
-    ] = None,
-    dask: Annotated[
-        str | None,
-        typer.Option("--dask", metavar="ADDRESS", help="Dask scheduler that runs the tasks."),
-    ] = None,
-):
+def command(name, *library, group=app, defaults=True):
+    """Decorate a function as a command: its annotated parameters become options.
+
+    So do parameters of the library, as "module:function parameter parameter ...". Those that are
+    given reach the function. They are looked up as the command is called, so that ``study
+    --help`` imports no room.
+    """
+
+    def decorate(function):
+        def call(**given):
+            return function(**{key: value for key, value in given.items() if value is not None})
+
+        class Command(typer.core.TyperCommand):
+            def make_context(self, *args, **more):
+                own = signature(function).parameters.values()
+                given = [_option(p, HELP[p.name]) for p in own if p.annotation is not p.empty]
+                for entry in library:
+                    source, *names = entry.split()
+                    given += _options(resolve_name(source), names, defaults)
+                call.__signature__ = Signature(given)
+                one = typer.Typer(**STYLE)
+                one.command(help=getdoc(function))(call)
+                return typer.main.get_command(one).make_context(*args, **more)
+
+        group.command(name, cls=Command, help=getdoc(function))(lambda: None)
+        return function
+
+    return decorate
+
+
+def _options(source, names, defaults):
+    """Options for parameters of a function or dataclass, explained by its docstring."""
+    entries = re.findall(r"^(\w[\w, ]*)(?: : .*)?\n((?: {4}.+\n?)+)", getdoc(source) or "", re.M)
+    texts = HELP | {name: text for listed, text in entries for name in listed.split(", ")}
+    known = signature(source, eval_str=True).parameters
+    return [_option(known[name], texts.get(name, ""), defaults) for name in names]
+
+
+def _option(parameter, text, defaults=False):
+    """Typer's parameter: None unless given, with the first sentence of a text for its help."""
+    text = re.sub(r"`+|study\.[\w.]+\.", "", " ".join(text.split()))
+    text, name, default = re.split(r"(?<=\.)\s", text)[0], parameter.name, parameter.default
+    union = get_origin(parameter.annotation) in (Union, UnionType)
+    kind = get_args(parameter.annotation)[0] if union else parameter.annotation
+    if kind is Parameter.empty:
+        kind = str if default in (None, Parameter.empty) else type(default)
+    if name == "model":
+        kind = Literal[kind, "auto"]
+    if get_origin(kind) is tuple:
+        kind, text = str, f"N,N: {text}"
+    if defaults and default not in (Parameter.empty, None, False):
+        text += f" [default: {default}]"
+    flag = FLAGS.get(name, f"--{name.replace('_', '-')}")
+    made = typer.Option(flag, help=text)
+    if name in ARGUMENTS:
+        made = typer.Argument(help=text, metavar=ARGUMENTS[name])
+    if default is not Parameter.empty:
+        kind, default = kind | None, None
+    hint = Annotated[kind, made]
+    return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=hint)
+
+
+def _left_out(names, given, why):
+    """Refuse what was given though it means nothing here."""
+    for name in names:
+        if name in given:
+            raise ValueError(f"--{name.replace('_', '-')} must be left out: {why}")
+
+
+@command("run", "study.pages.tasks:build jobs force dask_address")
+def run_notebooks(names: list[str] = (), settings: list[str] = (), **how):
     """Run the stale notebooks and compare their figures and tables with those in figures/.
 
     What agrees stays as it is; what differs is written anew and named, with exit status 1.
@@ -117,25 +162,19 @@ def run_notebooks(
     from study import dataset
     from study.pages import catalogue, execute
 
-    selected = catalogue.select(names or [])
-    parameters = execute.check_parameters(selected, settings or [])
+    selected = catalogue.select(names)
+    parameters = execute.check_parameters(selected, settings)
     dataset.verify_files()
     catalogue.check_claims()
-    built = execute.run(selected, parameters, jobs=jobs, force=force, dask_address=dask)
-    _compare(_tell(selected, built))
+    _compare(_tell(selected, execute.run(selected, parameters, **how)))
 
 
-@app.command("verify")
-def verify_results(
-    names: Names = None,
-    keep: Annotated[
-        bool, typer.Option("--keep", help="Take what differs as the kept results from now on.")
-    ] = False,
-):
+@command("verify")
+def verify_results(names: list[str] = (), keep: bool = False):
     """Say which results, as made here last, are the kept ones; run nothing."""
     from study.pages import catalogue, kept
 
-    selected = catalogue.select(names or [])
+    selected = catalogue.select(names)
     if keep:
         for notebook in selected:
             kept.accept(notebook.files())
@@ -155,7 +194,7 @@ def _compare(selected):
         raise typer.Exit(1)
 
 
-@app.command("paper")
+@command("paper")
 def typeset_paper():
     """Typeset the paper, build/paper.pdf, from the results in figures/ as they are."""
     from study.pages.typeset import typeset
@@ -164,15 +203,15 @@ def typeset_paper():
     print("made  build/paper.pdf")
 
 
-@app.command("report")
-def write_report(jobs: Jobs = None):
+@command("report", "study.pages.tasks:build jobs")
+def write_report(**how):
     """Bring everything up to date: figures, tables, paper, and the report, build/report/."""
     from study import dataset
     from study.pages import catalogue, execute
 
     dataset.verify_files()
     catalogue.check_claims()
-    built = execute.run(catalogue.CATALOGUE, {}, report=True, jobs=jobs)
+    built = execute.run(catalogue.CATALOGUE, {}, report=True, **how)
     _tell(catalogue.CATALOGUE, built)
     print("Figures and tables are in figures/, the paper is build/paper.pdf.")
     print("The report to browse: build/report/index.html")
@@ -209,7 +248,7 @@ def _fail(built):
         raise typer.Exit(1)
 
 
-@app.command("list")
+@command("list")
 def list_results():
     """List every figure and table: what it shows, its notebook, fresh or stale."""
     from study.pages import catalogue, execute
@@ -223,110 +262,52 @@ def list_results():
     _table(["name", "state", "notebook", "shows"], rows)
 
 
-@app.command("law")
+@command("law", "study.contact:stiffened_hertz socket_ratio poisson kinematics")
 def evaluate_law(
-    law: Annotated[LawName, typer.Argument(metavar="NAME", help=f"One of {', '.join(LawName)}.")],
-    r2_star: R2Star,
-    depth_star: DepthStars,
-    socket_ratio: Annotated[
-        float | None,
-        typer.Option(help="stiffened_hertz: outer over inner radius of the socket [1.298]."),
-    ] = None,
-    poisson: Annotated[
-        float | None, typer.Option(help="stiffened_hertz: Poisson's ratio of both bodies [0.3].")
-    ] = None,
-    kinematics: Annotated[
-        Kinematics | None, typer.Option(help="stiffened_hertz: linear or finite [linear].")
-    ] = None,
-    as_json: AsJson = False,
+    name: LawName, r2_star: float, depth_star: list[float], as_json: bool = False, **of_law
 ):
     """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths.
 
-    stiffened_hertz is for a radially free ball of the socket's material, the laws of the paper
-    are those of its own joint.
+    stiffened_hertz is for a radially free ball of the socket's material, and alone has options;
+    the laws of the paper are those of its own joint.
     """
-    given = {"socket_ratio": socket_ratio, "poisson": poisson}
-    given["kinematics"] = None if kinematics is None else str(kinematics)
-    options = {name: value for name, value in given.items() if value is not None}
-    for name in options:
-        if name not in signature(LAWS[law]).parameters:
-            option = f"--{name.replace('_', '-')}"
-            raise ValueError(f"{option} must be left out: {law} does not depend on it")
-    force = LAWS[law](depth_star, r2_star, **options)
+    unknown = sorted(of_law.keys() - signature(LAWS[name]).parameters)
+    _left_out(unknown, of_law, f"{name} does not depend on it")
+    force = LAWS[name](depth_star, r2_star, **of_law)
     _print_curve({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
 
 
-@app.command("joint")
+@command("joint", *JOINT, "study.joint:force_curve solver")
 def solve_joint(
-    r2_star: R2Star,
-    depth_star: DepthStars,
-    socket_ratio: SocketRatio = SOCKET_RATIO,
-    poisson: Poisson = 0.3,
-    modulus_ratio: ModulusRatio = 1.0,
-    socket_poisson: SocketPoisson = None,
-    drive: Annotated[
-        Drive,
-        typer.Option(
-            help="Ball's equatorial plane: radially free, clamped (the paper's), or its centre."
-        ),
-    ] = Drive.plane,
-    rim: Annotated[
-        Rim, typer.Option(help="Socket's edge: mirror plane, or free (the paper's).")
-    ] = Rim.mirror,
-    kinematics: WhichKinematics = Kinematics.linear,
-    solver: Annotated[
-        Solver | None,
-        typer.Option(help="Series, or six-node (quadratic) or three-node (linear) triangles."),
-    ] = None,
-    as_json: AsJson = False,
+    r2_star: float, depth_star: list[float], as_json: bool = False, solver=None, **joint
 ):
     """Solve one joint: force, contact half-angle and error estimate."""
-    import numpy as np
-
     from study.joint import force_curve
 
-    materials = modulus_ratio, socket_poisson
-    supports = {"ball_drive": str(drive), "rim": str(rim)}
-    joint = _joint(r2_star, socket_ratio, poisson, kinematics, *materials, **supports)
-    curve = force_curve(joint, depth_star, solver=None if solver is None else str(solver))
+    curve = force_curve(_joint(r2_star, **joint), depth_star, solver=solver)
     columns = {
         "depth_star": depth_star,
         "force_star": curve.force_star.tolist(),
-        "contact_half_angle_deg": np.degrees(curve.contact_half_angle).tolist(),
+        "contact_half_angle_deg": curve.columns()["contact_half_angle"].tolist(),
         "peak_pressure_star": curve.peak_pressure.tolist(),
         "error_estimate": curve.error_estimate.tolist(),
     }
     _print_curve(columns, as_json)
 
 
-def _joint(r2_star, socket_ratio, poisson, kinematics, ratio=1.0, socket_poisson=None, **supports):
-    from study import checks
+def _joint(
+    r2_star=200.0, *, modulus_ratio: float = 1.0, socket_poisson: float | None = None, **others
+):
     from study.joint import Joint, Material
 
-    ball = Material(poisson=poisson)
-    modulus = ball.youngs_modulus * checks.number("--modulus-ratio", ratio, above=0)
-    socket = Material(modulus, poisson if socket_poisson is None else socket_poisson)
-    return Joint(r2_star, socket_ratio, ball, socket, kinematics=str(kinematics), **supports)
+    ball = Material(**{"poisson": others.pop("poisson")} if "poisson" in others else {})
+    modulus = ball.youngs_modulus * checks.number("--modulus-ratio", modulus_ratio, above=0)
+    socket = Material(modulus, ball.poisson if socket_poisson is None else socket_poisson)
+    return Joint(r2_star, ball=ball, socket=socket, **others)
 
 
-@app.command("choose")
-def choose_law(
-    r2_star: R2Star,
-    depth_star: Annotated[
-        float, typer.Option("--depth-star", help="Largest depth d/dR of the scene.")
-    ],
-    tolerance: Annotated[
-        float, typer.Option(help="Largest relative error of the force, from 1e-5 to 1.")
-    ],
-    socket_ratio: SocketRatio = SOCKET_RATIO,
-    poisson: Poisson = 0.3,
-    modulus_ratio: ModulusRatio = 1.0,
-    socket_poisson: SocketPoisson = None,
-    drive: Annotated[Drive, typer.Option(help="As for study joint.")] = Drive.plane,
-    rim: Annotated[Rim, typer.Option(help="As for study joint.")] = Rim.mirror,
-    kinematics: WhichKinematics = Kinematics.linear,
-    as_json: AsJson = False,
-):
+@command("choose", *JOINT, "study.choose:choose depth_star tolerance")
+def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **joint):
     """Choose the cheapest law that is accurate enough for a joint, with the evidence.
 
     For a whole mechanism: study simulate --model auto --tolerance ... .
@@ -334,75 +315,49 @@ def choose_law(
     from study.choose import choose
     from study.choose.law import relative_costs
 
-    materials = modulus_ratio, socket_poisson
-    supports = {"ball_drive": str(drive), "rim": str(rim)}
-    joint = _joint(r2_star, socket_ratio, poisson, kinematics, *materials, **supports)
-    choice = choose(joint, depth_star, tolerance)
-    told = {
-        "law": choice.law,
-        "options": choice.options,
-        "error_bound": choice.error_bound,
-        "relative_cost": choice.relative_cost,
-        "depths": list(choice.depths),
-        "source": choice.source,
-        "note": choice.note,
-        "next_cheaper": choice.rejected[0] if choice.rejected else None,
-        "rejected": list(choice.rejected),
-        "errors": choice.errors,
-    }
+    choice = choose(_joint(r2_star, **joint), depth_star, tolerance)
     if as_json:
-        print(json.dumps(told, allow_nan=False))
+        told = {"next_cheaper": choice.rejected[0] if choice.rejected else None}
+        print(json.dumps(told | _fields(choice, "evaluate"), allow_nan=False))
         return
-    columns = ("law", "error_bound", "relative_cost", "options")
-    _table(columns, [[_text(told[name]) for name in columns]])
+    names = ("law", "error_bound", "relative_cost", "options")
+    _table(names, [[getattr(choice, name) for name in names]])
     least, most = choice.depths
     print(f"For depths of {least:g} to {most:g} clearances, by the {choice.source}.")
     if choice.note:
         print(f"Solved, as {choice.note}.")
     costs = relative_costs()
-    rows = [(law, choice.errors[law], costs[law]) for law in sorted(choice.errors, key=costs.get)]
     print("Largest error of each law, and time of a call over that of Hertz's law:")
-    _table(("law", "error", "relative_cost"), [[_text(value) for value in row] for row in rows])
+    rows = [(law, choice.errors[law], costs[law]) for law in sorted(choice.errors, key=costs.get)]
+    _table(("law", "error", "relative_cost"), rows)
 
 
-@app.command("export")
-def export_law(
-    law: Annotated[
-        Exported, typer.Option(help="Closed form, or the curve of one joint as a table.")
-    ],
-    form: Annotated[
-        Format, typer.Option("--format", help="C function, coefficients or table, force curve.")
-    ],
-    r2_star: Annotated[float | None, typer.Option(help="Of the joint [200].")] = None,
-    socket_ratio: Annotated[float | None, typer.Option(help="Of the joint [1.298].")] = None,
-    poisson: Annotated[float | None, typer.Option(help="Of both bodies [0.3].")] = None,
-    modulus_ratio: ModulusRatio = 1.0,
-    socket_poisson: SocketPoisson = None,
-    kinematics: WhichKinematics = Kinematics.linear,
-    output: Annotated[
-        Path | None, typer.Option(help="File to write; by default the text is printed.")
-    ] = None,
-):
-    """Export a law of this study for another program.
+def _fields(thing, other):
+    """Fields of a dataclass by name, but for one."""
+    return {f.name: getattr(thing, f.name) for f in fields(thing) if f.name != other}
 
-    The joint is that of csv and of everything of tabulated; the C function and the
-    coefficients of stiffened_hertz hold for all joints, so that --kinematics alone counts.
+
+@command(
+    "export",
+    "study.export:export law form",
+    "study.joint:Joint socket_ratio kinematics",
+    *MATERIALS,
+)
+def export_law(law, form, output: Path | None = None, r2_star: float | None = None, **joint):
+    """Export a law of this study for another program, to standard output or a file.
+
+    The joint is that of csv and of everything of tabulated (R2/dR: 200 by default); the C
+    function and the coefficients of stiffened_hertz hold for all joints, so that --kinematics
+    alone counts.
     """
-    from study import paths
     from study.export import export
 
-    given = {"r2_star": r2_star, "socket_ratio": socket_ratio, "poisson": poisson}
-    if law == Exported.stiffened_hertz and form != Format.csv:
-        for name, value in given.items():
-            if value is not None:
-                option = f"--{name.replace('_', '-')}"
-                raise ValueError(f"{option} must be left out: the {form} export takes any joint")
-    usual = {"r2_star": 200.0, "socket_ratio": SOCKET_RATIO, "poisson": 0.3}
-    given = {name: usual[name] if value is None else value for name, value in given.items()}
-    if output is not None:
-        _check_output(output, f".{form}")
-    materials = {"ratio": modulus_ratio, "socket_poisson": socket_poisson}
-    text = export(str(law), str(form), _joint(**given, kinematics=kinematics, **materials))
+    joint |= {} if r2_star is None else {"r2_star": r2_star}
+    if law == "stiffened_hertz" and form != "csv":
+        places = ("r2_star", "socket_ratio", "poisson")
+        _left_out(places, joint, f"the {form} export takes any joint")
+    _check_output(output, f".{form}")
+    text = export(law, form, _joint(**joint))
     if output is None:
         print(text, end="")
     else:
@@ -411,100 +366,39 @@ def export_law(
 
 
 def _check_output(output, suffix):
-    if output.suffix != suffix:
+    if output is not None and output.suffix != suffix:
         raise ValueError(f"--output must end in {suffix}, got {output}")
-    if not os.access(output.parent, os.W_OK):
+    if output is not None and not os.access(output.parent, os.W_OK):
         raise ValueError(f"--output must be in a folder that can be written to, got {output}")
 
 
-@app.command("simulate")
+@command(
+    "simulate",
+    "study.mechanism:simulate model joint law duration outputs tolerance step elements method",
+    "study.choose:choose_model quantity socket_ratio",
+)
 def simulate_mechanism(
-    model: Annotated[
-        Model, typer.Option(help="Links: rigid, particles or beams; auto: as little as it needs.")
-    ] = Model.rigid,
-    joint: Annotated[
-        MechanismJoint | None, typer.Option(help="Joint of coupler and slider [clearance].")
-    ] = None,
-    law: Annotated[LawName | None, typer.Option(help="Contact law [hertz].")] = None,
-    duration: Annotated[float, typer.Option(help="Simulated time, in s.")] = 0.1,
-    outputs: Annotated[int, typer.Option(help="Equal intervals between times of output.")] = 1000,
-    tolerance: Annotated[
-        float | None,
-        typer.Option(
-            help="Rigid links with clearance: 1e-12 to 1e-2 [1e-8]. Model auto: largest error "
-            "of the slider's motion, its RMS over that of the change since t = 0."
-        ),
-    ] = None,
-    step: Annotated[
-        float | None, typer.Option(help="Flexible links: largest time step, in s.")
-    ] = None,
-    elements: Annotated[
-        str | None, typer.Option(metavar="N,N", help="Elements of crank and coupler [4,8].")
-    ] = None,
-    method: Annotated[
-        Method | None, typer.Option(help="Particles: velocity in damping and friction [centred].")
-    ] = None,
-    quantity: Annotated[
-        Quantity | None,
-        typer.Option(help="auto: what the tolerance is for [slider_position]."),
-    ] = None,
-    socket_ratio: Annotated[
-        float | None, typer.Option(help="auto: outer over inner radius of the socket [1.298].")
-    ] = None,
-    inertia: Annotated[
-        str,
-        typer.Option(
-            metavar="rods|I1,I2",
-            help="Moments of inertia of crank and coupler about their centres, in kg m^2.",
-        ),
-    ] = "rods",
-    scene: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="KEY=VALUE",
-            help="Change the scene; may be repeated: restitution=0.9, link_modulus=2e9; SI.",
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None, typer.Option(help="Write the motion to this CSV file as well.")
-    ] = None,
-    as_json: AsJson = False,
+    scene: list[str] = (),
+    inertia: str = "rods",
+    output: Path | None = None,
+    as_json: bool = False,
+    **given,
 ):
-    """Simulate the crank-slider: where it is at the end, and every impact (SI units)."""
-    from study.choose import choose_model
+    """Simulate the crank-slider: where it is at the end, and every impact (SI units).
+
+    --model auto takes no more than is needed for --tolerance, which is then the largest error of
+    the --quantity: its RMS over that of the change since t = 0.
+    """
     from study.compiled import CACHE
-    from study.mechanism import simulate
     from study.mechanism.compare import last_separation
 
-    changed = _scene(scene or [], inertia)
-    if output is not None:
-        _check_output(output, ".csv")
-    pair = None if elements is None else _numbers("--elements", elements, int)
+    changed = _scene(scene, inertia)
+    _check_output(output, ".csv")
+    if "elements" in given:
+        given["elements"] = _numbers("--elements", given["elements"], int)
     if sys.stderr.isatty() and not any(CACHE.rglob("*.nbi")):
         print("Compiling the stepping loops, once: some seconds ...", file=sys.stderr)
-    names = {"joint": joint, "law": law, "method": method}
-    given = {name: str(value) for name, value in names.items() if value is not None}
-    given |= {} if step is None else {"step": step}
-    given |= {} if pair is None else {"elements": pair}
-    of_auto = {} if socket_ratio is None else {"socket_ratio": socket_ratio}
-    of_auto |= {} if quantity is None else {"quantity": str(quantity)}
-    common = {"duration": duration, "outputs": outputs}
-    chosen = None
-    if model == Model.auto:
-        for name in given:
-            raise ValueError(f"{name} must be left out: model auto chooses it")
-        if tolerance is None:
-            raise ValueError("tolerance must be given: the largest error that model auto may make")
-        chosen = choose_model(changed, tolerance, **common, **of_auto)
-    else:
-        for name in of_auto:
-            raise ValueError(f"{name} must be left out: model {model} has none")
-        given |= {"model": str(model), "tolerance": tolerance}
-    with _progress(duration) as progress:
-        common |= {"progress": progress}
-        response = (
-            chosen.simulate(progress=progress) if chosen else simulate(changed, **given, **common)
-        )
+    choice, response = _simulated(changed, **given)
     last = response.motion.iloc[-1]
     end = {
         "time": last.time,
@@ -517,41 +411,50 @@ def simulate_mechanism(
         "energy_error": response.energy_error,
         "complete": response.complete,
     }
-    choice = _model_choice(chosen)
     impacts = response.impacts.astype(object).where(response.impacts.notna(), None)
     if as_json:
-        told = end | choice | {"impacts": impacts.to_dict("records")}
-        print(json.dumps(told, allow_nan=False))
+        end |= {} if choice is None else {"choice": _fields(choice, "simulate")}
+        print(json.dumps(end | {"impacts": impacts.to_dict("records")}, allow_nan=False))
     else:
-        if choice:
-            _print_choice(chosen, duration)
-        _table(list(end), [[_text(value) for value in end.values()]])
-        shown = impacts.head(SHOWN)
-        _table(impacts.columns, shown.map(_text).itertuples(index=False))
-        rest = len(impacts) - len(shown)
-        print(f"SI units.{f' {rest} more contacts: --json prints all.' if rest else ''}")
+        if choice is not None:
+            _print_choice(choice)
+        _table(end, [end.values()])
+        _table(impacts.columns, impacts.head(SHOWN).itertuples(index=False))
+        rest = len(impacts) - SHOWN
+        print(f"SI units.{f' {rest} more contacts: --json prints all.' if rest > 0 else ''}")
     if output is not None:  # last: what was computed is printed even if the disk is full
         response.save(output)
     return 0 if response.complete else INTERRUPTED
 
 
-def _model_choice(choice):
-    """What is told of a choice of model, if there was one, under the key ``choice``."""
-    if choice is None:
-        return {}
-    names = [field.name for field in fields(choice) if field.name != "simulate"]
-    return {"choice": {name: getattr(choice, name) for name in names}}
+def _simulated(scene, model=None, **given):
+    """The choice of a model, if it was asked for, and the response."""
+    from study import mechanism
+    from study.choose import choose_model
+
+    auto = model == "auto"
+    able = signature(choose_model if auto else mechanism.simulate).parameters
+    why = "model auto chooses it" if auto else f"model {model or able['model'].default} has none"
+    _left_out(sorted(given.keys() - able), given, why)
+    if auto and "tolerance" not in given:
+        raise ValueError("tolerance must be given: the largest error that model auto may make")
+    choice = choose_model(scene, **given) if auto else None
+    with _progress(given.get("duration", able["duration"].default)) as progress:
+        if auto:
+            return choice, choice.simulate(progress=progress)
+        given |= {} if model is None else {"model": model}
+        return None, mechanism.simulate(scene, progress=progress, **given)
 
 
-def _print_choice(choice, duration):
+def _print_choice(choice):
     """What was chosen, in words, and everything that was looked at."""
-    names = ("model", "joint", "law", "settings", "error_bound", "relative_cost", "links")
     print(
-        f"The least model whose {choice.quantity.replace('_', ' ')} is known well enough over "
-        f"{duration:g} s:\n{choice.model} links, {choice.joint} joint, law {choice.law}, within "
+        f"The least model whose {choice.quantity.replace('_', ' ')} is known well enough:\n"
+        f"{choice.model} links, {choice.joint} joint, law {choice.law}, within "
         f"{choice.error_bound:.2g}. In order of detail (costs: times here):"
     )
-    _table(names, [[_text(row[name]) for name in names] for row in choice.evidence])
+    names = ("model", "joint", "law", "settings", "error_bound", "relative_cost", "links")
+    _table(names, [[row[name] for name in names] for row in choice.evidence])
     print(
         f"Links over contact: {choice.compliance_ratio:.2g} times its compliance, "
         f"{choice.frequency_ratio:.2g} of the crank's axial frequency, at a depth of "
@@ -567,8 +470,8 @@ def _scene(settings, inertia):
 
     changes = {}
     if inertia != "rods":
-        values = _numbers("--inertia", inertia, float)
-        changes |= {"crank_inertia": values[0], "coupler_inertia": values[1]}
+        crank, coupler = _numbers("--inertia", inertia, float)
+        changes = {"crank_inertia": crank, "coupler_inertia": coupler}
     known = {field.name: field.default for field in fields(Scene)}
     for setting in settings:
         key, equals, text = setting.partition("=")
@@ -576,12 +479,11 @@ def _scene(settings, inertia):
             raise ValueError(
                 f"--scene must be KEY=VALUE with KEY one of {', '.join(known)}, got {setting!r}"
             )
-        if key == "damping":
+        if isinstance(known[key], str):
             changes[key] = text
-        elif key == "initial_eccentricity":
-            changes[key] = _numbers(key, text, float)
         else:
-            changes[key] = _number(key, text, float)
+            convert = _numbers if isinstance(known[key], tuple) else _number
+            changes[key] = convert(key, text, float)
     return Scene(**changes)
 
 
@@ -616,40 +518,20 @@ def _progress(duration):
         yield lambda time: bar.update(task, completed=time)
 
 
-@data_app.command("show")
+@command("show", "study.joint:Joint ball_drive rim kinematics", group=data_app, defaults=False)
 def show_data(
-    r2_star: Annotated[
-        list[float] | None, typer.Option("--r2-star", help="Keep these values of R2/dR.")
-    ] = None,
-    socket_ratio: Annotated[
-        list[float] | None, typer.Option("--socket-ratio", help="Keep these socket ratios.")
-    ] = None,
-    drive: Annotated[Drive | None, typer.Option(help="Keep this drive.")] = None,
-    rim: Annotated[Rim | None, typer.Option(help="Keep this rim.")] = None,
-    kinematics: Annotated[Kinematics | None, typer.Option(help="Keep these kinematics.")] = None,
-    group: Annotated[
-        str | None, typer.Option(help="Keep this group: paper, ratio, poisson, fit, judge, ...")
-    ] = None,
-    case: Annotated[str | None, typer.Option("--case", help="One case, every depth of it.")] = None,
+    r2_star: list[float] = (), socket_ratio: list[float] = (), group: str = "", case: str = "", **of
 ):
-    """Show a summary of the dataset's cases (forces are P/(E* dR^2), angles in deg)."""
+    """Show a summary of the cases with the values asked for (P/(E* dR^2), angles in deg)."""
     from study import dataset
 
-    chosen = {
-        "r2_star": r2_star,
-        "socket_ratio": socket_ratio,
-        "ball_drive": drive,
-        "rim": rim,
-        "kinematics": kinematics,
-        "group": group,
-        "case": case,
-    }
-    frame = dataset.load(**{key: value for key, value in chosen.items() if value not in (None, [])})
-    table = dataset.summary(frame) if case is None else frame.loc[:, "depth_star":]
-    _table(table.columns, table.map(_text).itertuples(index=False))
+    own = {"r2_star": r2_star, "socket_ratio": socket_ratio, "group": group, "case": case}
+    frame = dataset.load(**{key: value for key, value in own.items() if value}, **of)
+    table = frame.loc[:, "depth_star":] if case else dataset.summary(frame)
+    _table(table.columns, table.itertuples(index=False))
 
 
-@data_app.command("check")
+@command("check", group=data_app)
 def check_data():
     """Check files, schema and physics of the dataset, and solve one case anew."""
     from study.dataset import quality
@@ -657,34 +539,36 @@ def check_data():
     _table(["checked", "found"], quality.check())
 
 
-@app.command("measure")
-def measure_speed(
-    chart: Annotated[
-        list[Chart] | None, typer.Option(help="What to time; may be repeated [all].")
-    ] = None,
-    repeats: Annotated[int, typer.Option(min=1, help="Of each timing, after one not counted.")] = 5,
-    output: Annotated[
-        Path | None, typer.Option(help="CSV file to write instead of the kept one.")
-    ] = None,
-):
+@command("build", "study.pages.tasks:build jobs", group=data_app)
+def build_data(**how):
+    """Build the dataset from nothing; an interrupted build resumes."""
+    from study.pages import tasks
+
+    _fail(tasks.build([paths.DATA], **how))
+    print("The dataset is up to date: data/force_curves.csv, links.csv and datapackage.json.")
+
+
+@command("measure")
+def measure_speed(chart: list[str] = (), repeats: int = 5, output: Path | None = None):
     """Time laws (a minute), solvers and steppers (ten minutes each) on this machine.
 
     The times are kept in data/published/peers.csv, where the charts and study choose take them
-    from. Charts that are not timed stay, and so do other programs that are not found here (ccx,
-    scikit-sundae, exudyn).
+    from, if no other file is named. Charts that are not timed stay, and so do other programs that
+    are not found here (ccx, scikit-sundae, exudyn).
     """
     import pandas as pd
 
-    from study import paths
     from study.dataset import store
     from study.measure import speed
 
+    _check_output(output, ".csv")
+    checks.whole("--repeats", repeats, least=1)
+    for name in chart:
+        checks.choice("--chart", name, tuple(speed.CHARTS))
     if output is None:
         store.verify_files()  # before ten minutes of timing
-    else:
-        _check_output(output, ".csv")
     frames = []
-    for name in [str(name) for name in chart or speed.CHARTS]:
+    for name in chart or speed.CHARTS:
         print(name, file=sys.stderr)
         frames.append(speed.measure(name, repeats))
         if output is None:
@@ -696,22 +580,11 @@ def measure_speed(
     print(f"{len(frame)} rows, on {speed.machine()}")
 
 
-@data_app.command("build")
-def build_data(jobs: Jobs = None):
-    """Build the dataset from nothing; an interrupted build resumes."""
-    from study import paths
-    from study.pages import tasks
-
-    _fail(tasks.build([paths.DATA], jobs=jobs))
-    print("The dataset is up to date: data/force_curves.csv, links.csv and datapackage.json.")
-
-
 def _print_curve(columns, as_json):
     if as_json:
-        print(json.dumps({key: columns[key] for key in columns}))
+        print(json.dumps(columns))
     else:
-        rows = [[_text(value) for value in row] for row in zip(*columns.values(), strict=True)]
-        _table(list(columns), rows)
+        _table(columns, zip(*columns.values(), strict=True))
 
 
 def _text(value):
@@ -728,13 +601,12 @@ def _table(header, rows):
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(width=None if sys.stdout.isatty() else 200)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for name in header:
         table.add_column(name, overflow="fold")
     for row in rows:
-        table.add_row(*map(str, row))
-    console.print(table)
+        table.add_row(*map(_text, row))
+    Console(width=None if sys.stdout.isatty() else 200).print(table)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from _pytask import build as pytask_build
 from loky import cpu_count, get_reusable_executor
 from pytask import TaskOutcome
 
-from study import paths
+from study import checks, paths
 from study.checks import StudyError
 
 _RUNNER = "STUDY_RUNNER"  # process number of the runner, for its workers
@@ -77,6 +77,8 @@ def build(
         If interrupted; finished tasks stay finished, and the next call resumes.
     """
     paths.require_checkout(folders[0])
+    if jobs is not None:
+        checks.whole("jobs", jobs, least=1)
     options = {"n_workers": jobs or cpu_count()}
     options["parallel_backend"] = "loky" if options["n_workers"] > 1 else "none"
     client = None
