@@ -132,6 +132,8 @@ def _option(parameter, text, defaults=False):
         kind = str if default in (None, Parameter.empty) else type(default)
     if name == "model":
         kind = Literal[kind, "auto"]
+    elif name == "law" and kind is str:  # or a function
+        kind = LawName
     if get_origin(kind) is tuple:
         kind, text = str, f"N,N: {text}"
     if defaults and default not in (Parameter.empty, None, False):
@@ -417,7 +419,7 @@ def simulate_mechanism(
         print(json.dumps(end | {"impacts": impacts.to_dict("records")}, allow_nan=False))
     else:
         if choice is not None:
-            _print_choice(choice)
+            _print_choice(choice, last.time)
         _table(end, [end.values()])
         _table(impacts.columns, impacts.head(SHOWN).itertuples(index=False))
         rest = len(impacts) - SHOWN
@@ -446,11 +448,11 @@ def _simulated(scene, model=None, **given):
         return None, mechanism.simulate(scene, progress=progress, **given)
 
 
-def _print_choice(choice):
+def _print_choice(choice, duration):
     """What was chosen, in words, and everything that was looked at."""
     print(
-        f"The least model whose {choice.quantity.replace('_', ' ')} is known well enough:\n"
-        f"{choice.model} links, {choice.joint} joint, law {choice.law}, within "
+        f"The least model whose {choice.quantity.replace('_', ' ')} is known well enough over "
+        f"{duration:g} s:\n{choice.model} links, {choice.joint} joint, law {choice.law}, within "
         f"{choice.error_bound:.2g}. In order of detail (costs: times here):"
     )
     names = ("model", "joint", "law", "settings", "error_bound", "relative_cost", "links")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from study import cli, paths
+from study import paths
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path):
@@ -72,24 +72,3 @@ def test_what_killed_processes_left_is_removed_and_nothing_else(tmp_path, monkey
     paths.sweep()
     assert not any(path.exists() for path in left)
     assert all(path.exists() for path in others)
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        *(["run", "fig10"], ["verify"], ["list"], ["report"], ["paper"], ["data", "show"]),
-        *(["data", "check"], ["data", "build"], ["measure", "--chart", "laws"]),
-        ["choose", "--r2-star", "200", "--depth-star", "0.3", "--tolerance", "0.01"],
-        ["simulate", "--model", "auto", "--tolerance", "0.1"],
-    ],
-)
-def test_what_needs_a_checkout_says_so_where_there_is_none(monkeypatch, capsys, words):
-    monkeypatch.setattr(paths, "IS_CHECKOUT", False)
-    monkeypatch.setattr("sys.argv", ["study", *words])
-    with pytest.raises(SystemExit) as stop:
-        cli.main()
-    assert stop.value.code == 1
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("study: this needs a checkout of the project: ")
-    assert err.endswith("/ is not part of the installed package\n")
