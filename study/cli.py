@@ -44,10 +44,12 @@ HELP = {
     "group": "Group of cases: paper, ratio, poisson, fit, judge, ...",
     "inertia": "Of crank and coupler about their centres, in kg m^2: I1,I2 [default: rods].",
     "keep": "Take what differs as the kept results from now on.",
+    "model": "Links; auto: as little as it needs.",
     "modulus_ratio": "Young's modulus of the socket over that of the ball, > 0.",
     "name": f"One of {', '.join(LAWS)}.",
     "names": "Figures, tables or notebooks; default all.",
     "output": "File to write.",
+    "poisson": "Poisson's ratio of both bodies, in (-1, 0.5).",
     "r2_star": "Dimensionless socket radius R2/dR, > 1.",
     "repeats": "Of each timing, after one not counted [default: 5].",
     "scene": "KEY=VALUE of the scene, SI; may be repeated: restitution=0.9, link_modulus=2e9.",
@@ -124,8 +126,9 @@ def _options(source, names, defaults):
 
 def _option(parameter, text, defaults=False):
     """Typer's parameter: None unless given, with the first sentence of a text for its help."""
-    text = re.sub(r"`+|study\.[\w.]+\.", "", " ".join(text.split()))
-    text, name, default = re.split(r"(?<=\.)\s", text)[0], parameter.name, parameter.default
+    text = re.split(r"(?<=\.) (?=[A-Z])", " ".join(text.split()))[0]
+    text = re.sub(r"`+|study\.[\w.]+\.", "", text)
+    name, default = parameter.name, parameter.default
     union = get_origin(parameter.annotation) in (Union, UnionType)
     kind = get_args(parameter.annotation)[0] if union else parameter.annotation
     if kind is Parameter.empty:
