@@ -24,6 +24,7 @@ LINKS = paths.DATA / "links.csv"
 PEERS = paths.DATA / "published/peers.csv"
 PACKAGE = paths.DATA / "datapackage.json"
 MEND = "study data build"
+TITLE = "Force-depth curves of spherical clearance joints, by series and finite elements"
 ORIGINS = {
     "force_curves.csv": "generated",
     "links.csv": "generated",
@@ -36,44 +37,38 @@ ORIGINS = {
 GENERATED = {CURVES: "joint/curve", COEFFICIENTS: "dataset/fitting", LINKS: "choose/links"}
 """Generated file -> module whose imports lead to all code that decides it."""
 COLUMNS = {
-    "group": ("", "What the study needs the case for", {"enum": list(design.GROUPS)}),
-    "case": ("", "Name of the case: set-up, kinematics and R2*", {}),
-    "r2_star": ("1", "Dimensionless socket radius R2/dR", {"minimum": 1}),
-    "socket_ratio": ("1", "Outer over inner radius of the socket", {"minimum": 1}),
-    "poisson_ball": ("1", "Poisson's ratio of the ball", {}),
-    "poisson_socket": ("1", "Poisson's ratio of the socket", {}),
-    "modulus_ratio": ("1", "Young's modulus of the socket over that of the ball", {}),
-    "ball_drive": (
-        "",
-        "Ball's equatorial plane: plane (radially free) or clamped",
-        {"enum": list(DRIVES)},
-    ),
-    "rim": ("", "Socket's edge at the equator: mirror plane or free", {"enum": list(RIMS)}),
-    "kinematics": (
-        "",
-        "Pairing of the surfaces: small, linear or finite",
-        {"enum": list(KINEMATICS)},
-    ),
-    "solver": (
-        "",
-        "series, or finite elements: quadratic or linear triangles",
-        {"enum": list(SOLVERS)},
-    ),
-    "depth_star": ("1", "Dimensionless penetration depth d/dR", {"minimum": 0}),
-    "force_star": ("1", "Dimensionless force P/(E* dR^2)", {"minimum": 0}),
-    "contact_half_angle": (
-        "deg",
-        "Polar angle of the contact's edge",
-        {"minimum": 0, "maximum": 90},
-    ),
-    "peak_pressure_star": ("1", "Largest pressure p R2/(E* dR)", {"minimum": 0}),
-    "error_estimate": (
-        "1",
-        "Relative discretisation error of the force, estimated",
-        {"minimum": 0},
-    ),
+    "group": ("", "What the study needs the case for"),
+    "case": ("", "Name of the case: set-up, kinematics and R2*"),
+    "r2_star": ("1", "Dimensionless socket radius R2/dR"),
+    "socket_ratio": ("1", "Outer over inner radius of the socket"),
+    "poisson_ball": ("1", "Poisson's ratio of the ball"),
+    "poisson_socket": ("1", "Poisson's ratio of the socket"),
+    "modulus_ratio": ("1", "Young's modulus of the socket over that of the ball"),
+    "ball_drive": ("", "Ball's equatorial plane: plane (radially free) or clamped"),
+    "rim": ("", "Socket's edge at the equator: mirror plane or free"),
+    "kinematics": ("", "Pairing of the surfaces: small, linear or finite"),
+    "solver": ("", "series, or finite elements: quadratic or linear triangles"),
+    "depth_star": ("1", "Dimensionless penetration depth d/dR"),
+    "force_star": ("1", "Dimensionless force P/(E* dR^2)"),
+    "contact_half_angle": ("deg", "Polar angle of the contact's edge"),
+    "peak_pressure_star": ("1", "Largest pressure p R2/(E* dR)"),
+    "error_estimate": ("1", "Relative discretisation error of the force, estimated"),
 }
-"""Column of the curves -> its unit (empty for text), meaning and constraints."""
+"""Column of the curves -> its unit, empty for text, and meaning."""
+_CONSTRAINTS = {
+    "group": {"enum": list(design.GROUPS)},
+    "ball_drive": {"enum": list(DRIVES)},
+    "rim": {"enum": list(RIMS)},
+    "kinematics": {"enum": list(KINEMATICS)},
+    "solver": {"enum": list(SOLVERS)},
+    "contact_half_angle": {"minimum": 0, "maximum": 90},
+    "r2_star": {"minimum": 1},
+    "socket_ratio": {"minimum": 1},
+    "depth_star": {"minimum": 0},
+    "force_star": {"minimum": 0},
+    "peak_pressure_star": {"minimum": 0},
+    "error_estimate": {"minimum": 0},
+}
 
 
 class DatasetError(checks.StudyError):
@@ -267,8 +262,7 @@ def write_package(wall_time: float) -> None:
     _write_description(
         {
             "name": "spherical-clearance-joint-force-curves",
-            "title": "Force-depth curves of spherical clearance joints, "
-            "by series and finite elements",
+            "title": TITLE,
             "description": "Frictionless elastic contact of a ball in a socket; see README.md.",
             "profile": "data-package",
             "licenses": [{"name": "CC-BY-4.0", "title": "Creative Commons Attribution 4.0"}],
@@ -290,8 +284,8 @@ def _schema():
     fields = [
         {"name": name, "type": "number" if unit else "string", "description": text}
         | ({"unit": unit} if unit else {})
-        | {"constraints": {"required": True} | constraints}
-        for name, (unit, text, constraints) in COLUMNS.items()
+        | {"constraints": {"required": True} | _CONSTRAINTS.get(name, {})}
+        for name, (unit, text) in COLUMNS.items()
     ]
     return {"fields": fields, "primaryKey": ["case", "depth_star"]}
 
