@@ -8,7 +8,7 @@ much better than the rest, is the likelihood under a stated error.
 
 from collections.abc import Sequence
 from itertools import product
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,7 +17,7 @@ from scipy.interpolate import CubicSpline
 
 from study import contact
 from study.claims import statistics
-from study.contact.laws import AREA_COEFFICIENTS
+from study.contact.laws import AREA_COEFFICIENTS, Area
 from study.dataset import fitting
 from study.dataset.fitting import LARGEST_DEPTH, R2_STAR
 from study.joint import force_curve, paper_joint
@@ -34,7 +34,6 @@ FACTORS = {"1": 1.0, "19/18": 19 / 18}
 RATIOS = tuple(np.round(1 + np.geomspace(0.05, 2.0, 13), 4).tolist())
 _DEPTHS = np.linspace(0.1, LARGEST_DEPTH**0.5, 32) ** 2
 
-Area = Literal["flat", "sphere"]
 Forces = NDArray[np.float64]
 
 

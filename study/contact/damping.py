@@ -69,7 +69,7 @@ def damping_factor(damping: Damping, restitution: float) -> float:
     return DAMPINGS[damping](cr)
 
 
-def delivered_restitution(factor):
+def delivered_restitution(factor: float) -> float:
     """Restitution cr that a damping factor D gives in a free impact.
 
     The root of D (1 + cr) = ln((1 + D)/(1 - cr D)) below 1/D, where the force would vanish.
