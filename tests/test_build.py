@@ -24,8 +24,7 @@ LESS = """
 DESIGN = tuple(
     s
     for s in DESIGN
-    if s.group == "ratio"
-    or (s.group == "paper" and "finite" not in s.kinematics)
+    if (s.group == "paper" and "finite" not in s.kinematics)
     or (s.group == "fit" and s.poisson == 0.3)
 )
 """

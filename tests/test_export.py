@@ -11,12 +11,29 @@ import pandas as pd
 import pytest
 
 from study import contact
+from study import export as module
 from study.export import EXPORTED, export
 from study.joint import Joint, Material
 
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler found")
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.137e11
+
+
+@pytest.fixture(autouse=True, scope="module")
+def solved_once():
+    """Curves of joints by their arguments: several tests export the same joint."""
+    curves, solve = {}, module.force_curve
+
+    def force_curve(joint, depths, **options):
+        key = joint, tuple(depths), *options.items()
+        if key not in curves:
+            curves[key] = solve(joint, depths, **options)
+        return curves[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "force_curve", force_curve)
+        yield
 
 
 @pytest.fixture
@@ -131,7 +148,8 @@ def test_csv_is_the_law_at_its_depths(law):
 
 
 def test_tabulated_json_describes_its_joint():
-    content = json.loads(export("tabulated", "json", Joint(75, 1.4)))
+    joint = Joint(200, 1.4, Material(2e11, 0.3), Material(7e10, 0.33))
+    content = json.loads(export("tabulated", "json", joint))
     assert content["joint"]["socket_ratio"] == 1.4
     assert len(content["stiffening"]) == len(content["root_depth_star"]) == len(content["slope"])
     assert content["stiffening"][0] == 1

@@ -154,7 +154,8 @@ def test_stiffened_hertz_between_the_places_of_the_fit():
     # thin, nearly incompressible and of small R2*: where the law is hardest to find
     for ratio, poisson, r2_star in product((1.1, 1.12, 1.16), (0.39, 0.42, 0.44), (27, 45, 80)):
         material = Material(2e11, poisson)
-        curve = force_curve(Joint(r2_star, ratio, material, material), [0.01, 0.1, 0.5, 0.9, 1.0])
+        joint = Joint(r2_star, ratio, material, material)
+        curve = force_curve(joint, [0.01, 0.1, 0.5, 0.9, 1.0], resolution=320)
         options = {"socket_ratio": ratio, "poisson": poisson}
         force = contact.stiffened_hertz(curve.depth_star, r2_star, **options)
         assert np.abs(force / curve.force_star - 1).max() < 0.01

@@ -240,7 +240,7 @@ def test_many_impacts_fit_in_the_table():
 @pytest.mark.parametrize("model", FLEXIBLE)
 def test_flexible_links_of_random_scenes(model):
     ended = 0
-    for scene in random_scenes(40):
+    for scene in random_scenes(20):
         eased = scene.but(friction=0.5 * scene.friction)  # Newton's method may fail beyond 0.5
         try:
             r = simulate(eased, model=model, duration=0.02, outputs=20, **TWO)
@@ -251,7 +251,7 @@ def test_flexible_links_of_random_scenes(model):
         assert np.isfinite(r.motion.to_numpy()).all()
         assert (r.impacts.approach_speed > 0).all()
         assert r.energy_error < 1e-2
-    assert ended > 30
+    assert ended > 15
 
 
 @pytest.mark.parametrize("model", FLEXIBLE)
