@@ -56,6 +56,12 @@ def test_first_cell_asks_and_names_the_rendered_page(notebook):
 
 
 @every_notebook
+def test_lines_of_code_are_short(notebook):
+    longest = max(len(line) for cell in code_cells(notebook) for line in cell.source.splitlines())
+    assert longest <= 120
+
+
+@every_notebook
 def test_parameters_are_documented_literals(notebook):
     assert execute.parameters(notebook)
     (cell,) = [c for c in code_cells(notebook) if "parameters" in c.metadata.get("tags", [])]
