@@ -131,8 +131,6 @@ def _option(parameter, text, defaults=False):
     name, default = parameter.name, parameter.default
     union = get_origin(parameter.annotation) in (Union, UnionType)
     kind = get_args(parameter.annotation)[0] if union else parameter.annotation
-    if kind is Parameter.empty:
-        kind = str if default in (None, Parameter.empty) else type(default)
     if name == "model":
         kind = Literal[kind, "auto"]
     elif name == "law" and kind is str:  # or a function
@@ -141,8 +139,7 @@ def _option(parameter, text, defaults=False):
         kind, text = str, f"N,N: {text}"
     if defaults and default not in (Parameter.empty, None, False):
         text += f" [default: {default}]"
-    flag = FLAGS.get(name, f"--{name.replace('_', '-')}")
-    made = typer.Option(flag, help=text)
+    made = typer.Option(FLAGS.get(name, f"--{name.replace('_', '-')}"), help=text)
     if name in ARGUMENTS:
         made = typer.Argument(help=text, metavar=ARGUMENTS[name])
     if default is not Parameter.empty:

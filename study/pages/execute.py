@@ -46,19 +46,10 @@ def parameters(notebook: "Notebook") -> dict[str, tuple[Any, str]]:
 
 
 def check_parameters(notebooks: "list[Notebook]", settings: list[str]) -> dict[str, dict[str, Any]]:
-    """Turn settings into parameters per notebook, before anything runs.
+    """Turn settings ``key=value`` into parameters per notebook, each of which gets those it has.
 
-    Papermill itself only warns of an unknown parameter and runs the default.
-
-    Parameters
-    ----------
-    settings
-        Each ``key=value``, the value a Python literal or a bare word.
-
-    Returns
-    -------
-    dict
-        Notebook name -> {parameter: value}; a notebook gets the parameters it has.
+    Papermill itself only warns of an unknown parameter and runs the default. A value is a Python
+    literal or a bare word.
 
     Raises
     ------
@@ -126,14 +117,8 @@ def run(
 ) -> "Built":
     """Run the stale ones of some notebooks, and of those that they read from, as pytask tasks.
 
-    Parameters
-    ----------
-    settings
-        Parameters per notebook, from `check_parameters`.
-    report
-        Write paper and report afterwards, for which all notebooks are run.
-    **options
-        As for `study.pages.tasks.build`.
+    The settings are those of `check_parameters`, the options those of `study.pages.tasks.build`.
+    For paper and report all notebooks are run.
     """
     from study.pages import tasks
 
@@ -178,16 +163,10 @@ def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
     Its results are compared with the kept ones (`kept.place`) if every cell succeeds and
     it has made just the files that the catalogue names.
 
-    Parameters
-    ----------
-    settings
-        Values for its parameters.
-
     Raises
     ------
     NotebookError
-        If a cell fails, or a result is missing or not in the catalogue; names notebook and cell,
-        or the files.
+        If a cell fails, or a result is missing or not in the catalogue; names them.
     """
     paths.BUILD.mkdir(exist_ok=True)
     with paths.scratch() as folder, paths.scratch(paths.BUILD) as work:

@@ -55,8 +55,6 @@ def build(
 
     Parameters
     ----------
-    folders
-        Where the ``task_*.py`` files are.
     expression
         Which tasks, as for ``pytask -k``, with those that they need; all by default.
     jobs
