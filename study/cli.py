@@ -392,7 +392,6 @@ def simulate_mechanism(
     the --quantity: its RMS over that of the change since t = 0.
     """
     from study.compiled import CACHE
-    from study.mechanism.compare import last_separation
 
     changed = _scene(scene, inertia)
     _check_output(output, ".csv")
@@ -409,7 +408,7 @@ def simulate_mechanism(
         "v_slider": last.slider_velocity,
         "a_slider": last.slider_acceleration,
         "contacts": len(response.impacts),
-        "last_separation": last_separation(response),
+        "last_separation": response.last_separation,
         "energy_error": response.energy_error,
         "complete": response.complete,
     }

@@ -374,10 +374,7 @@ def mechanism_rows():
         truth=(RESPONSE, THING),
         column=("slider_position", (*NAME, "motion")),
     )
-    for function in (compare.lead, compare.ahead, compare.summary):
-        yield from rows(function, response=(RESPONSE, THING), ideal=(RESPONSE, THING))
-    yield from rows(compare.last_separation, response=(RESPONSE, THING))
-    yield from rows(compare.order, x=(FORCES, (*LIST, [1, 1, 1])), y=(FORCES, (*LIST, [0, 1, 2])))
+    yield from rows(compare.lead, response=(RESPONSE, THING), ideal=(RESPONSE, THING))
     yield from rows(
         explicit.integrate,
         scene=(SCENE, THING),

@@ -34,14 +34,13 @@ def acceleration(y, contact, approach, p, law, work, out):
     ``contact`` says whether surfaces that overlap push, ``approach`` is the approach speed, inf
     for none. Returns depth, its rate and the slider's acceleration.
     """
-    slopes, z = work
-    f, seen, _ = slopes
+    f, unused, z = work
     r = norm(y[1], y[2])
     if not (contact and r > law[1]):
         z[:6] = y
-        rigid.motion(z, (False, 0, 1.0), p, law, False, slopes)
+        rigid.motion(z, (False, 0, 1.0), p, law, False, f, unused)
         out[:3] = f[:3]
-        return seen[rigid.DEPTH], seen[rigid.RATE], seen[rigid.SLIDER]
+        return f[rigid.DEPTH], f[rigid.RATE], f[rigid.SLIDER]
     nx, ny = y[1] / r, y[2] / r
     z[0], z[1], z[2], z[3] = y[0], r - law[1], angle_of(ny, nx), y[3]
     z[4], z[5] = nx * y[4] + ny * y[5], (nx * y[5] - ny * y[4]) / r
@@ -49,10 +48,10 @@ def acceleration(y, contact, approach, p, law, work, out):
     sp = (y[2] - p.l1 * st) / p.l2
     psi = (y[5] - p.l1 * ct * y[3]) / (p.l2 * sqrt(1 - sp * sp))
     branch = friction_branch(r * z[5] + p.r1 * psi, p.v0, p.v1)
-    rigid.motion(z, (True, branch, approach), p, law, False, slopes)
+    rigid.motion(z, (True, branch, approach), p, law, False, f, unused)
     outward, across = f[1] - r * z[5] * z[5], r * f[2] + 2 * z[4] * z[5]
     out[0], out[1], out[2] = f[0], outward * nx - across * ny, outward * ny + across * nx
-    return seen[rigid.DEPTH], seen[rigid.RATE], seen[rigid.SLIDER]
+    return f[rigid.DEPTH], f[rigid.RATE], f[rigid.SLIDER]
 
 
 @compiled
@@ -83,7 +82,7 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest, gu
     Returns how many outputs were reached, fewer where it fails, and the limit of the step if
     that was passed, or 0 where the ball went too deep.
     """
-    work = rigid.new_slopes(), np.zeros(8)
+    work = (*rigid.new_slopes(), np.zeros(8))
     a, b, c, d = np.zeros((4, 3))
     z, half = np.zeros(6), 0.5 * h
     depth, rate, pull = acceleration(y, True, approach, p, law, work, a)

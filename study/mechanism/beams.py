@@ -104,8 +104,8 @@ class Mesh:
             link = scene.link(body)
             length = link.length / n
             shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
-            section = length, link.axial, shear, link.bending
-            section += link.mass_per_length, link.rotary_per_length
+            stiffness = length, link.axial, shear, link.bending
+            section = *stiffness, link.mass_per_length, link.rotary_per_length
             if body == "coupler":  # at the pin: the same place, a rotation of its own
                 angle = 0.0 if ideal else arcsine(scene.initial_eccentricity[1] / link.length)
                 near = [*near[:2], number(angle)]

@@ -49,8 +49,8 @@ from study.mechanism.stepping import (
 
 # Places in the state, after (z, z', energies lost) and what all models have
 BRANCH, DEEP, REACH = range(15, 18)
-# ... in what `motion` tells besides accelerations and the powers lost
-DEPTH, RATE, SLIDING, NORMAL, TANGENTIAL, NORMAL_RATE, SINE, COSINE, PSI, SLIDER = range(10)
+# ... in what `motion` finds, after the accelerations and the powers lost
+DEPTH, RATE, SLIDING, NORMAL, TANGENTIAL, NORMAL_RATE, SINE, COSINE, PSI, SLIDER = range(5, 15)
 SURFACES, UPWARDS, DOWNWARDS, FORCE_PEAK, DEPTH_PEAK = range(5)
 """Events: the surfaces meet or part, the sliding speed leaves the friction branch, peaks."""
 ROUNDOFF = 1e-16
@@ -59,20 +59,20 @@ _UNIT = np.eye(6)
 
 @compiled
 def new_slopes():
-    """Room for what `motion` fills: accelerations and powers, what is seen, derivatives."""
-    return np.zeros(5), np.zeros(10), np.zeros((5, 6))
+    """Room for what `motion` fills."""
+    return np.zeros(15), np.zeros((5, 6))
 
 
 @compiled
-def motion(y, piece, p, law, jacobian, slopes):
-    """Fill ``slopes``: accelerations z'' and powers lost, what is seen, and derivatives.
+def motion(y, piece, p, law, jacobian, f, k):
+    """Fill ``f`` with accelerations z'', powers lost and what else is found, and derivatives ``k``.
 
     ``y`` is (z, z', ...) with z = (theta, e_x, e_y) in flight and (theta, depth, direction) in
     contact; ``piece`` is (in contact?, friction branch, approach speed). The derivatives have
     a row for each of z'' and the powers and a column for each of (z, z'); they are filled where
     ``jacobian`` is set.
     """
-    (contact, branch, approach), (f, seen, k) = piece, slopes
+    contact, branch, approach = piece
     l1, l2 = p.l1, p.l2
     (st, ct), omega = sine_cosine(y[0]), y[3]
     if contact:
@@ -117,10 +117,10 @@ def motion(y, piece, p, law, jacobian, slopes):
     else:
         f[1], f[2] = ax, ay
     f[3], f[4] = (normal - elastic) * rate, -tangential * sliding
-    seen[DEPTH], seen[RATE], seen[SLIDING] = y[1] if contact else r - law[1], rate, sliding
-    seen[NORMAL], seen[TANGENTIAL] = normal, tangential
-    seen[NORMAL_RATE] = normal_d * rate + normal_r * growth
-    seen[SINE], seen[COSINE], seen[PSI], seen[SLIDER] = sp, cp, psi, slider + 0.0
+    f[DEPTH], f[RATE], f[SLIDING] = y[1] if contact else r - law[1], rate, sliding
+    f[NORMAL], f[TANGENTIAL] = normal, tangential
+    f[NORMAL_RATE] = normal_d * rate + normal_r * growth
+    f[SINE], f[COSINE], f[PSI], f[SLIDER] = sp, cp, psi, slider + 0.0
     if not jacobian:
         return
     for j in range(6):  # derivatives along each of (z, z')
@@ -179,15 +179,15 @@ def motion(y, piece, p, law, jacobian, slopes):
 @compiled
 def _step(smooth, h, new):
     """One step of Rodas5P; fills ``new`` and leaves the error estimate in the scratch."""
-    y, piece, p, law, (f0, _, k), (u, work, slopes) = smooth
+    y, piece, p, law, (f0, k), (u, work, f) = smooth
     factors, rate = factorise(k, h), 1 / h
     for i in range(STAGES):
         begin_stage(i, y, rate, u, work, new)
         if i == 0:
-            slopes[0][:] = f0
+            f[:] = f0
         else:
-            motion(new, piece, p, law, False, slopes)
-        end_stage(i, new, slopes[0], k, factors, u, work)
+            motion(new, piece, p, law, False, f, k)
+        end_stage(i, new, f, k, factors, u, work)
     for n in range(8):
         new[n] += u[STAGES - 1, n]
 
@@ -236,10 +236,10 @@ def _event(which, piece, seen, p):
 @compiled
 def _try(which, smooth, h, new):
     """Step by ``h`` and tell an event function at its end; the scratch keeps what is seen."""
-    _, piece, p, law, _, (_, _, slopes) = smooth
+    _, piece, p, law, (_, k), (_, _, f) = smooth
     _step(smooth, h, new)
-    motion(new, piece, p, law, False, slopes)
-    return _event(which, piece, slopes[1], p)
+    motion(new, piece, p, law, False, f, k)
+    return _event(which, piece, f, p)
 
 
 @compiled
@@ -282,7 +282,7 @@ def _first_event(smooth, seen, t, h, new):
         if first >= 0:
             after = _try(which, smooth, h, new)
         if after >= 0:
-            h = _locate(which, _event(which, piece, here[1], p), after, smooth, t, h, new)
+            h = _locate(which, _event(which, piece, here[0], p), after, smooth, t, h, new)
             first = which
     return first, h
 
@@ -290,7 +290,7 @@ def _first_event(smooth, seen, t, h, new):
 @compiled
 def _measure_peaks(impact, smooth, seen, t, h, new):
     """Locate peaks of force and depth inside a step of ``h`` with ``seen`` at its end."""
-    _, piece, p, _, (_, start, _), (_, _, slopes) = smooth
+    _, piece, p, _, (start, _), (_, _, f) = smooth
     for which, column, quantity in (
         (FORCE_PEAK, PEAK_FORCE, NORMAL),
         (DEPTH_PEAK, PEAK_DEPTH, DEPTH),
@@ -298,7 +298,7 @@ def _measure_peaks(impact, smooth, seen, t, h, new):
         before, after = _event(which, piece, start, p), _event(which, piece, seen, p)
         if before < 0 <= after and start[quantity] - before * h > impact[column]:
             _try(which, smooth, _locate(which, before, after, smooth, t, h, new), new)
-            impact[column] = max(impact[column], slopes[1][quantity])
+            impact[column] = max(impact[column], f[quantity])
 
 
 @compiled
@@ -352,27 +352,26 @@ def _part(y, law):
 
 
 @compiled
-def _record(row, t, y, slopes, contact, p, law):
+def _record(row, t, y, f, contact, p, law):
     """Fill a row of output with what there is at time ``t``."""
-    f, seen, _ = slopes
     st, ct = sine_cosine(y[0])
-    sp, cp, psi = seen[SINE], seen[COSINE], seen[PSI]
+    sp, cp, psi = f[SINE], f[COSINE], f[PSI]
     ex, ey, wx, nx, ny = y[1], y[2], y[4], 0.0, 0.0
     if contact:
         ny, nx = sine_cosine(y[2])
         r = law[1] + y[1]
         ex, ey, wx = r * nx, r * ny, y[4] * nx - y[5] * r * ny
     speed = -p.l1 * st * y[3] - p.l2 * sp * psi - wx
-    normal, tangential = seen[NORMAL], seen[TANGENTIAL]
+    normal, tangential = f[NORMAL], f[TANGENTIAL]
     kinetic = 0.5 * (p.a11 * y[3] * y[3] + p.a22 * psi * psi + p.m3 * speed * speed)
     kinetic += p.a12 * (ct * cp + st * sp) * y[3] * psi
     record(
         row,
         t,
         (y[0], y[3], f[0]),
-        (p.l1 * ct + p.l2 * cp - ex, speed, seen[SLIDER]),
+        (p.l1 * ct + p.l2 * cp - ex, speed, f[SLIDER]),
         (angle_of(sp, cp), psi),
-        (ex, ey, seen[DEPTH]),
+        (ex, ey, f[DEPTH]),
         (normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx),
         (p.moment * y[0] - p.g1 * st - p.g2 * sp, kinetic, 0.0),
         law,
@@ -390,16 +389,16 @@ def advance(state, p, law, tolerance, times, rows, impacts):
     piece = state[CONTACT] > 0, int(state[BRANCH]), state[APPROACH]
     here, there = new_slopes(), new_slopes()
     new, trial = np.zeros(8), np.zeros(8)
-    scratch = np.zeros((STAGES, 8)), np.zeros(8), new_slopes()
+    scratch = np.zeros((STAGES, 8)), np.zeros(8), np.zeros(15)
     known, idle, done = False, 0, 0
     while done < len(times):
         if int(state[IMPACTS]) == len(impacts):
             return done, FULL
         if not known:
-            motion(y, piece, p, law, True, here)
+            motion(y, piece, p, law, True, here[0], here[1])
             known = True
         if t >= times[done]:
-            _record(rows[done], t, y, here, piece[0], p, law)
+            _record(rows[done], t, y, here[0], piece[0], p, law)
             done += 1
             continue
         smooth = y, piece, p, law, here, scratch
@@ -407,24 +406,24 @@ def advance(state, p, law, tolerance, times, rows, impacts):
         length = times[done] - t if landing else h
         _step(smooth, length, new)
         state[STEPS] += 1
-        error = _error(scratch[0], state, here[1][DEPTH], tolerance, p, law[1])
+        error = _error(scratch[0], state, here[0][DEPTH], tolerance, p, law[1])
         if not error <= 1.0:
             h = length * (max(0.2, 0.9 / fifth_root(error)) if error < inf else 0.1)
             if h > 1e-15 * t:
                 continue
             return done, FAILED
-        motion(new, piece, p, law, True, there)
+        motion(new, piece, p, law, True, there[0], there[1])
         grown = length * min(5.0, 0.9 / fifth_root(max(error, 1e-12)))
         h = max(h, grown) if landing else grown
-        event, length = _first_event(smooth, there[1], t, length, trial)
+        event, length = _first_event(smooth, there[0], t, length, trial)
         if event >= 0:
             landing, known = False, False
             _step(smooth, length, new)
-            motion(new, piece, p, law, False, there)
+            motion(new, piece, p, law, False, there[0], there[1])
             idle = idle + 1 if length <= 1e-14 * t else 0
             if idle > 100:
                 return done, FAILED
-        seen = there[1]
+        seen = there[0]
         if piece[0]:
             if seen[DEPTH] > p.clearance:
                 return done, TOO_DEEP
@@ -461,10 +460,10 @@ def _turn(event, piece, y, seen, state, t, h, p, law, impacts):
 
 def start(scene: Scene, law: NDArray[np.float64], horizon: float) -> NDArray[np.float64]:
     """State of `advance` at rest at t = 0, with the law packed; ``horizon`` in s."""
-    state, slopes = np.zeros(STATE), new_slopes()
+    state, (f, k) = np.zeros(STATE), new_slopes()
     state[1:3] = scene.initial_eccentricity
-    motion(state[:8], (False, 0, 1.0), scene.constants(), law, False, slopes)
-    reach = sqrt(norm(slopes[0][1], slopes[0][2]) * scene.clearance)
+    motion(state[:8], (False, 0, 1.0), scene.constants(), law, False, f, k)
+    reach = sqrt(norm(f[1], f[2]) * scene.clearance)
     state[REACH] = max(reach, scene.clearance / horizon)
     state[STEP] = min(1e-3 * scene.clearance / state[REACH], horizon)
     state[DEEP] = scene.clearance

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 from study import checks
 from study.contact import composite_modulus
-from study.contact.damping import damping_factor
+from study.contact.damping import Damping, damping_factor
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -83,7 +83,7 @@ class Scene:
     density: float = _quantity(
         7850.0, "kg/m^3", "assumed, steel, with square sections from mass and length", above=0
     )
-    damping: str = _quantity("lankarani-nikravesh", "", "given by the paper, Eq. 31")
+    damping: Damping = _quantity("lankarani-nikravesh", "", "given by the paper, Eq. 31")
     gravity: float = _quantity(0.0, "m/s^2", "assumed, none", least=-1e6, most=1e6)
     initial_eccentricity: tuple[float, float] = _quantity(
         (0.0, 0.0), "m", "assumed, concentric, and at rest"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from study import checks
 from study.contact.forces import pack
-from study.contact.laws import find
+from study.contact.laws import Law, find
 from study.mechanism import beams, ideal, particles, rigid
 from study.mechanism.response import COLUMNS, Response
 from study.mechanism.scene import Scene
@@ -39,7 +39,7 @@ def simulate(
     *,
     model: Model = "rigid",
     joint: JointKind = "clearance",
-    law: str | Callable = "hertz",
+    law: str | Law = "hertz",
     duration: float = 0.1,
     outputs: int = 1000,
     tolerance: float | None = None,

@@ -74,7 +74,7 @@ def end_impact(impacts, state, t, speed):
     state[CONTACT] = 0.0
 
 
-def divide(times, step: float) -> tuple[int, float]:
+def divide(times: list[NDArray[np.float64]], step: float) -> tuple[int, float]:
     """Number and length of equal steps, at most ``step``, between equally spaced outputs."""
     spacing = times[0][1] - times[0][0]
     strides = ceil(spacing / step * (1 - 1e-12))

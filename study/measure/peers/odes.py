@@ -53,7 +53,7 @@ def slider_acceleration(
     times = duration * np.arange(1, outputs + 1) / outputs
     p, y, t, approach, found = scene.constants(), np.zeros(6), 0.0, 0.0, []
     y[1:3] = scene.initial_eccentricity
-    work, out = (rigid.new_slopes(), np.zeros(8)), np.zeros(3)
+    work, out = (*rigid.new_slopes(), np.zeros(8)), np.zeros(3)
     while True:
         contact, speed = approach > 0, approach or inf
 
