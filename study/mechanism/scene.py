@@ -83,7 +83,9 @@ class Scene:
     density: float = _quantity(
         7850.0, "kg/m^3", "assumed, steel, with square sections from mass and length", above=0
     )
-    damping: Damping = _quantity("lankarani-nikravesh", "", "given by the paper, Eq. 31")
+    damping: Damping = _quantity(  # noqa: RUF009 (a string)
+        "lankarani-nikravesh", "", "given by the paper, Eq. 31"
+    )
     gravity: float = _quantity(0.0, "m/s^2", "assumed, none", least=-1e6, most=1e6)
     initial_eccentricity: tuple[float, float] = _quantity(
         (0.0, 0.0), "m", "assumed, concentric, and at rest"
