@@ -82,7 +82,8 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest, gu
     Returns how many outputs were reached, fewer where it fails, and the limit of the step if
     that was passed, or 0 where the ball went too deep.
     """
-    work = (*rigid.new_slopes(), np.zeros(8))
+    f, k = rigid.new_slopes()
+    work = f, k, np.zeros(8)
     a, b, c, d = np.zeros((4, 3))
     z, half = np.zeros(6), 0.5 * h
     depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
