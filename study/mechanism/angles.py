@@ -90,6 +90,6 @@ def fifth_root(x):
     return root
 
 
-def arcsine(sine):
+def arcsine(sine: float) -> float:
     """Angle in rad, in [-pi/2, pi/2], of a sine."""
     return angle_of(sine, sqrt(1 - sine * sine))
