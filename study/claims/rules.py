@@ -154,7 +154,7 @@ def crossing(*laws):
 
 @rule(f"{RANGE}( {LAW})+")
 def growth(first, second, *laws):
-    """Least |relative error| at the second depth over that at the first, of some laws."""
+    """Least absolute relative error at the second depth over that at the first, of some laws."""
     error = _errors(0.005)[list(laws)].abs()
     return (_at(error, second) / _at(error, first)).min()
 
@@ -278,7 +278,7 @@ def material(of):
 
 @rule(NUMBER)
 def error_over_ratio(depth):
-    """Largest |relative error| of the proposed law at a depth, socket ratios 1.1 to 3."""
+    """Largest absolute relative error of the proposed law at a depth, socket ratios 1.1 to 3."""
     table = result("reach_socket").query("law == @PROPOSED and 1.0999 < socket_ratio < 3.0001")
     table = table[np.isclose(table.depth_star, depth)]
     return {RATIOS: table.relative_error_percent.abs().max()}
@@ -342,7 +342,7 @@ def ahead(model, end):
 
 @rule(readings=PER_MODEL)
 def larger_acceleration(model):
-    """Largest |acceleration| with clearance over that without, in the first 10 ms."""
+    """Largest absolute acceleration with clearance over that without, in the first 10 ms."""
     largest = _motion("fig19").loc[:EARLY].abs().max()
     return largest[f"clearance_{model}"] / largest[f"ideal_{model}"]
 
@@ -428,7 +428,7 @@ def depth_in_mechanism():
 
 @rule()
 def law_in_mechanism():
-    """|Relative error| of the proposed law at the largest depths of the crank-slider, percent."""
+    """Absolute relative error of the proposed law at the largest depths of the crank-slider, %."""
     error = _errors(0.005)[PROPOSED].abs()
     return {
         name: np.interp(depth, error.index, error) for name, depth in depth_in_mechanism().items()

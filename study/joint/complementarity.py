@@ -55,7 +55,7 @@ def solve(
     ValueError
         For an entry that is not finite, shapes that do not fit, or no step at all.
     ComplementarityError
-        At the limit of steps, with the residual max |min(p, w)|; or for a matrix that is not
+        At the limit of steps, with the residual ``max |min(p, w)|``; or for a matrix that is not
         positive definite, as that of a socket much softer than its ball is not once rounded.
     """
     a = np.asarray(checks.number("matrix", matrix))

@@ -1,37 +1,76 @@
 """The study as a set of pages to browse: claims, figures, notebooks, data, library, documents.
 
-The pages open from disk: no server, no network, nothing is loaded from outside the folder. They
-show what is already there (results, executed notebooks, data, documents) and compute nothing
-but the laws at the depths of the dataset.
+Sphinx makes the pages. They open from disk: no server, no network, nothing is loaded from
+outside the folder. They show what is already there (results, executed notebooks, data,
+documents) and compute nothing but the laws at the depths of the dataset.
 """
 
-import tempfile
+import io
+import os
+import re
 from pathlib import Path
+
+from sphinx.application import Sphinx
+from sphinx.util.docutils import docutils_namespace, patch_docutils
 
 from study import paths
 from study.checks import StudyError
 from study.pages.catalogue import CATALOGUE
-from study.pages.report import pages
 from study.pages.report.claims import read_claims
 from study.pages.report.results import results
-from study.pages.report.site import Site
+from study.pages.report.sources import Sources
 
 __all__ = ["write"]
 
+SETTINGS = {
+    "project": "Contact in spherical clearance joints",
+    "extensions": [
+        *("myst_nb", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.viewcode"),
+        "study.pages.report.extension",
+    ],
+    "nb_execution_mode": "off",
+    "nb_render_markdown_format": "myst",
+    "myst_enable_extensions": ["dollarmath"],
+    "myst_dmath_double_inline": True,
+    "myst_heading_anchors": 4,
+    "suppress_warnings": ["myst.header"],
+    "default_role": "py:obj",
+    "autodoc_default_options": {"members": True, "ignore-module-all": True},
+    "autodoc_member_order": "bysource",
+    "numpydoc_show_class_members": False,
+    "html_theme": "furo",
+    "html_title": "Contact in spherical clearance joints",
+    "html_static_path": [str(Path(__file__).with_name("static"))],
+    "html_css_files": ["report.css"],
+    "html_math_renderer": "mathml",
+    "html_copy_source": False,
+    "html_show_copyright": False,
+    "html_show_search_summary": False,  # it would fetch pages, which browsers refuse on disk
+    "html_use_index": False,
+    "html_domain_indices": False,
+}
+MARK = "figures.html"  # by which a report is known
 
-def write(folder, *, figures=None, executed=None, paper=None):
+
+def write(
+    folder: str | os.PathLike,
+    *,
+    figures: str | os.PathLike | None = None,
+    executed: str | os.PathLike | None = None,
+    paper: str | os.PathLike | None = None,
+) -> Path:
     """Write the report, whole or not at all; one that is already there is replaced.
 
     Parameters
     ----------
-    folder : path-like
-        Where the report goes, its start is ``index.html``.
-    figures : path-like, optional
+    folder
+        Where the report goes.
+    figures
         Folder of the results, by default ``figures/``.
-    executed : path-like, optional
+    executed
         Folder of the executed notebooks, by default ``build/notebooks/``.
-    paper : path-like, optional
-        The paper, by default ``build/paper.pdf``.
+    paper
+        By default ``build/paper.pdf``.
 
     Returns
     -------
@@ -40,33 +79,51 @@ def write(folder, *, figures=None, executed=None, paper=None):
 
     Raises
     ------
-    study.checks.StudyError
-        If a result, an executed notebook or the paper is missing, or the table of claims is
-        damaged; names it and the command that makes it.
+    StudyError
+        If a result, an executed notebook or the paper is missing (with the command that makes
+        it), the table of claims is damaged, or Sphinx warns.
     ValueError
         If ``folder`` holds anything else than a report.
     """
     folder = Path(folder).absolute()
-    figures = Path(figures or paths.FIGURES)
     executed = Path(executed or paths.BUILD / "notebooks")
     paper = Path(paper or paths.BUILD / "paper.pdf")
     if folder.is_file() or (
-        folder.is_dir() and any(folder.iterdir()) and not (folder / Site.INDEX).is_file()
+        folder.is_dir() and any(folder.iterdir()) and not (folder / MARK).is_file()
     ):
         raise ValueError(f"folder must be empty or hold a report, got {folder}")
-    shown = results(figures)
+    shown = results(Path(figures or paths.FIGURES))
     _require(shown, executed, paper)
-    claims = read_claims(figures / "claims.csv", [result.name for result in shown])
+    numbers = next(result.numbers for result in shown if result.name == "claims")
+    claims = read_claims(numbers, [result.name for result in shown])
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{folder.name}-", dir=folder.parent) as work:
-        new = Path(work, "new")
-        site = Site(new)
-        pages.write_all(site, shown, claims, executed, paper)
-        site.finish()
+    with paths.scratch(folder.parent) as work:
+        sources = Sources(work / "sources", work / "pages", shown)
+        sources.write(claims, executed, paper)
+        _build(work, sources.places)
         if folder.exists():
-            folder.rename(Path(work, "old"))
-        new.rename(folder)
+            folder.rename(work / "old")
+        (work / "pages").rename(folder)
     return folder / "index.html"
+
+
+def _build(work, places):
+    """Run Sphinx from ``sources`` to ``pages`` in the folder ``work``; a warning is an error."""
+    sources, warnings = work / "sources", io.StringIO()
+    folders = (sources, None, work / "pages", work / "doctrees")
+    with patch_docutils(), docutils_namespace():
+        app = Sphinx(
+            *folders,
+            "html",
+            SETTINGS | {"report_places": places},
+            status=None,
+            warning=warnings,
+            parallel=os.cpu_count() or 1,
+        )
+        app.build()
+    told = re.sub(r"\x1b\[[\d;]*m", "", warnings.getvalue()).strip().replace(f"{sources}/", "")
+    if told:
+        raise StudyError(f"the report: {told.splitlines()[0]}")
 
 
 def _require(shown, executed, paper):
@@ -76,7 +133,8 @@ def _require(shown, executed, paper):
     needed |= {paper: "paper"}
     missing = {file: command for file, command in needed.items() if not file.is_file()}
     if missing:
-        names = [str(_short(file)) for file in missing]
+        root = f"{paths.ROOT}{os.sep}"
+        names = [str(file).removeprefix(root) for file in missing]
         commands = list(dict.fromkeys(f"study {command}" for command in missing.values()))
         more = f" and {len(names) - 4} more" if len(names) > 4 else ""
         others = ", ..." if len(commands) > 4 else ""
@@ -84,7 +142,3 @@ def _require(shown, executed, paper):
             f"the report lacks {', '.join(names[:4])}{more}; make it with: "
             f"{', '.join(commands[:4])}{others}"
         )
-
-
-def _short(file):
-    return file.relative_to(paths.ROOT) if file.is_relative_to(paths.ROOT) else file

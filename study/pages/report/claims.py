@@ -1,9 +1,12 @@
 """The table of claims: what the paper says, how it is judged, what was found."""
 
 import csv
+from collections.abc import Collection
+from pathlib import Path
+
+from docutils.nodes import make_id
 
 from study.checks import StudyError
-from study.pages.report.site import anchor
 
 COLUMNS = (
     *("claim", "kind", "where", "statement", "measure", "relation", "expected", "tolerance"),
@@ -20,28 +23,13 @@ GROUPS = {
 MEND = "make it anew with: study run claims"
 
 
-def read_claims(path, known):
-    """Claims as a list of dicts, checked.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        CSV with the columns `COLUMNS`.
-    known : sequence of str
-        Names of all figures and tables.
-
-    Returns
-    -------
-    list of dict
-        One per row: the columns as text, and ``shown_by`` (names of its figure and evidence,
-        each once), ``readings`` (pairs of reading and what was found), ``limits`` (tolerance in
-        words), ``group`` (its verdict, or its kind where the verdict does not speak for or
-        against the paper), ``sign`` and ``anchor``.
+def read_claims(path: Path, known: Collection[str]) -> list[dict]:
+    """Rows of the CSV, checked, each with its ``group``, ``anchor`` and results (``shown_by``).
 
     Raises
     ------
-    study.checks.StudyError
-        For a missing column, an unknown verdict or result, or a claim that stands twice.
+    StudyError
+        For a missing column, a verdict or result that is not ``known``, or a repeated claim.
     """
     with open(path, encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -50,17 +38,13 @@ def read_claims(path, known):
         raise StudyError(f"{path.name} lacks {', '.join(lacking)}; {MEND}")
     anchors = set()
     for row in rows:
-        named = [*row["figure"].split(), *row["evidence"].split()]
-        unknown = [name for name in named if name not in known]
+        row["shown_by"] = f"{row['figure']} {row['evidence']}".split()
+        unknown = [name for name in row["shown_by"] if name not in known]
         if row["verdict"] not in VERDICTS or unknown:
             wrong = ", ".join(unknown) or f"verdict {row['verdict']!r}"
             raise StudyError(f"{path.name}, {row['claim']}: {wrong} is not known; {MEND}")
-        row["shown_by"] = list(dict.fromkeys(named))
-        row["readings"] = [part.rpartition(": ")[::2] for part in row["found"].split("; ") if part]
-        tolerance = row["tolerance"]
-        row["limits"] = f"within {tolerance}\N{NO-BREAK SPACE}%" if float(tolerance or 0) else ""
         row["group"] = GROUPS.get(row["kind"]) or f"Stated by the paper: {row['verdict']}"
-        row["sign"], row["anchor"] = VERDICTS[row["verdict"]], f"claim-{anchor(row['claim'])}"
+        row["anchor"] = make_id(f"claim-{row['claim']}")
         if row["anchor"] in anchors:
             raise StudyError(f"{path.name}: claim {row['claim']} stands twice; {MEND}")
         anchors.add(row["anchor"])

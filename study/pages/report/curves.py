@@ -18,15 +18,11 @@ PARAMETERS = {
 """What a case is chosen by -> its name in words."""
 
 
-def curves():
-    """Cases, laws and their looks, as the page's script takes them.
+def curves() -> dict:
+    """Cases, laws and their looks, as ``plot.js`` takes them, with 5 digits.
 
-    Returns
-    -------
-    dict
-        ``parameters``, ``groups`` and ``looks`` by name; ``depths``, the lists of depth_star
-        that occur; ``cases``, each with its parameters as text, the number of its depths' list,
-        ``force``, ``laws`` (name -> forces) and ``undefined`` (name -> why), with 5 digits.
+    ``depths`` are the lists of depths that occur, of which a case names one by its number;
+    ``undefined`` says of a law that does not apply why.
     """
     frames = dict(iter(dataset.load().sort_values("depth_star").groupby("case")))
     depths, cases = {}, []
@@ -34,8 +30,7 @@ def curves():
         frame = frames[name]
         depth = frame["depth_star"].to_numpy()
         last = frame.iloc[-1]
-        case = {"name": name} | _parameters(group, joint)
-        case["solver"] = last["solver"]
+        case = {"name": name, "group": group, "solver": last["solver"]} | _parameters(joint)
         case["half_angle"] = _rounded(last["contact_half_angle"])
         case["error"] = _rounded(100 * frame["error_estimate"].max())
         case["depths"] = depths.setdefault(tuple(map(_rounded, depth)), len(depths))
@@ -44,38 +39,25 @@ def curves():
         for law, function in LAWS.items():
             try:
                 force = function(depth, joint.r2_star, **law_options(law, joint))
+                case["laws"][law] = [_rounded(value) for value in force]
             except ValueError as error:
                 case["undefined"][law] = str(error)
-            else:
-                case["laws"][law] = [_rounded(value) for value in force]
         cases.append(case)
     if len(cases) != len(frames):
         raise checks.StudyError(f"the design and the dataset differ; mend it with: {store.MEND}")
-    return {
-        "parameters": PARAMETERS,
-        "groups": design.GROUPS,
-        "looks": {name: vars(LOOKS[name]) for name in ("exact", *LAWS)},
-        "depths": list(depths),
-        "cases": cases,
-    }
+    looks = {name: vars(LOOKS[name]) for name in ("exact", *LAWS)}
+    found = {"parameters": PARAMETERS, "groups": design.GROUPS, "looks": looks}
+    return found | {"depths": list(depths), "cases": cases}
 
 
-def describe(case):
-    """A case's parameters in words."""
-    values = [f"{PARAMETERS[key]} {case[key]}" for key in PARAMETERS if key != "group"]
-    return "; ".join([*values, f"solver {case['solver']}", f"set {case['group']}"])
-
-
-def _parameters(group, joint):
+def _parameters(joint):
     ball, socket = joint.ball, joint.socket
-    ratios = dict.fromkeys((f"{ball.poisson:g}", f"{socket.poisson:g}"))
     return {
-        "group": group,
         "kinematics": joint.kinematics,
         "support": f"{joint.ball_drive}, {joint.rim}",
         "modulus_ratio": f"{joint.modulus_ratio:g}",
         "socket_ratio": f"{joint.socket_ratio:g}",
-        "poisson": " / ".join(ratios),
+        "poisson": " / ".join(dict.fromkeys((f"{ball.poisson:g}", f"{socket.poisson:g}"))),
         "r2_star": f"{joint.r2_star:g}",
     }
 
