@@ -44,7 +44,7 @@ def setup(app):
     app.add_config_value("report_places", [], "env", list)
     app.add_domain(Places)
     app.add_html_math_renderer("mathml", (_formula("inline"), None), (_formula("block"), None))
-    app.connect("autodoc-process-signature", _shorten)
+    app.connect("autodoc-process-signature", _shorten, priority=400)  # in place of numpydoc's
     app.connect("html-page-context", _collapse, priority=400)  # before the theme's
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
