@@ -21,7 +21,7 @@ TEXT = [path for path in sorted(paths.PAPER.iterdir()) if path.suffix in (".typ"
 LIBRARY = [
     path
     for path in sorted((paths.ROOT / "study").rglob("*.*"))
-    if path.suffix in (".py", ".html", ".css", ".js", ".json")
+    if path.suffix in (".py", ".html", ".md", ".rst", ".css", ".js", ".json")
 ]
 PAPER = [*TEXT, *SHOWN, *NUMBERS]
 REPORT = [*RESULTS, *LIBRARY, *paths.DOCUMENTS, catalogue.FILE, store.CURVES, store.PACKAGE]
