@@ -40,14 +40,10 @@ Forces = NDArray[np.float64]
 def forces(
     sample: Forces, solver: str | None = None, resolution: int | None = None, **joint: Any
 ) -> Forces:
-    """Forces of one joint at any depths up to 0.5.
+    """Forces, shape (n,), at a sample of depths up to 0.5.
 
     Parameters
     ----------
-    sample
-        Values of ``depth_star``, shape (n,).
-    solver, resolution
-        As for `study.joint.force_curve`.
     **joint
         What differs from `study.joint.paper_joint`.
     """
@@ -58,22 +54,18 @@ def forces(
 def table_2(
     sample: Forces, force: Forces, area: Area = "flat", lower: float = 0.0
 ) -> dict[str, Forces]:
-    """Forces of the five laws of Table 2, the Winkler ones fitted to the sample.
+    """Forces of the five laws of Table 2, the Winkler ones fitted to forces at a sample of depths.
 
     Parameters
     ----------
-    sample, force
-        Depths and finite-element forces to fit to, shape (n,).
     area
         Area element of the hyperbolic law.
     lower
         Share by which the fitted coefficients are lowered.
     """
-    options = {law: {} for law in contact.PAPER_LAWS}
+    options = {law: {} for law in contact.PAPER_LAWS} | {"hyperbolic_winkler": {"area": area}}
     for law, name in (("winkler", "winkler"), ("hyperbolic_winkler", AREA_COEFFICIENTS[area])):
-        coefficient = (1 - lower) * fitting.coefficient(name, sample, force)
-        options[law] = {"coefficient": coefficient}
-    options["hyperbolic_winkler"]["area"] = area
+        options[law]["coefficient"] = (1 - lower) * fitting.coefficient(name, sample, force)
     return {law: contact.LAWS[law](sample, R2_STAR, **options[law]) for law in options}
 
 
@@ -91,17 +83,14 @@ def deviations(
     ----------
     published
         `study.dataset.published_table_2`.
-    sample, force, area, lower
-        As for `table_2`.
     factor
-        Times 1 - R2, by the paper's definition.
+        Times 1 - R2, by the paper's definition; all else is as for `table_2`.
     """
     laws, found = table_2(sample, force, area, lower), {}
     for law in ROWS:
         missing = factor * (1 - statistics.r_squared_as_published(force, laws[law]))
-        rmse = statistics.rmse(force, laws[law])
         found[f"1 - R2 {law}"] = np.log(missing / (1 - published.R2[law]))
-        found[f"RMSE {law}"] = np.log(rmse / published.RMSE[law])
+        found[f"RMSE {law}"] = np.log(statistics.rmse(force, laws[law]) / published.RMSE[law])
     return found
 
 
@@ -113,29 +102,21 @@ def misfit(deviations: pd.DataFrame) -> pd.Series:
 def scan(published: pd.DataFrame, ratios: Sequence[float] = RATIOS, **set_up: Any) -> pd.DataFrame:
     """Deviations of Table 2 by socket ratio, sampling, area and factor, for one set-up.
 
-    Parameters
-    ----------
-    published
-        `study.dataset.published_table_2`.
-    ratios
-        Socket ratios.
-    **set_up
-        As for `forces`.
+    ``published`` is as for `deviations`, the set-up as for `forces`.
     """
     rows, grid = [], np.linspace(0, LARGEST_DEPTH, 401)
     for ratio in ratios:
         truth = CubicSpline(grid, forces(grid, socket_ratio=ratio, **set_up))
-        for (sampling, sample), area, factor in product(
-            SAMPLINGS.items(), AREA_COEFFICIENTS, FACTORS
-        ):
-            key = {"ratio": ratio, "sampling": sampling, "area": area, "factor": factor}
+        for name, area, factor in product(SAMPLINGS, AREA_COEFFICIENTS, FACTORS):
+            key = {"ratio": ratio, "sampling": name, "area": area, "factor": factor}
+            sample = SAMPLINGS[name]
             found = deviations(published, sample, truth(sample), area, factor=FACTORS[factor])
             rows.append(key | found)
     return pd.DataFrame(rows)
 
 
 def profile(candidate: pd.DataFrame, count: int = 4001) -> pd.DataFrame:
-    """Deviations of one candidate over the socket ratio, between those of its scan.
+    """Deviations and ``misfit`` of one candidate over the socket ratio, between those of its scan.
 
     Parameters
     ----------
@@ -143,11 +124,6 @@ def profile(candidate: pd.DataFrame, count: int = 4001) -> pd.DataFrame:
         Rows of `scan` for one sampling, area and factor.
     count
         Number of ratios, in equal steps of ln(ratio).
-
-    Returns
-    -------
-    pandas.DataFrame
-        ``ratio``, the deviations of `NUMBERS`, and ``misfit``.
     """
     x = np.log(candidate.ratio.to_numpy())
     fine = np.linspace(x[0], x[-1], count)

@@ -28,8 +28,11 @@ DURATIONS = (50, 100, 200)  # ms: the paper does not say how long it simulates
 FIT = 0.5  # largest depth of the fits
 FIRST = 0.025  # least depth of the dataset
 MODELS = ("rigid", "particles", "beams")
-POISSON, MODULI = (0.2, 0.4), (1 / 3, 3)
-"""Realistic range of Poisson's ratio, and of the socket's modulus over the ball's: metals."""
+MATERIALS = {
+    "poisson": ("Poisson's ratio", 0.3, 0.2, 0.4),
+    "modulus_ratio": ("moduli", 1.0, 1 / 3, 3),
+}
+"""Name, usual value, and the range that metals have; the ratio is the socket's over the ball's."""
 RATIOS = "ratios 1.1 to 3"
 
 PER_MODEL = {model: (model,) for model in MODELS}
@@ -53,16 +56,12 @@ def define(name: str, number: Callable[..., Any], of: str = "", readings: dict |
     Without ``readings`` the function gives one number, or a dictionary of readings itself.
     """
     RULES[name] = partial(_apply, name, number, of, readings)
+    return number
 
 
 def rule(of="", readings=None):
     """Make a function a rule under its own name."""
-
-    def make(function):
-        define(function.__name__, function, of, readings)
-        return function
-
-    return make
+    return lambda function: define(function.__name__, function, of, readings)
 
 
 def _apply(name, number, pattern, readings, of):
@@ -117,11 +116,6 @@ def _radii(kinematics="linear"):
 def _rise(numbers):
     """The last number over the first."""
     return numbers.iloc[-1] / numbers.iloc[0]
-
-
-def _motion(figure):
-    """Times in ms as index, one quantity of every joint and model as columns."""
-    return result(figure).set_index("time_ms")
 
 
 # ---- Tables 1 and 2 ----
@@ -184,12 +178,9 @@ def closest(quantity, low, high, law, *others):
 @rule()
 def best_exponent():
     """Share of depths up to 0.5 at which the proposed law's exponent is the closest, percent."""
-    rivals = [law for law in LAWS if law != PROPOSED]
-    without = [law for law in rivals if law != "liu"]
-    return {
-        "of five": closest("exponent", 0, FIT, PROPOSED, *rivals),
-        "without Liu's law": closest("exponent", 0, FIT, PROPOSED, *without),
-    }
+    sets = {"of five": {PROPOSED}, "without Liu's law": {PROPOSED, "liu"}}
+    rivals = {name: [law for law in LAWS if law not in left] for name, left in sets.items()}
+    return {name: closest("exponent", 0, FIT, PROPOSED, *laws) for name, laws in rivals.items()}
 
 
 @rule(readings={"depth 0.1": (0.1,), "depth 0.5": (0.5,)})
@@ -245,8 +236,7 @@ define(
 )
 # Largest |relative error| up to a depth of 0.5, the largest over the least of any R2*
 define(
-    "spread_over_radius",
-    lambda: np.divide(*result("fig15").whole_range_percent.agg(["max", "min"])),
+    "spread_over_radius", lambda: np.divide(*result("fig15").whole_range_percent.agg([max, min]))
 )
 # Time of solving the elastic contact at every call over that of Hertz's law
 define("solving_each_call", lambda: result("speed_laws").set_index("method").relative["solver"])
@@ -259,19 +249,15 @@ def thickness():
     return {RATIOS: 100 * (1 - table[case_name("ratio-3")] / table[case_name("ratio-1.1")])}
 
 
-@rule("poisson|modulus_ratio")
+@rule("|".join(MATERIALS))
 def material(of):
     """Largest change of the force at depth 0.5 with a property at the same E*, in percent."""
     table = result("reach_material").query("panel == @of and law == 'hertz'")
     error = _at(table.pivot(index="depth_star", columns="parameter", values="value"), 0.5)
     error.index = error.index.astype(float)
     force = 1 / (1 + error / 100)  # over that of Hertz, whose law knows neither
-    name, usual, (low, high) = {
-        "poisson": ("Poisson's ratio", 0.3, POISSON),
-        "modulus_ratio": ("moduli", 1.0, MODULI),
-    }[of]
-    change = 100 * (force / force[usual] - 1).abs()
-    change = change[change.index.to_series().between(low - 1e-3, high)]
+    name, usual, low, high = MATERIALS[of]
+    change = (100 * (force / force[usual] - 1).abs()).loc[low - 1e-3 : high]
     least, most = change.index.min(), change.index.max()
     return {f"{name} {least:.2g} to {most:.2g} against {usual:g}": change.max()}
 
@@ -280,8 +266,7 @@ def material(of):
 def error_over_ratio(depth):
     """Largest absolute relative error of the proposed law at a depth, socket ratios 1.1 to 3."""
     table = result("reach_socket").query("law == @PROPOSED and 1.0999 < socket_ratio < 3.0001")
-    table = table[np.isclose(table.depth_star, depth)]
-    return {RATIOS: table.relative_error_percent.abs().max()}
+    return {RATIOS: table.relative_error_percent[np.isclose(table.depth_star, depth)].abs().max()}
 
 
 @rule()
@@ -295,74 +280,80 @@ def scale():
     return {"laws in SI units": 100 * np.ptp(forces, axis=0).max() / np.max(forces)}
 
 
-@rule(
+# Largest error of three-node triangles on coarse and fine meshes, in percent
+define(
+    "triangles",
+    lambda *mesh: (
+        100 * result("speed_solvers").set_index(["method", "setting"]).largest_error[mesh]
+    ),
     readings={
         f"{name}, {size} elements": (method, f"resolution {size}")
         for method, name in (("CAX3", "CalculiX CAX3"), ("three-node triangles", "this study's"))
         for size in (32, 160)
-    }
+    },
 )
-def triangles(*mesh):
-    """Largest error of three-node triangles on coarse and fine meshes, in percent."""
-    return 100 * result("speed_solvers").set_index(["method", "setting"]).largest_error[mesh]
 
 
 # ---- crank-slider ----
 
 
-def _deviation(motion, one, other):
-    """RMS difference of two columns over that of the other one's change, in percent."""
-    change = motion[other] - motion[other].iloc[0]
-    difference = motion[one] - motion[other]
-    return 100 * np.sqrt((difference**2).mean() / (change**2).mean())
+def _motions(figure, one, other, end=None):
+    """One quantity of two joints or models over the time in ms."""
+    motion = result(figure).set_index("time_ms").loc[:end]
+    return motion[one], motion[other]
 
 
-@rule(
+def _joints(figure, model, end=None):
+    return _motions(figure, f"clearance_{model}", f"ideal_{model}", end)
+
+
+def _deviation(one, other):
+    """RMS difference over RMS of the other one's change, in percent."""
+    return 100 * np.sqrt(((one - other) ** 2).mean() / ((other - other.iloc[0]) ** 2).mean())
+
+
+def _largest_impact(model, end):
+    """Largest force of a model's impacts that begin in a time in ms."""
+    return result("impacts").query("model == @model and 1e3 * time <= @end").peak_force.max()
+
+
+# RMS difference of particles and finite elements in one quantity, in percent
+define(
+    "methods_agree",
+    lambda figure, joint, end: _deviation(
+        *_motions(figure, f"{joint}_particles", f"{joint}_beams", end)
+    ),
     "fig1[789]",
     {f"{joint}, {end} ms": (joint, end) for end in DURATIONS for joint in ("ideal", "clearance")},
 )
-def methods_agree(figure, joint, end):
-    """RMS difference of particles and finite elements in one quantity, in percent."""
-    return _deviation(_motion(figure).loc[:end], f"{joint}_particles", f"{joint}_beams")
-
-
-@rule("fig1[789]", PER_MODEL)
-def deviation(figure, model):
-    """RMS difference of clearance and ideal joint over that of the ideal motion, in percent."""
-    return _deviation(_motion(figure), f"clearance_{model}", f"ideal_{model}")
+# RMS difference of clearance and ideal joint over that of the ideal motion, in percent
+define("deviation", lambda *run: _deviation(*_joints(*run)), "fig1[789]", PER_MODEL)
 
 
 @rule(readings=PER_DURATION)
 def ahead(model, end):
     """Share of the time in which the slider is ahead of the ideal one, in percent."""
-    place, speed = _motion("fig17"), _motion("fig18")
-    lead = place[f"clearance_{model}"] - place[f"ideal_{model}"]
-    return 100 * (lead * speed[f"ideal_{model}"] > 0).loc[:end].mean()
+    (place, ideal), (_, speed) = (_joints(figure, model, end) for figure in ("fig17", "fig18"))
+    return 100 * ((place - ideal) * speed > 0).mean()
 
 
 @rule(readings=PER_MODEL)
 def larger_acceleration(model):
     """Largest absolute acceleration with clearance over that without, in the first 10 ms."""
-    largest = _motion("fig19").loc[:EARLY].abs().max()
-    return largest[f"clearance_{model}"] / largest[f"ideal_{model}"]
-
-
-def _peak(model, end):
-    """Largest force of a model's impacts that begin in a time in ms."""
-    return result("impacts").query("model == @model and 1e3 * time <= @end").peak_force.max()
+    return np.divide(*(values.abs().max() for values in _joints("fig19", model, EARLY)))
 
 
 @rule(readings=PER_DURATION)
 def larger_force(model, end):
     """Largest force with clearance over that of the ideal joint."""
-    largest = _motion("fig20").loc[:end].max()
-    return max(largest[f"clearance_{model}"], _peak(model, end)) / largest[f"ideal_{model}"]
+    force, ideal = _joints("fig20", model, end)
+    return max(force.max(), _largest_impact(model, end)) / ideal.max()
 
 
 @rule(readings=PER_MODEL)
 def impact_force(model):
     """Largest force of the impacts over that of the ideal joint in the same first 10 ms."""
-    return _peak(model, EARLY) / _motion("fig20").loc[:EARLY].max()[f"ideal_{model}"]
+    return _largest_impact(model, EARLY) / _joints("fig20", model, EARLY)[1].max()
 
 
 @rule(readings=PER_DURATION)
@@ -375,17 +366,17 @@ def last_separation(model, end):
 @rule(readings=PER_DURATION)
 def oscillation(model, end):
     """Share of windows of 1 ms in which the force swings twice as far as in an ideal joint."""
-    force = _motion("fig20")
-    windows = force.groupby((force.index // 1).astype(int))
-    swing = (windows.max() - windows.min()).loc[: end - 1]
-    return 100 * (swing[f"clearance_{model}"] > 2 * swing[f"ideal_{model}"]).mean()
+    windows = (force.groupby(force.index // 1) for force in _joints("fig20", model))
+    swing, ideal = ((window.max() - window.min()).loc[: end - 1] for window in windows)
+    return 100 * (swing > 2 * ideal).mean()
 
 
-def _path(model, end=np.inf):
+def _path(model, end=None):
     """Direction of the ball's centre in degrees, its y in clearances, and where it touches."""
-    path = _motion("fig21").loc[:end, [f"x_um_{model}", f"y_um_{model}"]]
-    path = path / (1e6 * dataset.published()["Table 3", "joint", "clearance_m"])
-    x, y = path.to_numpy().T
+    clearance = 1e6 * dataset.published()["Table 3", "joint", "clearance_m"]
+    x, y = (
+        c.to_numpy() / clearance for c in _motions("fig21", f"x_um_{model}", f"y_um_{model}", end)
+    )
     return np.degrees(np.arctan2(y, x)), y, np.hypot(x, y) >= 1
 
 
@@ -393,7 +384,7 @@ def _path(model, end=np.inf):
 def downwards(model):
     """How far below the socket's centre the ball first touches, in percent of the clearance."""
     _, y, touches = _path(model)
-    return -100 * y[np.flatnonzero(touches)[0]]
+    return -100 * y[touches][0]
 
 
 # Share of the time in contact, in percent

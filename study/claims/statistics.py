@@ -69,14 +69,7 @@ def relative_rmse(truth: ArrayLike, prediction: ArrayLike) -> float:
 
 
 def agreement(truth: ArrayLike, prediction: ArrayLike) -> dict[str, float]:
-    """All measures of agreement at once.
-
-    Returns
-    -------
-    dict
-        ``R2`` and ``R2_adj`` as published (`r_squared_as_published`), ``R2_correct`` and
-        ``R2_adj_correct`` (`r_squared`), ``RMSE`` and ``relative_RMSE``.
-    """
+    """All measures at once; ``R2`` and ``R2_adj`` are those of `r_squared_as_published`."""
     published, correct = r_squared_as_published(truth, prediction), r_squared(truth, prediction)
     return {
         "R2": published,
@@ -112,12 +105,9 @@ def last_crossing(x: ArrayLike, lead: ArrayLike) -> float:
 
 
 def local_exponent(table: pd.DataFrame) -> pd.DataFrame:
-    """Exponents d ln(y) / d ln(x) of several curves, by central differences, one-sided at the ends.
+    """Exponents d ln(y) / d ln(x), by central differences, one-sided at the ends.
 
-    Parameters
-    ----------
-    table
-        A column per curve, values > 0; the index is x > 0, rising, of two rows or more.
+    The table has a column per curve, values > 0; its index is x > 0, rising, of two rows or more.
     """
     checks.frame("table", table, ())
     x = np.asarray(checks.number("index of table", table.index, above=0))

@@ -37,8 +37,7 @@ def load() -> pd.DataFrame:
     Raises
     ------
     ClaimError
-        For a name that stands twice, or a rule, kind, relation, tolerance or expected number
-        that is none.
+        For a row that cannot be judged.
     """
     frame = pd.read_csv(paths.DATA / "published/claims.csv", keep_default_na=False)
     stated = dataset.published()
@@ -49,8 +48,8 @@ def load() -> pd.DataFrame:
         if not 0 <= row.tolerance < np.inf:
             raise ClaimError(f"tolerance of {row.claim} must be a number >= 0, in percent")
         if row.rule not in RULES:
-            rules = "study.claims.rules"
-            raise ClaimError(f"claim {row.claim} has no rule: {row.rule!r} is not in {rules}")
+            known = "is not in study.claims.rules"
+            raise ClaimError(f"claim {row.claim} has no rule: {row.rule!r} {known}")
         for column, known in (("kind", KINDS), ("relation", RELATIONS)):
             value = getattr(row, column)
             if value not in known:
@@ -81,8 +80,7 @@ def judge() -> pd.DataFrame:
     -------
     pandas.DataFrame
         That of `load` without ``rule`` and ``of``, and ``found`` (readings with their numbers,
-        as text), ``lowest`` and ``highest`` (of the numbers) and ``verdict``; ordered by kind
-        and, within it, by verdict.
+        as text), ``lowest``, ``highest`` and ``verdict``; ordered by kind, then by verdict.
 
     Raises
     ------
@@ -90,13 +88,10 @@ def judge() -> pd.DataFrame:
         If a result that a claim is judged by is missing, or a number is not finite.
     """
     result.cache_clear()
-    claims = load()
-    judged = claims.drop(columns=["rule", "of"]).join(
-        pd.DataFrame(map(_judge, claims.itertuples()))
-    )
-    rank = {name: n for n, name in enumerate(KINDS + VERDICTS)}
+    claims, rank = load(), {name: n for n, name in enumerate(KINDS + VERDICTS)}
+    found = pd.DataFrame(map(_judge, claims.itertuples()))
     order = {"key": lambda column: column.map(rank), "kind": "stable", "ignore_index": True}
-    return judged.sort_values(["kind", "verdict"], **order)
+    return claims.drop(columns=["rule", "of"]).join(found).sort_values(["kind", "verdict"], **order)
 
 
 def _judge(claim):
@@ -125,22 +120,16 @@ def verdict(
 ) -> Verdict:
     """Verdict on one claim from its numbers, one per reading.
 
+    ``reproduced`` if every reading holds, ``contradicted`` if none does, and ``cannot be
+    decided`` if some do, so that the verdict hangs on what the paper does not say.
+
     Parameters
     ----------
-    values
     relation
-        The number should equal ``expected``, not exceed it, or not be less; or what is given in
-        the paper cannot tell.
-    expected
-        Not 0.
+        The number should equal ``expected``, which is not 0, not exceed it, or not be less; or
+        what is given in the paper cannot tell.
     tolerance
         Deviation from ``expected``, in percent of it, up to which a reading holds.
-
-    Returns
-    -------
-    str
-        ``reproduced`` if every reading holds, ``contradicted`` if none does, and ``cannot be
-        decided`` if some do, so that the verdict hangs on what the paper does not say.
     """
     values = np.atleast_1d(checks.number("values", values))
     if values.size == 0:
