@@ -124,6 +124,9 @@ def _build(work, places):
     told = re.sub(r"\x1b\[[\d;]*m", "", warnings.getvalue()).strip().replace(f"{sources}/", "")
     if told:
         raise StudyError(f"the report: {told.splitlines()[0]}")
+    for page in (work / "pages" / "api").glob("*.html"):  # values and defaults that are paths
+        text = page.read_text(encoding="utf-8").replace(f"{paths.ROOT}{os.sep}", "")
+        page.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _require(shown, executed, paper):

@@ -1,6 +1,7 @@
 """What Sphinx lacks: formulas as MathML, places that its search finds, short annotations."""
 
 import re
+from types import GenericAlias
 
 import numpy as np
 from docutils import nodes
@@ -45,6 +46,7 @@ def setup(app):
     app.add_domain(Places)
     app.add_html_math_renderer("mathml", (_formula("inline"), None), (_formula("block"), None))
     app.connect("autodoc-process-signature", _shorten, priority=400)  # in place of numpydoc's
+    app.connect("autodoc-skip-member", _skip_alias)
     app.connect("html-page-context", _collapse, priority=400)  # before the theme's
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
@@ -61,6 +63,11 @@ def _shorten(app, what, name, item, options, *signature):
     for long, short in _SHORT.items():
         signature = [text and text.replace(long, short) for text in signature]
     return tuple(signature)
+
+
+def _skip_alias(app, what, name, item, skip, options):
+    """Leave out names of types, which would be documented as the built-in types they are."""
+    return isinstance(item, GenericAlias) or None
 
 
 def _collapse(app, page, template, context, doctree):
