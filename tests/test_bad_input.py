@@ -145,9 +145,6 @@ def law_rows():
     yield from rows(
         pressure.hertz_pressure, radius=(0.1, LIST), depth_star=(0.3, POSITIVE[-3:]), r2_star=radius
     )
-    hyperbolic = partial(pressure.hyperbolic_pressure, r2_star=200)
-    yield from rows(hyperbolic, polar_angle=(0.1, LIST), depth_star=(0.3, (0, -1, 2, nan)))
-    yield from rows(pressure.vertical_share, depth_star=(0.3, (*POSITIVE, 2)))
 
 
 def set_without(values, one):

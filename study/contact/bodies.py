@@ -14,17 +14,7 @@ def composite_modulus(
 ) -> float:
     """Composite modulus E*, in Pa: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2.
 
-    Parameters
-    ----------
-    ball_modulus, socket_modulus
-        Young's moduli, > 0, in Pa.
-    ball_poisson, socket_poisson
-        Poisson's ratios, in (-1, 0.5).
-
-    Raises
-    ------
-    ValueError
-        For a value outside its range.
+    Of Young's moduli > 0 in Pa and Poisson's ratios in (-1, 0.5); else ``ValueError``.
     """
     bodies = {"ball": (ball_modulus, ball_poisson), "socket": (socket_modulus, socket_poisson)}
     compliance = 0.0

@@ -49,18 +49,10 @@ DAMPINGS: dict[Damping, Callable[[float], float]] = {
 
 
 def damping_factor(damping: Damping, restitution: float) -> float:
-    """Damping factor D >= 0 of one of `DAMPINGS`.
+    """Damping factor D >= 0 by one of `DAMPINGS`; ``ValueError`` for another rule.
 
-    Parameters
-    ----------
-    restitution
-        Coefficient of restitution asked for, from 0 to 1; from 0.001 for ``flores`` and
-        ``exact``, whose D grows as 1/cr.
-
-    Raises
-    ------
-    ValueError
-        For an unknown rule, or a restitution outside its range.
+    The restitution asked for is from 0 to 1; from 0.001 for ``flores`` and ``exact``, whose D
+    grows as 1/cr.
     """
     checks.choice("damping", damping, DAMPINGS)
     cr = checks.number("restitution", restitution, least=0, most=1, scalar=True)

@@ -25,38 +25,19 @@ _hertz, _winkler, _power, _chord, _liu, _hyperbolic, _stiffened, _tabulated = (
 def pack(
     law: str | Law, ball_radius: float, socket_radius: float, composite: float, **options: Any
 ) -> NDArray[np.float64]:
-    """Numbers that `elastic_force` needs, for one law and one joint.
+    """Numbers that `elastic_force` needs; arguments and errors as of `contact.contact_force`.
 
-    Parameters
-    ----------
-    law
-        Key of ``study.contact.LAWS``, or a law itself, such as ``tabulated(curve)``.
-    ball_radius, socket_radius
-        In m, ball smaller than socket.
-    composite
-        Composite modulus, in Pa.
-    **options
-        Of the law.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Index of the shape, clearance in m, force scale in N, constants of the shape.
-
-    Raises
-    ------
-    ValueError
-        For an unknown law or a value out of range.
+    They are the shape's index, the clearance in m, the force scale in N, and the constants.
     """
     parts = find(law).parts
     clearance, r2_star = clearance_and_r2_star(ball_radius, socket_radius)
     modulus = checks.number("composite modulus", composite, "Pa", above=0, scalar=True)
-    known = list(signature(parts).parameters)[1:]
+    known = list(signature(parts).parameters)[1:] or ["(it has none)"]
     for option in options:
-        checks.choice(f"option of {parts.__name__}", option, known or ["(it has none)"])
+        checks.choice(f"option of {parts.__name__}", option, known)
     scale, shape, constants = parts(r2_star, **options)
-    index = shapes.SHAPES.index(shape)
-    return np.array([index, clearance, modulus * clearance**2 * scale, *constants], dtype=float)
+    scale = modulus * clearance**2 * scale
+    return np.array([shapes.SHAPES.index(shape), clearance, scale, *constants], dtype=float)
 
 
 @compiled
@@ -103,13 +84,12 @@ def stored_energy(law, depth):
 
 @compiled
 def joint_forces(law, depth, rate, sliding, branch, approach, damping, friction, v0, v1):
-    """Normal and tangential force at a depth > 0, and what they change with.
+    """Normal and tangential force at a depth > 0, with their derivatives (Eqs. 31-33).
 
-    Returns the normal force and its derivatives to depth and rate, its elastic part and that
-    part's to depth, the tangential force and its derivatives to the normal force and to the
-    sliding speed (Eqs. 31-33; ``branch`` is the linear piece of the friction law to use).
-    Where the ball leaves faster than approach speed over D, Eq. 31 pulls; it is kept as
-    published, without friction while it pulls.
+    The normal force and its derivatives to depth and rate, its elastic part and that part's to
+    depth, the tangential force and its derivatives to the normal force and to the sliding speed
+    on one ``branch`` of the friction law. Where the ball leaves faster than approach speed over
+    D, Eq. 31 pulls; it is kept as published, without friction while it pulls.
     """
     elastic, slope = elastic_force(law, depth)
     loss = damping / approach

@@ -1,12 +1,13 @@
 """Force-depth laws of a ball in a socket: one function per law, and one wrapper to SI units.
 
-In dimensionless form depth_star = d/dR, r2_star = R2/dR and force_star = P/(E* dR^2), with
-the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*. Damping and
-friction are not here. Every law is zero for depth <= 0 (no contact); `hertz` tells the arguments
-and errors that all of them have.
+In dimensionless form depth_star = d/dR (ds), r2_star = R2/dR and force_star = P/(E* dR^2), with
+the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*. Every law takes
+``depth_star`` and ``r2_star`` > 1 and returns the force in their broadcast shape, or with
+``derivative=True`` dP*/d(ds); it is zero for depths <= 0 and raises ``ValueError`` for a value
+outside its range. Damping and friction are not here.
 
-How sure we are of each formula (given, derived, identified, reconstructed, fitted) stands in
-its docstring; "Eq." numbers are those of the paper the study reproduces.
+Each docstring says how sure its formula is (given, derived, identified, reconstructed, fitted);
+"Eq." numbers are those of the paper the study reproduces.
 """
 
 import json
@@ -43,7 +44,7 @@ STEPS = 256  # of `tabulated`, per unit of sqrt(depth_star)
 
 
 class Law(Protocol):
-    """Dimensionless force over depth, a function with the arguments of `hertz`."""
+    """Dimensionless force over depth: a function with the arguments that the module names."""
 
     __name__: str
     __call__: Callable[..., Any]
@@ -63,16 +64,14 @@ def _law(
         try:
             depth, r2 = np.broadcast_arrays(depth, r2)
         except ValueError:
-            got = f"{depth.shape} and {r2.shape}"
-            raise ValueError(
-                f"depth_star and r2_star must be of shapes that fit, got {got}"
-            ) from None
+            wanted = "depth_star and r2_star must be of shapes that fit"
+            raise ValueError(f"{wanted}, got {depth.shape} and {r2.shape}") from None
         contact = depth > 0
         scale, shape, constants = parts(r2[contact], **options)
         limit = shapes.LIMITS.get(shape, deepest)
         if limit is not None:
-            most = limit * (1 + LIMIT_MARGIN)
-            checks.number(f"depth_star of {parts.__name__}", depth, most=most)
+            name = f"depth_star of {parts.__name__}"
+            checks.number(name, depth, most=limit * (1 + LIMIT_MARGIN))
         result = np.zeros(depth.shape)
         result[contact] = scale * shape(depth[contact], constants)[int(derivative)]
         return float(result) if result.ndim == 0 else result
@@ -87,27 +86,7 @@ def _law(
 
 @_law
 def hertz(r2_star: Floats) -> Parts:
-    """Hertz: P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) (Eqs. 4-6, given).
-
-    Parameters
-    ----------
-    depth_star
-        Dimensionless penetration depth; zero force where it is negative.
-    r2_star
-        Dimensionless socket radius, > 1.
-    derivative
-        Return dP*/d(depth_star) instead of P*.
-
-    Returns
-    -------
-    float or ndarray
-        Dimensionless force, or its derivative, in the broadcast shape.
-
-    Raises
-    ------
-    ValueError
-        For NaN, or ``r2_star`` <= 1.
-    """
+    """Hertz: P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) (Eqs. 4-6, given)."""
     return 4 / 3 * np.sqrt(r2_star * (r2_star - 1)), shapes.hertz, ()
 
 
@@ -117,18 +96,11 @@ def steuermann(
 ) -> Parts:
     """Steuermann: P = (4n/(2n+1)) E* a d for a profile of order 2n (Eq. 7; Johnson, sec. 5.3).
 
-    ``radius="geometric"`` takes the contact radius a = R2 sin(eps) with
-    cos(eps) = dR/(dR + d); with n = 1 this is what Table 2 plots (identified: RMSE within
-    0.5 %). ``radius="profile"`` is the textbook's: a from d = c_n A_n a^(2n), where
+    The order's half ``n`` is from 1 to 50. ``radius="geometric"`` takes the contact radius
+    a = R2 sin(eps) with cos(eps) = dR/(dR + d); with n = 1 this is what Table 2 plots (identified:
+    RMSE within 0.5 %). ``radius="profile"`` is the textbook's: a from d = c_n A_n a^(2n), where
     A_n is the Taylor coefficient of the gap between the spheres and
     c_n = 2*4*..*2n / (1*3*..*(2n-1)); with n = 1 it is Hertz.
-
-    Parameters
-    ----------
-    n
-        Half the order of the profile, from 1 to 50.
-    radius
-        Where the contact radius comes from.
     """
     checks.choice("radius", radius, ("geometric", "profile"))
     n = checks.whole("n", n, least=1, most=50)
@@ -150,23 +122,20 @@ def steuermann(
 def liu(r2_star: Floats) -> Parts:
     """Liu et al. 2006: P* = 4.57 R2* ds sin(eps) sin(eps/2) (Eq. 8 is lost; reconstructed).
 
-    Reconstructed from two published numbers: the R2 of Table 2 gives
-    the factor, the RMSE the growth with depth (notebook 13). cos(eps) = dR/(dR + d) is
-    Steuermann's half-angle, and sin(eps/2) the factor of Liu's law for cylinders. Another form
+    Of Table 2 the R2 gives the factor, the RMSE the growth with depth (notebook 13). The
+    half-angle eps is Steuermann's, sin(eps/2) the factor of Liu's law for cylinders. Another form
     that meets both numbers, a pressure 1 - theta^2/eps^2 on the socket's sphere, differs from
     this one by less than 1 % of the force at a depth of 0.5.
     """
-    return _coefficient("liu", r2_star, None), shapes.liu, ()
+    return _coefficient("liu", r2_star), shapes.liu, ()
 
 
 @_law
 def winkler(r2_star: Floats, *, coefficient: float | None = None) -> Parts:
     """Winkler with fitted coefficient: P* = f1w(R2*) ds^2 (Eq. 28, derived; f1w fitted).
 
-    Parameters
-    ----------
-    coefficient
-        Value of f1w, > 0; by default this study's fit in the paper's joint, linear in R2*.
+    The ``coefficient`` f1w > 0 is by default this study's fit in the paper's joint
+    (`study.joint.paper_joint`), linear in R2*.
     """
     return _coefficient("winkler", r2_star, coefficient), shapes.winkler, ()
 
@@ -183,21 +152,12 @@ def hyperbolic_winkler(
     (notebook 13). ``area="sphere"`` takes R2^2 sin(theta) dtheta dphi, the socket's own:
     f2 = ds [1/2 - sin(2a)/(2a) + sin(a)^2/(2 a^2)], with a coefficient of its own; in the
     paper's joint it is off by up to 29 % for ds from 0.1 to 0.5, this one by 32 %. Both are
-    evaluated as series, without cancellation (`study.contact.shapes.hyperbolic`).
-
-    Parameters
-    ----------
-    depth_star
-        At most pi^2/8, where the half-angle is 90 deg.
-    area
-        Area element of the integral over the contact.
-    coefficient
-        Value of f1, > 0; by default this study's fit in the paper's joint
-        (`study.joint.paper_joint`), linear in R2*.
+    evaluated as series, without cancellation (`study.contact.shapes.hyperbolic`). The largest
+    depth is pi^2/8, a half-angle of 90 deg; the ``coefficient`` f1 > 0 is by default as Winkler's.
     """
     checks.choice("area", area, tuple(shapes.BRACKETS))
-    name = AREA_COEFFICIENTS[area]
-    return _coefficient(name, r2_star, coefficient), shapes.hyperbolic, shapes.BRACKETS[area]
+    scale = _coefficient(AREA_COEFFICIENTS[area], r2_star, coefficient)
+    return scale, shapes.hyperbolic, shapes.BRACKETS[area]
 
 
 @_law
@@ -216,25 +176,14 @@ def stiffened_hertz(
     (1, nu, 1/(1 - 1.8 nu)), q the socket ratio and nu Poisson's ratio (`stiffening_terms`).
     It is for equal materials, ``plane`` drive and ``mirror`` rim: its error is at most 1 % for
     ds from 0.005 to 1, and may be 2 % below. In the paper's joint, whose ball is clamped, it is
-    up to 9 % too soft (notebook 15); there `tabulated` is accurate.
-
-    Parameters
-    ----------
-    depth_star, r2_star
-        At most 1; at least 20.
-    socket_ratio
-        Outer over inner radius of the socket, from 1.1 to 3.
-    poisson
-        Poisson's ratio of both bodies, from 0.2 to 0.45.
-    kinematics
-        As for `study.joint.Joint`; ``small`` is not offered, as it misses Hertz's limit by a
-        term of order 1/R2*.
+    up to 9 % too soft (notebook 15); there `tabulated` is accurate. Limits are ds <= 1 and
+    `STIFFENED_RANGES`. ``small`` kinematics is not offered, as it misses Hertz's limit by a term
+    of order 1/R2*.
     """
     given = {"r2_star": r2_star, "socket_ratio": socket_ratio, "poisson": poisson}
     for name, (least, most) in STIFFENED_RANGES.items():
-        least *= 1 - LIMIT_MARGIN
-        one = name != "r2_star"
-        checks.number(f"{name} of stiffened_hertz", given[name], least=least, most=most, scalar=one)
+        limits = {"least": least * (1 - LIMIT_MARGIN), "most": most, "scalar": name != "r2_star"}
+        checks.number(f"{name} of stiffened_hertz", given[name], **limits)
     fit = _fitted("stiffened_hertz")
     checks.choice("kinematics", kinematics, tuple(fit["first_order"]))
     matrices = np.array([fit["limit"], fit["first_order"][kinematics]])
@@ -263,6 +212,8 @@ def tabulated(curve: Any) -> Law:
     SIAM J. Sci. Stat. Comput. 4 (1983) 645-654), and tabulated on equal steps as a cubic
     Hermite spline: continuously differentiable, at the cost of one square root.
 
+    The law's ``r2_star`` may be left out; its largest depth is the curve's.
+
     Parameters
     ----------
     curve
@@ -270,11 +221,6 @@ def tabulated(curve: Any) -> Law:
         tenth of the deepest. With 40 depths in equal steps of sqrt(ds) from 0.025 to 1 and a
         resolution of 640 the law is within 1e-4 of the solver at all other depths from 0.001 on;
         the usual resolution of 320 leaves noise of 3e-4 below 0.005 in the curve.
-
-    Returns
-    -------
-    Law
-        Its ``r2_star`` may be left out; its largest depth is the curve's.
 
     Raises
     ------
@@ -285,8 +231,8 @@ def tabulated(curve: Any) -> Law:
     lists = {"depth_star of curve": curve.depth_star, "force_star of curve": curve.force_star}
     depth, force = checks.same_length(**lists)
     order = np.argsort(depth)
+    order = order[depth[order] > 0]
     depth, force = depth[order], force[order]
-    depth, force = depth[depth > 0], force[depth > 0]
     if len(depth) < 4 or (np.diff(depth) <= 0).any():
         raise ValueError(f"curve must have at least 4 different depths > 0, got {len(depth)}")
     if depth[0] > 0.1 * depth[-1]:
@@ -351,22 +297,20 @@ def contact_force(
     Parameters
     ----------
     law
-        Name of a law, a key of `LAWS`, or a law itself, such as ``tabulated(curve)``.
-    depth
-        Penetration depth, in m; zero force where it is negative.
-    ball_radius, socket_radius
-        Radii, in m, with 0 < ball_radius < socket_radius.
+        Key of `LAWS`, or a law itself, such as ``tabulated(curve)``.
+    depth, ball_radius, socket_radius
+        In m, the ball smaller than the socket; zero force where the depth is negative.
     composite
         Composite modulus E*, > 0, in Pa (see `composite_modulus`).
     derivative
         Return dP/dd, in N/m.
     **options
-        Passed to the law.
+        Of the law.
 
     Raises
     ------
     ValueError
-        For an unknown law, a value outside its range or NaN.
+        For an unknown law or a value outside its range.
     """
     law = find(law)
     d = checks.depth("depth", depth, "m")
@@ -389,9 +333,9 @@ def contact_stiffness(
     return contact_force(law, depth, *joint, derivative=True, **options)
 
 
-def _coefficient(law, r2_star, coefficient):
-    if coefficient is not None:
-        return checks.number(f"coefficient of {law}", coefficient, above=0, scalar=True)
+def _coefficient(law, r2_star, given=None):
+    if given is not None:
+        return checks.number(f"coefficient of {law}", given, above=0, scalar=True)
     fit = _fitted(law)
     return fit["slope"] * r2_star + fit["intercept"]
 
@@ -405,31 +349,22 @@ def _fitted(law):
 
 @lru_cache(maxsize=1)
 def fitted_coefficients() -> dict[str, Any]:
-    """Coefficients of the fitted laws, from this package's ``coefficients.json``.
+    """Coefficients of the fitted laws, from ``coefficients.json``, or `study.checks.StudyError`.
 
-    Returns
-    -------
-    dict
-        By name ``slope`` and ``intercept`` of a coefficient, slope R2* + intercept, for
-        20 <= R2* <= 300; for ``stiffened_hertz`` ``reach`` (of `stiffening_scale`), ``pole`` (of
-        `stiffening_terms`), and the matrices ``limit`` and, per kinematics, ``first_order``, both
-        (5, 9): coefficients a1, a2, b1, b2, b3 by the products of `stiffening_terms`.
-
-    Raises
-    ------
-    study.checks.StudyError
-        If the file is missing or damaged; names the command that makes it.
+    By name ``slope`` and ``intercept`` of a coefficient, slope R2* + intercept, for
+    20 <= R2* <= 300; for ``stiffened_hertz`` ``reach`` (of `stiffening_scale`), ``pole`` (of
+    `stiffening_terms`), and the matrices ``limit`` and, per kinematics, ``first_order``, both
+    (5, 9): coefficients a1, a2, b1, b2, b3 by the products of `stiffening_terms`.
     """
     try:
         fits = json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
         for law, fit in fits.items():
-            if law == "stiffened_hertz":
-                float(fit["reach"]), float(fit["pole"])
-                matrices = [fit["limit"], *fit["first_order"].values()]
-                if any(np.array(m, dtype=float).shape != (5, 9) for m in matrices):
+            stiffened = law == "stiffened_hertz"
+            for name in ("reach", "pole") if stiffened else ("slope", "intercept"):
+                float(fit[name])
+            for matrix in [fit["limit"], *fit["first_order"].values()] if stiffened else []:
+                if np.array(matrix, dtype=float).shape != (5, 9):
                     raise ValueError
-            else:
-                float(fit["slope"]), float(fit["intercept"])
         return fits
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise _unusable("is missing or damaged") from None

@@ -36,22 +36,6 @@ def hertz_pressure(radius: ArrayLike, depth_star: float, r2_star: float) -> NDAr
     return peak * np.sqrt(np.clip(1 - (r / edge) ** 2, 0, None))
 
 
-def hyperbolic_pressure(
-    polar_angle: ArrayLike, depth_star: float, r2_star: float
-) -> NDArray[np.float64]:
-    """Pressure (K d/h)(1 - theta^2/alpha^2) of the hyperbolic Winkler law; zero beyond alpha.
-
-    K/h is what the law's fitted coefficient f1 implies (Eqs. 16 and 20, derived).
-
-    The ``polar_angle`` theta is from the contact's centre, in rad; depth_star > 0.
-    """
-    alpha = contact_half_angle("hyperbolic_winkler", depth_star, r2_star)
-    checks.number("depth_star", depth_star, above=0)
-    peak = depth_star / foundation_height("hyperbolic_winkler", r2_star)
-    angle = checks.number("polar_angle", polar_angle)
-    return peak * np.clip(1 - (angle / alpha) ** 2, 0, None)
-
-
 def contact_half_angle(law: AngledLaw, depth_star: ArrayLike, r2_star: float) -> Floats:
     """Polar angle of the contact's edge by a law, in rad; at most 90 deg.
 
@@ -71,23 +55,8 @@ def contact_half_angle(law: AngledLaw, depth_star: ArrayLike, r2_star: float) ->
 def foundation_height(law: Literal["winkler", "hyperbolic_winkler"], r2_star: float) -> float:
     """Height h/R2 of the foundation that a law's fitted coefficient implies with K = E*.
 
-    Flat: P = pi K R d^2/h, so f1w = pi R/h with R = R1 R2/dR; along the socket's arc (Eq. 20):
-    f1 = pi R2^2/(h dR).
+    Flat: f1w = pi R/h with R = R1 R2/dR; along the socket's arc (Eq. 20): f1 = pi R2^2/(h dR).
     """
     checks.choice("law", law, ("winkler", "hyperbolic_winkler"))
     scale, _, _ = LAWS[law].parts(checks.number("r2_star", r2_star, above=1, scalar=True))
     return pi * (r2_star - 1 if law == "winkler" else r2_star) / scale
-
-
-def vertical_share(depth_star: float) -> float:
-    """Share of the hyperbolic Winkler law's pressure that acts along the contact's axis.
-
-    The integral of p cos(theta) over that of p, both with the law's area element, that of a
-    flat disc; the flat foundation takes it for 1.
-    """
-    checks.number("depth_star", depth_star, above=0, scalar=True)
-    place, weight = np.polynomial.legendre.leggauss(32)
-    share = (place + 1) / 2
-    angle = share * contact_half_angle("hyperbolic_winkler", depth_star, 2.0)
-    weight = weight * (1 - share**2) * angle
-    return float(weight @ np.cos(angle) / weight.sum())

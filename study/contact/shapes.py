@@ -44,12 +44,10 @@ def liu(depth_star, constants):
 def hyperbolic(depth_star, constants):
     """f2 of the hyperbolic Winkler law: ds times the bracket of Eq. 20, a power series in ds.
 
-    The bracket is an entire function of ds; ``constants`` are its coefficients, one of
-    `BRACKETS`, from the highest power to 0: no cancellation as ds -> 0, and full accuracy up
-    to a half-angle of 90 deg.
+    ``constants`` are its coefficients, one of `BRACKETS`, from the highest power to 0: no
+    cancellation as ds -> 0, and full accuracy up to a half-angle of 90 deg.
     """
-    bracket = 0.0 * depth_star
-    slope = 0.0 * depth_star
+    bracket = slope = 0.0 * depth_star
     for coefficient in constants:
         slope = slope * depth_star + bracket
         bracket = bracket * depth_star + coefficient
