@@ -37,16 +37,9 @@ def number(
     most: float | None = None,
     scalar: bool = False,
 ) -> Any:
-    """Return ``value``, in ``unit``, as a float or as an array of floats.
+    """Return ``value``, in ``unit``, as a float or as an array of floats, if not ``scalar``.
 
-    Parameters
-    ----------
-    name
-        What the value is, in the words of the error message.
-    above, least, below, most
-        Open lower, closed lower, open upper and closed upper limit.
-    scalar
-        Refuse an array.
+    The limits ``above`` and ``below`` are open, ``least`` and ``most`` closed.
 
     Raises
     ------
@@ -133,13 +126,6 @@ def instance(name: str, value: Any, kind: type[T]) -> T:
     """Return ``value`` if it is of a class, or raise ``ValueError`` naming the class."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be a {kind.__name__}, got {shown(value)}")
-    return value
-
-
-def like(name: str, value: T, kind: str, *attributes: str) -> T:
-    """Return ``value`` if it has the attributes of a class that is not at hand here."""
-    if isinstance(value, type) or not all(hasattr(value, a) for a in attributes):
-        raise ValueError(f"{name} must be a {kind}, got {shown(value)}")
     return value
 
 

@@ -27,11 +27,10 @@ from study.joint import (
     complementarity,
     fem,
     force_curve,
-    pairing,
     paper_joint,
     series,
 )
-from study.joint.compliance import HatFunctions, surface_angles
+from study.joint.compliance import surface_angles
 from study.measure import explicit, limits, speed, stability
 from study.mechanism import MechanismError, Scene, compare, simulate, stable_step
 
@@ -179,15 +178,11 @@ def joint_rows():
     ratio, poisson = (1.3, (*NUMBER, 1, 1e100)), (0.3, (*NUMBER, 0.5, -1))
     mesh = (64, (*WHOLE, 0, 50, 2000))
     yield from rows(surface_angles, resolution=mesh)
-    yield from rows(HatFunctions, angles=([0, 1], (*LIST, 0.1, [1, 0], [1], np.eye(2))))
     orders = (1000, (*WHOLE, 0, 3, 1e6))
     yield from rows(series.ball_compliance, poisson=poisson, resolution=mesh, last_order=orders)
     yield from rows(
         series.socket_compliance, ratio=ratio, poisson=poisson, resolution=mesh, last_order=orders
     )
-    several = (np.arange(0, 10, 2), (*LIST, -1, [0.5, 2], np.eye(2)))
-    yield from rows(series.ball_receptance, orders=several, poisson=poisson)
-    yield from rows(series.socket_receptance, orders=several, ratio=ratio, poisson=poisson)
     yield from rows(fem.ball_mesh, resolution=mesh, nodes=(6, (*WHOLE, 4)))
     yield from rows(fem.socket_mesh, ratio=ratio, resolution=mesh, nodes=(6, (*WHOLE, 4)))
     for ball in (fem.ball, fem.ball_compliance):
@@ -201,23 +196,6 @@ def joint_rows():
         vector=(-np.ones(2), (None, 3, "x", [1.0], [nan, 1], [inf, 1], MASKED)),
         active=(None, (3, "x", [True], np.ones(2), np.ones(3, bool))),
         max_pivots=(10, set_without((*WHOLE[:-1], 0), None)),
-    )
-    for kinematics in (pairing.small, pairing.linear):
-        ball, socket = BODIES
-        yield from rows(
-            kinematics, joint=(Joint(200), THING), ball=(ball, THING), socket=(socket, THING)
-        )
-    problem = pairing.linear(Joint(200), *BODIES)
-    yield from rows(
-        partial(pairing.solve, problem=problem[0], axial=problem[1]),
-        joint=(Joint(200), THING),
-        depths=(np.array([0.1]), LIST),
-    )
-    finite = partial(pairing.solve_finite, Joint(200), np.array([0.1]))
-    yield from rows(
-        finite,
-        ball=(fem.ball(0.3, "plane", 32), (*THING, BODIES[0])),
-        socket=(fem.socket(1.3, 0.3, "mirror", 32), (*THING, BODIES[1])),
     )
 
 

@@ -182,8 +182,9 @@ def stiffened_hertz(
     """
     given = {"r2_star": r2_star, "socket_ratio": socket_ratio, "poisson": poisson}
     for name, (least, most) in STIFFENED_RANGES.items():
-        limits = {"least": least * (1 - LIMIT_MARGIN), "most": most, "scalar": name != "r2_star"}
-        checks.number(f"{name} of stiffened_hertz", given[name], **limits)
+        least *= 1 - LIMIT_MARGIN
+        one = name != "r2_star"
+        checks.number(f"{name} of stiffened_hertz", given[name], least=least, most=most, scalar=one)
     fit = _fitted("stiffened_hertz")
     checks.choice("kinematics", kinematics, tuple(fit["first_order"]))
     matrices = np.array([fit["limit"], fit["first_order"][kinematics]])
@@ -227,7 +228,8 @@ def tabulated(curve: Any) -> Law:
     ValueError
         For too few or too deep depths, or a force that does not increase with depth.
     """
-    checks.like("curve", curve, "ForceCurve", "joint", "depth_star", "force_star")
+    if isinstance(curve, type) or not {"joint", "depth_star", "force_star"} <= {*dir(curve)}:
+        raise ValueError(f"curve must be a ForceCurve, got {checks.shown(curve)}")
     lists = {"depth_star of curve": curve.depth_star, "force_star of curve": curve.force_star}
     depth, force = checks.same_length(**lists)
     order = np.argsort(depth)

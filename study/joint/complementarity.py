@@ -35,10 +35,8 @@ def solve(
 
     Parameters
     ----------
-    matrix
-        A, symmetric positive definite, shape (n, n).
-    vector
-        b, the value of w at p = 0, shape (n,).
+    matrix, vector
+        A, symmetric positive definite, and b; shapes (n, n) and (n,).
     active
         First guess of where p > 0; by default where ``vector`` < 0.
     max_pivots
@@ -46,9 +44,8 @@ def solve(
 
     Returns
     -------
-    p : ndarray, shape (n,)
-    active : ndarray of bool, shape (n,)
-        Where p is positive; a first guess for a neighbouring problem.
+    p, active : ndarray, shape (n,)
+        The solution, and where it is positive: a first guess for a neighbouring problem.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from functools import lru_cache, wraps
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from study import checks
 
@@ -58,17 +58,8 @@ def graded(length: float, scale: float, count: int) -> NDArray[np.float64]:
 def surface_angles(resolution: int) -> NDArray[np.float64]:
     """Polar angles of the surface's nodes, from 0 to pi/2, in rad; shape (resolution + 1,).
 
-    Their spacing is proportional to angle + 9 deg.
-
-    Parameters
-    ----------
-    resolution
-        Elements along the quarter circle: a multiple of 16, at least 16.
-
-    Raises
-    ------
-    ValueError
-        For another resolution.
+    Their spacing is proportional to angle + 9 deg. The resolution is a multiple of 16, or a
+    ``ValueError``.
     """
     resolution = checks.whole("resolution", resolution, least=16, most=FINEST_RESOLUTION)
     if resolution % 16:
@@ -83,16 +74,15 @@ class Compliance:
     """Inward normal displacement of a unit sphere's surface under axisymmetric pressure.
 
     Pressure is piecewise linear in the polar angle between ``angles`` (hat functions h_i);
-    w_j is the inward normal displacement under the pressure h_j. The arrays cannot be written
-    to, as all callers share them.
+    w_j is the displacement under the pressure h_j. All callers share the arrays, read-only.
 
     Attributes
     ----------
     angles
         Polar angles of the pressure nodes, from 0 (contact axis) to pi/2, in rad; shape (n,).
     flexibility
-        Integral of h_i w_j over the surface, for radius 1 and Young's modulus 1; symmetric
-        and positive definite, shape (n, n). For radius R and modulus E it scales by R/E.
+        Integral of h_i w_j over the surface, symmetric and positive definite, shape (n, n). For
+        radius R and modulus E it scales by R/E.
     reaction
         Axial reaction of the body's supports to the pressure h_j on a unit sphere; shape (n,).
     """
@@ -109,20 +99,14 @@ class Compliance:
 class HatFunctions:
     """Hat functions of the polar angle on a unit hemisphere: where pressures live.
 
-    Attributes
-    ----------
-    angles
-        Increasing polar angles of the nodes, in rad; shape (n,).
-    points, areas
-        Gauss points, as polar angles in rad, and their areas; shape (8 (n - 1),).
+    The n ``angles`` of the nodes increase, in rad; ``points`` are Gauss's, as polar angles, and
+    ``areas`` theirs, of shape (8 (n - 1),).
     """
 
     _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
-    def __init__(self, angles: ArrayLike):
-        self.angles = angles = np.asarray(checks.number("angles", angles))
-        if angles.ndim != 1 or angles.size < 2 or (np.diff(angles) <= 0).any():
-            raise ValueError(f"angles must be a rising list, got {checks.shown(angles)}")
+    def __init__(self, angles: NDArray[np.float64]):
+        self.angles = angles
         width = np.diff(angles)[:, None]
         self._right = (1 + self._POINTS) / 2  # value of an element's right hat; left is 1 - it
         self._theta = angles[:-1, None] + width * self._right

@@ -57,19 +57,18 @@ class Material:
 class Joint:
     """A spherical clearance joint, as far as its force-depth curve depends on it.
 
-    The supports are by default those of a joint in general, not of the paper's (`paper_joint`):
-    a ball that is free to spread at its equator and a socket that ends in a mirror plane. They
-    are solved exactly, and `study.contact.stiffened_hertz` is for them.
+    Its default supports, which are solved exactly and are those of
+    `study.contact.stiffened_hertz`, are not the paper's (`paper_joint`). A value outside its range
+    is a ``ValueError``.
 
     Attributes
     ----------
     r2_star
         Dimensionless socket radius R2/dR, > 1.
     socket_ratio
-        Outer over inner radius of the socket, from 1.001 to 1e6; >= 1.02 for finite elements. By
-        default the paper's.
+        Outer over inner radius, from 1.001 to 1e6; >= 1.02 for finite elements.
     ball, socket
-        Materials of the two bodies, Young's moduli within a factor of 1e9.
+        Materials, Young's moduli within a factor of 1e9.
     ball_drive
         The half ball's equatorial plane is displaced axially and is radially free (``plane``), or
         fixed (``clamped``); or its centre alone is displaced (``point``), as by a point load.
@@ -84,11 +83,6 @@ class Joint:
         the force acts on the ball's area; as a small-strain analysis that searches contact on
         the moved surfaces does. ``finite``: large displacements and rotations, with the
         material of Saint Venant and Kirchhoff. They differ by terms of order 1/R2*.
-
-    Raises
-    ------
-    ValueError
-        For a value outside its range.
     """
 
     r2_star: float
@@ -156,24 +150,18 @@ class ForceCurve:
 
     Attributes
     ----------
-    joint, solver
-        What was solved, and how.
-    depth_star
-        Dimensionless penetration depth d/dR, in the order asked for; shape (k,) as all below.
-    force_star
-        Dimensionless force P/(E* dR^2).
+    depth_star, force_star
+        Dimensionless depth d/dR, in the order asked for, and force P/(E* dR^2); shape (k,).
     contact_half_angle
-        Polar angle of the contact's edge, in rad.
+        Polar angle of the contact's edge, in rad; shape (k,).
     peak_pressure
-        Largest pressure, in E* dR/R2.
+        Largest pressure, in E* dR/R2; shape (k,).
     error_estimate
-        Estimated relative discretisation error of the force: its largest difference from the
-        force at half the resolution, at this depth and 3 % to both sides of it (the
+        Estimated relative discretisation error of the force, shape (k,): its largest difference
+        from the force at half the resolution, at this depth and 3 % to both sides of it (the
         error oscillates as the contact's edge passes the nodes).
-    angles
-        Polar angles of the pressure profile, in rad; shape (n,).
-    pressure
-        Pressure profile per depth, in E* dR/R2; shape (k, n).
+    angles, pressure
+        Polar angles in rad, shape (n,), and the pressure there in E* dR/R2, shape (k, n).
     """
 
     joint: Joint
@@ -227,15 +215,15 @@ def force_curve(
         Elements along the surface, a multiple of 32, by default 320 for ``series``, 160 for
         finite elements and 96 for ``finite`` kinematics; the error estimate uses half of it.
     solver
-        Exact Legendre series of both bodies, or finite elements: six-node (``quadratic``) or
+        Exact Legendre ``series`` of both bodies, or finite elements: six-node (``quadratic``) or
         three-node (``linear``) triangles. By default the series where it applies (``plane``
         drive, ``mirror`` rim, kinematics other than ``finite``), and else six-node triangles.
 
     Raises
     ------
     ValueError
-        For a negative depth or NaN, contact that reaches the socket's rim, contact smaller
-        than the elements can resolve, or a solver that cannot solve this joint.
+        For contact that reaches the socket's rim or is too small for the elements to resolve, a
+        solver that cannot solve this joint, or a value outside its range.
     study.joint.complementarity.ComplementarityError
         If the contact does not converge; carries the residual.
     """
@@ -246,31 +234,31 @@ def force_curve(
     if depths.ndim != 1 or depths.size == 0:
         raise ValueError(f"depth_star must be a list of depths, got shape {depths.shape}")
     resolution = _resolution(joint, solver, resolution)
-    beside = np.outer([1, *_BESIDE], depths)
-    angles, pressure, fine = _solve(joint, solver, beside.ravel(), resolution)
-    _, _, coarse = _solve(joint, solver, beside.ravel(), resolution // 2)
-    pressure, force = pressure[: depths.size], fine[: depths.size]
+    beside = np.outer([1, *_BESIDE], depths).ravel()
+    angles, pressure, fine = _solve(joint, solver, beside, resolution)
+    _, _, coarse = _solve(joint, solver, beside, resolution // 2)
+    pressure = pressure[: depths.size]
     at_rim = pressure[:, -2:].any(axis=1)
     if at_rim.any():
         raise checks.RangeError(
             "depth_star must keep the contact off the socket's rim (half-angle < 90 deg), "
             f"got {depths[at_rim].min():g}"
         )
-    unseen = (np.minimum(fine, coarse) == 0) & (beside.ravel() > 0)
+    unseen = (np.minimum(fine, coarse) == 0) & (beside > 0)
     if unseen.any():
         raise UnresolvedError(
             "depth_star must be 0 or so large that the elements resolve the contact, got "
-            f"{beside.ravel()[unseen].max():.3g} with elements of {np.degrees(angles[1]):.2g} deg"
+            f"{beside[unseen].max():.3g} with elements of {np.degrees(angles[1]):.2g} deg"
         )
     relative = np.divide(np.abs(fine - coarse), fine, out=np.zeros_like(fine), where=fine > 0)
     return ForceCurve(
         joint=joint,
         solver=solver,
         depth_star=depths,
-        force_star=force,
+        force_star=fine[: depths.size],
         contact_half_angle=np.array([_edge(angles, p) for p in pressure]),
         peak_pressure=pressure.max(axis=1),
-        error_estimate=relative.reshape(beside.shape).max(axis=0),
+        error_estimate=relative.reshape(-1, depths.size).max(axis=0),
         angles=angles,
         pressure=pressure,
     )
@@ -334,9 +322,8 @@ def _edge(angles, pressure):
     """Polar angle where the pressure ends: a root of its square, to about 0.3 %.
 
     Pressure falls like the square root of the distance to the edge, so that its square is
-    smooth and a cubic in cos(angle) fits it; the last two nodes carry the discretisation's
-    oscillation and are left out. A contact of few nodes gets a lower degree, one of very few
-    the middle between its last node and the next.
+    smooth and a cubic in cos(angle) fits it, without the last two nodes, which oscillate. A
+    contact of few nodes gets a lower degree, one of very few the middle beyond its last node.
     """
     last = np.count_nonzero(pressure) - 1
     if last < 0:

@@ -93,21 +93,9 @@ def _checked(resolution, nodes):
 class Body:
     """An elastic body of unit radius and unit Young's modulus, meshed and factorised.
 
-    Parameters
-    ----------
-    mesh
-        From `ball_mesh` or `socket_mesh`.
-    held
-        Boundary, or ``centre`` -> components (of ``rz``) of the displacement that are zero there.
-
-    Attributes
-    ----------
-    size
-        Unknowns, with the fixed ones.
-    angles
-        Polar angles of all nodes on the surface, in rad; shape (k,).
-    surface
-        Their unknowns, radial and axial; shape (2, k).
+    ``held`` maps a boundary of the mesh, or ``centre``, to the components (of ``rz``) of the
+    displacement that are zero there. ``size`` counts the unknowns, with the fixed ones; ``angles``
+    are the surface's nodes, in rad, and ``surface`` their unknowns, radial and axial.
     """
 
     def __init__(self, mesh: MeshTri, poisson: float, held: dict[str, str]):
@@ -190,14 +178,7 @@ def ball(
 ) -> Body:
     """Half ball held at its equatorial plane; ``ValueError`` for a value outside its range.
 
-    Parameters
-    ----------
-    poisson
-        Poisson's ratio, in (-1, 0.5).
-    drive
-        As for `study.joint.Joint`; under a point load the force depends on the mesh.
-    resolution
-        Elements along the surface.
+    The ``drive`` is as for `study.joint.Joint`; under a point load the force depends on the mesh.
     """
     poisson = checks.poisson("poisson", poisson)
     held = {"plane": {"equator": "z"}, "clamped": {"equator": "rz"}, "point": {"centre": "z"}}
@@ -214,15 +195,7 @@ def socket(
     resolution: int = RESOLUTION["quadratic"],
     nodes: Nodes = 6,
 ) -> Body:
-    """Hemispherical socket fixed on its outer sphere; errors as of `ball`.
-
-    Parameters
-    ----------
-    ratio
-        Outer over inner radius, >= 1.02.
-    poisson, rim, resolution
-        As for `ball` and `study.joint.Joint`.
-    """
+    """Hemispherical socket fixed on its outer sphere; as `ball`, with its ratio of radii."""
     poisson = checks.poisson("poisson", poisson)
     mirror = checks.choice("rim", rim, RIMS) == "mirror"
     held = {"axis": "r"} | ({"equator": "z"} if mirror else {}) | {"outside": "rz"}
@@ -278,9 +251,7 @@ def _ring_mesh(radii, angles, nodes, centre):
 
 
 def _ring(radius, angles):
-    points = radius * np.array([np.sin(angles), np.cos(angles)])
-    points[1, angles == np.pi / 2] = 0.0
-    return points
+    return radius * np.array([np.sin(angles), np.where(angles == np.pi / 2, 0.0, np.cos(angles))])
 
 
 def _boundaries(linear, outer_radius):

@@ -1,13 +1,7 @@
 """Which points of ball and socket face each other, and along which normals pressure acts.
 
-Three answers, which differ by terms of order 1/R2*. ``small``: pairs at equal angles seen from
-the socket's centre, the gap of the rigid spheres, the force on the socket's area. ``linear``:
-every point of the ball faces the point of the socket it has moved to, and pressure acts on the
-ball's area; bodies stay linear, as in a small-strain analysis that searches contact on moved
-surfaces. ``finite``: large displacements and rotations of bodies and normals as well.
-
-Lengths are in socket radii R2, pressures in E* dR/R2 and depths in dR; every joint is a
-`study.joint.Joint`.
+One answer for each of the ``kinematics`` of `study.joint.Joint`, which tells them. Lengths are in
+socket radii R2, pressures in E* dR/R2 and depths in dR. Arguments are not checked here.
 """
 
 from __future__ import annotations
@@ -16,11 +10,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.sparse import csr_array
 
-from study import checks
 from study.joint import complementarity
 from study.joint.compliance import Compliance, HatFunctions
 from study.threads import one_thread
@@ -40,22 +33,11 @@ MOST_STEPS = 60
 LARGEST_R2_STAR = 1e8  # beyond it the gap is lost in the rounding of the surfaces' places
 
 
-def _check(joint, ball, socket, kind):
-    checks.like("joint", joint, "Joint", "modulus_shares", "r2_star")
-    checks.instance("ball", ball, kind)
-    checks.instance("socket", socket, kind)
-
-
 def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
-    """Contact problem with pairs at equal angles; the rigid spheres' exact overlap is the gap.
+    """Contact problem with pairs at equal angles, and the axial force of unit nodal pressures.
 
-    Returns
-    -------
-    problem : Problem
-    axial : ndarray, shape (n,)
-        Axial force of unit nodal pressures.
+    The gap is the rigid spheres' exact overlap.
     """
-    _check(joint, ball, socket, Compliance)
     of_ball, of_socket = joint.modulus_shares
     r1, r2_star = joint.ball_radius, joint.r2_star
     matrix = of_ball * r1 * ball.flexibility + of_socket * socket.flexibility
@@ -77,7 +59,6 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
 
 def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
     """Contact problem with each point of the ball facing the point it has moved to, as `small`."""
-    _check(joint, ball, socket, Compliance)
     of_ball, of_socket = joint.modulus_shares
     r1, r2_star = joint.ball_radius, joint.r2_star
     hats = HatFunctions(ball.angles)
@@ -105,14 +86,9 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
 
 
 @one_thread
-def solve(
-    joint: Joint, depths: ArrayLike, problem: Problem, axial: Floats
-) -> tuple[Floats, Floats]:
+def solve(joint: Joint, depths: Floats, problem: Problem, axial: Floats) -> tuple[Floats, Floats]:
     """Pressures (k, n) and forces (k,) of `small` or `linear` pairing, whose bodies stay linear."""
-    checks.like("joint", joint, "Joint", "modulus_shares", "r2_star")
-    depths = np.atleast_1d(checks.number("depths", depths))
-    pressure = np.zeros((len(depths), len(axial)))
-    active = None
+    pressure, active = np.zeros((len(depths), len(axial))), None
     for k in np.argsort(-depths, kind="stable"):
         if depths[k] > 0:
             matrix, gap = problem(depths[k])
@@ -121,25 +97,15 @@ def solve(
 
 
 @one_thread
-def solve_finite(
-    joint: Joint, depths: ArrayLike, ball: Body, socket: Body
-) -> tuple[Floats, Floats]:
+def solve_finite(joint: Joint, depths: Floats, ball: Body, socket: Body) -> tuple[Floats, Floats]:
     """Pressures (k, n) and forces (k,) at large displacements.
 
     At each depth the `linear` contact problem is solved again and again, with the gap of the
     deformed surfaces and with what the bodies' internal forces, and the loads along deformed
     normals, have beyond the linear ones. These are of order 1/R2*, so that some ten steps do,
     and the linear factorisation serves all of them. Pressure is per area of the unloaded ball.
-
-    Raises
-    ------
-    study.joint.complementarity.ComplementarityError
-        If the steps do not converge; carries depth and residual.
+    Steps that do not converge raise `study.joint.complementarity.ComplementarityError`.
     """
-    from study.joint.fem import Body
-
-    _check(joint, ball, socket, Body)
-    depths = np.atleast_1d(checks.number("depths", depths))
     problem, _ = linear(joint, ball.compliance, socket.compliance)
     surfaces = _Surfaces(joint, ball, socket)
     pressure = np.zeros((len(depths), len(ball.compliance.angles)))
@@ -153,9 +119,9 @@ def solve_finite(
 
 def _iterate(surfaces, depth, matrix, pressure):
     """Pressure and force at one depth, from those of a smaller one."""
-    start = surfaces.displacements()
+    start = surfaces.displacements
     for relaxation in RELAXATIONS:
-        surfaces.displace(start)
+        surfaces.displacements = start
         current, force, active = pressure, 0.0, None
         for _ in range(MOST_STEPS):
             gap, normals, angles = surfaces.face(depth)
@@ -178,26 +144,20 @@ class _Surfaces:
     """Both bodies' surfaces as they deform, sampled at the ball's Gauss points."""
 
     def __init__(self, joint, ball, socket):
-        self._joint, self._ball, self._socket = joint, ball, socket
+        self._joint, self._bodies = joint, (ball, socket)
         functions = HatFunctions(ball.compliance.angles)
         self._theta, self.area = functions.points, functions.areas
         self.hats = functions.values(self._theta)
         self._shapes = _quadratic_shapes(ball.angles, self._theta)
-        self._of_ball, self._of_socket = np.zeros(ball.size), np.zeros(socket.size)
-
-    def displacements(self):
-        """Copies of both bodies' displacements."""
-        return self._of_ball.copy(), self._of_socket.copy()
-
-    def displace(self, displacements):
-        """Set both bodies' displacements."""
-        self._of_ball[:], self._of_socket[:] = displacements
+        self.displacements = np.zeros(ball.size), np.zeros(socket.size)
 
     def face(self, depth):
         """Gap in dR, normals of the socket and reference angles of the points faced."""
         joint = self._joint
-        ball = CubicSpline(self._ball.angles, self._of_ball[self._ball.surface].T)
-        socket = CubicSpline(self._socket.angles, self._of_socket[self._socket.surface].T)
+        ball, socket = (
+            CubicSpline(body.angles, displacement[body.surface].T)
+            for body, displacement in zip(self._bodies, self.displacements, strict=True)
+        )
         place = joint.ball_radius * (_sphere(self._theta) + ball(self._theta))
         place[:, 1] += (1 + depth) / joint.r2_star
         angles = np.arctan2(*place.T)
@@ -216,16 +176,16 @@ class _Surfaces:
         joint = self._joint
         of_ball, of_socket = joint.modulus_shares
         traction = (self.area * (self.hats @ pressure))[:, None] * normals / joint.r2_star
-        pull = _quadratic_shapes(self._socket.angles, angles).T @ traction
-        for body, displacement, load in (
-            (self._ball, self._of_ball, -of_ball * self._shapes.T @ traction),
-            (self._socket, self._of_socket, of_socket * joint.ball_radius**2 * pull),
-        ):
+        pull = _quadratic_shapes(self._bodies[1].angles, angles).T @ traction
+        loads = -of_ball * self._shapes.T @ traction, of_socket * joint.ball_radius**2 * pull
+        moved = []
+        for body, displacement, load in zip(self._bodies, self.displacements, loads, strict=True):
             force = -body.excess_force(displacement)
             force[body.surface] += load.T
-            displacement[:] = body.solve(force)
-            if not np.abs(displacement).max() < 1:  # a radius: diverging, the caller stops
+            moved.append(body.solve(force))
+            if not np.abs(moved[-1]).max() < 1:  # a radius: diverging, the caller stops
                 return np.nan
+        self.displacements = tuple(moved)
         return joint.r2_star**2 * joint.ball_radius**2 * traction[:, 1].sum()
 
 

@@ -36,19 +36,8 @@ def ball_compliance(
 ) -> Compliance:
     """Compliance of a solid ball that is symmetric about its equatorial plane.
 
-    Parameters
-    ----------
-    poisson
-        Poisson's ratio, in (-1, 0.5).
-    resolution
-        Elements of pressure along the quarter circle, a multiple of 16.
-    last_order
-        Order at which the series ends, even.
-
-    Raises
-    ------
-    ValueError
-        For a Poisson's ratio, resolution or order outside its range.
+    The ``resolution`` is the elements of pressure along the quarter circle, a multiple of 16; the
+    series ends at the even ``last_order``. A value outside its range is a ``ValueError``.
     """
     return _compliance(ball_receptance(_orders(last_order), poisson), resolution)
 
@@ -65,7 +54,9 @@ def socket_compliance(
 
     As `ball_compliance`; ``ratio`` is the outer over the inner radius, >= 1.001.
     """
-    checks.number("socket_ratio", ratio, least=THINNEST_RATIO, most=THICKEST_RATIO, scalar=True)
+    ratio = checks.number(
+        "socket_ratio", ratio, least=THINNEST_RATIO, most=THICKEST_RATIO, scalar=True
+    )
     return _compliance(socket_receptance(_orders(last_order), ratio, poisson), resolution)
 
 
@@ -75,7 +66,8 @@ def ball_receptance(orders: ArrayLike, poisson: float) -> NDArray[np.float64]:
     Factors of P_n(cos theta) for radius 1 and Young's modulus 1, by the orders n; these are not
     1, whose pressure is not in balance.
     """
-    n, poisson = _checked(orders), checks.poisson("poisson", poisson)
+    n = np.asarray(orders)
+    poisson = checks.poisson("poisson", poisson)
     radial, _, normal, shear = _modes(n, poisson, 1.0)
     amplitudes = _amplitudes([normal[:2], shear[:2]], n, poisson)
     return np.where(n == 0, 1 - 2 * poisson, -(radial[:2] * amplitudes).sum(axis=0))
@@ -84,11 +76,10 @@ def ball_receptance(orders: ArrayLike, poisson: float) -> NDArray[np.float64]:
 def socket_receptance(orders: ArrayLike, ratio: float, poisson: float) -> NDArray[np.float64]:
     """Outward displacement of a shell's inner surface under the pressure P_n(cos theta).
 
-    Factors of P_n(cos theta) for inner radius 1 and Young's modulus 1, by the orders n; the outer
-    sphere is fixed and ``ratio`` times as large as the inner one.
+    As `ball_receptance`, for inner radius 1; the outer sphere is fixed, its radius ``ratio``.
     """
-    n, poisson = _checked(orders), checks.poisson("poisson", poisson)
-    ratio = checks.number("ratio", ratio, above=1, most=THICKEST_RATIO, scalar=True)
+    n = np.asarray(orders)
+    poisson = checks.poisson("poisson", poisson)
     radial, _, normal, shear = _modes(n, poisson, 1.0, ratio)
     outer_radial, outer_polar, _, _ = _modes(n, poisson, ratio, ratio)
     amplitudes = _amplitudes([normal, shear, outer_radial, outer_polar], n, poisson)
@@ -99,14 +90,12 @@ def socket_receptance(orders: ArrayLike, ratio: float, poisson: float) -> NDArra
 
 
 def _modes(orders, poisson, radius, largest_radius=1.0):
-    """Displacements and stresses of the four modes of every order, at one radius.
+    """Radial and polar displacement, normal and shear stress over 2 G at one radius.
 
-    The radial displacement and stress go with P_n(cos theta), the polar displacement and the
-    shear stress with its derivative to theta; stresses are over 2 G. Regular modes are scaled
-    to the largest radius and singular ones to radius 1, so that no power overflows.
-
-    Radial and polar displacement, normal and shear stress, each of shape (4, m) for the modes:
-    regular r^(n+1), regular r^(n-1), singular r^-n, singular r^-(n+2).
+    Each of shape (4, m), for the modes r^(n+1) and r^(n-1), which are regular, and r^-n and
+    r^-(n+2), which are singular. Radial quantities go with P_n(cos theta), the others with its
+    derivative to theta. Regular modes are scaled to the largest radius and singular ones to
+    radius 1, so that no power overflows.
     """
     n, nu, r = orders.astype(float), poisson, radius
     inner, outer = (r / largest_radius) ** n, r**-n
@@ -129,10 +118,7 @@ def _modes(orders, poisson, radius, largest_radius=1.0):
 
 
 def _amplitudes(conditions, orders, poisson):
-    """Modes' amplitudes with unit pressure as the first condition and zero in the others.
-
-    Order 0 has fewer modes and is left at zero.
-    """
+    """Modes' amplitudes (0 for order 0) with unit pressure as the first, else zero conditions."""
     system = np.array(conditions).transpose(2, 0, 1)
     right = np.zeros((*system.shape[:2], 1))
     right[:, 0] = -(1 + poisson)  # radial stress over 2 G, with Young's modulus 1
@@ -140,13 +126,6 @@ def _amplitudes(conditions, orders, poisson):
     several = orders > 0
     found[several] = np.linalg.solve(system[several], right[several])[:, :, 0]
     return found.T
-
-
-def _checked(orders):
-    found = np.asarray(checks.number("orders", orders, least=0, most=MOST_ORDERS))
-    if found.ndim != 1 or (found != np.round(found)).any():
-        raise ValueError(f"orders must be a list of whole numbers, got {checks.shown(orders)}")
-    return found.astype(int)
 
 
 def _orders(last_order):
