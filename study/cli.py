@@ -8,8 +8,8 @@ import json
 import os
 import re
 import sys
-from contextlib import contextmanager
 from dataclasses import fields
+from functools import partial
 from inspect import Parameter, Signature, getdoc, signature
 from pathlib import Path
 from pkgutil import resolve_name
@@ -54,10 +54,10 @@ HELP = {
     "repeats": "Of each timing, after one not counted [default: 5].",
     "scene": "KEY=VALUE of the scene, SI; may be repeated: restitution=0.9, link_modulus=2e9.",
     "settings": "KEY=VALUE of a notebook's parameter; may be repeated.",
-    "socket_poisson": "Poisson's ratio of the socket, if not that of the ball.",
     "socket_ratio": "Outer over inner radius of the socket.",
+    "socket_poisson": "Poisson's ratio of the socket, if not that of the ball.",
 }
-"""Of the commands' own options."""
+"""Of what the library's docstrings do not explain."""
 MATERIALS = ("study.joint:Material poisson", "study.cli:_joint modulus_ratio socket_poisson")
 JOINT = ("study.joint:Joint socket_ratio ball_drive rim kinematics", *MATERIALS)
 
@@ -128,14 +128,14 @@ def _option(parameter, text, defaults=False):
     """Typer's parameter: None unless given, with the first sentence of a text for its help."""
     text = re.split(r"(?<=\.) (?=[A-Z])", " ".join(text.split()))[0]
     text = re.sub(r"`+|study\.[\w.]+\.", "", text)
-    name, default = parameter.name, parameter.default
-    union = get_origin(parameter.annotation) in (Union, UnionType)
-    kind = get_args(parameter.annotation)[0] if union else parameter.annotation
+    name, default, kind = parameter.name, parameter.default, parameter.annotation
+    if get_origin(kind) in (Union, UnionType):
+        kind = get_args(kind)[0]
     if name == "model":
         kind = Literal[kind, "auto"]
     elif name == "law" and kind is str:  # or a function
         kind = LawName
-    if get_origin(kind) is tuple:
+    elif get_origin(kind) is tuple:
         kind, text = str, f"N,N: {text}"
     if defaults and default not in (Parameter.empty, None, False):
         text += f" [default: {default}]"
@@ -161,14 +161,11 @@ def run_notebooks(names: list[str] = (), settings: list[str] = (), **how):
 
     What agrees stays as it is; what differs is written anew and named, with exit status 1.
     """
-    from study import dataset
     from study.pages import catalogue, execute
 
     selected = catalogue.select(names)
     parameters = execute.check_parameters(selected, settings)
-    dataset.verify_files()
-    catalogue.check_claims()
-    _compare(_tell(selected, execute.run(selected, parameters, **how)))
+    _compare(_make(selected, parameters, **how))
 
 
 @command("verify")
@@ -208,38 +205,38 @@ def typeset_paper():
 @command("report", "study.pages.tasks:build jobs")
 def write_report(**how):
     """Bring everything up to date: figures, tables, paper, and the report, build/report/."""
+    from study.pages.catalogue import CATALOGUE
+
+    selected = _make(CATALOGUE, {}, report=True, **how)
+    print("Figures and tables are in figures/, the paper is build/paper.pdf.")
+    print("The report to browse: build/report/index.html")
+    _compare(selected)
+
+
+def _make(selected, parameters, **how):
+    """Run notebooks and tell what was made; return those asked for and those that ran."""
     from study import dataset
     from study.pages import catalogue, execute
 
     dataset.verify_files()
     catalogue.check_claims()
-    built = execute.run(catalogue.CATALOGUE, {}, report=True, **how)
-    _tell(catalogue.CATALOGUE, built)
-    print("Figures and tables are in figures/, the paper is build/paper.pdf.")
-    print("The report to browse: build/report/index.html")
-    _compare(catalogue.CATALOGUE)
-
-
-def _tell(selected, built):
-    """Say what was made, or what failed; return the notebooks asked for and those that ran."""
-    from study.pages.catalogue import CATALOGUE
-
-    made = built.made()
-    ran = [notebook for notebook in CATALOGUE if notebook.name in made]  # with those needed
-    for notebook in ran:
-        for name, shows in notebook.results.items():
-            suffix = "csv" if name in notebook.tables else "png"
-            print(f"made  figures/{name}.{suffix:<4}  {shows}")
-        print(f"      build/notebooks/{notebook.path.name}")
+    built = execute.run(selected, parameters, **how)
+    made, every = built.made(), catalogue.CATALOGUE
+    for notebook in every:
+        if notebook.name in made:
+            for name, shows in notebook.results.items():
+                suffix = "csv" if name in notebook.tables else "png"
+                print(f"made  figures/{name}.{suffix:<4}  {shows}")
+            print(f"      build/notebooks/{notebook.path.name}")
     for task, file in (("typeset", "paper.pdf"), ("report", "report/index.html")):
         if task in made:
             print(f"made  build/{file}")
     _fail(built)
     if not made:
         names = ", ".join(notebook.name for notebook in selected)
-        of = f" of {names}" if len(selected) < len(CATALOGUE) else ""
+        of = f" of {names}" if len(selected) < len(every) else ""
         print(f"Nothing was stale: every figure and table{of} in figures/ is up to date.")
-    return [notebook for notebook in CATALOGUE if notebook in selected or notebook in ran]
+    return [notebook for notebook in every if notebook in selected or notebook.name in made]
 
 
 def _fail(built):
@@ -253,6 +250,8 @@ def _fail(built):
 @command("list")
 def list_results():
     """List every figure and table: what it shows, its notebook, fresh or stale."""
+    import pandas as pd
+
     from study.pages import catalogue, execute
 
     fresh = execute.run(catalogue.CATALOGUE, {}, dry=True).fresh()
@@ -261,7 +260,7 @@ def list_results():
         for notebook in catalogue.CATALOGUE
         for name, shows in notebook.results.items()
     ]
-    _table(["name", "state", "notebook", "shows"], rows)
+    _print(pd.DataFrame(rows, columns=["name", "state", "notebook", "shows"]))
 
 
 @command("law", "study.contact:stiffened_hertz socket_ratio poisson kinematics")
@@ -276,7 +275,7 @@ def evaluate_law(
     unknown = sorted(of_law.keys() - signature(LAWS[name]).parameters)
     _left_out(unknown, of_law, f"{name} does not depend on it")
     force = LAWS[name](depth_star, r2_star, **of_law)
-    _print_curve({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
+    _print({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
 
 
 @command("joint", *JOINT, "study.joint:force_curve solver")
@@ -294,7 +293,7 @@ def solve_joint(
         "peak_pressure_star": curve.peak_pressure.tolist(),
         "error_estimate": curve.error_estimate.tolist(),
     }
-    _print_curve(columns, as_json)
+    _print(columns, as_json)
 
 
 def _joint(
@@ -317,26 +316,29 @@ def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **j
     from study.choose import choose
     from study.choose.law import relative_costs
 
-    choice = choose(_joint(r2_star, **joint), depth_star, tolerance)
-    if as_json:
-        told = {"next_cheaper": choice.rejected[0] if choice.rejected else None}
-        print(json.dumps(told | _fields(choice, "evaluate"), allow_nan=False))
-        return
+    choice, costs = choose(_joint(r2_star, **joint), depth_star, tolerance), relative_costs()
+    laws = sorted(choice.errors, key=costs.get)
     names = ("law", "error_bound", "relative_cost", "options")
-    _table(names, [[getattr(choice, name) for name in names]])
-    least, most = choice.depths
-    print(f"For depths of {least:g} to {most:g} clearances, by the {choice.source}.")
-    if choice.note:
-        print(f"Solved, as {choice.note}.")
-    costs = relative_costs()
-    print("Largest error of each law, and time of a call over that of Hertz's law:")
-    rows = [(law, choice.errors[law], costs[law]) for law in sorted(choice.errors, key=costs.get)]
-    _table(("law", "error", "relative_cost"), rows)
+    depths = "{:g} to {:g}".format(*choice.depths)
+    _print(
+        {"next_cheaper": next(iter(choice.rejected), None)} | _fields(choice),
+        as_json,
+        {name: [getattr(choice, name)] for name in names},
+        f"For depths of {depths} clearances, by the {choice.source}.",
+        *([f"Solved, as {choice.note}."] if choice.note else []),
+        "Largest error of each law, and time of a call over that of Hertz's law:",
+        {
+            "law": laws,
+            "error": [choice.errors[law] for law in laws],
+            "relative_cost": [costs[law] for law in laws],
+        },
+    )
 
 
-def _fields(thing, other):
-    """Fields of a dataclass by name, but for one."""
-    return {f.name: getattr(thing, f.name) for f in fields(thing) if f.name != other}
+def _fields(choice):
+    """What a choice knows by name, without the function that it gives."""
+    given = ("evaluate", "simulate")
+    return {name: value for name, value in vars(choice).items() if name not in given}
 
 
 @command(
@@ -391,6 +393,8 @@ def simulate_mechanism(
     --model auto takes no more than is needed for --tolerance, which is then the largest error of
     the --quantity: its RMS over that of the change since t = 0.
     """
+    from study import mechanism
+    from study.choose import choose_model
     from study.compiled import CACHE
 
     changed = _scene(scene, inertia)
@@ -399,7 +403,18 @@ def simulate_mechanism(
         given["elements"] = _numbers("--elements", given["elements"], int)
     if sys.stderr.isatty() and not any(CACHE.rglob("*.nbi")):
         print("Compiling the stepping loops, once: some seconds ...", file=sys.stderr)
-    choice, response = _simulated(changed, **given)
+    auto = given.get("model") == "auto"
+    options = signature(choose_model if auto else mechanism.simulate).parameters
+    model = given.pop("model") if auto else given.get("model", options["model"].default)
+    why = f"model {model} {'chooses it' if auto else 'has none'}"
+    _left_out(sorted(given.keys() - options), given, why)
+    if auto and "tolerance" not in given:
+        raise ValueError("tolerance must be given: the largest error that model auto may make")
+    choice = choose_model(changed, **given) if auto else None
+    run = choice.simulate if auto else partial(mechanism.simulate, changed, **given)
+    with _bar() as bar:
+        task = bar.add_task("", total=given.get("duration", options["duration"].default))
+        response = run(progress=lambda time: bar.update(task, completed=time))
     last = response.motion.iloc[-1]
     end = {
         "time": last.time,
@@ -413,82 +428,56 @@ def simulate_mechanism(
         "complete": response.complete,
     }
     impacts = response.impacts.astype(object).where(response.impacts.notna(), None)
-    if as_json:
-        end |= {} if choice is None else {"choice": _fields(choice, "simulate")}
-        print(json.dumps(end | {"impacts": impacts.to_dict("records")}, allow_nan=False))
-    else:
-        if choice is not None:
-            _print_choice(choice, last.time)
-        _table(end, [end.values()])
-        _table(impacts.columns, impacts.head(SHOWN).itertuples(index=False))
-        rest = len(impacts) - SHOWN
-        print(f"SI units.{f' {rest} more contacts: --json prints all.' if rest > 0 else ''}")
+    rest = len(impacts) - SHOWN
+    _print(
+        end
+        | ({"choice": _fields(choice)} if choice else {})
+        | {"impacts": impacts.to_dict("records")},
+        as_json,
+        *(_told(choice, last.time) if choice else []),
+        {name: [value] for name, value in end.items()},
+        impacts.head(SHOWN),
+        f"SI units.{f' {rest} more contacts: --json prints all.' if rest > 0 else ''}",
+    )
     if output is not None:  # last: what was computed is printed even if the disk is full
         response.save(output)
     return 0 if response.complete else INTERRUPTED
 
 
-def _simulated(scene, model=None, **given):
-    """The choice of a model, if it was asked for, and the response."""
-    from study import mechanism
-    from study.choose import choose_model
-
-    auto = model == "auto"
-    able = signature(choose_model if auto else mechanism.simulate).parameters
-    why = "model auto chooses it" if auto else f"model {model or able['model'].default} has none"
-    _left_out(sorted(given.keys() - able), given, why)
-    if auto and "tolerance" not in given:
-        raise ValueError("tolerance must be given: the largest error that model auto may make")
-    choice = choose_model(scene, **given) if auto else None
-    with _progress(given.get("duration", able["duration"].default)) as progress:
-        if auto:
-            return choice, choice.simulate(progress=progress)
-        given |= {} if model is None else {"model": model}
-        return None, mechanism.simulate(scene, progress=progress, **given)
-
-
-def _print_choice(choice, duration):
-    """What was chosen, in words, and everything that was looked at."""
-    print(
+def _told(choice, duration):
+    """What model was chosen, in words, and everything that was looked at."""
+    names = ("model", "joint", "law", "settings", "error_bound", "relative_cost", "links")
+    return [
         f"The least model whose {choice.quantity.replace('_', ' ')} is known well enough over "
         f"{duration:g} s:\n{choice.model} links, {choice.joint} joint, law {choice.law}, within "
-        f"{choice.error_bound:.2g}. In order of detail (costs: times here):"
-    )
-    names = ("model", "joint", "law", "settings", "error_bound", "relative_cost", "links")
-    _table(names, [[row[name] for name in names] for row in choice.evidence])
-    print(
+        f"{choice.error_bound:.2g}. In order of detail (costs: times here):",
+        {name: [row[name] for row in choice.evidence] for name in names},
         f"Links over contact: {choice.compliance_ratio:.2g} times its compliance, "
         f"{choice.frequency_ratio:.2g} of the crank's axial frequency, at a depth of "
-        f"{choice.depth_star:.2g} clearances."
-    )
-    if choice.note:
-        print(f"Particles were run, as {choice.note}.")
+        f"{choice.depth_star:.2g} clearances.",
+        *([f"Particles were run, as {choice.note}."] if choice.note else []),
+    ]
 
 
 def _scene(settings, inertia):
     """The paper's scene with settings ``KEY=VALUE`` and the inertias changed."""
     from study.mechanism import Scene
 
-    changes = {}
+    known, changes = {field.name: field.default for field in fields(Scene)}, {}
     if inertia != "rods":
-        crank, coupler = _numbers("--inertia", inertia, float)
-        changes = {"crank_inertia": crank, "coupler_inertia": coupler}
-    known = {field.name: field.default for field in fields(Scene)}
+        changes["crank_inertia"], changes["coupler_inertia"] = _numbers("--inertia", inertia)
     for setting in settings:
         key, equals, text = setting.partition("=")
         if not equals or key not in known:
-            raise ValueError(
-                f"--scene must be KEY=VALUE with KEY one of {', '.join(known)}, got {setting!r}"
-            )
-        if isinstance(known[key], str):
-            changes[key] = text
-        else:
-            convert = _numbers if isinstance(known[key], tuple) else _number
-            changes[key] = convert(key, text, float)
+            names = ", ".join(known)
+            raise ValueError(f"--scene must be KEY=VALUE with KEY one of {names}, got {setting!r}")
+        kind = type(known[key])
+        number = _numbers if kind is tuple else _number
+        changes[key] = text if kind is str else number(key, text)
     return Scene(**changes)
 
 
-def _numbers(name, text, kind):
+def _numbers(name, text, kind=float):
     """Two numbers, separated by a comma."""
     parts = text.split(",")
     if len(parts) != 2:
@@ -496,7 +485,7 @@ def _numbers(name, text, kind):
     return tuple(_number(name, part, kind) for part in parts)
 
 
-def _number(name, text, kind):
+def _number(name, text, kind=float):
     try:
         return kind(text)
     except ValueError:
@@ -504,19 +493,15 @@ def _number(name, text, kind):
         raise ValueError(f"{name} must be {what}, got {text!r}") from None
 
 
-@contextmanager
-def _progress(duration):
+def _bar():
     """Bar of simulated time on standard error, gone at the end; none off the terminal."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     text = TextColumn("simulated {task.completed:.4g} of {task.total:g} s")
-    columns = (text, BarColumn(), TimeRemainingColumn())
-    console = Console(stderr=True)
-    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
-    with bar:
-        task = bar.add_task("", total=duration)
-        yield lambda time: bar.update(task, completed=time)
+    columns, console = (text, BarColumn(), TimeRemainingColumn()), Console(stderr=True)
+    hidden = not console.is_terminal
+    return Progress(*columns, console=console, transient=True, disable=hidden)
 
 
 @command("show", "study.joint:Joint ball_drive rim kinematics", group=data_app, defaults=False)
@@ -528,8 +513,7 @@ def show_data(
 
     own = {"r2_star": r2_star, "socket_ratio": socket_ratio, "group": group, "case": case}
     frame = dataset.load(**{key: value for key, value in own.items() if value}, **of)
-    table = frame.loc[:, "depth_star":] if case else dataset.summary(frame)
-    _table(table.columns, table.itertuples(index=False))
+    _print(frame.loc[:, "depth_star":] if case else dataset.summary(frame))
 
 
 @command("check", group=data_app)
@@ -537,7 +521,8 @@ def check_data():
     """Check files, schema and physics of the dataset, and solve one case anew."""
     from study.dataset import quality
 
-    _table(["checked", "found"], quality.check())
+    checked, found = zip(*quality.check(), strict=True)
+    _print({"checked": checked, "found": found})
 
 
 @command("build", "study.pages.tasks:build jobs", group=data_app)
@@ -581,11 +566,28 @@ def measure_speed(chart: list[str] = (), repeats: int = 5, output: Path | None =
     print(f"{len(frame)} rows, on {speed.machine()}")
 
 
-def _print_curve(columns, as_json):
+def _print(told, as_json=False, *parts):
+    """Print one JSON object, or its parts as text: lines, and tables of columns by name.
+
+    A table has its full width where the output is no terminal.
+    """
+    from rich import box
+    from rich.console import Console
+    from rich.table import Column, Table
+
     if as_json:
-        print(json.dumps(columns))
-    else:
-        _table(columns, zip(*columns.values(), strict=True))
+        print(json.dumps(told, allow_nan=False))
+        return
+    console = Console(width=None if sys.stdout.isatty() else 200)
+    for part in parts or [told]:
+        if isinstance(part, str):
+            print(part)
+        else:
+            columns = (Column(name, overflow="fold") for name in part)
+            table = Table(*columns, box=box.SIMPLE_HEAD, pad_edge=False)
+            for row in zip(*(part[name] for name in part), strict=True):
+                table.add_row(*map(_text, row))
+            console.print(table)
 
 
 def _text(value):
@@ -594,20 +596,6 @@ def _text(value):
     if isinstance(value, dict):
         return ", ".join(f"{key} {_text(item)}" for key, item in value.items())
     return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def _table(header, rows):
-    """Print a table; in full width when the output is not a terminal."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for name in header:
-        table.add_column(name, overflow="fold")
-    for row in rows:
-        table.add_row(*map(_text, row))
-    Console(width=None if sys.stdout.isatty() else 200).print(table)
 
 
 if __name__ == "__main__":

@@ -17,10 +17,8 @@ NOTEBOOKS = ROOT / "notebooks"
 PAPER = ROOT / "paper"
 BUILD = ROOT / "build"
 IS_CHECKOUT = (ROOT / "pyproject.toml").is_file()  # and not installed without all these
-DOCUMENTS = tuple(
-    ROOT / name
-    for name in ("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "data/README.md", "CHANGELOG.md")
-)
+_TEXTS = ("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "data/README.md", "CHANGELOG.md")
+DOCUMENTS = tuple(ROOT / name for name in _TEXTS)
 """What the report shows besides results: texts for readers."""
 
 RESULTS_VARIABLE = "STUDY_RESULTS"  # folder for results while a notebook runs as a task
@@ -30,10 +28,8 @@ _PART = f".part-{socket.gethostname()}-"  # ignored by git
 def require_checkout(folder: Path) -> None:
     """Raise `StudyError` where the package is installed without the project around it."""
     if not IS_CHECKOUT:
-        raise StudyError(
-            f"this needs a checkout of the project: {folder.name}/ is not part of the installed "
-            "package"
-        )
+        what = f"{folder.name}/ is not part of the installed package"
+        raise StudyError(f"this needs a checkout of the project: {what}")
 
 
 def results() -> Path:
@@ -45,16 +41,12 @@ def results() -> Path:
 def whole(path: Path) -> Iterator[Path]:
     """Give a temporary file beside ``path``, which becomes ``path`` only on success.
 
-    Raises
-    ------
-    OSError
-        If the file, or its folder, cannot be written; names the file.
+    An ``OSError`` names ``path``.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with scratch(path.parent) as folder:
-            temporary = folder / path.name
-            yield temporary
+            yield (temporary := folder / path.name)
             temporary.chmod(0o644)
             temporary.replace(path)
     except OSError as error:
@@ -73,9 +65,8 @@ def copy(source: Path, target: Path) -> None:
 @contextmanager
 def scratch(parent: Path | None = None) -> Iterator[Path]:
     """Give a temporary folder, in ``parent`` or where the system has them, gone at the end."""
-    with tempfile.TemporaryDirectory(
-        prefix=f"{_PART}{os.getpid()}-", dir=parent, ignore_cleanup_errors=True
-    ) as name:
+    prefix = f"{_PART}{os.getpid()}-"
+    with tempfile.TemporaryDirectory(None, prefix, parent, ignore_cleanup_errors=True) as name:
         yield Path(name)
 
 
@@ -85,15 +76,10 @@ def sweep() -> None:
     ours = (ROOT / "study", DATA, FIGURES, BUILD)
     for path in [*temporary, *(path for folder in ours for path in folder.rglob(f"{_PART}*"))]:
         process = path.name.removeprefix(_PART).split("-")[0]
-        if process.isdecimal() and not _alive(int(process)):
-            shutil.rmtree(path, ignore_errors=True)
-
-
-def _alive(process):
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:  # somebody else's
-        return True
-    return True
+        if process.isdecimal():
+            try:
+                os.kill(int(process), 0)  # only asks whether it lives
+            except ProcessLookupError:
+                shutil.rmtree(path, ignore_errors=True)
+            except PermissionError:
+                pass  # it lives, and is somebody else's

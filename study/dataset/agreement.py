@@ -27,18 +27,7 @@ DIGITS = {
 
 
 def table_differs(kept: Path, made: Path) -> str | None:
-    """Where two tables differ by more than agrees, or None.
-
-    Parameters
-    ----------
-    kept, made
-        CSV files; the name of ``kept`` tells the tolerance.
-
-    Returns
-    -------
-    str or None
-        Row, column, kept and new value, and how many differ.
-    """
+    """Where two CSV files differ by more than agrees, or None; the name of ``kept`` decides."""
     old, new = (pd.read_csv(path, dtype=str, keep_default_na=False) for path in (kept, made))
     if list(old) != list(new):
         return f"columns: kept {', '.join(old)}; now {', '.join(new)}"

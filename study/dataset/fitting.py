@@ -39,14 +39,9 @@ def coefficient(law: str, depth_star: ArrayLike, force_star: ArrayLike) -> float
     Parameters
     ----------
     law
-        Whose f2 to use, a key of `FITTED_LAWS`.
+        A key of `FITTED_LAWS`.
     depth_star, force_star
-        Shape (n,).
-
-    Raises
-    ------
-    ValueError
-        For an unknown law, lists of different lengths, a value that is not finite, or no depth > 0.
+        Shape (n,); at least one depth > 0.
     """
     depth, force = checks.same_length(depth_star=depth_star, force_star=force_star)
     f2 = shape(law, depth)
@@ -71,7 +66,7 @@ def sampled(curve: pd.DataFrame) -> NDArray[np.float64]:
 
 
 def coefficients_by_case(law: str, curves: pd.DataFrame) -> pd.DataFrame:
-    """Coefficient f1 of every case of one set-up, without depths beyond 0.5.
+    """Coefficient ``f1`` of every case of one set-up, by ``r2_star``, to a depth of 0.5.
 
     Parameters
     ----------
@@ -79,11 +74,6 @@ def coefficients_by_case(law: str, curves: pd.DataFrame) -> pd.DataFrame:
         A key of `FITTED_LAWS`.
     curves
         Rows of `study.dataset.load`.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns ``r2_star`` and ``f1``, ordered by the former.
     """
     checks.frame("curves", curves, ("r2_star", "depth_star", "force_star"))
     inside = checks.frame("curves", curves[curves.depth_star <= LARGEST_DEPTH], ())
@@ -95,13 +85,7 @@ def coefficients_by_case(law: str, curves: pd.DataFrame) -> pd.DataFrame:
 
 
 def surrogate(r2_star: ArrayLike, f1: ArrayLike) -> dict[str, float]:
-    """``slope`` and ``intercept`` of the line f1 = slope R2* + intercept, by least squares.
-
-    Raises
-    ------
-    ValueError
-        For fewer than two cases, all of the same R2*, or a value that is not finite.
-    """
+    """``slope`` and ``intercept`` of the line f1 = slope R2* + intercept, by least squares."""
     x, y = checks.same_length(2, r2_star=r2_star, f1=f1)
     if not np.ptp(x) > 1e-9 * np.abs(x).max():
         raise ValueError(f"r2_star must vary for a line, got only {x[0]:g}")
@@ -188,8 +172,8 @@ def fit_stiffening(curves: pd.DataFrame) -> dict[str, object]:
     Returns
     -------
     dict
-        ``reach`` and ``pole``, the constants; ``limit``, and ``first_order`` by kinematics: lists
-        of shape (5, 9).
+        Constants ``reach`` and ``pole``; lists of shape (5, 9): ``limit``, and ``first_order`` by
+        kinematics.
     """
     keys = ["kinematics", "r2_star", "socket_ratio", "poisson_ball"]
     checks.frame("curves", curves, (*keys, "depth_star", "force_star"))

@@ -76,17 +76,12 @@ class DatasetError(checks.StudyError):
 
 
 def load(**filters: object) -> pd.DataFrame:
-    """The dataset as a tidy frame, one row per case and depth.
+    """The dataset as a tidy frame, one row per case and depth: `COLUMNS`.
 
     Parameters
     ----------
     **filters
         Column name = value, or list of values, to keep.
-
-    Returns
-    -------
-    pandas.DataFrame
-        The columns of `study.dataset.store.COLUMNS`, also in ``data/README.md``.
 
     Raises
     ------
@@ -99,10 +94,8 @@ def load(**filters: object) -> pd.DataFrame:
     for column in filters:
         checks.choice("column", column, tuple(frame.columns))
     asked = {column: _values(column, wanted) for column, wanted in filters.items()}
-    matches = pd.DataFrame(
-        {column: frame[column].isin(values) for column, values in asked.items()},
-        index=frame.index,
-    )
+    found = {column: frame[column].isin(values) for column, values in asked.items()}
+    matches = pd.DataFrame(found, index=frame.index)
     keep = matches.all(axis=1)
     for column, values in asked.items():
         others = matches.drop(columns=column).all(axis=1)  # what is left without this filter
@@ -110,8 +103,8 @@ def load(**filters: object) -> pd.DataFrame:
         if unknown or (others.any() and not keep.any()):
             held = frame[column][others if others.any() else ~keep].unique()
             names = [f"{v:g}" if isinstance(v, float) else str(v) for v in held[:30]]
-            known = ", ".join([*names, *(["..."] if len(held) > 30 else [])])
-            got = ", ".join(str(value) for value in unknown or values)
+            known = ", ".join(names + ["..."] * (len(held) > 30))
+            got = ", ".join(map(str, unknown or values))
             raise ValueError(f"{column} must be one of {known}, got {got}")
     if not keep.any():
         text = ", ".join(f"{column} = {values}" for column, values in asked.items())
@@ -125,8 +118,8 @@ def _values(column, wanted):
     values = list(wanted) if several else [wanted]
     for value in values:
         if not isinstance(value, str | float | int | np.number):
-            shown = checks.shown(value)
-            raise ValueError(f"{column} must be a value or a list of values, got {shown}")
+            got = checks.shown(value)
+            raise ValueError(f"{column} must be a value or a list of values, got {got}")
     return values
 
 
@@ -138,17 +131,12 @@ def paper_curves(
 
 
 def published(where: str | None = None) -> pd.Series:
-    """Numbers that the paper prints, from ``data/published/tables.csv``.
+    """Numbers that the paper prints, by ``where``, ``row`` and ``quantity``.
 
     Parameters
     ----------
     where
-        Table or figure, e.g. ``"Table 2"``.
-
-    Returns
-    -------
-    pandas.Series
-        Value by (``row``, ``quantity``), or by (``where``, ``row``, ``quantity``).
+        One table or figure, ``"Table 2"``: numbers by ``row`` and ``quantity``.
     """
     frame = _read(paths.DATA / "published/tables.csv")
     if where is not None:
@@ -160,10 +148,7 @@ def published(where: str | None = None) -> pd.Series:
 def published_table_2() -> pd.DataFrame:
     """Table 2 with the signs that the paper leaves out: absolute values above 1 are negative.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns ``R2``, ``R2_adj`` and ``RMSE``, a row per law, a key of `study.contact.LAWS`.
+    Columns ``R2``, ``R2_adj`` and ``RMSE``, a row per law.
     """
     table = published("Table 2").rename({"proposed": "hyperbolic_winkler"}).unstack()
     table = table.loc[list(contact.PAPER_LAWS), ["R2", "R2_adj", "RMSE"]]
@@ -172,28 +157,14 @@ def published_table_2() -> pd.DataFrame:
 
 
 def reference_forces() -> pd.DataFrame:
-    """Forces of independent origin, from ``data/published/joint.csv``.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Source, joint, depth, force, and ``trust``: the relative accuracy to expect.
-    """
+    """Forces of independent origin; ``trust`` is the relative accuracy to expect."""
     return _read(paths.DATA / "published/joint.csv")
 
 
 def measured(chart: str | None = None) -> pd.DataFrame:
-    """Times and errors from ``data/published/peers.csv``, of all charts or one.
+    """Measured times and errors of all charts, or of ``laws``, ``solvers`` or ``steppers``.
 
-    Parameters
-    ----------
-    chart
-        ``laws``, ``solvers`` or ``steppers``.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns of ``study.measure.speed.COLUMNS``.
+    The columns are ``study.measure.speed.COLUMNS``.
     """
     frame = _read(PEERS, dtype={"version": str, "setting": str}).fillna({"setting": ""})
     if chart is None:
@@ -253,12 +224,16 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
 def write_package(wall_time: float) -> None:
     """Describe the dataset in ``datapackage.json``: schema, units, hashes and provenance.
 
-    Parameters
-    ----------
-    wall_time
-        Time that the cases took together, in s.
+    A file from elsewhere that is not as described is refused: a build does not bless a damaged
+    one. ``wall_time`` is what the cases took together, in s.
     """
-    _refuse_damaged_published_files()
+    try:
+        stated = {r["path"]: r["hash"] for r in _read_package()["resources"]}
+    except DatasetError:
+        stated = {}  # there is nothing to compare with
+    for name, origin in ORIGINS.items():
+        if origin != "generated" and name in stated:  # a new file has no hash yet
+            _verify(paths.DATA / name, stated[name], generated=False)
     _write_description(
         {
             "name": "spherical-clearance-joint-force-curves",
@@ -281,12 +256,11 @@ def write_package(wall_time: float) -> None:
 
 
 def _schema():
-    fields = [
-        {"name": name, "type": "number" if unit else "string", "description": text}
-        | ({"unit": unit} if unit else {})
-        | {"constraints": {"required": True} | _CONSTRAINTS.get(name, {})}
-        for name, (unit, text) in COLUMNS.items()
-    ]
+    fields = []
+    for name, (unit, text) in COLUMNS.items():
+        field = {"name": name, "type": "number" if unit else "string", "description": text}
+        field |= {"unit": unit} if unit else {}
+        fields.append(field | {"constraints": {"required": True} | _CONSTRAINTS.get(name, {})})
     return {"fields": fields, "primaryKey": ["case", "depth_star"]}
 
 
@@ -298,7 +272,8 @@ def _write_description(description):
 def _resource(name):
     """Description of one data file, by its name in ``data/``."""
     path = paths.DATA / name
-    resource = {
+    table = {"profile": "tabular-data-resource", "schema": _schema()} if path == CURVES else {}
+    return {
         "name": name.removesuffix(".csv").replace("/", "-").replace("_", "-"),
         "path": name,
         "format": "csv",
@@ -307,27 +282,13 @@ def _resource(name):
         "bytes": path.stat().st_size,
         "hash": f"sha256:{_sha256(path)}",
         "origin": ORIGINS[name],
-    }
-    if path != CURVES:
-        return resource
-    return resource | {"profile": "tabular-data-resource", "schema": _schema()}
-
-
-def _refuse_damaged_published_files():
-    """Files from elsewhere keep the hash they have: a build does not bless a damaged one."""
-    try:
-        stated = {r["path"]: r["hash"] for r in _read_package()["resources"]}
-    except DatasetError:
-        return  # there is nothing to compare with
-    for name, origin in ORIGINS.items():
-        if origin != "generated" and name in stated:  # a new file has no hash yet
-            _verify(paths.DATA / name, stated[name], generated=False)
+    } | table
 
 
 def _read_package():
     """Content of the description, with everything in it that is used here."""
     paths.require_checkout(paths.DATA)
-    name = PACKAGE.relative_to(paths.ROOT)
+    name = _name(PACKAGE)
     remedy = f"mend it with: git checkout -- {name}, or make it anew with: {MEND}"
     try:
         package = json.loads(PACKAGE.read_text(encoding="utf-8"))
@@ -350,7 +311,7 @@ def _verify(path, stated, generated):
 
     By hashlib: frictionless, which `quality` asks, takes a second to import at every load.
     """
-    name, description = path.relative_to(paths.ROOT).as_posix(), f"data/{PACKAGE.name}"
+    name, description = _name(path), f"data/{PACKAGE.name}"
     # the description too: its hash may be the one that is wrong
     remedy = f"mend it with: git checkout -- {name} {description}"
     if generated:
@@ -380,6 +341,11 @@ def _design():
     }
 
 
+def _name(path):
+    """Path of a file in the project, as its messages and the description name it."""
+    return path.relative_to(paths.ROOT).as_posix()
+
+
 def sources(path: Path) -> list[Path]:
     """Source files that decide a generated file."""
     return provenance.sources(paths.ROOT / f"study/{GENERATED[path]}.py")
@@ -388,12 +354,8 @@ def sources(path: Path) -> list[Path]:
 def _made_by():
     """Generated file -> digest of every file that decides it."""
     read = {COEFFICIENTS: [CURVES, paths.DATA / "published/tables.csv"], LINKS: [COEFFICIENTS]}
-    return {
-        path.relative_to(paths.ROOT).as_posix(): provenance.digests(
-            [*sources(path), *read.get(path, [])]
-        )
-        for path in GENERATED
-    }
+    decide = {path: [*sources(path), *read.get(path, [])] for path in GENERATED}
+    return {_name(path): provenance.digests(files) for path, files in decide.items()}
 
 
 def verify_files() -> None:

@@ -17,11 +17,11 @@ class Notebook:
 
     Attributes
     ----------
-    name : str
+    name
         File name without suffix.
-    figures, tables : dict
+    figures, tables
         Name of each figure and table -> what it shows.
-    reads : list
+    reads
         Results of other notebooks whose numbers it reads.
     """
 
@@ -65,12 +65,7 @@ CATALOGUE = tuple(Notebook(name, **entry) for name, entry in _ENTRIES.items())
 
 
 def select(names: Sequence[str]) -> list[Notebook]:
-    """Notebooks by their own names or by those of their results; all for no name.
-
-    Returns
-    -------
-    list of Notebook
-        In the order of the catalogue, each once.
+    """Notebooks by their own names or those of results, in the catalogue's order; all for no name.
 
     Raises
     ------
@@ -86,7 +81,7 @@ def select(names: Sequence[str]) -> list[Notebook]:
 
 
 def check_claims() -> None:
-    """Check the rows of ``data/published/claims.csv``, before anything runs for minutes.
+    """Refuse wrong rows of ``data/published/claims.csv``, before anything runs for minutes.
 
     Raises
     ------

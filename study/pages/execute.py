@@ -34,15 +34,13 @@ class NotebookError(checks.StudyError):
 def parameters(notebook: "Notebook") -> dict[str, tuple[Any, str]]:
     """Parameters of a notebook with default value and comment, from its ``parameters`` cell.
 
-    A comment ends with the values that are allowed, in brackets: ``[20 to 10000]`` for a number
-    or each of a list, ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``.
+    A comment ends with the values allowed: ``[20 to 10000]`` for a number or each of a list,
+    ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``.
     """
     import papermill
 
-    found = papermill.inspect_notebook(str(notebook.path))
-    return {
-        name: (ast.literal_eval(entry["default"]), entry["help"]) for name, entry in found.items()
-    }
+    found = papermill.inspect_notebook(str(notebook.path)).items()
+    return {name: (ast.literal_eval(entry["default"]), entry["help"]) for name, entry in found}
 
 
 def check_parameters(notebooks: "list[Notebook]", settings: list[str]) -> dict[str, dict[str, Any]]:
@@ -54,16 +52,14 @@ def check_parameters(notebooks: "list[Notebook]", settings: list[str]) -> dict[s
     Raises
     ------
     ValueError
-        For a setting without ``=`` or too long, a parameter that no selected notebook has, or a
-        value of another type than the default's or out of its range.
+        For no ``=``, a long setting, an unknown parameter, a value of another type or range.
     """
     known = {nb.name: parameters(nb) for nb in notebooks} if settings else {}
     chosen = {nb.name: {} for nb in notebooks}
     for setting in settings:
         if len(setting) > LONGEST:
-            raise ValueError(
-                f"-p must have at most {LONGEST} characters, got {len(setting)}: {setting[:20]}..."
-            )
+            got = f"{len(setting)}: {setting[:20]}..."
+            raise ValueError(f"-p must have at most {LONGEST} characters, got {got}")
         key, equals, text = setting.partition("=")
         if not equals:
             raise ValueError(f"-p must be key=value, got {setting!r}")
@@ -109,11 +105,7 @@ def _check_range(key, value, comment):
 
 
 def run(
-    notebooks: "list[Notebook]",
-    settings: dict[str, dict[str, Any]],
-    *,
-    report: bool = False,
-    **options: Any,
+    notebooks: "list[Notebook]", settings: dict[str, dict], *, report: bool = False, **options: Any
 ) -> "Built":
     """Run the stale ones of some notebooks, and of those that they read from, as pytask tasks.
 
@@ -123,8 +115,9 @@ def run(
     from study.pages import tasks
 
     products = [product for notebook in notebooks for product in notebook.products()]
-    pages = [paths.BUILD / "paper.pdf", paths.BUILD / "report/index.html"] if report else []
-    for product in [*products, *pages]:
+    if report:
+        products += [paths.BUILD / "paper.pdf", paths.BUILD / "report/index.html"]
+    for product in products:
         if product.is_dir():
             raise NotebookError(f"{product.relative_to(paths.ROOT)} must be a file, not a folder")
     for notebook in notebooks:
@@ -141,27 +134,21 @@ def run(
 
 def compare(notebooks: "list[Notebook]") -> list[kept.Comparison]:
     """Compare the results of some notebooks, as made last, with the kept ones."""
-    return [
-        kept.compare(name, name in notebook.figures, other)
-        for notebook in notebooks
-        for other in [_has_other_parameters(notebook)]
-        for name in notebook.results
-    ]
-
-
-def _has_other_parameters(notebook):
-    """Whether a notebook was executed last with parameters that are not its own."""
-    if not notebook.executed.is_file():
-        return False
-    executed = json.loads(notebook.executed.read_text(encoding="utf-8"))
-    return bool(executed["metadata"]["papermill"]["parameters"])
+    found = []
+    for notebook in notebooks:
+        given = {}
+        if notebook.executed.is_file():
+            executed = json.loads(notebook.executed.read_text(encoding="utf-8"))
+            given = executed["metadata"]["papermill"]["parameters"]
+        for name in notebook.results:
+            found.append(kept.compare(name, name in notebook.figures, bool(given)))
+    return found
 
 
 def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
     """Execute one notebook; its executed copy lands in ``build/notebooks``.
 
-    Its results are compared with the kept ones (`kept.place`) if every cell succeeds and
-    it has made just the files that the catalogue names.
+    Its results are compared with the kept ones (`kept.place`) if every cell succeeds.
 
     Raises
     ------
@@ -180,17 +167,14 @@ def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
         wanted, made = set(notebook.files()), {path.name for path in results.iterdir()}
         if missing := ", ".join(sorted(wanted - made)):
             raise NotebookError(f"{notebook.name} did not save {missing}")
-        if unknown := ", ".join(sorted(made - wanted)):
-            raise NotebookError(
-                f"{notebook.name} saved {unknown}, which the catalogue does not name"
-            )
+        if extra := ", ".join(sorted(made - wanted)):
+            raise NotebookError(f"{notebook.name} saved {extra}, which the catalogue does not name")
         kept.place(results, notebook.files())
 
 
 def _execute_in_a_child(notebook, executed, settings, folder, results):
     """Run this module as a program, which ends when this process does."""
-    command = [sys.executable, "-m", "study.pages.execute"]
-    arguments = [str(notebook.path), str(executed), json.dumps(settings), str(folder)]
+    command = [sys.executable, "-m", "study.pages.execute", str(notebook.path), str(executed)]
     environment = os.environ | {
         paths.RESULTS_VARIABLE: str(results),
         "PYTHONPATH": os.pathsep.join([str(paths.ROOT), os.environ.get("PYTHONPATH", "")]),
@@ -206,8 +190,9 @@ def _execute_in_a_child(notebook, executed, settings, folder, results):
     }
     ours, held = os.pipe()  # the child reads from it until this process closes it, or is killed
     with open(ours), open(held, "w"):
+        command += [json.dumps(settings), str(folder)]
         child = subprocess.run(
-            [*command, *arguments], stdin=ours, capture_output=True, cwd=folder, env=environment
+            command, stdin=ours, capture_output=True, cwd=folder, env=environment
         )
     if child.returncode != 0:
         out, err = (text.decode(errors="replace") for text in (child.stdout, child.stderr))
@@ -227,14 +212,8 @@ def main(path: str, executed: str, settings: str, folder: str) -> int:
         config.KernelManager.transport = "ipc"
         config.KernelManager.ip = str(Path(folder, "socket"))
     try:
-        papermill.execute_notebook(
-            path,
-            executed,
-            parameters=json.loads(settings),
-            kernel_name="python3",
-            progress_bar=False,
-            config=config,
-        )
+        options = {"kernel_name": "python3", "progress_bar": False, "config": config}
+        papermill.execute_notebook(path, executed, parameters=json.loads(settings), **options)
     except papermill.PapermillExecutionError as error:
         print(f", cell In[{error.exec_count}]: {error.ename}: {error.evalue}", end="")
         return 1

@@ -7,6 +7,7 @@ in ``build/kept``.
 """
 
 import filecmp
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,8 +19,7 @@ from study import paths
 from study.dataset.agreement import table_differs
 
 MADE, KEPT = paths.BUILD / "made", paths.BUILD / "kept"
-LEVELS = 8
-"""Largest difference of two pixels that agree, of 255 levels."""
+LEVELS = 8  # of 255: largest difference of two pixels that agree
 State = Literal["identical", "agrees", "differs", "new", "other parameters", "not made here"]
 STATES: tuple[State, ...] = get_args(State)
 """``new``: there was none to compare with. ``other parameters``: not to be compared."""
@@ -82,12 +82,9 @@ def compare(name: str, is_figure: bool, other_parameters: bool = False) -> Compa
 
 def summary(comparisons: list[Comparison]) -> str:
     """One line: how many results are identical, agree and differ, and more if there are others."""
-    counts = {state: sum(c.state == state for c in comparisons) for state in STATES}
-    told = [
-        f"{count} {_PLURAL.get(state, state)}"
-        for state, count in counts.items()
-        if count or state in STATES[:3]
-    ]
+    counts = Counter(comparison.state for comparison in comparisons)
+    shown = [state for state in STATES if counts[state] or state in STATES[:3]]
+    told = [f"{counts[state]} {_PLURAL.get(state, state)}" for state in shown]
     return f"{len(comparisons)} results: {', '.join(told)}"
 
 
@@ -127,9 +124,10 @@ def _pixels(name, kept, made):
     if numbers == "differs":
         return "for its numbers do"
     around = (1, 1, 1) if numbers == "identical" else (3, 3, 1)
-    outside = np.zeros(old.shape)
-    for one, other in ((old, new), (new, old)):
-        for off in (minimum_filter(one, around) - other, other - maximum_filter(one, around)):
-            outside = np.maximum(outside, off)
-    count = np.count_nonzero(outside.max(axis=2) > LEVELS)
+    outside = [
+        off
+        for one, other in ((old, new), (new, old))
+        for off in (minimum_filter(one, around) - other, other - maximum_filter(one, around))
+    ]
+    count = np.count_nonzero(np.max(outside, axis=(0, 3)) > LEVELS)
     return f"{count} pixels differ" if count else None

@@ -4,7 +4,6 @@ import os
 import re
 import signal
 import threading
-from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,8 +30,8 @@ class Built(NamedTuple):
 
     def fresh(self) -> list[str]:
         """Tasks that need not be run."""
-        unchanged = TaskOutcome.SKIP_UNCHANGED
-        return [name for name, found in self.outcomes.items() if found == unchanged]
+        fresh = TaskOutcome.SKIP_UNCHANGED
+        return [name for name, found in self.outcomes.items() if found == fresh]
 
 
 def leave_interrupts_to_the_runner() -> None:
@@ -69,43 +68,42 @@ def build(
     Raises
     ------
     study.checks.StudyError
-        If the project's folder is read-only, or the Dask scheduler does not answer or has no
-        workers.
+        If the folder is read-only, or the Dask scheduler does not answer or has no workers.
     KeyboardInterrupt
         If interrupted; finished tasks stay finished, and the next call resumes.
     """
     paths.require_checkout(folders[0])
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
-    options = {"n_workers": jobs or cpu_count()}
-    options["parallel_backend"] = "loky" if options["n_workers"] > 1 else "none"
-    client = None
+    workers, client = jobs or cpu_count(), None
+    backend = "loky" if workers > 1 else "none"
     os.environ[_RUNNER] = str(os.getpid())
     if dask_address is not None:
         client = _dask_client(dask_address)
-        options = {"parallel_backend": "dask", "n_workers": sum(client.nthreads().values())}
+        backend, workers = "dask", sum(client.nthreads().values())
     if not dry:
         if not os.access(paths.ROOT, os.W_OK):
             raise StudyError(f"nothing can be built: the folder {paths.ROOT} is read-only")
         paths.sweep()
-    pytask.console.quiet = dry
-    finished = False
+    finished, write_hashes = False, pytask_build.pytask_unconfigure
+    if dry:  # write nothing either: the folder may be read-only
+        pytask.console.quiet, pytask_build.pytask_unconfigure = True, None
     try:
-        with _no_cache_of_hashes() if dry else nullcontext():
-            session = pytask.build(
-                paths=folders,
-                config=paths.ROOT / "pyproject.toml",
-                expression=expression,
-                force=force,
-                dry_run=dry,
-                show_traceback=False,
-                capture="fd" if not dry else "no",
-                show_capture="no",
-                **options,
-            )
+        session = pytask.build(
+            paths=folders,
+            config=paths.ROOT / "pyproject.toml",
+            expression=expression,
+            force=force,
+            dry_run=dry,
+            show_traceback=False,
+            capture="no" if dry else "fd",
+            show_capture="no",
+            parallel_backend=backend,
+            n_workers=workers,
+        )
         finished = session.scheduler is None or not session.scheduler.is_active()
     finally:
-        pytask.console.quiet = False
+        pytask.console.quiet, pytask_build.pytask_unconfigure = False, write_hashes
         if client:
             client.close()
         if not finished:  # a worker left alone would keep the interpreter from ending
@@ -124,24 +122,12 @@ def build(
     return Built(outcomes, failures)
 
 
-@contextmanager
-def _no_cache_of_hashes():
-    """Keep pytask from writing its cache of file hashes, which fails in a read-only folder."""
-    kept = pytask_build.pytask_unconfigure
-    pytask_build.pytask_unconfigure = None
-    try:
-        yield
-    finally:
-        pytask_build.pytask_unconfigure = kept
-
-
 def _dask_client(address):
     try:
         from distributed import Client
     except ImportError:
-        raise StudyError(
-            "--dask needs the extra [dask]; install it with: pip install '.[dask]'"
-        ) from None
+        remedy = "install it with: pip install '.[dask]'"
+        raise StudyError(f"--dask needs the extra [dask]; {remedy}") from None
     try:
         client = Client(address, timeout=5)
     except (OSError, ValueError) as error:
