@@ -285,15 +285,10 @@ def solve_joint(
     """Solve one joint: force, contact half-angle and error estimate."""
     from study.joint import force_curve
 
-    curve = force_curve(_joint(r2_star, **joint), depth_star, solver=solver)
-    columns = {
-        "depth_star": depth_star,
-        "force_star": curve.force_star.tolist(),
-        "contact_half_angle_deg": curve.columns()["contact_half_angle"].tolist(),
-        "peak_pressure_star": curve.peak_pressure.tolist(),
-        "error_estimate": curve.error_estimate.tolist(),
-    }
-    _print(columns, as_json)
+    found = force_curve(_joint(r2_star, **joint), depth_star, solver=solver).columns()
+    found["contact_half_angle_deg"] = found["contact_half_angle"]
+    names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
+    _print({"depth_star": depth_star} | {name: found[name].tolist() for name in names}, as_json)
 
 
 def _joint(

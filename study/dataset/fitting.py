@@ -124,12 +124,7 @@ def liu_coefficient(force_star: ArrayLike, published_r_squared: float, unit: Arr
 def fit_all(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict]:
     """All of `study.contact.laws.fitted_coefficients`, from the dataset.
 
-    Parameters
-    ----------
-    curves
-        With the groups ``paper`` and ``fit``.
-    published
-        ``data/published/tables.csv``, for Liu's law.
+    ``published`` is ``data/published/tables.csv``, for Liu's law.
     """
     paper = curves[(curves.group == "paper") & (curves.kinematics == PAPER_KINEMATICS)]
     stated = published.set_index(["where", "row", "quantity"]).value
@@ -140,12 +135,7 @@ def fit_all(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict]:
 def fit_laws(curves: pd.DataFrame, liu_r_squared: float) -> dict[str, dict[str, float]]:
     """``slope`` and ``intercept`` by law of the paper that has them, over its 20 <= R2* <= 300.
 
-    Parameters
-    ----------
-    curves
-        Rows of `study.dataset.load` for one joint set-up.
-    liu_r_squared
-        Published R2 of Liu's law, with its sign.
+    The curves are those of one set-up; ``liu_r_squared`` is Liu's published R2 with its sign.
     """
     checks.frame("curves", curves, ("r2_star", "depth_star", "force_star"))
     fits = {}
@@ -164,10 +154,7 @@ def fit_stiffening(curves: pd.DataFrame) -> dict[str, object]:
     `SLACK` of the smallest one; the sum of the scaled coefficients' sizes is then the smallest,
     which leaves most of them at zero.
 
-    Parameters
-    ----------
-    curves
-        Rows of the dataset's group ``fit``, in several kinematics.
+    The curves are the dataset's group ``fit``, in several kinematics.
 
     Returns
     -------

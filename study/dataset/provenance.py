@@ -37,23 +37,21 @@ def sources(*starts: Path) -> list[Path]:
 
 
 def inputs(notebook: Path) -> list[Path]:
-    """Files that decide what a notebook makes: itself, code and data."""
+    """Files that decide what a notebook makes: itself, the code it reaches, and what this reads."""
     code = sources(notebook) if notebook.is_file() else []
-    return [notebook, *code, *data(code)]
-
-
-def data(code: Iterable[Path]) -> list[Path]:
-    """Data files that some modules read."""
     library = paths.ROOT / "study"
     names = [n for path in code for n in READS.get(path.relative_to(library).as_posix(), ())]
-    return [paths.ROOT / name for name in names]
+    return [notebook, *code, *(paths.ROOT / name for name in names)]
 
 
 def digests(files: Iterable[Path]) -> dict[str, str]:
     """First 16 digits of the SHA-256 of each file, by its path in the project."""
-    return {
-        path.relative_to(paths.ROOT).as_posix(): sha256(path.read_bytes())[:16] for path in files
-    }
+    return {name(path): sha256(path.read_bytes())[:16] for path in files}
+
+
+def name(path: Path) -> str:
+    """A file's path in the project, for messages and descriptions."""
+    return path.relative_to(paths.ROOT).as_posix()
 
 
 def sha256(content: bytes) -> str:

@@ -11,12 +11,7 @@ AGREEMENT = 1e-6  # relative, of forces solved anew
 
 
 def check() -> list[tuple[str, str]]:
-    """Check files, schema and physics of the dataset, and solve one case anew.
-
-    Returns
-    -------
-    list of (str, str)
-        What was checked, and the number found; in the order of checking.
+    """What was checked of the dataset, and the number found: files, schema, physics, one case.
 
     Raises
     ------
@@ -56,13 +51,10 @@ def _check_cases(frame):
 
 def _check_physics(frame):
     by_case = frame.groupby("case", sort=False)
-    depth, force = (
-        [case.to_numpy() for _, case in by_case[column]] for column in ("depth_star", "force_star")
-    )
-    pairs = list(zip(depth, force, strict=True))
+    pairs = [(case.depth_star.to_numpy(), case.force_star.to_numpy()) for _, case in by_case]
     stiffness = [np.diff(f, prepend=0) / np.diff(d, prepend=0) for d, f in pairs]
     slopes = [np.log(f[1] / f[0]) / np.log(d[1] / d[0]) for d, f in pairs]
-    steps = [np.diff(f).min() for f in force]
+    steps = [np.diff(f).min() for _, f in pairs]
     stiffening = [(np.diff(k) / k[1:]).min() for k in stiffness]
     estimates = by_case.error_estimate.max()
     checks = [

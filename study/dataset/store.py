@@ -6,6 +6,7 @@ The numbers are in ``data/force_curves.csv``, one row per case and depth, and th
 
 import json
 import platform
+from collections import Counter
 from importlib.metadata import version
 from pathlib import Path
 
@@ -86,7 +87,7 @@ def load(**filters: object) -> pd.DataFrame:
     Raises
     ------
     DatasetError
-        If a file is missing, damaged or out of date; names it and the command that mends it.
+        As `verify_files`.
     ValueError
         For an unknown column, or filters that leave no row.
     """
@@ -113,7 +114,7 @@ def load(**filters: object) -> pd.DataFrame:
 
 
 def _values(column, wanted):
-    """Values of a filter as a list, or ``ValueError``."""
+    """Values of a filter as a list."""
     several = pd.api.types.is_list_like(wanted) and not isinstance(wanted, dict)
     values = list(wanted) if several else [wanted]
     for value in values:
@@ -224,16 +225,9 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
 def write_package(wall_time: float) -> None:
     """Describe the dataset in ``datapackage.json``: schema, units, hashes and provenance.
 
-    A file from elsewhere that is not as described is refused: a build does not bless a damaged
-    one. ``wall_time`` is what the cases took together, in s.
+    ``wall_time`` is what the cases took together, in s.
     """
-    try:
-        stated = {r["path"]: r["hash"] for r in _read_package()["resources"]}
-    except DatasetError:
-        stated = {}  # there is nothing to compare with
-    for name, origin in ORIGINS.items():
-        if origin != "generated" and name in stated:  # a new file has no hash yet
-            _verify(paths.DATA / name, stated[name], generated=False)
+    _refuse_damaged_published_files()
     _write_description(
         {
             "name": "spherical-clearance-joint-force-curves",
@@ -244,7 +238,7 @@ def write_package(wall_time: float) -> None:
             "resources": [_resource(name) for name in ORIGINS],
             "provenance": {
                 "command": MEND,
-                "coefficients_sha256": _sha256(COEFFICIENTS),
+                "coefficients_sha256": provenance.sha256(COEFFICIENTS.read_bytes()),
                 "design": _design(),
                 "made_by": _made_by(),
                 "versions": {p: version(p) for p in ("numpy", "scipy", "scikit-fem")}
@@ -280,15 +274,26 @@ def _resource(name):
         "mediatype": "text/csv",
         "encoding": "utf-8",
         "bytes": path.stat().st_size,
-        "hash": f"sha256:{_sha256(path)}",
+        "hash": f"sha256:{provenance.sha256(path.read_bytes())}",
         "origin": ORIGINS[name],
     } | table
+
+
+def _refuse_damaged_published_files():
+    """Files from elsewhere keep the hash they have: a build does not bless a damaged one."""
+    try:
+        stated = {r["path"]: r["hash"] for r in _read_package()["resources"]}
+    except DatasetError:
+        stated = {}  # there is nothing to compare with
+    for name, origin in ORIGINS.items():
+        if origin != "generated" and name in stated:  # a new file has no hash yet
+            _verify(paths.DATA / name, stated[name], generated=False)
 
 
 def _read_package():
     """Content of the description, with everything in it that is used here."""
     paths.require_checkout(paths.DATA)
-    name = _name(PACKAGE)
+    name = provenance.name(PACKAGE)
     remedy = f"mend it with: git checkout -- {name}, or make it anew with: {MEND}"
     try:
         package = json.loads(PACKAGE.read_text(encoding="utf-8"))
@@ -311,39 +316,27 @@ def _verify(path, stated, generated):
 
     By hashlib: frictionless, which `quality` asks, takes a second to import at every load.
     """
-    name, description = _name(path), f"data/{PACKAGE.name}"
+    name, description = provenance.name(path), f"data/{PACKAGE.name}"
     # the description too: its hash may be the one that is wrong
     remedy = f"mend it with: git checkout -- {name} {description}"
     if generated:
         remedy += f", or make it anew with: {MEND}"
     if not path.is_file():
         raise DatasetError(f"{name} is missing; {remedy}")
-    if stated.removeprefix("sha256:") != _sha256(path):
-        raise DatasetError(
-            f"{name} is damaged (or its sha256 in {description}: they do not agree); {remedy}"
-        )
-
-
-def _sha256(path):
-    return provenance.sha256(path.read_bytes())
+    if stated.removeprefix("sha256:") != provenance.sha256(path.read_bytes()):
+        why = f"or its sha256 in {description}: they do not agree"
+        raise DatasetError(f"{name} is damaged ({why}); {remedy}")
 
 
 def _design():
     """Which cases there are and why; the hash is of all parameters as they are resolved."""
     cases = [(s.group, name, joint, s.depths) for s in design.DESIGN for name, joint in s.cases()]
+    count = Counter(group for group, *_ in cases)
     return {
-        "groups": {
-            group: {"why": why, "cases": sum(case[0] == group for case in cases)}
-            for group, why in design.GROUPS.items()
-        },
+        "groups": {g: {"why": why, "cases": count[g]} for g, why in design.GROUPS.items()},
         "resolution": RESOLUTION,
         "cases_sha256": provenance.sha256(repr(cases).encode()),
     }
-
-
-def _name(path):
-    """Path of a file in the project, as its messages and the description name it."""
-    return path.relative_to(paths.ROOT).as_posix()
 
 
 def sources(path: Path) -> list[Path]:
@@ -355,7 +348,7 @@ def _made_by():
     """Generated file -> digest of every file that decides it."""
     read = {COEFFICIENTS: [CURVES, paths.DATA / "published/tables.csv"], LINKS: [COEFFICIENTS]}
     decide = {path: [*sources(path), *read.get(path, [])] for path in GENERATED}
-    return {_name(path): provenance.digests(files) for path, files in decide.items()}
+    return {provenance.name(path): provenance.digests(files) for path, files in decide.items()}
 
 
 def verify_files() -> None:
@@ -364,8 +357,7 @@ def verify_files() -> None:
     Raises
     ------
     DatasetError
-        If a file is missing, damaged (its hash differs) or out of date (other code, other data
-        or another design made it); names the file, what has changed and the command that mends it.
+        If a file is missing, damaged, or made by other code, data or design; names the remedy.
     """
     package = _read_package()
     stated = package["provenance"]
@@ -381,10 +373,8 @@ def verify_files() -> None:
         before = stated["made_by"].get(name, {})
         changed = [file for file in digests | before if digests.get(file) != before.get(file)]
         if changed:
-            raise DatasetError(
-                f"{name} is out of date: {', '.join(changed)} changed since it was made; make it "
-                f"anew with: {MEND}"
-            )
+            why = f"{', '.join(changed)} changed since it was made; make it anew with: {MEND}"
+            raise DatasetError(f"{name} is out of date: {why}")
 
 
 def summary(frame: pd.DataFrame) -> pd.DataFrame:

@@ -67,14 +67,9 @@ def accept(names: Iterable[str]) -> None:
 
 
 def compare(name: str, is_figure: bool, other_parameters: bool = False) -> Comparison:
-    """Compare a result as made last with the kept one; runs nothing.
-
-    ``other_parameters`` says that it was made with parameters that are not the notebook's own.
-    """
-    state, where = max(
-        (_compare(file, _kept(file), MADE / file) for file in files(name, is_figure)),
-        key=lambda found: STATES.index(found[0]),
-    )
+    """Compare a result as made last, perhaps with other parameters, with the kept one."""
+    found = [_compare(file, _kept(file), MADE / file) for file in files(name, is_figure)]
+    state, where = max(found, key=lambda one: STATES.index(one[0]))
     if other_parameters and state in ("agrees", "differs"):
         return Comparison(name, "other parameters")
     return Comparison(name, state, where)
