@@ -36,12 +36,12 @@ def test_flexible_links_need_the_inertia_of_a_rod():
 
 
 def straight(elements):
-    """Mesh and band of stiffness of the finite elements at rest, with the slider free."""
-    mesh = beams.Mesh(PAPER, elements, ideal=False)
-    force, band = np.zeros(len(mesh.initial)), np.zeros((len(mesh.initial), 2 * beams.BAND + 1))
-    beams._internal(mesh.initial, mesh.sections, mesh.unknowns, force, band, 1.0)
+    """System and band of stiffness of the finite elements at rest, with the slider free."""
+    system = beams.assemble(PAPER, elements, ideal=False)
+    force, band = np.zeros(len(system.initial)), np.zeros((len(system.initial), 2 * beams.BAND + 1))
+    beams._internal(system.initial, system.sections, system.unknowns, force, band, 1.0)
     assert np.abs(force).max() < 1e-6
-    return mesh, band
+    return system, band
 
 
 def dense(band):
@@ -56,10 +56,10 @@ def dense(band):
 @pytest.mark.parametrize("elements", [1, 4])
 def test_finite_elements_bend_as_beam_theory(elements):
     """The coupler as a cantilever: ball free, pin held, a force across its end."""
-    mesh, band = straight((1, elements))
+    system, band = straight((1, elements))
     stiffness, link = dense(band), PAPER.link("coupler")
-    first = len(mesh.initial) - 1 - 3 * elements  # behind the pin's rotation, before the slider
-    free = np.arange(first, len(mesh.initial) - 1)
+    first = len(system.initial) - 1 - 3 * elements  # behind the pin's rotation, before the slider
+    free = np.arange(first, len(system.initial) - 1)
     load = np.zeros(len(free))
     load[-2] = 1.0
     bent = np.linalg.solve(stiffness[np.ix_(free, free)], load)[-2]
@@ -68,26 +68,26 @@ def test_finite_elements_bend_as_beam_theory(elements):
 
 
 def test_finite_elements_mass_is_consistent():
-    mesh, _ = straight((2, 4))
-    mass = dense(mesh.mass(0.14))
+    system, _ = straight((2, 4))
+    mass = dense(system.mass)
     assert mass == pytest.approx(mass.T)
-    moved = np.zeros(len(mesh.initial))
-    along = np.unique(mesh.unknowns[:, [0, 3]])
-    moved[[*along[along >= 0], mesh.ball[3]]] = 1.0
+    moved = np.zeros(len(system.initial))
+    along = np.unique(system.unknowns[:, [0, 3]])
+    moved[[*along[along >= 0], system.ball[3]]] = 1.0
     whole = moved @ mass @ moved
     near_axis = 0.3 / 2 / 3 * 2  # the half element at the held end: 2/3 of it does not move
     assert whole == pytest.approx(0.3 + 0.21 + 0.14 - near_axis, rel=1e-12)
 
 
 def test_tangent_of_finite_elements_is_the_derivative():
-    mesh = beams.Mesh(PAPER, (2, 3), ideal=False)
+    system = beams.assemble(PAPER, (2, 3), ideal=False)
     generator = np.random.default_rng(1)
-    q = mesh.initial + 0.01 * generator.standard_normal(len(mesh.initial))
-    q[mesh.unknowns[:, [2, 5]]] += 2.0  # far from straight
+    q = system.initial + 0.01 * generator.standard_normal(len(system.initial))
+    q[system.unknowns[:, [2, 5]]] += 2.0  # far from straight
 
     def force(q):
         found, band = np.zeros(len(q)), np.zeros((len(q), 2 * beams.BAND + 1))
-        beams._internal(q, mesh.sections, mesh.unknowns, found, band, 1.0)
+        beams._internal(q, system.sections, system.unknowns, found, band, 1.0)
         return found, band
 
     tangent = dense(force(q)[1])

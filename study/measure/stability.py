@@ -210,8 +210,9 @@ def rigid_steps(
     checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
     numbers = packed(scene, law)
     state = rigid.start(scene, numbers, duration)
-    ends, rows, impacts = np.array([0.0, duration]), np.zeros((2, 21)), np.zeros((1000, 8))
-    rigid.advance(state, scene.constants(), numbers, tolerance, ends, rows, impacts)
+    rows, impacts = np.zeros((2, 21)), np.zeros((1000, 8))
+    rows[1, 0] = duration
+    rigid.advance(state, scene.constants(), numbers, tolerance, rows, impacts)
     return int(state[stepping.STEPS]), rows[1, 20]
 
 

@@ -8,9 +8,11 @@ generalised-alpha method (Chung & Hulbert 1993) with Newton's method on a banded
 the scene and the contact law are shared with `particles`.
 """
 
+from collections import namedtuple
 from collections.abc import Iterator
+from functools import partial
 from math import inf
-from typing import NamedTuple, get_args
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,30 +20,9 @@ from numpy.typing import NDArray
 from study.compiled import compiled
 from study.contact.forces import joint_forces
 from study.contact.friction import friction_branch
+from study.mechanism import stepping
 from study.mechanism.angles import arcsine, direction, norm, sine_cosine
 from study.mechanism.scene import Body, Scene
-from study.mechanism.stepping import (
-    APPROACH,
-    CONTACT,
-    FAILED,
-    FINE,
-    FULL,
-    IMPACTS,
-    LOST_DAMPING,
-    LOST_FRICTION,
-    STATE,
-    STEP,
-    STEPS,
-    TIME,
-    TOO_DEEP,
-    Block,
-    advance_in_blocks,
-    begin_impact,
-    divide,
-    end_impact,
-    follow_impact,
-    record,
-)
 
 SPECTRAL_RADIUS = 0.8
 """At infinite frequency: what the steps leave of the motions that they cannot follow."""
@@ -57,90 +38,65 @@ ANY = 3  # friction branch: that of the sliding speed found
 DEPTH, NORMAL, TANGENTIAL, ELASTIC, RATE, SLIDING, FORCE_X, FORCE_Y, EX, EY = range(10)
 
 
-class System(NamedTuple):
-    """What does not change: as in `Mesh`, with its mass, the load, and the pin's first unknown."""
+System = namedtuple("System", "sections unknowns ball pin mass load initial ideal")
+"""Elements of both links on +x, their unknowns numbered along the chain, mass and load.
 
-    sections: NDArray[np.float64]
-    unknowns: NDArray[np.int64]
-    ball: NDArray[np.int64]
-    ideal: bool
-    pin: int
-    mass: NDArray[np.float64]
-    load: NDArray[np.float64]
+A row of ``sections`` has length, axial, shear and bending stiffness, mass and rotary inertia per
+length; one of ``unknowns`` the numbers of (x, y, rotation) at both ends, -1 where held. ``ball``
+has the numbers of its x, y and rotation and of the slider's x, ``pin`` that of its x. In the
+consistent ``mass``, a band, column BAND is the diagonal. ``initial`` are the places and rotations
+at t = 0.
+"""
 
 
-class Mesh:
-    """Elements of both links on +x, and the numbering of their unknowns along the chain.
+def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
+    """System with numbers of elements of crank and coupler; an ideal joint fixes ball to slider."""
+    sections, unknowns, initial = [], [], []
 
-    Parameters
-    ----------
-    elements
-        Number of elements of crank and coupler.
-    ideal
-        Whether the ball is fixed to the slider, else the slider has an unknown of its own.
+    def number(value):
+        initial.append(value)
+        return len(initial) - 1
 
-    Attributes
-    ----------
-    sections : shape (n, 6)
-        Length; axial, shear and bending stiffness; mass and rotary inertia per length.
-    unknowns : shape (n, 6)
-        Numbers of (x, y, rotation) at both ends of each element; -1 where held.
-    ball : shape (4,)
-        Numbers of the ball's x, y and rotation, and of the slider's x.
-    initial
-        Places and rotations at t = 0.
-    """
-
-    def __init__(self, scene: Scene, elements: tuple[int, int], ideal: bool) -> None:
-        sections, unknowns, initial = [], [], []
-
-        def number(value):
-            initial.append(value)
-            return len(initial) - 1
-
-        near = [-1, -1, number(0.0)]
-        x = y = angle = 0.0
-        for body, n in zip(get_args(Body), elements, strict=True):
-            link = scene.link(body)
-            length = link.length / n
-            shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
-            stiffness = length, link.axial, shear, link.bending
-            section = *stiffness, link.mass_per_length, link.rotary_per_length
-            if body == "coupler":  # at the pin: the same place, a rotation of its own
-                angle = 0.0 if ideal else arcsine(scene.initial_eccentricity[1] / link.length)
-                near = [*near[:2], number(angle)]
-            sine, cosine = sine_cosine(angle)
-            for e in range(n):
-                x, y = x + length * cosine, y + length * sine
-                held = ideal and body == "coupler" and e == n - 1
-                far = [number(x), -1 if held else number(y), number(angle)]
-                sections.append(section)
-                unknowns.append(near + far)
-                near = far
-        slider = near[0] if ideal else number(x - scene.initial_eccentricity[0])
-        self.sections, self.unknowns = np.array(sections), np.array(unknowns)
-        self.ball, self.initial = np.array([*near, slider]), np.array(initial)
-
-    def mass(self, slider_mass: float) -> NDArray[np.float64]:
-        """Consistent mass as a band, shape (unknowns, 2 BAND + 1): column BAND is the diagonal."""
-        band = np.zeros((len(self.initial), 2 * BAND + 1))
-        for (length, _, _, _, mass, rotary), at in zip(self.sections, self.unknowns, strict=True):
-            for i in range(6):
-                for j in range(6):
-                    if i % 3 == j % 3 and at[i] >= 0 and at[j] >= 0:
-                        density = rotary if i % 3 == 2 else mass
-                        share = (2 if i == j else 1) * density * length / 6
-                        band[at[i], BAND + at[j] - at[i]] += share
-        band[self.ball[3], BAND] += slider_mass
-        return band
+    near = [-1, -1, number(0.0)]
+    x = y = angle = 0.0
+    for body, n in zip(get_args(Body), elements, strict=True):
+        link = scene.link(body)
+        length = link.length / n
+        shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
+        stiffness = length, link.axial, shear, link.bending
+        section = *stiffness, link.mass_per_length, link.rotary_per_length
+        if body == "coupler":  # at the pin: the same place, a rotation of its own
+            angle = 0.0 if ideal else arcsine(scene.initial_eccentricity[1] / link.length)
+            pin, near = near[0], [*near[:2], number(angle)]
+        sine, cosine = sine_cosine(angle)
+        for e in range(n):
+            x, y = x + length * cosine, y + length * sine
+            held = ideal and body == "coupler" and e == n - 1
+            far = [number(x), -1 if held else number(y), number(angle)]
+            sections.append(section)
+            unknowns.append(near + far)
+            near = far
+    ball = [*near, near[0] if ideal else number(x - scene.initial_eccentricity[0])]
+    band, load = np.zeros((len(initial), 2 * BAND + 1)), np.zeros(len(initial))
+    load[0] = scene.driving_moment
+    for (length, _, _, _, mass, rotary), at in zip(sections, unknowns, strict=True):
+        for i in range(6):
+            for j in range(6):
+                if i % 3 == j % 3 and at[i] >= 0 and at[j] >= 0:
+                    density = rotary if i % 3 == 2 else mass
+                    share = (2 if i == j else 1) * density * length / 6
+                    band[at[i], BAND + at[j] - at[i]] += share
+        for y_number in (at[1], at[4]):
+            if y_number >= 0:
+                load[y_number] -= scene.gravity * length * mass / 2
+    band[ball[3], BAND] += scene.slider_mass
+    numbers = np.array(unknowns), np.array(ball), pin
+    return System(np.array(sections), *numbers, band, load, np.array(initial), ideal)
 
 
 @compiled
 def _internal(q, sections, unknowns, force, matrix, factor):
-    """Add the beams' forces to ``force`` and ``factor`` times their tangent to ``matrix``.
-
-    Returns the strain energy.
-    """
+    """Add the forces, and ``factor`` times their tangent to ``matrix``; return the energy."""
     energy = 0.0
     b, d = np.zeros((3, 6)), np.zeros(6)
     for e in range(len(sections)):
@@ -181,19 +137,11 @@ def _internal(q, sections, unknowns, force, matrix, factor):
 
 
 @compiled
-def _sliding(q, v, ball, p):
-    """Sliding speed of the ball's surface on the socket's."""
-    ex, ey = q[ball[0]] - q[ball[3]], q[ball[1]]
-    across = (v[ball[1]] * ex - (v[ball[0]] - v[ball[3]]) * ey) / norm(ex, ey)
-    return across + p.r1 * v[ball[2]]
-
-
-@compiled
 def _contact(q, v, ball, contact, approach, branch, p, law, found):
-    """Contact forces on the slider and their derivatives to (x, y, spin; rates) of the joint.
+    """Fill ``found`` with the contact's forces on the slider.
 
-    Returns two 3x3 blocks: of force x, force y on the ball and moment on the coupler, to the
-    eccentricity and rotation, and to their rates.
+    Returns the derivatives of forces on the ball and moment on the coupler to eccentricity and
+    rotation, and to their rates: two 3x3 blocks.
     """
     stiff, damp = np.zeros((3, 3)), np.zeros((3, 3))
     ex, ey = q[ball[0]] - q[ball[3]], q[ball[1]]
@@ -256,14 +204,14 @@ def _solve(matrix, right):
 def _forces(q, v, system, state, branch, p, law, found, force, matrix, tangent):
     """Fill ``force`` with what resists (internal, contact, load) and return the strain energy.
 
-    ``tangent`` has the factors of the derivatives to places and rates that fill ``matrix``.
+    To ``matrix`` the derivatives to places and rates are added, times the factors ``tangent``.
     """
     ball, (by_q, by_v) = system.ball, tangent
     force[:] = -system.load
     energy = _internal(q, system.sections, system.unknowns, force, matrix, by_q)
     if system.ideal:
         return energy
-    contact, approach = state[CONTACT] > 0, state[APPROACH]
+    contact, approach = state[stepping.CONTACT] > 0, state[stepping.APPROACH]
     stiff, damp = _contact(q, v, ball, contact, approach, branch, p, law, found)
     if found[NORMAL] != 0 or found[ELASTIC] != 0:
         force[ball[0]] += found[FORCE_X]
@@ -313,10 +261,10 @@ def _meet(gap0, rate0, gap1, rate1, h):
 def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
     """Fill ``new`` with places, rates and accelerations after a step; False for no balance.
 
-    ``old`` are the forces before the step. An iteration takes one linear piece of the friction
-    law, which then moves by one: free to jump, it would go to and fro between the law's ends.
+    ``old`` are the forces before. An iteration takes one linear piece of the friction law, which
+    then moves by one: free to jump, it would go to and fro between the law's ends.
     """
-    (force, right, matrix, found), size = work, motion.shape[1]
+    (force, right, matrix, found), size, ball = work, motion.shape[1], system.ball
     q, v, a, q1, v1, a1 = motion[0], motion[1], motion[2], new[0], new[1], new[2]
     gamma = 0.5 - ALPHA_M + ALPHA_F
     beta = 0.25 * (1 - ALPHA_M + ALPHA_F) ** 2
@@ -345,8 +293,10 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
         if not change < inf:
             return False
         away = 0
-        if state[CONTACT] > 0:
-            away = friction_branch(_sliding(q1, v1, system.ball, p), p.v0, p.v1) - branch
+        if state[stepping.CONTACT] > 0:
+            ex, ey = q1[ball[0]] - q1[ball[3]], q1[ball[1]]
+            across = (v1[ball[1]] * ex - (v1[ball[0]] - v1[ball[3]]) * ey) / norm(ex, ey)
+            away = friction_branch(across + p.r1 * v1[ball[2]], p.v0, p.v1) - branch
         if change <= tolerance and abs(away) <= 1:
             return True
         branch += min(max(away, -1), 1)
@@ -355,10 +305,9 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
 
 @compiled
 def advance(state, motion, system, p, law, h, strides, rows, impacts):
-    """Step to each output, ``strides`` steps apart, and fill ``rows``; all else goes on.
+    """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending.
 
-    ``motion`` has the rows places, rates, the method's own accelerations, and those one step
-    before. Returns the number of rows filled and how it ended.
+    ``motion`` has the rows places, rates, the method's accelerations, and those one step before.
     """
     size, done = motion.shape[1], 0
     new, old, force, right = np.zeros((3, size)), np.zeros(size), np.zeros(size), np.zeros(size)
@@ -367,44 +316,44 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts):
     strain = _forces(motion[0], motion[1], system, state, ANY, p, law, now, old, matrix, NO_TANGENT)
     tolerance = NEWTON_TOLERANCE * law[1] + 1e-13 * abs(motion[0, system.ball[3]])
     while True:
-        if int(state[IMPACTS]) == len(impacts):
-            return done, FULL
-        t = state[TIME] = state[STEPS] * h
-        if int(state[STEPS]) % strides == 0:
-            _record(rows[done], t, motion, system, now, strain, state, p, law)
+        if int(state[stepping.IMPACTS]) == len(impacts):
+            return done, stepping.FULL
+        t = state[stepping.TIME] = state[stepping.STEPS] * h
+        if int(state[stepping.STEPS]) % strides == 0:
+            _record(rows[done], state, motion, system, now, strain, p, law)
             done += 1
         while True:  # a second time if the surfaces meet in this step
             sliding = now[SLIDING]
             if not _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
-                return done, FAILED
+                return done, stepping.FAILED
             strain = _forces(
                 new[0], new[1], system, state, ANY, p, law, found, force, matrix, NO_TANGENT
             )
-            if system.ideal or state[CONTACT] > 0 or found[DEPTH] <= 0:
+            if system.ideal or state[stepping.CONTACT] > 0 or found[DEPTH] <= 0:
                 break
             after, approach = _meet(now[DEPTH], now[RATE], found[DEPTH], found[RATE], h)
-            begin_impact(impacts, state, t + after, approach)
-        state[STEPS] += 1
-        state[TIME] = state[STEPS] * h
-        if state[CONTACT] > 0:
+            stepping.begin_impact(impacts, state, t + after, approach)
+        state[stepping.STEPS] += 1
+        state[stepping.TIME] = state[stepping.STEPS] * h
+        if state[stepping.CONTACT] > 0:
             if found[DEPTH] > p.clearance:
-                return done, TOO_DEEP
+                return done, stepping.TOO_DEEP
             for which in (now, found):
                 damping = (which[NORMAL] - which[ELASTIC]) * which[RATE]
-                state[LOST_DAMPING] += 0.5 * h * damping
-                state[LOST_FRICTION] -= 0.5 * h * which[TANGENTIAL] * which[SLIDING]
-            follow_impact(impacts, state, state[TIME], found[NORMAL], found[DEPTH])
+                state[stepping.LOST_DAMPING] += 0.5 * h * damping
+                state[stepping.LOST_FRICTION] -= 0.5 * h * which[TANGENTIAL] * which[SLIDING]
+            stepping.follow_impact(impacts, state, found[NORMAL], found[DEPTH])
             if found[DEPTH] <= 0:
-                end_impact(impacts, state, state[TIME], -found[RATE])
+                stepping.end_impact(impacts, state, -found[RATE])
         motion[3] = motion[2]
         motion[:3], old[:], now[:] = new, force, found
         if done == len(rows):
-            return done, FINE
+            return done, stepping.FINE
 
 
 @compiled
-def _record(row, t, motion, system, now, strain, state, p, law):
-    """Fill a row of output with what there is at time ``t``."""
+def _record(row, state, motion, system, now, strain, p, law):
+    """Fill a row of output from motion and contact at the state's time."""
     q, v, ball, pin = motion[0], motion[1], system.ball, system.pin
     # the method's accelerations belong to a time (alpha_f - alpha_m) h before
     late = (1 - SPECTRAL_RADIUS) / (SPECTRAL_RADIUS + 1)
@@ -419,26 +368,18 @@ def _record(row, t, motion, system, now, strain, state, p, law):
     if system.ideal:
         fx, fy = p.m3 * a[ball[0]], -_reaction(q, a, system, p.gravity)
         y, place, forces = 0.0, (0.0, 0.0, 0.0), (norm(fx, fy), 0.0, fx, fy)
-    record(
-        row,
-        t,
-        (q[0], v[0], a[0]),
-        (q[ball[3]], v[ball[3]], forces[2] / p.m3),
-        (direction(y - q[pin + 1], q[ball[0]] - q[pin]), v[ball[2]]),
-        place,
-        forces,
-        (work, kinetic, strain),
-        law,
-        (state[LOST_DAMPING], state[LOST_FRICTION]),
-    )
+    crank, slider = (q[0], v[0], a[0]), (q[ball[3]], v[ball[3]], forces[2] / p.m3)
+    coupler = direction(y - q[pin + 1], q[ball[0]] - q[pin]), v[ball[2]]
+    energies = work, kinetic, strain
+    stepping.record(row, state, law, crank, slider, coupler, place, forces, energies)
 
 
-def _start(system, initial):
+def _start(system):
     """Places and accelerations at t = 0, in the rows of ``advance``'s ``motion``.
 
     Rotations without inertia follow the load at once: they balance it before anything moves.
     """
-    sections, unknowns, _, _, _, mass, load = system
+    sections, unknowns, _, _, mass, load, initial, _ = system
     motion = np.zeros((4, len(load)))
     motion[0] = initial
     force, stiffness = -load, np.zeros_like(mass)
@@ -471,27 +412,10 @@ def blocks(
     ideal: bool,
     step: float,
     elements: tuple[int, int],
-) -> Iterator[Block]:
-    """Blocks of output rows of the scene with links of beam elements, see `advance_in_blocks`.
-
-    All arguments as for `study.mechanism.particles.blocks`.
-    """
-    mesh, p, state = Mesh(scene, elements, ideal), scene.constants(), np.zeros(STATE)
-    strides, h = divide(times, step)
-    load = np.zeros(len(mesh.initial))
-    load[0] = scene.driving_moment
-    for section, at in zip(mesh.sections, mesh.unknowns, strict=True):
-        for y in (at[1], at[4]):
-            if y >= 0:
-                load[y] -= scene.gravity * section[0] * section[4] / 2
-    pin = int(mesh.unknowns[elements[0] - 1, 3])
-    links = mesh.sections, mesh.unknowns, mesh.ball, ideal, pin
-    system = System(*links, mesh.mass(scene.slider_mass), load)
-    motion, state[STEP] = _start(system, mesh.initial), h
-    return advance_in_blocks(
-        lambda _, *block: advance(state, motion, system, p, law, h, strides, *block),
-        times,
-        state,
-        scene,
-        "Newton's method found no balance",
-    )
+) -> Iterator[stepping.Block]:
+    """Blocks of output rows of the scene with links of beam elements, as those of particles."""
+    system, p, state = assemble(scene, elements, ideal), scene.constants(), np.zeros(stepping.STATE)
+    strides, h = stepping.divide(times, step)
+    motion, state[stepping.STEP] = _start(system), h
+    loop = partial(advance, state, motion, system, p, law, h, strides)
+    return stepping.advance_in_blocks(loop, times, state, scene, "Newton's method found no balance")

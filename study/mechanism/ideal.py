@@ -14,15 +14,8 @@ from study.mechanism.stepping import Block, MechanismError
 
 
 def blocks(scene: Scene, times: list[NDArray[np.float64]]) -> Iterator[Block]:
-    """Blocks of output rows at ``times`` of the scene with an ideal joint; there are no impacts.
-
-    Raises
-    ------
-    MechanismError
-        If the integrator fails.
-    """
-    p = scene.constants()
-    l1, l2, a11, a22, a12, m3, moment, g1, g2 = p[:9]
+    """Blocks of output rows at ``times`` of the scene with an ideal joint; there are no impacts."""
+    l1, l2, a11, a22, a12, m3, moment, g1, g2 = scene.constants()[:9]
 
     def kinematics(theta):
         st, ct = np.sin(theta), np.cos(theta)
@@ -41,45 +34,32 @@ def blocks(scene: Scene, times: list[NDArray[np.float64]]) -> Iterator[Block]:
         half = a22 * phi1 * phi2 + a12 * (cd * phi2 - sd * (1 - phi1) * phi1) + m3 * x1 * x2
         return (moment - g1 * ct - g2 * cp * phi1 - half * omega**2) / inertia
 
+    def slope(_, y):
+        return y[1], accelerate(*y)
+
+    def rows(times, theta, omega):
+        st, ct, sp, cp, phi1, phi2, x1, x2 = kinematics(theta)
+        alpha = accelerate(theta, omega)
+        psi, beta = phi1 * omega, phi1 * alpha + phi2 * omega**2
+        sd, cd = st * cp - ct * sp, ct * cp + st * sp
+        pull = x1 * alpha + x2 * omega**2
+        fx = m3 * pull  # on the slider; on the coupler the opposite, and fy from its moments
+        fy = -(a22 * beta + a12 * (cd * alpha - sd * omega**2) + g2 * cp - l2 * sp * fx) / (l2 * cp)
+        kinetic = 0.5 * (a11 * omega**2 + a22 * psi**2 + m3 * (x1 * omega) ** 2)
+        kinetic += a12 * cd * omega * psi
+        zero = np.zeros_like(theta)
+        columns = (times, theta, l1 * ct + l2 * cp, omega, x1 * omega, alpha, pull)
+        columns += (np.arctan2(sp, cp), psi, zero, zero, zero, np.hypot(fx, fy), zero, fx, fy)
+        columns += (moment * theta - g1 * st - g2 * sp, kinetic, zero, zero, zero)
+        return np.column_stack(columns)
+
     speed = np.sqrt((abs(moment) + abs(g1) + abs(g2)) / a11) + 1 / times[-1][-1]  # of the drive
+    tolerances = {"rtol": 3e-14, "atol": (1e-15, 1e-15 * speed)}
     start, state = 0.0, (0.0, 0.0)
     for block in times:
-        theta, omega = np.array(state)[:, None] * np.ones(len(block))
-        if block[-1] > start:
-            solution = solve_ivp(
-                lambda _, y: (y[1], accelerate(*y)),
-                (start, block[-1]),
-                state,
-                method="DOP853",
-                t_eval=block,
-                rtol=3e-14,
-                atol=(1e-15, 1e-15 * speed),
-            )
-            if not solution.success:
-                raise MechanismError(f"the integrator failed after {start:.9g} s")
-            theta, omega = solution.y
-        start, state = block[-1], (theta[-1], omega[-1])
-        yield (
-            _rows(block, theta, omega, p, kinematics(theta), accelerate(theta, omega)),
-            np.empty((0, 7)),
-            True,
-        )
-
-
-def _rows(times, theta, omega, p, kinematics, alpha):
-    """Rows of output of the ideal mechanism, from the crank's motion."""
-    l1, l2, a11, a22, a12, m3, moment, g1, g2 = p[:9]
-    st, ct, sp, cp, phi1, phi2, x1, x2 = kinematics
-    psi, beta = phi1 * omega, phi1 * alpha + phi2 * omega**2
-    sd, cd = st * cp - ct * sp, ct * cp + st * sp
-    pull = x1 * alpha + x2 * omega**2
-    fx = m3 * pull  # on the slider; on the coupler the opposite, and fy from its moments
-    fy = -(a22 * beta + a12 * (cd * alpha - sd * omega**2) + g2 * cp - l2 * sp * fx) / (l2 * cp)
-    kinetic = (
-        0.5 * (a11 * omega**2 + a22 * psi**2 + m3 * (x1 * omega) ** 2) + a12 * cd * omega * psi
-    )
-    zero = np.zeros_like(theta)
-    columns = (times, theta, l1 * ct + l2 * cp, omega, x1 * omega, alpha, pull)
-    columns += (np.arctan2(sp, cp), psi, zero, zero, zero, np.hypot(fx, fy), zero, fx, fy)
-    columns += (moment * theta - g1 * st - g2 * sp, kinetic, zero, zero, zero)
-    return np.column_stack(columns)
+        span = start, block[-1]
+        solution = solve_ivp(slope, span, state, "DOP853", t_eval=block, **tolerances)
+        if not solution.success:
+            raise MechanismError(f"the integrator failed after {start:.9g} s")
+        start, state = block[-1], solution.y[:, -1]
+        yield rows(block, *solution.y), np.empty((0, 7)), True

@@ -8,9 +8,11 @@ the centred one, which the forces of the step are solved for, or the one half a 
 (``lagged``); ``unguarded`` is the latter without the checks of the limits of stability.
 """
 
+from collections import namedtuple
 from collections.abc import Iterator
+from functools import partial
 from math import inf, pi, sqrt
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import scipy.linalg
@@ -20,73 +22,27 @@ from study import checks
 from study.compiled import compiled
 from study.contact.forces import elastic_force, joint_forces
 from study.contact.friction import friction_branch, friction_factor
+from study.mechanism import stepping
 from study.mechanism.angles import angle_of, arcsine, direction, norm, sine_cosine
 from study.mechanism.scene import Link, Scene
-from study.mechanism.stepping import (
-    APPROACH,
-    CONTACT,
-    FAILED,
-    FINE,
-    FULL,
-    IMPACTS,
-    LIMIT,
-    LOST_DAMPING,
-    LOST_FRICTION,
-    STATE,
-    STEP,
-    STEPS,
-    TIME,
-    TOO_DEEP,
-    Block,
-    advance_in_blocks,
-    begin_impact,
-    divide,
-    end_impact,
-    follow_impact,
-    record,
-)
 
 Method = Literal["centred", "lagged", "unguarded"]
 GAP, GAP_RATE = range(2)  # places in the state, before those of all models
 
 
-class System(NamedTuple):
-    """What does not change: elements and particles as in `Frame`, and how damping is stepped."""
-
-    elements: NDArray[np.float64]
-    masses: NDArray[np.float64]
-    rotaries: NDArray[np.float64]
-    pin: int
-    frequency: float
-    ideal: bool
-    lagged: bool
-    guarded: bool
-
-
-class Motion(NamedTuple):
-    """Places (x, y) and turns at the current time, their rates half a step before it.
-
-    ``slide`` is (x, x') of the slider.
-    """
-
-    places: NDArray[np.float64]
-    rates: NDArray[np.float64]
-    turns: NDArray[np.float64]
-    spins: NDArray[np.float64]
-    slide: NDArray[np.float64]
+System = namedtuple("System", "elements masses rotaries pin frequency ideal lagged guarded")
+"""What does not change: elements and particles as in `Frame`, and how damping is stepped."""
+Motion = namedtuple("Motion", "places rates turns spins slide")
+"""Places (x, y) and turns at the current time, their rates half a step before it; ``slide`` is
+(x, x') of the slider."""
 
 
 def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Particles of one link: masses, and rotary inertias of the half elements at each.
+    """Particles of one link: masses in kg, rotary inertias of the half elements at each in kg m^2.
 
     With two or more elements a little of each end's mass goes to its neighbour, so that mass,
     centre and moment of inertia of the link are exact: stiff links then move as the rigid ones
     at any number of elements. A single element has its mass at its ends, and too much inertia.
-
-    Returns
-    -------
-    masses, rotaries : shapes (elements + 1,)
-        In kg and kg m^2.
     """
     length = link.length / elements
     halves = np.full(elements + 1, 2.0)
@@ -105,24 +61,13 @@ class Frame:
     """Particles and elements of both links, laid out on +x.
 
     Particle 0 is the crank's fixed end, ``pin`` the one that both links share, the last one
-    the ball. Rotations are counted per link, so that the pin has two.
-
-    Parameters
-    ----------
-    elements
-        Number of elements of crank and coupler.
-
-    Attributes
-    ----------
-    elements : shape (n, 4)
-        Length (m), axial stiffness (N/m), and the bending stiffnesses that tie the moment at an
-        end to the rotations of the near and the far end (N m).
-    masses, rotaries : shapes (n + 1,) and (n + 2,)
+    the ball. Rotations are counted per link, so that the pin has two. A row of ``elements`` has
+    length (m), axial stiffness (N/m), and the bending stiffnesses that tie the moment at an end
+    to the rotations of the near and the far end (N m).
     """
 
     def __init__(self, scene: Scene, elements: tuple[int, int]) -> None:
-        links = scene.link("crank"), scene.link("coupler")
-        rows = []
+        links, rows = (scene.link("crank"), scene.link("coupler")), []
         for link, n in zip(links, elements, strict=True):
             length = link.length / n
             shear = 12 * link.bending / (link.shear * length**2)
@@ -140,9 +85,7 @@ class Frame:
 
         ``end_mass``, in kg, is added to the last particle along the slide, where it is ``held``.
         """
-        count = len(self.elements)
-        turns = 2 * (count + 1)
-        size = turns + count + 2
+        turns, size = 2 * len(self.masses), 3 * len(self.masses) + 1
         stiffness, mass = np.zeros((size, size)), np.zeros(size)
         for e, (length, axial, near, far) in enumerate(self.elements):
             along, turn = [2 * e, 2 * e + 2], turns + e + (e >= self.pin)
@@ -162,9 +105,8 @@ class Frame:
 def numbers_of_elements(pair: tuple[int, int]) -> tuple[int, int]:
     """Return the numbers of elements of crank and coupler, or raise ``ValueError``."""
     if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-        raise ValueError(
-            f"elements must be two numbers, of crank and coupler, got {checks.shown(pair)}"
-        )
+        shown = checks.shown(pair)
+        raise ValueError(f"elements must be two numbers, of crank and coupler, got {shown}")
     crank, coupler = (checks.whole("elements", n, least=1, most=500) for n in pair)
     return crank, coupler
 
@@ -247,14 +189,14 @@ def _meet(gap, rate, rate_before, h):
 
 
 @compiled
-def _follow_gap(state, impacts, depth, t, h):
+def _follow_gap(state, impacts, depth, h):
     """Begin or end an impact where the depth has changed its sign."""
     rate = (depth - state[GAP]) / h
-    if depth <= 0 and state[CONTACT] > 0:
-        end_impact(impacts, state, t, -rate)
-    elif depth > 0 and state[CONTACT] == 0:
+    if depth <= 0 and state[stepping.CONTACT] > 0:
+        stepping.end_impact(impacts, state, -rate)
+    elif depth > 0 and state[stepping.CONTACT] == 0:
         part, approach = _meet(state[GAP], rate, state[GAP_RATE], h)
-        begin_impact(impacts, state, t - (1 - part) * h, approach)
+        stepping.begin_impact(impacts, state, state[stepping.TIME] - (1 - part) * h, approach)
     state[GAP], state[GAP_RATE] = depth, rate
 
 
@@ -272,13 +214,13 @@ def _joint(place, state, motion, system, acting, p, law, h):
     wx, wy = motion.rates[last, 0] - motion.slide[1], motion.rates[last, 1]
     rate, sliding = wx * nx + wy * ny, wy * nx - wx * ny + p.r1 * spin
     elastic, stiffness = elastic_force(law, depth)
-    loss = elastic * p.damping / state[APPROACH]
+    loss = elastic * p.damping / state[stepping.APPROACH]
     ease = 1 / mass + nx * nx / p.m3
     stiff = system.frequency**2 + stiffness * ease
     if system.lagged:  # (h w)^2 + 2 h c/m < 4
         limit = (sqrt((loss * ease) ** 2 + 4 * stiff) - loss * ease) / stiff
         branch = friction_branch(sliding, p.v0, p.v1)
-        given = rate, sliding, branch, state[APPROACH], p.damping, p.friction, p.v0, p.v1
+        given = rate, sliding, branch, state[stepping.APPROACH], p.damping, p.friction, p.v0, p.v1
         found = joint_forces(law, depth, *given)
         normal, tangential = found[0], found[5]
     else:  # with the forces of this step, which depend on it
@@ -300,8 +242,8 @@ def _joint(place, state, motion, system, acting, p, law, h):
     forces[last, 0] -= fx
     forces[last, 1] -= fy
     moments[-1] += p.r1 * tangential
-    state[LOST_DAMPING] += h * (normal - elastic) * rate
-    state[LOST_FRICTION] -= h * tangential * sliding
+    state[stepping.LOST_DAMPING] += h * (normal - elastic) * rate
+    state[stepping.LOST_FRICTION] -= h * tangential * sliding
     return (normal, tangential, fx, fy), limit
 
 
@@ -324,44 +266,32 @@ def _accelerate(motion, system, acting, end_mass, h):
 
 
 @compiled
-def _record(row, t, motion, system, acting, joint, p, law, h, strain, kinetic, lost):
+def _record(row, state, motion, system, acting, joint, p, law, h, strain, kinetic):
     """Fill a row of output, after the step's rates and before its places."""
     places, _, turns, spins, _ = motion
-    (_, moments), (place, found, slider), pin = acting, joint, system.pin
+    (_, moments), (place, forces, slider), pin = acting, joint, system.pin
     last, work, turning = len(places) - 1, p.moment * turns[0], moments[0] / system.rotaries[0]
     for i in range(1, last + 1):
         work -= p.gravity * system.masses[i] * places[i, 1]
+    crank = turns[0], spins[0] - 0.5 * h * turning, turning
     along, across = places[last, 0] - places[pin, 0], places[last, 1] - places[pin, 1]
-    coupler_speed = spins[-1] - 0.5 * h * moments[-1] / system.rotaries[-1]
-    record(
-        row,
-        t,
-        (turns[0], spins[0] - 0.5 * h * turning, turning),
-        slider,
-        (direction(across, along), coupler_speed),
-        place,
-        found,
-        (work, kinetic, strain),
-        law,
-        lost,
-    )
+    coupler = direction(across, along), spins[-1] - 0.5 * h * moments[-1] / system.rotaries[-1]
+    energies = work, kinetic, strain
+    stepping.record(row, state, law, crank, slider, coupler, place, forces, energies)
 
 
 @compiled
 def advance(state, motion, system, p, law, h, strides, rows, impacts):
-    """Step to each output, ``strides`` steps apart, and fill ``rows``; all else goes on.
-
-    Returns the number of rows filled and how it ended.
-    """
+    """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending."""
     places, rates, turns, spins, slide = motion
     masses, ideal = system.masses, system.ideal
     last, done = len(masses) - 1, 0
     acting = forces, moments = np.zeros_like(places), np.zeros_like(turns)
     end_mass = masses[last] + (p.m3 if ideal else 0.0)
     while done < len(rows):
-        if int(state[IMPACTS]) == len(impacts):
-            return done, FULL
-        t = state[TIME] = state[STEPS] * h
+        if int(state[stepping.IMPACTS]) == len(impacts):
+            return done, stepping.FULL
+        state[stepping.TIME] = state[stepping.STEPS] * h
         forces[:, 0] = 0.0
         forces[:, 1] = -p.gravity * masses
         moments[:] = 0.0
@@ -375,14 +305,14 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts):
             ex, ey = places[last, 0] - slide[0], places[last, 1]
             place = ex, ey, norm(ex, ey) - law[1]
             if not place[2] <= p.clearance:
-                return done, TOO_DEEP
-            _follow_gap(state, impacts, place[2], t, h)
+                return done, stepping.TOO_DEEP
+            _follow_gap(state, impacts, place[2], h)
             if place[2] > 0:
                 found, limit = _joint(place, state, motion, system, acting, p, law, h)
                 if h > limit and system.guarded:
-                    state[LIMIT] = limit
-                    return done, FAILED
-                follow_impact(impacts, state, t, found[0], place[2])
+                    state[stepping.LIMIT] = limit
+                    return done, stepping.FAILED
+                stepping.follow_impact(impacts, state, found[0], place[2])
         pull = found[2] / p.m3  # the slider's acceleration
         kinetic = _accelerate(motion, system, acting, end_mass, h)
         slide[1] = rates[last, 0] if ideal else slide[1] + h * pull
@@ -390,18 +320,17 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts):
         if not ideal:
             kinetic += 0.5 * p.m3 * speed * speed
         if not kinetic < inf:
-            state[LIMIT] = 2 / system.frequency
-            return done, FAILED
-        if int(state[STEPS]) % strides == 0:
+            state[stepping.LIMIT] = 2 / system.frequency
+            return done, stepping.FAILED
+        if int(state[stepping.STEPS]) % strides == 0:
             joint = place, found, (slide[0], speed, pull)
-            lost = state[LOST_DAMPING], state[LOST_FRICTION]
-            _record(rows[done], t, motion, system, acting, joint, p, law, h, strain, kinetic, lost)
+            _record(rows[done], state, motion, system, acting, joint, p, law, h, strain, kinetic)
             done += 1
         places += h * rates
         turns += h * spins
         slide[0] = places[last, 0] if ideal else slide[0] + h * slide[1]
-        state[STEPS] += 1
-    return done, FINE
+        state[stepping.STEPS] += 1
+    return done, stepping.FINE
 
 
 def blocks(
@@ -412,29 +341,12 @@ def blocks(
     step: float | None,
     elements: tuple[int, int],
     method: Method,
-) -> Iterator[Block]:
-    """Blocks of output rows of the scene with links of particles, see `advance_in_blocks`.
+) -> Iterator[stepping.Block]:
+    """Blocks of output rows at equally spaced ``times`` of the scene with links of particles.
 
-    Parameters
-    ----------
-    law
-        From ``study.contact.forces.pack``.
-    times
-        Equally spaced outputs, the first at 0, in blocks.
-    ideal
-        Whether the ball is fixed to the slider.
-    step
-        Largest step, in s, shortened to divide the outputs' distance; None: half the limit of
-        stability at the largest depth.
-    elements
-        Of crank and coupler.
-    method
-        Velocity in damping and friction.
-
-    Raises
-    ------
-    ValueError
-        For a step above the limit of stability, unless ``unguarded``.
+    The law is packed, and ``ideal`` tells whether the ball is fixed to the slider. Equal steps of
+    at most ``step`` seconds divide the outputs' distance; `usual_step` is the default. Raises
+    ``ValueError`` for one above the limit of stability, unless ``unguarded``.
     """
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
@@ -442,22 +354,18 @@ def blocks(
     checks.number("limit of stability", limit, "s", least=1e-10 * times[-1][-1])
     if step is None:
         step = 1 / frequency if ideal else usual_step(scene, law, elements)
-    strides, h = divide(times, step)
+    strides, h = stepping.divide(times, step)
     if h > limit and method != "unguarded":
         raise ValueError(f"step must be <= {limit:.4g} s, the limit of stability, got {step:.4g} s")
-    how = method != "centred", method != "unguarded"
-    system = System(frame.elements, frame.masses, frame.rotaries, frame.pin, frequency, ideal, *how)
-    motion, state, p = _at_rest(scene, frame, ideal, h), np.zeros(STATE), scene.constants()
-    state[STEP] = h
+    how = {"lagged": method != "centred", "guarded": method != "unguarded"}
+    system = System(**vars(frame), frequency=frequency, ideal=ideal, **how)
+    motion, state, p = _at_rest(scene, frame, ideal, h), np.zeros(stepping.STATE), scene.constants()
+    state[stepping.STEP] = h
     ball, slide = motion.places[-1], motion.slide
     state[GAP] = norm(ball[0] - slide[0], ball[1]) - scene.clearance
-    return advance_in_blocks(
-        lambda _, *block: advance(state, motion, system, p, law, h, strides, *block),
-        times,
-        state,
-        scene,
-        "the step must stay <= {:.4g} s, the limit of stability",
-    )
+    loop = partial(advance, state, motion, system, p, law, h, strides)
+    failure = "the step must stay <= {:.4g} s, the limit of stability"
+    return stepping.advance_in_blocks(loop, times, state, scene, failure)
 
 
 def _at_rest(scene, frame, ideal, h):

@@ -5,13 +5,13 @@ socket, in flight as (e_x, e_y), in contact as (depth, direction). The depth is 
 of its own: nothing cancels, and the stiff direction is a coordinate, which lets steps grow.
 Coupler and slider follow from the geometry, the coupler pointing to +x.
 
-Between impacts, and between the kinks of the friction law, the equations are smooth. Each
-piece is integrated by the stiffly accurate Rosenbrock method Rodas5P of order 5 with the
-analytic Jacobian; its end is located by repeating the last step with another length until the
-event function vanishes. What the flexible models need is not here.
+Between impacts and kinks of the friction law the equations are smooth. Such a piece is integrated
+by Rodas5P with the analytic Jacobian; its end is located by repeating the last step with another
+length until the event function vanishes.
 """
 
 from collections.abc import Iterator
+from functools import partial
 from math import inf, sqrt
 
 import numpy as np
@@ -20,32 +20,10 @@ from numpy.typing import NDArray
 from study.compiled import compiled
 from study.contact.forces import elastic_force, joint_forces, stored_energy
 from study.contact.friction import friction_branch
+from study.mechanism import stepping
 from study.mechanism.angles import angle_of, fifth_root, norm, sine_cosine
 from study.mechanism.rosenbrock import STAGES, begin_stage, end_stage, factorise
 from study.mechanism.scene import Scene
-from study.mechanism.stepping import (
-    APPROACH,
-    CONTACT,
-    FAILED,
-    FINE,
-    FULL,
-    IMPACTS,
-    LOST_DAMPING,
-    LOST_FRICTION,
-    PEAK_DEPTH,
-    PEAK_FORCE,
-    STATE,
-    STEP,
-    STEPS,
-    TIME,
-    TOO_DEEP,
-    Block,
-    advance_in_blocks,
-    begin_impact,
-    end_impact,
-    follow_impact,
-    record,
-)
 
 # Places in the state, after (z, z', energies lost) and what all models have
 BRANCH, DEEP, REACH = range(15, 18)
@@ -65,12 +43,10 @@ def new_slopes():
 
 @compiled
 def motion(y, piece, p, law, jacobian, f, k):
-    """Fill ``f`` with accelerations z'', powers lost and what else is found, and derivatives ``k``.
+    """Fill ``f`` with accelerations z'', powers lost and what else is found, at y = (z, z', ...).
 
-    ``y`` is (z, z', ...) with z = (theta, e_x, e_y) in flight and (theta, depth, direction) in
-    contact; ``piece`` is (in contact?, friction branch, approach speed). The derivatives have
-    a row for each of z'' and the powers and a column for each of (z, z'); they are filled where
-    ``jacobian`` is set.
+    ``piece`` is (in contact?, friction branch, approach speed). With ``jacobian`` the derivatives
+    ``k`` are filled, a row for each of z'' and the powers, a column for each of (z, z').
     """
     contact, branch, approach = piece
     l1, l2 = p.l1, p.l2
@@ -196,13 +172,12 @@ def _step(smooth, h, new):
 def _error(u, state, depth, tolerance, p, clearance):
     """Largest local error over what ``tolerance`` allows.
 
-    Places relative to the clearance, the depth relative to the deepest that this impact's
-    approach speed can bring; speeds relative to a tenth of that which the drive gives over the
-    clearance (weights found by measuring time over accuracy).
+    Places count by the clearance, the depth by the deepest that this impact's approach speed can
+    bring, speeds by a tenth of what the drive gives over the clearance (found by measuring).
     """
     place = tolerance * clearance
     speed = 0.1 * tolerance * state[REACH] + ROUNDOFF * p.l1 * abs(state[3])
-    contact = state[CONTACT] > 0
+    contact = state[stepping.CONTACT] > 0
     deep = tolerance * max(state[DEEP], depth) if contact else place
     across = clearance if contact else 1.0
     return max(
@@ -256,17 +231,15 @@ def _locate(which, before, after, smooth, t, h, new):
         middle = (low * after - high * before) / (after - before)
         if not low < middle < high:
             middle = 0.5 * (low + high)
-            if not low < middle < high:
-                break
+        if not low < middle < high:
+            break
         value = _try(which, smooth, middle, new)
         if value < 0:
-            low, before = middle, value
             after = after / 2 if side < 0 else after
-            side = -1
+            low, before, side = middle, value, -1
         else:
-            high, after = middle, value
             before = before / 2 if side > 0 else before
-            side = 1
+            high, after, side = middle, value, 1
             if value == 0:
                 break
     return high
@@ -278,9 +251,7 @@ def _first_event(smooth, seen, t, h, new):
     _, piece, p, _, here, _ = smooth
     first = -1
     for which in (SURFACES, UPWARDS, DOWNWARDS):
-        after = _event(which, piece, seen, p)
-        if first >= 0:
-            after = _try(which, smooth, h, new)
+        after = _try(which, smooth, h, new) if first >= 0 else _event(which, piece, seen, p)
         if after >= 0:
             h = _locate(which, _event(which, piece, here[0], p), after, smooth, t, h, new)
             first = which
@@ -291,10 +262,8 @@ def _first_event(smooth, seen, t, h, new):
 def _measure_peaks(impact, smooth, seen, t, h, new):
     """Locate peaks of force and depth inside a step of ``h`` with ``seen`` at its end."""
     _, piece, p, _, (start, _), (_, _, f) = smooth
-    for which, column, quantity in (
-        (FORCE_PEAK, PEAK_FORCE, NORMAL),
-        (DEPTH_PEAK, PEAK_DEPTH, DEPTH),
-    ):
+    peaks = (FORCE_PEAK, stepping.PEAK_FORCE, NORMAL), (DEPTH_PEAK, stepping.PEAK_DEPTH, DEPTH)
+    for which, column, quantity in peaks:
         before, after = _event(which, piece, start, p), _event(which, piece, seen, p)
         if before < 0 <= after and start[quantity] - before * h > impact[column]:
             _try(which, smooth, _locate(which, before, after, smooth, t, h, new), new)
@@ -319,10 +288,7 @@ def compliance(theta, ey, dx, dy, arm, p):
 
 @compiled
 def impact_depth(y, rate, p, law):
-    """Depth at which the contact has stored the energy of an approach speed, in m.
-
-    With the mechanism's effective mass along the normal; ``y`` in the coordinates of contact.
-    """
+    """Depth at which the contact has stored the energy of an approach speed, in m."""
     ny, nx = sine_cosine(y[2])
     energy = rate * rate / (2 * compliance(y[0], law[1] * ny, nx, ny, 0.0, p))
     depth = law[1]
@@ -335,25 +301,9 @@ def impact_depth(y, rate, p, law):
 
 
 @compiled
-def _touch(y, law):
-    """Turn flight's coordinates into those of contact, at depth 0."""
-    r = norm(y[1], y[2])
-    nx, ny, wx, wy = y[1] / r, y[2] / r, y[4], y[5]
-    y[1], y[2], y[4], y[5] = 0.0, angle_of(ny, nx), nx * wx + ny * wy, (nx * wy - ny * wx) / law[1]
-
-
-@compiled
-def _part(y, law):
-    """Turn contact's coordinates into those of flight, at depth 0."""
-    ny, nx = sine_cosine(y[2])
-    rate, across = y[4], law[1] * y[5]
-    y[1], y[2] = law[1] * nx, law[1] * ny
-    y[4], y[5] = rate * nx - across * ny, rate * ny + across * nx
-
-
-@compiled
-def _record(row, t, y, f, contact, p, law):
-    """Fill a row of output with what there is at time ``t``."""
+def _record(row, state, f, p, law):
+    """Fill a row of output from the state and what `motion` found there."""
+    y, contact = state[:8], state[stepping.CONTACT] > 0
     st, ct = sine_cosine(y[0])
     sp, cp, psi = f[SINE], f[COSINE], f[PSI]
     ex, ey, wx, nx, ny = y[1], y[2], y[4], 0.0, 0.0
@@ -361,57 +311,48 @@ def _record(row, t, y, f, contact, p, law):
         ny, nx = sine_cosine(y[2])
         r = law[1] + y[1]
         ex, ey, wx = r * nx, r * ny, y[4] * nx - y[5] * r * ny
+    crank = y[0], y[3], f[0]
     speed = -p.l1 * st * y[3] - p.l2 * sp * psi - wx
+    slider = p.l1 * ct + p.l2 * cp - ex, speed, f[SLIDER]
     normal, tangential = f[NORMAL], f[TANGENTIAL]
+    forces = normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx
     kinetic = 0.5 * (p.a11 * y[3] * y[3] + p.a22 * psi * psi + p.m3 * speed * speed)
     kinetic += p.a12 * (ct * cp + st * sp) * y[3] * psi
-    record(
-        row,
-        t,
-        (y[0], y[3], f[0]),
-        (p.l1 * ct + p.l2 * cp - ex, speed, f[SLIDER]),
-        (angle_of(sp, cp), psi),
-        (ex, ey, f[DEPTH]),
-        (normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx),
-        (p.moment * y[0] - p.g1 * st - p.g2 * sp, kinetic, 0.0),
-        law,
-        (y[LOST_DAMPING], y[LOST_FRICTION]),
-    )
+    energies = p.moment * y[0] - p.g1 * st - p.g2 * sp, kinetic, 0.0
+    coupler, place = (angle_of(sp, cp), psi), (ex, ey, f[DEPTH])
+    stepping.record(row, state, law, crank, slider, coupler, place, forces, energies)
 
 
 @compiled
-def advance(state, p, law, tolerance, times, rows, impacts):
-    """Step to each of ``times`` and fill ``rows`` and ``impacts``; all else goes on in ``state``.
-
-    Returns the number of rows filled and how it ended.
-    """
-    y, t, h = state[:8], state[TIME], state[STEP]
-    piece = state[CONTACT] > 0, int(state[BRANCH]), state[APPROACH]
+def advance(state, p, law, tolerance, rows, impacts):
+    """Step to the time of each row and fill it; return the number of rows filled and the ending."""
+    y, t, h = state[:8], state[stepping.TIME], state[stepping.STEP]
+    piece = state[stepping.CONTACT] > 0, int(state[BRANCH]), state[stepping.APPROACH]
     here, there = new_slopes(), new_slopes()
     new, trial = np.zeros(8), np.zeros(8)
     scratch = np.zeros((STAGES, 8)), np.zeros(8), np.zeros(15)
     known, idle, done = False, 0, 0
-    while done < len(times):
-        if int(state[IMPACTS]) == len(impacts):
-            return done, FULL
+    while done < len(rows):
+        if int(state[stepping.IMPACTS]) == len(impacts):
+            return done, stepping.FULL
         if not known:
             motion(y, piece, p, law, True, here[0], here[1])
             known = True
-        if t >= times[done]:
-            _record(rows[done], t, y, here[0], piece[0], p, law)
+        if t >= rows[done, 0]:
+            _record(rows[done], state, here[0], p, law)
             done += 1
             continue
         smooth = y, piece, p, law, here, scratch
-        landing = t + h * 1.000001 >= times[done]
-        length = times[done] - t if landing else h
+        landing = t + h * 1.000001 >= rows[done, 0]
+        length = rows[done, 0] - t if landing else h
         _step(smooth, length, new)
-        state[STEPS] += 1
+        state[stepping.STEPS] += 1
         error = _error(scratch[0], state, here[0][DEPTH], tolerance, p, law[1])
         if not error <= 1.0:
             h = length * (max(0.2, 0.9 / fifth_root(error)) if error < inf else 0.1)
             if h > 1e-15 * t:
                 continue
-            return done, FAILED
+            return done, stepping.FAILED
         motion(new, piece, p, law, True, there[0], there[1])
         grown = length * min(5.0, 0.9 / fifth_root(max(error, 1e-12)))
         h = max(h, grown) if landing else grown
@@ -422,36 +363,44 @@ def advance(state, p, law, tolerance, times, rows, impacts):
             motion(new, piece, p, law, False, there[0], there[1])
             idle = idle + 1 if length <= 1e-14 * t else 0
             if idle > 100:
-                return done, FAILED
+                return done, stepping.FAILED
         seen = there[0]
         if piece[0]:
             if seen[DEPTH] > p.clearance:
-                return done, TOO_DEEP
-            _measure_peaks(impacts[int(state[IMPACTS]) - 1], smooth, seen, t, length, trial)
-        t = times[done] if landing else t + length
+                return done, stepping.TOO_DEEP
+            last = int(state[stepping.IMPACTS]) - 1
+            _measure_peaks(impacts[last], smooth, seen, t, length, trial)
+        t = state[stepping.TIME] = rows[done, 0] if landing else t + length
         y[:] = new
         if piece[0]:
-            follow_impact(impacts, state, t, seen[NORMAL], seen[DEPTH])
+            stepping.follow_impact(impacts, state, seen[NORMAL], seen[DEPTH])
         if event >= 0:
-            piece, h = _turn(event, piece, y, seen, state, t, h, p, law, impacts)
+            piece, h = _turn(event, piece, seen, state, h, p, law, impacts)
         here, there = there, here
-        state[BRANCH], state[TIME], state[STEP] = piece[1], t, h
-    return done, FINE
+        state[BRANCH], state[stepping.STEP] = piece[1], h
+    return done, stepping.FINE
 
 
 @compiled
-def _turn(event, piece, y, seen, state, t, h, p, law, impacts):
-    """The smooth piece that follows an event, and the step to begin it with."""
+def _turn(event, piece, seen, state, h, p, law, impacts):
+    """The smooth piece that follows an event, in its coordinates, and the step to begin it."""
+    y, t = state[:8], state[stepping.TIME]
     contact, branch, approach = piece
     if event != SURFACES:
         return (contact, branch + (1 if event == UPWARDS else -1), approach), h
     if contact:
-        end_impact(impacts, state, t, -y[4])
-        _part(y, law)
+        stepping.end_impact(impacts, state, -y[4])
+        ny, nx = sine_cosine(y[2])
+        rate, across = y[4], law[1] * y[5]
+        y[1:3] = law[1] * nx, law[1] * ny
+        y[4:6] = rate * nx - across * ny, rate * ny + across * nx
         return (False, 0, approach), h
     if seen[RATE] > 0:  # else it grazes, and goes on in flight
-        _touch(y, law)
-        begin_impact(impacts, state, t, y[4])
+        r = norm(y[1], y[2])
+        nx, ny, wx, wy = y[1] / r, y[2] / r, y[4], y[5]
+        y[1:3] = 0.0, angle_of(ny, nx)
+        y[4:6] = nx * wx + ny * wy, (nx * wy - ny * wx) / law[1]
+        stepping.begin_impact(impacts, state, t, y[4])
         state[DEEP] = impact_depth(y, y[4], p, law)
         branch = friction_branch(seen[SLIDING], p.v0, p.v1)
         return (True, branch, y[4]), min(h, 0.1 * state[DEEP] / y[4])
@@ -460,35 +409,21 @@ def _turn(event, piece, y, seen, state, t, h, p, law, impacts):
 
 def start(scene: Scene, law: NDArray[np.float64], horizon: float) -> NDArray[np.float64]:
     """State of `advance` at rest at t = 0, with the law packed; ``horizon`` in s."""
-    state, (f, k) = np.zeros(STATE), new_slopes()
+    state, (f, k) = np.zeros(stepping.STATE), new_slopes()
     state[1:3] = scene.initial_eccentricity
     motion(state[:8], (False, 0, 1.0), scene.constants(), law, False, f, k)
     reach = sqrt(norm(f[1], f[2]) * scene.clearance)
     state[REACH] = max(reach, scene.clearance / horizon)
-    state[STEP] = min(1e-3 * scene.clearance / state[REACH], horizon)
+    state[stepping.STEP] = min(1e-3 * scene.clearance / state[REACH], horizon)
     state[DEEP] = scene.clearance
     return state
 
 
 def blocks(
     scene: Scene, law: NDArray[np.float64], times: list[NDArray[np.float64]], tolerance: float
-) -> Iterator[Block]:
-    """Blocks of output rows of the scene with its clearance joint, see `advance_in_blocks`.
-
-    Parameters
-    ----------
-    law
-        From ``study.contact.forces.pack``.
-    times
-        Outputs, in blocks.
-    tolerance
-        Of the local error, see `_error`.
-    """
-    p, state = scene.constants(), start(scene, law, times[-1][-1])
-    return advance_in_blocks(
-        lambda *block: advance(state, p, law, tolerance, *block),
-        times,
-        state,
-        scene,
-        f"no step is small enough for tolerance {tolerance:g}",
-    )
+) -> Iterator[stepping.Block]:
+    """Blocks of output rows at ``times`` of the scene with its clearance joint and a packed law."""
+    state = start(scene, law, times[-1][-1])
+    loop = partial(advance, state, scene.constants(), law, tolerance)
+    failure = f"no step is small enough for tolerance {tolerance:g}"
+    return stepping.advance_in_blocks(loop, times, state, scene, failure)

@@ -4,9 +4,10 @@ Tables 3 and 4 state lengths, masses, clearance, material, restitution, friction
 field of `Scene` knows its unit, its range and its source.
 """
 
+from collections import namedtuple
 from dataclasses import dataclass, field, fields, replace
 from math import hypot
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from study import checks
 from study.contact import composite_modulus
@@ -17,6 +18,12 @@ if TYPE_CHECKING:
 
 Body = Literal["crank", "coupler"]
 ROD = "assumed, uniform rod about its centre, m L^2/12"
+Constants = namedtuple(
+    "Constants", "l1 l2 a11 a22 a12 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1"
+)
+"""What compiled functions know of a scene, all SI; rigid links as a double pendulum."""
+Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear bending")
+"""Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
 
 
 def _quantity(default: Any, unit: str, source: str, **limits: float) -> Any:
@@ -28,9 +35,8 @@ def _quantity(default: Any, unit: str, source: str, **limits: float) -> Any:
 class Scene:
     """A crank-slider in a plane, its slide along +x, at rest at t = 0 with both links on +x.
 
-    The clearance joint is between coupler and slider: the ball on the coupler's end, the
-    socket in the slider, which does not turn. With an ideal joint the same scene has no gap.
-    All in SI units, see `parameters`.
+    The joint is between coupler and slider: the ball on the coupler's end, the socket in the
+    slider, which does not turn. All in SI units, see `parameters`.
 
     Attributes
     ----------
@@ -42,14 +48,10 @@ class Scene:
         Of ball, socket and links.
     link_modulus
         Young's modulus of the links alone; None: that of the material.
-    density
-        With mass and length it gives the links' square sections.
     damping
-        Rule for the damping factor, a key of ``study.contact.damping.DAMPINGS``.
+        Rule for the damping factor.
     slow_speed, full_speed
         Tolerance speeds v0 and v1 of the friction law.
-    driving_moment
-        Constant moment on the crank.
     gravity
         Acceleration along -y.
     initial_eccentricity
@@ -68,10 +70,10 @@ class Scene:
     slider_mass: float = _quantity(0.14, "kg", "Table 3", above=0)
     clearance: float = _quantity(5e-5, "m", "Table 3", above=0)
     youngs_modulus: float = _quantity(207e9, "Pa", "Table 4", above=0)
-    poisson: float = _quantity(0.3, "1", "Table 4")
+    poisson: float = _quantity(0.3, "1", "Table 4", above=-1, below=0.5)
     restitution: float = _quantity(0.5, "1", "Table 4")
     friction: float = _quantity(0.05, "1", "Table 4", least=0)
-    slow_speed: float = _quantity(1e-4, "m/s", "Table 4")
+    slow_speed: float = _quantity(1e-4, "m/s", "Table 4", least=0)
     full_speed: float = _quantity(0.01, "m/s", "Table 4", above=0)
     driving_moment: float = _quantity(0.5, "N m", "Table 4", least=-1e6, most=1e6)
     socket_radius: float = _quantity(
@@ -83,9 +85,7 @@ class Scene:
     density: float = _quantity(
         7850.0, "kg/m^3", "assumed, steel, with square sections from mass and length", above=0
     )
-    damping: Damping = _quantity(  # noqa: RUF009 (a string)
-        "lankarani-nikravesh", "", "given by the paper, Eq. 31"
-    )
+    damping: Damping = _quantity("lankarani-nikravesh", "", "given by the paper, Eq. 31")  # noqa: RUF009
     gravity: float = _quantity(0.0, "m/s^2", "assumed, none", least=-1e6, most=1e6)
     initial_eccentricity: tuple[float, float] = _quantity(
         (0.0, 0.0), "m", "assumed, concentric, and at rest"
@@ -95,22 +95,18 @@ class Scene:
         for each in fields(self):
             value, limits = getattr(self, each.name), each.metadata["limits"]
             if limits and (value is not None or each.default is not None):
-                name = each.name.replace("_", " ")
                 unit = each.metadata["unit"].removeprefix("1")
-                checks.number(name, value, unit, **limits, scalar=True)
-        checks.poisson("poisson", self.poisson)
+                checks.number(each.name.replace("_", " "), value, unit, **limits, scalar=True)
         smallest = 1e-9 * self.socket_radius
         checks.number("clearance", self.clearance, "m", least=smallest, below=self.socket_radius)
         longest = self.coupler_length - self.clearance
         checks.number("crank length", self.crank_length, "m", below=longest)
-        slow = "slow speed", self.slow_speed, "m/s"
-        checks.number(*slow, least=0, below=self.full_speed, scalar=True)
+        checks.number("slow speed", self.slow_speed, "m/s", least=0, below=self.full_speed)
         damping_factor(self.damping, self.restitution)
         pair = self.initial_eccentricity
         if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-            raise ValueError(
-                f"initial eccentricity must be two numbers, in m, got {checks.shown(pair)}"
-            )
+            shown = checks.shown(pair)
+            raise ValueError(f"initial eccentricity must be two numbers, in m, got {shown}")
         for axis, value in zip("xy", pair, strict=True):
             checks.number(f"{axis} of initial eccentricity", value, "m", scalar=True)
         inside = self.clearance - 4e-16 * self.socket_radius  # R2 - R1 is known to no more
@@ -142,7 +138,7 @@ class Scene:
             coupler if self.coupler_inertia is None else self.coupler_inertia,
         )
 
-    def link(self, body: Body) -> "Link":
+    def link(self, body: Body) -> Link:
         """Beam that stands for a flexible link.
 
         Raises
@@ -167,37 +163,20 @@ class Scene:
             bending=modulus * area**2 / 12,
         )
 
-    def constants(self) -> "Constants":
+    def constants(self) -> Constants:
         """Numbers of the scene for the compiled functions."""
         i1, i2 = self.inertias
         m1, m2, l1, l2 = self.crank_mass, self.coupler_mass, self.crank_length, self.coupler_length
-        numbers = {
-            "l1": l1,
-            "l2": l2,
-            "a11": i1 + m1 * l1**2 / 4 + m2 * l1**2,
-            "a22": i2 + m2 * l2**2 / 4,
-            "a12": m2 * l1 * l2 / 2,
-            "m3": self.slider_mass,
-            "moment": self.driving_moment,
-            "g1": (m1 / 2 + m2) * self.gravity * l1,
-            "g2": m2 * self.gravity * l2 / 2,
-            "gravity": self.gravity,
-            "r1": self.ball_radius,
-            "clearance": self.clearance,
-            "damping": self.damping_factor,
-            "friction": self.friction,
-            "v0": self.slow_speed,
-            "v1": self.full_speed,
-        }
-        return Constants(**{name: float(value) for name, value in numbers.items()})
+        g = self.gravity
+        rods = l1, l2, i1 + m1 * l1**2 / 4 + m2 * l1**2, i2 + m2 * l2**2 / 4, m2 * l1 * l2 / 2
+        loads = self.slider_mass, self.driving_moment, (m1 / 2 + m2) * g * l1, m2 * g * l2 / 2, g
+        joint = self.ball_radius, self.clearance, self.damping_factor, self.friction
+        return Constants(*map(float, (*rods, *loads, *joint, self.slow_speed, self.full_speed)))
 
     def parameters(self) -> "pd.DataFrame":
         """Every parameter: where the paper states it, or what this study assumes instead.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Columns parameter, value (as text), unit, table, source.
+        Columns parameter, value (as text), unit, table, source.
         """
         import pandas as pd
 
@@ -216,35 +195,3 @@ class Scene:
     def but(self, **changes: Any) -> "Scene":
         """Copy with some attributes changed."""
         return replace(self, **changes)
-
-
-class Constants(NamedTuple):
-    """What compiled functions know of a scene, all SI; rigid links as a double pendulum."""
-
-    l1: float
-    l2: float
-    a11: float
-    a22: float
-    a12: float
-    m3: float
-    moment: float
-    g1: float
-    g2: float
-    gravity: float
-    r1: float
-    clearance: float
-    damping: float
-    friction: float
-    v0: float
-    v1: float
-
-
-class Link(NamedTuple):
-    """Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
-
-    length: float
-    mass_per_length: float
-    rotary_per_length: float
-    axial: float
-    shear: float
-    bending: float

@@ -5,12 +5,11 @@ paper's finite particle method), links of beam elements. Which of them a scene n
 `study.choose.model`.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import sqrt
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from study import checks
 from study.contact.forces import pack
@@ -18,7 +17,7 @@ from study.contact.laws import Law, find
 from study.mechanism import beams, ideal, particles, rigid
 from study.mechanism.response import COLUMNS, Response
 from study.mechanism.scene import Scene
-from study.mechanism.stepping import END, SEPARATION_SPEED, Block
+from study.mechanism.stepping import END, SEPARATION_SPEED
 from study.threads import one_thread
 
 Model = Literal["rigid", "particles", "beams"]
@@ -106,25 +105,19 @@ def simulate(
     if progress is not None and not callable(progress):
         raise ValueError(f"progress must be a function of the time, got {checks.shown(progress)}")
     checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
-    turned = _turned(scene, duration)
+    inertia = scene.inertias[0] + scene.crank_mass * scene.crank_length**2 / 4
+    turned = abs(scene.driving_moment) * duration**2 / (2 * inertia)
+    turned += sqrt(abs(scene.gravity) / scene.crank_length) * duration
     checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)
     outputs = checks.whole("outputs", outputs, least=1, most=10**6)
-    packed = pack(
-        law, scene.ball_radius, scene.socket_radius, scene.composite_modulus, **law_options
-    )
+    sizes = scene.ball_radius, scene.socket_radius
+    packed = pack(law, *sizes, scene.composite_modulus, **law_options)
     try:
         find(law)(1.0, scene.socket_radius / scene.clearance, **law_options)
     except checks.RangeError as error:
         raise checks.RangeError(f"law must reach a depth of one clearance: {error}") from None
-    times = np.array_split(
-        duration * np.arange(outputs + 1) / outputs, min(BLOCKS, outputs // 2 + 1)
-    )
-    if model == "rigid" and gapless:
-        return _gather(ideal.blocks(scene, times), times, progress)
-    if model == "rigid":
-        tolerance = TOLERANCE if tolerance is None else tolerance
-        checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
-        return _gather(rigid.blocks(scene, packed, times, tolerance), times, progress)
+    instants = duration * np.arange(outputs + 1) / outputs
+    times = np.array_split(instants, min(BLOCKS, outputs // 2 + 1))
     pair = particles.numbers_of_elements(ELEMENTS if elements is None else elements)
     if step is not None:
         checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
@@ -132,30 +125,22 @@ def simulate(
         method = "centred" if method is None else method
         checks.choice("method", method, get_args(particles.Method))
         blocks = particles.blocks(scene, packed, times, gapless, step, pair, method)
+    elif model == "beams":
+        blocks = beams.blocks(scene, packed, times, gapless, step or BEAM_STEP, pair)
+    elif gapless:
+        blocks = ideal.blocks(scene, times)
     else:
-        step = BEAM_STEP if step is None else step
-        blocks = beams.blocks(scene, packed, times, gapless, step, pair)
+        tolerance = TOLERANCE if tolerance is None else tolerance
+        checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
+        blocks = rigid.blocks(scene, packed, times, tolerance)
     return _gather(blocks, times, progress)
 
 
-def _turned(scene, duration):
-    """Angle by which drive and gravity turn the crank if nothing holds it, in rad."""
-    inertia = scene.inertias[0] + scene.crank_mass * scene.crank_length**2 / 4
-    swing = sqrt(abs(scene.gravity) / scene.crank_length)
-    return abs(scene.driving_moment) * duration**2 / (2 * inertia) + swing * duration
-
-
-def _gather(
-    blocks: Iterator[Block],
-    times: list[NDArray[np.float64]],
-    progress: Callable[[float], Any] | None,
-) -> Response:
+def _gather(blocks, times, progress):
     """Run a model to its end or to an interruption."""
-    parts: list[NDArray[np.float64]] = []
-    complete = True
+    parts, complete = [], True
     try:
         for at, (block, impacts, ended) in zip(times, blocks, strict=True):  # noqa: B007
-            block[:, 0] = at  # the times asked for, to the last bit
             parts.append(block)
             if progress is not None:
                 progress(at[-1])

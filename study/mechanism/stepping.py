@@ -1,6 +1,6 @@
 """What the compiled loops of all models share: a state, rows of output, impacts, and their blocks.
 
-A loop ``advance(times, rows, impacts)`` fills rows until all are filled, the table of impacts is
+A loop fills rows, whose first column has the times, until all are filled, the table of impacts is
 full, or it fails; the state lets the next call go on from there.
 """
 
@@ -32,19 +32,19 @@ class MechanismError(StudyError):
 
 
 @compiled
-def record(row, t, crank, slider, coupler, place, forces, energies, law, lost):
-    """Fill a row of output.
+def record(row, state, law, crank, slider, coupler, place, forces, energies):
+    """Fill a row of output, which has its time already.
 
     ``crank`` and ``slider`` have places, rates and accelerations, ``coupler`` an angle and its
     rate, ``place`` eccentricity and depth, ``forces`` normal, tangential, x and y; ``energies`` are
     work, kinetic energy and that in the links.
     """
-    row[:5] = t, crank[0], slider[0], crank[1], slider[1]
+    row[1:5] = crank[0], slider[0], crank[1], slider[1]
     row[5:9] = crank[2], slider[2], coupler[0], coupler[1]
     row[9:12] = place
     row[12:16] = forces
     row[16:19] = energies[0], energies[1], energies[2] + stored_energy(law, place[2])
-    row[19:] = lost
+    row[19:] = state[LOST_DAMPING], state[LOST_FRICTION]
 
 
 @compiled
@@ -57,20 +57,20 @@ def begin_impact(impacts, state, t, approach):
 
 
 @compiled
-def follow_impact(impacts, state, t, force, depth):
+def follow_impact(impacts, state, force, depth):
     """Bring the last impact's peaks, end and energy lost up to date."""
     impact = impacts[int(state[IMPACTS]) - 1]
     impact[PEAK_FORCE] = max(impact[PEAK_FORCE], force)
     impact[PEAK_DEPTH] = max(impact[PEAK_DEPTH], depth)
-    impact[END] = t
+    impact[END] = state[TIME]
     impact[LOST] = state[LOST_DAMPING] + state[LOST_FRICTION] - impact[LOST_BEFORE]
 
 
 @compiled
-def end_impact(impacts, state, t, speed):
+def end_impact(impacts, state, speed):
     """Note when and how fast the surfaces part."""
     impact = impacts[int(state[IMPACTS]) - 1]
-    impact[END], impact[SEPARATION_SPEED] = t, speed
+    impact[END], impact[SEPARATION_SPEED] = state[TIME], speed
     state[CONTACT] = 0.0
 
 
@@ -84,33 +84,18 @@ def divide(times: list[NDArray[np.float64]], step: float) -> tuple[int, float]:
 def advance_in_blocks(
     advance: Callable, times: list[NDArray[np.float64]], state: NDArray, scene: Scene, failure: str
 ) -> Iterator[Block]:
-    """Call a model's compiled loop block by block.
+    """Blocks of output rows at ``times``, themselves in blocks, from a model's compiled loop.
 
-    Parameters
-    ----------
-    advance
-        Called with times, rows and impacts; returns how many rows it filled and how it ended.
-    times
-        Outputs, in blocks.
-    state
-        Of the loop.
-    failure
-        What failed, with ``{}`` for the state's `LIMIT`.
-
-    Yields
-    ------
-    `Block`
-
-    Raises
-    ------
-    MechanismError
-        If the ball goes deeper than one clearance, or the loop fails; says when, and the step.
+    ``advance`` is called with rows and impacts, and returns how many rows it filled and how it
+    ended. ``failure`` is the error's text if it failed, with ``{}`` for the state's `LIMIT`.
+    Raises `MechanismError` then, and if the ball goes deeper than one clearance.
     """
     impacts = np.zeros((64, 8))
     for block in times:
         rows, done = np.zeros((len(block), len(COLUMNS))), 0
+        rows[:, 0] = block
         while done < len(block):
-            filled, status = advance(block[done:], rows[done:], impacts)
+            filled, status = advance(rows[done:], impacts)
             done += filled
             if status == FULL:
                 impacts = np.vstack([impacts, np.zeros_like(impacts)])
