@@ -319,7 +319,6 @@ def mechanism_rows():
         step=(None, (1e-6,)),
         elements=(None, ((4, 8),)),
         method=(None, ("centred",)),
-        quantity=(None, ("slider_position",)),
     )
     yield from rows(simulate, colour=("red", ("red",)))
     for flexible_model in ("particles", "beams"):
