@@ -4,8 +4,7 @@ Two-node elements of Reissner's plane beam with one integration point, places an
 interpolated linearly in the fixed frame: the consistent mass is constant and rigid motion is
 free of strain. The shear compliance holds the residual bending flexibility (MacNeal 1978),
 with which a straight element's nodal stiffness is exact. Time is stepped by the
-generalised-alpha method (Chung & Hulbert 1993) with Newton's method on a banded matrix. Only
-the scene and the contact law are shared with `particles`.
+generalised-alpha method (Chung & Hulbert 1993) with Newton's method on a banded matrix.
 """
 
 from collections import namedtuple
@@ -31,13 +30,10 @@ ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1)
 NEWTON_TOLERANCE = 1e-9
 """Change of a Newton iteration, relative to the clearance, at which it stops."""
 BAND = 6  # unknowns of neighbouring nodes are at most this far apart
-
 NO_TANGENT = (0.0, 0.0)
 ANY = 3  # friction branch: that of the sliding speed found
-# ... in what `_contact` finds
+# Places in what `_contact` finds
 DEPTH, NORMAL, TANGENTIAL, ELASTIC, RATE, SLIDING, FORCE_X, FORCE_Y, EX, EY = range(10)
-
-
 System = namedtuple("System", "sections unknowns ball pin mass load initial ideal")
 """Elements of both links on +x, their unknowns numbered along the chain, mass and load.
 

@@ -8,12 +8,7 @@ from study.mechanism.response import COLUMNS, Response
 
 
 def difference(response: Response, truth: Response, column: str) -> float:
-    """Relative RMS difference of one quantity, a column of the motion.
-
-    Returns
-    -------
-    float
-        RMS of the difference over the RMS of what ``truth`` has changed since the start.
+    """RMS difference of a column of the motion, over the RMS of what ``truth`` changed since t = 0.
 
     Raises
     ------

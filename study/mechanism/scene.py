@@ -149,10 +149,8 @@ class Scene:
         checks.choice("body", body, get_args(Body))
         length, mass = getattr(self, f"{body}_length"), getattr(self, f"{body}_mass")
         rod, own = mass * length**2 / 12, self.inertias[get_args(Body).index(body)]
-        if own < rod * (1 - 1e-12):
-            raise ValueError(
-                f"{body} inertia of a flexible link must be >= {rod:g} kg m^2, got {own:g} kg m^2"
-            )
+        name, least = f"{body} inertia of a flexible link", rod * (1 - 1e-12)
+        checks.number(name, own, "kg m^2", least=least)
         modulus, area = self.link_modulus or self.youngs_modulus, mass / (self.density * length)
         return Link(
             length=length,
