@@ -39,7 +39,6 @@ ARGUMENTS = {"name": "NAME", "names": "[NAME]..."}
 HELP = {
     "as_json": "Print one JSON object.",
     "case": "One case, every depth of it.",
-    "chart": "What to time; may be repeated [default: all].",
     "depth_star": "Dimensionless penetration depth d/dR; may be repeated.",
     "group": "Group of cases: paper, ratio, poisson, fit, judge, ...",
     "inertia": "Of crank and coupler about their centres, in kg m^2: I1,I2 [default: rods].",
@@ -51,7 +50,6 @@ HELP = {
     "output": "File to write.",
     "poisson": "Poisson's ratio of both bodies, in (-1, 0.5).",
     "r2_star": "Dimensionless socket radius R2/dR, > 1.",
-    "repeats": "Of each timing, after one not counted [default: 5].",
     "scene": "KEY=VALUE of the scene, SI; may be repeated: restitution=0.9, link_modulus=2e9.",
     "settings": "KEY=VALUE of a notebook's parameter; may be repeated.",
     "socket_ratio": "Outer over inner radius of the socket.",
@@ -135,6 +133,9 @@ def _option(parameter, text, defaults=False):
         kind = Literal[kind, "auto"]
     elif name == "law" and kind is str:  # or a function
         kind = LawName
+    elif get_origin(kind) is list and get_origin(*get_args(kind)) is Literal:
+        text += f" One of {', '.join(get_args(*get_args(kind)))}."
+        kind = list[str]  # as Typer knows no list of them; the library checks
     elif get_origin(kind) is tuple:
         kind, text = str, f"N,N: {text}"
     if defaults and default not in (Parameter.empty, None, False):
@@ -529,8 +530,8 @@ def build_data(**how):
     print("The dataset is up to date: data/force_curves.csv, links.csv and datapackage.json.")
 
 
-@command("measure")
-def measure_speed(chart: list[str] = (), repeats: int = 5, output: Path | None = None):
+@command("measure", "study.measure.speed:measure chart repeats")
+def measure_speed(output: Path | None = None, **how):
     """Time laws (a minute), solvers and steppers (ten minutes each) on this machine.
 
     The times are kept in data/published/peers.csv, where the charts and study choose take them
@@ -543,17 +544,14 @@ def measure_speed(chart: list[str] = (), repeats: int = 5, output: Path | None =
     from study.measure import speed
 
     _check_output(output, ".csv")
-    checks.whole("--repeats", repeats, least=1)
-    for name in chart:
-        checks.choice("--chart", name, tuple(speed.CHARTS))
+    charts, frames = speed.measure(**how), []
     if output is None:
         store.verify_files()  # before ten minutes of timing
-    frames = []
-    for name in chart or speed.CHARTS:
-        print(name, file=sys.stderr)
-        frames.append(speed.measure(name, repeats))
+    for chart in charts:
+        print(f"timed {chart.chart.iloc[0]}", file=sys.stderr)
+        frames.append(chart)
         if output is None:
-            store.keep_measured(frames[-1])
+            store.keep_measured(chart)
     frame = pd.concat(frames)
     if output is not None:
         with paths.whole(output) as temporary:

@@ -45,7 +45,7 @@ class Choice:
     options
         Of the law; for ``tabulated`` and ``solver`` the resolution of the solution.
     error_bound
-        No relative error of the force is larger, from the least to the largest depth.
+        No relative error of the force is larger at any of the `depths`.
     relative_cost
         Time of a call in a compiled loop over that of Hertz's law. The time to solve the joint
         once, for ``tabulated``, is not in it.
@@ -83,7 +83,6 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
 
     Parameters
     ----------
-    joint
     depth_star
         Largest depth of the scene, in clearances.
     tolerance
@@ -106,53 +105,41 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     depths = _depths(least, deepest, DEPTHS[_kind(joint)])
     force, uncertainty = _exact(joint, depths, note)
     found = {law: float(error.max()) for law, error in errors(joint, depths, force).items()}
-    rejected = []
-    for candidate in _candidates(joint, deepest, found, float(uncertainty.max())):
-        if candidate.error_bound <= tolerance:
+    names, rejected = ("law", "options", "error", "error_bound", "relative_cost", "evaluate"), []
+    for values in _candidates(joint, deepest, found, float(uncertainty.max())):
+        candidate = dict(zip(names, values, strict=True))
+        if candidate["error_bound"] <= tolerance:
             break
-        rejected.append({k: v for k, v in vars(candidate).items() if k != "evaluate"})
+        rejected.append({name: candidate[name] for name in names if name != "evaluate"})
     else:
         raise checks.StudyError(
             f"no model is known to be within the tolerance {tolerance:g}: the finest solution, of "
-            f"resolution {candidate.options['resolution']}, is known to "
-            f"{candidate.error_bound:.2g}"
+            f"resolution {candidate['options']['resolution']}, is known to "
+            f"{candidate['error_bound']:.2g}"
         )
+    del candidate["error"]
     return Choice(
-        law=candidate.law,
-        options=candidate.options,
-        error_bound=candidate.error_bound,
-        relative_cost=candidate.relative_cost,
+        **candidate,
         depths=(float(least), deepest),
-        source="solver" if note or candidate.law in ("tabulated", "solver") else "dataset",
+        source="solver" if note or candidate["law"] in ("tabulated", "solver") else "dataset",
         note=note,
         rejected=tuple(reversed(rejected)),
         errors=found,
-        evaluate=candidate.evaluate,
     )
-
-
-@dataclass(frozen=True)
-class _Candidate:
-    law: str
-    options: dict
-    error: float
-    error_bound: float
-    relative_cost: float
-    evaluate: Callable | None
 
 
 def _candidates(joint, deepest, found, uncertainty):
     """Closed laws and tables by their cost, tables from the coarsest on; the solution is last.
 
-    Every second depth of a solution is left out of its table, and tells how this interpolates.
+    Each is its law, options, error, bound, cost and function. Every second depth of a solution
+    is left out of its table, and tells how this interpolates.
     """
     costs, kind, least = relative_costs(), _kind(joint), min(SHALLOWEST, deepest / 12)
     finest = RESOLUTIONS[kind][-1]
     for law in sorted([*found, "tabulated"], key=costs.__getitem__):
         if law != "tabulated":
             options, bound = law_options(law, joint), _bounded(found[law], uncertainty)
-            evaluate = partial(LAWS[law], **options)
-            yield _Candidate(law, options, found[law], bound, costs[law], evaluate)
+            yield law, options, found[law], bound, costs[law], partial(LAWS[law], **options)
             continue
         depths = _depths(least, deepest, 2 * DEPTHS[kind] - 1)
         for resolution in RESOLUTIONS[kind]:
@@ -165,12 +152,12 @@ def _candidates(joint, deepest, found, uncertainty):
             names = ("depth_star", "force_star", "error_estimate")
             table = tabulated(replace(curve, **{name: getattr(curve, name)[::2] for name in names}))
             between = float(np.abs(table(depths) / curve.force_star - 1).max())
-            error, options = float(curve.error_estimate.max()), {"resolution": resolution}
+            error = float(curve.error_estimate.max())
             bound = _bounded(ESTIMATE * error, between)
-            yield _Candidate(law, options, error, bound, costs[law], table)
+            yield law, {"resolution": resolution}, error, bound, costs[law], table
     curve = force_curve(joint, _depths(least, deepest, DEPTHS[kind]), finest)
-    error, options = float(curve.error_estimate.max()), {"resolution": finest}
-    yield _Candidate("solver", options, error, ESTIMATE * error, costs["solver"], None)
+    error = float(curve.error_estimate.max())
+    yield "solver", {"resolution": finest}, error, ESTIMATE * error, costs["solver"], None
 
 
 def _exact(joint, depths, note, resolution=None):
@@ -216,25 +203,15 @@ def stiffening(joint: Joint, depth_star: ArrayLike) -> NDArray[np.float64]:
 def errors(
     joint: Joint, depth_star: ArrayLike, force_star: ArrayLike
 ) -> dict[str, NDArray[np.float64]]:
-    """Relative errors of every closed law that the joint can have and whose cost is known.
+    """Relative errors, against exact forces, of every law whose cost is known.
 
-    Parameters
-    ----------
-    joint
-    depth_star, force_star
-        Exact forces, shape (k,).
-
-    Returns
-    -------
-    dict
-        Law -> errors, shape (k,).
+    Left out are those whose formula or fit does not hold the joint.
     """
-    costs = relative_costs()
     found: dict[str, NDArray[np.float64]] = {}
-    for law in (law for law in LAWS if law in costs):
+    for law in filter(relative_costs().__contains__, LAWS):
         try:
             force = LAWS[law](depth_star, joint.r2_star, **law_options(law, joint))
-        except checks.RangeError:  # of the law's formula or fit
+        except checks.RangeError:
             continue
         found[law] = np.abs(force / force_star - 1)
     return found
@@ -249,20 +226,14 @@ def cheapest(
 ) -> pd.DataFrame:
     """Cheapest adequate law over joints and largest depths, as `choose` would find it.
 
+    ``tabulated`` stands where no closed law is adequate.
+
     Parameters
     ----------
-    joints
     depth_star
         Rising, from `SHALLOWEST`.
-    tolerances
     resolution
         Of the solution of joints that the dataset does not hold.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns r2_star, socket_ratio, poisson, depth_star, tolerance, law: ``tabulated`` where
-        no closed law is adequate.
     """
     costs, rows = relative_costs(), []
     depths = np.asarray(depth_star)

@@ -103,15 +103,7 @@ def estimates(scene: Scene, response: Response) -> dict[Quantity, float]:
 
 
 def bounds(scene: Scene, response: Response, seen: pd.DataFrame) -> dict[Quantity, float]:
-    """Largest NRMS error of rigid links: `estimates` times the largest ratio that was `seen`.
-
-    Parameters
-    ----------
-    scene, response
-        As for `estimates`.
-    seen
-        Errors and estimates on random scenes, from `measure`.
-    """
+    """Largest NRMS error of rigid links: `estimates` times the largest ratio `seen`."""
     return {
         quantity: float(estimate * SAFETY * largest_ratio(seen, quantity))
         for quantity, estimate in estimates(scene, response).items()
@@ -153,12 +145,7 @@ def random_scenes(seed: int, count: int = COUNT) -> Iterator[tuple[Scene, float]
 def measure(seed: int = 0, count: int = COUNT, law: LawName = "stiffened_hertz") -> pd.DataFrame:
     """Errors of rigid links against particles on `random_scenes`, beside their estimates.
 
-    Returns
-    -------
-    pandas.DataFrame
-        A row per scene: duration and the parameters that were drawn, compliance and frequency
-        ratio, and per quantity ``..._estimate`` and ``..._error``. Scenes that a model cannot
-        go on with, or without an impact, are left out.
+    Scenes that a model cannot go on with, or without an impact, are left out.
     """
     rows = []
     for scene, duration in random_scenes(seed, count):

@@ -57,24 +57,20 @@ class ModelChoice:
 
     Attributes
     ----------
-    model, joint, law
-        Links (``rigid`` or ``particles``), joint (``ideal`` or ``clearance``), contact law
-        (``none`` for an ideal joint).
+    law
+        Contact law, ``none`` for an ideal joint.
     settings
         Stepper, and its tolerance, or its step (s) and elements.
     error_bound
-        Of the NRMS error of the slider's motion: RMS of the error over RMS of the change since
-        t = 0, over the duration chosen for. Not proven: an estimate with a margin (`SAFETY`
-        here and in `links`), as impacts of flexible links are chaotic.
+        Of the NRMS error of the slider's motion, over the duration chosen for. Not proven: an
+        estimate with a margin (`SAFETY` here and in `links`), as impacts of flexible links are
+        chaotic.
     relative_cost
         Time over that of rigid links with Hertz's law, measured while choosing.
     links
         How the links' share of the bound is known: ``bounded`` or ``compared``.
-    quantity
-        What the tolerance is for.
     compliance_ratio, frequency_ratio
-        Links over contact at the largest depth, and the slider's frequency on the contact over
-        the crank's axial one; 0 without contact.
+        As in `links.Stiffness`, at the largest depth.
     depth_star
         Largest depth of rigid links with Hertz's law, in clearances.
     note
@@ -114,7 +110,6 @@ def choose_model(
 
     Parameters
     ----------
-    scene
     tolerance
         Largest NRMS error, > 0 and <= 1: RMS of the error over RMS of the change since t = 0.
     duration
@@ -221,11 +216,8 @@ def _particles(run, law, quantity):
     """Flexible links on two meshes, and what mesh and step change."""
     coarse, fine = (run("particles", law, elements=n) for n in ELEMENTS)
     half = run("particles", law, step_share=0.5, elements=ELEMENTS[-1])
-    return (
-        coarse,
-        fine,
-        {"the mesh": _apart(coarse, fine, quantity), "half the step": _apart(half, fine, quantity)},
-    )
+    pairs = {"the mesh": coarse, "half the step": half}
+    return coarse, fine, {name: _apart(one, fine, quantity) for name, one in pairs.items()}
 
 
 def _apart(one, other, quantity):
@@ -255,13 +247,8 @@ class _Run:
         self.response = self.simulate()
         self.cost = perf_counter() - start
         joint = settings.pop("joint", "clearance")
+        name, stepper = (name if isinstance(name, str) else "tabulated"), STEPPERS[model]
         if joint == "ideal":
             name, stepper = "none", "DOP853"
-        else:
-            name, stepper = (name if isinstance(name, str) else "tabulated"), STEPPERS[model]
-        self.description = {
-            "model": model,
-            "joint": joint,
-            "law": name,
-            "settings": {"stepper": stepper} | settings,
-        }
+        settings = {"stepper": stepper} | settings
+        self.description = {"model": model, "joint": joint, "law": name, "settings": settings}

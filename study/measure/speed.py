@@ -9,12 +9,14 @@ smallest tolerance. Times depend on the machine, so that those drawn are kept in
 
 import os
 import platform
+import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 from importlib import metadata
+from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal, get_args
 
@@ -63,7 +65,7 @@ LONG = 5.0  # s: what takes longer is repeated twice only
 
 FEWEST_ORDERS = {32: 200, 64: 300, 160: 1000, 320: 3000}
 """By resolution: with fewer the hats' compliance is not positive definite."""
-SOLVERS = (
+SOLVERS = (  # method and its resolution
     *(("series", n) for n in (320, 32, 64, 160, 640)),
     *(("series of few orders", n) for n in (32, 64, 160, 320)),
     *(("six-node triangles", n) for n in (32, 64, 96, 160, 224)),
@@ -75,12 +77,14 @@ SOLVERS = (
 STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7)
 LONGEST_STEPS = {"velocity Verlet": 1e-6, "RK4": 1e-6}
 """Of the explicit steppers with which the ball goes too deep by longer ones (notebook 17)."""
-STEPPERS = (
+STEPPERS = (  # method and its tolerance or step
     *(("Rodas5P, events", t) for t in (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)),
     *((s, h) for s in explicit.SCHEMES for h in STEPS if h <= LONGEST_STEPS.get(s, STEPS[0])),
     *((method, t) for method in odes.METHODS for t in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)),
     *(("generalised alpha", h) for h in (1e-5, 4e-6, 1e-6)),
 )
+PROGRAMS = {"CVODE": ("SUNDIALS", "scikit-sundae"), "generalised alpha": ("Exudyn", "exudyn")}
+"""Programs and packages of the methods that are neither ours nor SciPy's."""
 
 
 def timed(function: Callable[[], Any], repeats: int) -> tuple[NDArray[np.float64], Any]:
@@ -98,65 +102,45 @@ def timed(function: Callable[[], Any], repeats: int) -> tuple[NDArray[np.float64
     return np.array(times), result
 
 
-def fronts(rows: pd.DataFrame, error: str = "rms_error", cost: str = "time") -> pd.DataFrame:
-    """Rows that no other one beats in both error and cost, from the cheapest on (Pareto front)."""
-    ordered = rows.dropna(subset=[cost, error]).sort_values([cost, error])
-    best = ordered[error].cummin().shift(fill_value=np.inf)
-    return ordered[ordered[error] < best]
-
-
-def winners(rows: pd.DataFrame, levels: Sequence[float], error: str = "rms_error") -> pd.DataFrame:
-    """Fastest row at each level of accuracy, the level in front; none where no row meets it."""
-    found = []
-    for level in levels:
-        able = rows[rows[error] <= level]
-        if len(able):
-            found.append({"level": level} | able.loc[able["time"].idxmin()].to_dict())
-    return pd.DataFrame(found, columns=["level", *rows.columns])
-
-
-def measure(chart: Chart, repeats: int) -> pd.DataFrame:
-    """A chart, with what is installed: columns of `COLUMNS`.
+def measure(chart: list[Chart] | None = None, repeats: int = 5) -> Iterator[pd.DataFrame]:
+    """One chart after the other, with what is installed: columns of `COLUMNS`.
 
     Parameters
     ----------
+    chart
+        What to time; may be repeated [default: all].
     repeats
-        Of each timing; three times as many for laws.
+        Of each timing, after one not counted. Laws take three times as many.
     """
-    checks.choice("chart", chart, CHARTS)
-    if chart == "laws":
-        return laws(3 * repeats)
-    return solvers(repeats) if chart == "solvers" else steppers(repeats)
+    wanted = [checks.choice("chart", name, CHARTS) for name in chart or CHARTS]
+    repeats = checks.whole("repeats", repeats, least=1)
+    functions = {"laws": partial(laws, 3 * repeats), "solvers": partial(solvers, repeats)}
+    functions["steppers"] = partial(steppers, repeats)
+    return (functions[name]() for name in wanted)
 
 
 def laws(repeats: int = 15, compile_times: bool = True) -> pd.DataFrame:
     """Cost and error of every law, `tabulated` and the direct solution; Hertz's law first.
 
-    Parameters
-    ----------
-    compile_times
-        Whether to measure them as well, which takes some seconds; else they are 0.
+    ``compile_times`` are measured as well, which takes some seconds; else they are 0.
     """
     table = tabulated(force_curve(PAPER, np.linspace(0.025, 1, 40) ** 2))
-    exact = _truth(PAPER, tuple(LAW_DEPTHS), FINEST)
+    exact = force_curve(PAPER, LAW_DEPTHS, FINEST).force_star
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     prepare = "from study.measure.speed import _add; depths = np.ones(2) * 1e-6"
-    compile_time = _compile_time(prepare, "_add(law, depths)") if compile_times else 0.0
+    seconds = _compile_time("_add(law, depths)", prepare) if compile_times else 0.0
     rows = []
     for name, law in (LAWS | {"tabulated": table}).items():
-        packed = pack(law, *RADII)
-        times, _ = timed(partial(_add, packed, depths), repeats)
+        times, _ = timed(partial(_add, pack(law, *RADII), depths), repeats)
         elements, _ = timed(partial(law, depths / 5e-5, 200.0), repeats)
+        others = {"vectorised": np.median(elements), "compile_time": seconds}
         error = law(LAW_DEPTHS, 200.0) / exact - 1
-        rows.append(
-            _row("laws", name, "", times / depths.size, error, compile_time)
-            | {"vectorised": float(np.median(elements))}
-        )
+        rows.append(_row("laws", name, "", times / depths.size, error, **others))
     times, curve = timed(partial(force_curve, PAPER, LAW_DEPTHS), repeats)
-    error = curve.force_star / exact - 1
+    times /= LAW_DEPTHS.size
     setting = f"six-node triangles, resolution {RESOLUTION['quadratic']}"
-    rows.append(_row("laws", "solver", setting, times / LAW_DEPTHS.size, error))
-    rows[-1]["vectorised"] = float(np.median(times)) * depths.size / LAW_DEPTHS.size
+    others = {"vectorised": np.median(times) * depths.size}
+    rows.append(_row("laws", "solver", setting, times, curve.force_star / exact - 1, **others))
     frame = _frame(rows)
     frame["vectorised"] /= frame["vectorised"].iloc[0]
     return frame
@@ -165,27 +149,23 @@ def laws(repeats: int = 15, compile_times: bool = True) -> pd.DataFrame:
 def solvers(repeats: int = 3, chosen: Sequence[tuple[str, int]] = SOLVERS) -> pd.DataFrame:
     """Time and error of a curve of 20 depths, bodies included; the usual series first.
 
-    Parameters
-    ----------
-    chosen
-        Method and its resolution, some of `SOLVERS`; CalculiX's are left out without ``ccx``.
+    Some of `SOLVERS` are chosen; CalculiX's are left out without ``ccx``.
     """
-    exact, rows = _truth(FREE, tuple(CURVE_DEPTHS), FINEST_RESOLUTION), []
+    exact, rows = force_curve(FREE, CURVE_DEPTHS, FINEST_RESOLUTION).force_star, []
+    ccx = calculix.version()
     force_curve(FREE, CURVE_DEPTHS[:1], resolution=32)  # imports
     for method, n in chosen:
-        setting = f"resolution {n}"
+        run, setting, others = partial(_curve, method, n), f"resolution {n}", {}
         if method.startswith("series"):
             setting += f", {_orders(method, n)} orders"
-        if method.startswith("CAX"):
-            if calculix.version() is None:
+        elif method.startswith("CAX"):
+            if ccx is None:
                 continue
             how = {"nodes": int(method[3]), "contact": "node" if "node" in method else "surface"}
             run = partial(calculix.force_curve, FREE, CURVE_DEPTHS, n, **how)
-            others = {"program": "CalculiX", "version": calculix.version()}
-        else:
-            run, others = partial(_curve, method, n), {}
+            others = {"program": "CalculiX", "version": ccx}
         times, force = timed(run, repeats)
-        rows.append(_row("solvers", method, setting, times, force / exact - 1) | others)
+        rows.append(_row("solvers", method, setting, times, force / exact - 1, **others))
     return _frame(rows)
 
 
@@ -195,14 +175,14 @@ def _orders(method, n):
 
 def _curve(method, n):
     """One solution of our own, bodies and all, at one resolution and without error estimate."""
+    kept = [fem.ball, fem.socket, fem.ball_compliance, fem.socket_compliance]
+    kept += [series.ball_compliance, series.socket_compliance, series._hat_coefficients]
+    for function in kept:
+        function.cache_clear()
     if method.startswith("series"):
-        for cached in (series.ball_compliance, series.socket_compliance, series._hat_coefficients):
-            cached.cache_clear()
         ball = series.ball_compliance(0.3, n, _orders(method, n))
         socket = series.socket_compliance(FREE.socket_ratio, 0.3, n, _orders(method, n))
     else:
-        for cached in (fem.ball, fem.socket, fem.ball_compliance, fem.socket_compliance):
-            cached.cache_clear()
         mesh = n, 6 if method.startswith("six") else 3
         ball = fem.ball_compliance(0.3, "plane", *mesh)
         socket = fem.socket_compliance(FREE.socket_ratio, 0.3, "mirror", *mesh)
@@ -210,50 +190,45 @@ def _curve(method, n):
 
 
 def steppers(
-    repeats: int = 3,
-    chosen: Sequence[tuple[str, float]] = STEPPERS,
-    compile_times: bool = True,
+    repeats: int = 3, chosen: Sequence[tuple[str, float]] = STEPPERS, compile_times: bool = True
 ) -> pd.DataFrame:
     """Time and error of 0.3 s of the mechanism; the study's stepper at its default first.
 
     Parameters
     ----------
     chosen
-        Method and its tolerance or step, some of `STEPPERS`; programs that are not installed
-        are left out.
+        Some of `STEPPERS`; programs that are not installed are left out.
     compile_times
         As for `laws`.
     """
-    truth = _ours(1e-11)
+    truth, rows, own = _ours(1e-11), [], {}
     law = pack("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
-    own, rows = {"rigid": 0.0, "explicit": 0.0}, []
     if compile_times:
-        own["rigid"] = _compile_time("", "simulate(duration=1e-5, outputs=1)")
-        call = "explicit.integrate(Scene(), law, 1e-5, 1, 1e-6, 'RK4')"
-        own["explicit"] = _compile_time("", call)
+        own["rigid"] = _compile_time("simulate(duration=1e-5, outputs=1)")
+        own["explicit"] = _compile_time("explicit.integrate(Scene(), law, 1e-5, 1, 1e-6, 'RK4')")
     for method, setting in chosen:
-        others, text, seconds = {}, f"tolerance {setting:g}", 0.0
+        by_step = method in (*explicit.SCHEMES, "generalised alpha")
+        text = f"step {setting:g} s" if by_step else f"tolerance {setting:g}"
         if method.startswith("Rodas"):
-            run, seconds = partial(_ours, setting), own["rigid"]
+            run, others = partial(_ours, setting), {"compile_time": own.get("rigid", 0.0)}
         elif method in explicit.SCHEMES:
-            run, text = partial(_explicit, law, setting, method), f"step {setting:g} s"
-            seconds = own["explicit"]
-        elif method in odes.METHODS:
-            run = partial(odes.slider_acceleration, method, SCENE, law, DURATION, OUTPUTS, setting)
-            others = {"program": "SciPy", "version": _version("scipy")}
-            if method == "CVODE":
-                version = _version("scikit-sundae")
-                others = {"program": "SUNDIALS", "version": version and f"scikit-sundae {version}"}
+            run = partial(_explicit, law, setting, method)
+            others = {"compile_time": own.get("explicit", 0.0)}
         else:
-            text = f"step {setting:g} s"
-            run = partial(multibody.slider_acceleration, SCENE, DURATION, OUTPUTS, setting)
-            others = {"program": "Exudyn", "version": _version("exudyn")}
-        if others.get("version") == "":
-            continue
+            program, package = PROGRAMS.get(method, ("SciPy", "scipy"))
+            version = _version(package)
+            if not version:
+                continue
+            others = {"program": program, "version": version}
+            run = partial(odes.slider_acceleration, method, SCENE, law, DURATION, OUTPUTS, setting)
+            if program == "Exudyn":
+                run = partial(multibody.slider_acceleration, SCENE, DURATION, OUTPUTS, setting)
+            elif program == "SUNDIALS":
+                others["version"] = f"{package} {version}"
         times, found = timed(run, repeats)
         error = (found - truth) / np.sqrt(np.mean(truth**2))
         nrms = np.full(1, np.sqrt(np.mean(error**2)))
-        rows.append(_row("steppers", method, text, times, nrms, seconds) | others)
+        rows.append(_row("steppers", method, text, times, nrms, **others))
     return _frame(rows)
 
 
@@ -263,8 +238,7 @@ def _ours(tolerance):
 
 
 def _explicit(law, step, scheme):
-    options = (DURATION, OUTPUTS, step, scheme)
-    return explicit.integrate(SCENE, law, *options, guarded=False)[0][1:]
+    return explicit.integrate(SCENE, law, DURATION, OUTPUTS, step, scheme, guarded=False)[0][1:]
 
 
 @compiled
@@ -277,13 +251,7 @@ def _add(law, depths):
     return total
 
 
-@cache
-def _truth(joint, depths, resolution):
-    """Forces of a joint at the finest resolution."""
-    return force_curve(joint, depths, resolution).force_star
-
-
-def _compile_time(prepare, call):
+def _compile_time(call, prepare=""):
     """Seconds that a compiled call takes longer in a new process with an empty cache."""
     code = f"""
 import pathlib, sys, time
@@ -314,7 +282,7 @@ def _version(package):
         return ""
 
 
-def _row(chart, method, setting, times, error, compile_time=0.0):
+def _row(chart, method, setting, times, error, **others):
     low, middle, high = np.quantile(times, [0.25, 0.5, 0.75])
     return {
         "chart": chart,
@@ -329,9 +297,9 @@ def _row(chart, method, setting, times, error, compile_time=0.0):
         "vectorised": 0.0,
         "largest_error": float(np.abs(error).max()),
         "rms_error": float(np.sqrt(np.mean(error**2))),
-        "compile_time": compile_time,
+        "compile_time": 0.0,
         "machine": machine(),
-    }
+    } | others
 
 
 def _frame(rows):
@@ -343,12 +311,9 @@ def _frame(rows):
 @cache
 def machine():
     """Processor, its number of cores, Python and NumPy, in words."""
-    model = platform.processor() or platform.machine()
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            names = [line.split(":")[1].strip() for line in file if line.startswith("model name")]
-        model = names[0] if names else model
-    except OSError:
-        pass  # not Linux
+    model, described = platform.processor() or platform.machine(), Path("/proc/cpuinfo")
+    if described.is_file():  # Linux
+        names = re.findall(r"^model name\s*: *(.+)", described.read_text(), re.M)
+        model = names[0].strip() if names else model
     python = f"Python {platform.python_version()}, NumPy {_version('numpy')}"
     return f"{model}, {os.cpu_count()} cores, {python}, Numba {_version('numba')}"
