@@ -72,7 +72,6 @@ def test_every_number_of_tables_1_and_2_is_a_claim():
 def test_claim_is_whole_and_its_evidence_is_there(row):
     for column in ("part", "where", "statement", "measure"):
         assert getattr(row, column).strip()
-    assert row.tolerance >= 0
     assert row.expected != 0
     assert row.figure in RESULTS
     assert row.evidence.split()

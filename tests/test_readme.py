@@ -1,4 +1,8 @@
-"""What README claims is what the study computes, and its example runs."""
+"""README's numbers are those of the kept results, and its example runs.
+
+Kept results are files: that they are also what the study computes is for `study report`, which
+compares every one that it makes with the kept one.
+"""
 
 import re
 
