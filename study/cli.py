@@ -1,4 +1,4 @@
-"""The command line ``study``: notebooks, paper, report, dataset, laws, joints and simulations.
+"""The command line, study: notebooks, paper, report, dataset, laws, joints and simulations.
 
 An option that is a parameter of the library has type, default and help from there (`command`).
 A user's mistake is one line on standard error and exit status 2; a failure is exit status 1.
