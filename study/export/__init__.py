@@ -118,9 +118,8 @@ def _table(law: laws.Law, r2_star: float, deepest: float, **options: Any) -> str
 def _tabulated(joint):
     """Law of a joint, and the largest error estimate of its curve from a depth of 0.005 on."""
     depths = np.linspace(0, 1, ROOTS + 1)[1:] ** 2
-    curve = force_curve(joint, depths)
-    if curve.solver == "series":  # finer than usual, for it costs little
-        curve = force_curve(joint, depths, resolution=2 * RESOLUTION["series"])
+    finer = 2 * RESOLUTION["series"] if joint.series_applies else None  # for it costs little
+    curve = force_curve(joint, depths, resolution=finer)
     return contact.tabulated(curve), float(curve.error_estimate[depths >= 0.005].max())
 
 
