@@ -27,7 +27,7 @@ def test_socket_under_uniform_pressure_widens_as_lame(ratio, poisson):
 def modes_residual(orders, poisson, radius, which):
     """Largest residual of radial equilibrium of one mode, from differences in the radius."""
     step = 1e-4
-    at = [series._modes(orders, poisson, radius + k * step, 2.0) for k in (-1, 0, 1)]
+    at = [series.modes(orders, poisson, radius + k * step, 2.0) for k in (-1, 0, 1)]
     radial, _, normal, shear = (np.array([a[q][which] for a in at]) for q in range(4))
     n, r = orders, radius
     lame = poisson / (1 - 2 * poisson)  # over 2 G: stresses below are over 2 G as well

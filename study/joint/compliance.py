@@ -10,7 +10,7 @@ from functools import lru_cache, wraps
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 
@@ -20,10 +20,14 @@ Rim = Literal["mirror", "free"]
 """What holds the socket's edge at the equator."""
 DRIVES: tuple[Drive, ...] = get_args(Drive)
 RIMS: tuple[Rim, ...] = get_args(Rim)
+Layered = float | tuple[float, ...]
+"""A number of a socket of one material, or of each of its layers, from the inside out."""
 RESOLUTION = {"series": 320, "quadratic": 160, "finite": 96}
 """Usual elements along the quarter circle: by series, finite elements, with large displacements."""
 FINEST_RESOLUTION = 1280
 """Finer hats than these are too much alike for the series, and meshes take gigabytes."""
+THINNEST_RATIO = 1.001
+"""Least outer over inner radius of a socket, and of each of its layers."""
 THICKEST_RATIO = 1e6
 """Largest ratio of the socket's radii: a thicker one changes the force by less than 1e-6, and
 takes meshes of ever more rings."""
@@ -67,6 +71,23 @@ def surface_angles(resolution: int) -> NDArray[np.float64]:
     angles = graded(np.pi / 2, _ANGLE_SCALE, resolution)
     angles[-1] = np.pi / 2
     return angles
+
+
+def layered(ratio: Layered, poisson: Layered, modulus: Layered) -> NDArray[np.float64]:
+    """Outer ratios, Poisson's ratios and Young's moduli of a socket's layers, checked.
+
+    Returns shape (3, layers). The ratios are to the socket's inner radius and increase; a value
+    outside its range, or lists of different lengths, are a ``ValueError``.
+    """
+    limits = {"least": THINNEST_RATIO, "most": THICKEST_RATIO}
+    ratios = np.atleast_1d(checks.number("socket_ratio", ratio, **limits))
+    poissons = np.atleast_1d(checks.number("poisson", poisson, above=-1, below=0.5))
+    moduli = np.atleast_1d(checks.number("modulus", modulus, above=0))
+    if np.size(modulus) == 1:
+        moduli = np.broadcast_to(moduli, ratios.shape)
+    checks.same_length(socket_ratio=ratios, poisson=poissons, modulus=moduli)
+    checks.number("socket_ratio over that of the layer inside", ratios[1:] / ratios[:-1], **limits)
+    return np.array([ratios, poissons, moduli])
 
 
 @dataclass(frozen=True)

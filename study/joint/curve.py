@@ -22,6 +22,7 @@ from study.joint.compliance import (
     RESOLUTION,
     RIMS,
     THICKEST_RATIO,
+    THINNEST_RATIO,
     Drive,
     Rim,
 )
@@ -95,7 +96,7 @@ class Joint:
 
     def __post_init__(self):
         checks.number("r2_star", self.r2_star, above=1, scalar=True)
-        thinnest, thickest = series.THINNEST_RATIO, THICKEST_RATIO
+        thinnest, thickest = THINNEST_RATIO, THICKEST_RATIO
         checks.number("socket_ratio", self.socket_ratio, least=thinnest, most=thickest, scalar=True)
         for name in ("ball", "socket"):
             checks.instance(name, getattr(self, name), Material)

@@ -3,7 +3,8 @@
 A ball pressed by two mirror-image sockets, each continued by mirror symmetry about the
 equator, is a whole sphere and a whole spherical shell under pressures of even Legendre order.
 Each order is solved by itself: two displacement modes that are regular at the centre, two
-that are singular there (Lur'e, Three-dimensional problems of the theory of elasticity, 1964).
+that are singular there (Lur'e, Three-dimensional problems of the theory of elasticity, 1964),
+in each layer of the shell; layers are bonded, and joined by the flexibility of those outside.
 This is the half ball with ``plane`` drive and the socket with ``mirror`` rim of
 `study.joint.fem`; what is left of a mesh are the hat functions of the pressure.
 """
@@ -16,9 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from study import checks
 from study.joint.compliance import (
     RESOLUTION,
-    THICKEST_RATIO,
     Compliance,
     HatFunctions,
+    Layered,
+    layered,
     remembered,
     surface_angles,
 )
@@ -26,7 +28,6 @@ from study.threads import one_thread
 
 LAST_ORDER = 10_000
 MOST_ORDERS = 100_000
-THINNEST_RATIO = 1.001
 
 
 @remembered(maxsize=32)
@@ -45,19 +46,20 @@ def ball_compliance(
 @remembered(maxsize=32)
 @one_thread
 def socket_compliance(
-    ratio: float,
-    poisson: float = 0.3,
+    ratio: Layered,
+    poisson: Layered = 0.3,
     resolution: int = RESOLUTION["series"],
     last_order: int = LAST_ORDER,
+    modulus: Layered = 1.0,
 ) -> Compliance:
     """Compliance of a shell fixed on its outer sphere, symmetric about the equator.
 
-    As `ball_compliance`; ``ratio`` is the outer over the inner radius, >= 1.001.
+    As `ball_compliance`; ``ratio`` is the outer over the inner radius, >= 1.001. A shell of
+    several layers has a ratio to the innermost radius, a Poisson's ratio and a Young's ``modulus``
+    for each, from the inside out; the first modulus is the unit if it is 1.
     """
-    ratio = checks.number(
-        "socket_ratio", ratio, least=THINNEST_RATIO, most=THICKEST_RATIO, scalar=True
-    )
-    return _compliance(socket_receptance(_orders(last_order), ratio, poisson), resolution)
+    receptance = socket_receptance(_orders(last_order), ratio, poisson, modulus)
+    return _compliance(receptance, resolution)
 
 
 def ball_receptance(orders: ArrayLike, poisson: float) -> NDArray[np.float64]:
@@ -66,38 +68,76 @@ def ball_receptance(orders: ArrayLike, poisson: float) -> NDArray[np.float64]:
     Factors of P_n(cos theta) for radius 1 and Young's modulus 1, by the orders n; these are not
     1, whose pressure is not in balance.
     """
-    n = np.asarray(orders)
-    poisson = checks.poisson("poisson", poisson)
-    radial, _, normal, shear = _modes(n, poisson, 1.0)
-    amplitudes = _amplitudes([normal[:2], shear[:2]], n, poisson)
-    return np.where(n == 0, 1 - 2 * poisson, -(radial[:2] * amplitudes).sum(axis=0))
+    amplitudes = ball_amplitudes(orders, poisson)
+    return -(modes(orders, poisson, 1.0)[0, :2] * amplitudes).sum(axis=0)
 
 
-def socket_receptance(orders: ArrayLike, ratio: float, poisson: float) -> NDArray[np.float64]:
+def socket_receptance(
+    orders: ArrayLike, ratio: Layered, poisson: Layered, modulus: Layered = 1.0
+) -> NDArray[np.float64]:
     """Outward displacement of a shell's inner surface under the pressure P_n(cos theta).
 
     As `ball_receptance`, for inner radius 1; the outer sphere is fixed, its radius ``ratio``.
+    Layers are as for `socket_compliance`.
     """
-    n = np.asarray(orders)
-    poisson = checks.poisson("poisson", poisson)
-    radial, _, normal, shear = _modes(n, poisson, 1.0, ratio)
-    outer_radial, outer_polar, _, _ = _modes(n, poisson, ratio, ratio)
-    amplitudes = _amplitudes([normal, shear, outer_radial, outer_polar], n, poisson)
-    thick = ratio**3 - 1  # order 0: A r + B/r^2, zero at the outer sphere
-    uniform = (1 + poisson) * (1 - 2 * poisson) * thick
-    uniform /= 1 + poisson + 2 * (1 - 2 * poisson) * ratio**3
-    return np.where(n == 0, uniform, (radial * amplitudes).sum(axis=0))
+    ratios, poissons, _ = layered(ratio, poisson, modulus)
+    radial = modes(orders, poissons[0], 1.0, ratios[0])[0]
+    return (radial * socket_amplitudes(orders, ratio, poisson, modulus)[0]).sum(axis=0)
 
 
-def _modes(orders, poisson, radius, largest_radius=1.0):
-    """Radial and polar displacement, normal and shear stress over 2 G at one radius.
+def ball_amplitudes(orders: ArrayLike, poisson: float) -> NDArray[np.float64]:
+    """Amplitudes of the two regular `modes` in a ball under the pressure P_n(cos theta).
 
-    Each of shape (4, m), for the modes r^(n+1) and r^(n-1), which are regular, and r^-n and
-    r^-(n+2), which are singular. Radial quantities go with P_n(cos theta), the others with its
-    derivative to theta. Regular modes are scaled to the largest radius and singular ones to
-    radius 1, so that no power overflows.
+    For radius 1 and Young's modulus 1; shape (2, m), by the orders, which are not 1. At the
+    radius r, ``modes(orders, poisson, r)[:, :2]`` times them, summed over the two, is the
+    displacement and the stress over 2 G.
     """
-    n, nu, r = orders.astype(float), poisson, radius
+    surface = modes(orders, checks.poisson("poisson", poisson), 1.0)
+    pressure = [[-(1 + poisson)], [0.0]]  # radial stress over 2 G, and shear
+    return np.linalg.solve(surface[2:, :2].transpose(2, 0, 1), pressure)[:, :, 0].T
+
+
+def socket_amplitudes(
+    orders: ArrayLike, ratio: Layered, poisson: Layered, modulus: Layered = 1.0
+) -> NDArray[np.float64]:
+    """Amplitudes of the four `modes` in every layer under the pressure P_n(cos theta) inside.
+
+    Shape (layers, 4, m), from the inside out; ratios, Poisson's ratios and moduli as for
+    `socket_compliance`. In a layer from radius a to b (over the innermost, so that the first has
+    a = 1), with its Poisson's ratio nu and shear modulus G: ``modes(orders, nu, r/a, b/a)`` times
+    them, summed over the four, is the displacement over a and the stress over 2 G.
+
+    From the outside in, the flexibility of a layer's inner sphere, a 2x2 matrix of displacement
+    over a per stress, follows from that of its outer sphere, where the fixed one has none.
+    """
+    ratios, poissons, moduli = layered(ratio, poisson, modulus)
+    steps = ratios / np.append(1.0, ratios[:-1])  # outer over inner radius of each layer
+    twice_shear = moduli / (1 + poissons)
+    flexibility, layers = np.zeros((2, 2)), []
+    for q, nu, g in zip(steps[::-1], poissons[::-1], twice_shear[::-1], strict=True):
+        inner, outer = (modes(orders, nu, r, q).transpose(2, 0, 1) for r in (1.0, q))
+        held = outer[:, :2] - q * g * flexibility @ outer[:, 2:]
+        by_stress = np.linalg.solve(np.hstack([inner[:, 2:], held]), np.eye(4)[:, :2])
+        flexibility = inner[:, :2] @ by_stress / g
+        layers.append((by_stress / g, g * outer[:, 2:]))
+    stress, amplitudes = np.array([[-1.0], [0.0]]), []  # normal and shear, at an inner sphere
+    for by_stress, outer_stress in reversed(layers):
+        amplitudes.append(by_stress @ stress)
+        stress = outer_stress @ amplitudes[-1]
+    return np.array(amplitudes)[..., 0].transpose(0, 2, 1)
+
+
+def modes(
+    orders: ArrayLike, poisson: float, radius: float, largest_radius: float = 1.0
+) -> NDArray[np.float64]:
+    """Radial and polar displacement, normal and shear stress over 2 G of four modes at a radius.
+
+    Shape (4 quantities, 4 modes, m). The modes go like r^(n+1) and r^(n-1), which are regular, and
+    r^-n and r^-(n+2), which are singular. Radial quantities go with P_n(cos theta), the others
+    with its derivative to theta. Regular modes are scaled to the largest radius and singular ones
+    to radius 1, so that no power overflows.
+    """
+    n, nu, r = np.asarray(orders, dtype=float), poisson, radius
     inner, outer = (r / largest_radius) ** n, r**-n
     radial = [(n + 1) * (n - 2 + 4 * nu) * r, n / r, n * (n + 3 - 4 * nu), -(n + 1) / r**2]
     polar = [(n + 5 - 4 * nu) * r, 1 / r + 0 * n, 4 - n - 4 * nu, r**-2 + 0 * n]
@@ -113,19 +153,7 @@ def _modes(orders, poisson, radius, largest_radius=1.0):
         (n * n - 2 + 2 * nu) / r,
         -(n + 2) / r**3,
     ]
-    powers = np.array([inner, inner, outer, outer])
-    return tuple(powers * np.array(quantity) for quantity in (radial, polar, normal, shear))
-
-
-def _amplitudes(conditions, orders, poisson):
-    """Modes' amplitudes (0 for order 0) with unit pressure as the first, else zero conditions."""
-    system = np.array(conditions).transpose(2, 0, 1)
-    right = np.zeros((*system.shape[:2], 1))
-    right[:, 0] = -(1 + poisson)  # radial stress over 2 G, with Young's modulus 1
-    found = np.zeros(system.shape[:2])
-    several = orders > 0
-    found[several] = np.linalg.solve(system[several], right[several])[:, :, 0]
-    return found.T
+    return np.array([inner, inner, outer, outer]) * np.array([radial, polar, normal, shear])
 
 
 def _orders(last_order):
