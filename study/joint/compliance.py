@@ -11,6 +11,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
 
 from study import checks
 
@@ -146,14 +147,14 @@ class HatFunctions:
         beside = (self._area * left * right).sum(1)
         return np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
 
-    def values(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Value of every hat at every angle of ``theta``, shape (len(theta), n)."""
+    def values(self, theta: NDArray[np.float64]) -> csr_array:
+        """Value of every hat at every angle of ``theta``, sparse, shape (len(theta), n)."""
         element = np.clip(np.searchsorted(self.angles, theta) - 1, 0, len(self.angles) - 2)
         right = (theta - self.angles[element]) / np.diff(self.angles)[element]
-        values = np.zeros((len(theta), len(self.angles)))
-        rows = np.arange(len(theta))
-        values[rows, element], values[rows, element + 1] = 1 - right, right
-        return values
+        values, columns = np.stack([1 - right, right], 1), np.stack([element, element + 1], 1)
+        rows = 2 * np.arange(len(theta) + 1)
+        shape = len(theta), len(self.angles)
+        return csr_array((values.ravel(), columns.ravel(), rows), shape=shape)
 
     @staticmethod
     def _to_nodes(left, right):

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.sparse import csr_array
 
 from study.joint import complementarity
 from study.joint.compliance import Compliance, HatFunctions
@@ -65,13 +64,12 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
     mass = hats.mass()
     per_force = np.linalg.inv(mass)
     socket_flexibility = per_force @ socket.flexibility @ per_force
-    of_pressure = csr_array(r1 * mass)
+    forces = (hats.values(hats.points) * (r1 * hats.areas)[:, None]).T.tocsr()
 
     def problem(depth):
         e = (1 + depth) / r2_star
-        moved = np.arctan2(r1 * np.sin(hats.angles), r1 * np.cos(hats.angles) + e)
-        forces = of_pressure @ csr_array(hats.values(moved))  # on the socket's nodes
-        by_socket = forces @ (forces @ socket_flexibility).T
+        moved = forces @ hats.values(_faced(joint, hats.points, depth))  # to the socket's nodes
+        by_socket = moved @ (moved @ socket_flexibility).T
         matrix = of_ball * r1 * ball.flexibility + of_socket * by_socket
 
         def gap(phi):
@@ -83,6 +81,25 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
         return matrix, hats.integrate(gap)
 
     return problem, r1**2 * hats.integrate(np.cos)
+
+
+def _faced(joint, angles, depth):
+    """Polar angles of the socket's points that points of the ball have moved to."""
+    moved = joint.ball_radius * np.sin(angles), joint.ball_radius * np.cos(angles)
+    return np.arctan2(moved[0], moved[1] + (1 + depth) / joint.r2_star)
+
+
+def socket_pressure(joint: Joint, angles: Floats, depths: Floats, pressure: Floats) -> Floats:
+    """Pressure on the socket (k, n) under that on the ball: equal forces on areas that face."""
+    if joint.kinematics == "small":
+        return pressure
+    r1, moved = joint.ball_radius, np.zeros_like(pressure)
+    for k, depth in enumerate(depths):
+        e = (1 + depth) / joint.r2_star
+        away = np.sqrt(r1**2 + e**2 + 2 * r1 * e * np.cos(angles))
+        shrunk = away**3 / (r1 + e * np.cos(angles))  # the ball's area over the socket's
+        moved[k] = np.interp(angles, _faced(joint, angles, depth), pressure[k] * shrunk)
+    return moved
 
 
 @one_thread
