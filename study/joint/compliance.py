@@ -10,7 +10,7 @@ from functools import lru_cache, wraps
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from study import checks

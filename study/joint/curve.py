@@ -8,6 +8,7 @@ Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -174,6 +175,13 @@ class ForceCurve:
     error_estimate: NDArray[np.float64]
     angles: NDArray[np.float64]
     pressure: NDArray[np.float64]
+
+    @cached_property
+    def largest_stress(self) -> dict[str, Any]:
+        """`study.joint.stress.LargestStress` of each body, by its name; computed when asked for."""
+        from study.joint import stress
+
+        return stress.largest(self)
 
     def columns(self) -> dict[str, Any]:
         """The curve as columns of a table, a row per depth: those of `study.dataset.load`."""

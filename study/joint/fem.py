@@ -156,16 +156,55 @@ class Body:
     @cached_property
     def compliance(self) -> Compliance:
         """`Compliance` of the surface: the body solved for every hat function of pressure."""
-        facets = self._mesh.boundaries["surface"]
-        traction = FacetBasis(self._mesh, self._element, facets=facets, intorder=6)
-        hats = FacetBasis(self._mesh, ElementTriP1(), facets=facets, intorder=6)
-        count = len(facets) + 1
-        load = -_normal_pressure.assemble(hats, traction)[:, :count].toarray()
+        load = self._hat_loads.toarray()
         displacement = self.solve(load)
         flexibility = load.T @ displacement
         balance = self._stiffness[self._support] @ displacement - load[self._support]
-        angles, reaction = np.arctan2(*self._mesh.p[:, :count]), np.abs(balance.sum(axis=0))
+        angles, reaction = (
+            np.arctan2(*self._mesh.p[:, : load.shape[1]]),
+            np.abs(balance.sum(axis=0)),
+        )
         return Compliance(angles, (flexibility + flexibility.T) / 2, reaction)
+
+    @cached_property
+    def _hat_loads(self):
+        """Nodal forces of every hat function of pressure, sparse."""
+        facets = self._mesh.boundaries["surface"]
+        traction = FacetBasis(self._mesh, self._element, facets=facets, intorder=6)
+        hats = FacetBasis(self._mesh, ElementTriP1(), facets=facets, intorder=6)
+        return -_normal_pressure.assemble(hats, traction)[:, : len(facets) + 1]
+
+    @property
+    def places(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Radii and polar angles (rad) of the mesh's nodes, each of shape (nodes,)."""
+        return np.hypot(*self._mesh.doflocs), np.arctan2(*self._mesh.doflocs)
+
+    def stresses(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Radial, polar, azimuthal and shear stress at the nodes, means of the elements there.
+
+        Of linear elasticity; in the unit of the pressures (k, hats), shape (4, k, nodes).
+        """
+        quadratic = isinstance(self._mesh, MeshTri2)
+        corners = (ElementTriP2 if quadratic else ElementTriP1).doflocs.T
+        basis = Basis(self._mesh, self._element, quadrature=(corners, np.ones(corners.shape[1])))
+        nodes = self._mesh.dofs.element_dofs.T
+        r, z = basis.global_coordinates()
+        away = np.where(np.hypot(r, z) > 0, np.hypot(r, z), 1)
+        sine, cosine = r / away, np.where(np.hypot(r, z) > 0, z / away, 1)
+        found = []
+        for displacement in self.solve(self._hat_loads @ pressure.T).T:
+            field = basis.interpolate(displacement)
+            strain = sym_grad(field)
+            hoop = np.where(r > 0, field[0] / np.where(r > 0, r, 1), strain[0, 0])
+            ((rr, rz), (_, zz)), around = self._stress(strain, hoop)
+            twice = 2 * sine * cosine * rz
+            radial = sine**2 * rr + cosine**2 * zz + twice
+            polar = cosine**2 * rr + sine**2 * zz - twice
+            shear = sine * cosine * (rr - zz) + (cosine**2 - sine**2) * rz
+            parts = radial, polar, around, shear
+            sums = [np.bincount(nodes.ravel(), np.asarray(part).ravel()) for part in parts]
+            found.append(sums / np.bincount(nodes.ravel()))
+        return np.array(found).transpose(1, 0, 2)
 
 
 @remembered(maxsize=4)

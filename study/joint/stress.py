@@ -1,0 +1,275 @@
+"""Stresses inside ball and socket, and where the elastic law ends: first yield by von Mises.
+
+A joint that the exact series solves has its stresses from the series' modes, at any point; other
+joints have theirs from the elements, at the nodes of the mesh. All are those of linear
+elasticity, under the pressure of a solved contact: beyond first yield they, and every law's
+error, are about bodies that do not yield. Stresses are in E* dR/R2, tension positive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from study import checks
+from study.joint import pairing, series
+from study.joint.compliance import graded
+from study.threads import one_thread
+
+if TYPE_CHECKING:
+    from study.joint.curve import ForceCurve
+
+Floats = NDArray[np.float64]
+
+HEIGHT = 0.1
+"""Of the elements, in radii above the equator, below which no largest stress is sought: at the
+corner of a clamped and a free surface it has no bound."""
+_THICKNESS = 3.0  # of a socket, in radii, beyond which no largest stress is sought
+_DEPTH_SCALE, _ANGLE_SCALE = 0.003, 0.01  # in radii and rad: the points' spacing grows from there
+_RADII, _ANGLES = 48, 32  # points
+_ORDERS = np.arange(0, series.LAST_ORDER + 1, 2)
+_NEAR = 0.02  # of the contact's radius: depth that still is the surface
+_FELT = 30.0  # a mode that has decayed by exp(-30) is not felt
+
+
+@dataclass(frozen=True)
+class LargestStress:
+    """The largest von Mises stress in one body, at every depth of a curve.
+
+    Attributes
+    ----------
+    von_mises
+        In E* dR/R2; shape (k,).
+    over_peak
+        The same over the peak pressure, 0 without contact; shape (k,).
+    radius
+        Where it is: distance from the body's centre over its surface's radius; shape (k,).
+    angle
+        Where it is: polar angle from the contact's axis, in rad; shape (k,).
+    place
+        ``at the surface`` of contact, ``outside``, at a socket's outer sphere, or else ``below the
+        surface``; k of them.
+    """
+
+    von_mises: Floats
+    over_peak: Floats
+    radius: Floats
+    angle: Floats
+    place: tuple[str, ...]
+
+
+def von_mises(stress: ArrayLike) -> Floats:
+    """Von Mises stress of radial, polar, azimuthal and shear stress, shape (4, ...)."""
+    radial, polar, around, shear = np.asarray(checks.number("stress", stress))
+    apart = (radial - polar) ** 2 + (polar - around) ** 2 + (around - radial) ** 2
+    return np.sqrt(apart / 2 + 3 * shear**2)
+
+
+@one_thread
+def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) -> Floats:
+    """Stresses inside a body of an exactly solved joint, at a grid of radii and polar angles.
+
+    Parameters
+    ----------
+    curve
+        Of the solver ``series``.
+    body
+        ``ball`` or ``socket``.
+    radius
+        Distances from the body's centre over its surface's radius, > 0; shape (m,).
+    angle
+        Polar angles from the contact's axis, from 0 to pi/2, in rad; shape (n,).
+
+    Returns
+    -------
+    ndarray, shape (4, k, m, n)
+        Radial, polar, azimuthal and shear stress at every depth.
+
+    Raises
+    ------
+    ValueError
+        For a curve of finite elements, or a value outside its range.
+    """
+    if curve.solver != "series":
+        raise ValueError(f"solver must be series for stresses at any point, got {curve.solver!r}")
+    solid = _solid(curve.joint, body)
+    radii = checks.number("radius", radius, above=0, least=solid.inner, most=solid.outer)
+    angles = checks.number("angle", angle, "rad", least=0, most=np.pi / 2)
+    table = _legendre(np.atleast_1d(angles))
+    return _sum(solid, _waves(_pressures(curve)[body]), np.atleast_1d(radii), table)
+
+
+@one_thread
+def largest(curve: ForceCurve) -> dict[str, LargestStress]:
+    """Largest von Mises stress in ball and socket, by their names.
+
+    A ball on a ``point`` drive is left out: under a point load stresses have no bound. Elements
+    are searched from `HEIGHT` above the equator on.
+    """
+    found = {}
+    for body, pressure in _pressures(curve).items():
+        if curve.solver == "series":
+            stress, radius, angle = _largest_of_series(_solid(curve.joint, body), pressure)
+        elif body == "socket" or curve.joint.ball_drive != "point":
+            stress, radius, angle = _largest_of_elements(_body(curve, body), pressure)
+        else:
+            continue
+        outer = curve.joint.socket_ratio if body == "socket" else 0
+        near = np.abs(radius - 1) <= _NEAR * np.sin(curve.contact_half_angle)
+        place = np.where(near, "at the surface", "below the surface")
+        place = np.where(np.isclose(radius, outer), "outside", place)
+        peak = curve.peak_pressure
+        over_peak = np.divide(stress, peak, out=np.zeros_like(stress), where=peak > 0)
+        found[body] = LargestStress(stress, over_peak, radius, angle, tuple(place.tolist()))
+    return found
+
+
+def _pressures(curve):
+    """Pressure on the surface of either body, (k, hats)."""
+    socket = pairing.socket_pressure(curve.joint, curve.angles, curve.depth_star, curve.pressure)
+    return {"ball": curve.pressure, "socket": socket}
+
+
+@dataclass(frozen=True)
+class _Solid:
+    """A body as the series has it: radii in that of the pressed surface, and modes' amplitudes."""
+
+    inner: float
+    outer: float
+    poisson: float
+    twice_shear: float  # modulus, over the Young's modulus that the amplitudes are for
+    amplitudes: Floats  # (modes, orders)
+
+
+def _solid(joint, body):
+    checks.choice("body", body, ("ball", "socket"))
+    if body == "ball":
+        return _ball(joint.ball.poisson)
+    return _socket(joint.socket_ratio, joint.socket.poisson)
+
+
+@lru_cache(maxsize=8)
+def _ball(poisson):
+    amplitudes = series.ball_amplitudes(_ORDERS, poisson)
+    return _Solid(0.0, 1.0, poisson, 1 / (1 + poisson), amplitudes)
+
+
+@lru_cache(maxsize=8)
+def _socket(ratio, poisson):
+    (amplitudes,) = series.socket_amplitudes(_ORDERS, ratio, poisson)
+    return _Solid(1.0, ratio, poisson, 1 / (1 + poisson), amplitudes)
+
+
+def _waves(pressure):
+    """Legendre coefficients of pressures (k, hats), by the even orders: (orders, k)."""
+    shares = series._hat_coefficients(pressure.shape[1] - 1, series.LAST_ORDER)
+    return shares @ pressure.T
+
+
+def _sum(solid, waves, radii, table):
+    """Stresses (4, k, radii, angles) of the modes under waves of pressure."""
+    stress = np.empty((4, waves.shape[1], len(radii), table.shape[2]))
+    for j, radius in enumerate(radii):
+        distance = abs(np.log(radius))  # from the pressed surface
+        count = len(waves) if distance == 0 else min(len(waves), int(1 + _FELT / distance / 2))
+        legendre, parts = table[:, :count], _parts(solid, _ORDERS[:count], radius)
+        radial, shear, hoop, apart = (
+            (part[:, None] * waves[:count]).T @ legendre[k]
+            for part, k in zip(parts, (0, 1, 0, 2), strict=True)
+        )
+        stress[:, :, j] = radial, hoop + apart, hoop - apart, shear
+    return stress
+
+
+def _parts(solid, orders, radius):
+    """What stresses are made of at one radius under the pressures P_n, four of shape (orders,).
+
+    Radial stress and half the sum of the hoop stresses, factors of P_n; between them the shear
+    stress, of the derivative P_n'; last half the difference of the hoop stresses, of
+    P_n'' - P_n' cot(theta).
+    """
+    n, nu, r, inner = orders, solid.poisson, radius, solid.inner or 1.0
+    amplitudes = solid.amplitudes[:, : len(n)]
+    modes = series.modes(n, nu, r / inner, solid.outer / inner)[:, : len(amplitudes)]
+    radial, polar, normal, shear = (modes * amplitudes).sum(axis=1)
+    strain = (2 * radial - n * (n + 1) * polar) * inner / r  # both hoop strains
+    hoop = strain / 2 + nu / (1 - nu) * (normal + strain)
+    return solid.twice_shear * np.array([normal, shear, hoop, polar * inner / r / 2])
+
+
+def _legendre(angles):
+    """P_n, P_n' and P_n'' - P_n' cot(theta), of the even orders: (3, orders, angles)."""
+    cosine, sine = np.cos(angles), np.sin(angles)
+    table = np.zeros((3, len(_ORDERS), len(angles)))
+    before, here = np.ones_like(cosine), cosine
+    table[0, 0] = 1
+    off_axis = sine > 0  # on the axis both hoop stresses are the same, and there is no shear
+    for n in range(2, _ORDERS[-1] + 1):
+        before, here = here, ((2 * n - 1) * cosine * here - (n - 1) * before) / n
+        if n % 2 == 0:
+            table[0, n // 2] = here
+            slope = n * (cosine * here - before)
+            np.divide(slope, sine, out=table[1, n // 2], where=off_axis)
+    cotangent = np.divide(cosine, sine, out=np.zeros_like(sine), where=off_axis)
+    curved = (_ORDERS * (_ORDERS + 1))[:, None] * table[0] + 2 * cotangent * table[1]
+    table[2] = np.where(off_axis, -curved, 0)
+    return table
+
+
+@lru_cache(maxsize=1)
+def _searched():
+    """Polar angles of the points searched, and the Legendre functions there."""
+    angles = graded(np.pi / 2, _ANGLE_SCALE, _ANGLES)
+    return angles, _legendre(angles)
+
+
+def _largest_of_series(solid, pressure):
+    """Largest von Mises stresses (k,), their radii and angles.
+
+    The largest of a grid, and of parabolas through its neighbours in radius and in angle.
+    """
+    angles, table = _searched()
+    if solid.inner == 0:
+        radii = 1 - graded(0.999, _DEPTH_SCALE, _RADII)
+    else:
+        radii = 1 + graded(min(solid.outer - 1, _THICKNESS), _DEPTH_SCALE, _RADII)
+    stress = von_mises(_sum(solid, _waves(pressure), radii, table))
+    k, size = np.arange(len(stress)), stress[0].size
+    i, j = np.unravel_index(stress.reshape(-1, size).argmax(axis=1), stress[0].shape)
+    by_radius, radius = _top(stress[k, :, j], radii, i)
+    by_angle, angle = _top(stress[k, i], angles, j)
+    return by_radius + by_angle - stress[k, i, j], radius, angle
+
+
+def _body(curve, body):
+    """The meshed body that a curve of finite elements was solved with."""
+    from study.joint import fem
+
+    joint = curve.joint
+    mesh = len(curve.angles) - 1, 3 if curve.solver == "linear" else 6
+    if body == "ball":
+        return fem.ball(joint.ball.poisson, joint.ball_drive, *mesh)
+    return fem.socket(joint.socket_ratio, joint.socket.poisson, joint.rim, *mesh)
+
+
+def _largest_of_elements(body, pressure):
+    """As `_largest_of_series`, at the nodes of a mesh."""
+    radius, angle = body.places
+    stress = von_mises(body.stresses(pressure))
+    at = np.where(radius * np.cos(angle) > HEIGHT, stress, 0).argmax(axis=1)
+    return stress[np.arange(len(at)), at], radius[at], angle[at]
+
+
+def _top(values, places, at):
+    """Top of the parabola through the largest value of each row and its neighbours."""
+    k, last = np.arange(len(at)), len(places) - 1
+    before, after = values[k, np.maximum(at - 1, 0)], values[k, np.minimum(at + 1, last)]
+    bend = before - 2 * values[k, at] + after
+    inside = (at > 0) & (at < last) & (bend < 0)
+    shift = np.divide(before - after, 2 * bend, out=np.zeros_like(bend), where=inside)
+    top = values[k, at] - (before - after) * shift / 4
+    return top, np.interp(at + shift, np.arange(last + 1), places)
