@@ -24,6 +24,7 @@ from study.joint.compliance import (
     RIMS,
     THICKEST_RATIO,
     THINNEST_RATIO,
+    Compliance,
     Drive,
     Rim,
 )
@@ -237,12 +238,12 @@ def force_curve(
         If the contact does not converge; carries the residual.
     """
     checks.instance("joint", joint, Joint)
-    solver = _solver(joint, solver)
+    solver = chosen_solver(joint, solver)
     depths = np.atleast_1d(checks.number("depth_star", depth_star, least=0))
     checks.number("depth_star", depths, below=largest_depth(joint.r2_star))
     if depths.ndim != 1 or depths.size == 0:
         raise ValueError(f"depth_star must be a list of depths, got shape {depths.shape}")
-    resolution = _resolution(joint, solver, resolution)
+    resolution = checked_resolution(joint, solver, resolution)
     beside = np.outer([1, *_BESIDE], depths).ravel()
     angles, pressure, fine = _solve(joint, solver, beside, resolution)
     _, _, coarse = _solve(joint, solver, beside, resolution // 2)
@@ -273,7 +274,7 @@ def force_curve(
     )
 
 
-def _solver(joint: Joint, solver: Solver | None) -> Solver:
+def chosen_solver(joint: Joint, solver: Solver | None) -> Solver:
     """The solver asked for, if it can solve this joint, or the best one that can."""
     if solver is None:
         solver = "series" if joint.series_applies else "quadratic"
@@ -289,7 +290,7 @@ def _solver(joint: Joint, solver: Solver | None) -> Solver:
     return solver
 
 
-def _resolution(joint, solver, resolution):
+def checked_resolution(joint: Joint, solver: Solver, resolution: int | None) -> int:
     """Elements along the surface, as asked for or as usual, if this joint can be solved so."""
     least, most, kind = 32, FINEST_RESOLUTION, solver
     if solver != "series":
@@ -310,21 +311,38 @@ def _resolution(joint, solver, resolution):
 
 def _solve(joint, solver, depths, resolution):
     """Nodal angles, pressure profiles (k, n) and forces (k,) at one resolution."""
-    if solver == "series":
-        ball = series.ball_compliance(joint.ball.poisson, resolution)
-        socket = series.socket_compliance(joint.socket_ratio, joint.socket.poisson, resolution)
-    else:
+    if joint.kinematics == "finite":
         from study.joint import fem
 
-        mesh = (resolution, 6 if solver == "quadratic" else 3)
-        of_ball = (joint.ball.poisson, joint.ball_drive, *mesh)
-        of_socket = (joint.socket_ratio, joint.socket.poisson, joint.rim, *mesh)
-        if joint.kinematics == "finite":
-            bodies = fem.ball(*of_ball), fem.socket(*of_socket)
-            return bodies[0].compliance.angles, *pairing.solve_finite(joint, depths, *bodies)
-        ball, socket = fem.ball_compliance(*of_ball), fem.socket_compliance(*of_socket)
+        of_ball, of_socket = _meshed(joint, resolution)
+        ball, socket = fem.ball(*of_ball), fem.socket(*of_socket)
+        angles = ball.compliance.angles
+        return angles, *pairing.solve_finite(joint, depths, ball, socket)
+    ball, socket = compliances(joint, solver, resolution)
     paired = pairing.small if joint.kinematics == "small" else pairing.linear
     return ball.angles, *pairing.solve(joint, depths, *paired(joint, ball, socket))
+
+
+def compliances(
+    joint: Joint, solver: Solver, resolution: int, last_order: int = series.LAST_ORDER
+) -> tuple[Compliance, Compliance]:
+    """Compliances of ball and socket, by a solver that can solve the joint."""
+    if solver == "series":
+        ball = series.ball_compliance(joint.ball.poisson, resolution, last_order)
+        layer = joint.socket_ratio, joint.socket.poisson
+        return ball, series.socket_compliance(*layer, resolution, last_order)
+    from study.joint import fem
+
+    of_ball, of_socket = _meshed(joint, resolution, 6 if solver == "quadratic" else 3)
+    return fem.ball_compliance(*of_ball), fem.socket_compliance(*of_socket)
+
+
+def _meshed(joint, resolution, nodes=6):
+    """Arguments of the finite-element ball and socket."""
+    return (
+        (joint.ball.poisson, joint.ball_drive, resolution, nodes),
+        (joint.socket_ratio, joint.socket.poisson, joint.rim, resolution, nodes),
+    )
 
 
 def _edge(angles, pressure):

@@ -22,7 +22,10 @@ if TYPE_CHECKING:
     from study.joint.fem import Body
 
 Problem = Callable[[float], tuple[NDArray[np.float64], NDArray[np.float64]]]
-"""Depth -> matrix and vector of the complementarity problem."""
+"""Depth_star -> matrix (n, n), and gap (3, n): factors of 1, D and D^2, D = 1 + depth_star.
+
+Matrix and gap's last factor hardly change with the depth, by terms of order 1/R2*.
+"""
 Floats = NDArray[np.float64]
 
 RELAXATIONS = (0.8, 0.5, 0.25)  # of the pressure's step, tried in turn: they damp modes as
@@ -42,18 +45,19 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
     matrix = of_ball * r1 * ball.flexibility + of_socket * socket.flexibility
     hats = HatFunctions(ball.angles)
 
+    axial = hats.integrate(np.cos)
+
     def problem(depth):
         e = (1 + depth) / r2_star
 
-        def gap(theta):
+        def beyond(theta):
             # no ball is left in directions beyond its tangent, where the root would end
-            side = (e * np.sin(theta)) ** 2
-            root = np.sqrt(np.maximum(r1**2 - side, 0))
-            return 1 - (1 + depth) * np.cos(theta) + r2_star * np.minimum(side, r1**2) / (r1 + root)
+            side = np.minimum(np.sin(theta) ** 2, (r1 / e) ** 2)
+            return side / (r1 + np.sqrt(np.maximum(r1**2 - e**2 * side, 0))) / r2_star
 
-        return matrix, hats.integrate(gap)
+        return matrix, np.array([hats.integrate(np.ones_like), -axial, hats.integrate(beyond)])
 
-    return problem, hats.integrate(np.cos)
+    return problem, axial
 
 
 def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
@@ -65,6 +69,7 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
     per_force = np.linalg.inv(mass)
     socket_flexibility = per_force @ socket.flexibility @ per_force
     forces = (hats.values(hats.points) * (r1 * hats.areas)[:, None]).T.tocsr()
+    axial = hats.integrate(np.cos)
 
     def problem(depth):
         e = (1 + depth) / r2_star
@@ -72,15 +77,13 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
         by_socket = moved @ (moved @ socket_flexibility).T
         matrix = of_ball * r1 * ball.flexibility + of_socket * by_socket
 
-        def gap(phi):
-            along = r1 + e * np.cos(phi)
-            side = (e * np.sin(phi)) ** 2
-            beyond = side / (along + np.sqrt(along**2 + side))
-            return 1 - (1 + depth) * np.cos(phi) - r2_star * beyond
+        def beyond(phi):
+            along, side = r1 + e * np.cos(phi), np.sin(phi) ** 2
+            return -side / (along + np.sqrt(along**2 + e**2 * side)) / r2_star
 
-        return matrix, hats.integrate(gap)
+        return matrix, np.array([hats.integrate(np.ones_like), -axial, hats.integrate(beyond)])
 
-    return problem, r1**2 * hats.integrate(np.cos)
+    return problem, r1**2 * axial
 
 
 def _faced(joint, angles, depth):
@@ -109,6 +112,7 @@ def solve(joint: Joint, depths: Floats, problem: Problem, axial: Floats) -> tupl
     for k in np.argsort(-depths, kind="stable"):
         if depths[k] > 0:
             matrix, gap = problem(depths[k])
+            gap = (1 + depths[k]) ** np.arange(3) @ gap
             pressure[k], active = complementarity.solve(matrix, gap, active)
     return pressure, joint.r2_star * pressure @ axial
 
