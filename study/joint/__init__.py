@@ -11,6 +11,7 @@ from study.joint.curve import (
     force_curve,
     paper_joint,
 )
+from study.joint.growth import whole_curve
 
 __all__ = [
     "Drive",
@@ -23,4 +24,5 @@ __all__ = [
     "UnresolvedError",
     "force_curve",
     "paper_joint",
+    "whole_curve",
 ]

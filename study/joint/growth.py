@@ -15,7 +15,7 @@ from study import checks
 from study.contact import largest_depth
 from study.joint import curve, pairing
 from study.joint.complementarity import ComplementarityError
-from study.joint.curve import ForceCurve, Joint
+from study.joint.curve import ForceCurve, Joint, UnresolvedError
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
@@ -23,7 +23,7 @@ ORDERS = 12
 """Of the series, an element: more of them change the force by less than 1e-6."""
 _MADE = 3  # eccentricities at which the matrix is made
 _FIRST = 8  # elements of the coarser mesh in the smallest contact
-_PROFILES = 48  # depths of a curve, about
+_COUNT = 48  # depths of a curve, about
 
 
 @one_thread
@@ -70,11 +70,16 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
             "deepest must keep the contact off the socket's rim (half-angle < 90 deg), "
             f"got {deepest:g}"
         )
+    if reached[0] < 2 * _FIRST:
+        raise UnresolvedError(
+            f"deepest must be a contact of {2 * _FIRST} elements or more, got {deepest:g}: "
+            f"take a resolution finer than {resolution}"
+        )
     steps = np.sqrt(depth[_FIRST : reached[0] + 1])
-    wanted = np.linspace(steps[0], steps[-1], _PROFILES)
+    wanted = np.linspace(steps[0], steps[-1], _COUNT)
     nodes = np.unique(_FIRST + np.abs(steps - wanted[:, None]).argmin(axis=1))
-    exponent = np.gradient(np.log(force), np.log(depth))[nodes]
-    fine_force = fine.force[2 * nodes] * (depth[nodes] / fine.depth[2 * nodes]) ** exponent
+    slope = np.gradient(force, depth)[nodes]  # what the finer mesh gives at these depths
+    unextrapolated = fine.force[2 * nodes] + slope * (depth - fine.depth[: 2 * size : 2])[nodes]
     pressure = np.array([fine.pressure(2 * node) for node in nodes])
     return ForceCurve(
         joint=joint,
@@ -83,7 +88,7 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
         force_star=force[nodes],
         contact_half_angle=fine.angles[2 * nodes],
         peak_pressure=pressure.max(axis=1),
-        error_estimate=np.abs(fine_force / force[nodes] - 1),
+        error_estimate=np.abs(unextrapolated / force[nodes] - 1),
         angles=fine.angles,
         pressure=pressure,
     )
@@ -104,7 +109,8 @@ class _Growth:
         self._made, self._factors = made, [factor for factor, _ in solved]
         *self._gaps, load = np.array([of for _, of in solved]).swapaxes(0, 1)
         one, first, second = self._gaps
-        met = -2 * one / (first * (1 + np.sqrt(1 - 4 * one * second / first**2)))
+        root = np.sqrt(np.maximum(1 - 4 * one * second / first**2, 0))
+        met = -2 * one / (first * (1 + root))
         size = np.argmax(np.append(~((met > 1) & (met < 1 + 2 * deepest)).all(axis=0), True))
         sums = [np.cumsum(gap * load, axis=1)[:, :size] for gap in self._gaps]
         met = met[:, :size]
@@ -122,7 +128,9 @@ class _Growth:
     def pressure(self, node):
         """Pressure at all nodes, of the contact that ends at one."""
         own, profiles = self._own[node], np.zeros((_MADE, len(self.angles)))
-        for k, (factor, one, first, second) in enumerate(zip(self._factors, *self._gaps)):
+        for k, (factor, one, first, second) in enumerate(
+            zip(self._factors, *self._gaps, strict=True)
+        ):
             gap = (one + own * (first + own * second))[:node]
             part = factor[:node, :node]
             profiles[k, :node] = solve_triangular(part, -gap, lower=True, trans=1)
