@@ -12,16 +12,20 @@ from study.joint.curve import (
     paper_joint,
 )
 from study.joint.growth import whole_curve
+from study.joint.stress import FirstYield, LargestStress, first_yield
 
 __all__ = [
     "Drive",
+    "FirstYield",
     "ForceCurve",
     "Joint",
     "Kinematics",
+    "LargestStress",
     "Material",
     "Rim",
     "Solver",
     "UnresolvedError",
+    "first_yield",
     "force_curve",
     "paper_joint",
     "whole_curve",

@@ -9,7 +9,7 @@ Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,6 +30,9 @@ from study.joint.compliance import (
 )
 from study.threads import one_thread
 
+if TYPE_CHECKING:
+    from study.joint.stress import LargestStress
+
 Kinematics = Literal["small", "linear", "finite"]
 Solver = Literal["series", "quadratic", "linear"]
 KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
@@ -46,14 +49,21 @@ class UnresolvedError(checks.RangeError):
 
 @dataclass(frozen=True)
 class Material:
-    """An isotropic, linear elastic material: Young's modulus > 0, in Pa, Poisson's ratio < 0.5."""
+    """An isotropic, linear elastic material: Young's modulus > 0, in Pa, Poisson's ratio < 0.5.
+
+    Its yield stress, > 0, in Pa, is for `study.joint.first_yield`; materials that differ in it
+    alone are equal, as forces do not depend on it.
+    """
 
     youngs_modulus: float = 2e11
     poisson: float = 0.3
+    yield_stress: float | None = field(default=None, compare=False)
 
     def __post_init__(self):
         checks.number("Young's modulus", self.youngs_modulus, "Pa", above=0, scalar=True)
         checks.poisson("Poisson's ratio", self.poisson)
+        if self.yield_stress is not None:
+            checks.number("yield stress", self.yield_stress, "Pa", above=0, scalar=True)
 
 
 @dataclass(frozen=True)
@@ -119,11 +129,17 @@ class Joint:
         return self.socket.youngs_modulus / self.ball.youngs_modulus
 
     @property
+    def composite_modulus(self) -> float:
+        """E*, in Pa."""
+        ball, socket = self.ball, self.socket
+        moduli = ball.youngs_modulus, socket.youngs_modulus
+        return composite_modulus(moduli[0], ball.poisson, moduli[1], socket.poisson)
+
+    @property
     def modulus_shares(self) -> tuple[float, float]:
         """E*/E of the ball and of the socket."""
-        e1, e2 = self.ball.youngs_modulus, self.socket.youngs_modulus
-        composite = composite_modulus(e1, self.ball.poisson, e2, self.socket.poisson)
-        return composite / e1, composite / e2
+        composite = self.composite_modulus
+        return composite / self.ball.youngs_modulus, composite / self.socket.youngs_modulus
 
     @property
     def series_applies(self) -> bool:
@@ -178,7 +194,7 @@ class ForceCurve:
     pressure: NDArray[np.float64]
 
     @cached_property
-    def largest_stress(self) -> dict[str, Any]:
+    def largest_stress(self) -> "dict[str, LargestStress]":
         """`study.joint.stress.LargestStress` of each body, by its name; computed when asked for."""
         from study.joint import stress
 

@@ -6,22 +6,20 @@ elasticity, under the pressure of a solved contact: beyond first yield they, and
 error, are about bodies that do not yield. Stresses are in E* dR/R2, tension positive.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
 
 from study import checks
+from study.contact import hertz
 from study.joint import pairing, series
 from study.joint.compliance import graded
+from study.joint.curve import ForceCurve, Joint, force_curve
 from study.threads import one_thread
-
-if TYPE_CHECKING:
-    from study.joint.curve import ForceCurve
 
 Floats = NDArray[np.float64]
 
@@ -33,6 +31,8 @@ _DEPTH_SCALE, _ANGLE_SCALE = 0.003, 0.01  # in radii and rad: the points' spacin
 _RADII, _ANGLES = 48, 32  # points
 _ORDERS = np.arange(0, series.LAST_ORDER + 1, 2)
 _NEAR = 0.02  # of the contact's radius: depth that still is the surface
+_LEAST_ROOT = {"series": 0.01, "elements": 0.06}  # of the depths solved for first yield
+_DEPTHS = 30
 _FELT = 30.0  # a mode that has decayed by exp(-30) is not felt
 
 
@@ -60,6 +60,20 @@ class LargestStress:
     radius: Floats
     angle: Floats
     place: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class FirstYield:
+    """Where a joint first yields as it is pressed: in which body, at what depth and force.
+
+    The ``body`` and ``place`` are as for `largest`; ``depth_star`` is d/dR, ``force_star``
+    P/(E* dR^2).
+    """
+
+    body: str
+    place: str
+    depth_star: float
+    force_star: float
 
 
 def von_mises(stress: ArrayLike) -> Floats:
@@ -126,6 +140,69 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
         over_peak = np.divide(stress, peak, out=np.zeros_like(stress), where=peak > 0)
         found[body] = LargestStress(stress, over_peak, radius, angle, tuple(place.tolist()))
     return found
+
+
+def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
+    """First yield, by von Mises, of a joint whose materials have a yield stress; None if elastic.
+
+    A body yields where its largest von Mises stress over E* dR/R2 is R2* Y/E*. Between the depths
+    that are solved, and below them to Hertz's limit at depth 0, that stress over the root of the
+    depth is interpolated.
+
+    Parameters
+    ----------
+    depth_star
+        Largest depth looked at, in clearances.
+
+    Raises
+    ------
+    ValueError
+        For materials without a yield stress, a ball on a ``point`` drive, or a depth that the
+        joint cannot have.
+    """
+    checks.instance("joint", joint, Joint)
+    checks.choice("ball_drive", joint.ball_drive, ("plane", "clamped"))
+    deepest = np.sqrt(checks.number("depth_star", depth_star, above=0, scalar=True))
+    materials = {"ball": joint.ball, "socket": joint.socket}
+    if not any(material.yield_stress for material in materials.values()):
+        raise ValueError("yield_stress must be given for a material of the joint, got none")
+    least = min(_LEAST_ROOT["series" if joint.series_applies else "elements"], deepest / 2)
+    root = np.append(0, np.geomspace(least, deepest, _DEPTHS))
+    curve, found = force_curve(joint, root[1:] ** 2), []
+    stiffening = curve.force_star / hertz(curve.depth_star, joint.r2_star)
+    stiffening = PchipInterpolator(root, np.append(1, stiffening))
+    for body, material in materials.items():
+        if material.yield_stress is None:
+            continue
+        yield_star = joint.r2_star * material.yield_stress / joint.composite_modulus
+        limit = hertz_von_mises(material.poisson) * 2 / np.pi / np.sqrt(joint.ball_radius)
+        one = curve.largest_stress[body]
+        beyond = np.flatnonzero(one.von_mises >= yield_star)
+        if beyond.size:
+            k = beyond[0]
+            x = _reached(yield_star, root, np.append(limit, one.von_mises / root[1:]), k)
+            force = hertz(x**2, joint.r2_star) * stiffening(x)
+            found.append(FirstYield(body, one.place[k], x**2, float(force)))
+    return min(found, key=lambda first: first.depth_star, default=None)
+
+
+def _reached(value, root, slope, k):
+    """Where x slope(x) reaches a value between the nodes k and k + 1 of x."""
+    between = PchipInterpolator(root, slope)
+    return brentq(lambda x: x * between(x) - value, root[k], root[k + 1])
+
+
+def hertz_von_mises(poisson: float) -> float:
+    """Largest von Mises stress under Hertz's pressure on a half-space, over its peak.
+
+    On the axis (Johnson, Contact Mechanics, 1985, Eq. 3.45), or for Poisson's ratios below about
+    -0.1 at the contact's edge, where pure shear is (1 - 2 nu)/3.
+    """
+    poisson = checks.poisson("poisson", poisson)
+    depth = np.linspace(0, 2, 20_001)  # over the contact's radius
+    around = -(1 + poisson) * (1 - depth * np.arctan2(1, depth)) + 0.5 / (1 + depth**2)
+    axis = np.abs(around + 1 / (1 + depth**2)).max()
+    return float(max(axis, (1 - 2 * poisson) / np.sqrt(3)))
 
 
 def _pressures(curve):
