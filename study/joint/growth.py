@@ -52,6 +52,37 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
     ValueError
         For a value outside its range, ``finite`` kinematics, or contact that reaches the rim.
     """
+    depth, force, fine = _grown(joint, deepest, resolution)
+    steps = np.sqrt(depth[_FIRST:])
+    wanted = np.linspace(steps[0], steps[-1], _COUNT)
+    nodes = np.unique(_FIRST + np.abs(steps - wanted[:, None]).argmin(axis=1))
+    slope = np.gradient(force, depth)[nodes]  # what the finer mesh gives at these depths
+    unextrapolated = fine.force[2 * nodes] + slope * (depth[nodes] - fine.depth[2 * nodes])
+    pressure = np.array([fine.pressure(2 * node) for node in nodes])
+    return ForceCurve(
+        joint=joint,
+        solver=curve.chosen_solver(joint, None),
+        depth_star=depth[nodes],
+        force_star=force[nodes],
+        contact_half_angle=fine.angles[2 * nodes],
+        peak_pressure=pressure.max(axis=1),
+        error_estimate=np.abs(unextrapolated / force[nodes] - 1),
+        angles=fine.angles,
+        pressure=pressure,
+    )
+
+
+@one_thread
+def depths_and_forces(
+    joint: Joint, deepest: float = 1.0, resolution: int | None = None
+) -> tuple[Floats, Floats]:
+    """Depths and forces of `whole_curve` at all nodes, without pressures: 8 ms for known bodies."""
+    depth, force, _ = _grown(joint, deepest, resolution)
+    return depth[_FIRST:], force[_FIRST:]
+
+
+def _grown(joint, deepest, resolution):
+    """Extrapolated depths and forces to ``deepest`` or just beyond, and the finer growth."""
     checks.instance("joint", joint, Joint)
     checks.choice("kinematics", joint.kinematics, ("small", "linear"))
     deepest = checks.number("deepest", deepest, above=0, scalar=True)
@@ -75,23 +106,7 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
             f"deepest must be a contact of {2 * _FIRST} elements or more, got {deepest:g}: "
             f"take a resolution finer than {resolution}"
         )
-    steps = np.sqrt(depth[_FIRST : reached[0] + 1])
-    wanted = np.linspace(steps[0], steps[-1], _COUNT)
-    nodes = np.unique(_FIRST + np.abs(steps - wanted[:, None]).argmin(axis=1))
-    slope = np.gradient(force, depth)[nodes]  # what the finer mesh gives at these depths
-    unextrapolated = fine.force[2 * nodes] + slope * (depth - fine.depth[: 2 * size : 2])[nodes]
-    pressure = np.array([fine.pressure(2 * node) for node in nodes])
-    return ForceCurve(
-        joint=joint,
-        solver=solver,
-        depth_star=depth[nodes],
-        force_star=force[nodes],
-        contact_half_angle=fine.angles[2 * nodes],
-        peak_pressure=pressure.max(axis=1),
-        error_estimate=np.abs(unextrapolated / force[nodes] - 1),
-        angles=fine.angles,
-        pressure=pressure,
-    )
+    return depth[: reached[0] + 1], force[: reached[0] + 1], fine
 
 
 class _Growth:
