@@ -13,7 +13,7 @@ DEPTHS = np.linspace(0.025, 0.5, 20)
 
 def test_bodies_by_series(benchmark):
     def both():
-        for cached in (series.ball_compliance, series.socket_compliance, series._hat_coefficients):
+        for cached in (series.ball_compliance, series.socket_compliance, series.hat_coefficients):
             cached.cache_clear()
         series.ball_compliance()
         series.socket_compliance(1.19)

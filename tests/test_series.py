@@ -72,7 +72,7 @@ def test_no_order_overflows():
 
 def test_hat_coefficients_are_the_integrals():
     angles = surface_angles(16)
-    coefficients = series._hat_coefficients(16, 60)
+    coefficients = series.hat_coefficients(16, 60)
     hats = HatFunctions(angles)
     for order in (0, 2, 10, 60):
         legendre = np.polynomial.legendre.Legendre.basis(order)

@@ -167,7 +167,7 @@ def _compliance(receptance, resolution):
     """Compliance from the receptances of the even orders, the first being 0."""
     angles = surface_angles(resolution)
     orders = 2 * np.arange(len(receptance))
-    shares = _hat_coefficients(resolution, int(orders[-1]))
+    shares = hat_coefficients(resolution, int(orders[-1]))
     norms = 2 * np.pi / (2 * orders + 1)  # of P_n(cos theta) squared over the hemisphere
     flexibility = (shares.T * (receptance * norms)) @ shares
     reaction = HatFunctions(angles).integrate(np.cos)
@@ -175,8 +175,10 @@ def _compliance(receptance, resolution):
 
 
 @lru_cache(maxsize=4)
-def _hat_coefficients(resolution, last_order):
+def hat_coefficients(resolution: int, last_order: int) -> NDArray[np.float64]:
     """Legendre coefficients of every hat, continued evenly about the equator: (orders, hats).
+
+    Of the even orders up to the last, for hats as many elements apart as `surface_angles` has.
 
     By parts, the integral of h P_n sin(theta) is that of h' (J_(n+1) - J_(n-1))' / (2n + 1),
     where J_n is the integral of P_n(cos theta) over theta from the pole. It obeys

@@ -15,10 +15,11 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from study import checks
-from study.contact import hertz
+from study.contact import hertz, largest_depth
 from study.joint import pairing, series
 from study.joint.compliance import graded
 from study.joint.curve import ForceCurve, Joint, force_curve
+from study.joint.growth import ORDERS, whole_curve
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
@@ -29,10 +30,9 @@ corner of a clamped and a free surface it has no bound."""
 _THICKNESS = 3.0  # of a socket, in radii, beyond which no largest stress is sought
 _DEPTH_SCALE, _ANGLE_SCALE = 0.003, 0.01  # in radii and rad: the points' spacing grows from there
 _RADII, _ANGLES = 48, 32  # points
-_ORDERS = np.arange(0, series.LAST_ORDER + 1, 2)
 _NEAR = 0.02  # of the contact's radius: depth that still is the surface
-_LEAST_ROOT = {"series": 0.01, "elements": 0.06}  # of the depths solved for first yield
-_DEPTHS = 30
+_LEAST_ROOT = 0.06  # of a depth at which elements resolve the stresses
+_DEEP = 0.05  # a joint is solved to this depth even where less is asked for
 _FELT = 30.0  # a mode that has decayed by exp(-30) is not felt
 
 
@@ -110,11 +110,13 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
     """
     if curve.solver != "series":
         raise ValueError(f"solver must be series for stresses at any point, got {curve.solver!r}")
-    solid = _solid(curve.joint, body)
+    waves = _waves(curve)
+    solids = _solids(curve.joint, len(waves["ball"]))
+    solid = solids[checks.choice("body", body, solids)]
     radii = checks.number("radius", radius, above=0, least=solid.inner, most=solid.outer)
     angles = checks.number("angle", angle, "rad", least=0, most=np.pi / 2)
-    table = _legendre(np.atleast_1d(angles))
-    return _sum(solid, _waves(_pressures(curve)[body]), np.atleast_1d(radii), table)
+    table = _legendre(np.atleast_1d(angles), len(waves[body]))
+    return _sum(solid, waves[body], np.atleast_1d(radii), table)
 
 
 @one_thread
@@ -124,19 +126,13 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
     A ball on a ``point`` drive is left out: under a point load stresses have no bound. Elements
     are searched from `HEIGHT` above the equator on.
     """
-    found = {}
-    for body, pressure in _pressures(curve).items():
-        if curve.solver == "series":
-            stress, radius, angle = _largest_of_series(_solid(curve.joint, body), pressure)
-        elif body == "socket" or curve.joint.ball_drive != "point":
-            stress, radius, angle = _largest_of_elements(_body(curve, body), pressure)
-        else:
-            continue
-        outer = curve.joint.socket_ratio if body == "socket" else 0
+    sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
+    found, peak = {}, curve.peak_pressure
+    for body, (stress, radius, angle) in sought:
         near = np.abs(radius - 1) <= _NEAR * np.sin(curve.contact_half_angle)
         place = np.where(near, "at the surface", "below the surface")
-        place = np.where(np.isclose(radius, outer), "outside", place)
-        peak = curve.peak_pressure
+        outside = body != "ball" and np.isclose(radius, curve.joint.socket_ratio)
+        place = np.where(outside, "outside", place)
         over_peak = np.divide(stress, peak, out=np.zeros_like(stress), where=peak > 0)
         found[body] = LargestStress(stress, over_peak, radius, angle, tuple(place.tolist()))
     return found
@@ -147,7 +143,7 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
 
     A body yields where its largest von Mises stress over E* dR/R2 is R2* Y/E*. Between the depths
     that are solved, and below them to Hertz's limit at depth 0, that stress over the root of the
-    depth is interpolated.
+    depth is interpolated: right within 0.5 % of the stress.
 
     Parameters
     ----------
@@ -162,34 +158,37 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     """
     checks.instance("joint", joint, Joint)
     checks.choice("ball_drive", joint.ball_drive, ("plane", "clamped"))
-    deepest = np.sqrt(checks.number("depth_star", depth_star, above=0, scalar=True))
+    deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     materials = {"ball": joint.ball, "socket": joint.socket}
     if not any(material.yield_stress for material in materials.values()):
         raise ValueError("yield_stress must be given for a material of the joint, got none")
-    least = min(_LEAST_ROOT["series" if joint.series_applies else "elements"], deepest / 2)
-    root = np.append(0, np.geomspace(least, deepest, _DEPTHS))
-    curve, found = force_curve(joint, root[1:] ** 2), []
-    stiffening = curve.force_star / hertz(curve.depth_star, joint.r2_star)
-    stiffening = PchipInterpolator(root, np.append(1, stiffening))
+    curve = _solved(joint, max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2)))
+    solved = np.sqrt(curve.depth_star)
+    used = solved >= (0 if curve.solver == "series" else _LEAST_ROOT)
+    root, found = np.append(0, solved[used]), []
+    stiffening = np.append(1, (curve.force_star / hertz(solved**2, joint.r2_star))[used])
     for body, material in materials.items():
-        if material.yield_stress is None:
-            continue
-        yield_star = joint.r2_star * material.yield_stress / joint.composite_modulus
-        limit = hertz_von_mises(material.poisson) * 2 / np.pi / np.sqrt(joint.ball_radius)
-        one = curve.largest_stress[body]
-        beyond = np.flatnonzero(one.von_mises >= yield_star)
+        one, limit = curve.largest_stress[body], hertz_von_mises(material.poisson)
+        slope = np.append(
+            2 / np.pi / np.sqrt(joint.ball_radius) * limit, (one.von_mises / solved)[used]
+        )
+        yield_star = joint.r2_star * (material.yield_stress or np.inf) / joint.composite_modulus
+        beyond = np.flatnonzero(root * slope >= yield_star)
         if beyond.size:
-            k = beyond[0]
-            x = _reached(yield_star, root, np.append(limit, one.von_mises / root[1:]), k)
-            force = hertz(x**2, joint.r2_star) * stiffening(x)
-            found.append(FirstYield(body, one.place[k], x**2, float(force)))
-    return min(found, key=lambda first: first.depth_star, default=None)
+            between, ends = PchipInterpolator(root, slope), root[beyond[0] - 1 :][:2]
+            x = brentq(lambda x, of, value: x * of(x) - value, *ends, args=(between, yield_star))
+            force = hertz(x**2, joint.r2_star) * PchipInterpolator(root, stiffening)(x)
+            place = one.place[np.abs(solved - x).argmin()]
+            found.append(FirstYield(body, place, x**2, float(force)))
+    first = min(found, key=lambda one: one.depth_star, default=None)
+    return first if first and first.depth_star <= deepest else None
 
 
-def _reached(value, root, slope, k):
-    """Where x slope(x) reaches a value between the nodes k and k + 1 of x."""
-    between = PchipInterpolator(root, slope)
-    return brentq(lambda x: x * between(x) - value, root[k], root[k + 1])
+def _solved(joint, deepest):
+    """Curve of a joint to a depth, or somewhat beyond."""
+    if joint.kinematics != "finite":
+        return whole_curve(joint, deepest)
+    return force_curve(joint, np.linspace(_LEAST_ROOT, np.sqrt(deepest), 12) ** 2)
 
 
 def hertz_von_mises(poisson: float) -> float:
@@ -205,10 +204,9 @@ def hertz_von_mises(poisson: float) -> float:
     return float(max(axis, (1 - 2 * poisson) / np.sqrt(3)))
 
 
-def _pressures(curve):
-    """Pressure on the surface of either body, (k, hats)."""
-    socket = pairing.socket_pressure(curve.joint, curve.angles, curve.depth_star, curve.pressure)
-    return {"ball": curve.pressure, "socket": socket}
+def _socket_pressure(curve):
+    """Pressure on the socket, (k, hats); that on the ball is the curve's."""
+    return pairing.socket_pressure(curve.joint, curve.angles, curve.depth_star, curve.pressure)
 
 
 @dataclass(frozen=True)
@@ -222,29 +220,20 @@ class _Solid:
     amplitudes: Floats  # (modes, orders)
 
 
-def _solid(joint, body):
-    checks.choice("body", body, ("ball", "socket"))
-    if body == "ball":
-        return _ball(joint.ball.poisson)
-    return _socket(joint.socket_ratio, joint.socket.poisson)
+def _solids(joint, count):
+    """Ball and socket by their names, with the amplitudes of the first even orders."""
+    n, nu = 2 * np.arange(count), joint.ball.poisson
+    solids = {"ball": _Solid(0.0, 1.0, nu, 1 / (1 + nu), series.ball_amplitudes(n, nu))}
+    ratio, nu = joint.socket_ratio, joint.socket.poisson
+    (amplitudes,) = series.socket_amplitudes(n, ratio, nu)
+    return solids | {"socket": _Solid(1.0, ratio, nu, 1 / (1 + nu), amplitudes)}
 
 
-@lru_cache(maxsize=8)
-def _ball(poisson):
-    amplitudes = series.ball_amplitudes(_ORDERS, poisson)
-    return _Solid(0.0, 1.0, poisson, 1 / (1 + poisson), amplitudes)
-
-
-@lru_cache(maxsize=8)
-def _socket(ratio, poisson):
-    (amplitudes,) = series.socket_amplitudes(_ORDERS, ratio, poisson)
-    return _Solid(1.0, ratio, poisson, 1 / (1 + poisson), amplitudes)
-
-
-def _waves(pressure):
-    """Legendre coefficients of pressures (k, hats), by the even orders: (orders, k)."""
-    shares = series._hat_coefficients(pressure.shape[1] - 1, series.LAST_ORDER)
-    return shares @ pressure.T
+def _waves(curve):
+    """Legendre coefficients of the pressures on ball and socket, (even orders, k) each."""
+    elements = len(curve.angles) - 1
+    shares = series.hat_coefficients(elements, ORDERS * elements)
+    return {"ball": shares @ curve.pressure.T, "socket": shares @ _socket_pressure(curve).T}
 
 
 def _sum(solid, waves, radii, table):
@@ -253,7 +242,7 @@ def _sum(solid, waves, radii, table):
     for j, radius in enumerate(radii):
         distance = abs(np.log(radius))  # from the pressed surface
         count = len(waves) if distance == 0 else min(len(waves), int(1 + _FELT / distance / 2))
-        legendre, parts = table[:, :count], _parts(solid, _ORDERS[:count], radius)
+        legendre, parts = table[:, :count], _parts(solid, 2 * np.arange(count), radius)
         radial, shear, hoop, apart = (
             (part[:, None] * waves[:count]).T @ legendre[k]
             for part, k in zip(parts, (0, 1, 0, 2), strict=True)
@@ -278,67 +267,68 @@ def _parts(solid, orders, radius):
     return solid.twice_shear * np.array([normal, shear, hoop, polar * inner / r / 2])
 
 
-def _legendre(angles):
-    """P_n, P_n' and P_n'' - P_n' cot(theta), of the even orders: (3, orders, angles)."""
+def _legendre(angles, count):
+    """P_n, P_n' and P_n'' - P_n' cot(theta), of the first even orders: (3, orders, angles)."""
     cosine, sine = np.cos(angles), np.sin(angles)
-    table = np.zeros((3, len(_ORDERS), len(angles)))
+    table = np.zeros((3, count, len(angles)))
     before, here = np.ones_like(cosine), cosine
     table[0, 0] = 1
     off_axis = sine > 0  # on the axis both hoop stresses are the same, and there is no shear
-    for n in range(2, _ORDERS[-1] + 1):
+    for n in range(2, 2 * count - 1):
         before, here = here, ((2 * n - 1) * cosine * here - (n - 1) * before) / n
         if n % 2 == 0:
             table[0, n // 2] = here
             slope = n * (cosine * here - before)
             np.divide(slope, sine, out=table[1, n // 2], where=off_axis)
     cotangent = np.divide(cosine, sine, out=np.zeros_like(sine), where=off_axis)
-    curved = (_ORDERS * (_ORDERS + 1))[:, None] * table[0] + 2 * cotangent * table[1]
+    n = 2 * np.arange(count)[:, None]
+    curved = n * (n + 1) * table[0] + 2 * cotangent * table[1]
     table[2] = np.where(off_axis, -curved, 0)
     return table
 
 
-@lru_cache(maxsize=1)
-def _searched():
+@lru_cache(maxsize=2)
+def _searched(count):
     """Polar angles of the points searched, and the Legendre functions there."""
     angles = graded(np.pi / 2, _ANGLE_SCALE, _ANGLES)
-    return angles, _legendre(angles)
+    return angles, _legendre(angles, count)
 
 
-def _largest_of_series(solid, pressure):
-    """Largest von Mises stresses (k,), their radii and angles.
+def _of_series(curve):
+    """Bodies, and their largest von Mises stresses with radii and angles, of shape (k,).
 
     The largest of a grid, and of parabolas through its neighbours in radius and in angle.
     """
-    angles, table = _searched()
-    if solid.inner == 0:
+    waves = _waves(curve)
+    angles, table = _searched(len(waves["ball"]))
+    for body, solid in _solids(curve.joint, len(waves["ball"])).items():
         radii = 1 - graded(0.999, _DEPTH_SCALE, _RADII)
-    else:
-        radii = 1 + graded(min(solid.outer - 1, _THICKNESS), _DEPTH_SCALE, _RADII)
-    stress = von_mises(_sum(solid, _waves(pressure), radii, table))
-    k, size = np.arange(len(stress)), stress[0].size
-    i, j = np.unravel_index(stress.reshape(-1, size).argmax(axis=1), stress[0].shape)
-    by_radius, radius = _top(stress[k, :, j], radii, i)
-    by_angle, angle = _top(stress[k, i], angles, j)
-    return by_radius + by_angle - stress[k, i, j], radius, angle
+        if body != "ball":
+            thickness = min(solid.outer - solid.inner, _THICKNESS)
+            radii = solid.inner + graded(thickness, _DEPTH_SCALE, _RADII)
+        stress = von_mises(_sum(solid, waves[body], radii, table))
+        k, size = np.arange(len(stress)), stress[0].size
+        i, j = np.unravel_index(stress.reshape(-1, size).argmax(axis=1), stress[0].shape)
+        by_radius, radius = _top(stress[k, :, j], radii, i)
+        by_angle, angle = _top(stress[k, i], angles, j)
+        yield body, (by_radius + by_angle - stress[k, i, j], radius, angle)
 
 
-def _body(curve, body):
-    """The meshed body that a curve of finite elements was solved with."""
+def _of_elements(curve):
+    """As `_of_series`, at the nodes of the bodies that the curve was solved with."""
     from study.joint import fem
 
-    joint = curve.joint
-    mesh = len(curve.angles) - 1, 3 if curve.solver == "linear" else 6
-    if body == "ball":
-        return fem.ball(joint.ball.poisson, joint.ball_drive, *mesh)
-    return fem.socket(joint.socket_ratio, joint.socket.poisson, joint.rim, *mesh)
-
-
-def _largest_of_elements(body, pressure):
-    """As `_largest_of_series`, at the nodes of a mesh."""
-    radius, angle = body.places
-    stress = von_mises(body.stresses(pressure))
-    at = np.where(radius * np.cos(angle) > HEIGHT, stress, 0).argmax(axis=1)
-    return stress[np.arange(len(at)), at], radius[at], angle[at]
+    joint, mesh = curve.joint, (len(curve.angles) - 1, 3 if curve.solver == "linear" else 6)
+    bodies = {}
+    if joint.ball_drive != "point":
+        bodies["ball"] = fem.ball(joint.ball.poisson, joint.ball_drive, *mesh), curve.pressure
+    socket = fem.socket(joint.socket_ratio, joint.socket.poisson, joint.rim, *mesh)
+    bodies["socket"] = socket, _socket_pressure(curve)
+    for name, (body, pressure) in bodies.items():
+        radius, angle = body.places
+        stress = von_mises(body.stresses(pressure))
+        at = np.where(radius * np.cos(angle) > HEIGHT, stress, 0).argmax(axis=1)
+        yield name, (stress[np.arange(len(at)), at], radius[at], angle[at])
 
 
 def _top(values, places, at):

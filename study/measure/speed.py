@@ -176,7 +176,7 @@ def _orders(method, n):
 def _curve(method, n):
     """One solution of our own, bodies and all, at one resolution and without error estimate."""
     kept = [fem.ball, fem.socket, fem.ball_compliance, fem.socket_compliance]
-    kept += [series.ball_compliance, series.socket_compliance, series._hat_coefficients]
+    kept += [series.ball_compliance, series.socket_compliance, series.hat_coefficients]
     for function in kept:
         function.cache_clear()
     if method.startswith("series"):
