@@ -43,8 +43,10 @@ HELP = {
     "group": "Group of cases: paper, ratio, poisson, fit, judge, ...",
     "inertia": "Of crank and coupler about their centres, in kg m^2: I1,I2 [default: rods].",
     "keep": "Take what differs as the kept results from now on.",
+    "layer": "Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer "
+    "of the socket: N,N,N; may be repeated, from the inside out.",
     "model": "Links; auto: as little as it needs.",
-    "modulus_ratio": "Young's modulus of the socket over that of the ball, > 0.",
+    "modulus_ratio": "Young's modulus of the socket over that of the ball, > 0 [default: 1.0].",
     "name": f"One of {', '.join(LAWS)}.",
     "names": "Figures, tables or notebooks; default all.",
     "output": "File to write.",
@@ -56,7 +58,7 @@ HELP = {
     "socket_poisson": "Poisson's ratio of the socket, if not that of the ball.",
 }
 """Of what the library's docstrings do not explain."""
-MATERIALS = ("study.joint:Material poisson", "study.cli:_joint modulus_ratio socket_poisson")
+MATERIALS = ("study.joint:Material poisson", "study.cli:_joint modulus_ratio socket_poisson layer")
 JOINT = ("study.joint:Joint socket_ratio ball_drive rim kinematics", *MATERIALS)
 
 
@@ -293,14 +295,31 @@ def solve_joint(
 
 
 def _joint(
-    r2_star=200.0, *, modulus_ratio: float = 1.0, socket_poisson: float | None = None, **others
+    r2_star=200.0,
+    *,
+    modulus_ratio: float | None = None,
+    socket_poisson: float | None = None,
+    layer: list[str] = (),
+    **others,
 ):
-    from study.joint import Joint, Material
+    from study.joint import Joint, Layer, Material
 
     ball = Material(**{"poisson": others.pop("poisson")} if "poisson" in others else {})
-    modulus = ball.youngs_modulus * checks.number("--modulus-ratio", modulus_ratio, above=0)
-    socket = Material(modulus, ball.poisson if socket_poisson is None else socket_poisson)
-    return Joint(r2_star, ball=ball, socket=socket, **others)
+    unit, of_one = ball.youngs_modulus, {"modulus_ratio": modulus_ratio}
+    of_one |= {"socket_poisson": socket_poisson, "socket_ratio": others.get("socket_ratio")}
+    if layer:
+        given = [name for name, value in of_one.items() if value is not None]
+        _left_out(given, given, "--layer tells what the socket is")
+        each = [_numbers("--layer", text, count=3) for text in layer]
+        moduli = [unit * checks.number("modulus of --layer", e, above=0) for _, e, _ in each]
+        layers = zip(each, moduli, strict=True)
+        others["layers"] = tuple(Layer(q, Material(e, nu)) for (q, _, nu), e in layers)
+    else:
+        poisson = ball.poisson if socket_poisson is None else socket_poisson
+        ratio = 1.0 if modulus_ratio is None else modulus_ratio
+        modulus = unit * checks.number("--modulus-ratio", ratio, above=0)
+        others["socket"] = Material(modulus, poisson)
+    return Joint(r2_star, ball=ball, **others)
 
 
 @command("choose", *JOINT, "study.choose:choose depth_star tolerance")
@@ -473,11 +492,12 @@ def _scene(settings, inertia):
     return Scene(**changes)
 
 
-def _numbers(name, text, kind=float):
-    """Two numbers, separated by a comma."""
+def _numbers(name, text, kind=float, count=2):
+    """Two or three numbers, separated by commas."""
     parts = text.split(",")
-    if len(parts) != 2:
-        raise ValueError(f"{name} must be two numbers separated by a comma, got {text!r}")
+    if len(parts) != count:
+        wanted = {2: "two numbers separated by a comma", 3: "three numbers separated by commas"}
+        raise ValueError(f"{name} must be {wanted[count]}, got {text!r}")
     return tuple(_number(name, part, kind) for part in parts)
 
 

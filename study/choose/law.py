@@ -179,6 +179,8 @@ def outside(joint: Joint, depth_star: float) -> str:
     for name, usual in (("kinematics", "linear"), ("ball_drive", "plane"), ("rim", "mirror")):
         if getattr(joint, name) != usual:
             return f"{name} {getattr(joint, name)} is outside the dataset, which has {usual}"
+    if joint.layers:
+        return "a socket of layers is outside the dataset"
     if joint.ball != joint.socket:
         return "unequal materials are outside the dataset"
     places = (joint.r2_star, joint.socket_ratio, joint.ball.poisson, depth_star)
@@ -261,7 +263,7 @@ def law_options(law: str, joint: Joint) -> dict[str, object]:
     """
     if law != "stiffened_hertz":
         return {}
-    if joint.ball != joint.socket:
+    if joint.ball != joint.socket or joint.layers:
         raise checks.RangeError("materials of ball and socket must be equal for stiffened_hertz")
     return {
         "socket_ratio": joint.socket_ratio,

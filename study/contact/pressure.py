@@ -1,4 +1,4 @@
-"""Pressure and extent of the contact behind the laws' forces, in the laws' dimensionless form.
+"""Pressure and extent of the contact behind the laws' forces, and a thin liner's springs.
 
 Lengths are in socket radii R2 and pressures in E* dR/R2, so that force_star is R2* times the
 pressure's integral. Every depth_star is d/dR, every r2_star > 1 is R2/dR; a value outside its
@@ -60,3 +60,21 @@ def foundation_height(law: Literal["winkler", "hyperbolic_winkler"], r2_star: fl
     checks.choice("law", law, ("winkler", "hyperbolic_winkler"))
     scale, _, _ = LAWS[law].parts(checks.number("r2_star", r2_star, above=1, scalar=True))
     return pi * (r2_star - 1 if law == "winkler" else r2_star) / scale
+
+
+def thin_liner_force(
+    depth_star: ArrayLike, r2_star: float, thickness: float, poisson: float
+) -> Floats:
+    """Force P/(E* dR^2) of a rigid ball on a thin liner with a rigid backing: Winkler's springs.
+
+    P = 2 pi R2^2 K [(dR + d)(1 - c^3)/3 - dR (1 - c^2)/2] with c = dR/(dR + d), where
+    K = (1 - nu) E/((1 + nu)(1 - 2 nu) h) is the stiffness of a layer that cannot spread and
+    E* = E/(1 - nu^2). Exact as the ``thickness`` h/R2 and 1/R2* go to zero, for a compressible
+    liner: its ``poisson`` nu is < 0.5 (Johnson, sec. 5.8, for the springs; this study).
+    """
+    depth = checks.number("depth_star", depth_star, least=0)
+    r2_star = checks.number("r2_star", r2_star, above=1, scalar=True)
+    h = checks.number("thickness", thickness, above=0, scalar=True)
+    nu = checks.poisson("poisson", poisson)
+    stiffness = (1 - nu) * (1 - nu**2) / ((1 + nu) * (1 - 2 * nu) * h)  # K R2/E*
+    return pi * stiffness * r2_star * depth**2 * (1 + 2 * depth / 3) / (1 + depth) ** 2

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from study.joint import Joint, Kinematics, Material
+from study.joint import Joint, Kinematics, Layer, Material
 from study.joint.curve import PAPER_SUPPORTS
 
 DEPTHS = tuple(np.round(np.arange(1, 41) * 0.025, 3).tolist())
@@ -33,7 +33,7 @@ class SetUp:
 
     ``group`` is a key of `GROUPS`, ``joint`` holds arguments of `study.joint.Joint`, ``poisson``
     is Poisson's ratio of both bodies, ``modulus_ratio`` Young's modulus of the socket over that of
-    the ball, and ``depths`` are values of ``depth_star``.
+    the ball, and ``depths`` are values of ``depth_star``. Of a joint with layers, ball alone.
     """
 
     group: str
@@ -48,12 +48,13 @@ class SetUp:
     def cases(self) -> Iterator[tuple[str, Joint]]:
         """Yield name and joint of every case."""
         ball = Material(2e11, self.poisson)
-        socket = Material(2e11 * self.modulus_ratio, self.poisson)
+        socket = {"socket": Material(2e11 * self.modulus_ratio, self.poisson)}
+        bodies = {"ball": ball} | ({} if "layers" in self.joint else socket)
         for kinematics in self.kinematics:
             for r2_star in self.r2_stars:
                 yield (
                     case_name(self.name, kinematics, r2_star),
-                    Joint(r2_star, kinematics=kinematics, ball=ball, socket=socket, **self.joint),
+                    Joint(r2_star, kinematics=kinematics, **bodies, **self.joint),
                 )
 
 
@@ -63,6 +64,7 @@ GROUPS = {
     "poisson": "how much Poisson's ratio matters in it",
     "modulus": "how much unequal moduli matter in it",
     "support": "how much drive and rim matter in it",
+    "liner": "thin liners: a rigid ball on a rigid backing, and real ones in their housings",
     "fit": "what stiffened_hertz is fitted to: radially free ball, mirror rim",
     "judge": "what it is judged by: the same supports, drawn at random in its range",
 }

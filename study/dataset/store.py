@@ -45,6 +45,11 @@ COLUMNS = {
     "poisson_ball": ("1", "Poisson's ratio of the ball"),
     "poisson_socket": ("1", "Poisson's ratio of the socket"),
     "modulus_ratio": ("1", "Young's modulus of the socket over that of the ball"),
+    "layers": (
+        "",
+        "Socket's layers from the inside out, outer ratio:modulus over the ball's:Poisson's ratio "
+        "of each, separated by semicolons; empty for one material",
+    ),
     "ball_drive": ("", "Ball's equatorial plane: plane (radially free) or clamped"),
     "rim": ("", "Socket's edge at the equator: mirror plane or free"),
     "kinematics": ("", "Pairing of the surfaces: small, linear or finite"),
@@ -58,6 +63,7 @@ COLUMNS = {
 """Column of the curves -> its unit, empty for text, and meaning."""
 _CONSTRAINTS = {
     "group": {"enum": list(design.GROUPS)},
+    "layers": {"required": False},
     "ball_drive": {"enum": list(DRIVES)},
     "rim": {"enum": list(RIMS)},
     "kinematics": {"enum": list(KINEMATICS)},
@@ -91,7 +97,7 @@ def load(**filters: object) -> pd.DataFrame:
     ValueError
         For an unknown column, or filters that leave no row.
     """
-    frame = _read(CURVES)
+    frame = _read(CURVES, keep_default_na=False)  # no layers: an empty text
     for column in filters:
         checks.choice("column", column, tuple(frame.columns))
     asked = {column: _values(column, wanted) for column, wanted in filters.items()}
@@ -380,6 +386,7 @@ def verify_files() -> None:
 def summary(frame: pd.DataFrame) -> pd.DataFrame:
     """One row per case of a frame of `load`: its parameters, ranges and largest error."""
     keys = ["case", "r2_star", "socket_ratio", "poisson_ball", "modulus_ratio"]
+    keys += ["layers"]
     keys += ["ball_drive", "rim", "kinematics", "solver"]
     return (
         frame.groupby(keys, sort=False)

@@ -52,7 +52,7 @@ def export(law: Exported, form: Format, joint: Joint) -> str:
     checks.choice("format", form, FORMATS)
     checks.instance("joint", joint, Joint)
     if law == "stiffened_hertz":
-        if joint.ball != joint.socket:
+        if joint.ball != joint.socket or joint.layers:
             raise ValueError("materials of ball and socket must be equal for stiffened_hertz")
         checks.choice("ball_drive of stiffened_hertz", joint.ball_drive, ("plane",))
         checks.choice("rim of stiffened_hertz", joint.rim, ("mirror",))
@@ -147,6 +147,7 @@ def _described(joint):
         "socket_ratio": joint.socket_ratio,
         "poisson": [joint.ball.poisson, joint.socket.poisson],
         "modulus_ratio": joint.modulus_ratio,
+        "layers": joint.layers_text,
         "ball_drive": joint.ball_drive,
         "rim": joint.rim,
         "kinematics": joint.kinematics,

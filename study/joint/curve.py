@@ -27,6 +27,8 @@ from study.joint.compliance import (
     Compliance,
     Drive,
     Rim,
+    layer_ratios,
+    layer_steps,
 )
 from study.threads import one_thread
 
@@ -67,6 +69,18 @@ class Material:
 
 
 @dataclass(frozen=True)
+class Layer:
+    """A layer of a socket: its outer radius over the socket's inner radius, and its material."""
+
+    outer_ratio: float
+    material: Material
+
+    def __post_init__(self):
+        checks.number("outer_ratio", self.outer_ratio, above=1, most=THICKEST_RATIO, scalar=True)
+        checks.instance("material", self.material, Material)
+
+
+@dataclass(frozen=True)
 class Joint:
     """A spherical clearance joint, as far as its force-depth curve depends on it.
 
@@ -79,9 +93,14 @@ class Joint:
     r2_star
         Dimensionless socket radius R2/dR, > 1.
     socket_ratio
-        Outer over inner radius, from 1.001 to 1e6; >= 1.02 for finite elements.
+        Outer over inner radius, from 1.0001 to 1e6; >= 1.02 for finite elements.
     ball, socket
         Materials, Young's moduli within a factor of 1e9.
+    layers
+        Of a socket of several materials, bonded, from the inside out: a liner in its housing. Each
+        is at least 0.0001 of its inner radius thick, 0.02 for finite elements. They are given
+        instead of ``socket_ratio`` and ``socket``, which are then the outermost ratio and the
+        innermost material: the composite modulus E* is that of ball and innermost layer.
     ball_drive
         The half ball's equatorial plane is displaced axially and is radially free (``plane``), or
         fixed (``clamped``); or its centre alone is displaced (``point``), as by a point load.
@@ -105,6 +124,7 @@ class Joint:
     ball_drive: Drive = "plane"
     rim: Rim = "mirror"
     kinematics: Kinematics = "linear"
+    layers: tuple[Layer, ...] = ()
 
     def __post_init__(self):
         checks.number("r2_star", self.r2_star, above=1, scalar=True)
@@ -112,11 +132,44 @@ class Joint:
         checks.number("socket_ratio", self.socket_ratio, least=thinnest, most=thickest, scalar=True)
         for name in ("ball", "socket"):
             checks.instance(name, getattr(self, name), Material)
+        self._take_layers()
         name, most = "Young's modulus of the socket over that of the ball", LARGEST_MODULUS_RATIO
-        checks.number(name, self.modulus_ratio, least=1 / most, most=most)
+        for material in (self.socket, *(layer.material for layer in self.layers)):
+            ratio = material.youngs_modulus / self.ball.youngs_modulus
+            checks.number(name, ratio, least=1 / most, most=most)
         checks.choice("ball_drive", self.ball_drive, DRIVES)
         checks.choice("rim", self.rim, RIMS)
         checks.choice("kinematics", self.kinematics, KINEMATICS)
+
+    def _take_layers(self):
+        """Check the layers, and set what follows from them."""
+        if not isinstance(self.layers, tuple):
+            raise ValueError(f"layers must be a tuple of Layer, got {checks.shown(self.layers)}")
+        for layer in self.layers:
+            checks.instance("each of layers", layer, Layer)
+        if not self.layers:
+            return
+        layer_ratios(self.socket_layers[0])
+        ratio, material = self.layers[-1].outer_ratio, self.layers[0].material
+        for name, default, follows in (
+            ("socket_ratio", SOCKET_RATIO, ratio),
+            ("socket", Material(), material),
+        ):
+            given = getattr(self, name)
+            if given not in (default, follows):
+                raise ValueError(f"{name} must be left out beside layers, got {given}")
+            object.__setattr__(self, name, follows)
+
+    @property
+    def socket_layers(self) -> tuple[tuple[float, ...], ...]:
+        """Outer ratio, Poisson's ratio and Young's modulus of each layer of the socket.
+
+        From the inside out, as three tuples; the modulus is over the innermost one's.
+        """
+        layers = self.layers or (Layer(self.socket_ratio, self.socket),)
+        unit = layers[0].material.youngs_modulus
+        each = ((k.outer_ratio, k.material.poisson, k.material.youngs_modulus) for k in layers)
+        return tuple(zip(*((q, nu, e / unit) for q, nu, e in each), strict=True))
 
     @property
     def ball_radius(self) -> float:
@@ -134,6 +187,16 @@ class Joint:
         ball, socket = self.ball, self.socket
         moduli = ball.youngs_modulus, socket.youngs_modulus
         return composite_modulus(moduli[0], ball.poisson, moduli[1], socket.poisson)
+
+    @property
+    def layers_text(self) -> str:
+        """Layers as a table holds them, ``1.125:0.0025:0.46;1.5:1:0.3``; empty for one material.
+
+        Outer ratio, Young's modulus over the ball's and Poisson's ratio of each.
+        """
+        unit = self.ball.youngs_modulus
+        each = ((k.outer_ratio, k.material.youngs_modulus / unit, k.material) for k in self.layers)
+        return ";".join(f"{q:.9g}:{e:.9g}:{material.poisson:.9g}" for q, e, material in each)
 
     @property
     def modulus_shares(self) -> tuple[float, float]:
@@ -209,6 +272,7 @@ class ForceCurve:
             "poisson_ball": joint.ball.poisson,
             "poisson_socket": joint.socket.poisson,
             "modulus_ratio": joint.modulus_ratio,
+            "layers": joint.layers_text,
             "ball_drive": joint.ball_drive,
             "rim": joint.rim,
             "kinematics": joint.kinematics,
@@ -312,8 +376,8 @@ def checked_resolution(joint: Joint, solver: Solver, resolution: int | None) -> 
     if solver != "series":
         from study.joint import fem
 
-        checks.number("socket_ratio", joint.socket_ratio, least=fem.THINNEST_RATIO)
-        least, most = 64 if joint.socket_ratio < 1.05 else 32, fem.FINEST_RESOLUTION
+        ratios = layer_ratios(joint.socket_layers[0], fem.THINNEST_RATIO)
+        least, most = 64 if layer_steps(ratios).min() < 1.05 else 32, fem.FINEST_RESOLUTION
         kind = "quadratic"
     if joint.kinematics == "finite":
         checks.number("r2_star", joint.r2_star, most=pairing.LARGEST_R2_STAR)
@@ -345,8 +409,8 @@ def compliances(
     """Compliances of ball and socket, by a solver that can solve the joint."""
     if solver == "series":
         ball = series.ball_compliance(joint.ball.poisson, resolution, last_order)
-        layer = joint.socket_ratio, joint.socket.poisson
-        return ball, series.socket_compliance(*layer, resolution, last_order)
+        ratio, poisson, modulus = joint.socket_layers
+        return ball, series.socket_compliance(ratio, poisson, resolution, last_order, modulus)
     from study.joint import fem
 
     of_ball, of_socket = _meshed(joint, resolution, 6 if solver == "quadratic" else 3)
@@ -355,9 +419,10 @@ def compliances(
 
 def _meshed(joint, resolution, nodes=6):
     """Arguments of the finite-element ball and socket."""
+    ratio, poisson, modulus = joint.socket_layers
     return (
         (joint.ball.poisson, joint.ball_drive, resolution, nodes),
-        (joint.socket_ratio, joint.socket.poisson, joint.rim, resolution, nodes),
+        (ratio, poisson, joint.rim, resolution, nodes, modulus),
     )
 
 

@@ -1,9 +1,10 @@
 """Ball and socket by axisymmetric finite elements.
 
 Six-node triangles (or three-node ones, as in the paper) on a structured mesh of rings, finest
-at the contact's pole and at the surface, halved in number where depth allows; one sparse
-factorisation per body. The mesh of resolution 2n halves every length of that of n, so that two
-meshes give an error estimate. Contact itself is not solved here: see `study.joint`.
+at the contact's pole and at the surface, halved in number where depth allows, that meet the
+interfaces of a socket's layers; one sparse factorisation per body. The mesh of resolution 2n
+halves every length of that of n, so that two meshes give an error estimate. Contact itself is not
+solved here: see `study.joint`.
 """
 
 from dataclasses import replace
@@ -11,7 +12,7 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import splu
 from skfem import (
     Basis,
@@ -32,11 +33,14 @@ from study.joint.compliance import (
     DRIVES,
     RESOLUTION,
     RIMS,
-    THICKEST_RATIO,
     Compliance,
     Drive,
+    Layered,
     Rim,
     graded,
+    layer_ratios,
+    layer_steps,
+    layered,
     remembered,
     surface_angles,
 )
@@ -47,7 +51,7 @@ Nodes = Literal[6, 3]
 FINEST_RESOLUTION = 320
 """A curve takes 20 s and 2 GB there, and 80 s and 5 GB at one and a half times as fine."""
 THINNEST_RATIO = 1.02
-"""Least ratio of the socket's radii: elements of a thinner shell are too flat to be mapped."""
+"""Least ratio of the radii of socket and layers: thinner elements are too flat to be mapped."""
 
 _DEPTH_SCALE = 0.1  # element size grows from this depth below the surface on, in radii
 _RADIAL_ELEMENTS = 0.1  # elements per unit of graded depth, as a share of the resolution
@@ -68,20 +72,30 @@ def ball_mesh(resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6) -> Me
 
 
 def socket_mesh(
-    ratio: float, resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6
+    ratio: Layered, resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6
 ) -> MeshTri:
     """Mesh of the socket's meridian: inner radius 1, outer radius ``ratio`` >= 1.02.
 
-    As `ball_mesh`, with the boundary ``outside`` besides.
+    As `ball_mesh`, with the boundary ``outside`` besides. Rings meet every outer radius of several
+    layers, from the inside out.
     """
-    resolution = _checked(resolution, nodes)
-    limits: dict[str, Any] = {"least": THINNEST_RATIO, "most": THICKEST_RATIO, "scalar": True}
-    thickness = checks.number("socket_ratio", ratio, **limits) - 1.0
-    if thickness < 0.05 and resolution < 32:
+    resolution, ratios = _checked(resolution, nodes), layer_ratios(ratio, THINNEST_RATIO)
+    if layer_steps(ratios).min() < 1.05 and resolution < 32:
         raise ValueError(f"resolution must be >= 32 for socket_ratio < 1.05, got {resolution}")
-    layers = round(_RADIAL_ELEMENTS * resolution * np.log1p(thickness / _DEPTH_SCALE))
-    depths = graded(thickness, _DEPTH_SCALE, max(resolution // 16, layers, 2))
-    return _ring_mesh(1.0 + depths, surface_angles(resolution), nodes, centre=False)
+    radii = np.ones(1)
+    for outer in ratios:
+        start, thickness = radii[-1], outer - radii[-1]
+        scale = start - 1 + _DEPTH_SCALE
+        layers = round(_RADIAL_ELEMENTS * resolution * np.log1p(thickness / scale))
+        depths = graded(thickness, scale, max(resolution // 16, layers, 2))
+        radii = np.append(radii, start + depths[1:])
+    return _ring_mesh(radii, surface_angles(resolution), nodes, centre=False)
+
+
+def layer_of(mesh: MeshTri, ratio: Layered) -> NDArray[np.intp]:
+    """Which layer each element of a `socket_mesh` is in, from 0 inside; shape (elements,)."""
+    middle = np.hypot(*mesh.p[:, mesh.t]).mean(axis=0)
+    return np.searchsorted(np.atleast_1d(ratio), middle)
 
 
 def _checked(resolution, nodes):
@@ -93,15 +107,16 @@ def _checked(resolution, nodes):
 class Body:
     """An elastic body of unit radius and unit Young's modulus, meshed and factorised.
 
-    ``held`` maps a boundary of the mesh, or ``centre``, to the components (of ``rz``) of the
-    displacement that are zero there. ``size`` counts the unknowns, with the fixed ones; ``angles``
+    Its Lame parameters ``lame`` are numbers, or arrays of shape (elements, 1). ``held`` maps a
+    boundary of the mesh, or ``centre``, to the components (of ``rz``) of the displacement that
+    are zero there. ``size`` counts the unknowns, with the fixed ones; ``angles``
     are the surface's nodes, in rad, and ``surface`` their unknowns, radial and axial.
     """
 
-    def __init__(self, mesh: MeshTri, poisson: float, held: dict[str, str]):
+    def __init__(self, mesh: MeshTri, lame: tuple[ArrayLike, ArrayLike], held: dict[str, str]):
         quadratic = isinstance(mesh, MeshTri2)
         self._element = ElementVector(ElementTriP2() if quadratic else ElementTriP1())
-        self._mesh, self._lame = mesh, lame_parameters(1.0, poisson)
+        self._mesh, self._lame = mesh, lame
         self._basis = Basis(mesh, self._element, intorder=4 if quadratic else 2)
         self.size = self._basis.N
         self._stiffness = _elasticity(*self._lame).assemble(self._basis)
@@ -222,23 +237,31 @@ def ball(
     poisson = checks.poisson("poisson", poisson)
     held = {"plane": {"equator": "z"}, "clamped": {"equator": "rz"}, "point": {"centre": "z"}}
     support = held[checks.choice("ball_drive", drive, DRIVES)]
-    return Body(ball_mesh(resolution, nodes), poisson, {"axis": "r"} | support)
+    lame = lame_parameters(1.0, poisson)
+    return Body(ball_mesh(resolution, nodes), lame, {"axis": "r"} | support)
 
 
 @remembered(maxsize=4)
 @one_thread
 def socket(
-    ratio: float,
-    poisson: float = 0.3,
+    ratio: Layered,
+    poisson: Layered = 0.3,
     rim: Rim = "mirror",
     resolution: int = RESOLUTION["quadratic"],
     nodes: Nodes = 6,
+    modulus: Layered = 1.0,
 ) -> Body:
-    """Hemispherical socket fixed on its outer sphere; as `ball`, with its ratio of radii."""
-    poisson = checks.poisson("poisson", poisson)
+    """Hemispherical socket fixed on its outer sphere; as `ball`, with its ratio of radii.
+
+    Several layers are as for `study.joint.series.socket_compliance`.
+    """
     mirror = checks.choice("rim", rim, RIMS) == "mirror"
     held = {"axis": "r"} | ({"equator": "z"} if mirror else {}) | {"outside": "rz"}
-    return Body(socket_mesh(ratio, resolution, nodes), poisson, held)
+    mesh = socket_mesh(ratio, resolution, nodes)
+    ratios, poissons, moduli = layered(ratio, poisson, modulus)
+    of_layers = lame_parameters(moduli, poissons)
+    first, second = (of_layer[layer_of(mesh, ratios)][:, None] for of_layer in of_layers)
+    return Body(mesh, (first, second), held)
 
 
 @remembered(maxsize=32)

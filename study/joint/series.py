@@ -20,6 +20,7 @@ from study.joint.compliance import (
     Compliance,
     HatFunctions,
     Layered,
+    layer_steps,
     layered,
     remembered,
     surface_angles,
@@ -54,7 +55,7 @@ def socket_compliance(
 ) -> Compliance:
     """Compliance of a shell fixed on its outer sphere, symmetric about the equator.
 
-    As `ball_compliance`; ``ratio`` is the outer over the inner radius, >= 1.001. A shell of
+    As `ball_compliance`; ``ratio`` is the outer over the inner radius, >= 1.0001. A shell of
     several layers has a ratio to the innermost radius, a Poisson's ratio and a Young's ``modulus``
     for each, from the inside out; the first modulus is the unit if it is 1.
     """
@@ -111,10 +112,9 @@ def socket_amplitudes(
     over a per stress, follows from that of its outer sphere, where the fixed one has none.
     """
     ratios, poissons, moduli = layered(ratio, poisson, modulus)
-    steps = ratios / np.append(1.0, ratios[:-1])  # outer over inner radius of each layer
-    twice_shear = moduli / (1 + poissons)
+    each = np.column_stack([layer_steps(ratios), poissons, moduli / (1 + poissons)])
     flexibility, layers = np.zeros((2, 2)), []
-    for q, nu, g in zip(steps[::-1], poissons[::-1], twice_shear[::-1], strict=True):
+    for q, nu, g in each[::-1]:  # outer over inner radius, Poisson's ratio, 2 G
         inner, outer = (modes(orders, nu, r, q).transpose(2, 0, 1) for r in (1.0, q))
         held = outer[:, :2] - q * g * flexibility @ outer[:, 2:]
         by_stress = np.linalg.solve(np.hstack([inner[:, 2:], held]), np.eye(4)[:, :2])

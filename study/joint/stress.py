@@ -222,6 +222,8 @@ class _Solid:
 
 def _solids(joint, count):
     """Ball and socket by their names, with the amplitudes of the first even orders."""
+    if joint.layers:
+        raise ValueError("layers must be none for stresses by the series, got a socket of layers")
     n, nu = 2 * np.arange(count), joint.ball.poisson
     solids = {"ball": _Solid(0.0, 1.0, nu, 1 / (1 + nu), series.ball_amplitudes(n, nu))}
     ratio, nu = joint.socket_ratio, joint.socket.poisson
@@ -322,7 +324,8 @@ def _of_elements(curve):
     bodies = {}
     if joint.ball_drive != "point":
         bodies["ball"] = fem.ball(joint.ball.poisson, joint.ball_drive, *mesh), curve.pressure
-    socket = fem.socket(joint.socket_ratio, joint.socket.poisson, joint.rim, *mesh)
+    ratio, poisson, modulus = joint.socket_layers
+    socket = fem.socket(ratio, poisson, joint.rim, *mesh, modulus)
     bodies["socket"] = socket, _socket_pressure(curve)
     for name, (body, pressure) in bodies.items():
         radius, angle = body.places

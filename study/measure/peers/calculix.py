@@ -100,17 +100,20 @@ def deck(
     checks.number("penalty", penalty, above=0, scalar=True)
     resolution = checks.whole("resolution", resolution, least=32)
     ball = fem.ball_mesh(resolution, nodes)
-    socket = fem.socket_mesh(joint.socket_ratio, resolution, nodes)
+    ratios, poissons, moduli = joint.socket_layers
+    socket = fem.socket_mesh(ratios, resolution, nodes)
     radius, clearance = joint.ball_radius, 1 / joint.r2_star
     lines = [
         *_body("BALL", ball, radius * ball.doflocs + [[0], [clearance]], (1, 1)),
         *_body("SOCKET", socket, socket.doflocs, (1 + ball.doflocs.shape[1], 1 + ball.nelements)),
     ]
-    bodies = ("BALL", joint.ball), ("SOCKET", joint.socket)
-    for share, (name, material) in zip(joint.modulus_shares, bodies, strict=True):
-        lines += [f"*MATERIAL, NAME={name}", "*ELASTIC"]
-        lines += [f"{1 / share:.12g}, {material.poisson:.12g}"]
-        lines += [f"*SOLID SECTION, ELSET={name}, MATERIAL={name}"]
+    of_ball, of_socket = joint.modulus_shares
+    lines += _material("BALL", 1 / of_ball, joint.ball.poisson)
+    layer = fem.layer_of(socket, ratios)
+    for k, (poisson, modulus) in enumerate(zip(poissons, moduli, strict=True)):
+        lines += [f"*ELSET, ELSET=LAYER{k}"]
+        lines += [f"{i}," for i in np.flatnonzero(layer == k) + 1 + ball.nelements]
+        lines += _material(f"LAYER{k}", modulus / of_socket, poisson)
     lines += [
         "*SURFACE INTERACTION, NAME=CONTACT",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
@@ -130,6 +133,14 @@ def deck(
             "*END STEP",
         ]
     return "\n".join(lines) + "\n"
+
+
+def _material(name, modulus, poisson):
+    """A material and the set of elements that have it."""
+    return [
+        *(f"*MATERIAL, NAME={name}", "*ELASTIC", f"{modulus:.12g}, {poisson:.12g}"),
+        f"*SOLID SECTION, ELSET={name}, MATERIAL={name}",
+    ]
 
 
 def _body(name, mesh, places, first):
