@@ -14,7 +14,7 @@ import pytest
 from study import cli, contact, dataset, export, paths
 from study.choose import links
 from study.dataset import store
-from study.joint import Joint, compliance, curve, force_curve
+from study.joint import Joint, Layer, Material, compliance, curve, force_curve
 from study.measure import speed
 from study.mechanism import Scene, particles, simulate
 from study.mechanism.simulate import JointKind, Model
@@ -72,6 +72,21 @@ def test_joint_prints_one_json_object_in_the_order_asked(run):
         list(np.degrees(curve.contact_half_angle))
     )
     assert found["error_estimate"] == pytest.approx(list(curve.error_estimate))
+
+
+def test_joint_takes_layers(run):
+    words = ["--r2-star", 80, "--depth-star", 0.3, "--poisson", 0.28]
+    layers = ["--layer", "1.125,0.0025,0.46", "--layer", "1.5,1,0.3"]
+    status, out, err = run("joint", *words, *layers, "--json")
+    assert (status, err) == (0, "")
+    lined = Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material())
+    joint = Joint(80, ball=Material(poisson=0.28), layers=lined)
+    expected = force_curve(joint, 0.3).force_star
+    assert json.loads(out)["force_star"] == pytest.approx(list(expected))
+    for more in ("--socket-ratio", "--modulus-ratio", "--socket-poisson"):
+        status, _, err = run("joint", *words, *layers, more, 0.4)
+        assert status == 2
+        assert err == f"study: {more} must be left out: --layer tells what the socket is\n"
 
 
 def test_joint_without_json_is_a_table(run):

@@ -76,6 +76,32 @@ def _fits(ratios, poissons, **cases):
             yield SetUp("fit", f"fit-{ratio:g}-{nu:g}", {"socket_ratio": ratio}, nu, **cases)
 
 
+LINER_THICKNESSES = (0.003, 0.01, 0.03, 0.06, 0.1, 0.3)
+LINER_POISSONS = (0.1, 0.3, 0.4, 0.45, 0.49)
+REAL_LINERS = {
+    "ptfe-steel": (80, (1.125, 5e8, 0.46), (1.5, 2e11, 0.3)),
+    "fabric-steel": (200, (1.025, 3.1e9, 0.3), (1.4, 2e11, 0.3)),
+    "fabric-steel-0.45": (200, (1.025, 3.1e9, 0.45), (1.4, 2e11, 0.3)),
+    "hip-4mm": (100, (1.25, 1e9, 0.4), (1.4375, 1.1e11, 0.3)),
+    "hip-8mm": (100, (1.5, 1e9, 0.4), (1.6875, 1.1e11, 0.3)),
+}
+"""Liners in their housings: R2*, then outer radius over R2, Young's modulus (Pa) and Poisson's ratio
+of liner and housing; the ball is of steel. Where the numbers are from: notebook 22."""
+
+
+def _liners():
+    """A rigid ball in thin liners on a rigid backing, and a steel ball in real ones."""
+    for h in LINER_THICKNESSES:
+        for nu in LINER_POISSONS:
+            ratio = {"socket_ratio": round(1 + h, 3)}
+            name = f"liner-{h:g}-{nu:g}"
+            yield SetUp("liner", name, ratio, nu, 1e-8, (10_000,), depths=ROOT_DEPTHS[1::2])
+    for name, (r2_star, *each) in REAL_LINERS.items():
+        layers = tuple(Layer(q, Material(modulus, nu)) for q, modulus, nu in each)
+        joint, depths = {"layers": layers}, ROOT_DEPTHS[1::2]
+        yield SetUp("liner", name, joint, r2_stars=(r2_star,), depths=depths)
+
+
 def _judges():
     """Joints at random places of the range of stiffened_hertz, always the same.
 
@@ -130,6 +156,7 @@ DESIGN = (
         SetUp("support", f"{drive}-{rim}", {"ball_drive": drive, "rim": rim})
         for drive, rim in (("clamped", "mirror"), ("plane", "free"), ("plane", "mirror"))
     ),
+    *_liners(),
     *_fits(
         ratios=(1.1, 1.13, 1.19, 1.27, 1.38, 1.5, 1.7, 2.0, 2.5, 3.0),
         poissons=(0.2, 0.25, 0.3, 0.35, 0.4, 0.43, 0.45),

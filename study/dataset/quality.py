@@ -6,7 +6,8 @@ from study.dataset import design, store
 from study.joint import force_curve
 
 ERROR_LIMIT = 5e-3  # largest discretisation error estimate that a row may have
-HERTZ_SLOPE = (1.45, 2.0)  # d ln P / d ln d at the smallest depths: 1.5 Hertz, 2 a thin soft layer
+HERTZ_SLOPE = (1.45, 3.0)
+"""d ln P / d ln d at the smallest depths: 1.5 Hertz, 2 a thin layer, 3 an incompressible one."""
 AGREEMENT = 1e-6  # relative, of forces solved anew
 
 
