@@ -560,7 +560,10 @@ COMMANDS = [
     *((*JOINT, "--socket-ratio", "1e100", "--rim", value) for value in ("free", "x")),
     *((*JOINT, "--poisson", value) for value in (*NUMBERS, "0.5", "-1")),
     *((*JOINT, "--socket-poisson", value) for value in (*NUMBERS, "0.5", "-1")),
-    *((*JOINT, "--layer", value) for value in (*NUMBERS, "1.2,1", "1,1,0.3", "1.2,0,0.3", "1.2,1,1")),
+    *(
+        (*JOINT, "--layer", value)
+        for value in (*NUMBERS, "1.2,1", "1,1,0.3", "1.2,0,0.3", "1.2,1,1")
+    ),
     (*JOINT, "--layer", "1.2,1,0.3", "--layer", "1.1,1,0.3"),
     *((*JOINT, "--depth-star", value) for value in (*NUMBERS, "-1", "99", "1e-9")),
     *((*JOINT, "--r2-star", value) for value in (*NUMBERS, "1", "-5")),

@@ -85,8 +85,8 @@ REAL_LINERS = {
     "hip-4mm": (100, (1.25, 1e9, 0.4), (1.4375, 1.1e11, 0.3)),
     "hip-8mm": (100, (1.5, 1e9, 0.4), (1.6875, 1.1e11, 0.3)),
 }
-"""Liners in their housings: R2*, then outer radius over R2, Young's modulus (Pa) and Poisson's ratio
-of liner and housing; the ball is of steel. Where the numbers are from: notebook 22."""
+"""Liners in their housings: R2*, then outer radius over R2, Young's modulus in Pa and Poisson's
+ratio of liner and housing; the ball is of steel. Where the numbers are from: notebook 22."""
 
 
 def _liners():
