@@ -5,6 +5,7 @@ A user's mistake is one line on standard error and exit status 2; a failure is e
 """
 
 import json
+import math
 import os
 import re
 import sys
@@ -285,13 +286,25 @@ def evaluate_law(
 def solve_joint(
     r2_star: float, depth_star: list[float], as_json: bool = False, solver=None, **joint
 ):
-    """Solve one joint: force, contact half-angle and error estimate."""
+    """Solve one joint: force, contact half-angle, error estimate, and largest von Mises stresses.
+
+    Stresses are in E* dR/R2; their radius is over that of the body's surface.
+    """
     from study.joint import force_curve
 
-    found = force_curve(_joint(r2_star, **joint), depth_star, solver=solver).columns()
+    curve = force_curve(_joint(r2_star, **joint), depth_star, solver=solver)
+    found = curve.columns()
     found["contact_half_angle_deg"] = found["contact_half_angle"]
     names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
-    _print({"depth_star": depth_star} | {name: found[name].tolist() for name in names}, as_json)
+    tables = [{"depth_star": depth_star} | {name: found[name].tolist() for name in names}]
+    for body, largest in curve.largest_stress.items():
+        stress = {"star": largest.von_mises.tolist(), "over_peak": largest.over_peak.tolist()}
+        stress |= {"radius": largest.radius.tolist(), "place": list(largest.place)}
+        stress |= {"angle_deg": [math.degrees(angle) for angle in largest.angle]}
+        body = f"von_mises_{body.replace(' ', '_')}"
+        named = {f"{body}_{name}": column for name, column in stress.items()}
+        tables.append({"depth_star": depth_star} | named)
+    _print({name: column for table in tables for name, column in table.items()}, as_json, *tables)
 
 
 def _joint(

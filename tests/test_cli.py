@@ -74,6 +74,19 @@ def test_joint_prints_one_json_object_in_the_order_asked(run):
     assert found["error_estimate"] == pytest.approx(list(curve.error_estimate))
 
 
+def test_joint_tells_the_largest_stress_in_every_body(run):
+    words = ("joint", "--r2-star", 200, "--depth-star", 0.1, "--json")
+    layers = ("--layer", "1.1,0.01,0.4", "--layer", "1.3,1,0.3")
+    for more, bodies in (((), ["ball", "socket"]), (layers, ["ball", "layer_1", "layer_2"])):
+        found = json.loads(run(*words, *more)[1])
+        assert [key for key in found if key.endswith("_place")] == [
+            f"von_mises_{body}_place" for body in bodies
+        ]
+        for body in bodies:
+            star, share = (found[f"von_mises_{body}_{key}"][0] for key in ("star", "over_peak"))
+            assert star == pytest.approx(share * found["peak_pressure_star"][0])
+
+
 def test_joint_takes_layers(run):
     words = ["--r2-star", 80, "--depth-star", 0.3, "--poisson", 0.28]
     layers = ["--layer", "1.125,0.0025,0.46", "--layer", "1.5,1,0.3"]

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from study.contact import hertz
-from study.joint import Joint, Material, fem, first_yield, force_curve, stress
+from study.joint import Joint, Layer, Material, fem, first_yield, force_curve, stress
 from study.joint.compliance import HatFunctions
 from study.measure.peers import calculix
 
@@ -175,6 +175,36 @@ def test_largest_stress_is_that_of_calculix(tmp_path):
     bodies = {"ball": slice(None, first), "socket": slice(first, None)}
     for body, its in bodies.items():
         assert (found * inside)[its].max() == pytest.approx(own[body].von_mises[0], rel=5e-3)
+
+
+def test_layers_of_one_material_are_one_socket():
+    layers = Layer(1.1, Material()), Layer(1.298, Material())
+    one, two = (force_curve(joint, 0.3) for joint in (Joint(200), Joint(200, layers=layers)))
+    for body, radius in (("layer 1", [1.0, 1.05, 1.1]), ("layer 2", [1.1, 1.2, 1.298])):
+        expected = stress.stresses(one, "socket", radius, [0.0, 0.2, 1.0])
+        assert stress.stresses(two, body, radius, [0.0, 0.2, 1.0]) == pytest.approx(
+            expected, abs=1e-10
+        )
+
+
+def test_a_liner_hands_its_stress_to_the_housing():
+    layers = Layer(1.1, Material(2e9, 0.4)), Layer(1.3, Material())
+    exact, found = (
+        force_curve(Joint(200, layers=layers), [0.02, 0.3], solver=s)
+        for s in ("series", "quadratic")
+    )
+    inner, outer = (
+        stress.stresses(exact, body, 1.1, [0.0, 0.2, 1.0]) for body in ("layer 1", "layer 2")
+    )
+    assert inner[[0, 3]] == pytest.approx(outer[[0, 3]], abs=1e-9)
+    assert list(exact.largest_stress) == ["ball", "layer 1", "layer 2"]
+    assert exact.largest_stress["layer 2"].place[1] == "at an interface"
+    for body, one in exact.largest_stress.items():
+        other = found.largest_stress[body]
+        assert other.von_mises == pytest.approx(one.von_mises, rel=3e-3)
+        assert other.place == one.place
+    weak = Layer(1.3, Material(2e11, 0.3, 1e6))
+    assert first_yield(Joint(200, layers=(layers[0], weak))).body == "layer 2"
 
 
 def test_stresses_cost_nothing_until_asked_for(curve):

@@ -172,6 +172,12 @@ class Joint:
         return tuple(zip(*((q, nu, e / unit) for q, nu, e in each), strict=True))
 
     @property
+    def materials(self) -> dict[str, Material]:
+        """Materials of ``ball`` and ``socket``, or ``layer 1`` and so on, from the inside out."""
+        layers = {f"layer {k}": layer.material for k, layer in enumerate(self.layers, 1)}
+        return {"ball": self.ball} | (layers or {"socket": self.socket})
+
+    @property
     def ball_radius(self) -> float:
         """Ball radius over socket radius, R1/R2."""
         return 1 - 1 / self.r2_star
@@ -394,7 +400,7 @@ def _solve(joint, solver, depths, resolution):
     if joint.kinematics == "finite":
         from study.joint import fem
 
-        of_ball, of_socket = _meshed(joint, resolution)
+        of_ball, of_socket = meshed(joint, resolution)
         ball, socket = fem.ball(*of_ball), fem.socket(*of_socket)
         angles = ball.compliance.angles
         return angles, *pairing.solve_finite(joint, depths, ball, socket)
@@ -413,11 +419,11 @@ def compliances(
         return ball, series.socket_compliance(ratio, poisson, resolution, last_order, modulus)
     from study.joint import fem
 
-    of_ball, of_socket = _meshed(joint, resolution, 6 if solver == "quadratic" else 3)
+    of_ball, of_socket = meshed(joint, resolution, 6 if solver == "quadratic" else 3)
     return fem.ball_compliance(*of_ball), fem.socket_compliance(*of_socket)
 
 
-def _meshed(joint, resolution, nodes=6):
+def meshed(joint: Joint, resolution: int, nodes: int = 6) -> tuple[tuple, tuple]:
     """Arguments of the finite-element ball and socket."""
     ratio, poisson, modulus = joint.socket_layers
     return (

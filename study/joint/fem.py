@@ -194,31 +194,33 @@ class Body:
         """Radii and polar angles (rad) of the mesh's nodes, each of shape (nodes,)."""
         return np.hypot(*self._mesh.doflocs), np.arctan2(*self._mesh.doflocs)
 
-    def stresses(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+    def stresses(
+        self, pressure: NDArray[np.float64], inner: float = 0.0, outer: float = np.inf
+    ) -> NDArray[np.float64]:
         """Radial, polar, azimuthal and shear stress at the nodes, means of the elements there.
 
-        Of linear elasticity; in the unit of the pressures (k, hats), shape (4, k, nodes).
+        Of linear elasticity; in the unit of the pressures (k, hats), shape (4, k, nodes). Of the
+        elements between two radii only, as a layer's: 0 at all other nodes.
         """
         quadratic = isinstance(self._mesh, MeshTri2)
         corners = (ElementTriP2 if quadratic else ElementTriP1).doflocs.T
         basis = Basis(self._mesh, self._element, quadrature=(corners, np.ones(corners.shape[1])))
-        nodes = self._mesh.dofs.element_dofs.T
         r, z = basis.global_coordinates()
-        away = np.where(np.hypot(r, z) > 0, np.hypot(r, z), 1)
-        sine, cosine = r / away, np.where(np.hypot(r, z) > 0, z / away, 1)
-        found = []
+        off_axis, angle = r > 1e-12, np.arctan2(r, z)
+        sine, cosine = np.sin(angle), np.cos(angle)
+        middle = np.hypot(*self._mesh.p[:, self._mesh.t]).mean(axis=0)
+        within = ((inner < middle) & (middle < outer))[:, None] * np.ones(len(corners.T))
+        nodes, found = self._mesh.dofs.element_dofs.T.ravel(), []
+        count = np.maximum(np.bincount(nodes, within.ravel()), 1)
         for displacement in self.solve(self._hat_loads @ pressure.T).T:
             field = basis.interpolate(displacement)
             strain = sym_grad(field)
-            hoop = np.where(r > 0, field[0] / np.where(r > 0, r, 1), strain[0, 0])
+            hoop = np.where(off_axis, field[0] / np.where(off_axis, r, 1), strain[0, 0])
             ((rr, rz), (_, zz)), around = self._stress(strain, hoop)
-            twice = 2 * sine * cosine * rz
-            radial = sine**2 * rr + cosine**2 * zz + twice
-            polar = cosine**2 * rr + sine**2 * zz - twice
+            radial = sine**2 * rr + cosine**2 * zz + 2 * sine * cosine * rz
             shear = sine * cosine * (rr - zz) + (cosine**2 - sine**2) * rz
-            parts = radial, polar, around, shear
-            sums = [np.bincount(nodes.ravel(), np.asarray(part).ravel()) for part in parts]
-            found.append(sums / np.bincount(nodes.ravel()))
+            parts = radial, rr + zz - radial, around, shear
+            found.append([np.bincount(nodes, (within * part).ravel()) / count for part in parts])
         return np.array(found).transpose(1, 0, 2)
 
 

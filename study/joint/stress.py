@@ -18,7 +18,7 @@ from study import checks
 from study.contact import hertz, largest_depth
 from study.joint import pairing, series
 from study.joint.compliance import graded
-from study.joint.curve import ForceCurve, Joint, force_curve
+from study.joint.curve import ForceCurve, Joint, force_curve, meshed
 from study.joint.growth import ORDERS, whole_curve
 from study.threads import one_thread
 
@@ -51,8 +51,8 @@ class LargestStress:
     angle
         Where it is: polar angle from the contact's axis, in rad; shape (k,).
     place
-        ``at the surface`` of contact, ``outside``, at a socket's outer sphere, or else ``below the
-        surface``; k of them.
+        ``at the surface`` of contact; ``outside``, at the socket's outer sphere; ``at an
+        interface`` of layers; or else ``below the surface``; k of them.
     """
 
     von_mises: Floats
@@ -92,7 +92,7 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
     curve
         Of the solver ``series``.
     body
-        ``ball`` or ``socket``.
+        Its name in ``joint.materials``.
     radius
         Distances from the body's centre over its surface's radius, > 0; shape (m,).
     angle
@@ -110,29 +110,31 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
     """
     if curve.solver != "series":
         raise ValueError(f"solver must be series for stresses at any point, got {curve.solver!r}")
-    waves = _waves(curve)
-    solids = _solids(curve.joint, len(waves["ball"]))
-    solid = solids[checks.choice("body", body, solids)]
+    checks.choice("body", body, curve.joint.materials)
+    ball, socket = _waves(curve)
+    waves = ball if body == "ball" else socket
+    solid = _solids(curve.joint, len(waves))[body]
     radii = checks.number("radius", radius, above=0, least=solid.inner, most=solid.outer)
     angles = checks.number("angle", angle, "rad", least=0, most=np.pi / 2)
-    table = _legendre(np.atleast_1d(angles), len(waves[body]))
-    return _sum(solid, waves[body], np.atleast_1d(radii), table)
+    table = _legendre(np.atleast_1d(angles), len(waves))
+    return _sum(solid, waves, np.atleast_1d(radii), table)
 
 
 @one_thread
 def largest(curve: ForceCurve) -> dict[str, LargestStress]:
-    """Largest von Mises stress in ball and socket, by their names.
+    """Largest von Mises stress in each body, by its name in ``joint.materials``.
 
     A ball on a ``point`` drive is left out: under a point load stresses have no bound. Elements
     are searched from `HEIGHT` above the equator on.
     """
     sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
     found, peak = {}, curve.peak_pressure
+    *interfaces, outer = curve.joint.socket_layers[0]
     for body, (stress, radius, angle) in sought:
-        near = np.abs(radius - 1) <= _NEAR * np.sin(curve.contact_half_angle)
-        place = np.where(near, "at the surface", "below the surface")
-        outside = body != "ball" and np.isclose(radius, curve.joint.socket_ratio)
-        place = np.where(outside, "outside", place)
+        place = np.full(len(stress), "below the surface", dtype=object)
+        place[np.abs(radius - 1) <= _NEAR * np.sin(curve.contact_half_angle)] = "at the surface"
+        place[np.isclose(radius[:, None], interfaces, atol=0).any(axis=1)] = "at an interface"
+        place[np.isclose(radius, outer, atol=0)] = "outside"
         over_peak = np.divide(stress, peak, out=np.zeros_like(stress), where=peak > 0)
         found[body] = LargestStress(stress, over_peak, radius, angle, tuple(place.tolist()))
     return found
@@ -159,16 +161,16 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     checks.instance("joint", joint, Joint)
     checks.choice("ball_drive", joint.ball_drive, ("plane", "clamped"))
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
-    materials = {"ball": joint.ball, "socket": joint.socket}
-    if not any(material.yield_stress for material in materials.values()):
+    if not any(material.yield_stress for material in joint.materials.values()):
         raise ValueError("yield_stress must be given for a material of the joint, got none")
     curve = _solved(joint, max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2)))
     solved = np.sqrt(curve.depth_star)
     used = solved >= (0 if curve.solver == "series" else _LEAST_ROOT)
     root, found = np.append(0, solved[used]), []
     stiffening = np.append(1, (curve.force_star / hertz(solved**2, joint.r2_star))[used])
-    for body, material in materials.items():
-        one, limit = curve.largest_stress[body], hertz_von_mises(material.poisson)
+    for body, material in joint.materials.items():
+        one, touches = curve.largest_stress[body], body in ("ball", "socket", "layer 1")
+        limit = touches * hertz_von_mises(material.poisson)
         slope = np.append(
             2 / np.pi / np.sqrt(joint.ball_radius) * limit, (one.von_mises / solved)[used]
         )
@@ -184,8 +186,9 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     return first if first and first.depth_star <= deepest else None
 
 
+@lru_cache(maxsize=8)
 def _solved(joint, deepest):
-    """Curve of a joint to a depth, or somewhat beyond."""
+    """Curve of a joint to a depth, or somewhat beyond: the same one for every yield stress."""
     if joint.kinematics != "finite":
         return whole_curve(joint, deepest)
     return force_curve(joint, np.linspace(_LEAST_ROOT, np.sqrt(deepest), 12) ** 2)
@@ -221,21 +224,21 @@ class _Solid:
 
 
 def _solids(joint, count):
-    """Ball and socket by their names, with the amplitudes of the first even orders."""
-    if joint.layers:
-        raise ValueError("layers must be none for stresses by the series, got a socket of layers")
+    """The joint's bodies by their names, with the amplitudes of the first even orders."""
     n, nu = 2 * np.arange(count), joint.ball.poisson
-    solids = {"ball": _Solid(0.0, 1.0, nu, 1 / (1 + nu), series.ball_amplitudes(n, nu))}
-    ratio, nu = joint.socket_ratio, joint.socket.poisson
-    (amplitudes,) = series.socket_amplitudes(n, ratio, nu)
-    return solids | {"socket": _Solid(1.0, ratio, nu, 1 / (1 + nu), amplitudes)}
+    solids = [_Solid(0.0, 1.0, nu, 1 / (1 + nu), series.ball_amplitudes(n, nu))]
+    amplitudes, inner = series.socket_amplitudes(n, *joint.socket_layers), 1.0
+    for outer, nu, modulus, of_layer in zip(*joint.socket_layers, amplitudes, strict=True):
+        solids.append(_Solid(inner, outer, nu, modulus / (1 + nu), of_layer))
+        inner = outer
+    return dict(zip(joint.materials, solids, strict=True))
 
 
 def _waves(curve):
-    """Legendre coefficients of the pressures on ball and socket, (even orders, k) each."""
+    """Legendre coefficients of the pressures on ball and on socket, (even orders, k) each."""
     elements = len(curve.angles) - 1
     shares = series.hat_coefficients(elements, ORDERS * elements)
-    return {"ball": shares @ curve.pressure.T, "socket": shares @ _socket_pressure(curve).T}
+    return shares @ curve.pressure.T, shares @ _socket_pressure(curve).T
 
 
 def _sum(solid, waves, radii, table):
@@ -301,14 +304,14 @@ def _of_series(curve):
 
     The largest of a grid, and of parabolas through its neighbours in radius and in angle.
     """
-    waves = _waves(curve)
-    angles, table = _searched(len(waves["ball"]))
-    for body, solid in _solids(curve.joint, len(waves["ball"])).items():
+    ball, socket = _waves(curve)
+    angles, table = _searched(len(ball))
+    for body, solid in _solids(curve.joint, len(ball)).items():
         radii = 1 - graded(0.999, _DEPTH_SCALE, _RADII)
         if body != "ball":
             thickness = min(solid.outer - solid.inner, _THICKNESS)
             radii = solid.inner + graded(thickness, _DEPTH_SCALE, _RADII)
-        stress = von_mises(_sum(solid, waves[body], radii, table))
+        stress = von_mises(_sum(solid, ball if body == "ball" else socket, radii, table))
         k, size = np.arange(len(stress)), stress[0].size
         i, j = np.unravel_index(stress.reshape(-1, size).argmax(axis=1), stress[0].shape)
         by_radius, radius = _top(stress[k, :, j], radii, i)
@@ -320,18 +323,21 @@ def _of_elements(curve):
     """As `_of_series`, at the nodes of the bodies that the curve was solved with."""
     from study.joint import fem
 
-    joint, mesh = curve.joint, (len(curve.angles) - 1, 3 if curve.solver == "linear" else 6)
-    bodies = {}
-    if joint.ball_drive != "point":
-        bodies["ball"] = fem.ball(joint.ball.poisson, joint.ball_drive, *mesh), curve.pressure
-    ratio, poisson, modulus = joint.socket_layers
-    socket = fem.socket(ratio, poisson, joint.rim, *mesh, modulus)
-    bodies["socket"] = socket, _socket_pressure(curve)
-    for name, (body, pressure) in bodies.items():
-        radius, angle = body.places
-        stress = von_mises(body.stresses(pressure))
-        at = np.where(radius * np.cos(angle) > HEIGHT, stress, 0).argmax(axis=1)
-        yield name, (stress[np.arange(len(at)), at], radius[at], angle[at])
+    nodes = 3 if curve.solver == "linear" else 6
+    of_ball, of_socket = meshed(curve.joint, len(curve.angles) - 1, nodes)
+    if curve.joint.ball_drive != "point":
+        yield "ball", _largest_at_nodes(fem.ball(*of_ball), curve.pressure)
+    socket, pressure, inner = fem.socket(*of_socket), _socket_pressure(curve), 1.0
+    for name, outer in zip([*curve.joint.materials][1:], of_socket[0], strict=True):
+        yield name, _largest_at_nodes(socket, pressure, inner, outer)
+        inner = outer
+
+
+def _largest_at_nodes(body, pressure, *layer):
+    radius, angle = body.places
+    stress = von_mises(body.stresses(pressure, *layer))
+    at = np.where(radius * np.cos(angle) > HEIGHT, stress, 0).argmax(axis=1)
+    return stress[np.arange(len(at)), at], radius[at], angle[at]
 
 
 def _top(values, places, at):
