@@ -1,6 +1,7 @@
 """The cached dataset: what it holds, what it refuses, and that it is written whole."""
 
 import json
+import re
 import shutil
 
 import numpy as np
@@ -146,6 +147,23 @@ def test_damaged_and_missing_files_are_named_with_a_remedy(copy, name):
     path.unlink()
     with pytest.raises(dataset.DatasetError, match=rf"data/{name} is missing.*{remedy}$"):
         dataset.load()
+
+
+def test_what_others_printed_names_its_source_and_a_whole_joint():
+    rows = dataset.others()
+    entries = (paths.PAPER / "references.yml").read_text(encoding="utf-8")
+    assert set(rows.source) <= set(re.findall(r"^(\w+):$", entries, re.MULTILINE))
+    assert set(rows.role) == {"stated", "assumed", "beside", "result", "unread"}
+    assert rows.least.isna().equals(rows.role == "unread")
+    assert not (rows.least > rows.most).any()
+    results = rows[rows.role == "result"]
+    assert (results.rounding > 0).all()
+    assert results.read.notna().all()
+    needed = {"ball_radius", "clearance", "ball_modulus", "ball_poisson", "wall_1", "force"}
+    for joint in results.joint.unique():
+        given = rows[(rows.joint == joint) & rows.role.isin(["stated", "assumed"])]
+        assert given.quantity.is_unique
+        assert needed <= set(given.quantity)
 
 
 def without(*keys):

@@ -66,6 +66,7 @@ def test_the_references_asked_of_such_a_paper_are_cited():
     for key in keys:
         assert f"@{key}" in TEXT, key
     without = {"yao2024", "steuermann1939", "pytask", "papermill"}  # have none that is known
+    without |= {"ciavarella2007", "mak2002", "jin1999", "rockerarm"}  # in what could be read
     for key, entry in zip(keys, re.split(r"^\w+:\n", entries, flags=re.MULTILINE)[1:], strict=True):
         assert ("doi:" in entry) != (key in without), key
 

@@ -13,7 +13,7 @@ READS = {
     "contact/laws.py": ("study/contact/coefficients.json",),
     "dataset/store.py": (
         *("data/force_curves.csv", "data/links.csv", "data/published/tables.csv"),
-        *("data/published/joint.csv", "data/published/peers.csv"),
+        *("data/published/joint.csv", "data/published/others.csv", "data/published/peers.csv"),
     ),
     "claims/verdicts.py": ("data/published/claims.csv",),
 }

@@ -32,6 +32,7 @@ ORIGINS = {
     "published/tables.csv": "published",
     "published/joint.csv": "reference",
     "published/mechanism.csv": "reference",
+    "published/others.csv": "published",
     "published/peers.csv": "measured",
 }
 """Data files whose hash is kept -> where their numbers come from."""
@@ -166,6 +167,11 @@ def published_table_2() -> pd.DataFrame:
 def reference_forces() -> pd.DataFrame:
     """Forces of independent origin; ``trust`` is the relative accuracy to expect."""
     return _read(paths.DATA / "published/joint.csv")
+
+
+def others() -> pd.DataFrame:
+    """What others printed of a ball in a socket, and the joint it is of: ``data/README.md``."""
+    return _read(paths.DATA / "published/others.csv", dtype={"unit": str})
 
 
 def measured(chart: str | None = None) -> pd.DataFrame:
