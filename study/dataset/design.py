@@ -48,13 +48,14 @@ class SetUp:
     def cases(self) -> Iterator[tuple[str, Joint]]:
         """Yield name and joint of every case."""
         ball = Material(2e11, self.poisson)
-        socket = {"socket": Material(2e11 * self.modulus_ratio, self.poisson)}
-        bodies = {"ball": ball} | ({} if "layers" in self.joint else socket)
+        given: dict = {"ball": ball} | self.joint
+        if "layers" not in given:
+            given["socket"] = Material(2e11 * self.modulus_ratio, self.poisson)
         for kinematics in self.kinematics:
             for r2_star in self.r2_stars:
                 yield (
                     case_name(self.name, kinematics, r2_star),
-                    Joint(r2_star, kinematics=kinematics, **bodies, **self.joint),
+                    Joint(r2_star, kinematics=kinematics, **given),
                 )
 
 
@@ -76,8 +77,8 @@ def _fits(ratios, poissons, **cases):
             yield SetUp("fit", f"fit-{ratio:g}-{nu:g}", {"socket_ratio": ratio}, nu, **cases)
 
 
-LINER_THICKNESSES = (0.003, 0.01, 0.03, 0.06, 0.1, 0.3)
-LINER_POISSONS = (0.1, 0.3, 0.4, 0.45, 0.49)
+LINER_THICKNESSES = (0.003, 0.015, 0.04, 0.1, 0.2, 0.3)
+LINER_POISSONS = (0.1, 0.3, 0.4, 0.45, 0.475, 0.49)
 REAL_LINERS = {
     "ptfe-steel": (80, (1.125, 5e8, 0.46), (1.5, 2e11, 0.3)),
     "fabric-steel": (200, (1.025, 3.1e9, 0.3), (1.4, 2e11, 0.3)),

@@ -80,7 +80,7 @@ def layer_ratios(ratio: Layered, thinnest: float = THINNEST_RATIO) -> NDArray[np
 
     Each is at least ``thinnest`` times that of the layer inside, or a ``ValueError``.
     """
-    limits = {"least": thinnest, "most": THICKEST_RATIO}
+    limits: dict[str, Any] = {"least": thinnest, "most": THICKEST_RATIO}
     ratios = np.atleast_1d(checks.number("socket_ratio", ratio, **limits))
     checks.number("socket_ratio over that of the layer inside", layer_steps(ratios), **limits)
     return ratios

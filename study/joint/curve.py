@@ -378,7 +378,8 @@ def chosen_solver(joint: Joint, solver: Solver | None) -> Solver:
 
 def checked_resolution(joint: Joint, solver: Solver, resolution: int | None) -> int:
     """Elements along the surface, as asked for or as usual, if this joint can be solved so."""
-    least, most, kind = 32, FINEST_RESOLUTION, solver
+    least, most = 32, FINEST_RESOLUTION
+    kind: str = solver
     if solver != "series":
         from study.joint import fem
 

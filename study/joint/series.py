@@ -94,7 +94,7 @@ def ball_amplitudes(orders: ArrayLike, poisson: float) -> NDArray[np.float64]:
     displacement and the stress over 2 G.
     """
     surface = modes(orders, checks.poisson("poisson", poisson), 1.0)
-    pressure = [[-(1 + poisson)], [0.0]]  # radial stress over 2 G, and shear
+    pressure = np.array([[-(1 + poisson)], [0.0]])  # radial stress over 2 G, and shear
     return np.linalg.solve(surface[2:, :2].transpose(2, 0, 1), pressure)[:, :, 0].T
 
 
