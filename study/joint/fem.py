@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 from skfem import (
     Basis,
@@ -202,26 +203,38 @@ class Body:
         Of linear elasticity; in the unit of the pressures (k, hats), shape (4, k, nodes). Of the
         elements between two radii only, as a layer's: 0 at all other nodes.
         """
-        quadratic = isinstance(self._mesh, MeshTri2)
-        corners = (ElementTriP2 if quadratic else ElementTriP1).doflocs.T
+        middle = np.hypot(*self._mesh.p[:, self._mesh.t]).mean(axis=0)
+        elements = np.flatnonzero((inner < middle) & (middle < outer))
+        nodes = self._mesh.dofs.element_dofs.T
+        at = np.arange(nodes.size).reshape(nodes.shape)[elements].ravel()
+        nodes, size = nodes[elements].ravel(), self._mesh.doflocs.shape[1]
+        share = 1 / np.maximum(np.bincount(nodes, minlength=size), 1)[nodes]
+        mean = csr_array((share, (nodes, at)), shape=(size, self._mesh.dofs.element_dofs.size))
+        displacement = self.solve(self._hat_loads @ pressure.T)
+        return np.array([(mean @ (part @ displacement)).T for part in self._stress_rows])
+
+    @cached_property
+    def _stress_rows(self):
+        """Stresses as for `stresses` at each element's own nodes, over the unknowns, sparse."""
+        corners = (ElementTriP2 if isinstance(self._mesh, MeshTri2) else ElementTriP1).doflocs.T
         basis = Basis(self._mesh, self._element, quadrature=(corners, np.ones(corners.shape[1])))
         r, z = basis.global_coordinates()
         off_axis, angle = r > 1e-12, np.arctan2(r, z)
         sine, cosine = np.sin(angle), np.cos(angle)
-        middle = np.hypot(*self._mesh.p[:, self._mesh.t]).mean(axis=0)
-        within = ((inner < middle) & (middle < outer))[:, None] * np.ones(len(corners.T))
-        nodes, found = self._mesh.dofs.element_dofs.T.ravel(), []
-        count = np.maximum(np.bincount(nodes, within.ravel()), 1)
-        for displacement in self.solve(self._hat_loads @ pressure.T).T:
-            field = basis.interpolate(displacement)
-            strain = sym_grad(field)
-            hoop = np.where(off_axis, field[0] / np.where(off_axis, r, 1), strain[0, 0])
+        rows, columns, values = np.arange(r.size), [], []
+        for (shape,), unknown in zip(basis.basis, basis.element_dofs, strict=True):
+            strain = sym_grad(shape)
+            hoop = np.where(off_axis, shape[0] / np.where(off_axis, r, 1), strain[0, 0])
             ((rr, rz), (_, zz)), around = self._stress(strain, hoop)
             radial = sine**2 * rr + cosine**2 * zz + 2 * sine * cosine * rz
             shear = sine * cosine * (rr - zz) + (cosine**2 - sine**2) * rz
-            parts = radial, rr + zz - radial, around, shear
-            found.append([np.bincount(nodes, (within * part).ravel()) / count for part in parts])
-        return np.array(found).transpose(1, 0, 2)
+            values.append(
+                [radial.ravel(), (rr + zz - radial).ravel(), around.ravel(), shear.ravel()]
+            )
+            columns.append(np.repeat(unknown, r.shape[1]))
+        places = np.tile(rows, len(columns)), np.concatenate(columns)
+        shape = r.size, self.size
+        return [csr_array((v, places), shape=shape) for v in np.concatenate(values, axis=1)]
 
 
 @remembered(maxsize=4)
