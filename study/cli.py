@@ -312,7 +312,7 @@ def _joint(
     *,
     modulus_ratio: float | None = None,
     socket_poisson: float | None = None,
-    layer: list[str] = (),
+    layer: list[str] | None = None,
     **others,
 ):
     from study.joint import Joint, Layer, Material

@@ -326,6 +326,28 @@ def test_limits_as_claimed():
     assert float(chaos.observed.iloc[0]) == impacts
 
 
+def test_liners_as_claimed():
+    table = pd.read_csv(paths.FIGURES / "liner_winkler.csv")
+    percent, thick, nu, thickest, fitted_nu = claimed(
+        r"springs are within (\d+) % for thicknesses up to ([\d.]+) R2 and Poisson's ratios up to "
+        r"([\d.]+), .*?all thicknesses up to ([\d.]+) R2 and Poisson's ratios up to ([\d.]+) \(depths"
+    )
+    inside = (table.thickness <= thick) & (table.poisson <= nu)
+    assert table.springs_percent[inside].max() < percent
+    assert (
+        table.springs_percent[(table.thickness <= 2 * thick) & (table.poisson <= nu)].max()
+        > percent
+    )
+    assert table.thickness.max() == thickest
+    assert table.fitted_percent[table.poisson <= fitted_nu].max() < percent
+    liners = pd.read_csv(paths.FIGURES / "liners.csv")
+    found = claimed(r"best coefficient are ([\d.]+) to ([\d.]+) % off, .*?, (\d+) to (\d+) %\.")
+    fits = liners[["springs_fitted_percent", "hyperbolic_fitted_percent"]].agg(["min", "max"])
+    assert np.abs(fits.T.to_numpy().ravel() - found).max() < 0.5
+    assert np.abs(fits.springs_fitted_percent - found[:2]).max() < 0.05
+    assert len(liners) == 5
+
+
 def test_example_of_choose_is_what_it_prints(monkeypatch, capsys):
     text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
     words = re.search(r"study (choose .*?) +#", text)[1].split()
