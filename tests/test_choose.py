@@ -11,7 +11,7 @@ from study.checks import StudyError
 from study.choose import law, links
 from study.choose.law import SHALLOWEST
 from study.choose.model import ModelError, choose_model
-from study.joint import Joint, Material, force_curve
+from study.joint import Joint, Layer, Material, force_curve
 from study.mechanism import Scene, compare, simulate
 
 MATERIALS = 7
@@ -76,6 +76,7 @@ def test_interpolated_force_is_right_on_cases_not_used_for_it():
         (joint(), 0.003, "depth_star 0.003 is outside"),
         (joint(ball_drive="clamped"), 0.3, "ball_drive clamped is outside"),
         (Joint(200, socket=Material(7e10)), 0.3, "unequal materials"),
+        (Joint(200, layers=(Layer(1.2, Material()), Layer(1.4, Material(7e10)))), 0.3, "a socket"),
     ],
 )
 def test_outside_the_dataset_the_joint_is_solved(scene, deepest, note):
