@@ -57,6 +57,7 @@ HELP = {
     "settings": "KEY=VALUE of a notebook's parameter; may be repeated.",
     "socket_ratio": "Outer over inner radius of the socket.",
     "socket_poisson": "Poisson's ratio of the socket, if not that of the ball.",
+    "yield_stress": "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa.",
 }
 """Of what the library's docstrings do not explain."""
 MATERIALS = ("study.joint:Material poisson", "study.cli:_joint modulus_ratio socket_poisson layer")
@@ -313,14 +314,17 @@ def _joint(
     modulus_ratio: float | None = None,
     socket_poisson: float | None = None,
     layer: list[str] | None = None,
+    yield_stress: float | None = None,
     **others,
 ):
     from study.joint import Joint, Layer, Material
 
-    ball = Material(**{"poisson": others.pop("poisson")} if "poisson" in others else {})
+    poisson = {"poisson": others.pop("poisson")} if "poisson" in others else {}
+    ball = Material(**poisson, yield_stress=yield_stress)
     unit, of_one = ball.youngs_modulus, {"modulus_ratio": modulus_ratio}
     of_one |= {"socket_poisson": socket_poisson, "socket_ratio": others.get("socket_ratio")}
     if layer:
+        of_one |= {"yield_stress": yield_stress}
         given = [name for name, value in of_one.items() if value is not None]
         _left_out(given, given, "--layer tells what the socket is")
         each = [_numbers("--layer", text, count=3) for text in layer]
@@ -331,11 +335,13 @@ def _joint(
         poisson = ball.poisson if socket_poisson is None else socket_poisson
         ratio = 1.0 if modulus_ratio is None else modulus_ratio
         modulus = unit * checks.number("--modulus-ratio", ratio, above=0)
-        others["socket"] = Material(modulus, poisson)
+        others["socket"] = Material(modulus, poisson, yield_stress)
     return Joint(r2_star, ball=ball, **others)
 
 
-@command("choose", *JOINT, "study.choose:choose depth_star tolerance")
+@command(
+    "choose", *JOINT, "study.cli:_joint yield_stress", "study.choose:choose depth_star tolerance"
+)
 def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **joint):
     """Choose the cheapest law that is accurate enough for a joint, with the evidence.
 
@@ -347,13 +353,18 @@ def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **j
     choice, costs = choose(_joint(r2_star, **joint), depth_star, tolerance), relative_costs()
     laws = sorted(choice.errors, key=costs.get)
     names = ("law", "error_bound", "relative_cost", "options")
-    depths = "{:g} to {:g}".format(*choice.depths)
+    depths, first = "{:g} to {:g}".format(*choice.depths), choice.first_yield
+    yields = (
+        "The {body} yields, {place}, from {depth_star:.4g} clearances on (force_star "
+        "{force_star:.4g}): all errors are those of joints that do not yield."
+    )
     _print(
         {"next_cheaper": next(iter(choice.rejected), None)} | _fields(choice),
         as_json,
         {name: [getattr(choice, name)] for name in names},
         f"For depths of {depths} clearances, by the {choice.source}.",
         *([f"Solved, as {choice.note}."] if choice.note else []),
+        *([yields.format(**first)] if first else []),
         "Largest error of each law, and time of a call over that of Hertz's law:",
         {
             "law": laws,

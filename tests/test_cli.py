@@ -14,7 +14,7 @@ import pytest
 from study import cli, contact, dataset, export, paths
 from study.choose import links
 from study.dataset import store
-from study.joint import Joint, Layer, Material, compliance, curve, force_curve
+from study.joint import Joint, Layer, Material, compliance, curve, first_yield, force_curve
 from study.measure import speed
 from study.mechanism import Scene, particles, simulate
 from study.mechanism.simulate import JointKind, Model
@@ -341,6 +341,22 @@ def test_choose_prints_the_law_its_error_and_its_cost(run):
     _, out, _ = run(*CHOOSE, *words)
     assert "stiffened_hertz" in out
     assert all(law in out for law in contact.LAWS)
+
+
+def test_choose_warns_beyond_yield(run):
+    words = ("choose", "--r2-star", 200, "--depth-star", 0.4, "--tolerance", 0.5)
+    text = run(*words, "--yield-stress", 2.5e8)[1]
+    assert re.search(r"The socket yields, at the surface, from 0\.25\d* clearances on", text)
+    assert "errors are those of joints that do not yield" in text
+    found = json.loads(run(*words, "--yield-stress", 2.5e8, "--json")[1])["first_yield"]
+    steel = Material(yield_stress=2.5e8)
+    assert found == pytest.approx(vars(first_yield(Joint(200, ball=steel, socket=steel), 0.4)))
+    for more in ((), ("--yield-stress", 2e9)):
+        assert json.loads(run(*words, *more, "--json")[1])["first_yield"] is None
+        assert "yields" not in run(*words, *more)[1]
+    status, _, err = run(*words, "--layer", "1.3,1,0.3", "--yield-stress", 2e9)
+    assert status == 2
+    assert err == "study: --yield-stress must be left out: --layer tells what the socket is\n"
 
 
 def test_choose_tells_that_the_joint_is_outside_the_dataset(run):

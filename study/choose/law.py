@@ -18,7 +18,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from study import checks, dataset
 from study.contact import LAWS, hertz, largest_depth, tabulated
-from study.joint import Joint, UnresolvedError, force_curve
+from study.joint import Joint, UnresolvedError, first_yield, force_curve
 from study.threads import one_thread
 
 SHALLOWEST = 0.005
@@ -60,6 +60,9 @@ class Choice:
         ``law``, ``options``, ``error``, ``error_bound``, ``relative_cost``.
     errors
         Every closed law that the joint can have -> largest relative error found.
+    first_yield
+        `study.joint.FirstYield` by its names, if materials have a yield stress and the joint yields
+        within the depths. Beyond it, errors and bounds are those of joints that do not yield.
     evaluate
         The law, of (``depth_star``, ``r2_star``); None for ``solver``. It is known to be good
         enough between ``depths`` only.
@@ -74,6 +77,7 @@ class Choice:
     note: str
     rejected: tuple[dict, ...]
     errors: dict[str, float]
+    first_yield: dict[str, object] | None
     evaluate: Callable | None = field(repr=False, compare=False)
 
 
@@ -118,6 +122,8 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
             f"{candidate['error_bound']:.2g}"
         )
     del candidate["error"]
+    strong = any(material.yield_stress for material in joint.materials.values())
+    first = first_yield(joint, deepest) if strong else None
     return Choice(
         **candidate,
         depths=(float(least), deepest),
@@ -125,6 +131,7 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
         note=note,
         rejected=tuple(reversed(rejected)),
         errors=found,
+        first_yield=vars(first) if first else None,
     )
 
 
