@@ -26,9 +26,11 @@ from study.joint import (
     Material,
     complementarity,
     fem,
+    first_yield,
     force_curve,
     paper_joint,
     series,
+    stress,
 )
 from study.joint.compliance import surface_angles
 from study.measure import explicit, limits, speed, stability
@@ -151,8 +153,25 @@ def set_without(values, one):
 
 
 def joint_rows():
+    poisson = (0.3, (*NUMBER, 0.5, -1, 0.6))
+    strength = (1e9, set_without(POSITIVE, None))
     yield from rows(
-        Material, youngs_modulus=(2e11, POSITIVE), poisson=(0.3, (*NUMBER, 0.5, -1, 0.6))
+        Material, youngs_modulus=(2e11, POSITIVE), poisson=poisson, yield_stress=strength
+    )
+    yield from rows(stress.hertz_von_mises, poisson=poisson)
+    yield from rows(stress.von_mises, stress=(np.ones(4), (*LIST, np.ones(3))))
+    steel = Material(yield_stress=1e9)
+    yield from rows(
+        first_yield,
+        joint=(Joint(200, ball=steel), (*THING, Joint(200))),
+        depth_star=(0.3, (*POSITIVE, 30)),
+    )
+    yield from rows(
+        stress.stresses,
+        curve=(CURVE, THING),
+        body=("ball", NAME),
+        radius=(0.5, (*LIST, 0, -1, 1.1, np.eye(2))),
+        angle=(0.5, (*LIST, -0.1, 2, np.eye(2))),
     )
     for function in (Joint, paper_joint):
         yield from rows(

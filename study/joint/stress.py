@@ -78,7 +78,10 @@ class FirstYield:
 
 def von_mises(stress: ArrayLike) -> Floats:
     """Von Mises stress of radial, polar, azimuthal and shear stress, shape (4, ...)."""
-    radial, polar, around, shear = np.asarray(checks.number("stress", stress))
+    parts = np.asarray(checks.number("stress", stress))
+    if parts.shape[:1] != (4,):
+        raise ValueError(f"stress must be of shape (4, ...), got {parts.shape}")
+    radial, polar, around, shear = parts
     apart = (radial - polar) ** 2 + (polar - around) ** 2 + (around - radial) ** 2
     return np.sqrt(apart / 2 + 3 * shear**2)
 
@@ -108,6 +111,7 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
     ValueError
         For a curve of finite elements, or a value outside its range.
     """
+    checks.instance("curve", curve, ForceCurve)
     if curve.solver != "series":
         raise ValueError(f"solver must be series for stresses at any point, got {curve.solver!r}")
     checks.choice("body", body, curve.joint.materials)
@@ -116,8 +120,11 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
     solid = _solids(curve.joint, len(waves))[body]
     radii = checks.number("radius", radius, above=0, least=solid.inner, most=solid.outer)
     angles = checks.number("angle", angle, "rad", least=0, most=np.pi / 2)
-    table = _legendre(np.atleast_1d(angles), len(waves))
-    return _sum(solid, waves, np.atleast_1d(radii), table)
+    radii, angles = np.atleast_1d(radii), np.atleast_1d(angles)
+    for name, places in (("radius", radii), ("angle", angles)):
+        if places.ndim != 1:
+            raise ValueError(f"{name} must be a list of numbers, got shape {places.shape}")
+    return _sum(solid, waves, radii, _legendre(angles, len(waves)))
 
 
 @one_thread
@@ -127,6 +134,7 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
     A ball on a ``point`` drive is left out: under a point load stresses have no bound. Elements
     are searched from `HEIGHT` above the equator on.
     """
+    checks.instance("curve", curve, ForceCurve)
     sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
     found, peak = {}, curve.peak_pressure
     *interfaces, outer = curve.joint.socket_layers[0]
@@ -162,7 +170,7 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     checks.choice("ball_drive", joint.ball_drive, ("plane", "clamped"))
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     if not any(material.yield_stress for material in joint.materials.values()):
-        raise ValueError("yield_stress must be given for a material of the joint, got none")
+        raise ValueError("joint must have a material with a yield_stress, got none")
     curve = _solved(joint, max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2)))
     solved = np.sqrt(curve.depth_star)
     used = solved >= (0 if curve.solver == "series" else _LEAST_ROOT)
