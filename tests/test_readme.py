@@ -326,6 +326,31 @@ def test_limits_as_claimed():
     assert float(chaos.observed.iloc[0]) == impacts
 
 
+def test_first_yield_as_claimed():
+    cases = pd.read_csv(paths.FIGURES / "yield.csv")
+    low, high, weak, strong, elastic, count = claimed(
+        r"in steel, R2\\\* from (\d+) to (\d+), yield stresses from (\d+) to (\d+) MPa, "
+        r"(\d+) of (\d+) cases stay elastic to half a clearance"
+    )
+    assert (cases.elastic.sum(), len(cases)) == (elastic, count)
+    assert cases[["r2_star", "yield_stress_mpa"]].agg(["min", "max"]).T.to_numpy().tolist() == [
+        [low, high],
+        [weak, strong],
+    ]
+    depth = cases.set_index(["r2_star", "yield_stress_mpa"]).elastic_to_depth_star
+    assert depth.max() == 0.5
+    *places, late = claimed(
+        r"At R2\\\* = (\d+) even steel of (\d+) MPa yields from ([\d.]+) clearances on, at "
+        r"R2\\\* = (\d+) steel of (\d+) MPa from ([\d.]+) on"
+    )
+    tight, hard, early, wide, soft = places
+    assert depth[[(tight, hard), (wide, soft)]].to_numpy() == pytest.approx([early, late], abs=5e-3)
+    yields = cases[~cases.elastic]
+    deep = yields.elastic_to_depth_star > 0.15
+    assert set(yields.yields_first[deep]) == {"socket, at the surface"}
+    assert set(yields.yields_first[~deep]) == {"socket, below the surface"}
+
+
 def test_liners_as_claimed():
     table = pd.read_csv(paths.FIGURES / "liner_winkler.csv")
     percent, thick, nu, thickest, fitted_nu = claimed(
