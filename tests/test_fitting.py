@@ -172,3 +172,9 @@ def test_coefficients_are_written_a_row_per_line():
     text = fitting.format_coefficients({"law": {"limit": [[1.0, 2.0], [3.0, 4.0]]}})
     assert json.loads(text) == {"law": {"limit": [[1.0, 2.0], [3.0, 4.0]]}}
     assert "[1.0, 2.0],\n" in text
+
+
+def test_numbers_of_the_law_on_paper_are_the_fit():
+    stored = contact.laws.fitted_coefficients()["printed_hertz"]
+    for name, values in fitting.fit_printed().items():
+        assert values == pytest.approx(stored[name], rel=0.02)

@@ -361,6 +361,8 @@ def fitted_coefficients() -> dict[str, Any]:
     try:
         fits = json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
         for law, fit in fits.items():
+            if law == "printed_hertz":
+                continue
             stiffened = law == "stiffened_hertz"
             for name in ("reach", "pole") if stiffened else ("slope", "intercept"):
                 float(fit[name])
