@@ -113,7 +113,7 @@ def printed_peak_pressure(
     poisson: float = 0.3,
     socket_poisson: float = 0.3,
 ) -> Floats:
-    """Largest pressure over E* dR/R2, of depths d/dR from 0 to 1: within 11 %."""
+    """Largest pressure over E* dR/R2, of depths d/dR from 0 to 1: within 12 %."""
     joint = _Joint(r2_star, socket_ratio, modulus_ratio, poisson, socket_poisson)
     return _plain(joint.peak_pressure(_depth(depth_star)))
 
