@@ -1,20 +1,27 @@
 """The dataset's tasks: the curve of each case, then table, fitted laws, links and description."""
 
+import json
 import time
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import pandas as pd
-from pytask import Product, PythonNode, task
+from pytask import Product, PythonNode, mark, task
 
 from study import paths
 from study.choose import links
 from study.contact.laws import COEFFICIENTS
-from study.dataset import design, fitting, store
+from study.contact.stiffening import TABLE
+from study.dataset import design, fitting, stiffening, store
 from study.pages import tasks
 
 CASES = [(s.group, name, joint, s.depths) for s in design.DESIGN for name, joint in s.cases()]
 PARTS = [paths.BUILD / "curves" / f"{name}.csv" for _, name, _, _ in CASES]
+LIMITS, CHANGES = (
+    [paths.BUILD / f"stiffening/{name}-{k}.txt" for k in range(counts["socket_poisson"])]
+    for name, counts in (("limit", stiffening.LIMITS), ("change", stiffening.CHANGES))
+)
 TABLES = paths.DATA / "published/tables.csv"
 DESCRIBED = tuple(paths.DATA / name for name in store.ORIGINS)
 
@@ -47,11 +54,37 @@ def task_coefficients(
 ):
     fits = fitting.fit_all(pd.read_csv(table), pd.read_csv(published))
     with paths.whole(coefficients) as temporary:
-        temporary.write_text(fitting.format_coefficients(fits), encoding="utf-8")
+        temporary.write_text(json.dumps(fits, indent=2) + "\n", encoding="utf-8")
+
+
+for counts, parts in ((stiffening.LIMITS, LIMITS), (stiffening.CHANGES, CHANGES)):
+    for nu, part in zip(stiffening.grid(counts)["socket_poisson"], parts, strict=True):
+
+        @mark.try_first  # they take the longest
+        @task(id=part.stem)
+        def task_stiffening(
+            of: Annotated[tuple, PythonNode(value=(float(nu), (*counts.items(),)), hash=True)],
+            code: list[Path] = store.sources(TABLE),
+            part: Annotated[Path, Product] = part,
+        ):
+            tasks.leave_interrupts_to_the_runner()
+            with paths.whole(part) as temporary:
+                np.savetxt(temporary, stiffening.logarithms(of[0], dict(of[1])).reshape(-1, 9))
+
+
+def task_stiffening_table(
+    limits: list[Path] = LIMITS,
+    changes: list[Path] = CHANGES,
+    code: list[Path] = store.sources(TABLE),
+    table: Annotated[Path, Product] = TABLE,
+):
+    found = [[np.loadtxt(part) for part in parts] for parts in (limits, changes)]
+    store.write_stiffening(stiffening.table(*found))
 
 
 def task_links(
     coefficients: Path = COEFFICIENTS,
+    stiffening: Path = TABLE,
     code: list[Path] = store.sources(store.LINKS),
     table: Annotated[Path, Product] = store.LINKS,
 ):
@@ -60,7 +93,7 @@ def task_links(
 
 
 def task_description(
-    coefficients: Path = COEFFICIENTS,
+    library: tuple[Path, ...] = store.LIBRARY,
     code: list[Path] = sorted({p for f in store.GENERATED for p in store.sources(f)}),
     design: Path = paths.ROOT / "study/dataset/design.py",
     parts: list[Path] = PARTS,

@@ -268,14 +268,18 @@ def list_results():
     _print(pd.DataFrame(rows, columns=["name", "state", "notebook", "shows"]))
 
 
-@command("law", "study.contact:stiffened_hertz socket_ratio poisson kinematics")
+@command(
+    "law",
+    "study.contact:stiffened_hertz socket_ratio modulus_ratio poisson socket_poisson",
+    "study.contact:stiffened_hertz ball_drive rim",
+)
 def evaluate_law(
     name: LawName, r2_star: float, depth_star: list[float], as_json: bool = False, **of_law
 ):
     """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths.
 
-    stiffened_hertz is for a radially free ball of the socket's material, and alone has options;
-    the laws of the paper are those of its own joint.
+    stiffened_hertz alone has options: it is for any two materials and four supports. The laws of
+    the paper are those of its own joint.
     """
     unknown = sorted(of_law.keys() - signature(LAWS[name]).parameters)
     _left_out(unknown, of_law, f"{name} does not depend on it")
@@ -362,8 +366,7 @@ def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **j
         {"next_cheaper": next(iter(choice.rejected), None)} | _fields(choice),
         as_json,
         {name: [getattr(choice, name)] for name in names},
-        f"For depths of {depths} clearances, by the {choice.source}.",
-        *([f"Solved, as {choice.note}."] if choice.note else []),
+        f"For depths of {depths} clearances.",
         *([yields.format(**first)] if first else []),
         "Largest error of each law, and time of a call over that of Hertz's law:",
         {
@@ -380,25 +383,15 @@ def _fields(choice):
     return {name: value for name, value in vars(choice).items() if name not in given}
 
 
-@command(
-    "export",
-    "study.export:export law form",
-    "study.joint:Joint socket_ratio kinematics",
-    *MATERIALS,
-)
+@command("export", "study.export:export law form", *JOINT)
 def export_law(law, form, output: Path | None = None, r2_star: float | None = None, **joint):
-    """Export a law of this study for another program, to standard output or a file.
+    """Export a law of this study, for one joint, to another program: to standard output or a file.
 
-    The joint is that of csv and of everything of tabulated (R2/dR: 200 by default); the C
-    function and the coefficients of stiffened_hertz hold for all joints, so that --kinematics
-    alone counts.
+    R2/dR is 200 by default.
     """
     from study.export import export
 
     joint |= {} if r2_star is None else {"r2_star": r2_star}
-    if law == "stiffened_hertz" and form != "csv":
-        places = ("r2_star", "socket_ratio", "poisson")
-        _left_out(places, joint, f"the {form} export takes any joint")
     _check_output(output, f".{form}")
     text = export(law, form, _joint(**joint))
     if output is None:

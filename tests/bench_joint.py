@@ -5,8 +5,8 @@ import pytest
 
 from study import contact
 from study.compiled import compiled
-from study.contact import forces
-from study.joint import Joint, fem, force_curve, series
+from study.contact import forces, stiffening
+from study.joint import Joint, fem, force_curve, series, whole_curve
 
 DEPTHS = np.linspace(0.025, 0.5, 20)
 
@@ -38,6 +38,25 @@ def test_curve_of_20_depths_with_its_error_estimate(benchmark, kinematics):
     benchmark.pedantic(force_curve, (joint, DEPTHS), rounds=3 if kinematics == "finite" else 20)
 
 
+@pytest.mark.parametrize("bodies", ["known", "new"])
+def test_table_of_a_joint_from_its_whole_curve(benchmark, bodies):
+    def table():
+        if bodies == "new":
+            for cached in (series.ball_compliance, series.socket_compliance):
+                cached.cache_clear()
+        return contact.tabulated(whole_curve(Joint(200)))
+
+    benchmark.pedantic(table, rounds=10, warmup_rounds=1)
+
+
+def test_look_up_of_a_joint(benchmark):
+    def look_up():
+        stiffening._in_r2_star.cache_clear()
+        return contact.stiffened_hertz.parts(200.0)
+
+    benchmark(look_up)
+
+
 @pytest.mark.parametrize("law", contact.LAWS)
 def test_law_on_a_thousand_depths(benchmark, law):
     benchmark(contact.LAWS[law], np.linspace(0, 1, 1000), 200.0)
@@ -55,7 +74,7 @@ def _sum(law, depths):
 @pytest.mark.parametrize("law", [*contact.LAWS, "tabulated"])
 def test_compiled_law_with_stiffness_on_ten_thousand_depths(benchmark, law):
     if law == "tabulated":
-        law = contact.tabulated(force_curve(Joint(200), np.linspace(0.025, 1, 40) ** 2))
+        law = contact.tabulated(whole_curve(Joint(200)))
     packed = forces.pack(law, 9.95e-3, 10e-3, 1.1e11)
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     _sum(packed, depths)

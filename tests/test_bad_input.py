@@ -92,9 +92,12 @@ def law_rows():
         contact.stiffened_hertz,
         depth_star=(0.3, (1.1, [0.1, 2])),
         r2_star=(200, (19, 2)),
-        socket_ratio=(1.3, (*NUMBER, 1, 3.1)),
+        socket_ratio=(1.3, (*NUMBER, 1, 1e7)),
+        modulus_ratio=(1.0, (*NUMBER, -1, 1e10)),
         poisson=(0.3, (*NUMBER, 0.1, 0.5)),
-        kinematics=("linear", (*NAME, "small")),
+        socket_poisson=(0.3, (*set_without(NUMBER, None), 0.1, 0.5)),
+        ball_drive=("plane", (*NAME, "point")),
+        rim=("mirror", NAME),
     )
     for function in (contact.contact_force, contact.contact_stiffness):
         yield from rows(
@@ -271,7 +274,6 @@ def study_rows():
         published_r_squared=(-1.6, (*NUMBER, 2)),
     )
     yield from rows(partial(fitting.fit_laws, liu_r_squared=-1.6), curves=(None, TABLE))
-    yield from rows(fitting.fit_stiffening, curves=(None, TABLE))
     yield from rows(
         choose.choose,
         joint=(Joint(200), THING),

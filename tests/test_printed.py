@@ -16,7 +16,7 @@ from study.contact.printed import (
     printed_half_angle,
     printed_peak_pressure,
 )
-from study.dataset.fitting import joint_of_share
+from study.dataset.printed import joint_of_share
 from study.joint import whole_curve
 from study.joint.growth import depths_and_forces
 

@@ -1,33 +1,31 @@
 """The cheapest law that is accurate enough for a joint, and how one knows.
 
 A law's error is the largest relative error of its force over all depths from `SHALLOWEST`
-clearances to the scene's largest. Inside the range of the dataset's group ``fit`` the exact
-force is interpolated from it; outside, or for other supports and unequal materials, the joint
-is solved. Costs are those of ``data/published/peers.csv``. The choice of a whole mechanism's
-model is in `study.choose.model`.
+clearances to the scene's largest, against the solved joint. Costs are those of
+``data/published/peers.csv``. The choice of a whole mechanism's model is in `study.choose.model`.
 """
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import RegularGridInterpolator
 
 from study import checks, dataset
-from study.contact import LAWS, hertz, largest_depth, tabulated
-from study.joint import Joint, UnresolvedError, first_yield, force_curve
+from study.contact import LAWS, largest_depth, tabulated
+from study.joint import Joint, UnresolvedError, first_yield, force_curve, whole_curve
+from study.joint.curve import ForceCurve
+from study.joint.growth import LEAST_R2_STAR
 from study.threads import one_thread
 
 SHALLOWEST = 0.005
 """Least depth_star of the error: below, the force is less than 1/1000 of that at 0.5."""
-INTERPOLATION = 5e-4
-"""Largest relative error of `stiffening`: twice that on the dataset's group ``judge``."""
 ESTIMATE = 1.5  # times a solution's error estimate, for depths between those solved
 RESOLUTIONS = {"series": (64, 160, 320, 640, 1280), "quadratic": (64, 160), "finite": (32, 64, 96)}
-DEPTHS = {"series": 40, "quadratic": 40, "finite": 12}  # `finite` takes a second for each
+DEPTHS = 40  # of a law's error
+FINITE_DEPTHS = 12  # solved for finite kinematics, which take a second for each
 TOLERANCES = (1e-5, 1.0)
 """Least and largest. No solution at the finest resolution is known to within 1e-5; to find that
 out for a joint takes a minute."""
@@ -51,10 +49,6 @@ class Choice:
         once, for ``tabulated``, is not in it.
     depths
         Least and largest depth_star that the bound holds for.
-    source
-        ``dataset`` or ``solver``: where the exact force comes from.
-    note
-        Why the joint had to be solved; empty where the dataset sufficed.
     rejected
         Laws that cost less and whose bound misses the tolerance, the most expensive first:
         ``law``, ``options``, ``error``, ``error_bound``, ``relative_cost``.
@@ -73,8 +67,6 @@ class Choice:
     error_bound: float
     relative_cost: float
     depths: tuple[float, float]
-    source: str
-    note: str
     rejected: tuple[dict, ...]
     errors: dict[str, float]
     first_yield: dict[str, object] | None
@@ -104,13 +96,12 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1], scalar=True)
     widest = largest_depth(joint.r2_star)
     checks.number("depth_star", deepest, below=widest / 1.05)  # room to estimate errors beside it
-    note = outside(joint, deepest)
-    least = min(SHALLOWEST, deepest / 12) if note else SHALLOWEST
-    depths = _depths(least, deepest, DEPTHS[_kind(joint)])
-    force, uncertainty = _exact(joint, depths, note)
+    least = min(SHALLOWEST, deepest / 12)
+    depths = np.linspace(np.sqrt(least), np.sqrt(deepest), DEPTHS) ** 2
+    force, uncertainty = _exact(joint, depths)
     found = {law: float(error.max()) for law, error in errors(joint, depths, force).items()}
     names, rejected = ("law", "options", "error", "error_bound", "relative_cost", "evaluate"), []
-    for values in _candidates(joint, deepest, found, float(uncertainty.max())):
+    for values in _candidates(joint, depths, found, uncertainty):
         candidate = dict(zip(names, values, strict=True))
         if candidate["error_bound"] <= tolerance:
             break
@@ -127,86 +118,72 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     return Choice(
         **candidate,
         depths=(float(least), deepest),
-        source="solver" if note or candidate["law"] in ("tabulated", "solver") else "dataset",
-        note=note,
         rejected=tuple(reversed(rejected)),
         errors=found,
         first_yield=vars(first) if first else None,
     )
 
 
-def _candidates(joint, deepest, found, uncertainty):
+def _candidates(joint, depths, found, uncertainty):
     """Closed laws and tables by their cost, tables from the coarsest on; the solution is last.
 
     Each is its law, options, error, bound, cost and function. Every second depth of a solution
     is left out of its table, and tells how this interpolates.
     """
-    costs, kind, least = relative_costs(), _kind(joint), min(SHALLOWEST, deepest / 12)
-    finest = RESOLUTIONS[kind][-1]
+    costs, resolutions = relative_costs(), RESOLUTIONS[_kind(joint)]
     for law in sorted([*found, "tabulated"], key=costs.__getitem__):
         if law != "tabulated":
             options, bound = law_options(law, joint), _bounded(found[law], uncertainty)
             yield law, options, found[law], bound, costs[law], partial(LAWS[law], **options)
             continue
-        depths = _depths(least, deepest, 2 * DEPTHS[kind] - 1)
-        for resolution in RESOLUTIONS[kind]:
+        for resolution in resolutions:
             try:
-                curve = force_curve(joint, depths, resolution)
+                curve, error = _solved(joint, depths, resolution)
             except UnresolvedError:  # at the least depth
-                if resolution == finest:
+                if resolution == resolutions[-1]:
                     raise
                 continue
-            names = ("depth_star", "force_star", "error_estimate")
-            table = tabulated(replace(curve, **{name: getattr(curve, name)[::2] for name in names}))
-            between = float(np.abs(table(depths) / curve.force_star - 1).max())
-            error = float(curve.error_estimate.max())
+            ends = np.arange(len(curve.depth_star)) % 2 == (len(curve.depth_star) - 1) % 2
+            table = tabulated(_some(curve, ends))
+            left_out = _some(curve, ~ends & (curve.depth_star >= depths[0]))
+            between = float(np.abs(table(left_out.depth_star) / left_out.force_star - 1).max())
             bound = _bounded(ESTIMATE * error, between)
             yield law, {"resolution": resolution}, error, bound, costs[law], table
-    curve = force_curve(joint, _depths(least, deepest, DEPTHS[kind]), finest)
-    error = float(curve.error_estimate.max())
-    yield "solver", {"resolution": finest}, error, ESTIMATE * error, costs["solver"], None
+    error = float(force_curve(joint, depths[::4], resolutions[-1]).error_estimate.max())
+    options = {"resolution": resolutions[-1]}
+    yield "solver", options, error, ESTIMATE * error, costs["solver"], None
 
 
-def _exact(joint, depths, note, resolution=None):
-    """Exact forces, solved if there is a ``note`` and else from the dataset, and how sure."""
-    if not note:
-        force = hertz(depths, joint.r2_star) * stiffening(joint, depths)
-        return force, np.full(len(depths), INTERPOLATION)
-    curve = force_curve(joint, depths, resolution)
-    return curve.force_star, ESTIMATE * curve.error_estimate + INTERPOLATION
+def _solved(joint, depths, resolution=None):
+    """Curve over the range of ``depths``, which are equally apart, and its largest error there."""
+    if joint.kinematics == "finite" or joint.r2_star < LEAST_R2_STAR:
+        places = np.sqrt(depths[[0, -1]])
+        curve = force_curve(joint, np.linspace(*places, FINITE_DEPTHS) ** 2, resolution)
+    else:
+        curve = whole_curve(joint, float(depths[-1]), resolution)
+    if curve.depth_star[0] > depths[0]:
+        raise UnresolvedError(
+            f"depth_star must be >= {curve.depth_star[0]:.3g} for elements of this size to resolve "
+            f"the contact, got {depths[0]:.3g}"
+        )
+    return curve, float(curve.error_estimate[curve.depth_star >= depths[0]].max())
+
+
+def _some(curve: ForceCurve, chosen: NDArray[np.bool_]) -> ForceCurve:
+    """A curve at some of its depths."""
+    names = ("depth_star", "force_star", "error_estimate")
+    return replace(curve, **{name: getattr(curve, name)[chosen] for name in names})
+
+
+def _exact(joint, depths, resolution=None):
+    """Exact forces at depths, and how sure: relative, one number."""
+    curve, error = _solved(joint, depths, resolution)
+    return tabulated(curve)(depths), ESTIMATE * error
 
 
 def _bounded(error, uncertainty):
     """Bound of a relative error that was found against a force of some uncertainty."""
     return error * (1 + uncertainty) + uncertainty
-
-
-def outside(joint: Joint, depth_star: float) -> str:
-    """Why the dataset's group ``fit`` does not hold a joint and a depth, or an empty text."""
-    for name, usual in (("kinematics", "linear"), ("ball_drive", "plane"), ("rim", "mirror")):
-        if getattr(joint, name) != usual:
-            return f"{name} {getattr(joint, name)} is outside the dataset, which has {usual}"
-    if joint.layers:
-        return "a socket of layers is outside the dataset"
-    if joint.ball != joint.socket:
-        return "unequal materials are outside the dataset"
-    places = (joint.r2_star, joint.socket_ratio, joint.ball.poisson, depth_star)
-    names = ("R2*", "socket ratio", "Poisson's ratio", "depth_star")
-    for name, value, axis in zip(names, places, _grid()[0], strict=True):
-        if not axis[0] <= value <= axis[-1]:
-            return f"{name} {value:g} is outside the dataset, {axis[0]:g} to {axis[-1]:g}"
-    return ""
-
-
-def stiffening(joint: Joint, depth_star: ArrayLike) -> NDArray[np.float64]:
-    """Exact force over Hertz's, interpolated from the dataset, for what is not `outside`.
-
-    Cubic in 1/R2*, ln(q - 1), 1/(1 - 1.8 nu) and sqrt(ds), q the socket ratio and nu Poisson's
-    ratio, in which the values are smooth.
-    """
-    place = _straight(joint.r2_star, joint.socket_ratio, joint.ball.poisson, 0.0)[:3]
-    roots = np.sqrt(np.atleast_1d(depth_star))
-    return _grid()[1](np.column_stack([np.tile(place, (len(roots), 1)), roots]))
 
 
 def errors(
@@ -242,15 +219,15 @@ def cheapest(
     depth_star
         Rising, from `SHALLOWEST`.
     resolution
-        Of the solution of joints that the dataset does not hold.
+        Of the joints' solution.
     """
     costs, rows = relative_costs(), []
     depths = np.asarray(depth_star)
     for joint in joints:
         place = joint.r2_star, joint.socket_ratio, joint.ball.poisson
-        force, uncertainty = _exact(joint, depths, outside(joint, depths[-1]), resolution)
+        force, uncertainty = _exact(joint, depths, resolution)
         largest = {
-            law: _bounded(np.maximum.accumulate(error), np.maximum.accumulate(uncertainty))
+            law: _bounded(np.maximum.accumulate(error), uncertainty)
             for law, error in errors(joint, depths, force).items()
         }
         ranked = sorted(largest, key=costs.__getitem__)
@@ -263,20 +240,8 @@ def cheapest(
 
 
 def law_options(law: str, joint: Joint) -> dict[str, object]:
-    """Options with which a law knows of the joint what it can; `RangeError` if it cannot.
-
-    ``stiffened_hertz`` is for a radially free ball: of supports it knows nothing, and what they
-    cost it in the joint at hand is part of its error.
-    """
-    if law != "stiffened_hertz":
-        return {}
-    if joint.ball != joint.socket or joint.layers:
-        raise checks.RangeError("materials of ball and socket must be equal for stiffened_hertz")
-    return {
-        "socket_ratio": joint.socket_ratio,
-        "poisson": joint.ball.poisson,
-        "kinematics": joint.kinematics,
-    }
+    """Options with which a law knows of the joint what it can; `RangeError` if it cannot."""
+    return joint.stiffening_options() if law == "stiffened_hertz" else {}
 
 
 def relative_costs() -> dict[str, float]:
@@ -299,28 +264,3 @@ def _kind(joint):
     if joint.kinematics == "finite":
         return "finite"
     return "series" if joint.series_applies else "quadratic"
-
-
-def _depths(least, deepest, count):
-    """Depths in equal steps of their square root."""
-    return np.linspace(np.sqrt(least), np.sqrt(deepest), count) ** 2
-
-
-def _straight(r2_star, socket_ratio, poisson, depth_star):
-    """Coordinates in which the stiffening is smooth."""
-    return 1 / r2_star, np.log(socket_ratio - 1), 1 / (1 - 1.8 * poisson), np.sqrt(depth_star)
-
-
-@lru_cache(maxsize=1)
-def _grid():
-    """Axes of the dataset's group ``fit``, and the interpolator over them."""
-    keys = ["r2_star", "socket_ratio", "poisson_ball", "depth_star"]
-    rows = dataset.load(group="fit", kinematics="linear").sort_values(keys)
-    axes = [np.sort(rows[key].unique()) for key in keys]
-    values = rows["force_star"].to_numpy() / hertz(rows["depth_star"], rows["r2_star"])
-    values = values.reshape([len(axis) for axis in axes])
-    points = [np.asarray(axis) for axis in _straight(*axes)]
-    points[0], values = points[0][::-1], values[::-1]  # 1/R2* falls as R2* grows
-    return axes, RegularGridInterpolator(
-        points, values, method="cubic", bounds_error=False, fill_value=None
-    )  # the edges are met up to rounding; `outside` keeps out what is beyond

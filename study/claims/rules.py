@@ -252,10 +252,10 @@ def thickness():
 @rule("|".join(MATERIALS))
 def material(of):
     """Largest change of the force at depth 0.5 with a property at the same E*, in percent."""
-    table = result("reach_material").query("panel == @of and law == 'hertz'")
+    table = result("reach_material").query("panel == @of and law == @PROPOSED")
     error = _at(table.pivot(index="depth_star", columns="parameter", values="value"), 0.5)
     error.index = error.index.astype(float)
-    force = 1 / (1 + error / 100)  # over that of Hertz, whose law knows neither
+    force = 1 / (1 + error / 100)  # over that of the law, which knows neither
     name, usual, low, high = MATERIALS[of]
     change = (100 * (force / force[usual] - 1).abs()).loc[low - 1e-3 : high]
     least, most = change.index.min(), change.index.max()

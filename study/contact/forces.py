@@ -58,7 +58,8 @@ def elastic_force(law, depth):
     elif shape == 5:
         value, slope = _hyperbolic(depth_star, law[3:])
     elif shape == 6:
-        value, slope = _stiffened(depth_star, law[3:])
+        nine = law[3], law[4], law[5], law[6], law[7], law[8], law[9], law[10], law[11]
+        value, slope = _stiffened(depth_star, nine)  # half the time of a slice
     else:
         value, slope = _tabulated(depth_star, law[3:])
     return law[2] * value, law[2] / law[1] * slope

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from study import checks
-from study.contact import shapes
+from study.contact import shapes, stiffening
 from study.contact.bodies import SOCKET_RATIO, clearance_and_r2_star
 
 LawName = Literal["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler", "stiffened_hertz"]
@@ -37,8 +37,6 @@ AREA_COEFFICIENTS: dict[Area, str] = {
     "sphere": "hyperbolic_winkler_sphere",
 }
 """Name of the fitted coefficient of `hyperbolic_winkler`, by the area element of its pressure."""
-STIFFENED_RANGES = {"r2_star": (20, None), "socket_ratio": (1.1, 3), "poisson": (0.2, 0.45)}
-"""Where `stiffened_hertz` is fitted: least and largest value."""
 LIMIT_MARGIN = 1e-9  # of the limits: d/dR and R2/dR of radii in m may exceed them by rounding
 STEPS = 256  # of `tabulated`, per unit of sqrt(depth_star)
 
@@ -165,44 +163,50 @@ def stiffened_hertz(
     r2_star: Floats,
     *,
     socket_ratio: float = SOCKET_RATIO,
+    modulus_ratio: float = 1.0,
     poisson: float = 0.3,
-    kinematics: Literal["linear", "finite"] = "linear",
+    socket_poisson: float | None = None,
+    ball_drive: Literal["plane", "clamped"] = "plane",
+    rim: Literal["mirror", "free"] = "mirror",
 ) -> Parts:
-    """Hertz stiffened by the socket's thickness and conformity (this study, fitted).
+    """Hertz stiffened by thickness, materials and supports (this study, tabulated).
 
-    P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + a1 u + a2 u^2 + b1 ds + b2 ds^2
-    + b3 ds^3, where s = sqrt(ds) and u = s/(s + 0.6 (socket_ratio - 1)): S -> 1 as ds -> 0.
-    The five coefficients are linear in 1/R2* and in products of (1, 1/q, 1/q^4) and
-    (1, nu, 1/(1 - 1.8 nu)), q the socket ratio and nu Poisson's ratio (`stiffening_terms`).
-    It is for equal materials, ``plane`` drive and ``mirror`` rim: its error is at most 1 % for
-    ds from 0.005 to 1, and may be 2 % below. In the paper's joint, whose ball is clamped, it is
-    up to 9 % too soft (notebook 15); there `tabulated` is accurate. Limits are ds <= 1 and
-    `STIFFENED_RANGES`. ``small`` kinematics is not offered, as it misses Hertz's limit by a term
-    of order 1/R2*.
+    P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s) and
+    s = sqrt(ds): Hertz's law as ds -> 0. The nine numbers of a joint are looked up once, in
+    ``stiffening.csv`` (`study.contact.stiffening`). Right within 0.5 % for linear kinematics,
+    ds <= 1 and the ranges of `study.contact.stiffening.RANGES` (notebook 15).
+
+    Parameters
+    ----------
+    socket_ratio
+        Outer over inner radius of the socket.
+    modulus_ratio
+        Young's modulus of the socket over that of the ball.
+    poisson, socket_poisson
+        Of the ball, and of the socket if it differs.
+    ball_drive, rim
+        Supports, as of `study.joint.Joint`.
     """
-    given = {"r2_star": r2_star, "socket_ratio": socket_ratio, "poisson": poisson}
-    for name, (least, most) in STIFFENED_RANGES.items():
+    socket_poisson = poisson if socket_poisson is None else socket_poisson
+    least_r2_star = stiffening.LEAST_R2_STAR * (1 - LIMIT_MARGIN)
+    checks.number("r2_star of stiffened_hertz", r2_star, least=least_r2_star)
+    given = {
+        "socket_ratio": socket_ratio,
+        "modulus_ratio": modulus_ratio,
+        "poisson": poisson,
+        "socket_poisson": socket_poisson,
+    }
+    for name, (least, most) in stiffening.RANGES.items():
         least *= 1 - LIMIT_MARGIN
-        one = name != "r2_star"
-        checks.number(f"{name} of stiffened_hertz", given[name], least=least, most=most, scalar=one)
-    fit = _fitted("stiffened_hertz")
-    checks.choice("kinematics", kinematics, tuple(fit["first_order"]))
-    matrices = np.array([fit["limit"], fit["first_order"][kinematics]])
-    at_limit, slope = matrices @ stiffening_terms(socket_ratio, poisson, fit["pole"])
-    coefficients = at_limit + np.divide.outer(slope, r2_star).T
-    constants = (stiffening_scale(socket_ratio, fit["reach"]), *coefficients.T)
+        checks.number(
+            f"{name} of stiffened_hertz", given[name], least=least, most=most, scalar=True
+        )
+    clamped = checks.choice("ball_drive of stiffened_hertz", ball_drive, ("plane", "clamped"))
+    free = checks.choice("rim of stiffened_hertz", rim, ("mirror", "free"))
+    share = stiffening.share_of_ball(modulus_ratio, poisson, socket_poisson)
+    bodies = share, poisson, socket_poisson, socket_ratio
+    constants = stiffening.powers(r2_star, bodies, clamped == "clamped", free == "free")
     return hertz.parts(r2_star)[0], shapes.stiffened, constants
-
-
-def stiffening_scale(socket_ratio: float, reach: float) -> float:
-    """Constant g of `stiffened_hertz`: the sqrt(ds) at which the socket's thickness is felt."""
-    return reach * (socket_ratio - 1)
-
-
-def stiffening_terms(socket_ratio: float, poisson: float, pole: float) -> NDArray[np.float64]:
-    """Products of (1, 1/q, 1/q^4) and (1, nu, 1/(1 - pole nu)), shape (9,)."""
-    thickness = [1, 1 / socket_ratio, socket_ratio**-4]
-    return np.outer(thickness, [1, poisson, 1 / (1 - pole * poisson)]).ravel()
 
 
 def tabulated(curve: Any) -> Law:
@@ -246,8 +250,8 @@ def tabulated(curve: Any) -> Law:
         raise ValueError("curve must have a force that increases with depth")
     joint_r2_star = float(curve.joint.r2_star)
     root = np.append(0, np.sqrt(depth))
-    stiffening = np.append(1, force / hertz(depth, joint_r2_star))
-    spline = CubicHermiteSpline(root, stiffening, _monotone_slopes(root, stiffening))
+    factor = np.append(1, force / hertz(depth, joint_r2_star))
+    spline = CubicHermiteSpline(root, factor, _monotone_slopes(root, factor))
     knots = np.linspace(0, root[-1], int(np.ceil(STEPS * root[-1])) + 1)
     table = np.column_stack([spline(knots), spline(knots, 1)]).ravel()
     constants = np.array([(len(knots) - 1) / root[-1], *table])
@@ -354,21 +358,13 @@ def fitted_coefficients() -> dict[str, Any]:
     """Coefficients of the fitted laws, from ``coefficients.json``, or `study.checks.StudyError`.
 
     By name ``slope`` and ``intercept`` of a coefficient, slope R2* + intercept, for
-    20 <= R2* <= 300; for ``stiffened_hertz`` ``reach`` (of `stiffening_scale`), ``pole`` (of
-    `stiffening_terms`), and the matrices ``limit`` and, per kinematics, ``first_order``, both
-    (5, 9): coefficients a1, a2, b1, b2, b3 by the products of `stiffening_terms`.
+    20 <= R2* <= 300.
     """
     try:
         fits = json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
         for law, fit in fits.items():
-            if law == "printed_hertz":
-                continue
-            stiffened = law == "stiffened_hertz"
-            for name in ("reach", "pole") if stiffened else ("slope", "intercept"):
+            for name in ("slope", "intercept") if law != "printed_hertz" else ():
                 float(fit[name])
-            for matrix in [fit["limit"], *fit["first_order"].values()] if stiffened else []:
-                if np.array(matrix, dtype=float).shape != (5, 9):
-                    raise ValueError
         return fits
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise _unusable("is missing or damaged") from None

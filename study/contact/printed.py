@@ -17,7 +17,7 @@ of the ball in the compliance, (1 - nu1^2) E*/E1, and the socket ratio q:
 
 Half-angle and peak pressure leave out terms of order 1/R2*.
 
-The numbers are fitted by this study (`study.dataset.fitting.fit_printed`). That the load P*/R2*
+The numbers are fitted by this study (`study.dataset.printed`). That the load P*/R2*
 depends on depth alone for large R2* is Ciavarella, Strozzi, Baldini and Giacopini's observation.
 """
 
@@ -28,6 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.contact.laws import LIMIT_MARGIN, Floats, fitted_coefficients
+from study.contact.stiffening import share_of_ball
 
 PRINTED_RANGES = {
     "r2_star": (50, None),
@@ -116,12 +117,6 @@ def printed_peak_pressure(
     """Largest pressure over E* dR/R2, of depths d/dR from 0 to 1: within 12 %."""
     joint = _Joint(r2_star, socket_ratio, modulus_ratio, poisson, socket_poisson)
     return _plain(joint.peak_pressure(_depth(depth_star)))
-
-
-def share_of_ball(modulus_ratio: float, poisson: float, socket_poisson: float) -> float:
-    """Share of the ball in the joint's compliance, (1 - nu1^2) E*/E1."""
-    ball, socket = 1 - poisson**2, (1 - socket_poisson**2) / modulus_ratio
-    return ball / (ball + socket)
 
 
 def lost_depth(

@@ -69,18 +69,18 @@ area element of the sphere, w(t) = t that of a flat disc with the arc as its rad
 
 
 def stiffened(depth_star, constants):
-    """ds^(3/2) S, with S = 1 + a1 u + a2 u^2 + b1 ds + b2 ds^2 + b3 ds^3, u = s/(s + g).
+    """ds^(3/2) S, with S = 1 + c1 u + c2 u^2 + ... + c9 u^9, u = s/(1 + s) and s = sqrt(ds).
 
-    s is the square root of ds; ``constants`` are g, a1, a2, b1, b2, b3.
+    ``constants`` are the coefficients from c9 to c1.
     """
-    g, a1, a2 = constants[0], constants[1], constants[2]
-    b1, b2, b3 = constants[3], constants[4], constants[5]
     root = np.sqrt(depth_star)
-    u = root / (root + g)
-    factor = 1 + u * (a1 + u * a2) + depth_star * (b1 + depth_star * (b2 + depth_star * b3))
-    growth = u * (1 - u) * (a1 / 2 + u * a2)
-    growth = growth + depth_star * (b1 + depth_star * (2 * b2 + depth_star * 3 * b3))
-    return depth_star * root * factor, root * (1.5 * factor + growth)
+    u = root / (1 + root)
+    rise = steepness = 0.0 * depth_star
+    for coefficient in constants:
+        steepness = steepness * u + rise
+        rise = rise * u + coefficient
+    factor, steepness = 1 + u * rise, (rise + u * steepness) * (1 - u) ** 2
+    return depth_star * root * factor, root * 1.5 * factor + depth_star * steepness / 2
 
 
 def tabulated(depth_star, constants):

@@ -3,35 +3,24 @@
 The paper's two steps: one coefficient f1 per case, then a surrogate of f1 over R2*. The
 surrogate is a straight line, because P* -> R2* F(ds) as R2* grows, with an intercept for the
 next order in 1/R2*; its coefficients are ours, the paper's are lost. Liu's coefficient follows
-from a published number. Those of `stiffened_hertz` make its largest relative error as small as
-can be.
+from a published number. The table of `stiffened_hertz` is made in `study.dataset.stiffening`.
 """
-
-import json
-import re
-from itertools import product
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
-from scipy.optimize import least_squares, linprog
 
 from study import checks
-from study.contact import LAWS, LawName, hertz, shapes
-from study.contact.laws import AREA_COEFFICIENTS, stiffening_scale, stiffening_terms
-from study.contact.printed import contact_edge, lost_depth
+from study.contact import LAWS, LawName, shapes
+from study.contact.laws import AREA_COEFFICIENTS
 from study.dataset.design import PAPER_KINEMATICS, R2_STAR
-from study.joint import Joint, Material, whole_curve
-from study.joint.growth import depths_and_forces
+from study.dataset.printed import fit_printed
 
 FITTED_LAWS: dict[str, tuple[LawName, dict]] = {
     name: ("hyperbolic_winkler", {"area": area}) for area, name in AREA_COEFFICIENTS.items()
 } | {"winkler": ("winkler", {})}
 """Name of the coefficients -> law and its options."""
-SLACK = 1.05  # of the largest error, for fewer coefficients
-REACH, POLE = 0.6, 1.8  # constants of stiffened_hertz, chosen for the smallest error
-DIGITS = 7  # of a coefficient, and decimals of those of stiffened_hertz: 1e-6 of the force
+DIGITS = 7  # of a coefficient
 LARGEST_DEPTH = 0.5  # of the fit, in dR, as in the paper
 SAMPLE = np.linspace(0, LARGEST_DEPTH, 21)
 """Depths of the paper's measures of agreement, identified from Table 2 (notebook 13)."""
@@ -134,8 +123,7 @@ def fit_all(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict]:
     paper = curves[(curves.group == "paper") & (curves.kinematics == PAPER_KINEMATICS)]
     stated = published.set_index(["where", "row", "quantity"]).value
     fits = fit_laws(paper, -stated["Table 2", "liu", "R2"])  # printed without its sign
-    stiffening = fit_stiffening(curves[curves.group == "fit"])
-    return fits | {"stiffened_hertz": stiffening, "printed_hertz": fit_printed()}
+    return fits | {"printed_hertz": fit_printed()}
 
 
 def fit_laws(curves: pd.DataFrame, liu_r_squared: float) -> dict[str, dict[str, float]]:
@@ -151,177 +139,3 @@ def fit_laws(curves: pd.DataFrame, liu_r_squared: float) -> dict[str, dict[str, 
     force, (unit, _) = sampled(curves[curves.r2_star == R2_STAR]), shapes.liu(SAMPLE[1:], ())
     slope = liu_coefficient(force, liu_r_squared, unit)
     return fits | {"liu": {"slope": _rounded(slope), "intercept": 0.0}}
-
-
-def fit_stiffening(curves: pd.DataFrame) -> dict[str, object]:
-    """Coefficients of `study.contact.stiffened_hertz`, by linear programming.
-
-    The coefficients enter S linearly. The largest relative error over all curves is within
-    `SLACK` of the smallest one; the sum of the scaled coefficients' sizes is then the smallest,
-    which leaves most of them at zero.
-
-    The curves are the dataset's group ``fit``, in several kinematics.
-
-    Returns
-    -------
-    dict
-        Constants ``reach`` and ``pole``; lists of shape (5, 9): ``limit``, and ``first_order`` by
-        kinematics.
-    """
-    keys = ["kinematics", "r2_star", "socket_ratio", "poisson_ball"]
-    checks.frame("curves", curves, (*keys, "depth_star", "force_star"))
-    kinds = list(dict.fromkeys(curves.kinematics))
-    rows, right = [], []
-    for (kind, r2_star, ratio, poisson), case in curves.groupby(keys, sort=False):
-        ds = case.depth_star.to_numpy()
-        stiffening = case.force_star.to_numpy() / hertz(ds, r2_star)
-        u = np.sqrt(ds) / (np.sqrt(ds) + stiffening_scale(ratio, REACH))
-        powers = np.column_stack([u, u**2, ds, ds**2, ds**3])
-        terms = (powers[:, :, None] * stiffening_terms(ratio, poisson, POLE)).reshape(len(ds), -1)
-        blocks = [terms, *(terms / r2_star * (kind == other) for other in kinds)]
-        rows.append(np.hstack(blocks) / stiffening[:, None])
-        right.append(1 - 1 / stiffening)
-    found = _sparse_minimax(np.vstack(rows), np.concatenate(right))
-    matrices = np.round(found.reshape(1 + len(kinds), 5, 9), DIGITS - 1) + 0.0  # no -0
-    limit, *first_order = matrices.tolist()
-    first_order = dict(zip(kinds, first_order, strict=True))
-    return {"reach": REACH, "pole": POLE, "limit": limit, "first_order": first_order}
-
-
-def _sparse_minimax(matrix, right):
-    """A sparse x whose largest |matrix x - right| is `SLACK` times the smallest possible."""
-    scale = np.abs(matrix).max(axis=0)
-    rows, unknowns = np.vstack([matrix / scale, -matrix / scale]), len(scale)
-    sides = np.concatenate([right, -right])
-    with_bound = np.hstack([rows, -np.ones((len(rows), 1))])
-    free = [(None, None)] * unknowns
-    best = _solve(np.append(np.zeros(unknowns), 1.0), with_bound, sides, [*free, (0, None)])
-    halves = np.hstack([rows, -rows])  # positive and negative parts of x: their sum is the least
-    limits = sides + SLACK * best[-1]
-    parts = _solve(np.ones(2 * unknowns), halves, limits, [(0, None)] * (2 * unknowns))
-    return (parts[:unknowns] - parts[unknowns:]) / scale
-
-
-def _solve(cost, matrix, limits, bounds):
-    found = linprog(cost, A_ub=matrix, b_ub=limits, bounds=bounds, method="highs-ds")
-    if not found.success:
-        raise checks.StudyError(f"coefficients were not found: {found.message}")
-    return found.x
-
-
-def format_coefficients(fits: dict[str, dict]) -> str:
-    """JSON text of all fitted coefficients, a matrix row per line."""
-    text = json.dumps(fits, indent=2)
-    inner = re.compile(r"\[([^\[\]]*)\]")
-    return inner.sub(lambda row: f"[{' '.join(row[1].split())}]", text) + "\n"
-
-
-PRINTED_JOINTS = (
-    (0.0, 0.1, 0.3, 0.6, 0.85, 1.0),  # shares of the ball in the compliance
-    (1.25, 1.3, 1.4, 1.6, 2.0, 2.6, 4.0, 1e4),  # socket ratios
-    (0.2, 0.3, 0.4),  # Poisson's ratios of the ball
-    (0.2, 0.3, 0.38, 0.43, 0.46),  # and of the socket
-)
-"""Joints that the numbers of `study.contact.printed` are fitted to, every combination."""
-PRINTED_DEPTHS = np.append([0.001, 0.003], np.linspace(0.1, 1, 16) ** 2)
-PRINTED_START = {
-    "b": [0.26, -0.28, 0.68],
-    "c": [0.73, 0.1],
-    "kn": [0.105, 1.43],
-    "h": [0.77, 1.58],
-    "w": [0.52, -0.7, 1.2, 1.44, -2.68],
-}
-"""Names and first guesses of the numbers, in the order of the unknowns."""
-PRINTED_DIGITS = 4
-FAR = 1e9  # R2* at which terms in 1/R2* are nothing
-
-
-def fit_printed() -> dict[str, list[float]]:
-    """Numbers of `study.contact.printed`, so that the force's largest relative error is least.
-
-    The joints are solved in the limit of large R2*. Those of the peak pressure, ``p``, are by
-    least squares. Takes some 20 s.
-    """
-    joints = [joint for joint in product(*PRINTED_JOINTS) if _is_first(*joint)]
-    radii = np.array([_hertz_radii(*joint) for joint in joints])
-    of_bodies = np.array(joints).T[:, :, None]
-    slope = np.gradient(np.log(PRINTED_DEPTHS)) / np.gradient(np.log(radii), axis=1)
-
-    def error(unknowns):
-        left = 1 - lost_depth(radii, *of_bodies, _named(unknowns))
-        return (3 / slope * np.log(np.maximum(radii**2 * left, 1e-6) / PRINTED_DEPTHS)).ravel()
-
-    start = np.concatenate(list(PRINTED_START.values()))
-    found = _minimax(error, least_squares(error, start, x_scale=np.abs(start)).x)
-    return {name: _printed(values) for name, values in _named(found).items()} | {"p": _fit_peak()}
-
-
-def _is_first(share, socket_ratio, poisson, socket_poisson):
-    """A ball without a share, or a socket, need not vary."""
-    _, ratios, poissons, socket_poissons = PRINTED_JOINTS
-    if share == 0:
-        return poisson == poissons[0]
-    return share < 1 or (socket_ratio, socket_poisson) == (ratios[0], socket_poissons[0])
-
-
-def _hertz_radii(share, socket_ratio, poisson, socket_poisson):
-    """Contact radii over R2 that Hertz gives for a joint's forces at `PRINTED_DEPTHS`."""
-    joint = joint_of_share(FAR, share, socket_ratio, poisson, socket_poisson)
-    depth, force = depths_and_forces(joint, 1.0, 160)
-    left = depth / np.cbrt(0.75 * force / FAR) ** 2
-    spline = CubicSpline(np.sqrt(np.append(0, depth)), np.append(1, left))
-    return np.sqrt(PRINTED_DEPTHS / spline(np.sqrt(PRINTED_DEPTHS)))
-
-
-def joint_of_share(
-    r2_star: float, share: float, socket_ratio: float, poisson: float, socket_poisson: float
-) -> Joint:
-    """Joint whose ball has a share in the compliance, from 0 to 1 within 1e-8."""
-    share = np.clip(share, 1e-8, 1 - 1e-8)
-    ball = Material((1 - poisson**2) / share, poisson)
-    socket = Material((1 - socket_poisson**2) / (1 - share), socket_poisson)
-    return Joint(r2_star, socket_ratio, ball, socket)
-
-
-def _fit_peak():
-    """Numbers of the peak pressure over the mean, with exact forces."""
-    rows, right = [], []
-    shares, ratios, _, socket_poissons = PRINTED_JOINTS
-    for share, ratio, poisson in product(shares, ratios, socket_poissons[::2]):
-        curve = whole_curve(joint_of_share(FAR, share, ratio, 0.3, poisson), 1.0, 160)
-        depth, force = curve.depth_star, curve.force_star / FAR
-        lost = 1 - depth / np.cbrt(0.75 * force) ** 2
-        mean = force / (np.pi * np.sin(contact_edge(depth, lost, share)) ** 2)
-        unit = (mean / 2 / curve.peak_pressure)[:, None]
-        rows.append(unit * np.column_stack([lost, share * depth]))
-        right.append(1 - 3 * unit[:, 0])
-    return _printed(np.linalg.lstsq(np.vstack(rows), np.concatenate(right))[0])
-
-
-def _named(unknowns):
-    ends = np.cumsum([len(values) for values in PRINTED_START.values()])[:-1]
-    return dict(zip(PRINTED_START, np.split(np.asarray(unknowns), ends), strict=True))
-
-
-def _printed(values):
-    return [float(f"{value:.{PRINTED_DIGITS}g}") for value in values]
-
-
-def _minimax(error, start):
-    """Unknowns whose largest error is least: a linear programme a step, in a growing range."""
-    found, reach = np.asarray(start), 0.1
-    for _ in range(12):
-        now, each = error(found), np.diag(1e-6 * found)
-        columns = np.array([error(found + one) - now for one in each]).T * 1e6 * reach
-        largest = np.abs(now).max()
-        near = np.abs(now) + np.abs(columns).sum(axis=1) > 0.9 * largest
-        rows = np.vstack([columns[near], -columns[near]])
-        rows, sides = np.column_stack([rows, -np.ones(len(rows))]), now[near]
-        bounds = [(-1, 1)] * len(found) + [(0, None)]
-        step = _solve(np.append(0 * found, 1), rows, np.append(-sides, sides), bounds)[:-1]
-        trial = found * (1 + reach * step)
-        better = np.abs(error(trial)).max() < largest
-        found, reach = (trial, 1.5 * reach) if better else (found, 0.3 * reach)
-        if reach < 1e-3:
-            break
-    return found

@@ -14,7 +14,9 @@ import numpy as np
 import pandas as pd
 
 from study import checks, contact, paths
+from study.contact import stiffening
 from study.contact.laws import COEFFICIENTS
+from study.contact.stiffening import TABLE
 from study.dataset import agreement, design, provenance
 from study.joint import Joint, Kinematics, force_curve
 from study.joint.compliance import DRIVES, RESOLUTION, RIMS
@@ -36,8 +38,15 @@ ORIGINS = {
     "published/peers.csv": "measured",
 }
 """Data files whose hash is kept -> where their numbers come from."""
-GENERATED = {CURVES: "joint/curve", COEFFICIENTS: "dataset/fitting", LINKS: "choose/links"}
+GENERATED = {
+    CURVES: "joint/curve",
+    COEFFICIENTS: "dataset/fitting",
+    TABLE: "dataset/stiffening",
+    LINKS: "choose/links",
+}
 """Generated file -> module whose imports lead to all code that decides it."""
+LIBRARY = (COEFFICIENTS, TABLE)
+"""Those that the library carries beside its laws."""
 COLUMNS = {
     "group": ("", "What the study needs the case for"),
     "case": ("", "Name of the case: set-up, kinematics and R2*"),
@@ -234,6 +243,20 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
             paths.copy(made, path)
 
 
+def write_stiffening(table: pd.DataFrame) -> None:
+    """Write the table of `study.contact.stiffening`, if it does not agree with the kept one.
+
+    On another processor a number differs by one, and one at the limit of being left out by two.
+    """
+    if TABLE.is_file():
+        keys = list(table.columns[: -len(stiffening.PLACES)])
+        kept = pd.read_csv(TABLE).set_index(keys)
+        if kept.sub(table.set_index(keys), fill_value=0).abs().to_numpy().max() <= 2:
+            return
+    with paths.whole(TABLE) as temporary:
+        table.to_csv(temporary, index=False, lineterminator="\n")
+
+
 def write_package(wall_time: float) -> None:
     """Describe the dataset in ``datapackage.json``: schema, units, hashes and provenance.
 
@@ -250,7 +273,9 @@ def write_package(wall_time: float) -> None:
             "resources": [_resource(name) for name in ORIGINS],
             "provenance": {
                 "command": MEND,
-                "coefficients_sha256": provenance.sha256(COEFFICIENTS.read_bytes()),
+                "library_sha256": {
+                    provenance.name(path): provenance.sha256(path.read_bytes()) for path in LIBRARY
+                },
                 "design": _design(),
                 "made_by": _made_by(),
                 "versions": {p: version(p) for p in ("numpy", "scipy", "scikit-fem")}
@@ -309,8 +334,10 @@ def _read_package():
     remedy = f"mend it with: git checkout -- {name}, or make it anew with: {MEND}"
     try:
         package = json.loads(PACKAGE.read_text(encoding="utf-8"))
-        for key in ("coefficients_sha256", "design", "made_by"):
+        for key in ("library_sha256", "design", "made_by"):
             package["provenance"][key]
+        for path in LIBRARY:
+            package["provenance"]["library_sha256"][provenance.name(path)]
         described = {r["path"]: r for r in package["resources"] if r["hash"]}
     except FileNotFoundError:
         raise DatasetError(f"{name} is missing; {remedy}") from None
@@ -358,7 +385,7 @@ def sources(path: Path) -> list[Path]:
 
 def _made_by():
     """Generated file -> digest of every file that decides it."""
-    read = {COEFFICIENTS: [CURVES, paths.DATA / "published/tables.csv"], LINKS: [COEFFICIENTS]}
+    read = {COEFFICIENTS: [CURVES, paths.DATA / "published/tables.csv"], LINKS: [*LIBRARY]}
     decide = {path: [*sources(path), *read.get(path, [])] for path in GENERATED}
     return {provenance.name(path): provenance.digests(files) for path, files in decide.items()}
 
@@ -375,7 +402,8 @@ def verify_files() -> None:
     stated = package["provenance"]
     for resource in package["resources"]:
         _verify(paths.DATA / resource["path"], resource["hash"], resource["origin"] == "generated")
-    _verify(COEFFICIENTS, stated["coefficients_sha256"], generated=True)
+    for path in LIBRARY:
+        _verify(path, stated["library_sha256"][provenance.name(path)], generated=True)
     if stated["design"] != _design():
         raise DatasetError(
             f"data/{CURVES.name} is out of date: the design (study/dataset/design.py), a default "

@@ -210,6 +210,20 @@ class Joint:
         composite = self.composite_modulus
         return composite / self.ball.youngs_modulus, composite / self.socket.youngs_modulus
 
+    def stiffening_options(self) -> dict[str, Any]:
+        """Options of `study.contact.stiffened_hertz`; a joint it is not for is a ``ValueError``."""
+        if self.layers or self.ball_drive == "point":
+            what = "a socket of layers" if self.layers else "ball_drive point"
+            raise checks.RangeError(f"stiffened_hertz is not for {what}")
+        return {
+            "socket_ratio": self.socket_ratio,
+            "modulus_ratio": self.modulus_ratio,
+            "poisson": self.ball.poisson,
+            "socket_poisson": self.socket.poisson,
+            "ball_drive": self.ball_drive,
+            "rim": self.rim,
+        }
+
     @property
     def series_applies(self) -> bool:
         """Whether the exact series does: symmetric about the equator, bodies that stay linear."""
@@ -411,17 +425,28 @@ def _solve(joint, solver, depths, resolution):
 
 
 def compliances(
-    joint: Joint, solver: Solver, resolution: int, last_order: int = series.LAST_ORDER
+    joint: Joint, solver: Solver | None, resolution: int, orders: int | None = None
 ) -> tuple[Compliance, Compliance]:
-    """Compliances of ball and socket, by a solver that can solve the joint."""
-    if solver == "series":
-        ball = series.ball_compliance(joint.ball.poisson, resolution, last_order)
-        ratio, poisson, modulus = joint.socket_layers
-        return ball, series.socket_compliance(ratio, poisson, resolution, last_order, modulus)
-    from study.joint import fem
+    """Compliances of ball and socket by a solver; by default of each by the series if it can be.
 
-    of_ball, of_socket = meshed(joint, resolution, 6 if solver == "quadratic" else 3)
-    return fem.ball_compliance(*of_ball), fem.socket_compliance(*of_socket)
+    The series ends at ``orders`` an element, by default at 10,000 or `series.ORDERS` an element.
+    """
+    usual = max(series.LAST_ORDER, series.ORDERS * resolution)
+    last_order = orders * resolution if orders else usual
+    ball: Compliance | None = None
+    socket: Compliance | None = None
+    if joint.ball_drive == "plane" and solver in (None, "series"):
+        ball = series.ball_compliance(joint.ball.poisson, resolution, last_order)
+    if joint.rim == "mirror" and solver in (None, "series"):
+        ratio, poisson, modulus = joint.socket_layers
+        socket = series.socket_compliance(ratio, poisson, resolution, last_order, modulus)
+    if ball is None or socket is None:
+        from study.joint import fem
+
+        of_ball, of_socket = meshed(joint, resolution, 3 if solver == "linear" else 6)
+        ball = fem.ball_compliance(*of_ball) if ball is None else ball
+        socket = fem.socket_compliance(*of_socket) if socket is None else socket
+    return ball, socket
 
 
 def meshed(joint: Joint, resolution: int, nodes: int = 6) -> tuple[tuple, tuple]:

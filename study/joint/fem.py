@@ -237,7 +237,7 @@ class Body:
         return [csr_array((v, places), shape=shape) for v in np.concatenate(values, axis=1)]
 
 
-@remembered(maxsize=4)
+@remembered(maxsize=2)
 @one_thread
 def ball(
     poisson: float = 0.3,
@@ -256,7 +256,7 @@ def ball(
     return Body(ball_mesh(resolution, nodes), lame, {"axis": "r"} | support)
 
 
-@remembered(maxsize=4)
+@remembered(maxsize=2)
 @one_thread
 def socket(
     ratio: Layered,

@@ -13,16 +13,16 @@ from scipy.linalg import LinAlgError, cholesky, solve_triangular
 
 from study import checks
 from study.contact import largest_depth
-from study.joint import curve, pairing
+from study.joint import curve, pairing, series
 from study.joint.complementarity import ComplementarityError
 from study.joint.curve import ForceCurve, Joint, UnresolvedError
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
-ORDERS = 12
-"""Of the series, an element: more of them change the force by less than 1e-6."""
-_MADE = 3  # eccentricities at which the matrix is made
-_FIRST = 8  # elements of the coarser mesh in the smallest contact
+LEAST_R2_STAR = 1.5
+"""A smaller ball moves too far in its socket for few eccentricities."""
+_MADE = 3  # eccentricities at which the matrix is made; one where R2* is large
+_FIRST = 4  # elements of the coarser mesh in the smallest contact
 _COUNT = 48  # depths of a curve, about
 
 
@@ -53,9 +53,10 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
         For a value outside its range, ``finite`` kinematics, or contact that reaches the rim.
     """
     depth, force, fine = _grown(joint, deepest, resolution)
-    steps = np.sqrt(depth[_FIRST:])
+    first = 2 * _FIRST
+    steps = np.sqrt(depth[first:])
     wanted = np.linspace(steps[0], steps[-1], _COUNT)
-    nodes = np.unique(_FIRST + np.abs(steps - wanted[:, None]).argmin(axis=1))
+    nodes = np.unique(first + np.abs(steps - wanted[:, None]).argmin(axis=1))
     slope = np.gradient(force, depth)[nodes]  # what the finer mesh gives at these depths
     unextrapolated = fine.force[2 * nodes] + slope * (depth[nodes] - fine.depth[2 * nodes])
     pressure = np.array([fine.pressure(2 * node) for node in nodes])
@@ -85,11 +86,12 @@ def _grown(joint, deepest, resolution):
     """Extrapolated depths and forces to ``deepest`` or just beyond, and the finer growth."""
     checks.instance("joint", joint, Joint)
     checks.choice("kinematics", joint.kinematics, ("small", "linear"))
+    checks.number("r2_star of a whole curve", joint.r2_star, least=LEAST_R2_STAR)
     deepest = checks.number("deepest", deepest, above=0, scalar=True)
     checks.number("deepest", deepest, below=largest_depth(joint.r2_star))
     solver = curve.chosen_solver(joint, None)
     resolution = curve.checked_resolution(joint, solver, resolution)
-    coarse, fine = (_Growth(joint, solver, n, deepest) for n in (resolution // 2, resolution))
+    coarse, fine = (_Growth(joint, n, deepest) for n in (resolution // 2, resolution))
     size = min(len(coarse.depth), len(fine.depth[::2]))
     depth, force = (
         f[: 2 * size : 2] + (f[: 2 * size : 2] - c[:size]) / 3
@@ -101,9 +103,9 @@ def _grown(joint, deepest, resolution):
             "deepest must keep the contact off the socket's rim (half-angle < 90 deg), "
             f"got {deepest:g}"
         )
-    if reached[0] < 2 * _FIRST:
+    if reached[0] < 4 * _FIRST:
         raise UnresolvedError(
-            f"deepest must be a contact of {2 * _FIRST} elements or more, got {deepest:g}: "
+            f"deepest must be a contact of {4 * _FIRST} elements or more, got {deepest:g}: "
             f"take a resolution finer than {resolution}"
         )
     return depth[: reached[0] + 1], force[: reached[0] + 1], fine
@@ -112,14 +114,15 @@ def _grown(joint, deepest, resolution):
 class _Growth:
     """Contacts up to each node of one mesh: their depths, forces and pressures."""
 
-    def __init__(self, joint, solver, resolution, deepest):
-        ball, socket = curve.compliances(joint, solver, resolution, ORDERS * resolution)
+    def __init__(self, joint, resolution, deepest):
+        ball, socket = curve.compliances(joint, None, resolution, series.ORDERS)
         paired = pairing.small if joint.kinematics == "small" else pairing.linear
         problem, axial = paired(joint, ball, socket)
         self.angles = ball.angles
         # the matrix and the gap's last factor hardly change with the eccentricity: at each of a
         # few, all contacts are solved; then polynomials in the eccentricity meet a contact's own
-        made = 1 + deepest * (1 - np.cos(np.pi * np.arange(_MADE) / (_MADE - 1))) / 2
+        count = 1 if joint.r2_star > 1e6 else _MADE
+        made = 1 + deepest * (1 - np.cos(np.pi * np.arange(count) / max(count - 1, 1))) / 2
         solved = [_factor(*problem(eccentricity - 1), axial) for eccentricity in made]
         self._made, self._factors = made, [factor for factor, _ in solved]
         *self._gaps, load = np.array([of for _, of in solved]).swapaxes(0, 1)
@@ -131,9 +134,12 @@ class _Growth:
         met = met[:, :size]
         force = self._polynomial(-joint.r2_star * (sums[0] + met * (sums[1] + met * sums[2])))
         met = self._polynomial(met)
+        slopes = met[1:] * np.arange(1, len(met))[:, None]
         self._own = met[0]
-        for _ in range(20):
-            self._own = polyval(self._own, met, tensor=False)
+        for _ in range(6):  # Newton's steps to the eccentricity that a contact is met at
+            off = polyval(self._own, met, tensor=False) - self._own
+            slope = polyval(self._own, slopes, tensor=False) if len(slopes) else 0.0
+            self._own = self._own - off / (slope - 1)
         self.depth, self.force = self._own - 1, polyval(self._own, force, tensor=False)
 
     def _polynomial(self, values):
@@ -142,7 +148,7 @@ class _Growth:
 
     def pressure(self, node):
         """Pressure at all nodes, of the contact that ends at one."""
-        own, profiles = self._own[node], np.zeros((_MADE, len(self.angles)))
+        own, profiles = self._own[node], np.zeros((len(self._made), len(self.angles)))
         for k, (factor, one, first, second) in enumerate(
             zip(self._factors, *self._gaps, strict=True)
         ):

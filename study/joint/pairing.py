@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.linalg import solveh_banded
 
 from study.joint import complementarity
 from study.joint.compliance import Compliance, HatFunctions
@@ -66,15 +67,25 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
     r1, r2_star = joint.ball_radius, joint.r2_star
     hats = HatFunctions(ball.angles)
     mass = hats.mass()
-    per_force = np.linalg.inv(mass)
-    socket_flexibility = per_force @ socket.flexibility @ per_force
-    forces = (hats.values(hats.points) * (r1 * hats.areas)[:, None]).T.tocsr()
+    bands = np.array([np.append(0, np.diag(mass, 1)), np.diag(mass)])
+    socket_flexibility = solveh_banded(bands, solveh_banded(bands, socket.flexibility).T)
+    weights = (r1 * hats.areas)[:, None]
+    forces = (hats.values(hats.points) * weights).T.tocsr()
     axial = hats.integrate(np.cos)
+    # ripples of pressure that the socket's hats do not see still give way, as on a half-space
+    width = np.convolve(np.diff(hats.angles), [0.5, 0.5])
+    local = np.sqrt(2 / np.pi * (1 - joint.socket.poisson**2) * width)
 
     def problem(depth):
         e = (1 + depth) / r2_star
-        moved = forces @ hats.values(_faced(joint, hats.points, depth))  # to the socket's nodes
+        seen = hats.values(_faced(joint, hats.points, depth))
+        moved = forces @ seen  # to the socket's nodes
         by_socket = moved @ (moved @ socket_flexibility).T
+        of_seen = seen.T @ (seen * weights)
+        within = np.array([np.append(0, of_seen.diagonal(1)), of_seen.diagonal()])
+        within[1, within[1] == 0] = 1.0  # beyond the last point faced
+        unseen = r1 * mass - moved @ solveh_banded(within, moved.T.toarray())
+        by_socket += local[:, None] * unseen * local
         matrix = of_ball * r1 * ball.flexibility + of_socket * by_socket
 
         def beyond(phi):

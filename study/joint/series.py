@@ -29,6 +29,8 @@ from study.threads import one_thread
 
 LAST_ORDER = 10_000
 MOST_ORDERS = 100_000
+ORDERS = 12
+"""An element at least: more of them change the force by less than 1e-6."""
 
 
 @remembered(maxsize=32)

@@ -15,11 +15,11 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from study import checks
-from study.contact import hertz, largest_depth
+from study.contact import largest_depth
 from study.joint import pairing, series
 from study.joint.compliance import graded
 from study.joint.curve import ForceCurve, Joint, force_curve, meshed
-from study.joint.growth import ORDERS, whole_curve
+from study.joint.growth import whole_curve
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
@@ -176,7 +176,8 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     solved = np.sqrt(curve.depth_star)
     used = solved >= (0 if curve.solver == "series" else _LEAST_ROOT)
     root, found = np.append(0, solved[used]), []
-    stiffening = np.append(1, (curve.force_star / hertz(solved**2, joint.r2_star))[used])
+    hertz = 4 / 3 * np.sqrt(joint.r2_star * (joint.r2_star - 1))  # times the cube of the root
+    stiffening = np.append(1, (curve.force_star / (hertz * solved**3))[used])
     for body, material in joint.materials.items():
         one, touches = curve.largest_stress[body], body in ("ball", "socket", "layer 1")
         limit = touches * hertz_von_mises(material.poisson)
@@ -188,7 +189,7 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
         if beyond.size:
             between, ends = PchipInterpolator(root, slope), root[beyond[0] - 1 :][:2]
             x = brentq(lambda x, of, value: x * of(x) - value, *ends, args=(between, yield_star))
-            force = hertz(x**2, joint.r2_star) * PchipInterpolator(root, stiffening)(x)
+            force = hertz * x**3 * PchipInterpolator(root, stiffening)(x)
             place = one.place[np.abs(solved - x).argmin()]
             found.append(FirstYield(body, place, x**2, float(force)))
     first = min(found, key=lambda one: one.depth_star, default=None)
@@ -246,7 +247,7 @@ def _solids(joint, count):
 def _waves(curve):
     """Legendre coefficients of the pressures on ball and on socket, (even orders, k) each."""
     elements = len(curve.angles) - 1
-    shares = series.hat_coefficients(elements, ORDERS * elements)
+    shares = series.hat_coefficients(elements, series.ORDERS * elements)
     return shares @ curve.pressure.T, shares @ _socket_pressure(curve).T
 
 

@@ -26,10 +26,11 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from study import checks
+from study.choose.law import law_options
 from study.compiled import compiled
 from study.contact import LAWS, tabulated
 from study.contact.forces import elastic_force, pack
-from study.joint import Joint, fem, force_curve, pairing, paper_joint, series
+from study.joint import Joint, fem, force_curve, pairing, paper_joint, series, whole_curve
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
 from study.measure import explicit
 from study.measure.peers import calculix, multibody, odes
@@ -124,17 +125,18 @@ def laws(repeats: int = 15, compile_times: bool = True) -> pd.DataFrame:
 
     ``compile_times`` are measured as well, which takes some seconds; else they are 0.
     """
-    table = tabulated(force_curve(PAPER, np.linspace(0.025, 1, 40) ** 2))
+    table = tabulated(whole_curve(PAPER))
     exact = force_curve(PAPER, LAW_DEPTHS, FINEST).force_star
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     prepare = "from study.measure.speed import _add; depths = np.ones(2) * 1e-6"
     seconds = _compile_time("_add(law, depths)", prepare) if compile_times else 0.0
     rows = []
     for name, law in (LAWS | {"tabulated": table}).items():
-        times, _ = timed(partial(_add, pack(law, *RADII), depths), repeats)
-        elements, _ = timed(partial(law, depths / 5e-5, 200.0), repeats)
+        options = law_options(name, PAPER)
+        times, _ = timed(partial(_add, pack(law, *RADII, **options), depths), repeats)
+        elements, _ = timed(partial(law, depths / 5e-5, 200.0, **options), repeats)
         others = {"vectorised": np.median(elements), "compile_time": seconds}
-        error = law(LAW_DEPTHS, 200.0) / exact - 1
+        error = law(LAW_DEPTHS, 200.0, **options) / exact - 1
         rows.append(_row("laws", name, "", times / depths.size, error, **others))
     times, curve = timed(partial(force_curve, PAPER, LAW_DEPTHS), repeats)
     times /= LAW_DEPTHS.size

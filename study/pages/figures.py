@@ -63,7 +63,7 @@ LOOKS = {
     "liu": Look("Liu (reconstructed)", "#009E73", "^", ":"),
     "winkler": Look("Winkler (fitted)", "#E69F00", "D", "--"),
     "hyperbolic_winkler": Look("hyperbolic Winkler", "#D55E00", "P", "-"),
-    "stiffened_hertz": Look("stiffened Hertz (for a free ball)", "#CC79A7", "X", "-"),
+    "stiffened_hertz": Look("stiffened Hertz", "#CC79A7", "X", "-"),
     "tabulated": Look("table of the solver", "0.4", "h", "-"),
 }
 

@@ -1,0 +1,99 @@
+"""How much thickness, materials and supports stiffen a joint over Hertz's law.
+
+The table behind `study.contact.stiffened_hertz`: ln S at nine depths, as a Chebyshev series in
+five coordinates of the joint, with terms of their own for a clamped ball and a free rim. The table
+is made by `study.dataset.fitting`; this module evaluates it, once a joint.
+"""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+from study import checks
+
+TABLE = Path(__file__).with_name("stiffening.csv")
+LEAST_R2_STAR = 20.0
+RANGES = {
+    "socket_ratio": (1.1, 1e6),
+    "poisson": (0.2, 0.46),
+    "socket_poisson": (0.2, 0.46),
+    "modulus_ratio": (0, 1e9),
+}
+"""Where the table holds: least and largest value, and for all R2* from `LEAST_R2_STAR` on."""
+PLACES = (1 - np.cos(np.pi * np.arange(1, 10) / 9)) / 4
+"""Values of u = s/(1 + s) with s = sqrt(ds), up to ds = 1, at which ln S is kept; shape (9,)."""
+DEGREES = ("share", "poisson", "socket_poisson", "socket_ratio", "r2_star")
+"""Coordinates of the Chebyshev series, and columns of their degrees in the table."""
+SUPPORTS = ("clamped", "free")
+"""Columns of 0 and 1: terms that are added for a clamped ball, a free rim, or both."""
+UNIT = 1e-5  # of ln S in the table, which holds whole numbers
+_POWERS = np.linalg.inv(PLACES[:, None] ** np.arange(1, 10))  # S - 1 there to powers of u
+
+
+def share_of_ball(modulus_ratio: float, poisson: float, socket_poisson: float) -> float:
+    """Share of the ball in the compliance, (1 - nu1^2) E*/E1: 0 for a rigid ball."""
+    ball = (1 - poisson**2) * modulus_ratio
+    return ball / (ball + 1 - socket_poisson**2)
+
+
+def coordinates(
+    share: ArrayLike, poisson: ArrayLike, socket_poisson: ArrayLike, socket_ratio: ArrayLike
+) -> list[NDArray[np.float64]]:
+    """Four coordinates of a joint, from -1 to 1, in which ln S is smooth; the fifth is 1/R2*."""
+
+    def scaled(value: Any, least: Any, most: Any) -> Any:
+        return (2 * value - least - most) / (most - least)
+
+    ends = [np.log(1 - 1.8 * nu) for nu in RANGES["poisson"]]
+    return [
+        2 * np.sqrt(share) - 1,
+        *(scaled(np.log(1 - 1.8 * np.asarray(nu)), *ends) for nu in (poisson, socket_poisson)),
+        scaled(np.log1p(-1 / np.asarray(socket_ratio)), np.log(1 - 1 / 1.1), 0),
+    ]
+
+
+def powers(r2_star: ArrayLike, bodies: tuple[float, ...], clamped: bool, free: bool) -> Any:
+    """Coefficients of u^9 to u in S - 1, shape (9,) or (9, n) for n values of ``r2_star``.
+
+    ``bodies`` are share, both Poisson's ratios and socket ratio, as for `coordinates`.
+    """
+    place = 2 * LEAST_R2_STAR / np.asarray(r2_star) - 1
+    logarithm = chebyshev.chebval(place, _in_r2_star(bodies, clamped, free))
+    rise = np.expm1(logarithm)
+    terms = _POWERS.T.reshape(9, 9, *(1,) * (rise.ndim - 1)) * rise[:, None]
+    return terms.sum(axis=0)[::-1]  # in the same order for one R2* and for many
+
+
+@lru_cache(maxsize=1024)
+def _in_r2_star(bodies, clamped, free):
+    """Chebyshev coefficients in 1/R2* of ln S at `PLACES`, shape (3, 9)."""
+    supports, degrees, values = table()
+    held = (supports <= (clamped, free)).all(axis=1)
+    degrees, values = degrees[held], values[held]
+    factors = np.ones(len(degrees))
+    for place, degree in zip(coordinates(*bodies), degrees.T, strict=False):
+        factors *= chebyshev.chebvander(place, int(degrees.max())).ravel()[degree]
+    return np.array([factors * (degrees[:, -1] == k) @ values for k in range(3)])
+
+
+@lru_cache(maxsize=1)
+def table() -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Table of ln S: supports (rows, 2), degrees (rows, 5), values (rows, 9).
+
+    Raises `study.checks.StudyError` if its file is missing or damaged.
+    """
+    try:
+        _, *rows = TABLE.read_text(encoding="utf-8").splitlines()
+        numbers = np.array([line.split(",") for line in rows], dtype=np.int64)
+        supports, degrees, values = np.split(numbers, [2, 7], axis=1)
+        if values.shape[1] != len(PLACES):
+            raise ValueError
+    except (OSError, ValueError):
+        raise checks.StudyError(
+            f"study/contact/{TABLE.name} is missing or damaged; make it anew with: study data build"
+        ) from None
+    return supports, degrees, np.array(UNIT * values, dtype=np.float64)

@@ -1,0 +1,114 @@
+"""The table behind `study.contact.stiffened_hertz`: joints solved at Chebyshev's places.
+
+Bodies are solved once for many joints. In the limit of large R2* the grid is fine; what a smaller
+R2* changes is smooth and takes few places. How the table is evaluated is in
+`study.contact.stiffening`, how right it is on other joints in notebook 15.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from study.contact import hertz, stiffening
+from study.joint import Joint, Material
+from study.joint.compliance import DRIVES, RIMS
+from study.joint.growth import depths_and_forces
+from study.threads import one_thread
+
+LIMITS = {"share": 9, "poisson": 5, "socket_poisson": 6, "socket_ratio": 10, "r2_star": 1}
+CHANGES = {"share": 9, "poisson": 5, "socket_poisson": 4, "socket_ratio": 6, "r2_star": 3}
+"""Places of the joint's coordinates in the table: for R2* without end, and for what R2* changes."""
+_ORDER = ("socket_poisson", "socket_ratio", "share", "poisson", "r2_star")
+RESOLUTION = 128  # of the table's joints
+FINER = 320  # of those that supports change, of which they are all changes
+COARSER = 96  # for the changes with R2*, which are at large depths
+LARGEST = 1e9  # R2*, as good as without end
+THICK = 1e4  # ratio of the thickest socket solved: 1e-4 of the coordinate from the limit
+DEEPEST = 1.15  # depth_star of the curves, as fits are poor at their ends
+SMALLEST = 8e-5  # coefficient of the table
+
+
+@one_thread
+def logarithms(socket_poisson: float, counts: dict[str, int]) -> NDArray[np.float64]:
+    """Logarithms of S at `stiffening.PLACES`, of the joints with one socket's Poisson's ratio.
+
+    By socket ratio, share, Poisson's ratio of the ball and R2* of `grid`, then clamped ball and
+    free rim, no or yes, and place.
+    """
+    places = grid(counts)
+    shares = np.clip(places["share"], 2e-9, 1 - 2e-9)  # nearly rigid
+    axes = places["socket_ratio"], shares, places["poisson"], places["r2_star"]
+    found = np.empty((*(len(axis) for axis in axes), 2, 2, len(stiffening.PLACES)))
+    for *at, drive, rim in np.ndindex(found.shape[:-1]):
+        ratio, share, poisson, r2_star = (axis[k] for axis, k in zip(axes, at, strict=True))
+        ball = Material((1 - poisson**2) / share, poisson)
+        socket = Material((1 - socket_poisson**2) / (1 - share), socket_poisson)
+        joint = Joint(r2_star, ratio, ball, socket, DRIVES[drive], RIMS[rim])
+        resolution = FINER if joint.series_applies else RESOLUTION
+        resolution = COARSER if counts["r2_star"] > 1 else resolution
+        found[*at, drive, rim] = _at_places(joint, *depths_and_forces(joint, DEEPEST, resolution))
+    return found
+
+
+def grid(counts: dict[str, int]) -> dict[str, NDArray[np.float64]]:
+    """Values of the joint's coordinates in the table, at Chebyshev's places, by their names."""
+    low, high = stiffening.RANGES["poisson"]
+    limits: dict[str, tuple[float, float]] = {
+        "share": (0, 1),
+        "poisson": (np.log(1 - 1.8 * low), np.log(1 - 1.8 * high)),
+        "socket_ratio": (np.log(1 - 1 / stiffening.RANGES["socket_ratio"][0]), -1 / THICK),
+        "r2_star": (1 / LARGEST, 1 / stiffening.LEAST_R2_STAR),
+    }
+    limits["socket_poisson"] = limits["poisson"]
+    values: dict[str, Callable] = {
+        "share": np.square,
+        "poisson": lambda x: (1 - np.exp(x)) / 1.8,
+        "socket_poisson": lambda x: (1 - np.exp(x)) / 1.8,
+        "socket_ratio": lambda x: 1 / (1 - np.exp(x)),
+        "r2_star": lambda x: 1 / x,
+    }
+    found = {}
+    for name, (least, most) in limits.items():
+        share = (1 - np.cos(np.pi * np.arange(counts[name]) / max(counts[name] - 1, 1))) / 2
+        found[name] = values[name](least + (most - least) * share)
+    return found
+
+
+def _at_places(joint, depth, force):
+    """Ln S at `stiffening.PLACES` of the best polynomial in u, as S - 1 starts with it."""
+    factor, root = force / hertz(depth, joint.r2_star), np.sqrt(depth)
+    powers = np.arange(1, len(stiffening.PLACES) + 1)
+    terms = (root / (1 + root))[:, None] ** powers / factor[:, None]
+    found = np.linalg.lstsq(terms, 1 - 1 / factor, rcond=None)[0]
+    return np.log1p(stiffening.PLACES[:, None] ** powers @ found)
+
+
+def table(
+    limits: Sequence[NDArray[np.float64]], changes: Sequence[NDArray[np.float64]]
+) -> pd.DataFrame:
+    """Table of `study.contact.stiffening`: Chebyshev coefficients, without those that are small.
+
+    Of `logarithms` by the socket's Poisson's ratio: with `LIMITS` of the grid, for R2* without
+    end, and with `CHANGES`, of which only the changes with R2* are taken.
+    """
+    values = np.zeros((*(max(LIMITS[n], CHANGES[n]) for n in stiffening.DEGREES), 2, 2, 9))
+    for part, counts in ((limits, LIMITS), (changes, CHANGES)):
+        shape = [counts[name] for name in _ORDER]
+        found = np.reshape(part, (*shape, 2, 2, 9)).transpose(2, 3, 0, 1, 4, 5, 6, 7)
+        found = found - found[:, :, :, :, :1] if counts is CHANGES else found
+        for axis, name in enumerate(stiffening.DEGREES):
+            orders = np.arange(counts[name])
+            at = np.cos(np.pi * np.outer(orders[::-1], orders) / max(orders[-1], 1))
+            found = np.moveaxis(np.tensordot(np.linalg.inv(at), found, (1, axis)), 0, axis)
+        values[tuple(slice(n) for n in found.shape)] += found
+    values[..., 1, 1, :] -= values[..., 1, 0, :] + values[..., 0, 1, :] - values[..., 0, 0, :]
+    values[..., 1, 0, :] -= values[..., 0, 0, :]
+    values[..., 0, 1, :] -= values[..., 0, 0, :]
+    kept = np.argwhere(np.abs(values).max(axis=-1) >= SMALLEST)
+    names = [*stiffening.DEGREES, *stiffening.SUPPORTS, *(f"at_{k}" for k in range(1, 10))]
+    whole = np.rint(values[tuple(kept.T)] / stiffening.UNIT).astype(int)
+    rows = pd.DataFrame(np.hstack([kept, whole]), columns=names)
+    first = [*stiffening.SUPPORTS, *stiffening.DEGREES]
+    return rows.sort_values(first)[first + names[7:]]
