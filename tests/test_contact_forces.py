@@ -91,8 +91,9 @@ def test_compiled_force_is_the_law(name, options):
     depths = np.array([1e-9, 1e-7, 1e-6, 2.5e-5, R2 - R1])
     found = np.array([forces.elastic_force(law, d) for d in depths])
     wrapped = name, depths, R1, R2, MODULUS
-    assert found[:, 0] == pytest.approx(contact.contact_force(*wrapped, **options), rel=1e-13)
-    assert found[:, 1] == pytest.approx(contact.contact_stiffness(*wrapped, **options), rel=1e-13)
+    close = 1e-11 if name == "stiffened_hertz" else 1e-13  # its nine numbers, up to 1e4, cancel
+    assert found[:, 0] == pytest.approx(contact.contact_force(*wrapped, **options), rel=close)
+    assert found[:, 1] == pytest.approx(contact.contact_stiffness(*wrapped, **options), rel=close)
 
 
 @pytest.mark.parametrize(("name", "options"), VARIANTS)

@@ -333,8 +333,8 @@ def test_no_contact_has_no_force():
     ("r2_star", "reach", "message"),
     [
         (1.5, 2**0.5 - 1, "depth_star must be < 0.414214"),
-        (20, 3.732, "depth_star must keep the contact off the socket's rim"),
-        (200, 6.784, "depth_star must keep the contact off the socket's rim"),
+        (20, 3.623, "depth_star must keep the contact off the socket's rim"),
+        (200, 6.183, "depth_star must keep the contact off the socket's rim"),
     ],
 )
 def test_contact_is_solved_up_to_the_rim_and_refused_there(r2_star, reach, message):

@@ -22,7 +22,7 @@ from study.threads import one_thread
 
 SHALLOWEST = 0.005
 """Least depth_star of the error: below, the force is less than 1/1000 of that at 0.5."""
-ESTIMATE = 1.5  # times a solution's error estimate, for depths between those solved
+ESTIMATE = 3.0  # times a solution's error estimate, for depths between those solved
 RESOLUTIONS = {"series": (64, 160, 320, 640, 1280), "quadratic": (64, 160), "finite": (32, 64, 96)}
 DEPTHS = 40  # of a law's error
 FINITE_DEPTHS = 12  # solved for finite kinematics, which take a second for each
@@ -101,7 +101,7 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     force, uncertainty = _exact(joint, depths)
     found = {law: float(error.max()) for law, error in errors(joint, depths, force).items()}
     names, rejected = ("law", "options", "error", "error_bound", "relative_cost", "evaluate"), []
-    for values in _candidates(joint, depths, found, uncertainty):
+    for values in _candidates(joint, depths, force, found, uncertainty):
         candidate = dict(zip(names, values, strict=True))
         if candidate["error_bound"] <= tolerance:
             break
@@ -124,7 +124,7 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     )
 
 
-def _candidates(joint, depths, found, uncertainty):
+def _candidates(joint, depths, force, found, uncertainty):
     """Closed laws and tables by their cost, tables from the coarsest on; the solution is last.
 
     Each is its law, options, error, bound, cost and function. Every second depth of a solution
@@ -147,7 +147,8 @@ def _candidates(joint, depths, found, uncertainty):
             table = tabulated(_some(curve, ends))
             left_out = _some(curve, ~ends & (curve.depth_star >= depths[0]))
             between = float(np.abs(table(left_out.depth_star) / left_out.force_star - 1).max())
-            bound = _bounded(ESTIMATE * error, between)
+            off = float(np.abs(table(depths) / force - 1).max())
+            bound = _bounded(max(ESTIMATE * error, off), between)
             yield law, {"resolution": resolution}, error, bound, costs[law], table
     error = float(force_curve(joint, depths[::4], resolutions[-1]).error_estimate.max())
     options = {"resolution": resolutions[-1]}
@@ -177,7 +178,14 @@ def _some(curve: ForceCurve, chosen: NDArray[np.bool_]) -> ForceCurve:
 
 def _exact(joint, depths, resolution=None):
     """Exact forces at depths, and how sure: relative, one number."""
-    curve, error = _solved(joint, depths, resolution)
+    finer = [n for n in RESOLUTIONS[_kind(joint)] if n > 320]  # for very shallow depths
+    for elements in (resolution, *finer):
+        try:
+            curve, error = _solved(joint, depths, elements)
+            break
+        except UnresolvedError:
+            if elements == (resolution, *finer)[-1]:
+                raise
     return tabulated(curve)(depths), ESTIMATE * error
 
 
