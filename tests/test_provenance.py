@@ -41,7 +41,7 @@ def test_imports_inside_functions_count(tmp_path):
         ("study/mechanism/beams.py", ["08", "09", "10", "11", "16", "17", "18"]),
         ("study/mechanism/scene.py", ["07", "08", "09", "10", "11", "16", "17", "18"]),
         ("study/pages/figures.py", [f"{n:02d}" for n in range(26)]),
-        ("study/cli.py", []),
+        ("study/cli/build.py", []),
         ("study/pages/report/sources.py", []),
         ("data/published/claims.csv", ["21"]),
         ("study/contact/coefficients.json", [f"{n:02d}" for n in range(26) if n not in (7, 19)]),

@@ -1,0 +1,147 @@
+"""Commands for laws and joints: evaluate, solve, choose, export."""
+
+import math
+from inspect import signature
+from pathlib import Path
+
+from study import checks, paths
+from study.cli.options import check_output, command, left_out, numbers
+from study.cli.output import named_fields, show
+from study.contact import LAWS, LawName
+
+MATERIALS = (
+    "study.joint:Material poisson",
+    "study.cli.joints:given_joint modulus_ratio socket_poisson layer",
+)
+JOINT = ("study.joint:Joint socket_ratio ball_drive rim kinematics", *MATERIALS)
+
+
+@command(
+    "law",
+    "study.contact:stiffened_hertz socket_ratio modulus_ratio poisson socket_poisson",
+    "study.contact:stiffened_hertz ball_drive rim",
+)
+def evaluate_law(
+    name: LawName, r2_star: float, depth_star: list[float], as_json: bool = False, **of_law
+):
+    """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths.
+
+    stiffened_hertz alone has options: it is for any two materials and four supports. The laws of
+    the paper are those of its own joint.
+    """
+    unknown = sorted(of_law.keys() - signature(LAWS[name]).parameters)
+    left_out(unknown, of_law, f"{name} does not depend on it")
+    force = LAWS[name](depth_star, r2_star, **of_law)
+    show({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
+
+
+@command("joint", *JOINT, "study.joint:force_curve solver")
+def solve_joint(
+    r2_star: float, depth_star: list[float], as_json: bool = False, solver=None, **joint
+):
+    """Solve one joint: force, contact half-angle, error estimate, and largest von Mises stresses.
+
+    Stresses are in E* dR/R2; their radius is over that of the body's surface.
+    """
+    from study.joint import force_curve
+
+    curve = force_curve(given_joint(r2_star, **joint), depth_star, solver=solver)
+    found = curve.columns()
+    found["contact_half_angle_deg"] = found["contact_half_angle"]
+    names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
+    tables = [{"depth_star": depth_star} | {name: found[name].tolist() for name in names}]
+    for body, largest in curve.largest_stress.items():
+        stress = {"star": largest.von_mises.tolist(), "over_peak": largest.over_peak.tolist()}
+        stress |= {"radius": largest.radius.tolist(), "place": list(largest.place)}
+        stress |= {"angle_deg": [math.degrees(angle) for angle in largest.angle]}
+        body = f"von_mises_{body.replace(' ', '_')}"
+        named = {f"{body}_{name}": column for name, column in stress.items()}
+        tables.append({"depth_star": depth_star} | named)
+    show({name: column for table in tables for name, column in table.items()}, as_json, *tables)
+
+
+def given_joint(
+    r2_star=200.0,
+    *,
+    modulus_ratio: float | None = None,
+    socket_poisson: float | None = None,
+    layer: list[str] | None = None,
+    yield_stress: float | None = None,
+    **others,
+):
+    """The joint that a command's options describe: what is not given is the library's default."""
+    from study.joint import Joint, Layer, Material
+
+    poisson = {"poisson": others.pop("poisson")} if "poisson" in others else {}
+    ball = Material(**poisson, yield_stress=yield_stress)
+    unit, of_one = ball.youngs_modulus, {"modulus_ratio": modulus_ratio}
+    of_one |= {"socket_poisson": socket_poisson, "socket_ratio": others.get("socket_ratio")}
+    if layer:
+        of_one |= {"yield_stress": yield_stress}
+        given = [name for name, value in of_one.items() if value is not None]
+        left_out(given, given, "--layer tells what the socket is")
+        each = [numbers("--layer", text, count=3) for text in layer]
+        moduli = [unit * checks.number("modulus of --layer", e, above=0) for _, e, _ in each]
+        layers = zip(each, moduli, strict=True)
+        others["layers"] = tuple(Layer(q, Material(e, nu)) for (q, _, nu), e in layers)
+    else:
+        poisson = ball.poisson if socket_poisson is None else socket_poisson
+        ratio = 1.0 if modulus_ratio is None else modulus_ratio
+        modulus = unit * checks.number("--modulus-ratio", ratio, above=0)
+        others["socket"] = Material(modulus, poisson, yield_stress)
+    return Joint(r2_star, ball=ball, **others)
+
+
+@command(
+    "choose",
+    *JOINT,
+    "study.cli.joints:given_joint yield_stress",
+    "study.choose:choose depth_star tolerance",
+)
+def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **joint):
+    """Choose the cheapest law that is accurate enough for a joint, with the evidence.
+
+    For a whole mechanism: study simulate --model auto --tolerance ... .
+    """
+    from study.choose import choose
+    from study.choose.law import relative_costs
+
+    choice, costs = choose(given_joint(r2_star, **joint), depth_star, tolerance), relative_costs()
+    laws = sorted(choice.errors, key=costs.get)
+    names = ("law", "error_bound", "relative_cost", "options")
+    depths, first = "{:g} to {:g}".format(*choice.depths), choice.first_yield
+    yields = (
+        "The {body} yields, {place}, from {depth_star:.4g} clearances on (force_star "
+        "{force_star:.4g}): all errors are those of joints that do not yield."
+    )
+    show(
+        {"next_cheaper": next(iter(choice.rejected), None)} | named_fields(choice),
+        as_json,
+        {name: [getattr(choice, name)] for name in names},
+        f"For depths of {depths} clearances.",
+        *([yields.format(**first)] if first else []),
+        "Largest error of each law, and time of a call over that of Hertz's law:",
+        {
+            "law": laws,
+            "error": [choice.errors[law] for law in laws],
+            "relative_cost": [costs[law] for law in laws],
+        },
+    )
+
+
+@command("export", "study.export:export law form", *JOINT)
+def export_law(law, form, output: Path | None = None, r2_star: float | None = None, **joint):
+    """Export a law of this study, for one joint, to another program: to standard output or a file.
+
+    R2/dR is 200 by default.
+    """
+    from study.export import export
+
+    joint |= {} if r2_star is None else {"r2_star": r2_star}
+    check_output(output, f".{form}")
+    text = export(law, form, given_joint(**joint))
+    if output is None:
+        print(text, end="")
+    else:
+        with paths.whole(output) as temporary:
+            temporary.write_text(text, encoding="utf-8")

@@ -1,0 +1,113 @@
+"""The command for the crank-slider: simulate."""
+
+import sys
+from dataclasses import fields
+from functools import partial
+from inspect import signature
+from pathlib import Path
+
+from study.cli.options import INTERRUPTED, check_output, command, left_out, number, numbers
+from study.cli.output import bar, named_fields, show
+
+SHOWN = 20  # impacts in a printed table
+
+
+@command(
+    "simulate",
+    "study.mechanism:simulate model joint law duration outputs tolerance step elements method",
+    "study.choose:choose_model quantity socket_ratio",
+)
+def simulate_mechanism(
+    scene: list[str] = (),
+    inertia: str = "rods",
+    output: Path | None = None,
+    as_json: bool = False,
+    **given,
+):
+    """Simulate the crank-slider: where it is at the end, and every impact (SI units).
+
+    --model auto takes no more than is needed for --tolerance, which is then the largest error of
+    the --quantity: its RMS over that of the change since t = 0.
+    """
+    from study import mechanism
+    from study.choose import choose_model
+    from study.compiled import CACHE
+
+    changed = _scene(scene, inertia)
+    check_output(output, ".csv")
+    if "elements" in given:
+        given["elements"] = numbers("--elements", given["elements"], int)
+    if sys.stderr.isatty() and not any(CACHE.rglob("*.nbi")):
+        print("Compiling the stepping loops, once: some seconds ...", file=sys.stderr)
+    auto = given.get("model") == "auto"
+    options = signature(choose_model if auto else mechanism.simulate).parameters
+    model = given.pop("model") if auto else given.get("model", options["model"].default)
+    why = f"model {model} {'chooses it' if auto else 'has none'}"
+    left_out(sorted(given.keys() - options), given, why)
+    if auto and "tolerance" not in given:
+        raise ValueError("tolerance must be given: the largest error that model auto may make")
+    choice = choose_model(changed, **given) if auto else None
+    run = choice.simulate if auto else partial(mechanism.simulate, changed, **given)
+    with bar() as shown:
+        task = shown.add_task("", total=given.get("duration", options["duration"].default))
+        response = run(progress=lambda time: shown.update(task, completed=time))
+    last = response.motion.iloc[-1]
+    end = {
+        "time": last.time,
+        "theta": last.crank_angle,
+        "x_slider": last.slider_position,
+        "v_slider": last.slider_velocity,
+        "a_slider": last.slider_acceleration,
+        "contacts": len(response.impacts),
+        "last_separation": response.last_separation,
+        "energy_error": response.energy_error,
+        "complete": response.complete,
+    }
+    impacts = response.impacts.astype(object).where(response.impacts.notna(), None)
+    rest = len(impacts) - SHOWN
+    show(
+        end
+        | ({"choice": named_fields(choice)} if choice else {})
+        | {"impacts": impacts.to_dict("records")},
+        as_json,
+        *(_told(choice, last.time) if choice else []),
+        {name: [value] for name, value in end.items()},
+        impacts.head(SHOWN),
+        f"SI units.{f' {rest} more contacts: --json prints all.' if rest > 0 else ''}",
+    )
+    if output is not None:  # last: what was computed is printed even if the disk is full
+        response.save(output)
+    return 0 if response.complete else INTERRUPTED
+
+
+def _told(choice, duration):
+    """What model was chosen, in words, and everything that was looked at."""
+    names = ("model", "joint", "law", "settings", "error_bound", "relative_cost", "links")
+    return [
+        f"The least model whose {choice.quantity.replace('_', ' ')} is known well enough over "
+        f"{duration:g} s:\n{choice.model} links, {choice.joint} joint, law {choice.law}, within "
+        f"{choice.error_bound:.2g}. In order of detail (costs: times here):",
+        {name: [row[name] for row in choice.evidence] for name in names},
+        f"Links over contact: {choice.compliance_ratio:.2g} times its compliance, "
+        f"{choice.frequency_ratio:.2g} of the crank's axial frequency, at a depth of "
+        f"{choice.depth_star:.2g} clearances.",
+        *([f"Particles were run, as {choice.note}."] if choice.note else []),
+    ]
+
+
+def _scene(settings, inertia):
+    """The paper's scene with settings ``KEY=VALUE`` and the inertias changed."""
+    from study.mechanism import Scene
+
+    known, changes = {field.name: field.default for field in fields(Scene)}, {}
+    if inertia != "rods":
+        changes["crank_inertia"], changes["coupler_inertia"] = numbers("--inertia", inertia)
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        if not equals or key not in known:
+            names = ", ".join(known)
+            raise ValueError(f"--scene must be KEY=VALUE with KEY one of {names}, got {setting!r}")
+        kind = type(known[key])
+        read = numbers if kind is tuple else number
+        changes[key] = text if kind is str else read(key, text)
+    return Scene(**changes)

@@ -1,0 +1,150 @@
+"""Commands and their options: one that is a parameter of the library is explained there.
+
+Here are also the readings of numbers, and the refusals, that several commands share.
+"""
+
+import os
+import re
+from inspect import Parameter, Signature, getdoc, signature
+from pkgutil import resolve_name
+from types import UnionType
+from typing import Annotated, Literal, Union, get_args, get_origin
+
+import typer
+
+from study.contact import LAWS, LawName
+
+STYLE = {"add_completion": False, "rich_markup_mode": None, "pretty_exceptions_enable": False}
+app = typer.Typer(
+    help="Contact force laws for spherical clearance joints: rebuild, inspect, evaluate.",
+    no_args_is_help=True,
+    **STYLE,
+)
+data_app = typer.Typer(help="The cached force-depth curves.", no_args_is_help=True)
+app.add_typer(data_app, name="data")
+
+INTERRUPTED = 130  # typer's status after Ctrl-C
+FLAGS = {"ball_drive": "--drive", "form": "--format", "dask_address": "--dask"}
+FLAGS |= {"as_json": "--json", "settings": "-p"}
+ARGUMENTS = {"name": "NAME", "names": "[NAME]..."}
+HELP = {
+    "as_json": "Print one JSON object.",
+    "case": "One case, every depth of it.",
+    "depth_star": "Dimensionless penetration depth d/dR; may be repeated.",
+    "group": "Group of cases: paper, ratio, poisson, fit, judge, ...",
+    "inertia": "Of crank and coupler about their centres, in kg m^2: I1,I2 [default: rods].",
+    "keep": "Take what differs as the kept results from now on.",
+    "layer": "Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer "
+    "of the socket: N,N,N; may be repeated, from the inside out.",
+    "model": "Links; auto: as little as it needs.",
+    "modulus_ratio": "Young's modulus of the socket over that of the ball, > 0 [default: 1.0].",
+    "name": f"One of {', '.join(LAWS)}.",
+    "names": "Figures, tables or notebooks; default all.",
+    "output": "File to write.",
+    "poisson": "Poisson's ratio of both bodies, in (-1, 0.5).",
+    "r2_star": "Dimensionless socket radius R2/dR, > 1.",
+    "scene": "KEY=VALUE of the scene, SI; may be repeated: restitution=0.9, link_modulus=2e9.",
+    "settings": "KEY=VALUE of a notebook's parameter; may be repeated.",
+    "socket_ratio": "Outer over inner radius of the socket.",
+    "socket_poisson": "Poisson's ratio of the socket, if not that of the ball.",
+    "yield_stress": "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa.",
+}
+"""Of what the library's docstrings do not explain."""
+
+
+def command(name, *library, group=app, defaults=True):
+    """Decorate a function as a command: its annotated parameters become options.
+
+    So do parameters of the library, as "module:function parameter parameter ...". Those that are
+    given reach the function. They are looked up as the command is called, so that ``study
+    --help`` imports no room.
+    """
+
+    def decorate(function):
+        def call(**given):
+            return function(**{key: value for key, value in given.items() if value is not None})
+
+        class Command(typer.core.TyperCommand):
+            def make_context(self, *args, **more):
+                own = signature(function).parameters.values()
+                given = [_option(p, HELP[p.name]) for p in own if p.annotation is not p.empty]
+                for entry in library:
+                    source, *names = entry.split()
+                    given += _options(resolve_name(source), names, defaults)
+                call.__signature__ = Signature(given)
+                one = typer.Typer(**STYLE)
+                one.command(help=getdoc(function))(call)
+                return typer.main.get_command(one).make_context(*args, **more)
+
+        group.command(name, cls=Command, help=getdoc(function))(lambda: None)
+        return function
+
+    return decorate
+
+
+def _options(source, names, defaults):
+    """Options for parameters of a function or dataclass, explained by its docstring."""
+    entries = re.findall(r"^(\w[\w, ]*)(?: : .*)?\n((?: {4}.+\n?)+)", getdoc(source) or "", re.M)
+    texts = HELP | {name: text for listed, text in entries for name in listed.split(", ")}
+    known = signature(source, eval_str=True).parameters
+    return [_option(known[name], texts.get(name, ""), defaults) for name in names]
+
+
+def _option(parameter, text, defaults=False):
+    """Typer's parameter: None unless given, with the first sentence of a text for its help."""
+    text = re.split(r"(?<=\.) (?=[A-Z])", " ".join(text.split()))[0]
+    text = re.sub(r"`+|study\.[\w.]+\.", "", text)
+    name, default, kind = parameter.name, parameter.default, parameter.annotation
+    if get_origin(kind) in (Union, UnionType):
+        kind = get_args(kind)[0]
+    if name == "model":
+        kind = Literal[kind, "auto"]
+    elif name == "law" and kind is str:  # or a function
+        kind = LawName
+    elif get_origin(kind) is list and get_origin(*get_args(kind)) is Literal:
+        text += f" One of {', '.join(get_args(*get_args(kind)))}."
+        kind = list[str]  # as Typer knows no list of them; the library checks
+    elif get_origin(kind) is tuple:
+        kind, text = str, f"N,N: {text}"
+    if defaults and default not in (Parameter.empty, None, False):
+        text += f" [default: {default}]"
+    made = typer.Option(FLAGS.get(name, f"--{name.replace('_', '-')}"), help=text)
+    if name in ARGUMENTS:
+        made = typer.Argument(help=text, metavar=ARGUMENTS[name])
+    if default is not Parameter.empty:
+        kind, default = kind | None, None
+    hint = Annotated[kind, made]
+    return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=hint)
+
+
+def left_out(names, given, why):
+    """Refuse what was given though it means nothing here."""
+    for name in names:
+        if name in given:
+            raise ValueError(f"--{name.replace('_', '-')} must be left out: {why}")
+
+
+def check_output(output, suffix):
+    """Refuse a file that has another suffix or cannot be written, before the work."""
+    if output is not None and output.suffix != suffix:
+        raise ValueError(f"--output must end in {suffix}, got {output}")
+    if output is not None and not os.access(output.parent, os.W_OK):
+        raise ValueError(f"--output must be in a folder that can be written to, got {output}")
+
+
+def numbers(name, text, kind=float, count=2):
+    """Two or three numbers, separated by commas."""
+    parts = text.split(",")
+    if len(parts) != count:
+        wanted = {2: "two numbers separated by a comma", 3: "three numbers separated by commas"}
+        raise ValueError(f"{name} must be {wanted[count]}, got {text!r}")
+    return tuple(number(name, part, kind) for part in parts)
+
+
+def number(name, text, kind=float):
+    """One number from an option's text."""
+    try:
+        return kind(text)
+    except ValueError:
+        what = "a whole number" if kind is int else "a number"
+        raise ValueError(f"{name} must be {what}, got {text!r}") from None

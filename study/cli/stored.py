@@ -1,0 +1,67 @@
+"""Commands for what is stored: the dataset, and the times of laws, solvers and steppers."""
+
+import sys
+from pathlib import Path
+
+from study import paths
+from study.cli.options import check_output, command, data_app
+from study.cli.output import fail, show
+
+
+@command("show", "study.joint:Joint ball_drive rim kinematics", group=data_app, defaults=False)
+def show_data(
+    r2_star: list[float] = (), socket_ratio: list[float] = (), group: str = "", case: str = "", **of
+):
+    """Show a summary of the cases with the values asked for (P/(E* dR^2), angles in deg)."""
+    from study import dataset
+
+    own = {"r2_star": r2_star, "socket_ratio": socket_ratio, "group": group, "case": case}
+    frame = dataset.load(**{key: value for key, value in own.items() if value}, **of)
+    show(frame.loc[:, "depth_star":] if case else dataset.summary(frame))
+
+
+@command("check", group=data_app)
+def check_data():
+    """Check files, schema and physics of the dataset, and solve one case anew."""
+    from study.dataset import quality
+
+    checked, found = zip(*quality.check(), strict=True)
+    show({"checked": checked, "found": found})
+
+
+@command("build", "study.pages.tasks:build jobs", group=data_app)
+def build_data(**how):
+    """Build the dataset from nothing; an interrupted build resumes."""
+    from study.pages import tasks
+
+    fail(tasks.build([paths.DATA], **how).failures)
+    print("The dataset is up to date: data/force_curves.csv, links.csv and datapackage.json.")
+
+
+@command("measure", "study.measure.speed:measure chart repeats")
+def measure_speed(output: Path | None = None, **how):
+    """Time laws (a minute), solvers and steppers (ten minutes each) on this machine.
+
+    The times are kept in data/published/peers.csv, where the charts and study choose take them
+    from, if no other file is named. Charts that are not timed stay, and so do other programs that
+    are not found here (ccx, scikit-sundae, exudyn).
+    """
+    import pandas as pd
+
+    from study.dataset import store
+    from study.measure import speed
+
+    check_output(output, ".csv")
+    charts, frames = speed.measure(**how), []
+    if output is None:
+        store.verify_files()  # before ten minutes of timing
+    for chart in charts:
+        print(f"timed {chart.chart.iloc[0]}", file=sys.stderr)
+        frames.append(chart)
+        if output is None:
+            store.keep_measured(chart)
+    frame = pd.concat(frames)
+    if output is not None:
+        with paths.whole(output) as temporary:
+            frame.to_csv(temporary, index=False)
+    print(f"{len(frame)} rows, on {speed.machine()}")
