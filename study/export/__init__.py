@@ -1,115 +1,186 @@
-"""The study's own laws as text that other programs can use: C, JSON or CSV.
+"""Laws as text that other programs can use: C, MATLAB, JSON or CSV.
 
-The C functions are self-contained (C89, its standard library alone), take SI units, check
-their arguments and return 0, or the number of one that is out of range with nothing written. They
-are the templates beside this file.
+Each text is for one joint and says so, with the range of depths, the units, and the law's largest
+error there against the solved joint. The functions take SI units and check their arguments. The C
+function is C89 and needs its standard library alone; the MATLAB one runs in GNU Octave too.
 """
 
 import json
-import textwrap
-from pathlib import Path
-from string import Template
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
 
 from study import checks, contact
-from study.contact import laws, shapes
+from study.contact import LAWS, LawName, laws, shapes
+from study.export import formulas
 from study.joint import Joint, force_curve, whole_curve
 
-Exported = Literal["stiffened_hertz", "tabulated"]
-Format = Literal["c", "json", "csv"]
-EXPORTED: tuple[Exported, ...] = get_args(Exported)
-FORMATS: tuple[Format, ...] = get_args(Format)
-ROOTS = 40  # depths of a table, in equal steps of sqrt(depth_star)
-
+Exported = Literal[LawName, "tabulated"]
+Format = Literal["c", "matlab", "json", "csv"]
+SUFFIXES: dict[Format, str] = {"c": ".c", "matlab": ".m", "json": ".json", "csv": ".csv"}
+SHALLOWEST = 0.005
+"""Least depth_star of the stated error: below, the force is less than 1/1000 of that at 0.5."""
+ROWS = 400  # of a CSV beside its first, in equal steps of sqrt(depth_star)
+_ROOTS = 40  # depths solved one by one, for finite kinematics
+_BETWEEN = 8  # places between rows at which an interpolation is judged
 _SOURCE = "Spherical clearance joint study; see CITATION.cff there."
+_UNITS = {
+    "depth_star": "depth/dR, dR = R2 - R1 the clearance",
+    "force_star": "force/(E* dR^2), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
+    "stiffness_star": "stiffness/(E* dR), of force over depth",
+}
 
 
-def export(law: Exported, form: Format, joint: Joint) -> str:
+def export(law: Exported, form: Format, joint: Joint, depth_star: float | None = None) -> str:
     """Text of a law in one of the formats.
 
     Parameters
     ----------
     law
-        ``stiffened_hertz``, or ``tabulated`` from the force-depth curve of the joint.
+        Key of ``study.contact.LAWS``, or ``tabulated``: the force-depth curve of the joint.
     form
-        C function; coefficients or table with formula and range (JSON); force over depth (CSV).
+        Function (C; MATLAB and Octave), formula and numbers (JSON), or force over depth (CSV).
     joint
         The one joint that the text is for.
+    depth_star
+        Largest depth of the text, in clearances; by default 1, or the law's own if that is less.
 
     Raises
     ------
     ValueError
-        For an unknown law or format, or a joint that ``stiffened_hertz`` is not for.
+        For an unknown law or format, a joint that ``stiffened_hertz`` is not for, or a depth
+        beyond what the law or the joint can have.
     """
-    checks.choice("law", law, EXPORTED)
-    checks.choice("format", form, FORMATS)
+    checks.choice("law", law, [*LAWS, "tabulated"])
+    checks.choice("format", form, SUFFIXES)
     checks.instance("joint", joint, Joint)
     if law == "stiffened_hertz":
         checks.choice("kinematics of stiffened_hertz", joint.kinematics, ("linear",))
-        return {"c": _stiffened_c, "json": _stiffened_json, "csv": _stiffened_csv}[form](joint)
-    return {"c": _tabulated_c, "json": _tabulated_json, "csv": _tabulated_csv}[form](joint)
+        joint.stiffening_options()  # refused before the joint is solved
+    deepest = 1.0
+    if depth_star is not None:
+        deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
+    content = _Content(law, joint, deepest)
+    if form in ("json", "csv"):
+        return content.json() if form == "json" else content.csv()
+    return content.function(form)
 
 
-def _stiffened_json(joint):
-    scale, _, constants = laws.stiffened_hertz.parts(joint.r2_star, **joint.stiffening_options())
-    content = {
-        "law": "stiffened_hertz",
-        "source": _SOURCE,
-        "formula": "P = E* dR^2 scale ds^(3/2) S, S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s), "
-        "s = sqrt(ds), ds = depth/dR",
-        "joint": _described(joint),
-        "range": {"depth_star": [0, shapes.LIMITS[shapes.stiffened]]},
-        "scale": float(scale),
-        "coefficients": constants[::-1].tolist(),
-    }
-    return json.dumps(content, indent=2) + "\n"
+class _Content:
+    """What every format says of a law: its parts for the joint, its range, its error."""
+
+    def __init__(self, law, joint, deepest):
+        self.name, self.joint, self.deepest = law, joint, deepest
+        options = joint.stiffening_options() if law == "stiffened_hertz" else {}
+        if law != "tabulated":
+            LAWS[law](deepest, joint.r2_star, **options)  # refuses what it cannot
+        curve = _solved(joint, deepest)
+        exact = contact.tabulated(curve)
+        self.law = exact if law == "tabulated" else LAWS[law]
+        self.scale, self.shape, self.constants = self.law.parts(joint.r2_star, **options)
+        self.least = min(SHALLOWEST, deepest / 12)
+        known = curve.error_estimate[curve.depth_star >= self.least]
+        depths = np.linspace(np.sqrt(self.least), np.sqrt(deepest), ROWS) ** 2
+        off = np.abs(self.at(depths)[0] / exact(depths) - 1).max()
+        self.error, self.known = float(off), float(known.max())
+
+    def at(self, depth):
+        """Force and stiffness, dimensionless, at depths > 0."""
+        value, slope = self.shape(depth, self.constants)
+        return self.scale * value, self.scale * slope
+
+    def told(self):
+        """Joint, range and error in words."""
+        joint = ", ".join(f"{key} {_plain(value)}" for key, value in _described(self.joint).items())
+        of_law = f" at most {_percent(self.error)} against the solved joint."
+        return [
+            f"Joint: {joint}.",
+            f"Range: depths from 0 to {self.deepest:g} clearances.",
+            f"Error of the force, from {self.least:g} clearances on:"
+            f"{'' if self.name == 'tabulated' else of_law} The joint is solved within about "
+            f"{_percent(self.known)}.",
+        ]
+
+    def function(self, form):
+        return formulas.text(
+            form,
+            self.shape,
+            self.constants,
+            "\n".join([*self.told(), "", f"Formula: {formulas.words(self.shape)}."]),
+            law=self.name,
+            title=f"Contact force of one spherical clearance joint: {self.name}.",
+            source=_SOURCE,
+            deepest=f"{self.deepest!r}",
+            margin=laws.LIMIT_MARGIN,
+            scale=f"{float(self.scale)!r}",
+        )
+
+    def json(self):
+        content = {
+            "law": self.name,
+            "source": _SOURCE,
+            "formula": formulas.words(self.shape),
+            "units": _UNITS,
+            "joint": _described(self.joint),
+            "range": {"depth_star": [0, self.deepest]},
+            "error": {"from_depth_star": self.least, "against_solved_joint": self.error}
+            | {"of_solved_joint": self.known},
+            "scale": float(self.scale),
+        }
+        constants = np.asarray(self.constants, dtype=float)
+        if self.shape is shapes.tabulated:
+            content |= {"root_depth_star": (np.arange(len(constants) // 2) / constants[0]).tolist()}
+            content |= {"stiffening": constants[1::2].tolist(), "slope": constants[2::2].tolist()}
+        elif constants.size:  # from the highest power of the shape's polynomial
+            content["coefficients"] = constants[::-1].tolist()
+        return json.dumps(content, indent=2) + "\n"
+
+    def csv(self):
+        depth = self.deepest * np.linspace(0, 1, ROWS + 1) ** 2
+        force, stiffness = np.zeros((2, ROWS + 1))
+        force[1:], stiffness[1:] = self.at(depth[1:])
+        lines = [f"# Contact force of one spherical clearance joint: {self.name}. {_SOURCE}"]
+        lines += [f"# {line}" for line in [*self.told(), *self._interpolations(depth)]]
+        lines += [f"# {name} = {text}" for name, text in _UNITS.items()]
+        rows = zip(depth, force, stiffness, strict=True)
+        numbers = (",".join(f"{x:.12g}" for x in row) for row in rows)
+        return "\n".join([*lines, ",".join(_UNITS), *numbers, ""])
+
+    def _interpolations(self, depth):
+        """What interpolation between rows adds to the error, measured."""
+        root = np.sqrt(depth)
+        steps = (np.arange(1, _BETWEEN) / _BETWEEN)[:, None]
+        between = (root[:-1] + steps * np.diff(root)) ** 2
+        between = np.sort(between[between >= self.least])
+        force, stiffness = np.zeros((2, len(depth)))
+        force[1:], stiffness[1:] = self.at(depth[1:])
+        true = self.at(between)[0]
+        linear = np.interp(between, depth, force)
+        cubic = CubicHermiteSpline(root, force, 2 * root * stiffness)(np.sqrt(between))
+        added = [_percent(np.abs(found / true - 1).max()) for found in (linear, cubic)]
+        return [
+            f"Between rows, linear interpolation over depth adds an error of up to {added[0]}.",
+            "A cubic Hermite spline over sqrt(depth_star), with the slopes 2 sqrt(depth_star) "
+            f"stiffness_star, adds {added[1]}.",
+        ]
 
 
-def _stiffened_csv(joint):
-    deepest = shapes.LIMITS[shapes.stiffened]
-    return _table(contact.stiffened_hertz, joint.r2_star, deepest, **joint.stiffening_options())
-
-
-def _tabulated_csv(joint):
-    return _table(_tabulated(joint)[0], joint.r2_star, 1.0)
-
-
-def _table(law: laws.Law, r2_star: float, deepest: float, **options: Any) -> str:
-    depth = deepest * np.linspace(0, 1, ROOTS + 1) ** 2
-    force, slope = (law(depth, r2_star, derivative=d, **options) for d in (False, True))
-    rows = zip(depth, force, slope, strict=True)
-    lines = ["depth_star,force_star,stiffness_star"]
-    return "\n".join([*lines, *(",".join(f"{x:.12g}" for x in row) for row in rows), ""])
-
-
-def _tabulated(joint):
-    """Law of a joint, and the largest error estimate of its curve from a depth of 0.005 on."""
+def _solved(joint, deepest):
     if joint.kinematics == "finite":
-        curve = force_curve(joint, np.linspace(0, 1, ROOTS + 1)[1:] ** 2)
-    else:
-        curve = whole_curve(joint)
-    return contact.tabulated(curve), float(curve.error_estimate[curve.depth_star >= 0.005].max())
+        root = np.linspace(0, np.sqrt(deepest), _ROOTS + 1)[1:]
+        return force_curve(joint, root**2)
+    return whole_curve(joint, deepest)
 
 
-def _tabulated_json(joint):
-    law, error = _tabulated(joint)
-    scale, _, constants = law.parts(joint.r2_star)
-    content = {
-        "law": "tabulated",
-        "source": _SOURCE,
-        "formula": "P = E* dR^2 scale ds^(3/2) S, S a cubic Hermite spline over sqrt(ds)",
-        "joint": _described(joint),
-        "range": {"depth_star": [0, 1]},
-        "error_estimate_from_depth_0.005": error,
-        "scale": float(scale),
-        "root_depth_star": (np.arange(len(constants) // 2) / constants[0]).tolist(),
-        "stiffening": constants[1::2].tolist(),
-        "slope": constants[2::2].tolist(),
-    }
-    return json.dumps(content, indent=2) + "\n"
+def _percent(error):
+    """An error with two digits, rounded up."""
+    step = 10.0 ** (np.floor(np.log10(100 * error)) - 1) if error > 0 else 1.0
+    return f"{np.ceil(100 * error / step) * step:.2g} %"
+
+
+def _plain(value: Any) -> str:
+    return " and ".join(f"{x:g}" for x in value) if isinstance(value, list) else f"{value}"
 
 
 def _described(joint):
@@ -123,49 +194,3 @@ def _described(joint):
         "rim": joint.rim,
         "kinematics": joint.kinematics,
     }
-
-
-def _stiffened_c(joint):
-    scale, _, constants = laws.stiffened_hertz.parts(joint.r2_star, **joint.stiffening_options())
-    return _filled(
-        "stiffened_hertz",
-        described=_comment(_listed(joint)),
-        deepest=shapes.LIMITS[shapes.stiffened],
-        coefficients=", ".join(f"{c:.17g}" for c in constants),
-        scale=f"{float(scale):.17g}",
-    )
-
-
-def _listed(joint):
-    return ", ".join(f"{key} {value}" for key, value in _described(joint).items())
-
-
-def _tabulated_c(joint):
-    law, error = _tabulated(joint)
-    scale, _, constants = law.parts(joint.r2_star)
-    described = f"{_listed(joint)}; relative error about {error:.1g} from ds = 0.005 on"
-    knots = constants[1:].reshape(-1, 2)
-    return _filled(
-        "tabulated",
-        described=_comment(described),
-        knots=len(knots),
-        last=len(knots) - 2,
-        table=_braces(knots),
-        steps=f"{constants[0]:.17g}",
-        scale=f"{float(scale):.17g}",
-    )
-
-
-def _filled(law: str, **values: Any) -> str:
-    template = Template(Path(__file__).with_name(f"{law}.c").read_text(encoding="utf-8"))
-    return template.substitute(values, source=_SOURCE, margin=laws.LIMIT_MARGIN)
-
-
-def _comment(text: str, width: int = 92) -> str:
-    """Lines of a C comment."""
-    return "\n".join(f" * {line}" for line in textwrap.wrap(text, width))
-
-
-def _braces(matrix: NDArray[np.float64]) -> str:
-    rows = ("{" + ", ".join(f"{float(x)!r}" for x in row) + "}" for row in matrix)
-    return "{\n        " + ",\n        ".join(rows) + "}"
