@@ -282,9 +282,10 @@ def study_rows():
     )
     yield from rows(
         export.export,
-        law=("tabulated", (*NAME, "hertz")),
+        law=("tabulated", NAME),
         form=("c", NAME),
         joint=(Joint(200), THING),
+        depth_star=(0.3, set_without((*POSITIVE, 30), None)),
     )
     yield from rows(dataset.load, r2_star=(200, (nan, None, 7, "x")), case=("x", ("x", None, 3)))
     yield from rows(dataset.load, colour=("red", ("red",)))

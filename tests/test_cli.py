@@ -125,7 +125,7 @@ def test_data_show_filters(run):
 def test_choices_and_defaults_are_those_of_the_library(run):
     for command, names in (
         ("joint", [*curve.KINEMATICS, *curve.SOLVERS, *compliance.DRIVES, *compliance.RIMS]),
-        ("export", [*export.EXPORTED, *export.FORMATS]),
+        ("export", [*contact.LAWS, "tabulated", *export.SUFFIXES]),
         ("simulate", [*get_args(Model), "auto", *get_args(JointKind), *contact.LAWS]),
         ("simulate", [*get_args(particles.Method), *get_args(links.Quantity)]),
         ("measure", speed.CHARTS),
@@ -189,7 +189,11 @@ def test_help_names_units(run):
             ],
             "'point' is not one of 'plane', 'clamped'",
         ),
-        (["export", "--law", "hertz", "--format", "c"], "'hertz' is not one of"),
+        (["export", "--law", "hooke", "--format", "c"], "'hooke' is not one of"),
+        (
+            ["export", "--law", "hertz", "--format", "matlab", "--depth-star", "-1"],
+            "depth_star must be > 0, got -1",
+        ),
         (
             ["export", "--law", "stiffened_hertz", "--format", "c", "--kinematics", "small"],
             "kinematics of stiffened_hertz must be one of linear, got 'small'",

@@ -129,17 +129,20 @@ def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **j
     )
 
 
-@command("export", "study.export:export law form", *JOINT)
-def export_law(law, form, output: Path | None = None, r2_star: float | None = None, **joint):
-    """Export a law of this study, for one joint, to another program: to standard output or a file.
+@command("export", "study.export:export law form depth_star", *JOINT)
+def export_law(
+    law, form, depth_star=None, output: Path | None = None, r2_star: float | None = None, **joint
+):
+    """Export a law, for one joint, to another program: to standard output or a file.
 
-    R2/dR is 200 by default.
+    R2/dR is 200 by default. The text states joint, range, units, and the law's largest error
+    against the solved joint.
     """
-    from study.export import export
+    from study.export import SUFFIXES, export
 
     joint |= {} if r2_star is None else {"r2_star": r2_star}
-    check_output(output, f".{form}")
-    text = export(law, form, given_joint(**joint))
+    check_output(output, SUFFIXES[form])
+    text = export(law, form, given_joint(**joint), depth_star)
     if output is None:
         print(text, end="")
     else:

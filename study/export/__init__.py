@@ -44,7 +44,7 @@ def export(law: Exported, form: Format, joint: Joint, depth_star: float | None =
     joint
         The one joint that the text is for.
     depth_star
-        Largest depth of the text, in clearances; by default 1, or the law's own if that is less.
+        Largest depth of the text, in clearances; by default 1.
 
     Raises
     ------
