@@ -16,6 +16,7 @@ from study.joint import Joint, force_curve
 
 depths = st.floats(1e-6, 0.999)
 radii = st.floats(20, 1e5)
+PAPER = {"socket_ratio": 1.298, "modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
 VARIANTS = [
     ("hertz", {}),
     ("steuermann", {}),
@@ -27,10 +28,13 @@ VARIANTS = [
     ("hyperbolic_winkler", {}),
     ("hyperbolic_winkler", {"coefficient": 3.0}),
     ("hyperbolic_winkler", {"area": "sphere"}),
-    ("stiffened_hertz", {}),
-    ("stiffened_hertz", {"socket_ratio": 1.1, "poisson": 0.45}),
-    ("stiffened_hertz", {"socket_ratio": 3.0, "modulus_ratio": 0.01, "ball_drive": "clamped"}),
-    ("stiffened_hertz", {"socket_poisson": 0.46, "modulus_ratio": 30.0, "rim": "free"}),
+    ("stiffened_hertz", PAPER),
+    ("stiffened_hertz", PAPER | {"socket_ratio": 1.1, "poisson": 0.45, "socket_poisson": 0.45}),
+    (
+        "stiffened_hertz",
+        PAPER | {"socket_ratio": 3.0, "modulus_ratio": 0.01, "ball_drive": "clamped"},
+    ),
+    ("stiffened_hertz", PAPER | {"socket_poisson": 0.46, "modulus_ratio": 30.0, "rim": "free"}),
 ]
 every_variant = pytest.mark.parametrize(("name", "options"), VARIANTS)
 

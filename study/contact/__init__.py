@@ -1,12 +1,11 @@
 """Contact laws: the force between ball and socket as a function of penetration depth."""
 
 from study.contact.bodies import SOCKET_RATIO, composite_modulus, largest_depth
+from study.contact.joint_law import JointLaw, contact_force, contact_stiffness
 from study.contact.laws import (
     LAWS,
     PAPER_LAWS,
     LawName,
-    contact_force,
-    contact_stiffness,
     hertz,
     hyperbolic_winkler,
     liu,
@@ -20,6 +19,7 @@ __all__ = [
     "LAWS",
     "PAPER_LAWS",
     "SOCKET_RATIO",
+    "JointLaw",
     "LawName",
     "composite_modulus",
     "contact_force",

@@ -1,0 +1,177 @@
+"""A contact law of one joint in SI units: force, stiffness, and the depth of a force.
+
+Every law of `study.contact.laws` is dimensionless. `JointLaw` gives it the joint's dimensions, and
+inverts it.
+"""
+
+from inspect import signature
+from math import inf
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from study import checks
+from study.contact import shapes
+from study.contact.bodies import clearance_and_r2_star
+from study.contact.laws import LIMIT_MARGIN, Floats, Law, find
+
+BODIES = ("socket_ratio", "modulus_ratio", "poisson", "socket_poisson")
+"""Options of `study.contact.stiffened_hertz` that a joint in SI units must give."""
+_STEPS, _CLOSE = 200, 1e-8  # of Newton: at most, of some five; a last step, relative
+
+
+class JointLaw:
+    """A law of a joint with its dimensions, in SI units.
+
+    Parameters
+    ----------
+    law
+        Key of `study.contact.LAWS`, or a law itself, such as ``tabulated(curve)``.
+    ball_radius, socket_radius
+        In m, the ball smaller than the socket.
+    composite_modulus
+        E*, > 0, in Pa (`study.contact.composite_modulus`).
+    **options
+        Of the law. ``stiffened_hertz`` must be given ``socket_ratio``, ``modulus_ratio``,
+        ``poisson`` and ``socket_poisson``.
+
+    Attributes
+    ----------
+    deepest
+        Largest depth that the law is for, in m; infinite for a law without a limit.
+
+    Raises
+    ------
+    ValueError
+        For an unknown law or option, an option that is missing, or a value outside its range.
+    """
+
+    def __init__(
+        self,
+        law: str | Law,
+        *,
+        ball_radius: float,
+        socket_radius: float,
+        composite_modulus: float,
+        **options: Any,
+    ) -> None:
+        found = find(law)
+        self.name = found.parts.__name__
+        self.clearance, self.r2_star = clearance_and_r2_star(ball_radius, socket_radius)
+        modulus = composite_modulus
+        modulus = checks.number("composite modulus", modulus, "Pa", above=0, scalar=True)
+        self.composite_modulus = modulus
+        known = list(signature(found.parts).parameters)[1:] or ["(it has none)"]
+        for option in options:
+            checks.choice(f"option of {self.name}", option, known)
+        missing = [option for option in BODIES if option in known and option not in options]
+        if missing:
+            raise ValueError(
+                f"{self.name} in SI units must be given {', '.join(missing)}: a force depends on "
+                "the socket's thickness and on both materials"
+            )
+        self.options = options
+        self._scale, self._shape, self._constants = found.parts(self.r2_star, **options)
+        limit = shapes.LIMITS.get(self._shape, found.deepest)
+        self.deepest = inf if limit is None else self.clearance * float(limit)
+
+    def force(self, depth: ArrayLike) -> Floats:
+        """Contact force in N at depths in m, of their shape; 0 at depths <= 0."""
+        return self._evaluated(depth, 0)
+
+    def stiffness(self, depth: ArrayLike) -> Floats:
+        """Contact stiffness dP/dd in N/m at depths in m, of their shape; 0 at depths <= 0."""
+        return self._evaluated(depth, 1)
+
+    def depth(self, force: ArrayLike) -> Floats:
+        """Depths in m of contact forces >= 0 in N, of their shape: the inverse of `force`.
+
+        Newton's method in ln(depth) and ln(force), between bounds: to rounding.
+
+        Raises
+        ------
+        ValueError
+            For a force that is larger than that of the law's largest depth.
+        """
+        most = None
+        if self.deepest < inf:
+            most = float(self.force(self.deepest)) * (1 + LIMIT_MARGIN)
+        name = f"force of {self.name}"
+        given = np.asarray(checks.number(name, force, "N", least=0, most=most))
+        depth = np.zeros(given.shape)
+        pressed = given > 0
+        wanted = given[pressed] / self._unit(0) / self._scale
+        depth[pressed] = self.clearance * self._inverted(wanted)
+        return float(depth) if depth.ndim == 0 else depth
+
+    def _unit(self, derivative):
+        """What makes a dimensionless force, or stiffness, one in N, or N/m."""
+        return self.composite_modulus * self.clearance ** (2 - derivative)
+
+    def _evaluated(self, depth, derivative):
+        given = np.asarray(checks.depth("depth", depth, "m"))
+        if self.deepest < inf:
+            most = self.deepest * (1 + LIMIT_MARGIN)
+            checks.number(f"depth of {self.name}", given, "m", most=most)
+        depth_star = np.asarray(checks.depth("depth over clearance", given / self.clearance))
+        result, contact = np.zeros(given.shape), given > 0
+        value = self._shape(depth_star[contact], self._constants)[derivative]
+        result[contact] = self._unit(derivative) * (self._scale * value)
+        return float(result) if result.ndim == 0 else result
+
+    def _inverted(self, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Depths in clearances at which the shape has given values > 0."""
+        deepest = self.deepest / self.clearance * (1 + LIMIT_MARGIN)
+        least, most = np.zeros_like(wanted), np.full_like(wanted, deepest)
+        depth = np.minimum(wanted ** (2 / 3), most)  # Hertz's
+        for _ in range(_STEPS):
+            value, slope = self._shape(depth, self._constants)
+            off = np.log(value / wanted)
+            least, most = np.where(off < 0, depth, least), np.where(off > 0, depth, most)
+            before, depth = depth, depth * np.exp(-off * value / (slope * depth))
+            bound = np.clip(depth, least, most)
+            depth = np.where(depth == bound, depth, (before + bound) / 2)
+            if np.all(np.abs(depth - before) <= _CLOSE * depth):
+                return depth
+        raise checks.StudyError(f"{self.name} found no depth for a force; does it increase?")
+
+
+def contact_force(
+    law: str | Law,
+    depth: ArrayLike,
+    ball_radius: float,
+    socket_radius: float,
+    composite: float,
+    *,
+    derivative: bool = False,
+    **options: Any,
+) -> Floats:
+    """Contact force of a law in SI units, in N: `JointLaw`'s, with its arguments and errors.
+
+    Parameters
+    ----------
+    depth
+        In m; zero force where it is negative.
+    composite
+        Composite modulus E*, in Pa.
+    derivative
+        Return dP/dd, in N/m.
+    """
+    radii = {"ball_radius": ball_radius, "socket_radius": socket_radius}
+    joint_law = JointLaw(law, **radii, composite_modulus=composite, **options)
+    checks.flag("derivative", derivative)
+    return joint_law.stiffness(depth) if derivative else joint_law.force(depth)
+
+
+def contact_stiffness(
+    law: str | Law,
+    depth: ArrayLike,
+    ball_radius: float,
+    socket_radius: float,
+    composite: float,
+    **options: Any,
+) -> Floats:
+    """Contact stiffness dP/dd, in N/m: the derivative of `contact_force`, with its arguments."""
+    joint = ball_radius, socket_radius, composite
+    return contact_force(law, depth, *joint, derivative=True, **options)
