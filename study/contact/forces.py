@@ -8,6 +8,7 @@ from inspect import signature
 from typing import Any
 
 import numpy as np
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from study import checks
@@ -15,15 +16,17 @@ from study.compiled import compiled
 from study.contact import shapes
 from study.contact.bodies import clearance_and_r2_star
 from study.contact.friction import friction_factor
-from study.contact.laws import Law, find
+from study.contact.laws import AnyLaw, find
 
-_hertz, _winkler, _power, _chord, _liu, _hyperbolic, _stiffened, _tabulated = (
+register_jitable(shapes.cubic)  # two shapes call it
+_hertz, _winkler, _power, _chord, _liu, _hyperbolic, _stiffened, _tabulated, _sampled = (
     compiled(shape) for shape in shapes.SHAPES
 )
+_SAMPLED = len(shapes.SHAPES) - 1
 
 
 def pack(
-    law: str | Law, ball_radius: float, socket_radius: float, composite: float, **options: Any
+    law: AnyLaw, ball_radius: float, socket_radius: float, composite: float, **options: Any
 ) -> NDArray[np.float64]:
     """Numbers that `elastic_force` needs; arguments and errors as of `contact.contact_force`.
 
@@ -60,13 +63,20 @@ def elastic_force(law, depth):
     elif shape == 6:
         nine = law[3], law[4], law[5], law[6], law[7], law[8], law[9], law[10], law[11]
         value, slope = _stiffened(depth_star, nine)  # half the time of a slice
-    else:
+    elif shape == 7:
         value, slope = _tabulated(depth_star, law[3:])
+    else:
+        value, slope = _sampled(depth_star, law[3:])
     return law[2] * value, law[2] / law[1] * slope
 
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
-_NODES, _WEIGHTS = (1 + _NODES) / 2, _WEIGHTS / 2
+def _gauss(count):
+    """Nodes and weights of Gauss's rule from 0 to 1."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return (1 + nodes) / 2, weights / 2
+
+
+(_NODES, _WEIGHTS), (_FEW_NODES, _FEW_WEIGHTS) = _gauss(20), _gauss(4)
 
 
 @compiled
@@ -74,10 +84,21 @@ def stored_energy(law, depth):
     """Elastic energy at a depth, in J: the force integrated over the depth.
 
     By Gauss's rule in the square root of the depth, in which all shapes but Steuermann's
-    profiles of n > 1 are analytic (those come to 1e-11).
+    profiles of n > 1 are analytic (those come to 1e-11). A sampled function may have kinks: it is
+    integrated from knot to knot, each interval exactly.
     """
     energy = 0.0
-    if depth > 0:
+    if depth > 0 and law[0] == _SAMPLED:
+        low, root = 0.0, np.sqrt(depth / law[1])
+        for knot in law[4 : 3 + (len(law) - 3) // 3]:
+            step = min(knot, root) - low
+            for node, weight in zip(_FEW_NODES, _FEW_WEIGHTS):  # noqa: B905
+                s = low + node * step
+                energy += weight * step * 2 * s * law[1] * elastic_force(law, s * s * law[1])[0]
+            low = knot
+            if low >= root:
+                break
+    elif depth > 0:
         for node, weight in zip(_NODES, _WEIGHTS):  # noqa: B905 (compiled code has no strict)
             energy += weight * 2 * node * depth * elastic_force(law, node * node * depth)[0]
     return energy

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from study import checks
 from study.contact import shapes
 from study.contact.bodies import clearance_and_r2_star
-from study.contact.laws import LIMIT_MARGIN, Floats, Law, find
+from study.contact.laws import LIMIT_MARGIN, AnyLaw, Floats, find
 
 BODIES = ("socket_ratio", "modulus_ratio", "poisson", "socket_poisson")
 """Options of `study.contact.stiffened_hertz` that a joint in SI units must give."""
@@ -27,7 +27,8 @@ class JointLaw:
     Parameters
     ----------
     law
-        Key of `study.contact.LAWS`, or a law itself, such as ``tabulated(curve)``.
+        Key of `study.contact.LAWS`, a law itself, such as ``tabulated(curve)``, or a function of
+        (``depth_star``, ``r2_star``) that returns force_star (`study.contact.sampled`).
     ball_radius, socket_radius
         In m, the ball smaller than the socket.
     composite_modulus
@@ -49,7 +50,7 @@ class JointLaw:
 
     def __init__(
         self,
-        law: str | Law,
+        law: AnyLaw,
         *,
         ball_radius: float,
         socket_radius: float,
@@ -138,7 +139,7 @@ class JointLaw:
 
 
 def contact_force(
-    law: str | Law,
+    law: AnyLaw,
     depth: ArrayLike,
     ball_radius: float,
     socket_radius: float,
@@ -165,7 +166,7 @@ def contact_force(
 
 
 def contact_stiffness(
-    law: str | Law,
+    law: AnyLaw,
     depth: ArrayLike,
     ball_radius: float,
     socket_radius: float,

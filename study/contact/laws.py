@@ -12,7 +12,7 @@ Each docstring says how sure its formula is (given, derived, identified, reconst
 
 import json
 from collections.abc import Callable
-from functools import lru_cache, wraps
+from functools import lru_cache, partial, wraps
 from inspect import Parameter, Signature, signature
 from math import factorial, gamma, pi, sqrt
 from pathlib import Path
@@ -20,10 +20,9 @@ from typing import Any, Literal, Protocol, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from study import checks
-from study.contact import shapes, stiffening
+from study.contact import sampling, shapes, stiffening
 from study.contact.bodies import SOCKET_RATIO
 
 LawName = Literal["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler", "stiffened_hertz"]
@@ -38,7 +37,6 @@ AREA_COEFFICIENTS: dict[Area, str] = {
 }
 """Name of the fitted coefficient of `hyperbolic_winkler`, by the area element of its pressure."""
 LIMIT_MARGIN = 1e-9  # of the limits: d/dR and R2/dR of radii in m may exceed them by rounding
-STEPS = 256  # of `tabulated`, per unit of sqrt(depth_star)
 
 
 class Law(Protocol):
@@ -48,6 +46,10 @@ class Law(Protocol):
     __call__: Callable[..., Any]
     parts: Callable[..., Parts]
     deepest: float | None  # depth_star, if its shape does not tell
+
+
+AnyLaw = str | Law | Callable[[float, float], float]
+"""Key of `LAWS`, a law itself, or a function of one depth_star and one r2_star (`sampled`)."""
 
 
 def _law(
@@ -254,11 +256,7 @@ def tabulated(curve: Any) -> Law:
         raise ValueError("curve must have a force that increases with depth")
     joint_r2_star = float(curve.joint.r2_star)
     root = np.append(0, np.sqrt(depth))
-    factor = np.append(1, force / hertz(depth, joint_r2_star))
-    spline = CubicHermiteSpline(root, factor, _monotone_slopes(root, factor))
-    knots = np.linspace(0, root[-1], int(np.ceil(STEPS * root[-1])) + 1)
-    table = np.column_stack([spline(knots), spline(knots, 1)]).ravel()
-    constants = np.array([(len(knots) - 1) / root[-1], *table])
+    constants = sampling.of_points(root, np.append(1, force / hertz(depth, joint_r2_star)))
 
     def tabulated(r2_star: Floats) -> Parts:
         if not np.allclose(r2_star, joint_r2_star, rtol=1e-6, atol=0):
@@ -268,13 +266,48 @@ def tabulated(curve: Any) -> Law:
     return _law(tabulated, joint_r2_star, depth[-1])
 
 
-def _monotone_slopes(x, y):
-    """Slopes of a cubic spline, within three times the lesser of the neighbouring chords'."""
-    chords = np.diff(y) / np.diff(x)
-    left, right = np.insert(chords, 0, chords[0]), np.append(chords, chords[-1])
-    most = 3 * np.minimum(np.abs(left), np.abs(right)) * (left * right > 0)
-    least = np.where(left > 0, 0, -most)
-    return np.clip(CubicSpline(x, y)(x, 1), least, np.where(left > 0, most, 0))
+def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> Law:
+    """Law of a plain Python function: a table of it, which compiled code can read.
+
+    The secant stiffness P*/ds is sampled on equal steps of sqrt(ds), and is a cubic Hermite spline
+    between them: exact for powers ds, ds^1.5, ds^2 and ds^2.5, continuously differentiable. The
+    steps are halved until the force is within 1e-6 of the function's between them, or within
+    1e-8 of the largest; this is done once for an R2*. A law is called with one R2* at a time.
+
+    Wherever a law is taken, a function may be given instead: it is sampled up to one clearance.
+
+    Parameters
+    ----------
+    function
+        Of (``depth_star``, ``r2_star``), each one number, that returns force_star = P/(E* dR^2):
+        0 at depth 0, and increasing. The law has its name.
+    deepest
+        Largest depth_star of the law, up to which the function is sampled.
+
+    Raises
+    ------
+    ValueError
+        For a function of other arguments; and when the law is used, for a force that is no finite
+        number, not 0 at depth 0, does not increase with depth, or jumps.
+    """
+    if not callable(function) or isinstance(function, type):
+        raise ValueError(f"law must be a name or a function, got {checks.shown(function)}")
+    name = getattr(function, "__name__", type(function).__name__)
+    sampling.check_arguments(function, name)
+    limit = checks.number("deepest", deepest, above=0, scalar=True)
+    table = lru_cache(maxsize=8)(partial(sampling.of_function, function, name, deepest=limit))
+
+    def parts(r2_star: Floats) -> Parts:
+        given = np.unique(r2_star)
+        if given.size == 0:  # nothing touches
+            return 1.0, shapes.hertz, ()
+        if given.size > 1:
+            raise ValueError(f"r2_star of law {name} must be one number, got {checks.shown(given)}")
+        return 1.0, shapes.sampled, table(r2_star=float(given[0]))
+
+    parts.__name__ = parts.__qualname__ = name
+    parts.__doc__ = function.__doc__
+    return _law(parts, deepest=limit)
 
 
 LAWS: dict[str, Law] = {
@@ -285,10 +318,12 @@ PAPER_LAWS: tuple[LawName, ...] = get_args(LawName)[:-1]
 """Those that the paper compares."""
 
 
-def find(law: str | Law) -> Law:
-    """The law of a name, or the law itself, or ``ValueError``."""
+def find(law: AnyLaw) -> Law:
+    """The law of a name, the law itself, or that `sampled` from a function, or ``ValueError``."""
     if not isinstance(law, str) and callable(getattr(law, "parts", None)):
-        return law
+        return cast(Law, law)
+    if callable(law) and not isinstance(law, type):
+        return sampled(law)
     return LAWS[checks.choice("law", law, LAWS)]
 
 

@@ -83,6 +83,16 @@ def stiffened(depth_star, constants):
     return depth_star * root * factor, root * 1.5 * factor + depth_star * steepness / 2
 
 
+def cubic(x, left, slope, right, next_slope):
+    """Value and dvalue/dx at x = 0 to 1 in an interval of a cubic Hermite spline.
+
+    ``left``, ``slope``, ``right`` and ``next_slope`` are those at its ends.
+    """
+    rise = right - left
+    c2, c3 = 3 * rise - 2 * slope - next_slope, slope + next_slope - 2 * rise
+    return left + x * (slope + x * (c2 + x * c3)), slope + x * (2 * c2 + x * 3 * c3)
+
+
 def tabulated(depth_star, constants):
     """ds^(3/2) S, with S a cubic Hermite spline on equal steps of s = sqrt(ds).
 
@@ -93,13 +103,26 @@ def tabulated(depth_star, constants):
     knot = np.int64(np.minimum(place, (len(constants) - 1) // 2 - 2))
     x, step = place - knot, 1 / constants[0]
     left, slope = constants[1 + 2 * knot], constants[2 + 2 * knot] * step
-    rise, next_slope = constants[3 + 2 * knot] - left, constants[4 + 2 * knot] * step
-    c2, c3 = 3 * rise - 2 * slope - next_slope, slope + next_slope - 2 * rise
-    factor = left + x * (slope + x * (c2 + x * c3))
-    steepness = (slope + x * (2 * c2 + x * 3 * c3)) * constants[0]
+    right, next_slope = constants[3 + 2 * knot], constants[4 + 2 * knot] * step
+    factor, steepness = cubic(x, left, slope, right, next_slope)
+    steepness = steepness * constants[0]
     return depth_star * root * factor, root * 1.5 * factor + depth_star * steepness / 2
+
+
+def sampled(depth_star, constants):
+    """F ds, with F a cubic Hermite spline over s = sqrt(ds).
+
+    ``constants`` are its knots, F there, and dF/ds there.
+    """
+    root, count = np.sqrt(depth_star), len(constants) // 3
+    knot = np.minimum(np.searchsorted(constants[:count], root, "right") - 1, count - 2)
+    step = constants[knot + 1] - constants[knot]
+    x, value, end = (root - constants[knot]) / step, count + knot, 2 * count + knot
+    ends = constants[value], constants[end] * step, constants[value + 1], constants[end + 1] * step
+    factor, steepness = cubic(x, *ends)
+    return depth_star * factor, factor + root * steepness / (2 * step)
 
 
 LIMITS = {hyperbolic: pi**2 / 8, stiffened: 1.0}
 """Largest depth_star, of shapes that have one: a half-angle of 90 deg, the end of the fit."""
-SHAPES = (hertz, winkler, power, chord, liu, hyperbolic, stiffened, tabulated)
+SHAPES = (hertz, winkler, power, chord, liu, hyperbolic, stiffened, tabulated, sampled)

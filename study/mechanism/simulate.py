@@ -13,7 +13,7 @@ import numpy as np
 
 from study import checks
 from study.contact.forces import pack
-from study.contact.laws import Law, find
+from study.contact.laws import AnyLaw, find
 from study.mechanism import beams, ideal, particles, rigid
 from study.mechanism.response import COLUMNS, Response
 from study.mechanism.scene import Scene
@@ -38,7 +38,7 @@ def simulate(
     *,
     model: Model = "rigid",
     joint: JointKind = "clearance",
-    law: str | Law = "hertz",
+    law: AnyLaw = "hertz",
     duration: float = 0.1,
     outputs: int = 1000,
     tolerance: float | None = None,
@@ -57,7 +57,8 @@ def simulate(
     joint
         Joint between coupler and slider.
     law
-        Contact law, a key of ``study.contact.LAWS``, or a law itself: ``tabulated(curve)``.
+        Contact law: a key of ``study.contact.LAWS``, a law itself as ``tabulated(curve)``, or a
+        function of (``depth_star``, ``r2_star``) that returns force_star (`study.contact.sampled`).
     duration
         In s.
     outputs
@@ -111,9 +112,10 @@ def simulate(
     checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)
     outputs = checks.whole("outputs", outputs, least=1, most=10**6)
     sizes = scene.ball_radius, scene.socket_radius
+    law = find(law)
     packed = pack(law, *sizes, scene.composite_modulus, **law_options)
     try:
-        find(law)(1.0, scene.socket_radius / scene.clearance, **law_options)
+        law(1.0, scene.socket_radius / scene.clearance, **law_options)
     except checks.RangeError as error:
         raise checks.RangeError(f"law must reach a depth of one clearance: {error}") from None
     instants = duration * np.arange(outputs + 1) / outputs

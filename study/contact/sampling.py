@@ -1,0 +1,129 @@
+"""Tables over s = sqrt(ds), as cubic Hermite splines: what `study.contact.shapes` read.
+
+For the curve of a joint, and for a force that is a plain Python function.
+"""
+
+from collections.abc import Callable
+from inspect import signature
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
+
+from study import checks
+
+STEPS = 256
+"""Per unit of s; the table of a function begins with them."""
+NARROWEST, MOST_KNOTS = 1e-10, 20_000
+"""Least interval of a function's table, as a share of it, and largest number of its knots."""
+TOLERANCE = 1e-7
+"""Largest error of a function's table between its knots, relative to the force there."""
+FLOOR = 1e-9
+"""The same relative to the force at the largest depth, for depths at which that is more."""
+
+
+def monotone_slopes(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Slopes of a cubic spline, within three times the lesser of the neighbouring chords'.
+
+    With them it is monotone where its points are (Hyman, SIAM J. Sci. Stat. Comput. 4 (1983)
+    645-654).
+    """
+    chords = np.diff(y) / np.diff(x)
+    left, right = np.insert(chords, 0, chords[0]), np.append(chords, chords[-1])
+    most = 3 * np.minimum(np.abs(left), np.abs(right)) * (left * right > 0)
+    least = np.where(left > 0, 0, -most)
+    return np.clip(CubicSpline(x, y)(x, 1), least, np.where(left > 0, most, 0))
+
+
+def of_points(root: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Table of a factor that is known at some s, the first of them 0: of `shapes.tabulated`.
+
+    Its constants are the steps per unit of s, then the factor and its slope in turn at every knot.
+    """
+    spline = CubicHermiteSpline(root, factor, monotone_slopes(root, factor))
+    knots = np.linspace(0, root[-1], int(np.ceil(STEPS * root[-1])) + 1)
+    table = np.column_stack([spline(knots), spline(knots, 1)]).ravel()
+    return np.array([(len(knots) - 1) / root[-1], *table])
+
+
+def of_function(
+    function: Callable[..., Any], name: str, r2_star: float, deepest: float
+) -> NDArray[np.float64]:
+    """Table of the secant stiffness P*/ds of a function: constants of `shapes.sampled`.
+
+    ``function`` takes one depth_star and one r2_star, and gives one P*. Intervals are halved until
+    the table is within `TOLERANCE` of the function at three places in each, and rises there.
+
+    Raises
+    ------
+    ValueError
+        For a force that is no finite number, not 0 at depth 0, or does not increase with depth;
+        and for a function that no table follows, as one that jumps.
+    """
+    root = np.sqrt(deepest)
+    known = {0.0: _force(function, name, 0.0, r2_star)}
+    knots = np.linspace(0, root, int(np.ceil(STEPS * root)) + 1)
+    while True:
+        within = knots[:-1, None] + np.diff(knots)[:, None] * (0, 0.25, 0.5, 0.75)
+        places = np.append(within, root)
+        for s in places.tolist():
+            if s not in known:
+                known[s] = _force(function, name, s * s, r2_star)
+        depth, force = places * places, np.array([known[s] for s in places.tolist()])
+        _check(name, depth, force)
+        spline = _secant(knots, force[::4])
+        table, slope = depth * spline(places), spline(places) + places * spline(places, 1) / 2
+        allowed = np.maximum(TOLERANCE * force, FLOOR * force[-1])
+        wrong = (np.abs(table - force) > allowed) | ((slope <= 0) & (depth > 0))
+        intervals = np.flatnonzero(wrong[:-1].reshape(-1, 4).any(axis=1))
+        if intervals.size == 0:
+            return np.concatenate([knots, spline(knots), spline(knots, 1)])
+        narrow = np.diff(knots)[intervals] < NARROWEST * root
+        if narrow.any() or len(knots) + intervals.size > MOST_KNOTS:
+            at = knots[intervals[np.argmax(narrow)]] ** 2
+            raise ValueError(
+                f"law {name} must have no jump and few kinks: no table of its force is within "
+                f"{TOLERANCE:g} of it at a depth_star of {at:.4g}"
+            )
+        knots = np.sort(np.append(knots, within[intervals, 2]))
+
+
+def check_arguments(function: Callable[..., Any], name: str) -> None:
+    """Refuse a function that does not take a depth_star and an r2_star."""
+    try:
+        signature(function).bind(0.1, 200.0)
+    except TypeError:
+        wanted = f"law {name} must be a function of (depth_star, r2_star)"
+        raise ValueError(f"{wanted}, got {name}{signature(function)}") from None
+    except ValueError:  # a function in C, which does not tell
+        return
+
+
+def _force(function, name, depth_star, r2_star):
+    """Force of the function at one depth, a float."""
+    force = np.asarray(function(depth_star, r2_star))
+    at = f"force_star of law {name} at depth_star {depth_star:.6g}"
+    return checks.number(at, force.item() if force.size == 1 else force, scalar=True)
+
+
+def _check(name, depth, force):
+    """Refuse forces that are not 0 at depth 0, or do not increase from one depth to the next."""
+    if abs(force[0]) > 1e-12 * abs(force[-1]):
+        raise ValueError(f"force_star of law {name} must be 0 at depth_star 0, got {force[0]:g}")
+    force[0] = 0.0
+    falls = np.flatnonzero(np.diff(force) <= 0)
+    if falls.size:
+        (ds1, ds2), (p1, p2) = depth[falls[0] :][:2], force[falls[0] :][:2]
+        raise ValueError(
+            f"force_star of law {name} must increase with depth_star, got {p1:.9g} at {ds1:.6g} "
+            f"and {p2:.9g} at {ds2:.6g}"
+        )
+
+
+def _secant(knots, force):
+    """Spline of P*/ds at the knots; at 0 as it comes out of the next ones, at least 0."""
+    secant = force[1:] / (knots[1:] * knots[1:])
+    at_0 = float(CubicSpline(knots[1:], secant)(0.0))
+    secant = np.append(max(0.0, at_0), secant)
+    return CubicHermiteSpline(knots, secant, monotone_slopes(knots, secant))

@@ -1,0 +1,138 @@
+"""Plain Python functions as laws: their tables, in and out of the mechanism."""
+
+import re
+from math import acos, inf, nan, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from study import contact
+from study.contact import forces, sampling
+from study.mechanism import Scene, rigid, simulate
+
+R1, R2, MODULUS = 9.95e-3, 10e-3, 1.1e11
+DEPTHS = np.geomspace(1e-9, 1, 1999)
+
+
+def hertz(depth_star, r2_star):
+    """Hertz's law, as a user writes it."""
+    return 4 / 3 * sqrt(r2_star * (r2_star - 1)) * depth_star**1.5
+
+
+def stopped(depth_star, r2_star):
+    """A spring that meets a stop 50 times as stiff."""
+    return 100 * depth_star if depth_star < 0.01 else 1 + 5000 * (depth_star - 0.01)
+
+
+def measured(depth_star, r2_star):
+    """Force between a few measured points, on straight lines."""
+    places = np.linspace(0, 1, 20) ** 2
+    return np.interp(depth_star, places, 300 * places**1.5)
+
+
+@pytest.mark.parametrize("power", [1, 1.5, 2, 2.5])
+def test_four_powers_are_exact(power):
+    law = contact.sampled(lambda ds, r2: r2 * ds**power)
+    assert law(DEPTHS, 200) == pytest.approx(200 * DEPTHS**power, rel=1e-13)
+    slope = 200 * power * DEPTHS ** (power - 1)
+    assert law(DEPTHS, 200, derivative=True) == pytest.approx(slope, rel=1e-11)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        stopped,
+        measured,
+        lambda ds, r2: 5 * ds**1.2,
+        lambda ds, r2: 5 * ds**3.3,
+        lambda ds, r2: 300 * ds * sin(acos(1 / (1 + ds))),
+        lambda ds, r2: 300 * (ds**1.5 if ds < 0.4 else 0.4**1.5 + 40 * (ds - 0.4) ** 2 + ds - 0.4),
+    ],
+)
+def test_table_is_within_what_is_promised(function):
+    law = contact.sampled(function)
+    exact = np.array([function(ds, 200.0) for ds in DEPTHS])
+    allowed = np.maximum(sampling.TOLERANCE * exact, sampling.FLOOR * exact[-1])
+    # of places that were not looked at: a little more
+    assert (np.abs(law(DEPTHS, 200) - exact) <= 3 * allowed).all()
+    assert (np.diff(law(DEPTHS, 200)) > 0).all()
+    assert law(0.0, 200) == law(-0.1, 200) == 0
+
+
+def test_name_limit_and_one_socket_radius_at_a_time():
+    law = contact.sampled(hertz, deepest=2.0)
+    assert law.__name__ == "hertz"
+    assert law(2.0, [200, 200]) == pytest.approx(contact.hertz(2.0, [200, 200]), rel=1e-13)
+    with pytest.raises(ValueError, match="depth_star of hertz must be <= 2, got 2.1"):
+        law(2.1, 200)
+    with pytest.raises(ValueError, match="r2_star of law hertz must be one number, got array"):
+        law(0.1, [20, 200])
+
+
+@pytest.mark.parametrize(
+    ("function", "message"),
+    [
+        (lambda ds, r2: ds + 1, "force_star of law <lambda> must be 0 at depth_star 0, got 1"),
+        (lambda ds, r2: -ds, "force_star of law <lambda> must increase with depth_star, got 0 at"),
+        (lambda ds, r2: min(ds, 0.5), "must increase with depth_star, got 0.5 at 0.5"),
+        (lambda ds, r2: sin(4 * ds), "must increase with depth_star, got 0.99"),
+        (lambda ds, r2: ds + (ds > 0.25), "law <lambda> must have no jump and few kinks: no table"),
+        (lambda ds, r2: nan, "force_star of law <lambda> at depth_star 0 must be finite, got nan"),
+        (lambda ds, r2: inf if ds > 0.5 else ds, "must be finite, got inf"),
+        (lambda ds, r2: None, "at depth_star 0 must be one number, got None"),
+        (lambda ds, r2: [ds, ds], "at depth_star 0 must be one number, got array([0., 0.])"),
+        (lambda ds: ds, "law <lambda> must be a function of (depth_star, r2_star), got <lambda>("),
+        (3, "law must be one of hertz"),
+        (float, "law must be one of hertz"),
+    ],
+)
+def test_bad_function_is_one_clear_error(function, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        contact.contact_force(function, 1e-5, R1, R2, MODULUS)
+    with pytest.raises(ValueError, match=re.escape(message)):
+        simulate(law=function, duration=1e-3)
+
+
+@pytest.mark.parametrize("function", [hertz, stopped])
+def test_compiled_force_and_energy_are_the_functions(function):
+    law, clearance = forces.pack(function, R1, R2, MODULUS), R2 - R1
+    depths = clearance * DEPTHS
+    found = np.array([forces.elastic_force(law, d) for d in depths])
+    of_law = contact.contact_force(function, depths, R1, R2, MODULUS)
+    assert found[:, 0] == pytest.approx(of_law, rel=1e-13)
+    stiffness = contact.contact_stiffness(function, depths, R1, R2, MODULUS)
+    assert found[:, 1] == pytest.approx(stiffness, rel=1e-10)
+    deepest, kink = 0.3 * clearance, [0.01 * clearance]
+    exact, _ = quad(lambda d: forces.elastic_force(law, d)[0], 0, deepest, points=kink, epsrel=1e-9)
+    assert forces.stored_energy(law, deepest) == pytest.approx(exact, rel=1e-8)
+
+
+def test_a_function_of_hertz_drives_the_mechanism_as_hertz():
+    mine, named = (simulate(law=law, duration=0.02, outputs=100) for law in (hertz, "hertz"))
+    assert mine.slider_position == pytest.approx(named.slider_position, rel=1e-12)
+    forces = mine.impacts.peak_force
+    assert forces.to_numpy() == pytest.approx(named.impacts.peak_force.to_numpy(), rel=1e-8)
+
+
+def test_impact_on_a_linear_spring_is_half_an_oscillation():
+    scene = Scene(restitution=1.0, friction=0.0)
+    response = simulate(scene, law=lambda ds, r2: 1e6 * ds, duration=0.0018, outputs=2000)
+    first = response.impacts.iloc[0]
+    p, at = scene.constants(), np.searchsorted(response.time, first.time)
+    ex, ey = response.eccentricity_x[at], response.eccentricity_y[at]
+    r = np.hypot(ex, ey)
+    mass = 1 / rigid.compliance(response.crank_angle[at], ey, ex / r, ey / r, 0.0, p)
+    frequency = sqrt(1e6 * scene.composite_modulus * scene.clearance / mass)
+    assert first.duration == pytest.approx(pi / frequency, rel=1e-3)
+    assert first.peak_depth == pytest.approx(first.approach_speed / frequency, rel=1e-3)
+    assert first.separation_speed == pytest.approx(first.approach_speed, rel=1e-3)
+
+
+@pytest.mark.parametrize("function", [stopped, measured])
+@pytest.mark.parametrize("restitution", [0.5, 1.0])
+def test_energy_balance_closes_with_kinks_in_the_law(function, restitution):
+    response = simulate(Scene(restitution=restitution), law=function, duration=0.03, outputs=3000)
+    assert response.energy_error < 1e-8
+    if function is stopped:
+        assert response.impacts.peak_depth.max() > 0.01 * 5e-5  # the stop is met
