@@ -136,3 +136,12 @@ def test_energy_balance_closes_with_kinks_in_the_law(function, restitution):
     assert response.energy_error < 1e-8
     if function is stopped:
         assert response.impacts.peak_depth.max() > 0.01 * 5e-5  # the stop is met
+
+
+@pytest.mark.parametrize("function", [hertz, stopped, measured])
+def test_a_function_in_si_units_and_back(function):
+    joint = {"ball_radius": R1, "socket_radius": R2, "composite_modulus": MODULUS}
+    law, depths = contact.JointLaw(function, **joint), np.geomspace(1e-10, 5e-5, 50)
+    force = [function(d / 5e-5, 200.0) * MODULUS * (R2 - R1) ** 2 for d in depths]
+    assert law.force(depths) == pytest.approx(force, rel=1e-6)
+    assert law.depth(law.force(depths)) == pytest.approx(depths, rel=1e-12)
