@@ -123,7 +123,7 @@ class JointLaw:
 
     def _inverted(self, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
         """Depths in clearances at which the shape has given values > 0."""
-        deepest = self.deepest / self.clearance * (1 + LIMIT_MARGIN)
+        deepest = self.deepest / self.clearance * (1 + 2 * LIMIT_MARGIN)
         least, most = np.zeros_like(wanted), np.full_like(wanted, deepest)
         depth = np.minimum(wanted ** (2 / 3), most)  # Hertz's
         for _ in range(_STEPS):
@@ -131,8 +131,9 @@ class JointLaw:
             off = np.log(value / wanted)
             least, most = np.where(off < 0, depth, least), np.where(off > 0, depth, most)
             before, depth = depth, depth * np.exp(-off * value / (slope * depth))
+            inside = (depth > least) & (depth < most)  # else it may go to and fro over a kink
             bound = np.clip(depth, least, most)
-            depth = np.where(depth == bound, depth, (before + bound) / 2)
+            depth = np.where(inside, depth, (before + bound) / 2)
             if np.all(np.abs(depth - before) <= _CLOSE * depth):
                 return depth
         raise checks.StudyError(f"{self.name} found no depth for a force; does it increase?")
