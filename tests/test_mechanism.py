@@ -14,6 +14,7 @@ from study.contact.forces import pack
 from study.joint import Joint, force_curve
 from study.measure import explicit
 from study.mechanism import MechanismError, Scene, compare, rigid, simulate
+from study.mechanism.response import EVENTS
 
 PAPER = Scene()
 HERTZ = pack("hertz", PAPER.ball_radius, PAPER.socket_radius, PAPER.composite_modulus)
@@ -210,6 +211,55 @@ def test_impacts_table_balances_each_impact():
     assert ended.peak_depth[0] == pytest.approx(fine.depth.max(), rel=1e-5)
 
 
+@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+def test_motion_has_rows_at_start_peak_and_end_of_each_impact(model):
+    response = simulate(model=model, duration=0.006, outputs=20)
+    impacts, motion = response.impacts, response.motion
+    assert motion.time.is_monotonic_increasing
+    assert np.array_equal(motion[motion.event == ""].drop(columns="event"), response.rows)
+    start, peak, end = (motion[motion.event == kind] for kind in EVENTS)
+    step = {"rigid": 1e-12, "particles": 1e-6, "beams": 1e-6}[model]
+    ended = impacts.dropna()
+    assert start.time.to_numpy() == pytest.approx(impacts.time, abs=step)
+    assert end.time.to_numpy() == pytest.approx(ended.time + ended.duration, abs=step)
+    assert peak.normal_force.tolist() == impacts.peak_force.tolist()
+    assert peak.normal_force.max() > 1.3 * response.normal_force.max()
+    inside = (peak.time.to_numpy() > start.time) & (peak.time.to_numpy()[:2] < end.time[:2]).all()
+    assert inside.all()
+    pull = motion.force_x / PAPER.slider_mass
+    assert motion.slider_acceleration.to_numpy() == pytest.approx(pull, rel=1e-9, abs=1e-9)
+    rest = motion.work - motion.kinetic - motion.elastic
+    rest -= motion.lost_damping + motion.lost_friction
+    assert np.ptp(rest) < (1e-9 if model == "rigid" else 1e-2) * motion.kinetic.max()
+
+
+def test_peaks_between_outputs_are_those_of_a_fine_simulation():
+    coarse = simulate(duration=0.0019, outputs=10).motion.query("event == 'peak'").iloc[0]
+    fine = simulate(duration=0.0019, outputs=100_000).motion.query("event == ''")
+    highest = fine.loc[fine.normal_force.idxmax()]
+    assert coarse.time == pytest.approx(highest.time, abs=2e-8)
+    for column in ("slider_acceleration", "normal_force", "depth", "crank_acceleration"):
+        at_peak = np.interp(coarse.time, fine.time, fine[column])
+        assert coarse[column] == pytest.approx(at_peak, rel=1e-6)
+
+
+def test_a_contact_is_lasting_if_ten_times_as_long_as_a_free_impact():
+    impacts = simulate().impacts
+    assert impacts.kind.tolist() == ["impact"] * 8 + ["lasting"]
+    begun = impacts.time[8] + 2 * impacts.free_duration[8]  # the same contact, a moment after
+    assert simulate(duration=begun).impacts.kind.tolist() == ["impact"] * 9
+
+
+def test_free_duration_is_that_of_hertz():
+    scene = LOSSLESS.but(driving_moment=1e-3)
+    first = simulate(scene, duration=0.1, outputs=10).impacts.iloc[0]
+    hertz = 2.943275  # T v / depth, Johnson, Contact Mechanics, Eq. 11.24
+    assert first.free_duration == pytest.approx(
+        hertz * first.peak_depth / first.approach_speed, rel=1e-3
+    )
+    assert first.duration == pytest.approx(first.free_duration, rel=1e-2)
+
+
 def test_jacobian_is_the_derivative():
     p = PAPER.but(gravity=9.81).constants()
     cases = [
@@ -375,7 +425,7 @@ def test_random_scenes_end_well(tolerance):
             assert "the depth must stay" in str(error)  # noqa: PT017
             continue
         ended += 1
-        assert np.isfinite(response.motion.to_numpy()).all()
+        assert np.isfinite(response.motion.drop(columns="event").to_numpy()).all()
         assert (response.impacts.approach_speed > 0).all()
         assert (response.impacts.duration > 0).all()
         assert (np.diff(response.impacts.time) > 0).all()
@@ -424,7 +474,8 @@ def test_interruption_leaves_what_was_computed():
     assert not response.complete
     assert response.time[-1] == told[-1]
     whole = simulate(duration=0.1, outputs=1000)
-    assert response.motion.equals(whole.motion.iloc[: len(response.motion)])
+    assert (response.rows == whole.rows[: len(response.rows)]).all()
+    assert response.event_rows[:, 0].max() <= response.time[-1]
 
 
 def test_lead_and_last_separation():

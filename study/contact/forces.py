@@ -76,7 +76,7 @@ def _gauss(count):
     return (1 + nodes) / 2, weights / 2
 
 
-(_NODES, _WEIGHTS), (_FEW_NODES, _FEW_WEIGHTS) = _gauss(20), _gauss(4)
+(NODES, WEIGHTS), (_FEW_NODES, _FEW_WEIGHTS) = _gauss(20), _gauss(4)
 
 
 @compiled
@@ -99,7 +99,7 @@ def stored_energy(law, depth):
             if low >= root:
                 break
     elif depth > 0:
-        for node, weight in zip(_NODES, _WEIGHTS):  # noqa: B905 (compiled code has no strict)
+        for node, weight in zip(NODES, WEIGHTS):  # noqa: B905 (compiled code has no strict)
             energy += weight * 2 * node * depth * elastic_force(law, node * node * depth)[0]
     return energy
 

@@ -16,6 +16,7 @@ from study.contact.forces import elastic_force, pack
 from study.measure import explicit
 from study.measure.limits import bisect
 from study.mechanism import MechanismError, Scene, particles, rigid, simulate, stepping
+from study.mechanism.response import COLUMNS
 
 Numbers = NDArray[np.float64]
 
@@ -210,10 +211,11 @@ def rigid_steps(
     checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
     numbers = packed(scene, law)
     state = rigid.start(scene, numbers, duration)
-    rows, impacts = np.zeros((2, 21)), np.zeros((1000, 8))
+    rows = np.zeros((2, len(COLUMNS)))
     rows[1, 0] = duration
-    rigid.advance(state, scene.constants(), numbers, tolerance, rows, impacts)
-    return int(state[stepping.STEPS]), rows[1, 20]
+    table = stepping.new_impacts(1000)
+    rigid.advance(state, scene.constants(), numbers, tolerance, rows, *table)
+    return int(state[stepping.STEPS]), rows[1, list(COLUMNS).index("lost_friction")]
 
 
 def free_impact(

@@ -300,7 +300,7 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
 
 
 @compiled
-def advance(state, motion, system, p, law, h, strides, rows, impacts):
+def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
     """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending.
 
     ``motion`` has the rows places, rates, the method's accelerations, and those one step before.
@@ -316,8 +316,9 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts):
             return done, stepping.FULL
         t = state[stepping.TIME] = state[stepping.STEPS] * h
         if int(state[stepping.STEPS]) % strides == 0:
-            _record(rows[done], state, motion, system, now, strain, p, law)
+            _record(rows[done], state, motion, system, now, strain, p)
             done += 1
+        begun = largest = ended = False
         while True:  # a second time if the surfaces meet in this step
             sliding = now[SLIDING]
             if not _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
@@ -329,6 +330,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts):
                 break
             after, approach = _meet(now[DEPTH], now[RATE], found[DEPTH], found[RATE], h)
             stepping.begin_impact(impacts, state, t + after, approach)
+            begun = True
         state[stepping.STEPS] += 1
         state[stepping.TIME] = state[stepping.STEPS] * h
         if state[stepping.CONTACT] > 0:
@@ -338,17 +340,22 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts):
                 damping = (which[NORMAL] - which[ELASTIC]) * which[RATE]
                 state[stepping.LOST_DAMPING] += 0.5 * h * damping
                 state[stepping.LOST_FRICTION] -= 0.5 * h * which[TANGENTIAL] * which[SLIDING]
-            stepping.follow_impact(impacts, state, found[NORMAL], found[DEPTH])
-            if found[DEPTH] <= 0:
+            largest = stepping.follow_impact(impacts, state, found[NORMAL], found[DEPTH])
+            ended = found[DEPTH] <= 0
+            if ended:
                 stepping.end_impact(impacts, state, -found[RATE])
         motion[3] = motion[2]
         motion[:3], old[:], now[:] = new, force, found
+        for event, happened in enumerate((begun, largest, ended)):
+            if happened:
+                row = stepping.event_row(events, state, event)
+                _record(row, state, motion, system, now, strain, p)
         if done == len(rows):
             return done, stepping.FINE
 
 
 @compiled
-def _record(row, state, motion, system, now, strain, p, law):
+def _record(row, state, motion, system, now, strain, p):
     """Fill a row of output from motion and contact at the state's time."""
     q, v, ball, pin = motion[0], motion[1], system.ball, system.pin
     # the method's accelerations belong to a time (alpha_f - alpha_m) h before
@@ -364,10 +371,11 @@ def _record(row, state, motion, system, now, strain, p, law):
     if system.ideal:
         fx, fy = p.m3 * a[ball[0]], -_reaction(q, a, system, p.gravity)
         y, place, forces = 0.0, (0.0, 0.0, 0.0), (norm(fx, fy), 0.0, fx, fy)
-    crank, slider = (q[0], v[0], a[0]), (q[ball[3]], v[ball[3]], forces[2] / p.m3)
+    crank, slider = (q[0], v[0], a[0], p.moment), (q[ball[3]], v[ball[3]], forces[2] / p.m3)
     coupler = direction(y - q[pin + 1], q[ball[0]] - q[pin]), v[ball[2]]
-    energies = work, kinetic, strain
-    stepping.record(row, state, law, crank, slider, coupler, place, forces, energies)
+    lost = state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION]
+    energies = work, kinetic, strain, *lost
+    stepping.record(row, crank, slider, coupler, place, forces, energies)
 
 
 def _start(system):

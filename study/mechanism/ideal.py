@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from study.mechanism.scene import Scene
-from study.mechanism.stepping import Block, MechanismError
+from study.mechanism.stepping import Block, MechanismError, new_impacts
 
 
 def blocks(scene: Scene, times: list[NDArray[np.float64]]) -> Iterator[Block]:
@@ -50,7 +50,7 @@ def blocks(scene: Scene, times: list[NDArray[np.float64]]) -> Iterator[Block]:
         zero = np.zeros_like(theta)
         columns = (times, theta, l1 * ct + l2 * cp, omega, x1 * omega, alpha, pull)
         columns += (np.arctan2(sp, cp), psi, zero, zero, zero, np.hypot(fx, fy), zero, fx, fy)
-        columns += (moment * theta - g1 * st - g2 * sp, kinetic, zero, zero, zero)
+        columns += (moment * theta - g1 * st - g2 * sp, kinetic, zero, zero, zero, zero + moment)
         return np.column_stack(columns)
 
     speed = np.sqrt((abs(moment) + abs(g1) + abs(g2)) / a11) + 1 / times[-1][-1]  # of the drive
@@ -62,4 +62,4 @@ def blocks(scene: Scene, times: list[NDArray[np.float64]]) -> Iterator[Block]:
         if not solution.success:
             raise MechanismError(f"the integrator failed after {start:.9g} s")
         start, state = block[-1], solution.y[:, -1]
-        yield rows(block, *solution.y), np.empty((0, 7)), True
+        yield rows(block, *solution.y), *new_impacts(0)

@@ -190,14 +190,17 @@ def _meet(gap, rate, rate_before, h):
 
 @compiled
 def _follow_gap(state, impacts, depth, h):
-    """Begin or end an impact where the depth has changed its sign."""
-    rate = (depth - state[GAP]) / h
+    """Begin or end an impact where the depth has changed its sign; which of them, -1 for none."""
+    rate, event = (depth - state[GAP]) / h, -1
     if depth <= 0 and state[stepping.CONTACT] > 0:
         stepping.end_impact(impacts, state, -rate)
+        event = stepping.END
     elif depth > 0 and state[stepping.CONTACT] == 0:
         part, approach = _meet(state[GAP], rate, state[GAP_RATE], h)
         stepping.begin_impact(impacts, state, state[stepping.TIME] - (1 - part) * h, approach)
+        event = stepping.START
     state[GAP], state[GAP_RATE] = depth, rate
+    return event
 
 
 @compiled
@@ -266,22 +269,23 @@ def _accelerate(motion, system, acting, end_mass, h):
 
 
 @compiled
-def _record(row, state, motion, system, acting, joint, p, law, h, strain, kinetic):
+def _record(row, state, motion, system, acting, joint, p, h, strain, kinetic):
     """Fill a row of output, after the step's rates and before its places."""
     places, _, turns, spins, _ = motion
     (_, moments), (place, forces, slider), pin = acting, joint, system.pin
     last, work, turning = len(places) - 1, p.moment * turns[0], moments[0] / system.rotaries[0]
     for i in range(1, last + 1):
         work -= p.gravity * system.masses[i] * places[i, 1]
-    crank = turns[0], spins[0] - 0.5 * h * turning, turning
+    crank = turns[0], spins[0] - 0.5 * h * turning, turning, p.moment
     along, across = places[last, 0] - places[pin, 0], places[last, 1] - places[pin, 1]
     coupler = direction(across, along), spins[-1] - 0.5 * h * moments[-1] / system.rotaries[-1]
-    energies = work, kinetic, strain
-    stepping.record(row, state, law, crank, slider, coupler, place, forces, energies)
+    lost = state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION]
+    energies = work, kinetic, strain, *lost
+    stepping.record(row, crank, slider, coupler, place, forces, energies)
 
 
 @compiled
-def advance(state, motion, system, p, law, h, strides, rows, impacts):
+def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
     """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending."""
     places, rates, turns, spins, slide = motion
     masses, ideal = system.masses, system.ideal
@@ -297,7 +301,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts):
         moments[:] = 0.0
         moments[0] = p.moment
         strain = _internal_forces(places, turns, system.elements, system.pin, forces, moments)
-        place, found = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
+        place, found, event, largest = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), -1, False
         if ideal:
             fx, fy = p.m3 / end_mass * forces[last, 0], forces[last, 1]
             found = norm(fx, fy), 0.0, fx, fy
@@ -306,13 +310,13 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts):
             place = ex, ey, norm(ex, ey) - law[1]
             if not place[2] <= p.clearance:
                 return done, stepping.TOO_DEEP
-            _follow_gap(state, impacts, place[2], h)
+            event = _follow_gap(state, impacts, place[2], h)
             if place[2] > 0:
                 found, limit = _joint(place, state, motion, system, acting, p, law, h)
                 if h > limit and system.guarded:
                     state[stepping.LIMIT] = limit
                     return done, stepping.FAILED
-                stepping.follow_impact(impacts, state, found[0], place[2])
+                largest = stepping.follow_impact(impacts, state, found[0], place[2])
         pull = found[2] / p.m3  # the slider's acceleration
         kinetic = _accelerate(motion, system, acting, end_mass, h)
         slide[1] = rates[last, 0] if ideal else slide[1] + h * pull
@@ -322,9 +326,15 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts):
         if not kinetic < inf:
             state[stepping.LIMIT] = 2 / system.frequency
             return done, stepping.FAILED
+        joint = place, found, (slide[0], speed, pull)
+        if event >= 0:
+            row = stepping.event_row(events, state, event)
+            _record(row, state, motion, system, acting, joint, p, h, strain, kinetic)
+        if largest:
+            row = stepping.event_row(events, state, stepping.PEAK)
+            _record(row, state, motion, system, acting, joint, p, h, strain, kinetic)
         if int(state[stepping.STEPS]) % strides == 0:
-            joint = place, found, (slide[0], speed, pull)
-            _record(rows[done], state, motion, system, acting, joint, p, law, h, strain, kinetic)
+            _record(rows[done], state, motion, system, acting, joint, p, h, strain, kinetic)
             done += 1
         places += h * rates
         turns += h * spins

@@ -1,4 +1,8 @@
-"""What a simulation gives: the motion, the joint, the impacts and the energies, by time."""
+"""What a simulation gives: the motion, the joint, the impacts and the energies, by time.
+
+Rows at equal times are for comparing; they hide impacts, which are short. So each impact adds
+rows at its start, its largest force and its end.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -35,7 +39,10 @@ COLUMNS = {
     "elastic": "J",
     "lost_damping": "J",
     "lost_friction": "J",
+    "driving_moment": "N m",
 }
+EVENTS = ("start", "peak", "end")
+"""Kinds of an impact's own rows: first contact, largest normal force, separation."""
 IMPACT_COLUMNS = {
     "time": "s",
     "approach_speed": "m/s",
@@ -44,30 +51,43 @@ IMPACT_COLUMNS = {
     "duration": "s",
     "separation_speed": "m/s",
     "lost": "J",
+    "free_duration": "s",
 }
+LASTING = 10.0
+"""A contact this many times as long as a free impact of its approach speed is no impact."""
 
 
 @dataclass(frozen=True)
 class Response:
-    """Motion of the mechanism at equally spaced times; every column of `motion` is an attribute.
+    """Motion of the mechanism; every column of `COLUMNS` is an attribute, at equally spaced times.
 
     Attributes
     ----------
-    rows : shape (n, 21)
-        In the order of `COLUMNS`.
-    impact_rows : shape (m, 7)
+    rows : shape (n, 22)
+        At equally spaced times, in the order of `COLUMNS`.
+    impact_rows : shape (m, 8)
         In the order of `IMPACT_COLUMNS`.
+    event_rows : shape (e, 22)
+        At each impact's start, largest normal force and end, in the order of `COLUMNS`.
+    event_kinds
+        One of `EVENTS` for each of these.
     complete
         False if the simulation was interrupted.
     """
 
     rows: NDArray[np.float64]
     impact_rows: NDArray[np.float64]
+    event_rows: NDArray[np.float64]
+    event_kinds: tuple[str, ...]
     complete: bool = True
 
     @cached_property
     def motion(self) -> "pd.DataFrame":
-        """Columns of `COLUMNS`, SI units.
+        """Columns of `COLUMNS`, SI units, at equally spaced times and at each impact's events.
+
+        The last column, ``event``, is empty at equally spaced times, else one of `EVENTS`. A
+        contact that goes on has no end. Links of particles and beams give the first step in
+        contact, the step of the largest force, and the first step out of contact.
 
         Places of slider and crank count from the crank's axis; the eccentricity is the ball's
         centre from the socket's; ``depth`` is negative in flight; ``force_x``, ``force_y`` act
@@ -77,18 +97,27 @@ class Response:
         """
         import pandas as pd
 
-        return pd.DataFrame(self.rows, columns=list(COLUMNS))
+        rows = np.vstack([self.event_rows, self.rows])
+        kinds = np.array(self.event_kinds + ("",) * len(self.rows), dtype=object)
+        order = np.argsort(rows[:, 0], kind="stable")
+        return pd.DataFrame(rows[order], columns=list(COLUMNS)).assign(event=kinds[order])
 
     @cached_property
     def impacts(self) -> "pd.DataFrame":
-        """Columns of `IMPACT_COLUMNS`, a row per contact.
+        """Columns ``kind`` and `IMPACT_COLUMNS`, a row per contact.
 
         For one that has not ended, ``separation_speed`` is missing (NaN), and ``duration`` and
-        ``lost`` are those so far.
+        ``lost`` are those so far. ``free_duration`` is that of an impact of the same approach
+        speed between the same rigid links, elastic and without other forces. A contact more than
+        `LASTING` times as long has the kind ``lasting``, any other ``impact`` (this study): by
+        then its start is forgotten, and the mechanism's forces press the bodies together.
         """
         import pandas as pd
 
-        return pd.DataFrame(self.impact_rows, columns=list(IMPACT_COLUMNS))
+        table = pd.DataFrame(self.impact_rows, columns=list(IMPACT_COLUMNS))
+        lasting = table.duration > LASTING * table.free_duration
+        table.insert(0, "kind", np.where(lasting, "lasting", "impact"))
+        return table
 
     def __getattr__(self, name: str) -> NDArray[np.float64]:
         if name in COLUMNS:
@@ -98,7 +127,8 @@ class Response:
     @property
     def energy_error(self) -> float:
         """Largest change of work - kinetic - elastic - lost, over the largest of these energies."""
-        energies = self.rows[:, list(COLUMNS).index("work") :]
+        first = list(COLUMNS).index("work")
+        energies = self.rows[:, first : first + 5]
         rest = energies[:, 0] - energies[:, 1:].sum(axis=1)
         largest = float(np.abs(energies).max())
         return float(np.abs(rest - rest[0]).max()) / largest if largest > 0 else 0.0
@@ -106,7 +136,7 @@ class Response:
     @property
     def last_separation(self) -> float:
         """Time at which the surfaces part for the last time, in s; 0 if they never do."""
-        start, _, _, _, duration, separation_speed, _ = self.impact_rows.T
+        start, _, _, _, duration, separation_speed, *_ = self.impact_rows.T
         return float((start + duration)[~np.isnan(separation_speed)].max(initial=0.0))
 
     def save(self, path: Path) -> None:

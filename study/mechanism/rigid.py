@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.compiled import compiled
-from study.contact.forces import elastic_force, joint_forces, stored_energy
+from study.contact.forces import NODES, WEIGHTS, elastic_force, joint_forces, stored_energy
 from study.contact.friction import friction_branch
 from study.mechanism import stepping
-from study.mechanism.angles import angle_of, fifth_root, norm, sine_cosine
+from study.mechanism.angles import angle_of, direction, fifth_root, norm, sine_cosine
 from study.mechanism.rosenbrock import STAGES, begin_stage, end_stage, factorise
 from study.mechanism.scene import Scene
 
@@ -259,15 +259,23 @@ def _first_event(smooth, seen, t, h, new):
 
 
 @compiled
-def _measure_peaks(impact, smooth, seen, t, h, new):
-    """Locate peaks of force and depth inside a step of ``h`` with ``seen`` at its end."""
-    _, piece, p, _, (start, _), (_, _, f) = smooth
+def _measure_peaks(impact, row, smooth, seen, t, h, new):
+    """Locate peaks of force and depth inside a step of ``h`` with ``seen`` at its end.
+
+    ``row`` is that of output at the peak of the force.
+    """
+    _, piece, p, law, (start, _), (_, _, f) = smooth
     peaks = (FORCE_PEAK, stepping.PEAK_FORCE, NORMAL), (DEPTH_PEAK, stepping.PEAK_DEPTH, DEPTH)
     for which, column, quantity in peaks:
         before, after = _event(which, piece, start, p), _event(which, piece, seen, p)
         if before < 0 <= after and start[quantity] - before * h > impact[column]:
-            _try(which, smooth, _locate(which, before, after, smooth, t, h, new), new)
-            impact[column] = max(impact[column], f[quantity])
+            length = _locate(which, before, after, smooth, t, h, new)
+            _try(which, smooth, length, new)
+            if f[quantity] > impact[column]:
+                impact[column] = f[quantity]
+                if which == FORCE_PEAK:
+                    row[0] = t + length
+                    _record(row, new, True, f, p, law)
 
 
 @compiled
@@ -301,9 +309,22 @@ def impact_depth(y, rate, p, law):
 
 
 @compiled
-def _record(row, state, f, p, law):
-    """Fill a row of output from the state and what `motion` found there."""
-    y, contact = state[:8], state[stepping.CONTACT] > 0
+def free_durations(starts, speeds, p, law):
+    """Durations of free elastic impacts with approach ``speeds`` at rows of output, in s."""
+    y, durations = np.zeros(3), np.zeros(len(speeds))
+    for i, (row, speed) in enumerate(zip(starts, speeds)):  # noqa: B905 (compiled code)
+        y[0], y[2] = row[1], direction(row[10], row[9])
+        deep = impact_depth(y, speed, p, law)
+        energy = stored_energy(law, deep)
+        for node, weight in zip(NODES, WEIGHTS):  # noqa: B905 (compiled code)
+            left = 1 - stored_energy(law, deep * (1 - node * node)) / energy
+            durations[i] += weight * 4 * node * deep / (speed * sqrt(left))
+    return durations
+
+
+@compiled
+def _record(row, y, contact, f, p, law):
+    """Fill a row of output from (z, z', energies lost) and what `motion` found there."""
     st, ct = sine_cosine(y[0])
     sp, cp, psi = f[SINE], f[COSINE], f[PSI]
     ex, ey, wx, nx, ny = y[1], y[2], y[4], 0.0, 0.0
@@ -311,20 +332,20 @@ def _record(row, state, f, p, law):
         ny, nx = sine_cosine(y[2])
         r = law[1] + y[1]
         ex, ey, wx = r * nx, r * ny, y[4] * nx - y[5] * r * ny
-    crank = y[0], y[3], f[0]
+    crank = y[0], y[3], f[0], p.moment
     speed = -p.l1 * st * y[3] - p.l2 * sp * psi - wx
     slider = p.l1 * ct + p.l2 * cp - ex, speed, f[SLIDER]
     normal, tangential = f[NORMAL], f[TANGENTIAL]
     forces = normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx
     kinetic = 0.5 * (p.a11 * y[3] * y[3] + p.a22 * psi * psi + p.m3 * speed * speed)
     kinetic += p.a12 * (ct * cp + st * sp) * y[3] * psi
-    energies = p.moment * y[0] - p.g1 * st - p.g2 * sp, kinetic, 0.0
+    energies = p.moment * y[0] - p.g1 * st - p.g2 * sp, kinetic, 0.0, y[6], y[7]
     coupler, place = (angle_of(sp, cp), psi), (ex, ey, f[DEPTH])
-    stepping.record(row, state, law, crank, slider, coupler, place, forces, energies)
+    stepping.record(row, crank, slider, coupler, place, forces, energies)
 
 
 @compiled
-def advance(state, p, law, tolerance, rows, impacts):
+def advance(state, p, law, tolerance, rows, impacts, events):
     """Step to the time of each row and fill it; return the number of rows filled and the ending."""
     y, t, h = state[:8], state[stepping.TIME], state[stepping.STEP]
     piece = state[stepping.CONTACT] > 0, int(state[BRANCH]), state[stepping.APPROACH]
@@ -339,7 +360,7 @@ def advance(state, p, law, tolerance, rows, impacts):
             motion(y, piece, p, law, True, here[0], here[1])
             known = True
         if t >= rows[done, 0]:
-            _record(rows[done], state, here[0], p, law)
+            _record(rows[done], y, piece[0], here[0], p, law)
             done += 1
             continue
         smooth = y, piece, p, law, here, scratch
@@ -369,20 +390,22 @@ def advance(state, p, law, tolerance, rows, impacts):
             if seen[DEPTH] > p.clearance:
                 return done, stepping.TOO_DEEP
             last = int(state[stepping.IMPACTS]) - 1
-            _measure_peaks(impacts[last], smooth, seen, t, length, trial)
+            peak = events[last, stepping.PEAK]
+            _measure_peaks(impacts[last], peak, smooth, seen, t, length, trial)
         t = state[stepping.TIME] = rows[done, 0] if landing else t + length
         y[:] = new
-        if piece[0]:
-            stepping.follow_impact(impacts, state, seen[NORMAL], seen[DEPTH])
+        if piece[0] and stepping.follow_impact(impacts, state, seen[NORMAL], seen[DEPTH]):
+            row = stepping.event_row(events, state, stepping.PEAK)
+            _record(row, y, True, seen, p, law)
         if event >= 0:
-            piece, h = _turn(event, piece, seen, state, h, p, law, impacts)
+            piece, h = _turn(event, piece, seen, state, h, p, law, impacts, events)
         here, there = there, here
         state[BRANCH], state[stepping.STEP] = piece[1], h
     return done, stepping.FINE
 
 
 @compiled
-def _turn(event, piece, seen, state, h, p, law, impacts):
+def _turn(event, piece, seen, state, h, p, law, impacts, events):
     """The smooth piece that follows an event, in its coordinates, and the step to begin it."""
     y, t = state[:8], state[stepping.TIME]
     contact, branch, approach = piece
@@ -390,6 +413,7 @@ def _turn(event, piece, seen, state, h, p, law, impacts):
         return (contact, branch + (1 if event == UPWARDS else -1), approach), h
     if contact:
         stepping.end_impact(impacts, state, -y[4])
+        _record(stepping.event_row(events, state, stepping.END), y, True, seen, p, law)
         ny, nx = sine_cosine(y[2])
         rate, across = y[4], law[1] * y[5]
         y[1:3] = law[1] * nx, law[1] * ny
@@ -401,6 +425,7 @@ def _turn(event, piece, seen, state, h, p, law, impacts):
         y[1:3] = 0.0, angle_of(ny, nx)
         y[4:6] = nx * wx + ny * wy, (nx * wy - ny * wx) / law[1]
         stepping.begin_impact(impacts, state, t, y[4])
+        _record(stepping.event_row(events, state, stepping.START), y, True, seen, p, law)
         state[DEEP] = impact_depth(y, y[4], p, law)
         branch = friction_branch(seen[SLIDING], p.v0, p.v1)
         return (True, branch, y[4]), min(h, 0.1 * state[DEEP] / y[4])

@@ -15,9 +15,9 @@ from study import checks
 from study.contact.forces import pack
 from study.contact.laws import AnyLaw, find
 from study.mechanism import beams, ideal, particles, rigid
-from study.mechanism.response import COLUMNS, Response
+from study.mechanism.response import COLUMNS, EVENTS, Response
 from study.mechanism.scene import Scene
-from study.mechanism.stepping import END, SEPARATION_SPEED
+from study.mechanism.stepping import LOST_BEFORE, add_stored_energy
 from study.threads import one_thread
 
 Model = Literal["rigid", "particles", "beams"]
@@ -135,14 +135,14 @@ def simulate(
         tolerance = TOLERANCE if tolerance is None else tolerance
         checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
         blocks = rigid.blocks(scene, packed, times, tolerance)
-    return _gather(blocks, times, progress)
+    return _gather(blocks, times, progress, scene, packed)
 
 
-def _gather(blocks, times, progress):
+def _gather(blocks, times, progress, scene, law):
     """Run a model to its end or to an interruption."""
     parts, complete = [], True
     try:
-        for at, (block, impacts, ended) in zip(times, blocks, strict=True):  # noqa: B007
+        for at, (block, impacts, events) in zip(times, blocks, strict=True):  # noqa: B007
             parts.append(block)
             if progress is not None:
                 progress(at[-1])
@@ -151,8 +151,14 @@ def _gather(blocks, times, progress):
             raise
         complete = False
     rows, work = np.vstack(parts), list(COLUMNS).index("work")
-    rows[:, work] -= rows[0, work]
-    impacts[:, END] -= impacts[:, 0]
-    if not ended:
-        impacts[-1, SEPARATION_SPEED] = np.nan
-    return Response(rows, impacts, complete)
+    starts, speeds = events[:, EVENTS.index("start")], impacts[:, 1]
+    free = rigid.free_durations(starts, speeds, scene.constants(), law)
+    happened = events[:, :, 0] <= rows[-1, 0]  # the others are NaN, or come after an interruption
+    kinds = tuple(EVENTS[which] for which in np.nonzero(happened)[1])
+    events = events[happened]
+    for each in (events, rows):
+        each[:, work] -= rows[0, work]
+        add_stored_energy(each, law)
+    return Response(
+        rows, np.column_stack([impacts[:, :LOST_BEFORE], free]), events, kinds, complete
+    )

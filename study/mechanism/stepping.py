@@ -1,7 +1,9 @@
 """What the compiled loops of all models share: a state, rows of output, impacts, and their blocks.
 
 A loop fills rows, whose first column has the times, until all are filled, the table of impacts is
-full, or it fails; the state lets the next call go on from there.
+full, or it fails; the state lets the next call go on from there. Output at equal times hides
+impacts, so each of them has three rows of output of its own: at its start, its largest force and
+its end.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,7 +15,7 @@ from numpy.typing import NDArray
 from study.checks import StudyError
 from study.compiled import compiled
 from study.contact.forces import stored_energy
-from study.mechanism.response import COLUMNS
+from study.mechanism.response import COLUMNS, EVENTS
 from study.mechanism.scene import Scene
 
 FINE, FULL, TOO_DEEP, FAILED = range(4)
@@ -21,10 +23,13 @@ LOST_DAMPING, LOST_FRICTION, CONTACT, APPROACH, IMPACTS, STEPS, TIME, STEP, LIMI
 """Places in every model's state; the others are its own."""
 STATE = 18  # numbers in it
 # Columns of the impacts while they are computed, after time and approach speed
-PEAK_FORCE, PEAK_DEPTH, END, SEPARATION_SPEED, LOST, LOST_BEFORE = range(2, 8)
-Block = tuple[NDArray[np.float64], NDArray[np.float64], bool]
-"""Rows of output in the order of `COLUMNS`; the impacts so far, with the end's time for the
-duration; whether the last of them has ended."""
+PEAK_FORCE, PEAK_DEPTH, DURATION, SEPARATION_SPEED, LOST, LOST_BEFORE = range(2, 8)
+START, PEAK, END = range(len(EVENTS))
+"""Places of an impact's rows of output, in the order of `EVENTS`."""
+DEPTH, ELASTIC = (list(COLUMNS).index(name) for name in ("depth", "elastic"))
+Block = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+"""Rows of output in the order of `COLUMNS`; the impacts so far, each with its numbers; their own
+rows of output, shape (impacts, 3, columns), NaN where an end is still to come."""
 
 
 class MechanismError(StudyError):
@@ -32,19 +37,28 @@ class MechanismError(StudyError):
 
 
 @compiled
-def record(row, state, law, crank, slider, coupler, place, forces, energies):
+def record(row, crank, slider, coupler, place, forces, energies):
     """Fill a row of output, which has its time already.
 
-    ``crank`` and ``slider`` have places, rates and accelerations, ``coupler`` an angle and its
-    rate, ``place`` eccentricity and depth, ``forces`` normal, tangential, x and y; ``energies`` are
-    work, kinetic energy and that in the links.
+    ``crank`` and ``slider`` have places, rates and accelerations, after which ``crank`` has the
+    driving moment; ``coupler`` has an angle and its rate, ``place`` eccentricity and depth,
+    ``forces`` normal, tangential, x and y; ``energies`` are work, kinetic energy, that in the
+    links, and those lost to damping and friction.
     """
     row[1:5] = crank[0], slider[0], crank[1], slider[1]
     row[5:9] = crank[2], slider[2], coupler[0], coupler[1]
     row[9:12] = place
     row[12:16] = forces
-    row[16:19] = energies[0], energies[1], energies[2] + stored_energy(law, place[2])
-    row[19:] = state[LOST_DAMPING], state[LOST_FRICTION]
+    row[16:21] = energies
+    row[21] = crank[3]
+
+
+@compiled
+def event_row(events, state, which):
+    """Row of output of the last impact's `START`, `PEAK` or `END`, with the state's time in it."""
+    row = events[int(state[IMPACTS]) - 1, which]
+    row[0] = state[TIME]
+    return row
 
 
 @compiled
@@ -52,26 +66,40 @@ def begin_impact(impacts, state, t, approach):
     """Begin a row of the impacts."""
     state[CONTACT], state[APPROACH] = 1.0, approach
     lost = state[LOST_DAMPING] + state[LOST_FRICTION]
-    impacts[int(state[IMPACTS])] = t, approach, 0.0, 0.0, t, 0.0, 0.0, lost
+    impacts[int(state[IMPACTS])] = t, approach, 0.0, 0.0, 0.0, np.nan, 0.0, lost
     state[IMPACTS] += 1
 
 
 @compiled
 def follow_impact(impacts, state, force, depth):
-    """Bring the last impact's peaks, end and energy lost up to date."""
+    """Bring the last impact up to date; whether the force is its largest so far."""
     impact = impacts[int(state[IMPACTS]) - 1]
+    largest = force > impact[PEAK_FORCE]
     impact[PEAK_FORCE] = max(impact[PEAK_FORCE], force)
     impact[PEAK_DEPTH] = max(impact[PEAK_DEPTH], depth)
-    impact[END] = state[TIME]
+    impact[DURATION] = state[TIME] - impact[0]
     impact[LOST] = state[LOST_DAMPING] + state[LOST_FRICTION] - impact[LOST_BEFORE]
+    return largest
 
 
 @compiled
 def end_impact(impacts, state, speed):
     """Note when and how fast the surfaces part."""
     impact = impacts[int(state[IMPACTS]) - 1]
-    impact[END], impact[SEPARATION_SPEED] = state[TIME], speed
+    impact[DURATION], impact[SEPARATION_SPEED] = state[TIME] - impact[0], speed
     state[CONTACT] = 0.0
+
+
+@compiled
+def add_stored_energy(rows, law):
+    """Add what the joint stores to the elastic energy in rows of output: not in the loops."""
+    for row in rows:
+        row[ELASTIC] += stored_energy(law, row[DEPTH])
+
+
+def new_impacts(number: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Room for a number of impacts, and for their rows of output, NaN where there is none yet."""
+    return np.zeros((number, 8)), np.full((number, len(EVENTS), len(COLUMNS)), np.nan)
 
 
 def divide(times: list[NDArray[np.float64]], step: float) -> tuple[int, float]:
@@ -86,23 +114,25 @@ def advance_in_blocks(
 ) -> Iterator[Block]:
     """Blocks of output rows at ``times``, themselves in blocks, from a model's compiled loop.
 
-    ``advance`` is called with rows and impacts, and returns how many rows it filled and how it
-    ended. ``failure`` is the error's text if it failed, with ``{}`` for the state's `LIMIT`.
-    Raises `MechanismError` then, and if the ball goes deeper than one clearance.
+    ``advance`` is called with rows, impacts and the impacts' rows, and returns how many rows it
+    filled and how it ended. ``failure`` is the error's text if it failed, with ``{}`` for the
+    state's `LIMIT`. Raises `MechanismError` then, and if the ball goes deeper than one clearance.
     """
-    impacts = np.zeros((64, 8))
+    impacts, events = new_impacts(64)
     for block in times:
         rows, done = np.zeros((len(block), len(COLUMNS))), 0
         rows[:, 0] = block
         while done < len(block):
-            filled, status = advance(rows[done:], impacts)
+            filled, status = advance(rows[done:], impacts, events)
             done += filled
             if status == FULL:
-                impacts = np.vstack([impacts, np.zeros_like(impacts)])
+                more = zip((impacts, events), new_impacts(len(impacts)), strict=True)
+                impacts, events = map(np.vstack, more)
             elif status != FINE:
                 what = f"the depth must stay <= one clearance ({scene.clearance:g} m)"
                 if status == FAILED:
                     what = failure.format(state[LIMIT])
                 at = f"time {state[TIME]:.9g} s, step {state[STEP]:.4g} s"
                 raise MechanismError(f"{what}; stopped at {at}")
-        yield rows, impacts[: int(state[IMPACTS]), :LOST_BEFORE].copy(), state[CONTACT] == 0
+        number = int(state[IMPACTS])
+        yield rows, impacts[:number].copy(), events[:number]

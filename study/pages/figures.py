@@ -143,6 +143,8 @@ def draw_models(
 ) -> None:
     """Draw one quantity of several models over time, the rigid one as a broad line behind.
 
+    The lines go through the peak of every impact; differences are drawn at equal times only.
+
     Parameters
     ----------
     responses
@@ -159,9 +161,11 @@ def draw_models(
         style = {"color": look.color, "linewidth": 0.9, "linestyle": look.line}
         if model == "rigid":
             style |= {"color": "0.75", "linewidth": 3.5}
-        base = getattr(others[model], column) if others else 0.0
-        values = scale * (getattr(response, column) - base)
-        axes.plot(1e3 * response.time, values, label=look.label, **style)
+        time, values = response.motion["time"], response.motion[column]
+        if others:
+            time = response.time
+            values = getattr(response, column) - getattr(others[model], column)
+        axes.plot(1e3 * time, scale * values, label=look.label, **style)
     axes.set_xlabel("time (ms)")
 
 
