@@ -17,6 +17,10 @@ LARGEST, SMALLEST = 1e40, 1e-40
 """Size of any number, and least size of a positive one. A law's force in SI units is a product of
 six such numbers and of a clearance of 1e-16 radii: it neither overflows nor underflows."""
 
+SOFTEST = 1e6
+"""Least Young's modulus of a body with dimensions, in Pa: that of soft rubber. All moduli of solids
+in GPa are below it, and those in MPa but for diamond's."""
+
 
 class StudyError(RuntimeError):
     """A failure that is nobody's wrong input; the message says what failed and what mends it."""
@@ -96,6 +100,20 @@ def whole(name: str, value: Any, *, least: int, most: int | None = None) -> int:
 def poisson(name: str, value: Any) -> float:
     """Return a Poisson's ratio inside the open range (-1, 0.5), or raise ``ValueError``."""
     return number(name, value, above=-1.0, below=0.5, scalar=True)
+
+
+def youngs_modulus(name: str, value: Any) -> float:
+    """Return a Young's modulus in Pa, of a solid from soft rubber on, or raise ``ValueError``.
+
+    One below `SOFTEST` is likely to be meant in GPa or MPa, as the message says.
+    """
+    try:
+        return number(name, value, "Pa", least=SOFTEST, scalar=True)
+    except RangeError as error:
+        if not 0 < value < SOFTEST:
+            raise
+        meant = f"{value:g}e9" if value < 1e3 else f"{value / 1e3:g}e9"
+        raise RangeError(f"{error}: did you mean {meant}?") from None
 
 
 def depth(name: str, value: ArrayLike, unit: str = "") -> Any:

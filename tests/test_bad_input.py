@@ -138,10 +138,10 @@ def law_rows():
     yield from rows(partial(forces.pack, "hertz", 9.95e-3, 0.01, 1e11), n=(1, (1,)))
     depth, radius = (0.3, (*LIST, -1)), (200, (*NO_NUMBER, 1, 0))
     yield from rows(pressure.contact_radius, depth_star=depth, r2_star=radius)
-    angled = partial(pressure.contact_half_angle, "hertz")
+    angled = partial(pressure.contact_half_angle_deg, "hertz")
     yield from rows(angled, depth_star=(0.3, (*LIST, -1)), r2_star=radius)
     yield from rows(
-        partial(pressure.contact_half_angle, depth_star=0.3, r2_star=200),
+        partial(pressure.contact_half_angle_deg, depth_star=0.3, r2_star=200),
         law=("hertz", (*NAME, "winkler")),
     )
     yield from rows(

@@ -26,12 +26,13 @@ def copy(tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "DATA", root / "data")
     files = {
         name: root / getattr(store, name).relative_to(ROOT)
-        for name in ("CURVES", "LINKS", "PEERS", "PACKAGE", "COEFFICIENTS", "TABLE")
+        for name in ("CURVES", "LINKS", "PEERS", "PACKAGE", "COEFFICIENTS", "TABLE", "MATERIALS")
     }
     makers = {ROOT.joinpath(path.relative_to(root)): path for path in files.values()}
     generated = {makers[path]: module for path, module in store.GENERATED.items()}
     monkeypatch.setattr(store, "GENERATED", generated)
-    monkeypatch.setattr(store, "LIBRARY", (files["COEFFICIENTS"], files["TABLE"]))
+    library = tuple(files[name] for name in ("COEFFICIENTS", "TABLE", "MATERIALS"))
+    monkeypatch.setattr(store, "LIBRARY", library)
     for name, path in files.items():
         monkeypatch.setattr(store, name, path)
     return root / "data"
@@ -299,7 +300,7 @@ def rewrite(copy, change):
     [
         ("force_star", 1.0, "case .*: force increases must be in"),
         ("error_estimate", 0.1, "case .*: error estimate must be in"),
-        ("contact_half_angle", 95.0, "datapackage.json: .*maximum.*row 6"),
+        ("contact_half_angle_deg", 95.0, "datapackage.json: .*maximum.*row 6"),
         ("rim", "open", "datapackage.json: .*enum"),
     ],
 )

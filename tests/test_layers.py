@@ -185,8 +185,8 @@ def test_any_lined_joint_stiffens_with_depth(r2_star, steps, poisson, stiffer, k
     layers = tuple(Layer(q, Material(2e11 * e, poisson)) for q, e in each)
     curve = force_curve(Joint(r2_star, layers=layers, kinematics=kinematics), [0.2, 0.4, 0.6], 64)
     assert (np.diff(curve.force_star, 2, prepend=0) > 0).all()
-    assert (np.diff(curve.contact_half_angle) > 0).all()
-    assert (np.diff(curve.peak_pressure) > 0).all()
+    assert (np.diff(curve.contact_half_angle_deg) > 0).all()
+    assert (np.diff(curve.peak_pressure_star) > 0).all()
 
 
 @pytest.mark.parametrize(

@@ -25,13 +25,13 @@ def test_exact_pressure_tends_to_hertz():
     curve = force_curve(joint, [0.001], resolution=640)
     peak = pressure.hertz_pressure(0.0, 0.001, joint.r2_star)
     radius = pressure.contact_radius(0.001, joint.r2_star)
-    assert curve.peak_pressure[0] == pytest.approx(peak, rel=0.05)
-    assert np.sin(curve.contact_half_angle[0]) == pytest.approx(radius, rel=0.03)
+    assert curve.peak_pressure_star[0] == pytest.approx(peak, rel=0.05)
+    assert np.sin(np.radians(curve.contact_half_angle_deg[0])) == pytest.approx(radius, rel=0.03)
 
 
 def test_hyperbolic_pressure_adds_up_to_its_law():
     depth, r2_star = 0.5, 200.0
-    alpha = pressure.contact_half_angle("hyperbolic_winkler", depth, r2_star)
+    alpha = np.radians(pressure.contact_half_angle_deg("hyperbolic_winkler", depth, r2_star))
     theta = np.linspace(0, alpha, 2001)
     peak = depth / pressure.foundation_height("hyperbolic_winkler", r2_star)
     values = peak * (1 - (theta / alpha) ** 2)
@@ -40,7 +40,8 @@ def test_hyperbolic_pressure_adds_up_to_its_law():
 
 
 def test_half_angles_agree_where_they_must():
-    assert pressure.contact_half_angle("hyperbolic_winkler", 0.5, 20.0) == pytest.approx(1.0)
-    assert np.cos(pressure.contact_half_angle("steuermann", 1.0, 20.0)) == pytest.approx(0.5)
-    tiny = [pressure.contact_half_angle(law, 1e-8, 1e6) for law in ("steuermann", "hertz")]
+    angle = pressure.contact_half_angle_deg("hyperbolic_winkler", 0.5, 20.0)
+    assert angle == pytest.approx(np.degrees(1.0))
+    assert pressure.contact_half_angle_deg("steuermann", 1.0, 20.0) == pytest.approx(60)
+    tiny = [pressure.contact_half_angle_deg(law, 1e-8, 1e6) for law in ("steuermann", "hertz")]
     assert tiny[0] / tiny[1] == pytest.approx(np.sqrt(2), rel=1e-4)

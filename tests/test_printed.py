@@ -9,13 +9,7 @@ from hypothesis import strategies as st
 
 from study.contact import hertz
 from study.contact.laws import fitted_coefficients
-from study.contact.printed import (
-    PRINTED_RANGES,
-    printed_depth,
-    printed_force,
-    printed_half_angle,
-    printed_peak_pressure,
-)
+from study.contact.printed import PRINTED_RANGES, PrintedLaw
 from study.dataset.printed import joint_of_share
 from study.joint import whole_curve
 from study.joint.growth import depths_and_forces
@@ -51,7 +45,7 @@ def test_error_of_force_on_joints_that_had_no_part_in_the_fit():
     for joint in random_joints(300, (0.0, 1.0), seed=3):
         depth, force = depths_and_forces(joint, 1.0, 160)
         inside = (depth >= 0.001) & (depth <= 1)
-        found = printed_force(depth[inside], **options(joint))
+        found = PrintedLaw(**options(joint)).force(depth[inside])
         worst.append(np.abs(found / force[inside] - 1).max())
     assert max(worst) < OF_FORCE
     assert np.median(worst) < 0.02
@@ -61,11 +55,11 @@ def test_half_angle_and_peak_pressure():
     for joint in random_joints(40, (0.01, 1.0), seed=4):
         curve = whole_curve(joint)
         inside = (curve.depth_star >= 0.001) & (curve.depth_star <= 1)
-        depth = curve.depth_star[inside]
-        angle = printed_half_angle(depth, **options(joint))
-        assert angle == pytest.approx(curve.contact_half_angle[inside], rel=OF_ANGLE)
-        peak = printed_peak_pressure(depth, **options(joint))
-        assert peak == pytest.approx(curve.peak_pressure[inside], rel=OF_PEAK)
+        law, depth = PrintedLaw(**options(joint)), curve.depth_star[inside]
+        angle = law.contact_half_angle_deg(depth)
+        assert angle == pytest.approx(curve.contact_half_angle_deg[inside], rel=OF_ANGLE)
+        peak = law.peak_pressure_star(depth)
+        assert peak == pytest.approx(curve.peak_pressure_star[inside], rel=OF_PEAK)
 
 
 in_range = {
@@ -79,37 +73,39 @@ in_range = {
 
 @given(st.fixed_dictionaries(in_range))
 def test_limit_is_hertz(joint):
-    shallow = 1e-10
-    force = printed_force(shallow, **joint)
-    assert force == pytest.approx(hertz(shallow, joint["r2_star"]), rel=2e-4)
+    shallow, law = 1e-10, PrintedLaw(**joint)
+    assert law.force(shallow) == pytest.approx(hertz(shallow, joint["r2_star"]), rel=2e-4)
     first_order = 1.1 / joint["r2_star"] + 1e-4  # which angle and pressure leave out
-    angle = printed_half_angle(shallow, **joint)
-    assert angle == pytest.approx(shallow**0.5, rel=1e-4)
-    peak = printed_peak_pressure(shallow, **joint)
+    angle = law.contact_half_angle_deg(shallow)
+    assert angle == pytest.approx(np.degrees(shallow**0.5), rel=1e-4)
+    peak = law.peak_pressure_star(shallow)
     assert peak == pytest.approx(2 / pi * shallow**0.5, rel=first_order)
-    for law in (printed_depth, printed_force, printed_half_angle, printed_peak_pressure):
-        assert law(0.0, **joint) == 0
+    for method in (law.depth, *of_depth(law)):
+        assert method(0.0) == 0
+
+
+def of_depth(law):
+    return law.force, law.contact_half_angle_deg, law.peak_pressure_star
 
 
 @given(st.fixed_dictionaries(in_range))
 def test_depth_and_force_are_inverse_and_grow(joint):
-    depth = ROOTS**2
-    force = printed_force(depth, **joint)
-    assert printed_depth(force, **joint) == pytest.approx(depth, rel=1e-9)
-    for grown in (force, printed_half_angle(depth, **joint), printed_peak_pressure(depth, **joint)):
-        assert (np.diff(grown) > 0).all()
+    depth, law = ROOTS**2, PrintedLaw(**joint)
+    assert law.depth(law.force(depth)) == pytest.approx(depth, rel=1e-9)
+    for method in of_depth(law):
+        assert (np.diff(method(depth)) > 0).all()
 
 
 @given(st.fixed_dictionaries(in_range), st.floats(0.01, 1))
 def test_force_by_hand(joint, depth):
     """Seven steps of the fixed-point iteration that the docstring gives."""
-    r2_star, x = joint["r2_star"], depth**0.5
+    r2_star, x, law = joint["r2_star"], depth**0.5, PrintedLaw(**joint)
     scale = 4 / 3 * np.sqrt(r2_star * (r2_star - 1))
-    right = printed_force(depth, **joint)
-    largest = (printed_force(1.0, **joint) / scale) ** (1 / 3)
+    right = law.force(depth)
+    largest = (law.force(1.0) / scale) ** (1 / 3)
     for _ in range(7):
         x = min(x, largest)
-        x *= (depth / printed_depth(scale * x**3, **joint)) ** 0.6
+        x *= (depth / law.depth(scale * x**3)) ** 0.6
     assert scale * x**3 == pytest.approx(right, rel=1e-3)
 
 
@@ -133,17 +129,16 @@ def test_at_most_16_numbers_of_4_digits():
 )
 def test_joints_outside_the_range(name, value):
     joint = {"r2_star": 200.0, "socket_ratio": 1.5} | {name: value}
-    for law in (printed_depth, printed_force, printed_half_angle, printed_peak_pressure):
-        with pytest.raises(ValueError, match=name):
-            law(0.5, **joint)
+    with pytest.raises(ValueError, match=name):
+        PrintedLaw(**joint)
 
 
 def test_depths_and_forces_outside_the_range():
-    joint = {"r2_star": 200.0, "socket_ratio": 1.5}
+    law = PrintedLaw(200.0, socket_ratio=1.5)
     for depth in (-0.1, 1.01, np.inf, "0.1"):
-        for law in (printed_force, printed_half_angle, printed_peak_pressure):
+        for method in of_depth(law):
             with pytest.raises(ValueError, match="depth_star"):
-                law(depth, **joint)
-    for force in (-1.0, 1.01 * printed_force(1.0, **joint), np.nan):
+                method(depth)
+    for force in (-1.0, 1.01 * law.force(1.0), np.nan):
         with pytest.raises(ValueError, match="force_star"):
-            printed_depth(force, **joint)
+            law.depth(force)

@@ -325,7 +325,7 @@ def test_pivoting_takes_few_steps_and_too_few_end_in_an_error():
 
 def test_no_contact_has_no_force():
     curve = force_curve(Joint(200), [0.0, 0.5], resolution=64)
-    assert curve.force_star[0] == curve.contact_half_angle[0] == curve.error_estimate[0] == 0
+    assert curve.force_star[0] == curve.contact_half_angle_deg[0] == curve.error_estimate[0] == 0
     assert curve.force_star[1] > 0
 
 

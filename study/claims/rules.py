@@ -193,7 +193,7 @@ def half_angle(depth):
 @rule()
 def arc():
     """Growth of the contact half-angle with depth at 0.5 over that at 0.1."""
-    angle = result("trend").set_index("depth_star").half_angle_deg
+    angle = result("trend").set_index("depth_star").contact_half_angle_deg
     rate = pd.Series(np.gradient(angle, angle.index), angle.index)
     return _at(rate, 0.5) / _at(rate, 0.1)
 

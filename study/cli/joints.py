@@ -47,7 +47,6 @@ def solve_joint(
 
     curve = force_curve(given_joint(r2_star, **joint), depth_star, solver=solver)
     found = curve.columns()
-    found["contact_half_angle_deg"] = found["contact_half_angle"]
     names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
     tables = [{"depth_star": depth_star} | {name: found[name].tolist() for name in names}]
     for body, largest in curve.largest_stress.items():

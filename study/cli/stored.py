@@ -20,6 +20,15 @@ def show_data(
     show(frame.loc[:, "depth_star":] if case else dataset.summary(frame))
 
 
+@command("materials", group=data_app)
+def list_materials():
+    """List the materials that study joint knows by name: typical values (SI units), and sources."""
+    from study.joint import materials
+
+    rows = materials.table()
+    show({name: [row[name] for row in rows] for name in rows[0]})
+
+
 @command("check", group=data_app)
 def check_data():
     """Check files, schema and physics of the dataset, and solve one case anew."""

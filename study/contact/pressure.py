@@ -36,20 +36,21 @@ def hertz_pressure(radius: ArrayLike, depth_star: float, r2_star: float) -> NDAr
     return peak * np.sqrt(np.clip(1 - (r / edge) ** 2, 0, None))
 
 
-def contact_half_angle(law: AngledLaw, depth_star: ArrayLike, r2_star: float) -> Floats:
-    """Polar angle of the contact's edge by a law, in rad; at most 90 deg.
+def contact_half_angle_deg(law: AngledLaw, depth_star: ArrayLike, r2_star: float) -> Floats:
+    """Polar angle of the contact's edge by a law, in deg; at most 90.
 
     ``hertz``: sin = a/R2 with his radius, which alone depends on R2*; ``steuermann``:
     cos = dR/(dR + d), where rigid spheres of nearly equal radii would meet;
-    ``hyperbolic_winkler``: sqrt(2 ds), where the arc is Winkler's radius sqrt(2 R d) (Eq. 21).
+    ``hyperbolic_winkler``: sqrt(2 ds) rad, where the arc is Winkler's radius sqrt(2 R d) (Eq. 21).
     """
     checks.choice("law", law, ANGLED_LAWS)
     edge = contact_radius(depth_star, r2_star)
     if law == "hertz":
-        return np.arcsin(checks.number("contact radius over R2", edge, most=1))
+        return np.degrees(np.arcsin(checks.number("contact radius over R2", edge, most=1)))
     if law == "steuermann":
-        return np.arctan(np.sqrt(np.asarray(depth_star) * (2 + np.asarray(depth_star))))
-    return np.sqrt(2 * checks.number("depth_star", depth_star, most=pi**2 / 8))
+        depth = np.asarray(depth_star)
+        return np.degrees(np.arctan(np.sqrt(depth * (2 + depth))))
+    return np.degrees(np.sqrt(2 * checks.number("depth_star", depth_star, most=pi**2 / 8)))
 
 
 def foundation_height(law: Literal["winkler", "hyperbolic_winkler"], r2_star: float) -> float:

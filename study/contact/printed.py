@@ -40,21 +40,11 @@ PRINTED_RANGES = {
 STEPS = 12  # of Newton's method; its last ones change nothing
 
 
-def printed_depth(
-    force_star: ArrayLike,
-    r2_star: float,
-    *,
-    socket_ratio: float,
-    modulus_ratio: float = 1.0,
-    poisson: float = 0.3,
-    socket_poisson: float = 0.3,
-) -> Floats:
-    """Depth d/dR of a force P/(E* dR^2) by the law on paper (this study, fitted).
+class PrintedLaw:
+    """The law on paper of one joint, over depths d/dR from 0 to 1 (this study, fitted).
 
     Parameters
     ----------
-    force_star
-        From 0 to the force of a depth of 1.
     r2_star, socket_ratio, poisson, socket_poisson
         Within `PRINTED_RANGES`: R2/dR, the socket's outer over inner radius, Poisson's ratios of
         ball and socket.
@@ -64,59 +54,74 @@ def printed_depth(
     Raises
     ------
     ValueError
-        For a value outside its range.
+        For a value outside its range, here and in every method.
     """
-    joint = _Joint(r2_star, socket_ratio, modulus_ratio, poisson, socket_poisson)
-    force = np.asarray(checks.number("force_star", force_star, least=0))
-    deepest = joint.force(np.ones(1))[0]
-    checks.number("force_star", force, most=deepest * (1 + LIMIT_MARGIN))
-    return _plain(joint.depth(force))
 
+    def __init__(
+        self,
+        r2_star: float,
+        *,
+        socket_ratio: float,
+        modulus_ratio: float = 1.0,
+        poisson: float = 0.3,
+        socket_poisson: float = 0.3,
+    ) -> None:
+        given = {"r2_star": r2_star, "socket_ratio": socket_ratio}
+        given |= {"poisson": poisson, "socket_poisson": socket_poisson}
+        for name, (least, most) in PRINTED_RANGES.items():
+            least *= 1 - LIMIT_MARGIN
+            checks.number(f"{name} on paper", given[name], least=least, most=most, scalar=True)
+        checks.number("modulus_ratio", modulus_ratio, above=0, scalar=True)
+        self.share = share_of_ball(modulus_ratio, poisson, socket_poisson)
+        self.r2_star, self.numbers = r2_star, fitted_coefficients()["printed_hertz"]
+        self._of_bodies = self.share, socket_ratio, poisson, socket_poisson, self.numbers
 
-def printed_force(
-    depth_star: ArrayLike,
-    r2_star: float,
-    *,
-    socket_ratio: float,
-    modulus_ratio: float = 1.0,
-    poisson: float = 0.3,
-    socket_poisson: float = 0.3,
-) -> Floats:
-    """Force P/(E* dR^2) of depths d/dR from 0 to 1: the inverse of `printed_depth`.
+    def depth(self, force_star: ArrayLike) -> Floats:
+        """Depth d/dR of forces P/(E* dR^2), from 0 to the force of a depth of 1."""
+        most = float(self.force(1.0)) * (1 + LIMIT_MARGIN)
+        force = np.asarray(checks.number("force_star", force_star, least=0, most=most))
+        x = np.cbrt(0.75 * force / np.sqrt(self.r2_star * (self.r2_star - 1)))
+        y = x**2 * (1 - lost_depth(x, *self._of_bodies))
+        return _plain(y + (1 - 2 * self.share) * y**2 / self.r2_star)
 
-    Newton's method in ln(x), from Hertz's x = sqrt(ds). By hand, seven steps of
-    x <- x (ds/ds(x))^0.6 leave 0.1 % of the force. The law's error is at most 3.5 %.
-    """
-    joint = _Joint(r2_star, socket_ratio, modulus_ratio, poisson, socket_poisson)
-    return _plain(joint.force(_depth(depth_star)))
+    def force(self, depth_star: ArrayLike) -> Floats:
+        """Force P/(E* dR^2) of depths d/dR: the inverse of `depth`, within 3.5 % of the solution.
 
+        Newton's method in ln(x), from Hertz's x = sqrt(ds). By hand, seven steps of
+        x <- x (ds/ds(x))^0.6 leave 0.1 % of the force.
+        """
+        radius = self._hertz_radius(_depth(depth_star))
+        return _plain(4 / 3 * np.sqrt(self.r2_star * (self.r2_star - 1)) * radius**3)
 
-def printed_half_angle(
-    depth_star: ArrayLike,
-    r2_star: float,
-    *,
-    socket_ratio: float,
-    modulus_ratio: float = 1.0,
-    poisson: float = 0.3,
-    socket_poisson: float = 0.3,
-) -> Floats:
-    """Polar angle of the contact's edge, in rad, of depths d/dR from 0 to 1: within 7 %."""
-    joint = _Joint(r2_star, socket_ratio, modulus_ratio, poisson, socket_poisson)
-    return _plain(joint.half_angle(_depth(depth_star))[0])
+    def contact_half_angle_deg(self, depth_star: ArrayLike) -> Floats:
+        """Polar angle of the contact's edge, in deg, of depths d/dR: within 7 %."""
+        return _plain(np.degrees(self._edge(_depth(depth_star))[0]))
 
+    def peak_pressure_star(self, depth_star: ArrayLike) -> Floats:
+        """Largest pressure over E* dR/R2, of depths d/dR: within 12 %."""
+        depth = _depth(depth_star)
+        angle, lost = self._edge(depth)
+        p1, p2 = self.numbers["p"]
+        area = np.pi * np.sin(np.where(depth > 0, angle, 1)) ** 2
+        over_mean = (3 + p1 * lost + p2 * self.share * depth) / 2
+        return _plain(over_mean * self.force(depth) / self.r2_star / area)
 
-def printed_peak_pressure(
-    depth_star: ArrayLike,
-    r2_star: float,
-    *,
-    socket_ratio: float,
-    modulus_ratio: float = 1.0,
-    poisson: float = 0.3,
-    socket_poisson: float = 0.3,
-) -> Floats:
-    """Largest pressure over E* dR/R2, of depths d/dR from 0 to 1: within 12 %."""
-    joint = _Joint(r2_star, socket_ratio, modulus_ratio, poisson, socket_poisson)
-    return _plain(joint.peak_pressure(_depth(depth_star)))
+    def _edge(self, depth):
+        """Polar angle of the contact's edge, in rad, and the share of Hertz's depth lost."""
+        lost = lost_depth(self._hertz_radius(depth), *self._of_bodies)
+        return contact_edge(depth, lost, self.share), lost
+
+    def _hertz_radius(self, depth):
+        """Hertz's contact radius x of the force: y(x) = depth less its term in 1/R2*."""
+        first = (1 - 2 * self.share) / self.r2_star
+        y = 2 * depth / (1 + np.sqrt(1 + 4 * first * depth))
+        x = np.sqrt(y)
+        wanted = np.where(y > 0, y, 1)
+        for _ in range(STEPS):
+            turned = np.where(y > 0, x, 1) * np.exp(1e-20j)  # whose derivative is its angle
+            found = np.log(turned**2 * (1 - lost_depth(turned, *self._of_bodies)))
+            x = x * np.exp((np.log(wanted) - found.real) / (found.imag / 1e-20))
+        return x
 
 
 def lost_depth(
@@ -135,54 +140,8 @@ def lost_depth(
 
 
 def contact_edge(depth: Any, lost: Any, share: Any) -> Any:
-    """Polar angle of the contact's edge, by the module's formula."""
+    """Polar angle of the contact's edge, in rad, by the module's formula."""
     return np.arccos(1 / (1 + (1 + lost * (1 + 3 * share * depth)) * depth / 2))
-
-
-class _Joint:
-    """One joint's law: its checked parameters, and the formulas over arrays of depths."""
-
-    def __init__(self, r2_star, socket_ratio, modulus_ratio, poisson, socket_poisson):
-        given = {"r2_star": r2_star, "socket_ratio": socket_ratio}
-        given |= {"poisson": poisson, "socket_poisson": socket_poisson}
-        for name, (least, most) in PRINTED_RANGES.items():
-            least *= 1 - LIMIT_MARGIN
-            checks.number(f"{name} on paper", given[name], least=least, most=most, scalar=True)
-        checks.number("modulus_ratio", modulus_ratio, above=0, scalar=True)
-        self.share = share_of_ball(modulus_ratio, poisson, socket_poisson)
-        self.r2_star, self.numbers = r2_star, fitted_coefficients()["printed_hertz"]
-        self.of_bodies = self.share, socket_ratio, poisson, socket_poisson, self.numbers
-
-    def depth(self, force):
-        x = np.cbrt(0.75 * force / np.sqrt(self.r2_star * (self.r2_star - 1)))
-        y = x**2 * (1 - lost_depth(x, *self.of_bodies))
-        return y + (1 - 2 * self.share) * y**2 / self.r2_star
-
-    def force(self, depth):
-        return 4 / 3 * np.sqrt(self.r2_star * (self.r2_star - 1)) * self._hertz_radius(depth) ** 3
-
-    def half_angle(self, depth):
-        lost = lost_depth(self._hertz_radius(depth), *self.of_bodies)
-        return contact_edge(depth, lost, self.share), lost
-
-    def peak_pressure(self, depth):
-        angle, lost = self.half_angle(depth)
-        p1, p2 = self.numbers["p"]
-        area = np.pi * np.sin(np.where(depth > 0, angle, 1)) ** 2
-        over_mean = (3 + p1 * lost + p2 * self.share * depth) / 2
-        return over_mean * self.force(depth) / self.r2_star / area
-
-    def _hertz_radius(self, depth):
-        """Hertz's contact radius x of the force: y(x) = depth less its term in 1/R2*."""
-        first = (1 - 2 * self.share) / self.r2_star
-        y = 2 * depth / (1 + np.sqrt(1 + 4 * first * depth))
-        x = np.sqrt(y)
-        wanted = np.where(y > 0, y, 1)
-        for _ in range(STEPS):
-            turned = np.where(y > 0, x, 1) * np.exp(1e-20j)  # whose derivative is its angle
-            found = np.log(turned**2 * (1 - lost_depth(turned, *self.of_bodies)))
-            x = x * np.exp((np.log(wanted) - found.real) / (found.imag / 1e-20))
-        return x
 
 
 def _depth(depth_star: ArrayLike) -> NDArray[np.float64]:

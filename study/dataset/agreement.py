@@ -21,7 +21,7 @@ DIGITS = {
     "stability_steps": {"y": 3},
     "stability_impacts": {"y": 3},
     "stability_contact": {"y": 3},
-    "force_curves": {"error_estimate": 3, "contact_half_angle": 5},
+    "force_curves": {"error_estimate": 3, "contact_half_angle_deg": 5},
 }
 """Columns that are written with fewer digits: one unit of the last agrees."""
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from study.contact import stiffening
 from study.joint import Joint, Kinematics, Layer, Material
-from study.joint.curve import PAPER_SUPPORTS
+from study.joint.joint import PAPER_SUPPORTS
 
 DEPTHS = tuple(np.round(np.arange(1, 41) * 0.025, 3).tolist())
 ROOT_DEPTHS = tuple(np.round(np.linspace(0.005**0.5, 1, 32) ** 2, 6).tolist())

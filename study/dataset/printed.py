@@ -92,7 +92,7 @@ def _fit_peak():
         depth, force = curve.depth_star, curve.force_star / FAR
         lost = 1 - depth / np.cbrt(0.75 * force) ** 2
         mean = force / (np.pi * np.sin(contact_edge(depth, lost, share)) ** 2)
-        unit = (mean / 2 / curve.peak_pressure)[:, None]
+        unit = (mean / 2 / curve.peak_pressure_star)[:, None]
         rows.append(unit * np.column_stack([lost, share * depth]))
         right.append(1 - 3 * unit[:, 0])
     return _printed(np.linalg.lstsq(np.vstack(rows), np.concatenate(right))[0])

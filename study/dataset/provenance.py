@@ -12,6 +12,7 @@ from study import paths
 READS = {
     "contact/laws.py": ("study/contact/coefficients.json",),
     "contact/stiffening.py": ("study/contact/stiffening.csv",),
+    "joint/materials.py": ("study/joint/materials.csv",),
     "dataset/store.py": (
         *("data/force_curves.csv", "data/links.csv", "data/published/tables.csv"),
         *("data/published/joint.csv", "data/published/others.csv", "data/published/peers.csv"),

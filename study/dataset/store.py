@@ -20,12 +20,14 @@ from study.contact.stiffening import TABLE
 from study.dataset import agreement, design, provenance
 from study.joint import Joint, Kinematics, force_curve
 from study.joint.compliance import DRIVES, RESOLUTION, RIMS
-from study.joint.curve import KINEMATICS, SOLVERS
+from study.joint.curve import SOLVERS
+from study.joint.joint import KINEMATICS
 
 CURVES = paths.DATA / "force_curves.csv"
 LINKS = paths.DATA / "links.csv"
 PEERS = paths.DATA / "published/peers.csv"
 PACKAGE = paths.DATA / "datapackage.json"
+MATERIALS = paths.ROOT / "study/joint/materials.csv"  # no import: no curve depends on it
 MEND = "study data build"
 TITLE = "Force-depth curves of spherical clearance joints, by series and finite elements"
 ORIGINS = {
@@ -45,8 +47,8 @@ GENERATED = {
     LINKS: "choose/links",
 }
 """Generated file -> module whose imports lead to all code that decides it."""
-LIBRARY = (COEFFICIENTS, TABLE)
-"""Those that the library carries beside its laws."""
+LIBRARY = (COEFFICIENTS, TABLE, MATERIALS)
+"""Files of numbers that the library carries beside its modules."""
 COLUMNS = {
     "group": ("", "What the study needs the case for"),
     "case": ("", "Name of the case: set-up, kinematics and R2*"),
@@ -66,7 +68,7 @@ COLUMNS = {
     "solver": ("", "series, or finite elements: quadratic or linear triangles"),
     "depth_star": ("1", "Dimensionless penetration depth d/dR"),
     "force_star": ("1", "Dimensionless force P/(E* dR^2)"),
-    "contact_half_angle": ("deg", "Polar angle of the contact's edge"),
+    "contact_half_angle_deg": ("deg", "Polar angle of the contact's edge"),
     "peak_pressure_star": ("1", "Largest pressure p R2/(E* dR)"),
     "error_estimate": ("1", "Relative discretisation error of the force, estimated"),
 }
@@ -78,7 +80,7 @@ _CONSTRAINTS = {
     "rim": {"enum": list(RIMS)},
     "kinematics": {"enum": list(KINEMATICS)},
     "solver": {"enum": list(SOLVERS)},
-    "contact_half_angle": {"minimum": 0, "maximum": 90},
+    "contact_half_angle_deg": {"minimum": 0, "maximum": 90},
     "r2_star": {"minimum": 1},
     "socket_ratio": {"minimum": 1},
     "depth_star": {"minimum": 0},
@@ -385,7 +387,10 @@ def sources(path: Path) -> list[Path]:
 
 def _made_by():
     """Generated file -> digest of every file that decides it."""
-    read = {COEFFICIENTS: [CURVES, paths.DATA / "published/tables.csv"], LINKS: [*LIBRARY]}
+    read = {
+        COEFFICIENTS: [CURVES, paths.DATA / "published/tables.csv"],
+        LINKS: [COEFFICIENTS, TABLE],
+    }
     decide = {path: [*sources(path), *read.get(path, [])] for path in GENERATED}
     return {provenance.name(path): provenance.digests(files) for path, files in decide.items()}
 
@@ -403,7 +408,7 @@ def verify_files() -> None:
     for resource in package["resources"]:
         _verify(paths.DATA / resource["path"], resource["hash"], resource["origin"] == "generated")
     for path in LIBRARY:
-        _verify(path, stated["library_sha256"][provenance.name(path)], generated=True)
+        _verify(path, stated["library_sha256"][provenance.name(path)], path in GENERATED)
     if stated["design"] != _design():
         raise DatasetError(
             f"data/{CURVES.name} is out of date: the design (study/dataset/design.py), a default "
@@ -428,7 +433,7 @@ def summary(frame: pd.DataFrame) -> pd.DataFrame:
             depths=("depth_star", "size"),
             largest_depth=("depth_star", "max"),
             largest_force=("force_star", "max"),
-            largest_half_angle=("contact_half_angle", "max"),
+            largest_half_angle_deg=("contact_half_angle_deg", "max"),
             largest_error=("error_estimate", "max"),
         )
         .reset_index()

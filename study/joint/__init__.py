@@ -1,18 +1,10 @@
 """The truth: a joint of two elastic bodies, and its force-depth curve."""
 
 from study.joint.compliance import Drive, Rim
-from study.joint.curve import (
-    ForceCurve,
-    Joint,
-    Kinematics,
-    Layer,
-    Material,
-    Solver,
-    UnresolvedError,
-    force_curve,
-    paper_joint,
-)
+from study.joint.curve import ForceCurve, Solver, UnresolvedError, force_curve
 from study.joint.growth import whole_curve
+from study.joint.joint import Joint, Kinematics, Layer, Material, paper_joint
+from study.joint.materials import material
 from study.joint.stress import FirstYield, LargestStress, first_yield
 
 __all__ = [
@@ -29,6 +21,7 @@ __all__ = [
     "UnresolvedError",
     "first_yield",
     "force_curve",
+    "material",
     "paper_joint",
     "whole_curve",
 ]

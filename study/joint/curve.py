@@ -7,7 +7,7 @@ hat functions. Frictionless and elastic. Which points face each other: `study.jo
 Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -15,235 +15,28 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact import SOCKET_RATIO, composite_modulus, largest_depth
+from study.contact import largest_depth
 from study.joint import pairing, series
 from study.joint.compliance import (
-    DRIVES,
     FINEST_RESOLUTION,
     RESOLUTION,
-    RIMS,
-    THICKEST_RATIO,
-    THINNEST_RATIO,
     Compliance,
-    Drive,
-    Rim,
     layer_ratios,
     layer_steps,
 )
+from study.joint.joint import Joint
 from study.threads import one_thread
 
 if TYPE_CHECKING:
     from study.joint.stress import LargestStress
 
-Kinematics = Literal["small", "linear", "finite"]
 Solver = Literal["series", "quadratic", "linear"]
-KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 SOLVERS: tuple[Solver, ...] = get_args(Solver)
-LARGEST_MODULUS_RATIO = 1e9
-"""Of the bodies' Young's moduli, either way: a stiffer body is rigid, within 1e-9 of the force, and
-one much softer than its ball leaves a contact matrix that is not positive definite once rounded."""
 _BESIDE = (0.97, 1.03)  # neighbours of a depth at which its error is estimated too
 
 
 class UnresolvedError(checks.RangeError):
     """A contact smaller than the elements can resolve."""
-
-
-@dataclass(frozen=True)
-class Material:
-    """An isotropic, linear elastic material: Young's modulus > 0, in Pa, Poisson's ratio < 0.5.
-
-    Its yield stress, > 0, in Pa, is for `study.joint.first_yield`; materials that differ in it
-    alone are equal, as forces do not depend on it.
-    """
-
-    youngs_modulus: float = 2e11
-    poisson: float = 0.3
-    yield_stress: float | None = field(default=None, compare=False)
-
-    def __post_init__(self):
-        checks.number("Young's modulus", self.youngs_modulus, "Pa", above=0, scalar=True)
-        checks.poisson("Poisson's ratio", self.poisson)
-        if self.yield_stress is not None:
-            checks.number("yield stress", self.yield_stress, "Pa", above=0, scalar=True)
-
-
-@dataclass(frozen=True)
-class Layer:
-    """A layer of a socket: its outer radius over the socket's inner radius, and its material."""
-
-    outer_ratio: float
-    material: Material
-
-    def __post_init__(self):
-        checks.number("outer_ratio", self.outer_ratio, above=1, most=THICKEST_RATIO, scalar=True)
-        checks.instance("material", self.material, Material)
-
-
-@dataclass(frozen=True)
-class Joint:
-    """A spherical clearance joint, as far as its force-depth curve depends on it.
-
-    Its default supports, which are solved exactly and are those of
-    `study.contact.stiffened_hertz`, are not the paper's (`paper_joint`). A value outside its range
-    is a ``ValueError``.
-
-    Attributes
-    ----------
-    r2_star
-        Dimensionless socket radius R2/dR, > 1.
-    socket_ratio
-        Outer over inner radius, from 1.0001 to 1e6; >= 1.02 for finite elements.
-    ball, socket
-        Materials, Young's moduli within a factor of 1e9.
-    layers
-        Of a socket of several materials, bonded, from the inside out: a liner in its housing. Each
-        is at least 0.0001 of its inner radius thick, 0.02 for finite elements. They are given
-        instead of ``socket_ratio`` and ``socket``, which are then the outermost ratio and the
-        innermost material: the composite modulus E* is that of ball and innermost layer.
-    ball_drive
-        The half ball's equatorial plane is displaced axially and is radially free (``plane``), or
-        fixed (``clamped``); or its centre alone is displaced (``point``), as by a point load.
-    rim
-        The socket's edge at the equator is a mirror plane, or traction-free. At Poisson's ratio
-        0.3 and R2* = 200 the force differs by less than 1e-5 up to a socket ratio of 1.25, by
-        0.7 % at 2 and 4 % at 3; at Poisson's ratio 0.45 by 0.4 % at 1.25 and 1.6 % at 1.5.
-    kinematics
-        ``small``: points face each other at equal angles seen from the socket's centre, the
-        gap is the exact overlap of the rigid spheres, the force acts on the socket's area.
-        ``linear``: every point of the ball faces the point of the socket it has moved to, and
-        the force acts on the ball's area; as a small-strain analysis that searches contact on
-        the moved surfaces does. ``finite``: large displacements and rotations, with the
-        material of Saint Venant and Kirchhoff. They differ by terms of order 1/R2*.
-    """
-
-    r2_star: float
-    socket_ratio: float = SOCKET_RATIO
-    ball: Material = field(default_factory=Material)
-    socket: Material = field(default_factory=Material)
-    ball_drive: Drive = "plane"
-    rim: Rim = "mirror"
-    kinematics: Kinematics = "linear"
-    layers: tuple[Layer, ...] = ()
-
-    def __post_init__(self):
-        checks.number("r2_star", self.r2_star, above=1, scalar=True)
-        thinnest, thickest = THINNEST_RATIO, THICKEST_RATIO
-        checks.number("socket_ratio", self.socket_ratio, least=thinnest, most=thickest, scalar=True)
-        for name in ("ball", "socket"):
-            checks.instance(name, getattr(self, name), Material)
-        self._take_layers()
-        name, most = "Young's modulus of the socket over that of the ball", LARGEST_MODULUS_RATIO
-        for material in (self.socket, *(layer.material for layer in self.layers)):
-            ratio = material.youngs_modulus / self.ball.youngs_modulus
-            checks.number(name, ratio, least=1 / most, most=most)
-        checks.choice("ball_drive", self.ball_drive, DRIVES)
-        checks.choice("rim", self.rim, RIMS)
-        checks.choice("kinematics", self.kinematics, KINEMATICS)
-
-    def _take_layers(self):
-        """Check the layers, and set what follows from them."""
-        if not isinstance(self.layers, tuple):
-            raise ValueError(f"layers must be a tuple of Layer, got {checks.shown(self.layers)}")
-        for layer in self.layers:
-            checks.instance("each of layers", layer, Layer)
-        if not self.layers:
-            return
-        layer_ratios(self.socket_layers[0])
-        ratio, material = self.layers[-1].outer_ratio, self.layers[0].material
-        for name, default, follows in (
-            ("socket_ratio", SOCKET_RATIO, ratio),
-            ("socket", Material(), material),
-        ):
-            given = getattr(self, name)
-            if given not in (default, follows):
-                raise ValueError(f"{name} must be left out beside layers, got {given}")
-            object.__setattr__(self, name, follows)
-
-    @property
-    def socket_layers(self) -> tuple[tuple[float, ...], ...]:
-        """Outer ratio, Poisson's ratio and Young's modulus of each layer of the socket.
-
-        From the inside out, as three tuples; the modulus is over the innermost one's.
-        """
-        layers = self.layers or (Layer(self.socket_ratio, self.socket),)
-        unit = layers[0].material.youngs_modulus
-        each = ((k.outer_ratio, k.material.poisson, k.material.youngs_modulus) for k in layers)
-        return tuple(zip(*((q, nu, e / unit) for q, nu, e in each), strict=True))
-
-    @property
-    def materials(self) -> dict[str, Material]:
-        """Materials of ``ball`` and ``socket``, or ``layer 1`` and so on, from the inside out."""
-        layers = {f"layer {k}": layer.material for k, layer in enumerate(self.layers, 1)}
-        return {"ball": self.ball} | (layers or {"socket": self.socket})
-
-    @property
-    def ball_radius(self) -> float:
-        """Ball radius over socket radius, R1/R2."""
-        return 1 - 1 / self.r2_star
-
-    @property
-    def modulus_ratio(self) -> float:
-        """Young's modulus of the socket over that of the ball."""
-        return self.socket.youngs_modulus / self.ball.youngs_modulus
-
-    @property
-    def composite_modulus(self) -> float:
-        """E*, in Pa."""
-        ball, socket = self.ball, self.socket
-        moduli = ball.youngs_modulus, socket.youngs_modulus
-        return composite_modulus(moduli[0], ball.poisson, moduli[1], socket.poisson)
-
-    @property
-    def layers_text(self) -> str:
-        """Layers as a table holds them, ``1.125:0.0025:0.46;1.5:1:0.3``; empty for one material.
-
-        Outer ratio, Young's modulus over the ball's and Poisson's ratio of each.
-        """
-        unit = self.ball.youngs_modulus
-        each = ((k.outer_ratio, k.material.youngs_modulus / unit, k.material) for k in self.layers)
-        return ";".join(f"{q:.9g}:{e:.9g}:{material.poisson:.9g}" for q, e, material in each)
-
-    @property
-    def modulus_shares(self) -> tuple[float, float]:
-        """E*/E of the ball and of the socket."""
-        composite = self.composite_modulus
-        return composite / self.ball.youngs_modulus, composite / self.socket.youngs_modulus
-
-    def stiffening_options(self) -> dict[str, Any]:
-        """Options of `study.contact.stiffened_hertz`; a joint it is not for is a ``ValueError``."""
-        if self.layers or self.ball_drive == "point":
-            what = "a socket of layers" if self.layers else "ball_drive point"
-            raise checks.RangeError(f"stiffened_hertz is not for {what}")
-        return {
-            "socket_ratio": self.socket_ratio,
-            "modulus_ratio": self.modulus_ratio,
-            "poisson": self.ball.poisson,
-            "socket_poisson": self.socket.poisson,
-            "ball_drive": self.ball_drive,
-            "rim": self.rim,
-        }
-
-    @property
-    def series_applies(self) -> bool:
-        """Whether the exact series does: symmetric about the equator, bodies that stay linear."""
-        supports = self.ball_drive == "plane" and self.rim == "mirror"
-        return supports and self.kinematics != "finite"
-
-
-PAPER_SUPPORTS: dict[str, Any] = {"ball_drive": "clamped", "rim": "free"}
-"""How the paper's finite elements hold ball and socket: identified from its Table 2."""
-
-
-def paper_joint(r2_star: float = 200, **changes: Any) -> Joint:
-    """The joint of the paper's figures and tables, as far as it can be known.
-
-    Clamped ball, free rim, socket ratio 1.298, linear kinematics, both bodies of Poisson's ratio
-    0.3: identified from Table 2 and Fig. 14 (notebook 13), but for the rim, which follows from
-    the text ("the entire external surface of the socket is fixed") and changes nothing there.
-    R2* = 200 is that of Fig. 10 and Table 2; ``changes`` are other attributes of `Joint`.
-    """
-    return Joint(r2_star, **(PAPER_SUPPORTS | changes))
 
 
 @dataclass(frozen=True)
@@ -254,9 +47,9 @@ class ForceCurve:
     ----------
     depth_star, force_star
         Dimensionless depth d/dR, in the order asked for, and force P/(E* dR^2); shape (k,).
-    contact_half_angle
-        Polar angle of the contact's edge, in rad; shape (k,).
-    peak_pressure
+    contact_half_angle_deg
+        Polar angle of the contact's edge, in deg; shape (k,).
+    peak_pressure_star
         Largest pressure, in E* dR/R2; shape (k,).
     error_estimate
         Estimated relative discretisation error of the force, shape (k,): its largest difference
@@ -270,8 +63,8 @@ class ForceCurve:
     solver: Solver
     depth_star: NDArray[np.float64]
     force_star: NDArray[np.float64]
-    contact_half_angle: NDArray[np.float64]
-    peak_pressure: NDArray[np.float64]
+    contact_half_angle_deg: NDArray[np.float64]
+    peak_pressure_star: NDArray[np.float64]
     error_estimate: NDArray[np.float64]
     angles: NDArray[np.float64]
     pressure: NDArray[np.float64]
@@ -299,8 +92,8 @@ class ForceCurve:
             "solver": self.solver,
             "depth_star": self.depth_star,
             "force_star": self.force_star,
-            "contact_half_angle": np.degrees(self.contact_half_angle),
-            "peak_pressure_star": self.peak_pressure,
+            "contact_half_angle_deg": self.contact_half_angle_deg,
+            "peak_pressure_star": self.peak_pressure_star,
             "error_estimate": self.error_estimate,
         }
 
@@ -366,8 +159,8 @@ def force_curve(
         solver=solver,
         depth_star=depths,
         force_star=fine[: depths.size],
-        contact_half_angle=np.array([_edge(angles, p) for p in pressure]),
-        peak_pressure=pressure.max(axis=1),
+        contact_half_angle_deg=np.degrees([_edge(angles, p) for p in pressure]),
+        peak_pressure_star=pressure.max(axis=1),
         error_estimate=relative.reshape(-1, depths.size).max(axis=0),
         angles=angles,
         pressure=pressure,

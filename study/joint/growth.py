@@ -15,7 +15,8 @@ from study import checks
 from study.contact import largest_depth
 from study.joint import curve, pairing, series
 from study.joint.complementarity import ComplementarityError
-from study.joint.curve import ForceCurve, Joint, UnresolvedError
+from study.joint.curve import ForceCurve, UnresolvedError
+from study.joint.joint import Joint
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
@@ -65,8 +66,8 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
         solver=curve.chosen_solver(joint, None),
         depth_star=depth[nodes],
         force_star=force[nodes],
-        contact_half_angle=fine.angles[2 * nodes],
-        peak_pressure=pressure.max(axis=1),
+        contact_half_angle_deg=np.degrees(fine.angles[2 * nodes]),
+        peak_pressure_star=pressure.max(axis=1),
         error_estimate=np.abs(unextrapolated / force[nodes] - 1),
         angles=fine.angles,
         pressure=pressure,

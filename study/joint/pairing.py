@@ -19,8 +19,8 @@ from study.joint.compliance import Compliance, HatFunctions
 from study.threads import one_thread
 
 if TYPE_CHECKING:
-    from study.joint.curve import Joint
     from study.joint.fem import Body
+    from study.joint.joint import Joint
 
 Problem = Callable[[float], tuple[NDArray[np.float64], NDArray[np.float64]]]
 """Depth_star -> matrix (n, n), and gap (3, n): factors of 1, D and D^2, D = 1 + depth_star.

@@ -18,8 +18,9 @@ from study import checks
 from study.contact import largest_depth
 from study.joint import pairing, series
 from study.joint.compliance import graded
-from study.joint.curve import ForceCurve, Joint, force_curve, meshed
+from study.joint.curve import ForceCurve, force_curve, meshed
 from study.joint.growth import whole_curve
+from study.joint.joint import Joint
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
@@ -136,11 +137,12 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
     """
     checks.instance("curve", curve, ForceCurve)
     sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
-    found, peak = {}, curve.peak_pressure
+    found, peak = {}, curve.peak_pressure_star
+    edge = np.sin(np.radians(curve.contact_half_angle_deg))
     *interfaces, outer = curve.joint.socket_layers[0]
     for body, (stress, radius, angle) in sought:
         place = np.full(len(stress), "below the surface", dtype=object)
-        place[np.abs(radius - 1) <= _NEAR * np.sin(curve.contact_half_angle)] = "at the surface"
+        place[np.abs(radius - 1) <= _NEAR * edge] = "at the surface"
         place[np.isclose(radius[:, None], interfaces, atol=0).any(axis=1)] = "at an interface"
         place[np.isclose(radius, outer, atol=0)] = "outside"
         over_peak = np.divide(stress, peak, out=np.zeros_like(stress), where=peak > 0)

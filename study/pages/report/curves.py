@@ -32,7 +32,7 @@ def curves() -> dict:
         depth = frame["depth_star"].to_numpy()
         last = frame.iloc[-1]
         case = {"name": name, "group": group, "solver": last["solver"]} | _parameters(joint)
-        case["half_angle"] = _rounded(last["contact_half_angle"])
+        case["half_angle"] = _rounded(last["contact_half_angle_deg"])
         case["error"] = _rounded(100 * frame["error_estimate"].max())
         case["depths"] = depths.setdefault(tuple(map(_rounded, depth)), len(depths))
         case["force"] = [_rounded(force) for force in frame["force_star"]]

@@ -1,0 +1,82 @@
+"""Materials by name, in SI units: typical values with their sources, in ``materials.csv``.
+
+Castings, heat treatments and polymers differ by tens of percent: for a design, give the values
+of its own data sheets as a `study.joint.Material`.
+"""
+
+import csv
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from study import checks
+from study.joint.joint import Material
+
+MATERIALS = Path(__file__).with_name("materials.csv")
+
+
+def material(given: str | Material) -> Material:
+    """Material of a name, or of a text of its numbers; or a material itself, checked.
+
+    Parameters
+    ----------
+    given
+        A name of `table`, whatever its case, hyphens and spaces; or Young's modulus in Pa,
+        Poisson's ratio and perhaps a yield stress in Pa, ``210e9,0.3,5e8``; or a `Material`.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name, which lists those known, or a value outside its range. The least
+        Young's modulus is `study.checks.SOFTEST`.
+    """
+    text = isinstance(given, str)
+    found = checks.instance("material", _of_text(given) if text else given, Material)
+    checks.youngs_modulus("Young's modulus", found.youngs_modulus)
+    return found
+
+
+def _of_text(text):
+    known = {_plain(row["name"]): row for row in table()}
+    row = known.get(_plain(text))
+    if row:
+        return Material(row["youngs_modulus"], row["poisson"], row["yield_stress"])
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) not in (2, 3):
+        names = ", ".join(row["name"] for row in table())
+        raise ValueError(
+            f"material must be one of {names}, or its Young's modulus in Pa and Poisson's ratio, "
+            f"such as 210e9,0.3, got {checks.shown(text)}"
+        )
+    checks.youngs_modulus("Young's modulus", values[0])
+    return Material(*values)
+
+
+def _plain(name):
+    """A name without what people write in different ways."""
+    return "".join(c for c in name.lower() if c not in " -_")
+
+
+@lru_cache(maxsize=1)
+def table() -> tuple[dict[str, Any], ...]:
+    """Rows of ``materials.csv``: name, constants in Pa, condition and source of each material.
+
+    ``yield_stress`` is None where none is usual. Raises `study.checks.StudyError` if the file is
+    missing or damaged.
+    """
+    numbers = ("youngs_modulus", "poisson", "yield_stress")
+    try:
+        rows = list(csv.DictReader(MATERIALS.read_text(encoding="utf-8").splitlines()))
+        for row in rows:
+            row |= {name: float(row[name]) if row[name] else None for name in numbers}
+            if not all((row["name"], row["youngs_modulus"], row["poisson"], row["source"])):
+                raise ValueError
+        if not rows:
+            raise ValueError
+    except (OSError, ValueError, KeyError, TypeError):
+        file = f"study/joint/{MATERIALS.name}"
+        raise checks.StudyError(f"{file} is missing or damaged: install the study anew") from None
+    return tuple(rows)

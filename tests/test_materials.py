@@ -1,0 +1,73 @@
+"""Materials by name: a whole table with sources, and what a name may look like."""
+
+import re
+
+import pytest
+
+from study import checks
+from study.joint import Material, material, materials
+
+WANTED = "steel stainless bronze brass cast_iron aluminium titanium CoCr alumina UHMWPE PTFE POM"
+
+
+def test_table_is_complete_and_sourced():
+    rows = materials.table()
+    names = [row["name"] for row in rows]
+    assert {name.replace("_", " ") for name in WANTED.split()} <= set(names)
+    assert len({name.lower() for name in names}) == len(names)
+    for row in rows:
+        assert all(row[name].strip() for name in ("condition", "source")), row
+        assert 1e8 < row["youngs_modulus"] < 5e11, row
+        assert 0.2 <= row["poisson"] < 0.5, row
+        if row["yield_stress"] is not None:  # strains at yield are about 0.1 to 3 %
+            assert 1e-3 < row["yield_stress"] / row["youngs_modulus"] < 0.03, row
+
+
+def test_ceramics_and_grey_iron_have_no_yield_stress():
+    without = {row["name"] for row in materials.table() if row["yield_stress"] is None}
+    assert without == {"alumina", "cast iron"}
+
+
+@pytest.mark.parametrize("name", ["cast iron", "Cast-Iron", "CAST_IRON", " castiron "])
+def test_names_are_found_however_they_are_written(name):
+    assert material(name) == Material(1.1e11, 0.26)
+
+
+def test_a_material_by_its_numbers_or_itself():
+    assert material("210e9,0.3") == Material(210e9, 0.3)
+    found = material("2.1e11, 0.3, 5e8")
+    assert (found, found.yield_stress) == (Material(2.1e11, 0.3), 5e8)
+    assert material(found) is found
+    assert material("bronze").yield_stress == 1.6e8
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("bronz", "material must be one of steel, stainless, bronze,"),
+        ("", "material must be one of steel,"),
+        ("210e9", "such as 210e9,0.3, got '210e9'"),
+        ("210e9,0.3,1,2", "such as 210e9,0.3, got"),
+        (3, "material must be a Material, got 3"),
+        ("210,0.3", "Young's modulus must be >= 1e+06 Pa, got 210 Pa: did you mean 210e9?"),
+        ("69000,0.33", "got 69000 Pa: did you mean 69e9?"),
+        (Material(210, 0.3), "got 210 Pa: did you mean 210e9?"),
+        ("nan,0.3", "Young's modulus must be finite"),
+        ("-1,0.3", "Young's modulus must be >= 1e+06 Pa, got -1 Pa"),
+        ("210e9,0.5", "Poisson's ratio must be > -1 and < 0.5, got 0.5"),
+        ("210e9,0.3,-1", "yield stress must be > 0 Pa, got -1 Pa"),
+    ],
+)
+def test_wrong_materials(given, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        material(given)
+
+
+@pytest.mark.parametrize("content", ["", "name,poisson\nsteel,0.3\n", "name\n"])
+def test_a_damaged_table_is_one_clear_error(content, tmp_path, monkeypatch):
+    monkeypatch.setattr(materials, "MATERIALS", tmp_path / "materials.csv")
+    (tmp_path / "materials.csv").write_text(content)
+    materials.table.cache_clear()
+    with pytest.raises(checks.StudyError, match=r"materials.csv is missing or damaged"):
+        materials.table()
+    materials.table.cache_clear()
