@@ -18,6 +18,7 @@ import pandas as pd
 
 from study.contact import LawName
 from study.contact.forces import elastic_force, pack
+from study.joint import Material
 from study.mechanism.compare import difference
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
@@ -123,7 +124,8 @@ def outside(scene: Scene, duration: float) -> str:
     for name, value in given.items():
         low, high = (RANGES | EVEN_RANGES).get(name, (None, None))
         if low is None and value != usual[name]:
-            return f"{name.replace('_', ' ')} {value} is not that of the random scenes"
+            what = "material" if isinstance(value, Material) else value
+            return f"{name.replace('_', ' ')} {what} is not that of the random scenes"
         if low is not None and not low <= value <= high:
             return f"{name.replace('_', ' ')} {value:g} is outside the random scenes'"
     return ""

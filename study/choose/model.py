@@ -24,7 +24,7 @@ from study.choose.law import SHALLOWEST, choose
 from study.choose.links import Quantity
 from study.contact import SOCKET_RATIO, hertz
 from study.contact.forces import pack
-from study.joint import Joint, Material
+from study.joint import Joint
 from study.mechanism import simulate
 from study.mechanism.compare import difference
 from study.mechanism.particles import usual_step
@@ -119,8 +119,8 @@ def choose_model(
     quantity
         What the tolerance is for.
     socket_ratio
-        Outer over inner radius of the socket; its supports are the defaults of
-        `study.joint.Joint`.
+        Outer over inner radius of the socket, for laws that know it. Its supports are the defaults
+        of `study.joint.Joint`.
 
     Raises
     ------
@@ -191,10 +191,9 @@ def choose_model(
 
 def _law(scene, depth, socket_ratio):
     """Law that stands for the exact one, with its options, and its error over Hertz's law's."""
-    material = Material(scene.youngs_modulus, scene.poisson)
     r2_star = scene.socket_radius / scene.clearance
     checks.number("socket radius over clearance", r2_star, least=LEAST_R2_STAR)
-    choice = choose(Joint(r2_star, socket_ratio, material, material), 1.0, LAW_TOLERANCE)
+    choice = choose(Joint(r2_star, socket_ratio, *scene.materials), 1.0, LAW_TOLERANCE)
     if choice.evaluate is None:
         raise StudyError(
             f"no law for calls at every step is known to be within {LAW_TOLERANCE:g} of the "

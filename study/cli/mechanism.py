@@ -43,7 +43,8 @@ def simulate_mechanism(
     options = signature(choose_model if auto else mechanism.simulate).parameters
     model = given.pop("model") if auto else given.get("model", options["model"].default)
     why = f"model {model} {'chooses it' if auto else 'has none'}"
-    left_out(sorted(given.keys() - options), given, why)
+    of_law = {"socket_ratio"} if given.get("law") == "stiffened_hertz" else set()
+    left_out(sorted(given.keys() - options - of_law), given, why)
     if auto and "tolerance" not in given:
         raise ValueError("tolerance must be given: the largest error that model auto may make")
     choice = choose_model(changed, **given) if auto else None
@@ -67,10 +68,12 @@ def simulate_mechanism(
     rest = len(impacts) - SHOWN
     show(
         end
+        | {"law": response.law}
         | ({"choice": named_fields(choice)} if choice else {})
         | {"impacts": impacts.to_dict("records")},
         as_json,
         *(_told(choice, last.time) if choice else []),
+        f"Law {response.law}.",
         {name: [value] for name, value in end.items()},
         impacts.head(SHOWN),
         f"SI units.{f' {rest} more contacts: --json prints all.' if rest > 0 else ''}",
@@ -109,5 +112,5 @@ def _scene(settings, inertia):
             raise ValueError(f"--scene must be KEY=VALUE with KEY one of {names}, got {setting!r}")
         kind = type(known[key])
         read = numbers if kind is tuple else number
-        changes[key] = text if kind is str else read(key, text)
+        changes[key] = text if kind is str or key in ("ball", "socket") else read(key, text)
     return Scene(**changes)

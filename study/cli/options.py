@@ -5,6 +5,7 @@ Here are also the readings of numbers, and the refusals, that several commands s
 
 import os
 import re
+from dataclasses import fields
 from inspect import Parameter, Signature, getdoc, signature
 from pkgutil import resolve_name
 from types import UnionType
@@ -43,7 +44,7 @@ HELP = {
     "output": "File to write.",
     "poisson": "Poisson's ratio of both bodies, in (-1, 0.5).",
     "r2_star": "Dimensionless socket radius R2/dR, > 1.",
-    "scene": "KEY=VALUE of the scene, SI; may be repeated: restitution=0.9, link_modulus=2e9.",
+    "scene": "KEY=VALUE of the scene; may be repeated.",
     "settings": "KEY=VALUE of a notebook's parameter; may be repeated.",
     "socket_ratio": "Outer over inner radius of the socket.",
     "socket_poisson": "Poisson's ratio of the socket, if not that of the ball.",
@@ -67,7 +68,7 @@ def command(name, *library, group=app, defaults=True):
         class Command(typer.core.TyperCommand):
             def make_context(self, *args, **more):
                 own = signature(function).parameters.values()
-                given = [_option(p, HELP[p.name]) for p in own if p.annotation is not p.empty]
+                given = [_option(p, _help(p.name)) for p in own if p.annotation is not p.empty]
                 for entry in library:
                     source, *names = entry.split()
                     given += _options(resolve_name(source), names, defaults)
@@ -80,6 +81,17 @@ def command(name, *library, group=app, defaults=True):
         return function
 
     return decorate
+
+
+def _help(name):
+    """What an option is; that of a scene has its keys, with their units."""
+    if name != "scene":
+        return HELP[name]
+    from study.mechanism import Scene
+
+    units = {each.name: each.metadata["unit"].replace("1", "-") for each in fields(Scene)}
+    keys = (f"{key} ({unit})" if unit else key for key, unit in units.items())
+    return HELP[name].replace(".", f"; KEY (unit): {', '.join(keys)}.")
 
 
 def _options(source, names, defaults):

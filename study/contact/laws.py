@@ -46,6 +46,7 @@ class Law(Protocol):
     __call__: Callable[..., Any]
     parts: Callable[..., Parts]
     deepest: float | None  # depth_star, if its shape does not tell
+    joint: Any  # a `study.joint.Joint`, if the law is that of one
 
 
 AnyLaw = str | Law | Callable[[float, float], float]
@@ -53,7 +54,10 @@ AnyLaw = str | Law | Callable[[float, float], float]
 
 
 def _law(
-    parts: Callable[..., Parts], usual_r2_star: float | None = None, deepest: float | None = None
+    parts: Callable[..., Parts],
+    usual_r2_star: float | None = None,
+    deepest: float | None = None,
+    joint: Any = None,
 ) -> Law:
     """Make a law of its parts: it checks its arguments and sees penetrating depths only."""
 
@@ -82,7 +86,7 @@ def _law(
     kind = Parameter("derivative", Parameter.KEYWORD_ONLY, default=False, annotation=bool)
     given = [r2_star.replace(name="depth_star"), r2_star, kind, *options]
     returns = Signature(given, return_annotation=Floats)
-    vars(law).update(parts=parts, deepest=deepest, __signature__=returns)
+    vars(law).update(parts=parts, deepest=deepest, joint=joint, __signature__=returns)
     return cast(Law, law)
 
 
@@ -263,7 +267,7 @@ def tabulated(curve: Any) -> Law:
             raise ValueError(f"r2_star must be the curve's, {joint_r2_star:g}, got {r2_star}")
         return hertz.parts(r2_star)[0], shapes.tabulated, constants
 
-    return _law(tabulated, joint_r2_star, depth[-1])
+    return _law(tabulated, joint_r2_star, depth[-1], curve.joint)
 
 
 def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> Law:
@@ -322,6 +326,9 @@ def find(law: AnyLaw) -> Law:
     """The law of a name, the law itself, or that `sampled` from a function, or ``ValueError``."""
     if not isinstance(law, str) and callable(getattr(law, "parts", None)):
         return cast(Law, law)
+    if isinstance(law, partial) and hasattr(law.func, "parts"):
+        shown = checks.shown(law)
+        raise ValueError(f"law must be without its options, which stand beside it, got {shown}")
     if callable(law) and not isinstance(law, type):
         return sampled(law)
     return LAWS[checks.choice("law", law, LAWS)]

@@ -73,6 +73,8 @@ class Response:
         One of `EVENTS` for each of these.
     complete
         False if the simulation was interrupted.
+    law
+        The contact law and all of its options, in words.
     """
 
     rows: NDArray[np.float64]
@@ -80,6 +82,7 @@ class Response:
     event_rows: NDArray[np.float64]
     event_kinds: tuple[str, ...]
     complete: bool = True
+    law: str = ""
 
     @cached_property
     def motion(self) -> "pd.DataFrame":

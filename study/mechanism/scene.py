@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 from study import checks
 from study.contact import composite_modulus
 from study.contact.damping import Damping, damping_factor
+from study.joint import Material, material
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,6 +47,9 @@ class Scene:
         The ball's radius is the difference.
     youngs_modulus, poisson
         Of ball, socket and links.
+    ball, socket
+        Materials of their own, or what `study.joint.material` makes one of, as a name; None:
+        ``youngs_modulus`` and ``poisson``.
     link_modulus
         Young's modulus of the links alone; None: that of the material.
     damping
@@ -69,7 +73,7 @@ class Scene:
     coupler_mass: float = _quantity(0.21, "kg", "Table 3", above=0)
     slider_mass: float = _quantity(0.14, "kg", "Table 3", above=0)
     clearance: float = _quantity(5e-5, "m", "Table 3", above=0)
-    youngs_modulus: float = _quantity(207e9, "Pa", "Table 4", above=0)
+    youngs_modulus: float = _quantity(207e9, "Pa", "Table 4")
     poisson: float = _quantity(0.3, "1", "Table 4", above=-1, below=0.5)
     restitution: float = _quantity(0.5, "1", "Table 4")
     friction: float = _quantity(0.05, "1", "Table 4", least=0)
@@ -81,7 +85,9 @@ class Scene:
     )
     crank_inertia: float | None = _quantity(None, "kg m^2", ROD, least=0)
     coupler_inertia: float | None = _quantity(None, "kg m^2", ROD, least=0)
-    link_modulus: float | None = _quantity(None, "Pa", "assumed, that of ball and socket", above=0)
+    ball: Material | str | None = _quantity(None, "Pa, 1", "chosen here, of the ball alone")  # noqa: RUF009
+    socket: Material | str | None = _quantity(None, "Pa, 1", "chosen here, of the socket alone")  # noqa: RUF009
+    link_modulus: float | None = _quantity(None, "Pa", "assumed, that of ball and socket")
     density: float = _quantity(
         7850.0, "kg/m^3", "assumed, steel, with square sections from mass and length", above=0
     )
@@ -94,9 +100,15 @@ class Scene:
     def __post_init__(self) -> None:
         for each in fields(self):
             value, limits = getattr(self, each.name), each.metadata["limits"]
-            if limits and (value is not None or each.default is not None):
-                unit = each.metadata["unit"].removeprefix("1")
-                checks.number(each.name.replace("_", " "), value, unit, **limits, scalar=True)
+            name, unit = each.name.replace("_", " "), each.metadata["unit"].removeprefix("1")
+            if value is None and each.default is None:
+                continue
+            if unit == "Pa":
+                checks.youngs_modulus(name, value)
+            elif limits:
+                checks.number(name, value, unit, **limits, scalar=True)
+            elif each.name in ("ball", "socket"):
+                object.__setattr__(self, each.name, material(value))
         smallest = 1e-9 * self.socket_radius
         checks.number("clearance", self.clearance, "m", least=smallest, below=self.socket_radius)
         longest = self.coupler_length - self.clearance
@@ -118,10 +130,18 @@ class Scene:
         return self.socket_radius - self.clearance
 
     @property
+    def materials(self) -> tuple[Material, Material]:
+        """Materials of ball and socket."""
+        usual = Material(self.youngs_modulus, self.poisson)
+        ball, socket = (usual if own is None else material(own) for own in (self.ball, self.socket))
+        return ball, socket
+
+    @property
     def composite_modulus(self) -> float:
         """Composite modulus of ball and socket, in Pa."""
-        body = self.youngs_modulus, self.poisson
-        return composite_modulus(*body, *body)
+        ball, socket = self.materials
+        bodies = ball.youngs_modulus, ball.poisson, socket.youngs_modulus, socket.poisson
+        return composite_modulus(*bodies)
 
     @property
     def damping_factor(self) -> float:
@@ -184,6 +204,10 @@ class Scene:
         values["initial_eccentricity"] = hypot(*self.initial_eccentricity)
         rows = []
         for each, value in zip(fields(self), values.values(), strict=True):
+            if value is None:  # a body without a material of its own
+                continue
+            if isinstance(value, Material):
+                value = f"{value.youngs_modulus:.9g}, {value.poisson:.9g}"
             text = value if isinstance(value, str) else f"{value:.9g}"
             unit, source = each.metadata["unit"], each.metadata["source"]
             where = (source, "given by the paper") if "Table" in source else ("-", source)

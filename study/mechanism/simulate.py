@@ -14,7 +14,7 @@ import numpy as np
 from study import checks
 from study.contact.forces import pack
 from study.contact.laws import AnyLaw, find
-from study.mechanism import beams, ideal, particles, rigid
+from study.mechanism import beams, ideal, particles, rigid, scene_law
 from study.mechanism.response import COLUMNS, EVENTS, Response
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import LOST_BEFORE, add_stored_energy
@@ -57,7 +57,7 @@ def simulate(
     joint
         Joint between coupler and slider.
     law
-        Contact law: a key of ``study.contact.LAWS``, a law itself as ``tabulated(curve)``, or a
+        Contact law. A key of ``study.contact.LAWS``, a law itself as ``tabulated(curve)``, or a
         function of (``depth_star``, ``r2_star``) that returns force_star (`study.contact.sampled`).
     duration
         In s.
@@ -77,7 +77,8 @@ def simulate(
     progress
         Called with the simulated time, in s, after each of 100 parts.
     **law_options
-        Of the law.
+        Of the law. Those that are the materials' (``modulus_ratio``, ``poisson`` and
+        ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene.
 
     Returns
     -------
@@ -87,7 +88,8 @@ def simulate(
     Raises
     ------
     ValueError
-        For an unknown name, a value out of range, or an option that the model does not have.
+        For an unknown name, a value out of range, an option that the model does not have, or a law
+        of another socket radius or of other materials than the scene's.
     MechanismError
         If the simulation cannot go on; says when, with which step, and what limit was passed.
     """
@@ -113,6 +115,7 @@ def simulate(
     outputs = checks.whole("outputs", outputs, least=1, most=10**6)
     sizes = scene.ball_radius, scene.socket_radius
     law = find(law)
+    law_options = scene_law.options(scene, law, law_options)
     packed = pack(law, *sizes, scene.composite_modulus, **law_options)
     try:
         law(1.0, scene.socket_radius / scene.clearance, **law_options)
@@ -135,10 +138,11 @@ def simulate(
         tolerance = TOLERANCE if tolerance is None else tolerance
         checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
         blocks = rigid.blocks(scene, packed, times, tolerance)
-    return _gather(blocks, times, progress, scene, packed)
+    told = "none" if gapless else scene_law.in_words(scene, law, law_options)
+    return _gather(blocks, times, progress, scene, packed, told)
 
 
-def _gather(blocks, times, progress, scene, law):
+def _gather(blocks, times, progress, scene, law, told):
     """Run a model to its end or to an interruption."""
     parts, complete = [], True
     try:
@@ -159,6 +163,5 @@ def _gather(blocks, times, progress, scene, law):
     for each in (events, rows):
         each[:, work] -= rows[0, work]
         add_stored_energy(each, law)
-    return Response(
-        rows, np.column_stack([impacts[:, :LOST_BEFORE], free]), events, kinds, complete
-    )
+    impacts = np.column_stack([impacts[:, :LOST_BEFORE], free])
+    return Response(rows, impacts, events, kinds, complete, told)

@@ -1,0 +1,148 @@
+"""The scene's materials, and laws of other materials, which are refused."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from study import contact
+from study.choose import choose, choose_model
+from study.joint import Joint, Layer, Material, whole_curve
+from study.mechanism import Scene, simulate
+
+BRONZE, STEEL = Material(1.1e11, 0.34), Material(2.07e11, 0.3)
+PAPER, MIXED = Scene(), Scene(socket=BRONZE)
+BRIEF = {"duration": 2e-3, "outputs": 20}
+OPTIONS = {"modulus_ratio": 1.1 / 2.07, "poisson": 0.3, "socket_poisson": 0.34}
+
+
+def table(**joint):
+    return contact.tabulated(whole_curve(Joint(200, **joint)))
+
+
+def test_materials_are_those_of_all_bodies_or_a_bodys_own():
+    assert PAPER.materials == (STEEL, STEEL)
+    assert MIXED.materials == (STEEL, BRONZE)
+    assert PAPER.but(ball=BRONZE, poisson=0.25).materials == (BRONZE, Material(2.07e11, 0.25))
+    expected = contact.composite_modulus(2.07e11, 0.3, 1.1e11, 0.34)
+    assert MIXED.composite_modulus == expected
+    assert PAPER.but(ball=STEEL, socket=STEEL).composite_modulus == PAPER.composite_modulus
+    assert MIXED.link("crank") == PAPER.link("crank")
+
+
+def test_parameters_name_a_material_only_where_one_was_given():
+    usual = PAPER.parameters().parameter
+    assert not usual.isin(["ball", "socket"]).any()
+    row = MIXED.parameters().set_index("parameter").loc["socket"]
+    assert (row.value, row.unit, row.table) == ("1.1e+11, 0.34", "Pa, 1", "-")
+
+
+@pytest.mark.parametrize("name", ["youngs_modulus", "link_modulus"])
+def test_a_modulus_in_another_unit_is_a_hint(name):
+    shown = name.replace("_", " ")
+    for value, hint in ((210, ": did you mean 210e9?"), (0.8, ": did you mean 0.8e9?"), (1e-9, "")):
+        message = f"{shown} must be >= 1000 Pa, got {value:g} Pa{hint}"
+        with pytest.raises(ValueError, match=re.escape(message) + "$"):
+            Scene(**{name: value})
+    assert getattr(Scene(**{name: 1e3}), name) == 1e3
+
+
+@pytest.mark.parametrize("value", [3, "?", (2e11, 0.3)])
+def test_a_material_is_a_material(value):
+    with pytest.raises(ValueError, match="^(ball|material) must be"):
+        Scene(ball=value)
+
+
+def test_stiffened_hertz_takes_materials_from_the_scene():
+    found, stated = (
+        simulate(MIXED, law="stiffened_hertz", **given, **BRIEF) for given in ({}, OPTIONS)
+    )
+    assert found.impacts.equals(stated.impacts)
+    assert found.law == (
+        "stiffened_hertz: socket_ratio 1.298 (the paper's), modulus_ratio 0.531400966, poisson 0.3,"
+        " socket_poisson 0.34, ball_drive plane, rim mirror"
+    )
+    force = contact.contact_force(
+        "stiffened_hertz",
+        found.impacts.peak_depth[0],
+        MIXED.ball_radius,
+        MIXED.socket_radius,
+        MIXED.composite_modulus,
+        socket_ratio=contact.SOCKET_RATIO,
+        **OPTIONS,
+    )
+    # damping adds to it: the force's peak is before the depth's
+    assert force < found.impacts.peak_force[0] < 1.5 * force
+
+
+@pytest.mark.parametrize(("name", "other"), [(name, 1.01 * OPTIONS[name]) for name in OPTIONS])
+def test_options_of_other_materials_are_refused(name, other):
+    message = f"{name} of law stiffened_hertz must be the scene's, {OPTIONS[name]:.9g}, got"
+    with pytest.raises(ValueError, match=re.escape(message)):
+        simulate(MIXED, law="stiffened_hertz", **BRIEF, **{name: other})
+    with pytest.raises(ValueError, match=f"{name} of law stiffened_hertz must be one number"):
+        simulate(MIXED, law="stiffened_hertz", **BRIEF, **{name: "x"})
+
+
+@pytest.mark.parametrize(
+    ("joint", "message"),
+    [
+        ({}, "modulus_ratio of law tabulated must be the scene's, 0.531400966, got 1"),
+        (
+            {"socket": replace(BRONZE, poisson=0.3)},
+            "modulus_ratio of law tabulated must be the scene's, 0.531400966, got 0.55",
+        ),
+        (
+            {"ball": STEEL, "socket": replace(BRONZE, poisson=0.3)},
+            "socket_poisson of law tabulated must be the scene's, 0.34, got 0.3",
+        ),
+        (
+            {"ball": replace(STEEL, poisson=0.31), "socket": BRONZE},
+            "poisson of law tabulated must be the scene's, 0.3, got 0.31",
+        ),
+    ],
+)
+@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+def test_a_curve_of_other_materials_is_refused(joint, message, model):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        simulate(MIXED, law=table(**joint), model=model, **BRIEF)
+
+
+def test_a_curve_of_the_scenes_materials_drives_it():
+    response = simulate(MIXED, law=table(ball=STEEL, socket=BRONZE), **BRIEF)
+    assert len(response.impacts) == 1
+    assert response.law.startswith("tabulated: r2_star 200, socket_ratio 1.298, ball_drive plane")
+    layers = Layer(1.1, BRONZE), Layer(1.4, STEEL)
+    lined = table(ball=STEEL, layers=layers)
+    assert "layers 1.1:0.531400966:0.34" in simulate(MIXED, law=lined, **BRIEF).law
+    with pytest.raises(ValueError, match="modulus_ratio of law tabulated must be the scene's, 1"):
+        simulate(PAPER, law=lined, **BRIEF)
+
+
+@pytest.mark.parametrize("law", ["liu", "winkler", "hyperbolic_winkler"])
+def test_fitted_laws_say_that_their_joint_was_another(law):
+    note = "its coefficient is that of the paper's joint, of other materials than these"
+    assert note in simulate(MIXED, law=law, **BRIEF).law
+    assert note in simulate(PAPER.but(poisson=0.4), law=law, **BRIEF).law
+    assert note not in simulate(PAPER, law=law, **BRIEF).law
+    if law != "liu":
+        assert simulate(MIXED, law=law, coefficient=3.0, **BRIEF).law.endswith("coefficient 3")
+
+
+def test_laws_without_materials_say_what_they_are():
+    for law, told in (("hertz", "hertz"), ("steuermann", "steuermann: n 1, radius geometric")):
+        assert simulate(MIXED, law=law, **BRIEF).law == told
+    assert simulate(MIXED, joint="ideal", **BRIEF).law == "none"
+
+
+def test_a_law_with_options_inside_is_refused():
+    inner = choose(Joint(200), 0.3, 0.01).evaluate
+    with pytest.raises(ValueError, match="law must be without its options, which stand beside it"):
+        simulate(PAPER, law=inner, **BRIEF)
+
+
+def test_choice_of_a_model_solves_the_joint_of_the_scenes_materials():
+    choice = choose_model(MIXED, 1.0, duration=3e-3, outputs=100)
+    laws = {row["law"] for row in choice.evidence}
+    assert laws == {"none", "hertz", "stiffened_hertz"}
+    assert choice.note == "socket material is not that of the random scenes"
