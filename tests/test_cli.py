@@ -267,6 +267,24 @@ def test_interruption_is_one_line_and_status_130(run, monkeypatch):
     assert err == "study: interrupted; what was finished is kept\n"
 
 
+def test_simulate_states_its_law_and_takes_materials_by_name(run):
+    words = ("simulate", "--duration", "0.002", "--law", "stiffened_hertz", "--socket-ratio", "1.5")
+    words += ("--scene", "ball=steel", "--scene", "socket=bronze")
+    told = "stiffened_hertz: socket_ratio 1.5, modulus_ratio 0.5"
+    assert json.loads(run(*words, "--json")[1])["law"].startswith(told)
+    assert run(*words)[1].startswith(f"Law {told}")
+    assert run(*words)[1].count("poisson 0.34, ball_drive plane") == 1
+    status, _, err = run("simulate", "--socket-ratio", 1.5)
+    assert status == 2
+    assert "--socket-ratio must be left out: model rigid has none" in err
+
+
+def test_simulate_help_has_the_scenes_units(run):
+    text = " ".join(run("simulate", "--help")[1].split())
+    for shown in ("crank_length (m),", "youngs_modulus (Pa),", "driving_moment (N m),", "(kg m^2)"):
+        assert shown in text
+
+
 def test_simulate_prints_the_end_and_every_impact(run):
     words = ["--model", "rigid", "--joint", "clearance", "--law", "hertz", "--duration", 0.1]
     status, out, err = run("simulate", *words, "--json")
@@ -430,7 +448,8 @@ def test_simulate_auto_tells_what_it_chose(run):
 
 
 def test_simulate_fails_in_one_line(run):
-    status, out, err = run("simulate", "--scene", "youngs_modulus=2e4", "--json")
+    soft = ("--scene", "youngs_modulus=1e6", "--scene", "driving_moment=25")
+    status, out, err = run("simulate", *soft, "--json")
     assert (status, out) == (1, "")
     assert err.count("\n") == 1
     assert "stopped at time 0.0" in err

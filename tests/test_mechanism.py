@@ -435,7 +435,7 @@ def test_random_scenes_end_well(tolerance):
 
 
 def test_too_deep_a_contact_says_when():
-    soft = PAPER.but(youngs_modulus=2e4)
+    soft = PAPER.but(youngs_modulus=1e6, driving_moment=25.0)
     with pytest.raises(
         MechanismError,
         match=r"the depth must stay <= one clearance \(5e-05 m\); stopped at time 0.00\d+ s, ",

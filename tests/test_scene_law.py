@@ -7,7 +7,7 @@ import pytest
 
 from study import contact
 from study.choose import choose, choose_model
-from study.joint import Joint, Layer, Material, whole_curve
+from study.joint import Joint, Layer, Material, material, whole_curve
 from study.mechanism import Scene, simulate
 
 BRONZE, STEEL = Material(1.1e11, 0.34), Material(2.07e11, 0.3)
@@ -40,11 +40,18 @@ def test_parameters_name_a_material_only_where_one_was_given():
 @pytest.mark.parametrize("name", ["youngs_modulus", "link_modulus"])
 def test_a_modulus_in_another_unit_is_a_hint(name):
     shown = name.replace("_", " ")
-    for value, hint in ((210, ": did you mean 210e9?"), (0.8, ": did you mean 0.8e9?"), (1e-9, "")):
-        message = f"{shown} must be >= 1000 Pa, got {value:g} Pa{hint}"
+    for value, hint in ((210, "210e9"), (0.8, "0.8e9"), (2.1e5, "210e9")):
+        message = f"{shown} must be >= 1e+06 Pa, got {value:g} Pa: did you mean {hint}?"
         with pytest.raises(ValueError, match=re.escape(message) + "$"):
             Scene(**{name: value})
-    assert getattr(Scene(**{name: 1e3}), name) == 1e3
+    assert getattr(Scene(**{name: 1e6}), name) == 1e6
+
+
+def test_materials_by_name_or_numbers():
+    assert Scene(ball="bronze").materials[0] == material("bronze")
+    assert Scene(socket="210e9,0.3").socket == Material(210e9, 0.3)
+    with pytest.raises(ValueError, match="got 210 Pa: did you mean 210e9?"):
+        Scene(ball="210,0.3")
 
 
 @pytest.mark.parametrize("value", [3, "?", (2e11, 0.3)])
