@@ -2,9 +2,13 @@
 
 import json
 import os
+import pty
 import re
 import signal
+import subprocess
+import sys
 from functools import wraps
+from io import StringIO
 from typing import get_args
 
 import numpy as np
@@ -19,6 +23,7 @@ from study.joint.joint import KINEMATICS
 from study.measure import speed
 from study.mechanism import Scene, particles, simulate
 from study.mechanism.simulate import JointKind, Model
+from study.pages import catalogue
 
 
 @pytest.fixture
@@ -119,6 +124,123 @@ def test_data_show_filters(run):
     status, out, _ = run("data", "show", "--case", "paper-small-200")
     assert status == 0
     assert out.count("\n") > 40
+
+
+def on_a_terminal(*words):
+    """What a command prints on a terminal of 80 columns, as lines."""
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "study.cli", *map(str, words)]
+    environment = os.environ | {"COLUMNS": "80", "PYTHONPATH": str(paths.ROOT)}
+    child = subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=theirs, stderr=subprocess.PIPE, env=environment
+    )
+    os.close(theirs)
+    printed = b""
+    try:
+        while read := os.read(ours, 65536):
+            printed += read
+    except OSError:  # the other end is closed
+        pass
+    os.close(ours)
+    told = child.communicate()[1]
+    assert child.returncode == 0, told
+    return printed.decode().splitlines()
+
+
+AT_DEPTHS = ["--depth-star", 0.1, "--depth-star", 0.5]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["joint", "--r2-star", 75, "--socket-ratio", 1.4, *AT_DEPTHS],
+        ["simulate", "--duration", 0.05],
+        ["choose", "--r2-star", 200, "--depth-star", 0.3, "--tolerance", 0.01],
+        ["data", "check"],
+    ],
+)
+def test_a_table_is_never_broken(run, words):
+    """Every number and name stands whole: on 80 columns, and in one line where it is piped."""
+    wide = run(*words)[1]
+    narrow = on_a_terminal(*words)
+    told = {line for line in narrow if line.endswith((".", ":"))}
+    assert max(len(line) for line in narrow if line not in told) <= 80
+    assert set(re.findall(r"[^\s,:─]+", wide)) <= set(re.findall(r"[^\s,:─]+", " ".join(narrow)))
+    heads = [n for n, line in enumerate(wide.splitlines()) if line.startswith("─")]
+    assert heads
+
+
+def test_data_show_is_csv_where_piped_and_fits_a_terminal(run):
+    words = ("data", "show", "--r2-star", 200, "--kinematics", "linear")
+    table = pd.read_csv(StringIO(run(*words)[1]))
+    cases = dataset.summary(dataset.load(r2_star=200, kinematics="linear"))
+    assert list(table) == list(cases)
+    assert list(table.case) == list(cases.case)
+    assert table.largest_force.to_numpy() == pytest.approx(cases.largest_force, rel=1e-8)
+    lines = on_a_terminal(*words)
+    said = f"{len(cases)} cases. In all rows: r2_star 200, kinematics linear, largest_depth 1."
+    assert lines[0].startswith(said)
+    assert max(map(len, lines[1:])) <= 80
+    words = " ".join(lines).split()
+    assert set(cases.case) <= set(words)
+    assert all(words.count(case) == words.count("case") for case in cases.case)
+    assert {"d/dR", "P/(E*", "deg"} & set(words) == {"P/(E*", "deg"}
+    one = pd.read_csv(StringIO(run("data", "show", "--case", "paper-small-200")[1]))
+    assert list(one) == list(dataset.load().loc[:, "depth_star":])
+
+
+def test_list_is_csv_where_piped_and_by_notebook_on_a_terminal(run):
+    status, out, err = run("list")
+    assert (status, err) == (0, "")
+    table = pd.read_csv(StringIO(out))
+    assert list(table) == ["name", "state", "notebook", "shows"]
+    every = {name: text for nb in catalogue.CATALOGUE for name, text in nb.results.items()}
+    assert dict(zip(table.name, table.shows, strict=True)) == every
+    lines = on_a_terminal("list")
+    assert max(map(len, lines)) <= 80
+    heads = [line for line in lines if not line.startswith(" ")]
+    assert [head.split(":")[0] for head in heads] == [nb.name for nb in catalogue.CATALOGUE]
+
+
+def test_list_of_a_name_tells_the_parameters_of_its_notebook(run):
+    for name in ("fig10", "03-force-against-depth"):
+        status, out, err = run("list", name)
+        assert (status, err) == (0, "")
+        assert re.search(r"^03-force-against-depth: (stale|fresh|other)", out)
+        assert "fig10  force against depth" in out
+        assert ("  trend  " in out) == (name != "fig10")
+        assert "-p NAME=VALUE" in out
+        assert re.search(r"^  r2_star +200.0 \[20 to 10000\]: socket radius", out, re.M)
+        assert re.search(r"^  kinematics +linear \[linear, small\]: ", out, re.M)
+
+
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [
+        ("Fig.14", "fig14"),
+        ("Figure 14", "fig14"),
+        ("fig 14", "fig14"),
+        ("fig9", "fig09"),
+        ("table 2", "table2"),
+        ("Table-2", "table2"),
+        ("14", "fig14 or 14-where-the-laws-apply"),
+        ("fgi10", "fig10"),
+        ("where-the-laws-apply", "14-where-the-laws-apply"),
+    ],
+)
+def test_an_unknown_name_is_answered_by_the_nearest_one(run, name, near):
+    for command in ("run", "list", "verify"):
+        status, out, err = run(command, name)
+        assert (status, out) == (2, "")
+        wanted = f"NAME must be one that `study list` shows, got {name!r}: did you mean {near}?"
+        assert err == f"study: {wanted}\n"
+
+
+def test_a_name_unlike_any_other_is_refused_in_a_short_line(run):
+    status, _, err = run("run", "something-else-altogether")
+    assert status == 2
+    told = "NAME must be one that `study list` shows, got 'something-else-altogether'"
+    assert err == f"study: {told}\n"
 
 
 def test_choices_and_defaults_are_those_of_the_library(run):
@@ -225,7 +347,7 @@ def test_help_names_units(run):
         (["joint", "--r2-star", "9", "--depth-star", "1", "--drive", "x"], "'x' is not one of"),
         (["joint", "--r2star", "9", "--depth-star", "1"], "No such option: --r2star"),
         (["data", "show", "--r2-star", "77"], "r2_star must be one of 20, 40"),
-        (["run", "fig99"], "NAME must be one of"),
+        (["run", "fig99"], "NAME must be one that `study list` shows, got 'fig99'"),
         (["run", "fig10", "-p", "r2_star"], "-p must be key=value"),
         (["run", "fig10", "-p", "radius=1"], "parameter must be one of"),
         (["run", "fig10", "-p", "r2_star=big"], "parameter r2_star must be of type float"),

@@ -76,14 +76,14 @@ def test_results_and_notebooks_select_notebooks():
     selected = catalogue.select(["table2", "fig11", "02-coefficient-over-socket-radius"])
     assert [n.name[:2] for n in selected] == ["02", "04"]
     assert catalogue.select([]) == list(catalogue.CATALOGUE)
-    with pytest.raises(ValueError, match="NAME must be one of .*, got 'fig1'"):
+    with pytest.raises(ValueError, match="got 'fig1': did you mean fig01?"):
         catalogue.select(["fig1"])
 
 
 def test_settings_reach_the_notebooks_that_have_them():
     chosen = execute.check_parameters(
         catalogue.select(["fig09", "fig10", "fig13"]),
-        ["kinematics=small", "r2_star=100", "levels=[-5,5]"],
+        ["kinematics=small", "r2_star=100", "levels=[-5,5]", "largest_depth=0.5"],
     )
     assert chosen == {
         "02-coefficient-over-socket-radius": {"kinematics": "small"},

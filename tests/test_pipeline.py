@@ -1,5 +1,6 @@
 """The whole pipeline in a temporary copy of the project, run as a user runs it."""
 
+import csv
 import json
 import re
 import shutil
@@ -95,9 +96,18 @@ def test_pipeline_from_nothing_to_fresh_and_stale(project):
     assert one.returncode == 0, one.stderr
     assert one.stdout.splitlines()[-1].endswith("0 differ, 2 other parameters")
     assert (project / "figures/fig10.csv").read_bytes() != first["fig10.csv"]
+    listed = study(project, "list", "trend")
+    assert listed.stdout.startswith(f"{TWO[1]}: other parameters: r2_star=100.0\n")
+    assert study(project, "list", "table1").stdout.startswith(f"{TWO[0]}: fresh\n")
+    paper = study(project, "paper")
+    assert (paper.returncode, paper.stdout) == (1, "")
+    assert "fig10, trend (r2_star=100.0)" in paper.stderr
+    assert paper.stderr.endswith(f"make them as the paper has them with: study run {TWO[1]}\n")
+    assert not (project / "build/paper.pdf").exists()
     back = study(project, "run", "fig10")
     assert ran(back) == [TWO[1]]
     assert (project / "figures/fig10.csv").read_bytes() == first["fig10.csv"]
+    assert study(project, "list", "trend").stdout.startswith(f"{TWO[1]}: fresh\n")
 
 
 def number_in(table):
@@ -108,8 +118,8 @@ def number_in(table):
 
 
 def fresh(project):
-    lines = study(project, "list").stdout.splitlines()
-    return {line.split()[2] for line in lines if " fresh " in line}
+    listed = csv.DictReader(study(project, "list").stdout.splitlines())
+    return {row["notebook"] for row in listed if row["state"] == "fresh"}
 
 
 def test_a_changed_module_makes_stale_only_what_reaches_it(project):

@@ -4,8 +4,9 @@ import sys
 
 import typer
 
+from study.checks import StudyError
 from study.cli.options import command
-from study.cli.output import fail, show
+from study.cli.output import fail, paragraphs, show_csv
 
 
 @command("run", "study.pages.tasks:build jobs force dask_address")
@@ -48,9 +49,22 @@ def _compare(selected):
 
 @command("paper")
 def typeset_paper():
-    """Typeset the paper, build/paper.pdf, from the results in figures/ as they are."""
+    """Typeset the paper, build/paper.pdf, from the results in figures/ as they are.
+
+    Results made with other parameters than the paper's are refused.
+    """
+    from study.pages.catalogue import CATALOGUE
+    from study.pages.execute import shown_with
     from study.pages.typeset import typeset
 
+    others = [notebook for notebook in CATALOGUE if shown_with(notebook)]
+    if others:
+        told = [f"{', '.join(notebook.results)} ({shown_with(notebook)})" for notebook in others]
+        remedy = f"study run {' '.join(notebook.name for notebook in others)}"
+        raise StudyError(
+            f"the paper cannot show results made with other parameters, {'; '.join(told)}; "
+            f"make them as the paper has them with: {remedy}"
+        )
     typeset()
     print("made  build/paper.pdf")
 
@@ -93,16 +107,45 @@ def _make(selected, parameters, **how):
 
 
 @command("list")
-def list_results():
-    """List every figure and table: what it shows, its notebook, fresh or stale."""
+def list_results(names: list[str] = ()):
+    """List every figure and table by notebook: what it shows, fresh or stale.
+
+    One by name: with the parameters of its notebook, their defaults and ranges. Without a name,
+    plain CSV where the output is no terminal.
+    """
     import pandas as pd
 
     from study.pages import catalogue, execute
 
-    fresh = execute.run(catalogue.CATALOGUE, {}, dry=True).fresh()
+    selected = catalogue.select(names)
+    fresh = execute.run(selected, {}, dry=True).fresh()
+    states = {
+        notebook.name: "fresh" if notebook.name in fresh else "stale" for notebook in selected
+    }
+    for notebook in selected:
+        if given := execute.shown_with(notebook):
+            states[notebook.name] = f"other parameters: {given}"
+    if names or sys.stdout.isatty():
+        for notebook in selected:
+            shown = {name: text for name, text in notebook.results.items() if name in names}
+            print(f"{notebook.name}: {states[notebook.name]}")
+            print(paragraphs(shown or notebook.results))
+            if names:
+                _show_parameters(notebook)
+        return
     rows = [
-        (name, "fresh" if notebook.name in fresh else "stale", notebook.name, shows)
-        for notebook in catalogue.CATALOGUE
+        (name, states[notebook.name], notebook.name, shows)
+        for notebook in selected
         for name, shows in notebook.results.items()
     ]
-    show(pd.DataFrame(rows, columns=["name", "state", "notebook", "shows"]))
+    show_csv(pd.DataFrame(rows, columns=["name", "state", "notebook", "shows"]))
+
+
+def _show_parameters(notebook):
+    from study.pages import execute
+
+    rows = execute.explained(notebook)
+    print(f"Parameters, changed by: study run {notebook.name} -p NAME=VALUE")
+    print(
+        paragraphs({name: f"{default}{allowed}: {text}" for name, default, allowed, text in rows})
+    )

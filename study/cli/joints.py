@@ -48,15 +48,20 @@ def solve_joint(
     curve = force_curve(given_joint(r2_star, **joint), depth_star, solver=solver)
     found = curve.columns()
     names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
-    tables = [{"depth_star": depth_star} | {name: found[name].tolist() for name in names}]
+    solved = {"depth_star": depth_star} | {name: found[name].tolist() for name in names}
+    named, parts = solved, [solved]
     for body, largest in curve.largest_stress.items():
-        stress = {"star": largest.von_mises.tolist(), "over_peak": largest.over_peak.tolist()}
+        stress = {
+            "von_mises_star": largest.von_mises.tolist(),
+            "over_peak": largest.over_peak.tolist(),
+        }
         stress |= {"radius": largest.radius.tolist(), "place": list(largest.place)}
         stress |= {"angle_deg": [math.degrees(angle) for angle in largest.angle]}
+        parts += [f"Largest von Mises stress in the {body}:", {"depth_star": depth_star} | stress]
         body = f"von_mises_{body.replace(' ', '_')}"
-        named = {f"{body}_{name}": column for name, column in stress.items()}
-        tables.append({"depth_star": depth_star} | named)
-    show({name: column for table in tables for name, column in table.items()}, as_json, *tables)
+        stress = {name.removeprefix("von_mises_"): column for name, column in stress.items()}
+        named = named | {f"{body}_{name}": column for name, column in stress.items()}
+    show(named, as_json, *parts)
 
 
 def given_joint(

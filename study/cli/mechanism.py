@@ -10,6 +10,14 @@ from study.cli.options import INTERRUPTED, check_output, command, left_out, numb
 from study.cli.output import bar, named_fields, show
 
 SHOWN = 20  # impacts in a printed table
+END_UNITS = {
+    "time": "s",
+    "theta": "rad",
+    "x_slider": "m",
+    "v_slider": "m/s",
+    "a_slider": "m/s^2",
+    "last_separation": "s",
+}
 
 
 @command(
@@ -32,6 +40,7 @@ def simulate_mechanism(
     from study import mechanism
     from study.choose import choose_model
     from study.compiled import CACHE
+    from study.mechanism.response import IMPACT_COLUMNS
 
     changed = _scene(scene, inertia)
     check_output(output, ".csv")
@@ -74,9 +83,9 @@ def simulate_mechanism(
         as_json,
         *(_told(choice, last.time) if choice else []),
         f"Law {response.law}.",
-        {name: [value] for name, value in end.items()},
-        impacts.head(SHOWN),
-        f"SI units.{f' {rest} more contacts: --json prints all.' if rest > 0 else ''}",
+        {f"{name} {END_UNITS.get(name, '')}": [value] for name, value in end.items()},
+        impacts.head(SHOWN).rename(columns=lambda name: f"{name} {IMPACT_COLUMNS[name]}"),
+        *([f"{rest} more contacts: --json prints all."] if rest > 0 else []),
     )
     if output is not None:  # last: what was computed is printed even if the disk is full
         response.save(output)

@@ -1,33 +1,108 @@
-"""What the commands print: JSON, tables, lines, and a bar while something is simulated."""
+"""What the commands print: JSON, CSV, tables, lines, and a bar while something is simulated."""
 
 import json
 import sys
+from shutil import get_terminal_size
+from textwrap import fill, wrap
 
 import typer
 
+WHOLE = {"break_long_words": False, "break_on_hyphens": False}  # of a number or a name
+GAP = "  "
+_DEPTH, _FORCE = "d/dR", "P/(E* dR^2)"
+UNITS = {
+    "r2_star": "R2/dR",
+    "depth_star": _DEPTH,
+    "largest_depth": _DEPTH,
+    "force_star": _FORCE,
+    "largest_force": _FORCE,
+    "contact_half_angle": "deg",
+    "largest_half_angle": "deg",
+    "peak_pressure_star": "p R2/(E* dR)",
+    "von_mises_star": "E* dR/R2",
+}
+"""Of columns that have none in their head."""
+
 
 def show(told, as_json=False, *parts):
-    """Print one JSON object, or its parts as text: lines, and tables of columns by name.
+    """Print one JSON object, or its parts as text: lines, and tables of columns by head.
 
-    A table has its full width where the output is no terminal.
+    Below a head stands its unit: its words after the first, or that of `UNITS`.
     """
-    from rich import box
-    from rich.console import Console
-    from rich.table import Column, Table
-
     if as_json:
         print(json.dumps(told, allow_nan=False))
         return
-    console = Console(width=None if sys.stdout.isatty() else 200)
+    width = _terminal()
     for part in parts or [told]:
-        if isinstance(part, str):
-            print(part)
-        else:
-            columns = (Column(name, overflow="fold") for name in part)
-            table = Table(*columns, box=box.SIMPLE_HEAD, pad_edge=False)
-            for row in zip(*(part[name] for name in part), strict=True):
-                table.add_row(*map(_text, row))
-            console.print(table)
+        print(part if isinstance(part, str) else "\n".join(["", *_lines(part, width), ""]))
+
+
+def show_csv(frame):
+    """Print a frame as plain CSV."""
+    frame.to_csv(sys.stdout, index=False, float_format="%.9g", lineterminator="\n")
+
+
+def split_constant(table):
+    """A sentence on the columns that have one value in all rows, and the table of the others."""
+    columns = {head: [_text(value) for value in table[head]] for head in table}
+    same = {head: cells[0] for head, cells in columns.items() if len({*cells}) < 2 <= len(cells)}
+    if not same or len(same) == len(columns):
+        return "", table
+    said = ", ".join(f"{head} {text}" for head, text in same.items())
+    return f"In all rows: {said}.", {head: table[head] for head in table if head not in same}
+
+
+def _lines(table, width):
+    """A table as lines, of which none breaks a number or a name.
+
+    On a terminal, ``width`` characters wide, one that is too wide is turned if it has one row.
+    Else what is the same in all rows is said above, and the other columns stand in blocks below
+    each other, each of which begins with the first column.
+    """
+    columns = [_column(head, table[head]) for head in table]
+    if width is None or _wide(columns) <= width:
+        return _block(columns)
+    if all(len(table[head]) == 1 for head in table):
+        return [paragraphs({head: _text(table[head][0]) for head in table})]
+    said, table = split_constant(table)
+    first, *rest = [_column(head, table[head]) for head in table]
+    blocks = [[first]]
+    for column in rest:
+        if len(blocks[-1]) > 1 and _wide([*blocks[-1], column]) > width:
+            blocks.append([first])
+        blocks[-1].append(column)
+    lines = [line for block in blocks for line in ["", *_block(block)]]
+    return [*wrap(said, width, **WHOLE), *lines] if said else lines[1:]
+
+
+def paragraphs(texts):
+    """Texts beside their names, wrapped at words on a terminal."""
+    wide = max(map(len, texts)) + 2 * len(GAP)
+    place = {"initial_indent": GAP, "subsequent_indent": " " * wide, **WHOLE}
+    lines = [f"{name:<{wide - len(GAP)}}{text}" for name, text in texts.items()]
+    return "\n".join(fill(line, _terminal() or sys.maxsize, **place) for line in lines)
+
+
+def _terminal():
+    """Width of the terminal, or None where the output is none."""
+    return get_terminal_size().columns if sys.stdout.isatty() else None
+
+
+def _column(head, values):
+    """Head, unit and cells of a column, all of the same width."""
+    name, _, unit = head.partition(" ")
+    cells = [name, unit or UNITS.get(name, ""), *map(_text, values)]
+    return [cell.ljust(max(map(len, cells))) for cell in cells]
+
+
+def _wide(columns):
+    return sum(len(column[0]) + len(GAP) for column in columns) - len(GAP)
+
+
+def _block(columns):
+    """Columns beside each other; no line of units where none has one."""
+    heads, units, *rows = (GAP.join(cells).rstrip() for cells in zip(*columns, strict=True))
+    return [heads, *([units] if units else []), "─" * _wide(columns), *rows]
 
 
 def _text(value):

@@ -5,19 +5,27 @@ from pathlib import Path
 
 from study import paths
 from study.cli.options import check_output, command, data_app
-from study.cli.output import fail, show
+from study.cli.output import fail, show, show_csv, split_constant
 
 
 @command("show", "study.joint:Joint ball_drive rim kinematics", group=data_app, defaults=False)
 def show_data(
     r2_star: list[float] = (), socket_ratio: list[float] = (), group: str = "", case: str = "", **of
 ):
-    """Show a summary of the cases with the values asked for (P/(E* dR^2), angles in deg)."""
+    """Show a summary of the cases with the values asked for, or every depth of one case.
+
+    Plain CSV where the output is no terminal.
+    """
     from study import dataset
 
     own = {"r2_star": r2_star, "socket_ratio": socket_ratio, "group": group, "case": case}
     frame = dataset.load(**{key: value for key, value in own.items() if value}, **of)
-    show(frame.loc[:, "depth_star":] if case else dataset.summary(frame))
+    found = frame.loc[:, "depth_star":] if case else dataset.summary(frame)
+    if not sys.stdout.isatty():
+        show_csv(found)
+        return
+    said, table = split_constant(found)
+    show(None, False, f"{len(found)} {'depths' if case else 'cases'}. {said}", table)
 
 
 @command("materials", group=data_app)

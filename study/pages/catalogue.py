@@ -1,8 +1,10 @@
 """The catalogue of the notebooks, ``notebooks/catalogue.toml``: what each makes, and selecting."""
 
+import re
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 
 from study import paths
@@ -70,14 +72,27 @@ def select(names: Sequence[str]) -> list[Notebook]:
     Raises
     ------
     ValueError
-        For an unknown name; lists the known ones.
+        For an unknown name; tells the nearest known ones.
     """
     paths.require_checkout(paths.NOTEBOOKS)
     known = [name for nb in CATALOGUE for name in (nb.name, *nb.results)]
     for name in names:
         if name not in known:
-            raise ValueError(f"NAME must be one of {', '.join(known)}, got {name!r}")
+            near = " or ".join(_nearest(name, known))
+            hint = f": did you mean {near}?" if near else ""
+            raise ValueError(f"NAME must be one that `study list` shows, got {name!r}{hint}")
     return [nb for nb in CATALOGUE if not names or {nb.name, *nb.results} & set(names)]
+
+
+def _nearest(name, known):
+    """Known names that a text may mean: "Figure 14", "fig 14", "Table2", "14", "fgi14"."""
+    plain = {re.sub(r"[\W_]", "", one): one for one in known}
+    asked = re.sub(r"[\W_]", "", name.lower().replace("figure", "fig"))
+    number = re.sub(r"(?<!\d)(\d)$", r"0\1", asked)
+    if number.isdecimal():
+        return [one for one in known if one.startswith(f"{number}-") or one == f"fig{number}"]
+    exact = [plain[text] for text in (asked, number) if text in plain]
+    return exact[:1] or [plain[text] for text in get_close_matches(asked, plain, 1)]
 
 
 def check_claims() -> None:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:  # not in the process that executes one notebook
     from study.pages.tasks import Built
 
 LONGEST = 1000  # setting, in characters
+_ALLOWED = re.compile(r"\[([^][]*)\]$")  # at the end of a parameter's comment
 PARAMETERS_VARIABLE = "STUDY_PARAMETERS"  # hands parameters to notebooks/task_notebooks.py
 
 
@@ -43,11 +44,21 @@ def parameters(notebook: "Notebook") -> dict[str, tuple[Any, str]]:
     return {name: (ast.literal_eval(entry["default"]), entry["help"]) for name, entry in found}
 
 
+def explained(notebook: "Notebook") -> list[tuple[str, str, str, str]]:
+    """Parameters of a notebook for a reader: name, default, values allowed if told, meaning."""
+    rows = []
+    for name, (default, comment) in parameters(notebook).items():
+        allowed = _ALLOWED.search(comment)
+        meaning = comment.removesuffix(allowed[0] if allowed else "").strip()
+        rows.append((name, str(default), f" [{allowed[1]}]" if allowed else "", meaning))
+    return rows
+
+
 def check_parameters(notebooks: "list[Notebook]", settings: list[str]) -> dict[str, dict[str, Any]]:
     """Turn settings ``key=value`` into parameters per notebook, each of which gets those it has.
 
     Papermill itself only warns of an unknown parameter and runs the default. A value is a Python
-    literal or a bare word.
+    literal or a bare word; one that is the default is left out.
 
     Raises
     ------
@@ -75,6 +86,8 @@ def check_parameters(notebooks: "list[Notebook]", settings: list[str]) -> dict[s
             default, comment = known[name][key]
             chosen[name][key] = _as_default(key, value, default)
             _check_range(key, chosen[name][key], comment)
+            if chosen[name][key] == default:
+                del chosen[name][key]
     return chosen
 
 
@@ -92,7 +105,7 @@ def _as_default(key, value, default):
 
 def _check_range(key, value, comment):
     """Refuse a value, or one of a list, outside what the parameter's comment allows."""
-    allowed = re.search(r"\[([^][]*)\]$", comment)
+    allowed = _ALLOWED.search(comment)
     if allowed is None:
         return
     low, to, high = allowed[1].partition(" to ")
@@ -136,13 +149,27 @@ def compare(notebooks: "list[Notebook]") -> list[kept.Comparison]:
     """Compare the results of some notebooks, as made last, with the kept ones."""
     found = []
     for notebook in notebooks:
-        given = {}
-        if notebook.executed.is_file():
-            executed = json.loads(notebook.executed.read_text(encoding="utf-8"))
-            given = executed["metadata"]["papermill"]["parameters"]
+        other = bool(_made_with(notebook))
         for name in notebook.results:
-            found.append(kept.compare(name, name in notebook.figures, bool(given)))
+            found.append(kept.compare(name, name in notebook.figures, other))
     return found
+
+
+def shown_with(notebook: "Notebook") -> str:
+    """Parameters, other than the defaults, with which its results in ``figures/`` were made."""
+    given = _made_with(notebook)
+    shown = any(kept.is_as_made(name) for name in notebook.files())
+    return ", ".join(f"{key}={value}" for key, value in given.items()) if shown else ""
+
+
+def _made_with(notebook):
+    """Parameters, other than the defaults, with which its results in ``build/made`` were made."""
+    record = _record(notebook)
+    return json.loads(record.read_text(encoding="utf-8")) if record.is_file() else {}
+
+
+def _record(notebook):
+    return kept.MADE / f"{notebook.name}.json"
 
 
 def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
@@ -169,6 +196,8 @@ def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
             raise NotebookError(f"{notebook.name} did not save {missing}")
         if extra := ", ".join(sorted(made - wanted)):
             raise NotebookError(f"{notebook.name} saved {extra}, which the catalogue does not name")
+        with paths.whole(_record(notebook)) as record:
+            record.write_text(json.dumps(settings), encoding="utf-8")
         kept.place(results, notebook.files())
 
 

@@ -75,6 +75,12 @@ def compare(name: str, is_figure: bool, other_parameters: bool = False) -> Compa
     return Comparison(name, state, where)
 
 
+def is_as_made(name: str) -> bool:
+    """Whether a file in ``figures/`` is the one that was made last."""
+    shown, made = paths.FIGURES / name, MADE / name
+    return shown.is_file() and made.is_file() and filecmp.cmp(made, shown, shallow=False)
+
+
 def summary(comparisons: list[Comparison]) -> str:
     """One line: how many results are identical, agree and differ, and more if there are others."""
     counts = Counter(comparison.state for comparison in comparisons)
@@ -85,9 +91,8 @@ def summary(comparisons: list[Comparison]) -> str:
 
 def _kept(name):
     """The kept file: the one set aside, as long as ``figures/`` holds what a run put there."""
-    shown, made, aside = paths.FIGURES / name, MADE / name, KEPT / name
-    replaced = aside.is_file() and made.is_file() and shown.is_file()
-    return aside if replaced and filecmp.cmp(made, shown, shallow=False) else shown
+    aside = KEPT / name
+    return aside if aside.is_file() and is_as_made(name) else paths.FIGURES / name
 
 
 def _compare(name, kept, made):
