@@ -184,7 +184,7 @@ def test_data_show_is_csv_where_piped_and_fits_a_terminal(run):
     words = " ".join(lines).split()
     assert set(cases.case) <= set(words)
     assert all(words.count(case) == words.count("case") for case in cases.case)
-    assert {"d/dR", "P/(E*", "deg"} & set(words) == {"P/(E*", "deg"}
+    assert "P/(E*" in words
     one = pd.read_csv(StringIO(run("data", "show", "--case", "paper-small-200")[1]))
     assert list(one) == list(dataset.load().loc[:, "depth_star":])
 

@@ -74,7 +74,7 @@ def simulate_mechanism(
         "complete": response.complete,
     }
     impacts = response.impacts.astype(object).where(response.impacts.notna(), None)
-    rest = len(impacts) - SHOWN
+    columns, rest = sorted(impacts, key=lambda name: name != "time"), len(impacts) - SHOWN
     show(
         end
         | {"law": response.law}
@@ -84,7 +84,7 @@ def simulate_mechanism(
         *(_told(choice, last.time) if choice else []),
         f"Law {response.law}.",
         {f"{name} {END_UNITS.get(name, '')}": [value] for name, value in end.items()},
-        impacts.head(SHOWN).rename(columns=lambda name: f"{name} {IMPACT_COLUMNS[name]}"),
+        {f"{name} {IMPACT_COLUMNS.get(name, '')}": impacts[name].head(SHOWN) for name in columns},
         *([f"{rest} more contacts: --json prints all."] if rest > 0 else []),
     )
     if output is not None:  # last: what was computed is printed even if the disk is full

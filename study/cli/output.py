@@ -16,8 +16,6 @@ UNITS = {
     "largest_depth": _DEPTH,
     "force_star": _FORCE,
     "largest_force": _FORCE,
-    "contact_half_angle": "deg",
-    "largest_half_angle": "deg",
     "peak_pressure_star": "p R2/(E* dR)",
     "von_mises_star": "E* dR/R2",
 }
