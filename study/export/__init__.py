@@ -14,7 +14,7 @@ from scipy.interpolate import CubicHermiteSpline
 from study import checks, contact
 from study.contact import LAWS, LawName, laws, shapes
 from study.export import formulas
-from study.joint import Joint, force_curve, whole_curve
+from study.joint import Joint, curve_to
 
 Exported = Literal[LawName, "tabulated"]
 Format = Literal["c", "matlab", "json", "csv"]
@@ -22,7 +22,6 @@ SUFFIXES: dict[Format, str] = {"c": ".c", "matlab": ".m", "json": ".json", "csv"
 SHALLOWEST = 0.005
 """Least depth_star of the stated error: below, the force is less than 1/1000 of that at 0.5."""
 ROWS = 400  # of a CSV beside its first, in equal steps of sqrt(depth_star)
-_ROOTS = 40  # depths solved one by one, for finite kinematics
 _BETWEEN = 8  # places between rows at which an interpolation is judged
 _SOURCE = "Spherical clearance joint study; see CITATION.cff there."
 _UNITS = {
@@ -75,7 +74,7 @@ class _Content:
         options = joint.stiffening_options() if law == "stiffened_hertz" else {}
         if law != "tabulated":
             LAWS[law](deepest, joint.r2_star, **options)  # refuses what it cannot
-        curve = _solved(joint, deepest)
+        curve = curve_to(joint, deepest)
         exact = contact.tabulated(curve)
         self.law = exact if law == "tabulated" else LAWS[law]
         self.scale, self.shape, self.constants = self.law.parts(joint.r2_star, **options)
@@ -164,13 +163,6 @@ class _Content:
             "A cubic Hermite spline over sqrt(depth_star), with the slopes 2 sqrt(depth_star) "
             f"stiffness_star, adds {added[1]}.",
         ]
-
-
-def _solved(joint, deepest):
-    if joint.kinematics == "finite":
-        root = np.linspace(0, np.sqrt(deepest), _ROOTS + 1)[1:]
-        return force_curve(joint, root**2)
-    return whole_curve(joint, deepest)
 
 
 def _percent(error):

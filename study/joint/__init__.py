@@ -2,9 +2,10 @@
 
 from study.joint.compliance import Drive, Rim
 from study.joint.curve import ForceCurve, Solver, UnresolvedError, force_curve
-from study.joint.growth import whole_curve
+from study.joint.growth import curve_to, whole_curve
 from study.joint.joint import Joint, Kinematics, Layer, Material, paper_joint
 from study.joint.materials import material
+from study.joint.sized import SizedJoint, SizedSolution
 from study.joint.stress import FirstYield, LargestStress, first_yield
 
 __all__ = [
@@ -17,8 +18,11 @@ __all__ = [
     "Layer",
     "Material",
     "Rim",
+    "SizedJoint",
+    "SizedSolution",
     "Solver",
     "UnresolvedError",
+    "curve_to",
     "first_yield",
     "force_curve",
     "material",

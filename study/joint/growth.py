@@ -25,6 +25,7 @@ LEAST_R2_STAR = 1.5
 _MADE = 3  # eccentricities at which the matrix is made; one where R2* is large
 _FIRST = 4  # elements of the coarser mesh in the smallest contact
 _COUNT = 48  # depths of a curve, about
+_FINITE = 40  # depths with large displacements, half a second each
 
 
 @one_thread
@@ -72,6 +73,14 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
         angles=fine.angles,
         pressure=pressure,
     )
+
+
+def curve_to(joint: Joint, deepest: float = 1.0) -> ForceCurve:
+    """Curve of any joint for a table: `whole_curve`, or 40 depths if displacements are large."""
+    if joint.kinematics != "finite":
+        return whole_curve(joint, deepest)
+    checks.number("deepest", deepest, above=0, scalar=True)
+    return curve.force_curve(joint, np.linspace(0, np.sqrt(deepest), _FINITE + 1)[1:] ** 2)
 
 
 @one_thread

@@ -1,0 +1,259 @@
+"""A joint with its dimensions, as an engineer has it: SI units, and materials by name.
+
+`SizedJoint` is a `study.joint.Joint` in the user's words. Forces and depths are those of the
+table of its solved curve, each the other's inverse; pressures, half-angles and stresses are those
+of the joint solved anew at every depth.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from study import checks
+from study.contact import JointLaw, largest_depth, tabulated
+from study.contact.laws import AnyLaw
+from study.joint.compliance import FINEST_RESOLUTION, THICKEST_RATIO, THINNEST_RATIO, Drive, Rim
+from study.joint.curve import ForceCurve, UnresolvedError, force_curve
+from study.joint.growth import curve_to
+from study.joint.joint import Joint, Kinematics, Layer, Material
+from study.joint.materials import material
+
+Floats = NDArray[np.float64]
+Liner = tuple[tuple[float, str | Material], ...]
+LEAST_CLEARANCE = 1e-9
+"""Over the socket's radius: below, a clearance is lost in the rounding of the radii."""
+_USUAL, _STEP = 1.0, 1.2  # clearances that a table reaches; how much further the next one does
+
+
+@dataclass(frozen=True)
+class SizedSolution:
+    """What a joint does at some depths: arrays in the order asked for, shape (k,), in SI units.
+
+    Attributes
+    ----------
+    depth, force
+        In m and N.
+    stiffness
+        Slope of the force over the depth, in N/m.
+    contact_half_angle_deg
+        Polar angle of the contact's edge, in deg.
+    peak_pressure
+        Largest contact pressure, in Pa.
+    error_estimate
+        Estimated relative error of the force: that of the curve beside the depth, and the
+        difference from the joint solved at the depth.
+    von_mises
+        Largest von Mises stress in each body, in Pa, by its name in ``joint.materials``.
+    von_mises_place
+        Where it is, k words a body (`study.joint.LargestStress`).
+    yield_factor
+        Yield stress over largest von Mises stress of each body: it yields below 1. None for a
+        material without a yield stress. Where one yields, all else is about bodies that do not.
+    """
+
+    depth: Floats
+    force: Floats
+    stiffness: Floats
+    contact_half_angle_deg: Floats
+    peak_pressure: Floats
+    error_estimate: Floats
+    von_mises: dict[str, Floats]
+    von_mises_place: dict[str, tuple[str, ...]]
+    yield_factor: dict[str, Floats | None]
+
+
+@dataclass(frozen=True)
+class SizedJoint:
+    """A spherical clearance joint with its dimensions, in SI units.
+
+    A value outside its range is a ``ValueError``.
+
+    Attributes
+    ----------
+    socket_radius
+        Inner radius of the socket, in m.
+    clearance
+        Radius of the socket less that of the ball, in m.
+    wall
+        Thickness of the socket beyond its inner radius, liners included, in m; its outside is
+        fixed.
+    ball, socket
+        Material: a name (study data materials), its Young's modulus in Pa, Poisson's ratio and
+        perhaps yield stress in Pa as 210e9,0.3,5e8, or a `Material`.
+    liner
+        Thickness in m and material of each liner, from the inside out; the socket's material
+        makes up the rest of the wall.
+    ball_drive, rim, kinematics
+        As of `study.joint.Joint`.
+    """
+
+    socket_radius: float
+    clearance: float
+    wall: float
+    ball: str | Material = "steel"
+    socket: str | Material = "steel"
+    liner: Liner = ()
+    ball_drive: Drive = "plane"
+    rim: Rim = "mirror"
+    kinematics: Kinematics = "linear"
+
+    def __post_init__(self) -> None:
+        radius = checks.number("socket_radius", self.socket_radius, "m", above=0, scalar=True)
+        limits = {"least": LEAST_CLEARANCE * radius, "below": radius}
+        checks.number("clearance", self.clearance, "m", **limits, scalar=True)
+        limits = {"least": (THINNEST_RATIO - 1) * radius, "most": (THICKEST_RATIO - 1) * radius}
+        checks.number("wall", self.wall, "m", **limits, scalar=True)
+        _ = self.joint  # whose errors belong here
+
+    @cached_property
+    def joint(self) -> Joint:
+        """The joint without its dimensions."""
+        given: dict[str, Any] = {"ball_drive": self.ball_drive, "rim": self.rim}
+        given["kinematics"] = self.kinematics
+        r2_star = self.socket_radius / self.clearance
+        ball, socket = material(self.ball), material(self.socket)
+        if not self.liner:
+            ratio = 1 + self.wall / self.socket_radius
+            return Joint(r2_star, ratio, ball, socket, **given)
+        return Joint(r2_star, ball=ball, layers=self._layers(socket), **given)
+
+    def _layers(self, socket):
+        radius, inside = self.socket_radius, 0.0
+        layers = []
+        for each in self.liner:
+            if not isinstance(each, tuple | list) or len(each) != 2:
+                wanted = "liner must be pairs of a thickness in m and a material"
+                raise ValueError(f"{wanted}, got {checks.shown(each)}")
+            inside += checks.number("thickness of liner", each[0], "m", above=0, scalar=True)
+            layers.append(Layer(1 + inside / radius, material(each[1])))
+        checks.number("wall", self.wall, "m", above=inside)
+        return (*layers, Layer(1 + self.wall / radius, socket))
+
+    def law(self, law: AnyLaw | None = None) -> JointLaw:
+        """A law of this joint, in SI units: by default the table of its own solved curve.
+
+        Parameters
+        ----------
+        law
+            Key of ``study.contact.LAWS``, or a law itself. ``stiffened_hertz`` knows of the joint
+            what it can; the paper's laws have the coefficients of the paper's own joint. The
+            default table reaches one clearance deep at least, if the joint can.
+        """
+        if law is None:
+            return self._table(self._usual_depth)[0]
+        options = self.joint.stiffening_options() if law == "stiffened_hertz" else {}
+        return self._in_si_units(law, **options)
+
+    def solve(
+        self, *, depth: ArrayLike | None = None, force: ArrayLike | None = None
+    ) -> SizedSolution:
+        """Solve the joint at given depths, in m, or under given forces, in N; both > 0.
+
+        Raises
+        ------
+        ValueError
+            For a depth or force that the joint cannot have, because contact would reach the
+            socket's rim; for a contact too small to be resolved; unless one of both is given.
+        """
+        if (depth is None) == (force is None):
+            raise ValueError("either depth or force must be given, not both")
+        name, unit = ("depth", "m") if force is None else ("force", "N")
+        given: Any = depth if force is None else force
+        asked = np.atleast_1d(checks.number(name, given, unit, above=0))
+        if asked.ndim != 1 or asked.size == 0:
+            raise ValueError(f"{name} must be a list of numbers, got shape {asked.shape}")
+        law, curve = self._reaching(name, asked, unit)
+        depths = asked if force is None else np.asarray(law.depth(asked))
+        forces = asked if depth is None else np.asarray(law.force(depths))
+        depth_star = depths / self.clearance
+        solved = self._solved(depth_star, name, asked, unit)
+        largest = solved.largest_stress
+        modulus, strengths = self.joint.composite_modulus, self.joint.materials
+        pressure = modulus * self.clearance / self.socket_radius
+        off = np.abs(forces / (modulus * self.clearance**2 * solved.force_star) - 1)
+        stresses = {body: pressure * one.von_mises for body, one in largest.items()}
+        return SizedSolution(
+            depth=depths,
+            force=forces,
+            stiffness=np.asarray(law.stiffness(depths)),
+            contact_half_angle_deg=solved.contact_half_angle_deg,
+            peak_pressure=pressure * solved.peak_pressure_star,
+            error_estimate=_error_beside(curve, depth_star) + off,
+            von_mises=stresses,
+            von_mises_place={body: one.place for body, one in largest.items()},
+            yield_factor={
+                body: strength / stress if (strength := strengths[body].yield_stress) else None
+                for body, stress in stresses.items()
+            },
+        )
+
+    @property
+    def _usual_depth(self):
+        return min(_USUAL, 0.8 * largest_depth(self.joint.r2_star))
+
+    def _reaching(self, name, asked, unit):
+        """Least table that reaches all depths or forces asked for, and its curve."""
+        deepest = self._usual_depth
+        law, curve = self._table(deepest)
+        while (most := self._most(law, name)) < asked.max():
+            deepest *= _STEP
+            try:
+                law, curve = self._table(deepest)
+            except checks.RangeError:
+                raise checks.RangeError(
+                    f"{name} must be <= {most:.6g} {unit}, got {asked.max():g} {unit}: somewhat "
+                    "beyond, the contact would reach the socket's rim"
+                ) from None
+        return law, curve
+
+    @staticmethod
+    def _most(law, name):
+        return law.deepest if name == "depth" else law.force(law.deepest)
+
+    def _table(self, deepest):
+        curve = _curve(self.joint, deepest)
+        return self._in_si_units(tabulated(curve)), curve
+
+    def _in_si_units(self, law, **options):
+        return JointLaw(
+            law,
+            ball_radius=self.socket_radius - self.clearance,
+            socket_radius=self.socket_radius,
+            composite_modulus=self.joint.composite_modulus,
+            **options,
+        )
+
+    def _solved(self, depth_star, name, asked, unit):
+        """The joint solved at depths, on finer elements where a contact is very small."""
+        resolutions = (None, FINEST_RESOLUTION) if self.joint.series_applies else (None,)
+        for resolution in resolutions:
+            try:
+                return force_curve(self.joint, depth_star, resolution)
+            except UnresolvedError:
+                continue
+            except checks.RangeError:
+                raise checks.RangeError(
+                    f"{name} must keep the contact off the socket's rim (half-angle < 90 deg), "
+                    f"got {asked.max():g} {unit}"
+                ) from None
+        raise UnresolvedError(
+            f"{name} must be so large that elements resolve the contact, got {asked.min():g} "
+            f"{unit}: that close to touching, Hertz's law holds"
+        )
+
+
+def _error_beside(curve, depth_star):
+    """Larger error estimate of a curve's two depths beside each one asked for."""
+    last = len(curve.depth_star) - 1
+    above = np.searchsorted(curve.depth_star, depth_star)
+    above, below = np.minimum(above, last), np.clip(above - 1, 0, last)
+    return np.maximum(curve.error_estimate[above], curve.error_estimate[below])
+
+
+@lru_cache(maxsize=16)
+def _curve(joint: Joint, deepest: float) -> ForceCurve:
+    """Curve of a joint: the same one for every yield stress and size."""
+    return curve_to(joint, deepest)
