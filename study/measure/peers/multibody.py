@@ -1,27 +1,26 @@
 """Exudyn, a program for multibody dynamics, on the rigid links with their clearance joint."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from study import checks
 from study.contact.forces import pack
 from study.mechanism import Scene
 
 
-def slider_acceleration(
-    scene: Scene, duration: float, outputs: int, step: float
-) -> NDArray[np.float64]:
-    """Slider's acceleration at equally spaced times after the start, in m/s^2.
+def links(scene: Scene) -> tuple[Any, Callable[[str, float], int], int]:
+    """Exudyn's system of crank, coupler and slider with its drive, all but the clearance joint.
 
-    With Exudyn's own contact of a sphere in a sphere and Hertz's law; its restitution is set so
-    that its damping is that of Lankarani and Nikravesh, which the scene must have. Duration and
-    step in s.
+    Returns the system, a function that makes a marker on a body ("ground", "crank", "coupler" or
+    "slider") at a place in m along it from its centre, and the slider's node.
     """
     import exudyn as exu
     from exudyn import itemInterface as item  # noqa: N813
-    from exudyn.utilities import SensorNode
 
     s, system = scene, exu.SystemContainer().AddSystem()
-    law = pack("hertz", s.ball_radius, s.socket_radius, s.composite_modulus)
     ground = system.AddObject(item.ObjectGround())
     bodies = {}
     for name, mass, inertia, x in (
@@ -49,10 +48,55 @@ def slider_acceleration(
         system.AddObject(item.ObjectConnectorCoordinate(markerNumbers=pair))
     torque = [0, 0, s.driving_moment]
     system.AddLoad(item.LoadTorqueVector(markerNumber=at("crank", 0), loadVector=torque))
+    return system, at, bodies["slider"][0]
+
+
+def sensor(system: Any, node: int, quantity: str) -> int:
+    """Sensor that stores a quantity of a node, such as "Acceleration"."""
+    import exudyn as exu
+    from exudyn.utilities import SensorNode
+
+    kind = getattr(exu.OutputVariableType, quantity)
+    return system.AddSensor(
+        SensorNode(nodeNumber=node, outputVariableType=kind, storeInternal=True)
+    )
+
+
+def integration(duration: float, step: float, period: float) -> Any:
+    """Exudyn's settings for steps of a fixed length, with output every ``period``, all in s."""
+    import exudyn as exu
+
+    checks.number("duration", duration, "s", above=0, scalar=True)
+    checks.number("step", step, "s", above=0, most=duration, scalar=True)
+    settings = exu.SimulationSettings()
+    time = settings.timeIntegration
+    time.numberOfSteps, time.endTime = round(duration / step), duration
+    time.verboseMode = 0
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = period
+    time.generalizedAlpha.spectralRadius = 0.9
+    time.newton.useModifiedNewton = True
+    time.discontinuous.useRecommendedStepSize = False
+    return settings
+
+
+def slider_acceleration(
+    scene: Scene, duration: float, outputs: int, step: float
+) -> NDArray[np.float64]:
+    """Slider's acceleration at equally spaced times after the start, in m/s^2.
+
+    With Exudyn's own contact of a sphere in a sphere and Hertz's law; its restitution is set so
+    that its damping is that of Lankarani and Nikravesh, which the scene must have. Duration and
+    step in s.
+    """
+    from exudyn import itemInterface as item  # noqa: N813
+
+    s, (system, at, slider) = scene, links(scene)
+    law = pack("hertz", s.ball_radius, s.socket_radius, s.composite_modulus)
     start = [s.clearance, 0, 0, 0]  # the gap must start positive, or the first impact is missed
     data = item.NodeGenericData(initialCoordinates=start, numberOfDataCoordinates=4)
     contact = item.ObjectContactSphereSphere(
-        markerNumbers=[at("coupler", half[1]), at("slider", 0)],
+        markerNumbers=[at("coupler", s.coupler_length / 2), at("slider", 0)],
         nodeNumber=system.AddNode(data),
         spheresRadii=[s.ball_radius, s.socket_radius],
         isHollowSphere1=True,
@@ -65,22 +109,7 @@ def slider_acceleration(
         frictionProportionalZone=s.full_speed,
     )
     system.AddObject(contact)
-    sensor = system.AddSensor(
-        SensorNode(
-            nodeNumber=bodies["slider"][0],
-            outputVariableType=exu.OutputVariableType.Acceleration,
-            storeInternal=True,
-        )
-    )
+    stored = sensor(system, slider, "Acceleration")
     system.Assemble()
-    settings = exu.SimulationSettings()
-    time = settings.timeIntegration
-    time.numberOfSteps, time.endTime = round(duration / step), duration
-    time.generalizedAlpha.spectralRadius = 0.9
-    time.newton.useModifiedNewton = True
-    time.discontinuous.useRecommendedStepSize = False
-    time.verboseMode = 0
-    settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = duration / outputs
-    system.SolveDynamic(settings)
-    return system.GetSensorStoredData(sensor)[1:, 1]
+    system.SolveDynamic(integration(duration, step, duration / outputs))
+    return system.GetSensorStoredData(stored)[1:, 1]

@@ -1,0 +1,138 @@
+"""The spherical clearance joint in Exudyn: in space, and in the plane beside our own stepper."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from study import contact
+from study.contact import forces
+from study.contact.friction import friction_branch
+from study.measure.peers.spatial import ClearanceJoint, crank_slider, pendulum
+from study.mechanism import Scene, simulate
+
+R1, R2, MODULUS = 9.95e-3, 10e-3, 1.137e11
+LOSSES = {"restitution": 0.5, "friction": 0.05}
+ENERGIES = ["kinetic", "potential", "elastic", "lost_damping", "lost_friction"]
+
+
+def clearance_joint(law="hertz", **changes):
+    return ClearanceJoint(R1, R2, MODULUS, law, **changes)
+
+
+def turned(vector):
+    """A vector in another frame of reference."""
+    c, s = np.cos(1.1), np.sin(1.1)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array(vector)[[2, 0, 1]]
+
+
+def test_forces_in_the_plane_are_those_of_the_mechanism():
+    joint = clearance_joint(**LOSSES)
+    place, velocity, spin = (
+        np.array([5.01e-5, 0, 0]),
+        np.array([0.03, 0.004, 0]),
+        np.array([0, 0, 0.1]),
+    )
+    joint.approach = 0.06
+    force, torque, normal, damping, friction = joint.forces(place, velocity, spin)
+    depth, sliding = 5.01e-5 - joint.clearance, 0.004 + R1 * 0.1
+    branch = friction_branch(sliding, 1e-4, 0.01)
+    given = 0.03, sliding, branch, 0.06, joint.damping_factor, 0.05, 1e-4, 0.01
+    expected = forces.joint_forces(joint.law, depth, *given)
+    assert normal == pytest.approx(expected[0], rel=1e-12)
+    assert force == pytest.approx([-normal, expected[5], 0], rel=1e-12)
+    assert torque == pytest.approx([0, 0, R1 * expected[5]], rel=1e-12)
+    assert damping == pytest.approx((normal - expected[3]) * 0.03, rel=1e-12)
+    assert friction == pytest.approx(-expected[5] * sliding, rel=1e-12)
+
+
+def test_forces_do_not_depend_on_the_frame_of_reference():
+    joint = clearance_joint("steuermann", **LOSSES)
+    vectors = np.array([3.1e-5, 3e-5, 3e-5]), np.array([0.01, -0.02, 0.04]), np.array([1, 2, 3.0])
+    joint.approach = 0.06
+    force, torque, *numbers = joint.forces(*vectors)
+    force_too, torque_too, *numbers_too = joint.forces(*map(turned, vectors))
+    assert force_too == pytest.approx(turned(force), rel=1e-9)
+    assert torque_too == pytest.approx(turned(torque), rel=1e-9)
+    assert numbers_too == pytest.approx(numbers, rel=1e-9)
+    assert not joint.forces(0.5 * vectors[0], *vectors[1:])[0].any()
+
+
+def test_bad_joint_is_one_clear_error():
+    for changes, message in (
+        ({"law": "hooke"}, "law must be one of hertz"),
+        ({"law": "stiffened_hertz"}, "stiffened_hertz in SI units must be given socket_ratio"),
+        ({"restitution": 1.1}, "restitution must be >= 0 and <= 1, got 1.1"),
+        ({"friction": -1}, "friction must be >= 0, got -1"),
+        ({"slow_speed": 0.1}, "slow speed must be >= 0 and < 0.01 m/s, got 0.1 m/s"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            clearance_joint(**changes)
+
+
+@pytest.fixture
+def exudyn():
+    return pytest.importorskip("exudyn")
+
+
+def balance(table):
+    total = table[ENERGIES].sum(axis=1)
+    return np.ptp(total) / np.ptp(table[ENERGIES].to_numpy(), axis=0).max()
+
+
+def test_pendulum_in_space_keeps_energy_and_spin_without_losses(exudyn):
+    table = pendulum(clearance_joint())
+    assert (np.diff((table.depth > 0).astype(int)) == 1).sum() >= 3  # impacts
+    assert balance(table) < 1e-5
+    assert np.ptp(table.spin_z) < 1e-10 * table.spin_z[0]  # the force meets the socket's centre
+    assert np.abs(table.y).max() > 1e-3  # it left the plane
+    assert not table[["lost_damping", "lost_friction"]].any(axis=None)
+
+
+def test_pendulum_with_losses_balances_with_order_2(exudyn):
+    tables = [pendulum(clearance_joint(**LOSSES), step=step) for step in (4e-6, 2e-6, 1e-6)]
+    errors = [balance(table) for table in tables]
+    assert errors[-1] < 2e-5
+    assert all(3 < one / other < 5 for one, other in pairwise(errors))
+    last = tables[-1].iloc[-1]
+    assert min(last.lost_damping, last.lost_friction) > 1e-6
+    assert (np.diff(tables[-1].lost_damping) > -1e-12).all()
+
+
+@pytest.mark.parametrize(
+    ("law", "options"),
+    [
+        ("hertz", {}),
+        ("stiffened_hertz", {"socket_ratio": 1.5}),
+        (lambda ds, r2: 300 * ds**1.5, {}),
+    ],
+)
+def test_crank_slider_in_exudyn_is_ours(exudyn, law, options):
+    scene, duration = Scene(socket="bronze"), 2e-3
+    ours = simulate(scene, law=law, duration=duration, outputs=200, **options)
+    theirs = crank_slider(scene, law, duration=duration, **options)
+    first, touching = ours.impacts.iloc[0], int(np.argmax(theirs.depth > 0))
+    (t0, d0), (t1, d1) = theirs[["time", "depth"]].to_numpy()[touching - 1 : touching + 1]
+    assert t0 - d0 * (t1 - t0) / (d1 - d0) == pytest.approx(first.time, rel=1e-6)
+    assert theirs.approach_speed[touching] == pytest.approx(first.approach_speed, rel=1e-3)
+    assert theirs.normal_force.max() == pytest.approx(first.peak_force, rel=2e-3)
+    assert theirs.depth.max() == pytest.approx(first.peak_depth, rel=1e-3)
+    last = theirs.iloc[-1]
+    assert last.time == pytest.approx(duration, rel=1e-12)
+    assert last.slider_position == pytest.approx(ours.slider_position[-1], abs=1e-9)
+    assert last.lost_damping + last.lost_friction == pytest.approx(first.lost, rel=2e-3)
+
+
+def test_a_step_of_exudyn_is_checked(exudyn):
+    with pytest.raises(ValueError, match="step must be > 0 and <= 0.02 s, got 1 s"):
+        pendulum(clearance_joint(), step=1.0)
+
+
+def test_the_laws_force_is_the_one_of_si_units():
+    joint = clearance_joint(lambda ds, r2: 300 * ds**1.5)
+    depth = np.array([5.02e-5, 0, 0])
+    found = joint.forces(depth, np.zeros(3), np.zeros(3))[2]
+    law = contact.JointLaw(
+        lambda ds, r2: 300 * ds**1.5, ball_radius=R1, socket_radius=R2, composite_modulus=MODULUS
+    )
+    assert found == pytest.approx(law.force(5.02e-5 - joint.clearance), rel=1e-12)
