@@ -25,7 +25,8 @@ from study import checks
 from study.contact import sampling, shapes, stiffening
 from study.contact.bodies import SOCKET_RATIO
 
-LawName = Literal["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler", "stiffened_hertz"]
+PaperLawName = Literal["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler"]
+LawName = Literal[PaperLawName, "stiffened_hertz"]
 Area = Literal["flat", "sphere"]
 Floats = float | NDArray[np.float64]
 Parts = tuple[Any, Callable, Any]
@@ -318,7 +319,7 @@ LAWS: dict[str, Law] = {
     law.__name__: law
     for law in (hertz, steuermann, liu, winkler, hyperbolic_winkler, stiffened_hertz)
 }
-PAPER_LAWS: tuple[LawName, ...] = get_args(LawName)[:-1]
+PAPER_LAWS: tuple[PaperLawName, ...] = get_args(PaperLawName)
 """Those that the paper compares."""
 
 

@@ -7,6 +7,7 @@ whenever their content is the same.
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 import matplotlib as mpl
@@ -19,6 +20,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from study import paths
+from study.contact import LAWS
 
 STYLE = {
     "figure.dpi": 100,
@@ -66,6 +68,8 @@ LOOKS = {
     "stiffened_hertz": Look("stiffened Hertz", "#CC79A7", "X", "-"),
     "tabulated": Look("table of the solver", "0.4", "h", "-"),
 }
+_SPARE = cycle([("#8C564B", "<"), ("#117733", ">"), ("#882255", "*"), ("#332288", "p")])
+LOOKS |= {law: Look(law.replace("_", " "), *next(_SPARE), "-.") for law in LAWS if law not in LOOKS}
 
 # Models of the mechanism's links; the rigid ones are drawn behind the others
 MODEL_LOOKS = {
