@@ -94,6 +94,90 @@ def test_joint_tells_the_largest_stress_in_every_body(run):
             assert star == pytest.approx(share * found["peak_pressure_star"][0])
 
 
+SIZED = ["joint", "--socket-radius", "12.5e-3", "--clearance", "40e-6", "--wall", "6e-3"]
+BRONZE = [*SIZED, "--ball", "steel", "--socket", "bronze"]
+
+
+def test_joint_with_dimensions_prints_si_units_in_the_order_asked(run):
+    status, out, err = run(*BRONZE, "--force", 8000, "--force", 3000, "--json")
+    assert (status, err) == (0, "")
+    found = json.loads(out)
+    assert found["force"] == pytest.approx([8000, 3000], rel=1e-12)
+    assert found["depth"] == pytest.approx([7.54e-6, 4.19e-6], rel=0.01)
+    assert found["stiffness"] == pytest.approx([1.763e9, 1.199e9], rel=0.01)
+    assert found["peak_pressure"][0] == pytest.approx(117e6, rel=0.01)
+    assert found["yield_factor_socket"][0] * found["von_mises_socket"][0] == pytest.approx(1.6e8)
+    assert found["r2_star"] == pytest.approx(312.5)
+    assert found["materials"]["socket"]["youngs_modulus"] == 1.1e11
+    status, out, _ = run(*BRONZE, *("--depth", found["depth"][0]), "--json")
+    assert json.loads(out)["force"] == pytest.approx([8000], rel=1e-9)
+
+
+def test_joint_with_dimensions_tells_the_law_that_will_do(run):
+    status, out, err = run(*BRONZE, "--force", 8000)
+    assert (status, err) == (0, "")
+    heads = ["depth", "force", "stiffness", "half_angle", "peak_pressure", "error"]
+    assert out.split("\n")[1].split() == heads
+    assert out.split("\n")[2].split() == ["um", "N", "N/um", "deg", "MPa", "%"]
+    assert "The cheapest law that is within 1 % from 0.2 to 7.536 um: stiffened_hertz." in out
+    (line,) = (line for line in out.splitlines() if line.startswith("study export"))
+    _, out, _ = run(*BRONZE, "--force", 8000, "--json")
+    assert json.loads(out)["export"] == line
+    status, out, err = run(*line.split()[1:])
+    assert (status, err) == (0, "")
+    assert "r2_star 312.5" in out
+    assert "modulus_ratio 0.523809524" in out
+
+
+def test_joint_with_dimensions_takes_liners_supports_and_a_tolerance(run):
+    lined = [*SIZED, "--liner", "0.5e-3,PTFE", "--liner", "1e-3,7e10,0.33", "--force", 500]
+    status, out, err = run(*lined, "--drive", "clamped", "--json")
+    assert (status, err) == (0, "")
+    found = json.loads(out)
+    assert [*found["materials"]] == ["ball", "layer 1", "layer 2", "layer 3"]
+    assert found["yield_factor_layer_2"] is None
+    assert found["law"] == "tabulated"
+    assert "--drive clamped" in found["export"]
+    assert found["export"].count("--layer ") == 3
+    status, out, _ = run(*BRONZE, "--force", 500, "--tolerance", 1e-5)
+    assert status == 0
+    assert "No law is told: no model is known to be within the tolerance 1e-05" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([*BRONZE, "--force", 1, "--r2-star", 75], "--r2-star must be left out: --socket-radius"),
+        (["joint", "--r2-star", 75, "--depth-star", 0.1, "--ball", "steel"], "--r2-star must be"),
+        ([*BRONZE, "--force", 1, "--poisson", 0.3], "--poisson must be left out: --socket-radius"),
+        (BRONZE, "either depth or force must be given, not both"),
+        ([*BRONZE, "--force", 1, "--depth", 1e-6], "either depth or force must be given, not both"),
+        (["joint", "--socket-radius", 0.01, "--force", 1], "--clearance and --wall must be given"),
+        (["joint", "--force", 1], "--socket-radius and --clearance and --wall must be given"),
+        (["joint"], "--r2-star and --depth-star must be given or, with dimensions, --socket-radi"),
+        (["joint", "--r2-star", 75], "--depth-star must be given"),
+        ([*SIZED, "--force", 1, "--ball", "210,0.3"], "got 210 Pa: did you mean 210e9?"),
+        ([*SIZED, "--force", 1, "--ball", "stel"], "material must be one of steel, stainless,"),
+        ([*SIZED, "--force", 1, "--liner", "PTFE"], "--liner must be a thickness in m and a mat"),
+        ([*SIZED, "--force", -1], "force must be > 0 N, got -1 N"),
+        ([*SIZED, "--force", 1e9], "force must be <= "),
+        ([*SIZED, "--force", 1, "--tolerance", 0], "tolerance must be >= 1e-05 and <= 1, got 0"),
+    ],
+)
+def test_joint_refuses_what_does_not_fit(run, words, message):
+    status, out, err = run(*words)
+    assert (status, out) == (2, "")
+    assert err.startswith("study: ")
+    assert message in err
+
+
+def test_materials_are_listed(run):
+    status, out, err = run("data", "materials")
+    assert (status, err) == (0, "")
+    for word in ("UHMWPE", "cast iron", "1.1e+11", "MakeItFrom.com"):
+        assert word in out
+
+
 def test_joint_takes_layers(run):
     words = ["--r2-star", 80, "--depth-star", 0.3, "--poisson", 0.28]
     layers = ["--layer", "1.125,0.0025,0.46", "--layer", "1.5,1,0.3"]

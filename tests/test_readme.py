@@ -237,8 +237,10 @@ def test_dataset_size_as_claimed():
 
 def test_python_example_runs():
     text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
-    (example,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    sized, example = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     names = {}
+    exec(compile(sized, "README.md", "exec"), names)
+    assert names["found"].force.tolist() == [3000, 8000]
     exec(compile(example, "README.md", "exec"), names)
     assert names["force"] > 0
     assert names["curve"].force_star.shape == (2,)
@@ -392,14 +394,16 @@ def test_liners_as_claimed():
     assert len(liners) == 5
 
 
-def test_example_of_choose_is_what_it_prints(monkeypatch, capsys):
+@pytest.mark.parametrize("command", [r"joint --socket.*?)\n", r"choose .*?) +#"])
+def test_examples_are_what_they_print(command, monkeypatch, capsys):
     text = (paths.ROOT / "README.md").read_text(encoding="utf-8")
-    words = re.search(r"study (choose .*?) +#", text)[1].split()
+    at = re.search(rf"study ({command}", text)
+    words = at[1].split()
     monkeypatch.setattr("sys.argv", ["study", *words])
     with pytest.raises(SystemExit):
         cli.main()
     printed = capsys.readouterr().out.split()
-    shown = re.search(r"```text\n(.*?)```", text, re.DOTALL)[1].split()
+    shown = re.search(r"```text\n(.*?)```", text[at.end() :], re.DOTALL)[1].split()
     assert [word for word in printed if "─" not in word] == shown
 
 

@@ -35,14 +35,66 @@ def evaluate_law(
     show({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
 
 
-@command("joint", *JOINT, "study.joint:force_curve solver")
-def solve_joint(
-    r2_star: float, depth_star: list[float], as_json: bool = False, solver=None, **joint
-):
-    """Solve one joint: force, contact half-angle, error estimate, and largest von Mises stresses.
+SIZES = ("socket_radius", "clearance", "wall")
+"""Options of study joint that a joint with its dimensions must have."""
+OF_SIZED = (*SIZES, "force", "depth", "ball", "socket", "liner", "tolerance")
+OF_BOTH = ("ball_drive", "rim", "kinematics")
 
-    Stresses are in E* dR/R2; their radius is over that of the body's surface.
+
+@command("joint", "study.joint:SizedJoint ball socket", *JOINT, "study.joint:force_curve solver")
+def solve_joint(
+    socket_radius: float | None = None,
+    clearance: float | None = None,
+    wall: float | None = None,
+    force: list[float] = (),
+    depth: list[float] = (),
+    liner: list[str] = (),
+    tolerance: float | None = None,
+    r2_star: float | None = None,
+    depth_star: list[float] = (),
+    as_json: bool = False,
+    **joint,
+):
+    """Solve one joint: force, depth, stiffness, pressure, half-angle, error, and stresses.
+
+    With its dimensions: --socket-radius, --clearance, --wall and --force or --depth, in SI units,
+    with materials by name. Or without: --r2-star and --depth-star; stresses are then in E* dR/R2,
+    their radius is over that of the body's surface.
     """
+    given = {"socket_radius": socket_radius, "clearance": clearance, "wall": wall}
+    given |= {"force": force, "depth": depth, "liner": liner, "tolerance": tolerance}
+    given |= {"r2_star": r2_star, "depth_star": depth_star}
+    given = {name: value for name, value in given.items() if value not in (None, ())} | joint
+    if sized := [name for name in OF_SIZED if name in given]:
+        others = [name for name in given if name not in (*OF_SIZED, *OF_BOTH)]
+        left_out(others, given, f"{_flag(sized[0])} is of a joint with its dimensions")
+        _solve_sized(as_json, **given)
+    else:
+        _needed(("r2_star", "depth_star"), given, " or, with dimensions, --socket-radius, ...")
+        _solve_dimensionless(as_json, **given)
+
+
+def _flag(name):
+    return f"--{name.replace('_', '-')}"
+
+
+def _needed(names, given, more=""):
+    missing = [_flag(name) for name in names if name not in given]
+    if missing:
+        raise ValueError(f"{' and '.join(missing)} must be given{more}")
+
+
+def _solve_sized(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of_joint):
+    from study.cli import sized
+    from study.joint import SizedJoint
+
+    _needed(SIZES, of_joint)
+    joint = SizedJoint(**of_joint, liner=tuple(sized.liner(text) for text in liner))
+    told, parts = sized.told(joint, joint.solve(force=force, depth=depth), tolerance)
+    show(told, as_json, *parts)
+
+
+def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, **joint):
     from study.joint import force_curve
 
     curve = force_curve(given_joint(r2_star, **joint), depth_star, solver=solver)

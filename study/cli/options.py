@@ -31,12 +31,17 @@ ARGUMENTS = {"name": "NAME", "names": "[NAME]..."}
 HELP = {
     "as_json": "Print one JSON object.",
     "case": "One case, every depth of it.",
+    "clearance": "Radius of the socket less that of the ball, in m.",
+    "depth": "Penetration depth in m; may be repeated.",
     "depth_star": "Dimensionless penetration depth d/dR; may be repeated.",
+    "force": "Contact force in N; may be repeated.",
     "group": "Group of cases: paper, ratio, poisson, fit, judge, ...",
     "inertia": "Of crank and coupler about their centres, in kg m^2: I1,I2 [default: rods].",
     "keep": "Take what differs as the kept results from now on.",
     "layer": "Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer "
     "of the socket: N,N,N; may be repeated, from the inside out.",
+    "liner": "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be "
+    "repeated, from the inside out.",
     "model": "Links; auto: as little as it needs.",
     "modulus_ratio": "Young's modulus of the socket over that of the ball, > 0 [default: 1.0].",
     "name": f"One of {', '.join(LAWS)}.",
@@ -46,8 +51,11 @@ HELP = {
     "r2_star": "Dimensionless socket radius R2/dR, > 1.",
     "scene": "KEY=VALUE of the scene; may be repeated.",
     "settings": "KEY=VALUE of a notebook's parameter; may be repeated.",
+    "socket_radius": "Inner radius of the socket, in m.",
     "socket_ratio": "Outer over inner radius of the socket.",
     "socket_poisson": "Poisson's ratio of the socket, if not that of the ball.",
+    "tolerance": "Largest relative error of the law that is told, with dimensions [default: 0.01].",
+    "wall": "Thickness of the socket beyond its inner radius, liners included, in m.",
     "yield_stress": "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa.",
 }
 """Of what the library's docstrings do not explain."""

@@ -81,8 +81,8 @@ class SizedJoint:
         Thickness of the socket beyond its inner radius, liners included, in m; its outside is
         fixed.
     ball, socket
-        Material: a name (study data materials), its Young's modulus in Pa, Poisson's ratio and
-        perhaps yield stress in Pa as 210e9,0.3,5e8, or a `Material`.
+        Material by its name (listed by study data materials), or by Young's modulus in Pa,
+        Poisson's ratio and perhaps yield stress in Pa: 210e9,0.3,5e8. In Python also a `Material`.
     liner
         Thickness in m and material of each liner, from the inside out; the socket's material
         makes up the rest of the wall.

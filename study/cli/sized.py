@@ -1,0 +1,138 @@
+"""What study joint tells of a joint with its dimensions: in readable units, and as JSON in SI."""
+
+from dataclasses import replace
+
+from study import checks
+from study.contact import LAWS
+from study.joint import Joint, Layer, Material, SizedJoint, SizedSolution
+
+MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
+
+
+def liner(text: str) -> tuple[float, str]:
+    """Thickness in m and material of an option's text."""
+    thickness, _, material = text.partition(",")
+    try:
+        return float(thickness), material.strip()
+    except ValueError:
+        wanted = "--liner must be a thickness in m and a material, such as 0.5e-3,PTFE"
+        raise ValueError(f"{wanted}, got {text!r}") from None
+
+
+def told(joint: SizedJoint, solution: SizedSolution, tolerance: float) -> tuple[dict, list]:
+    """One JSON object of a solved joint, and its parts as text."""
+    plain, largest = joint.joint, float(solution.depth.max())
+    columns = ("depth", "force", "stiffness", "contact_half_angle_deg", "peak_pressure")
+    columns = (*columns, "error_estimate")
+    values = {name: getattr(solution, name).tolist() for name in columns}
+    for body, stress in solution.von_mises.items():
+        name, factor = body.replace(" ", "_"), solution.yield_factor[body]
+        values[f"von_mises_{name}"] = stress.tolist()
+        values[f"von_mises_{name}_place"] = list(solution.von_mises_place[body])
+        values[f"yield_factor_{name}"] = None if factor is None else factor.tolist()
+    values |= {name: getattr(joint, name) for name in ("socket_radius", "clearance", "wall")}
+    values["materials"] = {body: vars(material) for body, material in plain.materials.items()}
+    without = ("r2_star", "socket_ratio", "modulus_ratio", "composite_modulus")
+    values |= {name: getattr(plain, name) for name in without}
+    values["depth_star"] = (solution.depth / joint.clearance).tolist()
+    law, sentences = _law(joint, largest, tolerance)
+    return values | law, [_contact(solution), _stresses(plain, solution), *sentences]
+
+
+def _contact(solution):
+    columns = {
+        "depth um": solution.depth / MICRO,
+        "force N": solution.force,
+        "stiffness N/um": solution.stiffness * MICRO,
+        "half_angle deg": solution.contact_half_angle_deg,
+        "peak_pressure MPa": solution.peak_pressure / MEGA,
+    }
+    errors = [float(f"{error / PERCENT:.2g}") for error in solution.error_estimate]
+    told = {head: [_digits(x) for x in column] for head, column in columns.items()}
+    return told | {"error %": errors}
+
+
+def _stresses(joint, solution):
+    rows = []
+    for k, depth in enumerate(solution.depth):
+        for body, stress in solution.von_mises.items():
+            strength, factor = joint.materials[body].yield_stress, solution.yield_factor[body]
+            row = {"depth um": _digits(depth / MICRO), "body": body}
+            row["von_mises MPa"] = _digits(stress[k] / MEGA)
+            row["place"] = solution.von_mises_place[body][k]
+            row["yield_stress MPa"] = None if strength is None else _digits(strength / MEGA)
+            row["factor_to_yield"] = None if factor is None else _digits(factor[k])
+            rows.append(row)
+    return {head: [row[head] for row in rows] for head in rows[0]}
+
+
+def _digits(value):
+    return float(f"{value:.4g}")
+
+
+def _law(joint, largest, tolerance):
+    """The cheapest law that will do up to a depth, as JSON and in words."""
+    from study.choose import choose
+
+    plain = joint.joint
+    try:
+        choice = choose(_without_yield(plain), largest / joint.clearance, tolerance)
+    except checks.StudyError as error:  # no checkout, or no law that is known well enough
+        return {"law": None, "law_error_bound": None, "export": None}, [f"No law is told: {error}"]
+    least, most = (_digits(joint.clearance * depth / MICRO) for depth in choice.depths)
+    bound, allowed = (f"{x / PERCENT:.2g} %" for x in (choice.error_bound, tolerance))
+    named = (
+        choice.law
+        if choice.law in LAWS
+        else {
+            "tabulated": "tabulated, the table of this joint's own curve",
+            "solver": "none: the joint has to be solved at every depth",
+        }[choice.law]
+    )
+    lines = [
+        f"The cheapest law that is within {allowed} from {least:g} to {most:g} um: {named}. Its "
+        f"error is at most {bound}."
+    ]
+    best = min(choice.errors, key=choice.errors.__getitem__)
+    if choice.errors[best] > tolerance:
+        off = f"{choice.errors[best] / PERCENT:.2g} %"
+        lines[0] += f" No closed law is: {best} comes closest, up to {off} off."
+    line = None
+    if choice.law != "solver":
+        line = f"study export --law {choice.law} --format c {_options(plain, choice.depths[1])}"
+        lines.append(f"To take it into another program:\n{line}")
+    return {
+        "law": choice.law,
+        "law_error_bound": choice.error_bound,
+        "law_depths": [joint.clearance * depth for depth in choice.depths],
+        "law_errors": choice.errors,
+        "export": line,
+    }, lines
+
+
+def _without_yield(joint: Joint) -> Joint:
+    """A joint of materials without a yield stress: how far it is from yield is told already."""
+
+    def elastic(material):
+        return Material(material.youngs_modulus, material.poisson)
+
+    layers = tuple(Layer(one.outer_ratio, elastic(one.material)) for one in joint.layers)
+    ball, socket = elastic(joint.ball), elastic(joint.socket)
+    return replace(joint, ball=ball, socket=socket, layers=layers)
+
+
+def _options(joint: Joint, deepest: float) -> str:
+    """Options of study export that describe a joint without its dimensions."""
+    numbers = {"r2-star": joint.r2_star, "poisson": joint.ball.poisson}
+    if not joint.layers:
+        numbers |= {"socket-ratio": joint.socket_ratio, "modulus-ratio": joint.modulus_ratio}
+        numbers |= {"socket-poisson": joint.socket.poisson}
+    if deepest > 1:
+        numbers["depth-star"] = deepest
+    texts = {name: f"{value:.9g}" for name, value in numbers.items()}
+    usual = {"drive": joint.ball_drive, "rim": joint.rim, "kinematics": joint.kinematics}
+    defaults = Joint(joint.r2_star)
+    known = {"drive": defaults.ball_drive, "rim": defaults.rim, "kinematics": defaults.kinematics}
+    texts |= {name: value for name, value in usual.items() if value != known[name]}
+    layers = [("layer", each.replace(":", ",")) for each in joint.layers_text.split(";") if each]
+    return " ".join(f"--{name} {text}" for name, text in [*texts.items(), *layers])
