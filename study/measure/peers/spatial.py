@@ -28,8 +28,8 @@ Vector = NDArray[np.float64]
 class ClearanceJoint:
     """A ball in a socket with clearance: the forces on them, and what became of the energy.
 
-    The socket is fixed or does not turn: Exudyn's connector acts at its centre, and the friction's
-    moment about that is not the ball's.
+    The connector acts at both centres. For a socket that turns, its friction leaves out terms of
+    the order of clearance over radius; the normal force is exact.
 
     Parameters
     ----------
