@@ -19,15 +19,17 @@ from hypothesis import strategies as st
 from study import checks, choose, cli, contact, dataset, export
 from study.choose import choose_model, model
 from study.claims import rules, statistics, verdicts
-from study.contact import damping, forces, pressure
+from study.contact import damping, forces, pressure, printed
 from study.dataset import fitting
 from study.joint import (
     Joint,
     Material,
+    SizedJoint,
     complementarity,
     fem,
     first_yield,
     force_curve,
+    material,
     paper_joint,
     series,
     stress,
@@ -111,6 +113,25 @@ def law_rows():
         yield from rows(partial(function, **GOOD), law=("hertz", (*NAME, print)))
         yield from rows(partial(function, **GOOD, law="hertz"), n=(1, (1,)))
     yield from rows(
+        partial(contact.JointLaw, "hertz"),
+        ball_radius=(9.95e-3, (*POSITIVE, 0.02)),
+        socket_radius=(0.01, (*POSITIVE, 0.009)),
+        composite_modulus=(1.1e11, POSITIVE),
+    )
+    sizes = {"ball_radius": 9.95e-3, "socket_radius": 0.01, "composite_modulus": 1.1e11}
+    law = contact.JointLaw("hyperbolic_winkler", **sizes)
+    yield from rows(law.force, depth=(1e-5, (*LIST, 1e-60, 1e-4)))
+    yield from rows(law.stiffness, depth=(1e-5, (*LIST, 1e-60, 1e-4)))
+    yield from rows(law.depth, force=(10.0, (*LIST, -1.0, 1e9)))
+    yield from rows(
+        printed.PrintedLaw,
+        r2_star=(200, (*NUMBER, 49)),
+        socket_ratio=(1.5, (*NUMBER, 1.2)),
+        modulus_ratio=(1.0, POSITIVE),
+        poisson=(0.3, (*NUMBER, 0.5)),
+        socket_poisson=(0.3, (*NUMBER, 0.1)),
+    )
+    yield from rows(
         contact.composite_modulus,
         ball_modulus=(2e11, POSITIVE),
         ball_poisson=(0.3, (*NUMBER, 0.5, -1)),
@@ -189,6 +210,23 @@ def joint_rows():
             kinematics=("linear", NAME),
         )
     yield from rows(paper_joint, colour=("red", ("red",)))
+    yield from rows(material, given=("steel", (*NAME, "1e9", "1,2,3,4")))
+    yield from rows(
+        SizedJoint,
+        socket_radius=(0.01, POSITIVE),
+        clearance=(1e-4, (*POSITIVE, 0.01, 1e-13)),
+        wall=(3e-3, (*POSITIVE, 1e-9)),
+        ball=("steel", (*NAME, object)),
+        socket=("bronze", (*NAME, object)),
+        liner=((), (3, "PTFE", ("PTFE",), ((1e-4,),), ((-1e-4, "PTFE"),), ((1, "PTFE"),))),
+        ball_drive=("plane", NAME),
+        rim=("mirror", NAME),
+        kinematics=("linear", NAME),
+    )
+    sized = SizedJoint(0.01, 1e-4, 3e-3)
+    wrong = (*set_without(LIST, None), 0, -1, [], np.eye(2), 1e-30, 1e9)
+    yield from rows(sized.solve, depth=(1e-5, wrong))
+    yield from rows(sized.solve, force=(100.0, wrong))
     yield from rows(
         force_curve,
         joint=(Joint(200), THING),

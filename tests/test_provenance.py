@@ -25,6 +25,18 @@ def test_imports_are_followed_to_the_modules_that_define_the_names():
     assert reached("dataset/agreement.py") == {"dataset/agreement.py"}
 
 
+def test_a_name_is_not_a_module_that_differs_in_case(monkeypatch):
+    def is_file(path):
+        return path.parent.is_dir() and path.name.lower() in {p.name for p in path.parent.iterdir()}
+
+    monkeypatch.setattr(type(paths.ROOT), "is_file", is_file)
+    provenance._imported.cache_clear()
+    found = reached("dataset/design.py")
+    provenance._imported.cache_clear()
+    assert "joint/joint.py" in found
+    assert "joint/Joint.py" not in found
+
+
 def test_imports_inside_functions_count(tmp_path):
     path = tmp_path / "late.py"
     path.write_text("def f():\n    import study.measure.stability\n")

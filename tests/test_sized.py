@@ -170,7 +170,7 @@ GOOD = {"socket_radius": 0.01, "clearance": 1e-4, "wall": 3e-3}
         ({"socket": Material(110, 0.3)}, "got 110 Pa: did you mean 110e9?"),
         ({"liner": ("PTFE",)}, "liner must be pairs of a thickness in m and a material"),
         ({"liner": ((-1, "PTFE"),)}, "thickness of liner must be > 0 m, got -1 m"),
-        ({"liner": ((3e-3, "PTFE"),)}, "wall must be > 0.003 m, got 0.003 m"),
+        ({"liner": ((3e-3, "PTFE"),)}, "wall around the liner must be > 0.003 m, got 0.003 m"),
         ({"ball_drive": "glued"}, "ball_drive must be one of plane, clamped, point"),
         ({"kinematics": "big"}, "kinematics must be one of small, linear, finite"),
     ],

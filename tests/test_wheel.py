@@ -113,6 +113,7 @@ def test_command_line_works(installed):
     assert json.loads(done.stdout)["force_star"]
     commands = [
         ("joint", "--r2-star", "75", "--depth-star", "0.1", "--json"),
+        ("joint", *SIZED, "--socket", "bronze", "--force", "100", "--json"),
         ("simulate", "--duration", "1e-3", "--json"),
         ("export", "--law", "tabulated", "--format", "json", "--r2-star", "150"),
     ]
@@ -121,6 +122,7 @@ def test_command_line_works(installed):
         assert json.loads(out)
 
 
+SIZED = ("--socket-radius", "0.01", "--clearance", "1e-4", "--wall", "3e-3")
 NEED_A_CHECKOUT = [
     ("data", "show"),
     ("data", "build"),

@@ -85,10 +85,12 @@ def _needed(names, given, more=""):
 
 
 def _solve_sized(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of_joint):
+    from study.choose.law import TOLERANCES
     from study.cli import sized
     from study.joint import SizedJoint
 
     _needed(SIZES, of_joint)
+    checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
     joint = SizedJoint(**of_joint, liner=tuple(sized.liner(text) for text in liner))
     told, parts = sized.told(joint, joint.solve(force=force, depth=depth), tolerance)
     show(told, as_json, *parts)

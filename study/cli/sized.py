@@ -77,7 +77,7 @@ def _law(joint, largest, tolerance):
     plain = joint.joint
     try:
         choice = choose(_without_yield(plain), largest / joint.clearance, tolerance)
-    except checks.StudyError as error:  # no checkout, or no law that is known well enough
+    except (checks.StudyError, ValueError) as error:  # no checkout, or none is known well enough
         return {"law": None, "law_error_bound": None, "export": None}, [f"No law is told: {error}"]
     least, most = (_digits(joint.clearance * depth / MICRO) for depth in choice.depths)
     bound, allowed = (f"{x / PERCENT:.2g} %" for x in (choice.error_bound, tolerance))

@@ -3,6 +3,7 @@
 import ast
 import hashlib
 import json
+import os
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
@@ -88,7 +89,7 @@ def _definition(name):
     path = paths.ROOT.joinpath(*name.split("."))
     package = path.parent / "__init__.py"
     for file in (path.with_suffix(".py"), path / "__init__.py", path.parent.with_suffix(".py")):
-        if file.is_file():
+        if file.is_file() and file.name in os.listdir(file.parent):  # Joint.py is not joint.py
             return file
     if not package.is_file():
         return package

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from study import checks
 from study.contact import JointLaw, largest_depth, tabulated
 from study.contact.laws import AnyLaw
-from study.joint.compliance import FINEST_RESOLUTION, THICKEST_RATIO, THINNEST_RATIO, Drive, Rim
+from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO, Drive, Rim
 from study.joint.curve import ForceCurve, UnresolvedError, force_curve
 from study.joint.growth import curve_to
 from study.joint.joint import Joint, Kinematics, Layer, Material
@@ -123,13 +123,13 @@ class SizedJoint:
     def _layers(self, socket):
         radius, inside = self.socket_radius, 0.0
         layers = []
-        for each in self.liner:
+        for each in self.liner if isinstance(self.liner, tuple | list) else [None]:
             if not isinstance(each, tuple | list) or len(each) != 2:
                 wanted = "liner must be pairs of a thickness in m and a material"
-                raise ValueError(f"{wanted}, got {checks.shown(each)}")
+                raise ValueError(f"{wanted}, got {checks.shown(self.liner)}")
             inside += checks.number("thickness of liner", each[0], "m", above=0, scalar=True)
             layers.append(Layer(1 + inside / radius, material(each[1])))
-        checks.number("wall", self.wall, "m", above=inside)
+        checks.number("wall around the liner", self.wall, "m", above=inside)
         return (*layers, Layer(1 + self.wall / radius, socket))
 
     def law(self, law: AnyLaw | None = None) -> JointLaw:
@@ -228,7 +228,8 @@ class SizedJoint:
 
     def _solved(self, depth_star, name, asked, unit):
         """The joint solved at depths, on finer elements where a contact is very small."""
-        resolutions = (None, FINEST_RESOLUTION) if self.joint.series_applies else (None,)
+        finer = 2 * RESOLUTION["series"]
+        resolutions = (None, finer) if self.joint.series_applies else (None,)
         for resolution in resolutions:
             try:
                 return force_curve(self.joint, depth_star, resolution)
