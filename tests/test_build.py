@@ -52,7 +52,7 @@ def start_build(project):
         command,
         cwd=project,
         env=environment(project),
-        stdout=subprocess.DEVNULL,
+        stdout=(project.parent / "out").open("w"),
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
@@ -97,6 +97,7 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
     _, err = process.communicate(timeout=60)
     assert process.returncode == 130
     assert err.splitlines()[-1] == "study: interrupted; what was finished is kept"
+    assert "Succeeded in" not in (project.parent / "out").read_text()
     assert not (project / "data/force_curves.csv").exists()
 
     resumed = study(project, "data", "build")

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import pytask
 from _pytask import build as pytask_build
+from _pytask.pluginmanager import get_plugin_manager
 from loky import cpu_count, get_reusable_executor
 from pytask import TaskOutcome
 
@@ -16,6 +17,25 @@ from study import checks, paths
 from study.checks import StudyError
 
 _RUNNER = "STUDY_RUNNER"  # process number of the runner, for its workers
+
+
+class _Interruption:
+    """Plugin of pytask: no summary, "Succeeded", of a session that was interrupted."""
+
+    @staticmethod
+    @pytask.hookimpl(tryfirst=True)
+    def pytask_execute_log_end(session):
+        if session.scheduler is not None and session.scheduler.is_active():
+            raise pytask.ExecutionError
+
+
+def _plugins():
+    manager = get_plugin_manager()
+    manager.register(_Interruption)
+    return manager
+
+
+pytask_build.get_plugin_manager = _plugins
 
 
 class Built(NamedTuple):
