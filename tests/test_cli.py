@@ -7,8 +7,10 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from functools import wraps
 from io import StringIO
+from pkgutil import resolve_name
 from typing import get_args
 
 import numpy as np
@@ -17,6 +19,7 @@ import pytest
 
 from study import cli, contact, dataset, export, paths
 from study.choose import links
+from study.cli import output
 from study.dataset import store
 from study.joint import Joint, Layer, Material, compliance, curve, first_yield, force_curve
 from study.joint.joint import KINEMATICS
@@ -117,8 +120,8 @@ def test_joint_with_dimensions_tells_the_law_that_will_do(run):
     status, out, err = run(*BRONZE, "--force", 8000)
     assert (status, err) == (0, "")
     heads = ["depth", "force", "stiffness", "half_angle", "peak_pressure", "error"]
-    assert out.split("\n")[1].split() == heads
-    assert out.split("\n")[2].split() == ["um", "N", "N/um", "deg", "MPa", "%"]
+    assert out.splitlines()[0].split() == heads
+    assert out.splitlines()[1].split() == ["um", "N", "N/um", "deg", "MPa", "%"]
     assert "The cheapest law that is within 1 % from 0.2 to 7.536 um: stiffened_hertz." in out
     (line,) = (line for line in out.splitlines() if line.startswith("study export"))
     _, out, _ = run(*BRONZE, "--force", 8000, "--json")
@@ -517,7 +520,7 @@ def test_simulate_takes_scene_inertia_and_options(run, tmp_path):
     response = simulate(scene, **options)
     assert json.loads(out)["x_slider"] == response.slider_position[-1]
     assert pd.read_csv(table).slider_position.to_numpy() == pytest.approx(
-        response.slider_position, rel=1e-11
+        response.motion.slider_position.to_numpy(), rel=1e-11
     )
     status, out, _ = run("simulate", "--joint", "ideal", "--duration", 0.01)
     assert status == 0
@@ -554,6 +557,56 @@ def test_simulate_refuses_bad_input_in_one_line(run, words, message):
     assert (status, out) == (2, "")
     assert err.count("\n") == 1
     assert message in err
+
+
+@pytest.mark.parametrize(
+    ("words", "work"),
+    [
+        (["simulate"], "study.mechanism:simulate"),
+        (["measure", "--chart", "laws"], "study.measure.speed:measure"),
+        (["export", "--law", "tabulated", "--format", "csv"], "study.export:export"),
+    ],
+)
+def test_output_that_cannot_be_written_is_refused_before_the_work(
+    run, monkeypatch, tmp_path, words, work
+):
+    called = []
+
+    @wraps(resolve_name(work))
+    def never(*_, **__):
+        called.append(work)
+
+    monkeypatch.setattr(work.replace(":", "."), never)
+    (tmp_path / "folder.csv").mkdir()
+    (tmp_path / "file").touch()
+    (tmp_path / "closed").mkdir()
+    access = os.access
+    closed = lambda path, mode: "closed" not in str(path) and access(path, mode)  # noqa: E731
+    monkeypatch.setattr("os.access", closed)
+    in_a_folder = "--output must be in a folder that can be written to, got "
+    for name, message in (
+        ("nowhere/x.csv", in_a_folder),
+        ("file/x.csv", in_a_folder),
+        ("closed/x.csv", in_a_folder),
+        ("folder.csv", "--output must be a file, got the folder "),
+        ("x.txt", "--output must end in .csv, got "),
+    ):
+        status, out, err = run(*words, "--output", tmp_path / name)
+        assert (status, out) == (2, "")
+        assert err == f"study: {message}{tmp_path / name}\n"
+    assert not called
+
+
+def test_what_takes_long_is_told_on_a_terminal(monkeypatch, capsys):
+    for is_terminal, seconds, told in (
+        (True, 1.3, "Solving the joint ...\n"),
+        (True, 0.0, ""),
+        (False, 1.3, ""),
+    ):
+        monkeypatch.setattr(sys.stderr, "isatty", lambda shown=is_terminal: shown)
+        with output.waiting("Solving the joint"):
+            time.sleep(seconds)
+        assert capsys.readouterr().err == told
 
 
 CHOOSE = ["choose", "--r2-star", 200, "--depth-star", 0.3]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from study import checks, paths
 from study.cli.options import check_output, command, left_out, numbers
-from study.cli.output import named_fields, show
+from study.cli.output import named_fields, show, waiting
 from study.contact import LAWS, LawName
 
 MATERIALS = (
@@ -92,19 +92,23 @@ def _solve_sized(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of
     _needed(SIZES, of_joint)
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
     joint = SizedJoint(**of_joint, liner=tuple(sized.liner(text) for text in liner))
-    told, parts = sized.told(joint, joint.solve(force=force, depth=depth), tolerance)
+    with waiting("Solving the joint"):
+        told, parts = sized.told(joint, joint.solve(force=force, depth=depth), tolerance)
     show(told, as_json, *parts)
 
 
 def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, **joint):
     from study.joint import force_curve
 
-    curve = force_curve(given_joint(r2_star, **joint), depth_star, solver=solver)
+    solved_joint = given_joint(r2_star, **joint)
+    with waiting("Solving the joint"):
+        curve = force_curve(solved_joint, depth_star, solver=solver)
+        stresses = curve.largest_stress
     found = curve.columns()
     names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
     solved = {"depth_star": depth_star} | {name: found[name].tolist() for name in names}
     named, parts = solved, [solved]
-    for body, largest in curve.largest_stress.items():
+    for body, largest in stresses.items():
         stress = {
             "von_mises_star": largest.von_mises.tolist(),
             "over_peak": largest.over_peak.tolist(),
@@ -164,7 +168,9 @@ def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **j
     from study.choose import choose
     from study.choose.law import relative_costs
 
-    choice, costs = choose(given_joint(r2_star, **joint), depth_star, tolerance), relative_costs()
+    asked, costs = given_joint(r2_star, **joint), relative_costs()
+    with waiting("Solving the joint"):
+        choice = choose(asked, depth_star, tolerance)
     laws = sorted(choice.errors, key=costs.get)
     names = ("law", "error_bound", "relative_cost", "options")
     depths, first = "{:g} to {:g}".format(*choice.depths), choice.first_yield
@@ -200,7 +206,9 @@ def export_law(
 
     joint |= {} if r2_star is None else {"r2_star": r2_star}
     check_output(output, SUFFIXES[form])
-    text = export(law, form, given_joint(**joint), depth_star)
+    asked = given_joint(**joint)
+    with waiting("Solving the joint, and its error"):
+        text = export(law, form, asked, depth_star)
     if output is None:
         print(text, end="")
     else:

@@ -7,7 +7,7 @@ from inspect import signature
 from pathlib import Path
 
 from study.cli.options import INTERRUPTED, check_output, command, left_out, number, numbers
-from study.cli.output import bar, named_fields, show
+from study.cli.output import bar, named_fields, show, waiting
 
 SHOWN = 20  # impacts in a printed table
 END_UNITS = {
@@ -56,7 +56,8 @@ def simulate_mechanism(
     left_out(sorted(given.keys() - options - of_law), given, why)
     if auto and "tolerance" not in given:
         raise ValueError("tolerance must be given: the largest error that model auto may make")
-    choice = choose_model(changed, **given) if auto else None
+    with waiting("Choosing the model"):
+        choice = choose_model(changed, **given) if auto else None
     run = choice.simulate if auto else partial(mechanism.simulate, changed, **given)
     with bar() as shown:
         task = shown.add_task("", total=given.get("duration", options["duration"].default))

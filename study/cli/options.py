@@ -146,10 +146,14 @@ def left_out(names, given, why):
 
 def check_output(output, suffix):
     """Refuse a file that has another suffix or cannot be written, before the work."""
-    if output is not None and output.suffix != suffix:
+    if output is None:
+        return
+    if output.suffix != suffix:
         raise ValueError(f"--output must end in {suffix}, got {output}")
-    if output is not None and not os.access(output.parent, os.W_OK):
+    if not output.parent.is_dir() or not os.access(output.parent, os.W_OK | os.X_OK):
         raise ValueError(f"--output must be in a folder that can be written to, got {output}")
+    if output.is_dir():
+        raise ValueError(f"--output must be a file, got the folder {output}")
 
 
 def numbers(name, text, kind=float, count=2):

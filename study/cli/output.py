@@ -2,8 +2,10 @@
 
 import json
 import sys
+from contextlib import contextmanager
 from shutil import get_terminal_size
 from textwrap import fill, wrap
+from threading import Timer
 
 import typer
 
@@ -31,8 +33,8 @@ def show(told, as_json=False, *parts):
         print(json.dumps(told, allow_nan=False))
         return
     width = _terminal()
-    for part in parts or [told]:
-        print(part if isinstance(part, str) else "\n".join(["", *_lines(part, width), ""]))
+    parts = [p if isinstance(p, str) else "\n".join(_lines(p, width)) for p in parts or [told]]
+    print("\n\n".join(parts))
 
 
 def show_csv(frame):
@@ -115,6 +117,19 @@ def named_fields(choice):
     """What a choice knows by name, without the function that it gives."""
     given = ("evaluate", "simulate")
     return {name: value for name, value in vars(choice).items() if name not in given}
+
+
+@contextmanager
+def waiting(what):
+    """Say on a terminal what is being done, if it takes longer than a second."""
+    timer = Timer(1.0, print, [f"{what} ..."], {"file": sys.stderr, "flush": True})
+    timer.daemon = True
+    if sys.stderr.isatty():
+        timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def bar():

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from study import paths
 from study.cli.options import check_output, command, data_app
-from study.cli.output import fail, show, show_csv, split_constant
+from study.cli.output import fail, show, show_csv, split_constant, waiting
 
 
 @command("show", "study.joint:Joint ball_drive rim kinematics", group=data_app, defaults=False)
@@ -42,7 +42,8 @@ def check_data():
     """Check files, schema and physics of the dataset, and solve one case anew."""
     from study.dataset import quality
 
-    checked, found = zip(*quality.check(), strict=True)
+    with waiting("Checking the data, and solving one case anew"):
+        checked, found = zip(*quality.check(), strict=True)
     show({"checked": checked, "found": found})
 
 
