@@ -18,8 +18,8 @@ LARGEST, SMALLEST = 1e40, 1e-40
 six such numbers and of a clearance of 1e-16 radii: it neither overflows nor underflows."""
 
 SOFTEST = 1e6
-"""Least Young's modulus of a body with dimensions, in Pa: that of soft rubber. All moduli of solids
-in GPa are below it, and those in MPa but for diamond's."""
+"""Least Young's modulus of a body with dimensions, in Pa: that of soft rubber. A number that is
+meant in GPa is below it, and one in MPa too, but for diamond's."""
 
 
 class StudyError(RuntimeError):

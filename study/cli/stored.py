@@ -30,11 +30,11 @@ def show_data(
 
 @command("materials", group=data_app)
 def list_materials():
-    """List the materials that study joint knows by name: typical values (SI units), and sources."""
+    """List the materials that study joint knows by name: typical values, and sources."""
     from study.joint import materials
 
-    rows = materials.table()
-    show({name: [row[name] for row in rows] for name in rows[0]})
+    rows, units = materials.table(), {"youngs_modulus": " Pa", "yield_stress": " Pa"}
+    show({name + units.get(name, ""): [row[name] for row in rows] for name in rows[0]})
 
 
 @command("check", group=data_app)
