@@ -100,7 +100,10 @@ def _law(joint, largest, tolerance):
     line = None
     if choice.law != "solver":
         line = f"study export --law {choice.law} --format c {_options(plain, choice.depths[1])}"
-        lines.append(f"To take it into another program:\n{line}")
+        lines.append(
+            f"To take it into another program, with the clearance {joint.clearance:g} m and the "
+            f"composite modulus {plain.composite_modulus:.9g} Pa:\n{line}"
+        )
     return {
         "law": choice.law,
         "law_error_bound": choice.error_bound,
