@@ -263,15 +263,17 @@ def joint_rows():
 def study_rows():
     pair = (FORCES, (*LIST, 1.0, [1.0], [1, 2], np.eye(2)))
     for measure in (
-        statistics.r_squared,
-        statistics.r_squared_as_published,
+        statistics.determination,
+        statistics.determination_as_published,
         statistics.rmse,
         statistics.relative_rmse,
         statistics.agreement,
         statistics.relative_error,
     ):
         yield from rows(measure, truth=pair, prediction=pair)
-    yield from rows(partial(statistics.r_squared, prediction=FORCES), truth=(FORCES, ([2, 2, 2],)))
+    yield from rows(
+        partial(statistics.determination, prediction=FORCES), truth=(FORCES, ([2, 2, 2],))
+    )
     yield from rows(
         partial(statistics.relative_error, prediction=FORCES), truth=(FORCES, ([0, 1, 2],))
     )
@@ -280,7 +282,7 @@ def study_rows():
     )
     yield from rows(
         statistics.adjusted,
-        r_squared=(0.9, NUMBER),
+        determination=(0.9, NUMBER),
         size=(20, WHOLE[:-1]),
         predictors=(1, (*WHOLE, 19)),
     )
@@ -310,9 +312,9 @@ def study_rows():
     yield from rows(
         partial(fitting.liu_coefficient, unit=np.ones(20)),
         force_star=(np.ones(21), LIST),
-        published_r_squared=(-1.6, (*NUMBER, 2)),
+        published_determination=(-1.6, (*NUMBER, 2)),
     )
-    yield from rows(partial(fitting.fit_laws, liu_r_squared=-1.6), curves=(None, TABLE))
+    yield from rows(partial(fitting.fit_laws, liu_determination=-1.6), curves=(None, TABLE))
     yield from rows(
         choose.choose,
         joint=(Joint(200), THING),

@@ -41,11 +41,11 @@ def test_claims_are_grouped_by_kind_and_verdict():
 def test_what_cannot_speak_for_or_against_the_paper_stands_apart():
     kind = ROWS.set_index("claim").kind
     assert (
-        kind[["same_scale", "solving_is_slow", "table1_r2", "closest_at_start"]]
+        kind[["same_scale", "solving_is_slow", "table1_determination", "closest_at_start"]]
         == "can hardly fail"
     ).all()
     implied = ["two_parameters", "any_geometry", "moduli_by_modulus", "poisson_by_modulus"]
-    implied += ["restitution", "r2_falls_by_conformity"]
+    implied += ["restitution", "determination_falls_by_conformity"]
     assert set(kind[kind == "implied only"].index) == set(implied)
     table_2 = ROWS[ROWS.rule == "table_2"]
     assert len(table_2) == 15
@@ -163,16 +163,24 @@ def changed(monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("column", "value", "message"),
     [
-        ("rule", "magic", "claim table1_r2 has no rule: 'magic'"),
-        ("relation", "~", "relation of table1_r2 must be one of =, <, >, ?, got '~'"),
-        ("kind", "sure", "kind of table1_r2 must be one of stated, implied only, used"),
-        ("expected", "Table 1/f1/R3", "claim table1_r2 expects Table 1/f1/R3, which"),
-        ("expected", "many", "expected of table1_r2 must be a number"),
-        ("expected", "0", "expected of table1_r2 must not be 0"),
-        ("tolerance", "wide", "tolerance of table1_r2 must be a number >= 0, in percent"),
-        ("tolerance", "-1", "tolerance of table1_r2 must be a number >= 0, in percent"),
+        ("rule", "magic", "claim table1_determination has no rule: 'magic'"),
+        ("relation", "~", "relation of table1_determination must be one of =, <, >, ?, got '~'"),
+        ("kind", "sure", "kind of table1_determination must be one of stated, implied only, used"),
+        ("expected", "Table 1/f1/R3", "claim table1_determination expects Table 1/f1/R3, which"),
+        ("expected", "many", "expected of table1_determination must be a number"),
+        ("expected", "0", "expected of table1_determination must not be 0"),
+        (
+            "tolerance",
+            "wide",
+            "tolerance of table1_determination must be a number >= 0, in percent",
+        ),
+        ("tolerance", "-1", "tolerance of table1_determination must be a number >= 0, in percent"),
         ("claim", "table1_rmse", "claim table1_rmse stands twice"),
-        ("of", "R3", "claim table1_r2: of must be 'R2|R2_adj|RMSE|RE_min_percent|RE_max"),
+        (
+            "of",
+            "R3",
+            "claim table1_determination: of must be 'determination|determination_adjusted|RMSE",
+        ),
     ],
 )
 def test_a_wrong_claim_is_one_clear_error(changed, column, value, message):
@@ -182,7 +190,9 @@ def test_a_wrong_claim_is_one_clear_error(changed, column, value, message):
 
 def test_names_that_no_notebook_makes_stop_a_run_at_once(changed):
     changed("evidence", "explianed")
-    with pytest.raises(verdicts.ClaimError, match="claim table1_r2: no notebook makes 'explianed'"):
+    with pytest.raises(
+        verdicts.ClaimError, match="claim table1_determination: no notebook makes 'explianed'"
+    ):
         check_claims()
 
 

@@ -223,7 +223,9 @@ def test_bad_input_is_one_clear_error(call, message):
 
 def test_stored_coefficients_are_the_fit_to_the_stored_curves():
     stored = json.loads(laws.COEFFICIENTS.read_text())
-    fitted = fitting.fit_laws(dataset.paper_curves(), dataset.published_table_2().R2["liu"])
+    fitted = fitting.fit_laws(
+        dataset.paper_curves(), dataset.published_table_2().determination["liu"]
+    )
     assert set(fitted) <= set(stored)
     for law in fitted:
         assert stored[law] == pytest.approx(fitted[law], rel=1e-7)

@@ -46,7 +46,7 @@ def copy(tmp_path, monkeypatch, old, new):
     [
         ('"example_proves_the_law"', '"no_such_claim"'),
         ('picture("truth"', 'picture("no-such-figure"'),
-        ('quantity: "R2"), "correct"', 'quantity: "R2"), "corect"'),
+        ('quantity: "determination"), "correct"', 'quantity: "determination"), "corect"'),
         ('published("Fig. 14"', 'published("Fig. 99"'),
         ("@truth", "@no-such-label"),
         ("= Question", "= Question #foo("),

@@ -27,14 +27,17 @@ def claimed(pattern):
 def test_table_2_as_claimed():
     table = pd.read_csv(paths.FIGURES / "table2.csv").set_index(["law", "quantity"])
     rms, most, *correct = claimed(
-        r"Eight numbers are within ([\d.]+) % \(RMS, largest ([\d.]+) %\).*?Correctly, R² is "
-        r"([\d.]+) for Hertz, ([\d.]+) for Steuermann, ([\d.]+) for Winkler and ([\d.]+) for"
+        r"Eight numbers are within ([\d.]+) % \(RMS, largest ([\d.]+) %\).*?"
+        r"Correctly, the coefficient is ([\d.]+) for Hertz, ([\d.]+) for Steuermann, "
+        r"([\d.]+) for Winkler and ([\d.]+) for"
     )
-    keys = [(law, quantity) for law in identification.ROWS for quantity in ("1 - R2", "RMSE")]
+    keys = [
+        (law, quantity) for law in identification.ROWS for quantity in ("1 - determination", "RMSE")
+    ]
     off = 100 * table.relative_difference[keys]
     assert np.sqrt((off**2).mean()) == pytest.approx(rms, abs=0.005)
     assert off.abs().max() == pytest.approx(most, abs=0.005)
-    found = table.correct[[(law, "R2") for law in identification.ROWS]]
+    found = table.correct[[(law, "determination") for law in identification.ROWS]]
     assert found.to_numpy() == pytest.approx(correct, abs=0.006)
     (ratio,) = claimed(r"a socket of outer ratio ([\d.]+), 21 depths")
     assert ratio == contact.SOCKET_RATIO
@@ -159,7 +162,7 @@ def test_coefficient_and_relative_rmse_as_claimed():
     )
     last = judged[judged.r2_star == judged.r2_star.max()].relative_RMSE_percent
     assert (last - limit).abs().max() < 0.05
-    square = judged[judged.kinematics == "linear"].set_index("r2_star").R2_adj
+    square = judged[judged.kinematics == "linear"].set_index("r2_star").determination_adjusted
     assert square[[20, 300, 10_000]].to_numpy() == pytest.approx([first, middle, end], abs=0.0015)
 
 

@@ -12,9 +12,11 @@ TRUTH, PREDICTION = [1.0, 2.0, 4.0, 5.0], [1.0, 3.0, 4.0, 4.0]  # SSE 2, SST 10,
 
 
 def test_measures_by_hand():
-    assert stats.r_squared(TRUTH, PREDICTION) == pytest.approx(0.8)
-    assert stats.r_squared_as_published(TRUTH, PREDICTION) == 1  # errors 1 and -1 cancel
-    assert stats.r_squared_as_published(TRUTH, [2.0, 3.0, 4.0, 4.0]) == pytest.approx(1 - 1 / 10)
+    assert stats.determination(TRUTH, PREDICTION) == pytest.approx(0.8)
+    assert stats.determination_as_published(TRUTH, PREDICTION) == 1  # errors 1 and -1 cancel
+    assert stats.determination_as_published(TRUTH, [2.0, 3.0, 4.0, 4.0]) == pytest.approx(
+        1 - 1 / 10
+    )
     assert stats.adjusted(0.8, 4) == pytest.approx(1 - 0.2 * 3 / 2)
     assert stats.rmse(TRUTH, PREDICTION) == pytest.approx(np.sqrt(0.5))
     assert stats.relative_rmse(TRUTH, PREDICTION) == pytest.approx(np.sqrt(0.5) / 3)
@@ -23,8 +25,10 @@ def test_measures_by_hand():
 
 def test_published_adjusted_values_follow_from_the_others():
     for row in dataset.published_table_2().itertuples():
-        assert stats.adjusted(row.R2) == pytest.approx(row.R2_adj, abs=2e-4)
-        assert row.R2 < 1  # the signs that the paper leaves out
+        assert stats.adjusted(row.determination) == pytest.approx(
+            row.determination_adjusted, abs=2e-4
+        )
+        assert row.determination < 1  # the signs that the paper leaves out
 
 
 @given(
@@ -36,10 +40,10 @@ def test_published_r2_is_that_of_the_mean_error_and_one_sign_makes_it_worse(trut
     prediction = truth * factors[: truth.size]
     total = np.sum((truth - truth.mean()) ** 2)
     mean = np.mean(prediction - truth)
-    found = stats.r_squared_as_published(truth, prediction)
+    found = stats.determination_as_published(truth, prediction)
     assert 1 - found == pytest.approx((truth.size * mean) ** 2 / total, rel=1e-9, abs=1e-12)
     low = truth * np.minimum(factors[: truth.size], 1)  # errors of one sign
-    worse = stats.r_squared_as_published(truth, low), stats.r_squared(truth, low)
+    worse = stats.determination_as_published(truth, low), stats.determination(truth, low)
     assert worse[0] <= worse[1] + 1e-9
 
 
@@ -49,10 +53,10 @@ def test_measures_scale_with_the_data(truth, factor):
     prediction = truth * 1.1
     scaled = stats.agreement(truth * factor, prediction * factor)
     plain = stats.agreement(truth, prediction)
-    assert scaled["R2"] == pytest.approx(plain["R2"], rel=1e-6, abs=1e-9)
+    assert scaled["determination"] == pytest.approx(plain["determination"], rel=1e-6, abs=1e-9)
     assert scaled["RMSE"] == pytest.approx(factor * plain["RMSE"])
     assert scaled["relative_RMSE"] == pytest.approx(plain["relative_RMSE"])
-    assert stats.agreement(truth, truth)["R2"] == 1
+    assert stats.agreement(truth, truth)["determination"] == 1
 
 
 def test_last_crossing_interpolates():
@@ -67,10 +71,10 @@ def test_last_crossing_interpolates():
     [
         (lambda: stats.rmse([1, 2], [1, 2, 3]), "lists of the same length"),
         (lambda: stats.rmse([1, np.nan], [1, 2]), "must be finite"),
-        (lambda: stats.r_squared([2, 2], [1, 2]), "truth must vary, got only 2"),
+        (lambda: stats.determination([2, 2], [1, 2]), "truth must vary, got only 2"),
         (lambda: stats.relative_error([0, 1], [1, 2]), "non-zero"),
         (lambda: stats.adjusted(0.9, 2), "predictors must be >= 0 and <= 0"),
-        (lambda: stats.adjusted(float("nan")), "r_squared must be finite, got nan"),
+        (lambda: stats.adjusted(float("nan")), "determination must be finite, got nan"),
     ],
 )
 def test_bad_input_is_one_clear_error(call, message):

@@ -1,9 +1,9 @@
 """What the paper leaves unsaid about its finite elements, inferred from its Table 2.
 
 A candidate is a socket ratio, a drive, kinematics, elements, depths at which the forces were
-sampled, and the area element of f2. For each one R2 and RMSE of the rows whose formulas are
-known are computed anew and compared with the published ones; what explains them best, and how
-much better than the rest, is the likelihood under a stated error.
+sampled, and the area element of f2. For each one the coefficient of determination and the RMSE of
+the rows whose formulas are known are computed anew and compared with the published ones; what
+explains them best, and how much better than the rest, is the likelihood under a stated error.
 """
 
 from collections.abc import Sequence
@@ -24,13 +24,13 @@ from study.joint import force_curve, paper_joint
 
 ROWS = ("hertz", "steuermann", "winkler", "hyperbolic_winkler")
 """Rows of Table 2 that count: Liu's formula is reconstructed from its own row."""
-NUMBERS = tuple(f"{quantity} {law}" for law in ROWS for quantity in ("1 - R2", "RMSE"))
+NUMBERS = tuple(f"{quantity} {law}" for law in ROWS for quantity in ("1 - determination", "RMSE"))
 """The eight numbers that are compared."""
 SAMPLINGS = {f"{n}, from 0": np.linspace(0, LARGEST_DEPTH, n) for n in (19, 20, 21, 22, 39)} | {
     f"{n}, without 0": np.linspace(0, LARGEST_DEPTH, n + 1)[1:] for n in (19, 20, 21)
 }
 FACTORS = {"1": 1.0, "19/18": 19 / 18}
-"""Of 1 - R2: the latter is that of an adjusted coefficient."""
+"""Of 1 - determination: the latter is that of an adjusted coefficient."""
 RATIOS = tuple(np.round(1 + np.geomspace(0.05, 2.0, 13), 4).tolist())
 _DEPTHS = np.linspace(0.1, LARGEST_DEPTH**0.5, 32) ** 2
 
@@ -84,12 +84,12 @@ def deviations(
     published
         `study.dataset.published_table_2`.
     factor
-        Times 1 - R2, by the paper's definition; all else is as for `table_2`.
+        Times 1 - determination, by the paper's definition; all else is as for `table_2`.
     """
     laws, found = table_2(sample, force, area, lower), {}
     for law in ROWS:
-        missing = factor * (1 - statistics.r_squared_as_published(force, laws[law]))
-        found[f"1 - R2 {law}"] = np.log(missing / (1 - published.R2[law]))
+        missing = factor * (1 - statistics.determination_as_published(force, laws[law]))
+        found[f"1 - determination {law}"] = np.log(missing / (1 - published.determination[law]))
         found[f"RMSE {law}"] = np.log(statistics.rmse(force, laws[law]) / published.RMSE[law])
     return found
 

@@ -124,11 +124,19 @@ def _rise(numbers):
 define(
     "table_1",
     lambda quantity: {"this study": result("table1").set_index("quantity").ours[quantity]},
-    "R2|R2_adj|RMSE|RE_min_percent|RE_max_percent",
+    "determination|determination_adjusted|RMSE|RE_min_percent|RE_max_percent",
 )
-define("table_2", lambda law, name: abs(_table_2("ours")[name][law]), f"{LAW} (R2|R2_adj|RMSE)")
-# Absolute R2 of some laws by its definition
-define("correct_r_squared", lambda *laws: dict(_table_2("correct").R2.abs()[[*laws]]), SOME_LAWS)
+define(
+    "table_2",
+    lambda law, name: abs(_table_2("ours")[name][law]),
+    f"{LAW} (determination|determination_adjusted|RMSE)",
+)
+# Absolute coefficient of determination of some laws by its definition
+define(
+    "correct_determination",
+    lambda *laws: dict(_table_2("correct").determination.abs()[[*laws]]),
+    SOME_LAWS,
+)
 # How many of the five laws have the rank by RMSE that they have in Table 2
 define("order", lambda: (_table_2("ours").RMSE.rank() == _table_2("published").RMSE.rank()).sum())
 # RMSE of the fitted Winkler law over that of the proposed one
@@ -215,11 +223,15 @@ def start():
 # ---- socket radius, other parameters, scale ----
 
 # Least adjusted R2 (the paper's definition) of the proposed law over a range of R2*
-define("least_r_squared", lambda low, high: _radii().loc[low:high].R2_adj.min(), RANGE)
+define(
+    "least_determination",
+    lambda low, high: _radii().loc[low:high].determination_adjusted.min(),
+    RANGE,
+)
 # 1 - R2 (the paper's definition) at the largest R2* over that at the least, by kinematics
 define(
     "unexplained",
-    lambda *kinds: {kind: _rise(1 - _radii(kind).R2) for kind in kinds},
+    lambda *kinds: {kind: _rise(1 - _radii(kind).determination) for kind in kinds},
     f"{KINEMATICS}( {KINEMATICS})*",
 )
 # Relative RMSE in percent: at the largest R2*, there over that at the smallest, at any

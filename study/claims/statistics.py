@@ -15,18 +15,18 @@ def _pair(truth, prediction):
     return checks.same_length(2, truth=truth, prediction=prediction)
 
 
-def r_squared(truth: ArrayLike, prediction: ArrayLike) -> float:
-    """Multicorrelation coefficient R2 = 1 - SSE/SST.
+def determination(truth: ArrayLike, prediction: ArrayLike) -> float:
+    """Coefficient of determination 1 - SSE/SST (the paper: multicorrelation coefficient).
 
-    SSE is the sum of squared differences, SST that of the truth about its mean. R2 is negative
+    SSE is the sum of squared differences, SST that of the truth about its mean. It is negative
     for a prediction worse than that mean.
     """
     truth, prediction = _pair(truth, prediction)
     return float(1 - np.sum((truth - prediction) ** 2) / _total(truth))
 
 
-def r_squared_as_published(truth: ArrayLike, prediction: ArrayLike) -> float:
-    """R2 as the paper's Table 2 and Fig. 14 have it: 1 - (sum of differences)^2/SST.
+def determination_as_published(truth: ArrayLike, prediction: ArrayLike) -> float:
+    """The same as in Table 2 and Fig. 14 of the paper: 1 - (sum of differences)^2/SST.
 
     The sum is squared where its terms should be (identified, notebook 13): the result depends
     on the number of values and on the mean difference only, and errors of opposite sign cancel.
@@ -42,16 +42,16 @@ def _total(truth):
     return total
 
 
-def adjusted(r_squared: float, size: int = 20, predictors: int = 1) -> float:
-    """Adjusted coefficient 1 - (1 - R2) (n - 1)/(n - p - 1) of n values and p predictors.
+def adjusted(determination: float, size: int = 20, predictors: int = 1) -> float:
+    """Adjusted coefficient 1 - (1 - c) (n - 1)/(n - p - 1) of n values, p predictors and c.
 
     The default factor, 19/18, is that of all five rows of the paper's Table 2. Its errors
     belong to 21 depths; the one at zero, where every law is exact, seems not to count here.
     """
-    checks.number("r_squared", r_squared, scalar=True)
+    checks.number("determination", determination, scalar=True)
     size = checks.whole("size", size, least=2)
     predictors = checks.whole("predictors", predictors, least=0, most=size - 2)
-    return 1 - (1 - r_squared) * (size - 1) / (size - predictors - 1)
+    return 1 - (1 - determination) * (size - 1) / (size - predictors - 1)
 
 
 def rmse(truth: ArrayLike, prediction: ArrayLike) -> float:
@@ -69,13 +69,16 @@ def relative_rmse(truth: ArrayLike, prediction: ArrayLike) -> float:
 
 
 def agreement(truth: ArrayLike, prediction: ArrayLike) -> dict[str, float]:
-    """All measures at once; ``R2`` and ``R2_adj`` are those of `r_squared_as_published`."""
-    published, correct = r_squared_as_published(truth, prediction), r_squared(truth, prediction)
+    """All measures at once; those without ``_correct`` as `determination_as_published`."""
+    published, correct = (
+        determination_as_published(truth, prediction),
+        determination(truth, prediction),
+    )
     return {
-        "R2": published,
-        "R2_adj": adjusted(published),
-        "R2_correct": correct,
-        "R2_adj_correct": adjusted(correct),
+        "determination": published,
+        "determination_adjusted": adjusted(published),
+        "determination_correct": correct,
+        "determination_adjusted_correct": adjusted(correct),
         "RMSE": rmse(truth, prediction),
         "relative_RMSE": relative_rmse(truth, prediction),
     }

@@ -129,10 +129,10 @@ def steuermann(
 def liu(r2_star: Floats) -> Parts:
     """Liu et al. 2006: P* = 4.57 R2* ds sin(eps) sin(eps/2) (Eq. 8 is lost; reconstructed).
 
-    Of Table 2 the R2 gives the factor, the RMSE the growth with depth (notebook 13). The
-    half-angle eps is Steuermann's, sin(eps/2) the factor of Liu's law for cylinders. Another form
-    that meets both numbers, a pressure 1 - theta^2/eps^2 on the socket's sphere, differs from
-    this one by less than 1 % of the force at a depth of 0.5.
+    Of Table 2 the coefficient of determination gives the factor, the RMSE the growth with depth
+    (notebook 13). The half-angle eps is Steuermann's, sin(eps/2) the factor of Liu's law for
+    cylinders. Another form that meets both numbers, a pressure 1 - theta^2/eps^2 on the socket's
+    sphere, differs from this one by less than 1 % of the force at a depth of 0.5.
     """
     return _coefficient("liu", r2_star), shapes.liu, ()
 

@@ -91,27 +91,29 @@ def _rounded(value):
     return float(f"{value:.{DIGITS}g}")
 
 
-def liu_coefficient(force_star: ArrayLike, published_r_squared: float, unit: ArrayLike) -> float:
+def liu_coefficient(
+    force_star: ArrayLike, published_determination: float, unit: ArrayLike
+) -> float:
     """Coefficient of Liu's law, P* = c R2* (...), that gives it the R2 of the paper's Table 2.
 
-    That R2 depends on the mean difference of law and finite elements only
-    (`study.claims.statistics.r_squared_as_published`), and Liu's law is the smaller of the two.
+    That coefficient depends on the mean difference of law and finite elements only
+    (`study.claims.statistics.determination_as_published`), and Liu's law is the smaller of the two.
 
     Parameters
     ----------
     force_star
         Forces at `SAMPLE`, for the R2* of Table 2.
-    published_r_squared
+    published_determination
         With its sign, negative.
     unit
         The law's force over c R2* at the same depths but 0, shape (20,).
     """
     (force,) = checks.same_length(2, force_star=force_star)
-    checks.number("published_r_squared", published_r_squared, most=1, scalar=True)
+    checks.number("published_determination", published_determination, most=1, scalar=True)
     (shape,) = checks.same_length(unit=unit)
     if shape.sum() == 0:
         raise ValueError("unit must not be 0 throughout, got only 0")
-    missing = np.sqrt((1 - published_r_squared) * np.sum((force - force.mean()) ** 2))
+    missing = np.sqrt((1 - published_determination) * np.sum((force - force.mean()) ** 2))
     return float((force.sum() - missing) / (R2_STAR * shape.sum()))
 
 
@@ -122,14 +124,14 @@ def fit_all(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict]:
     """
     paper = curves[(curves.group == "paper") & (curves.kinematics == PAPER_KINEMATICS)]
     stated = published.set_index(["where", "row", "quantity"]).value
-    fits = fit_laws(paper, -stated["Table 2", "liu", "R2"])  # printed without its sign
+    fits = fit_laws(paper, -stated["Table 2", "liu", "determination"])  # printed without its sign
     return fits | {"printed_hertz": fit_printed()}
 
 
-def fit_laws(curves: pd.DataFrame, liu_r_squared: float) -> dict[str, dict[str, float]]:
+def fit_laws(curves: pd.DataFrame, liu_determination: float) -> dict[str, dict[str, float]]:
     """``slope`` and ``intercept`` by law of the paper that has them, over its 20 <= R2* <= 300.
 
-    The curves are those of one set-up; ``liu_r_squared`` is Liu's published R2 with its sign.
+    The curves are those of one set-up; ``liu_determination`` is Liu's published one, with its sign.
     """
     checks.frame("curves", curves, ("r2_star", "depth_star", "force_star"))
     fits = {}
@@ -137,5 +139,5 @@ def fit_laws(curves: pd.DataFrame, liu_r_squared: float) -> dict[str, dict[str, 
         cases = coefficients_by_case(law, curves[curves.r2_star <= LARGEST_R2_STAR])
         fits[law] = surrogate(cases.r2_star, cases.f1)
     force, (unit, _) = sampled(curves[curves.r2_star == R2_STAR]), shapes.liu(SAMPLE[1:], ())
-    slope = liu_coefficient(force, liu_r_squared, unit)
+    slope = liu_coefficient(force, liu_determination, unit)
     return fits | {"liu": {"slope": _rounded(slope), "intercept": 0.0}}

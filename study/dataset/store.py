@@ -167,11 +167,13 @@ def published(where: str | None = None) -> pd.Series:
 def published_table_2() -> pd.DataFrame:
     """Table 2 with the signs that the paper leaves out: absolute values above 1 are negative.
 
-    Columns ``R2``, ``R2_adj`` and ``RMSE``, a row per law.
+    Columns ``determination``, ``determination_adjusted`` and ``RMSE``, a row per law.
     """
     table = published("Table 2").rename({"proposed": "hyperbolic_winkler"}).unstack()
-    table = table.loc[list(contact.PAPER_LAWS), ["R2", "R2_adj", "RMSE"]]
-    table[["R2", "R2_adj"]] = table[["R2", "R2_adj"]].where(table.R2 < 1, -table)
+    table = table.loc[list(contact.PAPER_LAWS), ["determination", "determination_adjusted", "RMSE"]]
+    table[["determination", "determination_adjusted"]] = table[
+        ["determination", "determination_adjusted"]
+    ].where(table.determination < 1, -table)
     return table
 
 
