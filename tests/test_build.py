@@ -112,3 +112,11 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
     numbers = ["force_star", "peak_pressure_star"]
     pd.testing.assert_frame_equal(built[numbers], kept.loc[built.index, numbers], rtol=1e-7)
     assert study(project, "data", "show").returncode == 0
+
+
+def test_a_project_in_which_no_task_is_found_is_an_error(tmp_path):
+    """Nothing is up to date there, though nothing is stale either."""
+    done = study(copy_project(tmp_path / "build"), "data", "build")
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert "give the project's folder another name" in done.stderr

@@ -88,7 +88,8 @@ def build(
     Raises
     ------
     study.checks.StudyError
-        If the folder is read-only, or the Dask scheduler does not answer or has no workers.
+        If the folder is read-only or has no task, or the Dask scheduler does not answer or has no
+        workers.
     KeyboardInterrupt
         If interrupted; finished tasks stay finished, and the next call resumes.
     """
@@ -139,6 +140,11 @@ def build(
             failures.append(str(error) if isinstance(error, StudyError) else f"{name}: {error}")
     if session.exit_code != 0 and not failures:
         failures.append("the tasks could not be collected, as said above")
+    elif not session.tasks:
+        raise StudyError(
+            f"no task was found in {', '.join(map(str, folders))}: pytask passes over everything "
+            "in a folder named build or dist, so give the project's folder another name"
+        )
     return Built(outcomes, failures)
 
 
