@@ -15,8 +15,8 @@ from study import checks
 from study.contact.forces import elastic_force, pack
 from study.measure import explicit
 from study.measure.limits import bisect
-from study.mechanism import MechanismError, Scene, particles, rigid, simulate, stepping
-from study.mechanism.response import COLUMNS
+from study.mechanism import MechanismError, Scene, events, particles, rigid, simulate, stepping
+from study.mechanism.response import ALL_COLUMNS
 
 Numbers = NDArray[np.float64]
 
@@ -210,12 +210,11 @@ def rigid_steps(
     checks.number("duration", duration, "s", above=0, scalar=True)
     checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
     numbers = packed(scene, law)
-    state = rigid.start(scene, numbers, duration)
-    rows = np.zeros((2, len(COLUMNS)))
+    state, advance = events.stepper(scene, (numbers,), duration, tolerance)
+    rows = np.zeros((2, len(ALL_COLUMNS)))
     rows[1, 0] = duration
-    table = stepping.new_impacts(1000)
-    rigid.advance(state, scene.constants(), numbers, tolerance, rows, *table)
-    return int(state[stepping.STEPS]), rows[1, list(COLUMNS).index("lost_friction")]
+    advance(rows, *stepping.new_impacts(1000, len(ALL_COLUMNS)))
+    return int(state[stepping.STEPS]), rows[1, list(ALL_COLUMNS).index("lost_friction")]
 
 
 def free_impact(

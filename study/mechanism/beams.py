@@ -335,6 +335,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
         state[stepping.TIME] = state[stepping.STEPS] * h
         if state[stepping.CONTACT] > 0:
             if found[DEPTH] > p.clearance:
+                state[stepping.LIMIT] = p.clearance
                 return done, stepping.TOO_DEEP
             for which in (now, found):
                 damping = (which[NORMAL] - which[ELASTIC]) * which[RATE]
@@ -422,4 +423,4 @@ def blocks(
     strides, h = stepping.divide(times, step)
     motion, state[stepping.STEP] = _start(system), h
     loop = partial(advance, state, motion, system, p, law, h, strides)
-    return stepping.advance_in_blocks(loop, times, state, scene, "Newton's method found no balance")
+    return stepping.advance_in_blocks(loop, times, state, "Newton's method found no balance")

@@ -309,6 +309,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
             ex, ey = places[last, 0] - slide[0], places[last, 1]
             place = ex, ey, norm(ex, ey) - law[1]
             if not place[2] <= p.clearance:
+                state[stepping.LIMIT] = p.clearance
                 return done, stepping.TOO_DEEP
             event = _follow_gap(state, impacts, place[2], h)
             if place[2] > 0:
@@ -375,7 +376,7 @@ def blocks(
     state[GAP] = norm(ball[0] - slide[0], ball[1]) - scene.clearance
     loop = partial(advance, state, motion, system, p, law, h, strides)
     failure = "the step must stay <= {:.4g} s, the limit of stability"
-    return stepping.advance_in_blocks(loop, times, state, scene, failure)
+    return stepping.advance_in_blocks(loop, times, state, failure)
 
 
 def _at_rest(scene, frame, ideal, h):

@@ -41,8 +41,21 @@ COLUMNS = {
     "lost_friction": "J",
     "driving_moment": "N m",
 }
+CRANK_COLUMNS = {
+    "crank_joint_eccentricity_x": "m",
+    "crank_joint_eccentricity_y": "m",
+    "crank_joint_depth": "m",
+    "crank_joint_normal_force": "N",
+    "crank_joint_tangential_force": "N",
+    "crank_joint_force_x": "N",
+    "crank_joint_force_y": "N",
+}
+"""Columns of rigid links only, of the joint between crank and coupler, which may be ideal."""
+ALL_COLUMNS = COLUMNS | CRANK_COLUMNS
 EVENTS = ("start", "peak", "end")
 """Kinds of an impact's own rows: first contact, largest normal force, separation."""
+JOINTS = ("slider", "crank")
+"""Clearance joints, by what they join to the coupler."""
 IMPACT_COLUMNS = {
     "time": "s",
     "approach_speed": "m/s",
@@ -59,18 +72,20 @@ LASTING = 10.0
 
 @dataclass(frozen=True)
 class Response:
-    """Motion of the mechanism; every column of `COLUMNS` is an attribute, at equally spaced times.
+    """Motion of the mechanism; every column is an attribute, at equally spaced times.
 
     Attributes
     ----------
-    rows : shape (n, 22)
-        At equally spaced times, in the order of `COLUMNS`.
+    rows : shape (n, columns)
+        At equally spaced times, in the order of `columns`.
     impact_rows : shape (m, 8)
         In the order of `IMPACT_COLUMNS`.
-    event_rows : shape (e, 22)
-        At each impact's start, largest normal force and end, in the order of `COLUMNS`.
+    impact_joints
+        One of `JOINTS` for each impact.
+    event_rows : shape (e, columns)
+        At each impact's start, largest normal force and end, in the order of `columns`.
     event_kinds
-        One of `EVENTS` for each of these.
+        One of `EVENTS` for each of these, after ``crank`` for the joint of crank and coupler.
     complete
         False if the simulation was interrupted.
     law
@@ -79,23 +94,32 @@ class Response:
 
     rows: NDArray[np.float64]
     impact_rows: NDArray[np.float64]
+    impact_joints: tuple[str, ...]
     event_rows: NDArray[np.float64]
     event_kinds: tuple[str, ...]
     complete: bool = True
     law: str = ""
 
+    @property
+    def columns(self) -> dict[str, str]:
+        """Columns and their units: `COLUMNS`, and for rigid links `CRANK_COLUMNS`."""
+        return dict(list(ALL_COLUMNS.items())[: self.rows.shape[1]])
+
     @cached_property
     def motion(self) -> "pd.DataFrame":
-        """Columns of `COLUMNS`, SI units, at equally spaced times and at each impact's events.
+        """The `columns`, SI units, at equally spaced times and at each impact's events.
 
-        The last column, ``event``, is empty at equally spaced times, else one of `EVENTS`. A
-        contact that goes on has no end. Links of particles and beams give the first step in
+        The last column, ``event``, is empty at equally spaced times, else one of `EVENTS`, as in
+        ``peak`` for the slider's joint and ``crank peak`` for the crank's. A contact that goes on
+        has no end. Links of particles and beams give the first step in
         contact, the step of the largest force, and the first step out of contact.
 
         Places of slider and crank count from the crank's axis; the eccentricity is the ball's
         centre from the socket's; ``depth`` is negative in flight; ``force_x``, ``force_y`` act
-        on the slider; for an ideal joint ``normal_force`` is the size of that force. ``work`` is
-        that of drive and gravity since t = 0. In contact ``normal_force`` may fall below 0, see
+        on the body with the socket, slider or coupler; for an ideal joint ``normal_force`` is the
+        size of that force. ``driving_moment`` acts on the crank. ``work`` is that of drive and
+        gravity since t = 0. ``elastic`` and losses are those of all joints and links. In contact
+        ``normal_force`` may fall below 0, see
         ``study.contact.forces.joint_forces``.
         """
         import pandas as pd
@@ -103,11 +127,11 @@ class Response:
         rows = np.vstack([self.event_rows, self.rows])
         kinds = np.array(self.event_kinds + ("",) * len(self.rows), dtype=object)
         order = np.argsort(rows[:, 0], kind="stable")
-        return pd.DataFrame(rows[order], columns=list(COLUMNS)).assign(event=kinds[order])
+        return pd.DataFrame(rows[order], columns=list(self.columns)).assign(event=kinds[order])
 
     @cached_property
     def impacts(self) -> "pd.DataFrame":
-        """Columns ``kind`` and `IMPACT_COLUMNS`, a row per contact.
+        """Columns ``joint``, ``kind`` and `IMPACT_COLUMNS`, a row per contact.
 
         For one that has not ended, ``separation_speed`` is missing (NaN), and ``duration`` and
         ``lost`` are those so far. ``free_duration`` is that of an impact of the same approach
@@ -119,12 +143,13 @@ class Response:
 
         table = pd.DataFrame(self.impact_rows, columns=list(IMPACT_COLUMNS))
         lasting = table.duration > LASTING * table.free_duration
-        table.insert(0, "kind", np.where(lasting, "lasting", "impact"))
+        table.insert(0, "joint", self.impact_joints)
+        table.insert(1, "kind", np.where(lasting, "lasting", "impact"))
         return table
 
     def __getattr__(self, name: str) -> NDArray[np.float64]:
-        if name in COLUMNS:
-            return self.rows[:, list(COLUMNS).index(name)]
+        if name in ALL_COLUMNS and name in self.columns:
+            return self.rows[:, list(self.columns).index(name)]
         raise AttributeError(name)
 
     @property

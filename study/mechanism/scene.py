@@ -6,7 +6,7 @@ field of `Scene` knows its unit, its range and its source.
 
 from collections import namedtuple
 from dataclasses import dataclass, field, fields, replace
-from math import hypot
+from math import hypot, pi
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from study import checks
@@ -20,9 +20,14 @@ if TYPE_CHECKING:
 Body = Literal["crank", "coupler"]
 ROD = "assumed, uniform rod about its centre, m L^2/12"
 Constants = namedtuple(
-    "Constants", "l1 l2 a11 a22 a12 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1"
+    "Constants",
+    "l1 l2 a11 a22 a12 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1 steady",
 )
-"""What compiled functions know of a scene, all SI; rigid links as a double pendulum."""
+"""What compiled functions know of a scene, all SI; rigid links as a double pendulum. ``steady`` is
+1 for a crank of constant speed."""
+FreeBodies = namedtuple("FreeBodies", (*Constants._fields, "j1", "m2", "i2", "crank_r1"))
+"""The same of a scene with two clearance joints, with the crank's inertia about its axis, the
+coupler's mass and inertia, and the radius of the ball on the crank."""
 Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear bending")
 """Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
 
@@ -34,10 +39,12 @@ def _quantity(default: Any, unit: str, source: str, **limits: float) -> Any:
 
 @dataclass(frozen=True)
 class Scene:
-    """A crank-slider in a plane, its slide along +x, at rest at t = 0 with both links on +x.
+    """A crank-slider in a plane, its slide along +x through the crank's axis.
 
     The joint is between coupler and slider: the ball on the coupler's end, the socket in the
-    slider, which does not turn. All in SI units, see `parameters`.
+    slider, which does not turn. There may be clearance between crank and coupler as well: the ball
+    on the crank's end, the socket in the coupler's. At t = 0 balls are at rest in their sockets;
+    by default nothing moves, and both links lie on +x. All in SI units, see `parameters`.
 
     Attributes
     ----------
@@ -58,8 +65,16 @@ class Scene:
         Tolerance speeds v0 and v1 of the friction law.
     gravity
         Acceleration along -y.
+    crank_speed
+        Constant speed at which the crank is driven, whatever moment that needs. ``driving_moment``
+        and ``initial_crank_speed`` are then to be left out. None: driven by ``driving_moment``.
+    initial_crank_angle, initial_crank_speed
+        At t = 0, the angle from +x.
+    crank_clearance
+        Clearance of a second joint, between crank and coupler, for rigid links; its socket's
+        radius, materials, damping and friction are those of the other joint. None: an ideal joint.
     initial_eccentricity
-        Ball's centre from the socket's at t = 0, inside the clearance.
+        Ball's centre from the socket's at t = 0, inside the clearance, between coupler and slider.
 
     Raises
     ------
@@ -96,6 +111,14 @@ class Scene:
     initial_eccentricity: tuple[float, float] = _quantity(
         (0.0, 0.0), "m", "assumed, concentric, and at rest"
     )
+    initial_crank_angle: float = _quantity(
+        0.0, "rad", "given by the paper: links on +x", least=-2 * pi, most=2 * pi
+    )
+    initial_crank_speed: float = _quantity(
+        0.0, "rad/s", "given by the paper: from rest", least=-1e6, most=1e6
+    )
+    crank_speed: float | None = _quantity(None, "rad/s", "no such drive", least=-1e6, most=1e6)
+    crank_clearance: float | None = _quantity(None, "m", "an ideal joint", above=0)
 
     def __post_init__(self) -> None:
         for each in fields(self):
@@ -111,10 +134,17 @@ class Scene:
                 object.__setattr__(self, each.name, material(value))
         smallest = 1e-9 * self.socket_radius
         checks.number("clearance", self.clearance, "m", least=smallest, below=self.socket_radius)
-        longest = self.coupler_length - self.clearance
+        if self.crank_clearance is not None:
+            limits = {"least": smallest, "below": self.socket_radius}
+            checks.number("crank clearance", self.crank_clearance, "m", **limits)
+            checks.number("coupler inertia", self.inertias[1], "kg m^2", above=0)
+        longest = self.coupler_length - self.clearance - (self.crank_clearance or 0.0)
         checks.number("crank length", self.crank_length, "m", below=longest)
         checks.number("slow speed", self.slow_speed, "m/s", least=0, below=self.full_speed)
         damping_factor(self.damping, self.restitution)
+        for name in ("driving_moment", "initial_crank_speed"):
+            if self.crank_speed is not None and getattr(self, name) != getattr(Scene, name):
+                raise ValueError(f"{name.replace('_', ' ')} must be left out with a crank speed")
         pair = self.initial_eccentricity
         if not isinstance(pair, (tuple, list)) or len(pair) != 2:
             shown = checks.shown(pair)
@@ -135,6 +165,11 @@ class Scene:
         usual = Material(self.youngs_modulus, self.poisson)
         ball, socket = (usual if own is None else material(own) for own in (self.ball, self.socket))
         return ball, socket
+
+    @property
+    def starting_speed(self) -> float:
+        """Speed of the crank at t = 0, in rad/s."""
+        return self.initial_crank_speed if self.crank_speed is None else self.crank_speed
 
     @property
     def composite_modulus(self) -> float:
@@ -181,20 +216,27 @@ class Scene:
             bending=modulus * area**2 / 12,
         )
 
-    def constants(self) -> Constants:
+    def constants(self) -> Constants | FreeBodies:
         """Numbers of the scene for the compiled functions."""
         i1, i2 = self.inertias
         m1, m2, l1, l2 = self.crank_mass, self.coupler_mass, self.crank_length, self.coupler_length
         g = self.gravity
         rods = l1, l2, i1 + m1 * l1**2 / 4 + m2 * l1**2, i2 + m2 * l2**2 / 4, m2 * l1 * l2 / 2
-        loads = self.slider_mass, self.driving_moment, (m1 / 2 + m2) * g * l1, m2 * g * l2 / 2, g
+        moment = self.driving_moment if self.crank_speed is None else 0.0
+        loads = self.slider_mass, moment, (m1 / 2 + m2) * g * l1, m2 * g * l2 / 2, g
         joint = self.ball_radius, self.clearance, self.damping_factor, self.friction
-        return Constants(*map(float, (*rods, *loads, *joint, self.slow_speed, self.full_speed)))
+        joint += self.slow_speed, self.full_speed, self.crank_speed is not None
+        known = *rods, *loads, *joint
+        if self.crank_clearance is None:
+            return Constants(*map(float, known))
+        bodies = i1 + m1 * l1**2 / 4, m2, i2, self.socket_radius - self.crank_clearance
+        return FreeBodies(*map(float, (*known, *bodies)))
 
     def parameters(self) -> "pd.DataFrame":
         """Every parameter: where the paper states it, or what this study assumes instead.
 
-        Columns parameter, value (as text), unit, table, source.
+        Columns parameter, value (as text), unit, table, source. What the scene does not have is
+        left out: a second clearance joint, a constant speed, or the moment instead of it.
         """
         import pandas as pd
 
@@ -202,9 +244,11 @@ class Scene:
         values["crank_inertia"], values["coupler_inertia"] = self.inertias
         values["link_modulus"] = self.link_modulus or self.youngs_modulus
         values["initial_eccentricity"] = hypot(*self.initial_eccentricity)
+        if self.crank_speed is not None:
+            values["driving_moment"] = values["initial_crank_speed"] = None
         rows = []
         for each, value in zip(fields(self), values.values(), strict=True):
-            if value is None:  # a body without a material of its own
+            if value is None:  # what the scene does not have
                 continue
             if isinstance(value, Material):
                 value = f"{value.youngs_modulus:.9g}, {value.poisson:.9g}"

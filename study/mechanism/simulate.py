@@ -14,10 +14,10 @@ import numpy as np
 from study import checks
 from study.contact.forces import pack
 from study.contact.laws import AnyLaw, find
-from study.mechanism import beams, ideal, particles, rigid, scene_law
-from study.mechanism.response import COLUMNS, EVENTS, Response
+from study.mechanism import beams, events, ideal, particles, scene_law
+from study.mechanism.response import COLUMNS, EVENTS, JOINTS, Response
 from study.mechanism.scene import Scene
-from study.mechanism.stepping import LOST_BEFORE, add_stored_energy
+from study.mechanism.stepping import JOINT, LOST_BEFORE, add_stored_energy
 from study.threads import one_thread
 
 Model = Literal["rigid", "particles", "beams"]
@@ -48,14 +48,14 @@ def simulate(
     progress: Callable[[float], Any] | None = None,
     **law_options: Any,
 ) -> Response:
-    """Simulate the crank-slider from rest.
+    """Simulate the crank-slider.
 
     Parameters
     ----------
     scene
         By default the paper's.
     joint
-        Joint between coupler and slider.
+        Joint between coupler and slider; that of crank and coupler is the scene's.
     law
         Contact law. A key of ``study.contact.LAWS``, a law itself as ``tabulated(curve)``, or a
         function of (``depth_star``, ``r2_star``) that returns force_star (`study.contact.sampled`).
@@ -88,8 +88,8 @@ def simulate(
     Raises
     ------
     ValueError
-        For an unknown name, a value out of range, an option that the model does not have, or a law
-        of another socket radius or of other materials than the scene's.
+        For an unknown name, a value out of range, what the model does not have, or a law of
+        another socket radius or of other materials than the scene's.
     MechanismError
         If the simulation cannot go on; says when, with which step, and what limit was passed.
     """
@@ -107,20 +107,11 @@ def simulate(
             raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
     if progress is not None and not callable(progress):
         raise ValueError(f"progress must be a function of the time, got {checks.shown(progress)}")
-    checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
-    inertia = scene.inertias[0] + scene.crank_mass * scene.crank_length**2 / 4
-    turned = abs(scene.driving_moment) * duration**2 / (2 * inertia)
-    turned += sqrt(abs(scene.gravity) / scene.crank_length) * duration
-    checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)
+    _check_motion(scene, model, gapless, duration)
     outputs = checks.whole("outputs", outputs, least=1, most=10**6)
-    sizes = scene.ball_radius, scene.socket_radius
-    law = find(law)
+    gaps, law = (scene.clearance, scene.crank_clearance), find(law)
     law_options = scene_law.options(scene, law, law_options)
-    packed = pack(law, *sizes, scene.composite_modulus, **law_options)
-    try:
-        law(1.0, scene.socket_radius / scene.clearance, **law_options)
-    except checks.RangeError as error:
-        raise checks.RangeError(f"law must reach a depth of one clearance: {error}") from None
+    laws = tuple(_pack(law, scene, gap, law_options) for gap in gaps if gap is not None)
     instants = duration * np.arange(outputs + 1) / outputs
     times = np.array_split(instants, min(BLOCKS, outputs // 2 + 1))
     pair = particles.numbers_of_elements(ELEMENTS if elements is None else elements)
@@ -129,24 +120,51 @@ def simulate(
     if model == "particles":
         method = "centred" if method is None else method
         checks.choice("method", method, get_args(particles.Method))
-        blocks = particles.blocks(scene, packed, times, gapless, step, pair, method)
+        blocks = particles.blocks(scene, laws[0], times, gapless, step, pair, method)
     elif model == "beams":
-        blocks = beams.blocks(scene, packed, times, gapless, step or BEAM_STEP, pair)
+        blocks = beams.blocks(scene, laws[0], times, gapless, step or BEAM_STEP, pair)
     elif gapless:
         blocks = ideal.blocks(scene, times)
     else:
         tolerance = TOLERANCE if tolerance is None else tolerance
         checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
-        blocks = rigid.blocks(scene, packed, times, tolerance)
+        blocks = events.blocks(scene, laws, times, tolerance)
     told = "none" if gapless else scene_law.in_words(scene, law, law_options)
-    return _gather(blocks, times, progress, scene, packed, told)
+    return _gather(blocks, times, progress, scene, laws, told)
 
 
-def _gather(blocks, times, progress, scene, law, told):
+def _check_motion(scene, model, gapless, duration):
+    """Refuse what a model does not have, and a crank that does nothing but turn."""
+    checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
+    if scene.crank_clearance is not None and (model != "rigid" or gapless):
+        kind = "ideal" if gapless else "clearance"
+        raise ValueError(f"crank clearance must be left out: model {model}, joint {kind} has none")
+    for name in ("crank_speed", "initial_crank_angle", "initial_crank_speed"):
+        if model != "rigid" and getattr(scene, name) != getattr(Scene, name):
+            raise ValueError(f"{name.replace('_', ' ')} must be left out: model {model} has none")
+    inertia = scene.inertias[0] + scene.crank_mass * scene.crank_length**2 / 4
+    turned = abs(scene.constants().moment) * duration**2 / (2 * inertia)
+    turned += abs(scene.starting_speed) * duration
+    turned += sqrt(abs(scene.gravity) / scene.crank_length) * duration
+    checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)
+
+
+def _pack(law, scene, clearance, options):
+    """Numbers of a law in a joint of the scene, which must reach a depth of one clearance."""
+    radius = scene.socket_radius
+    packed = pack(law, radius - clearance, radius, scene.composite_modulus, **options)
+    try:
+        law(1.0, radius / clearance, **options)
+    except checks.RangeError as error:
+        raise checks.RangeError(f"law must reach a depth of one clearance: {error}") from None
+    return packed
+
+
+def _gather(blocks, times, progress, scene, laws, told):
     """Run a model to its end or to an interruption."""
     parts, complete = [], True
     try:
-        for at, (block, impacts, events) in zip(times, blocks, strict=True):  # noqa: B007
+        for at, (block, impacts, own) in zip(times, blocks, strict=True):  # noqa: B007
             parts.append(block)
             if progress is not None:
                 progress(at[-1])
@@ -155,13 +173,14 @@ def _gather(blocks, times, progress, scene, law, told):
             raise
         complete = False
     rows, work = np.vstack(parts), list(COLUMNS).index("work")
-    starts, speeds = events[:, EVENTS.index("start")], impacts[:, 1]
-    free = rigid.free_durations(starts, speeds, scene.constants(), law)
-    happened = events[:, :, 0] <= rows[-1, 0]  # the others are NaN, or come after an interruption
-    kinds = tuple(EVENTS[which] for which in np.nonzero(happened)[1])
-    events = events[happened]
-    for each in (events, rows):
+    numbers = impacts[:, JOINT].astype(int)
+    starts = own[:, EVENTS.index("start")]
+    free = events.free_durations(starts, impacts, scene.constants(), laws)
+    happened = own[:, :, 0] <= rows[-1, 0]  # the others are NaN, or come after an interruption
+    names = np.array([EVENTS, [f"crank {kind}" for kind in EVENTS]])[numbers]
+    own, kinds = own[happened], tuple(names[happened].tolist())
+    for each in (own, rows):
         each[:, work] -= rows[0, work]
-        add_stored_energy(each, law)
-    impacts = np.column_stack([impacts[:, :LOST_BEFORE], free])
-    return Response(rows, impacts, events, kinds, complete, told)
+        add_stored_energy(each, laws)
+    table = np.column_stack([impacts[:, :LOST_BEFORE], free])
+    return Response(rows, table, tuple(JOINTS[j] for j in numbers), own, kinds, complete, told)

@@ -15,18 +15,22 @@ from numpy.typing import NDArray
 from study.checks import StudyError
 from study.compiled import compiled
 from study.contact.forces import stored_energy
-from study.mechanism.response import COLUMNS, EVENTS
-from study.mechanism.scene import Scene
+from study.mechanism.response import ALL_COLUMNS, COLUMNS, EVENTS
 
 FINE, FULL, TOO_DEEP, FAILED = range(4)
-LOST_DAMPING, LOST_FRICTION, CONTACT, APPROACH, IMPACTS, STEPS, TIME, STEP, LIMIT = range(6, 15)
-"""Places in every model's state; the others are its own."""
-STATE = 18  # numbers in it
+LOST_DAMPING, LOST_FRICTION, CONTACT, APPROACH, IMPACTS, AT_HAND, STEPS, TIME, STEP, LIMIT = range(
+    2, 12
+)
+"""Places in every model's state; the first two are its own. `AT_HAND` is the number of the impact
+that is followed, `IMPACTS` how many there were."""
+STATE = 12  # numbers in it
 # Columns of the impacts while they are computed, after time and approach speed
-PEAK_FORCE, PEAK_DEPTH, DURATION, SEPARATION_SPEED, LOST, LOST_BEFORE = range(2, 8)
+PEAK_FORCE, PEAK_DEPTH, DURATION, SEPARATION_SPEED, LOST, LOST_BEFORE, JOINT = range(2, 9)
 START, PEAK, END = range(len(EVENTS))
 """Places of an impact's rows of output, in the order of `EVENTS`."""
-DEPTH, ELASTIC = (list(COLUMNS).index(name) for name in ("depth", "elastic"))
+DEPTH, ELASTIC, CRANK_DEPTH = (
+    list(ALL_COLUMNS).index(name) for name in ("depth", "elastic", "crank_joint_depth")
+)
 Block = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 """Rows of output in the order of `COLUMNS`; the impacts so far, each with its numbers; their own
 rows of output, shape (impacts, 3, columns), NaN where an end is still to come."""
@@ -54,9 +58,16 @@ def record(row, crank, slider, coupler, place, forces, energies):
 
 
 @compiled
+def record_crank_joint(row, place, forces):
+    """Fill a row's columns of the joint of crank and coupler, as those of the other joint."""
+    row[22:25] = place
+    row[25:29] = forces
+
+
+@compiled
 def event_row(events, state, which):
-    """Row of output of the last impact's `START`, `PEAK` or `END`, with the state's time in it."""
-    row = events[int(state[IMPACTS]) - 1, which]
+    """Row of output of the impact's `START`, `PEAK` or `END`, with the state's time in it."""
+    row = events[int(state[AT_HAND]), which]
     row[0] = state[TIME]
     return row
 
@@ -66,14 +77,15 @@ def begin_impact(impacts, state, t, approach):
     """Begin a row of the impacts."""
     state[CONTACT], state[APPROACH] = 1.0, approach
     lost = state[LOST_DAMPING] + state[LOST_FRICTION]
-    impacts[int(state[IMPACTS])] = t, approach, 0.0, 0.0, 0.0, np.nan, 0.0, lost
+    impacts[int(state[IMPACTS])] = t, approach, 0.0, 0.0, 0.0, np.nan, 0.0, lost, 0.0
+    state[AT_HAND] = state[IMPACTS]
     state[IMPACTS] += 1
 
 
 @compiled
 def follow_impact(impacts, state, force, depth):
-    """Bring the last impact up to date; whether the force is its largest so far."""
-    impact = impacts[int(state[IMPACTS]) - 1]
+    """Bring the impact at hand up to date; whether the force is its largest so far."""
+    impact = impacts[int(state[AT_HAND])]
     largest = force > impact[PEAK_FORCE]
     impact[PEAK_FORCE] = max(impact[PEAK_FORCE], force)
     impact[PEAK_DEPTH] = max(impact[PEAK_DEPTH], depth)
@@ -85,21 +97,26 @@ def follow_impact(impacts, state, force, depth):
 @compiled
 def end_impact(impacts, state, speed):
     """Note when and how fast the surfaces part."""
-    impact = impacts[int(state[IMPACTS]) - 1]
+    impact = impacts[int(state[AT_HAND])]
     impact[DURATION], impact[SEPARATION_SPEED] = state[TIME] - impact[0], speed
     state[CONTACT] = 0.0
 
 
 @compiled
-def add_stored_energy(rows, law):
-    """Add what the joint stores to the elastic energy in rows of output: not in the loops."""
+def add_stored_energy(rows, laws):
+    """Add what the joints store to the elastic energy in rows of output: not in the loops.
+
+    The laws are those of the clearance joints, slider's and crank's.
+    """
     for row in rows:
-        row[ELASTIC] += stored_energy(law, row[DEPTH])
+        row[ELASTIC] += stored_energy(laws[0], row[DEPTH])
+        if len(laws) > 1:
+            row[ELASTIC] += stored_energy(laws[-1], row[CRANK_DEPTH])
 
 
-def new_impacts(number: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def new_impacts(number: int, columns: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Room for a number of impacts, and for their rows of output, NaN where there is none yet."""
-    return np.zeros((number, 8)), np.full((number, len(EVENTS), len(COLUMNS)), np.nan)
+    return np.zeros((number, JOINT + 1)), np.full((number, len(EVENTS), columns), np.nan)
 
 
 def divide(times: list[NDArray[np.float64]], step: float) -> tuple[int, float]:
@@ -110,28 +127,34 @@ def divide(times: list[NDArray[np.float64]], step: float) -> tuple[int, float]:
 
 
 def advance_in_blocks(
-    advance: Callable, times: list[NDArray[np.float64]], state: NDArray, scene: Scene, failure: str
+    advance: Callable,
+    times: list[NDArray[np.float64]],
+    state: NDArray,
+    failure: str,
+    columns: int = len(COLUMNS),
 ) -> Iterator[Block]:
     """Blocks of output rows at ``times``, themselves in blocks, from a model's compiled loop.
 
     ``advance`` is called with rows, impacts and the impacts' rows, and returns how many rows it
     filled and how it ended. ``failure`` is the error's text if it failed, with ``{}`` for the
-    state's `LIMIT`. Raises `MechanismError` then, and if the ball goes deeper than one clearance.
+    state's `LIMIT`. Raises `MechanismError` then, and if a ball goes deeper than one clearance,
+    which is then the limit. ``columns`` is the number of them in a row of output.
     """
-    impacts, events = new_impacts(64)
+    impacts, events = new_impacts(64, columns)
     for block in times:
-        rows, done = np.zeros((len(block), len(COLUMNS))), 0
+        rows, done = np.zeros((len(block), columns)), 0
         rows[:, 0] = block
         while done < len(block):
             filled, status = advance(rows[done:], impacts, events)
             done += filled
             if status == FULL:
-                more = zip((impacts, events), new_impacts(len(impacts)), strict=True)
+                more = zip((impacts, events), new_impacts(len(impacts), columns), strict=True)
                 impacts, events = map(np.vstack, more)
             elif status != FINE:
-                what = f"the depth must stay <= one clearance ({scene.clearance:g} m)"
-                if status == FAILED:
-                    what = failure.format(state[LIMIT])
+                what = (
+                    failure if status == FAILED else "the depth must stay <= one clearance ({:g} m)"
+                )
+                what = what.format(state[LIMIT])
                 at = f"time {state[TIME]:.9g} s, step {state[STEP]:.4g} s"
                 raise MechanismError(f"{what}; stopped at {at}")
         number = int(state[IMPACTS])

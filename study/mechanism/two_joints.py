@@ -1,0 +1,267 @@
+"""Rigid links with two clearance joints, crank-coupler and coupler-slider: equations of motion.
+
+Five degrees of freedom: the crank's angle theta, and in each joint the place of the ball's centre
+in the socket, as in `study.mechanism.rigid`. The ball of the crank's joint is on the crank's end,
+its socket in the coupler, which turns. Crank, coupler and slider are free bodies, pushed by the
+joints' forces; eccentricities are differences of their places, so that no mass matrix is solved.
+
+The slider's joint comes first (index 0), the crank's second.
+"""
+
+from math import sqrt
+
+import numpy as np
+
+from study.compiled import compiled
+from study.contact.forces import joint_forces
+from study.mechanism import stepping
+from study.mechanism.angles import angle_of, sine_cosine
+from study.mechanism.rigid import (
+    COSINE,
+    DEPTH,
+    JOINT,
+    MOMENT,
+    NORMAL,
+    NORMAL_RATE,
+    PSI,
+    RATE,
+    SINE,
+    SLIDER,
+    SLIDING,
+    TANGENTIAL,
+)
+from study.mechanism.rosenbrock import POWERS
+
+_UNIT = np.eye(10)
+
+
+@compiled
+def _place(y, j, contact, clearance):
+    """Normal, reach, its rate, the normal's spin, and eccentricity with its rates, of a joint."""
+    a, b, va, vb = y[1 + 2 * j], y[2 + 2 * j], y[6 + 2 * j], y[7 + 2 * j]
+    if contact:
+        ny, nx = sine_cosine(b)
+        r = clearance + a
+        ex, ey, wx, wy = r * nx, r * ny, va * nx - r * vb * ny, va * ny + r * vb * nx
+        return nx, ny, r, va, vb, ex, ey, wx, wy
+    r = sqrt(a * a + b * b)
+    nx, ny = (a / r, b / r) if r > 0 else (1.0, 0.0)
+    spin = (vb * nx - va * ny) / r if r > 0 else 0.0
+    return nx, ny, r, va * nx + vb * ny, spin, a, b, va, vb
+
+
+@compiled
+def _change(j, direction, place, contact):
+    """Derivatives of a joint's reach, direction, rate and spin, and of e_y, w_y, along (z, z')."""
+    nx, ny, r, _, spin, _, _, wx, _ = place
+    unit = _UNIT[direction]
+    da, db, dva, dvb = unit[1 + 2 * j], unit[2 + 2 * j], unit[6 + 2 * j], unit[7 + 2 * j]
+    if not contact:
+        return 0.0, 0.0, 0.0, 0.0, db, dvb
+    return da, db, dva, dvb, da * ny + r * nx * db, dva * ny + (da * spin + r * dvb) * nx + wx * db
+
+
+@compiled
+def _force(j, y, place, sliding, piece, p, law):
+    """What `joint_forces` finds in a joint, zeros in flight."""
+    if piece[0] and y[1 + 2 * j] > 0:
+        given = y[1 + 2 * j], place[3], sliding, piece[1], piece[2]
+        return joint_forces(law, *given, p.damping, p.friction, p.v0, p.v1)
+    return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+
+
+@compiled
+def motion(y, pieces, p, laws, jacobian, f, k):
+    """Fill ``f`` with accelerations z'', powers and what else is found, at y = (z, z', ...).
+
+    As `study.mechanism.rigid.motion`; the powers are those lost to damping and friction, joint by
+    joint, and that of the drive.
+    """
+    (st, ct), omega, half = sine_cosine(y[0]), y[5], 0.5 * p.l2
+    contacts = pieces[0][0], pieces[1][0]
+    places = (
+        _place(y, 0, contacts[0], laws[0][1]),
+        _place(y, 1, contacts[1], laws[1][1]),
+    )
+    sp = (places[0][6] + places[1][6] - p.l1 * st) / p.l2
+    cp = sqrt(1 - sp * sp)
+    psi = (places[0][8] + places[1][8] - p.l1 * ct * omega) / (p.l2 * cp)
+    reach, arm = places[1][2], places[1][2] + p.crank_r1
+    slidings = (
+        places[0][2] * places[0][4] + p.r1 * psi,
+        reach * places[1][4] + p.crank_r1 * omega - arm * psi,
+    )
+    found = (
+        _force(0, y, places[0], slidings[0], pieces[0], p, laws[0]),
+        _force(1, y, places[1], slidings[1], pieces[1], p, laws[1]),
+    )
+    (n0, t0), (n1, t1) = (found[0][0], found[0][5]), (found[1][0], found[1][5])
+    # on the balls, of coupler and crank
+    fx0, fy0 = -n0 * places[0][0] - t0 * places[0][1], -n0 * places[0][1] + t0 * places[0][0]
+    fx1, fy1 = -n1 * places[1][0] - t1 * places[1][1], -n1 * places[1][1] + t1 * places[1][0]
+
+    gravity = p.g1 - p.m2 * p.gravity * p.l1  # that of the crank alone
+    push = p.l1 * (ct * fy1 - st * fx1) + p.crank_r1 * t1 - gravity * ct
+    moment, alpha = (-push, 0.0) if p.steady > 0 else (p.moment, (p.moment + push) / p.j1)
+    sx, sy = fx0 + fx1, fy0 + fy1
+    beta = (half * (cp * sy - sp * sx) + p.r1 * t0 - arm * t1) / p.i2
+    turn = -half * (sp * beta + cp * psi * psi), half * (cp * beta - sp * psi * psi)
+    middle = (fx0 - fx1) / p.m2, (fy0 - fy1) / p.m2 - p.gravity
+    end = -p.l1 * (st * alpha + ct * omega * omega), p.l1 * (ct * alpha - st * omega * omega)
+    slider = -fx0 / p.m3
+    grown = (
+        (middle[0] + turn[0] - slider, middle[1] + turn[1]),
+        (end[0] - middle[0] + turn[0], end[1] - middle[1] + turn[1]),
+    )
+    f[0], f[MOMENT], f[POWERS + 4] = alpha, moment, moment * omega
+    f[SINE], f[COSINE], f[PSI], f[SLIDER] = sp, cp, psi, slider + 0.0
+    for j in range(2):
+        (nx, ny, r, rate, spin, _, _, _, _), (ax, ay), at = places[j], grown[j], JOINT * j
+        normal, by_depth, by_rate, elastic, _, tangential, _, _ = found[j]
+        growth = nx * ax + ny * ay + r * spin * spin
+        if contacts[j]:
+            f[1 + 2 * j] = growth
+            f[2 + 2 * j] = (nx * ay - ny * ax - 2 * rate * spin) / r
+        else:
+            f[1 + 2 * j], f[2 + 2 * j] = ax, ay
+        f[POWERS + 2 * j] = (normal - elastic) * rate
+        f[POWERS + 1 + 2 * j] = -tangential * slidings[j]
+        f[DEPTH + at] = y[1 + 2 * j] if contacts[j] else r - laws[j][1]
+        f[RATE + at], f[SLIDING + at] = rate, slidings[j]
+        f[NORMAL + at], f[TANGENTIAL + at] = normal, tangential
+        f[NORMAL_RATE + at] = by_depth * rate + by_rate * growth
+    if jacobian:
+        kinematics = (st, ct, sp, cp, psi, beta), (sx, sy), grown
+        _derive(y, kinematics, places, slidings, found, contacts, p, f, k)
+
+
+@compiled
+def _derive(y, kinematics, places, slidings, found, contacts, p, f, k):
+    """Fill ``k`` with the derivatives of accelerations and powers, a column for each of (z, z')."""
+    (st, ct, sp, cp, psi, beta), (sx, sy), grown = kinematics
+    omega, alpha, half = y[5], f[0], 0.5 * p.l2
+    arm, gravity = places[1][2] + p.crank_r1, p.g1 - p.m2 * p.gravity * p.l1
+    fy1 = -found[1][0] * places[1][1] + found[1][5] * places[1][0]
+    fx1 = -found[1][0] * places[1][0] - found[1][5] * places[1][1]
+    for i in range(10):
+        dt, do = _UNIT[i, 0], _UNIT[i, 5]
+        changes = (
+            _change(0, i, places[0], contacts[0]),
+            _change(1, i, places[1], contacts[1]),
+        )
+        dp = (changes[0][4] + changes[1][4] - p.l1 * ct * dt) / (p.l2 * cp)
+        dwy = changes[0][5] + changes[1][5] + p.l1 * (st * omega * dt - ct * do)
+        dpsi = dwy / (p.l2 * cp) + psi * sp / cp * dp
+        dreach, dspin, spin = changes[1][0], changes[1][3], places[1][4]
+        dslidings = (
+            changes[0][0] * places[0][4] + places[0][2] * changes[0][3] + p.r1 * dpsi,
+            dreach * (spin - psi) + places[1][2] * dspin + p.crank_r1 * do - arm * dpsi,
+        )
+        pushes = (
+            _push_change(places[0], found[0], changes[0], dslidings[0]),
+            _push_change(places[1], found[1], changes[1], dslidings[1]),
+        )
+        (_, dt0, dfx0, dfy0), (_, dt1, dfx1, dfy1) = pushes
+        dpush = p.l1 * (ct * dfy1 - st * dfx1 - (st * fy1 + ct * fx1) * dt)
+        dpush += p.crank_r1 * dt1 + gravity * st * dt
+        dalpha, dmoment = (0.0, -dpush) if p.steady > 0 else (dpush / p.j1, 0.0)
+        dbeta = half * (cp * (dfy0 + dfy1) - sp * (dfx0 + dfx1) - (sp * sy + cp * sx) * dp)
+        dbeta = (dbeta + p.r1 * dt0 - arm * dt1 - dreach * found[1][5]) / p.i2
+        dturn = (
+            -half * (sp * dbeta + cp * (beta * dp + 2 * psi * dpsi) - sp * psi * psi * dp),
+            half * (cp * dbeta - sp * (beta * dp + 2 * psi * dpsi) - cp * psi * psi * dp),
+        )
+        dmiddle = (dfx0 - dfx1) / p.m2, (dfy0 - dfy1) / p.m2
+        dend = (
+            -p.l1 * (st * dalpha + ct * (alpha * dt + 2 * omega * do) - st * omega * omega * dt),
+            p.l1 * (ct * dalpha - st * (alpha * dt + 2 * omega * do) - ct * omega * omega * dt),
+        )
+        dgrown = (
+            (dmiddle[0] + dturn[0] + dfx0 / p.m3, dmiddle[1] + dturn[1]),
+            (dend[0] - dmiddle[0] + dturn[0], dend[1] - dmiddle[1] + dturn[1]),
+        )
+        k[0, i], k[POWERS + 4, i] = dalpha, dmoment * omega + f[MOMENT] * do
+        for j in range(2):
+            (nx, ny, r, rate, spin, _, _, _, _), (ax, ay) = places[j], grown[j]
+            (dr, db, drate, dspin, _, _), (dax, day) = changes[j], dgrown[j]
+            normal, _, _, elastic, elastic_d, tangential, _, _ = found[j]
+            if contacts[j]:
+                k[1 + 2 * j, i] = (nx * ay - ny * ax) * db + nx * dax + ny * day
+                k[1 + 2 * j, i] += dr * spin * spin + 2 * r * spin * dspin
+                turned = nx * day - ny * dax - (nx * ax + ny * ay) * db
+                turned -= 2 * (drate * spin + rate * dspin) + f[2 + 2 * j] * dr
+                k[2 + 2 * j, i] = turned / r
+            else:
+                k[1 + 2 * j, i], k[2 + 2 * j, i] = dax, day
+            dnormal, dtangential, _, _ = pushes[j]
+            k[POWERS + 2 * j, i] = (dnormal - elastic_d * dr) * rate + (normal - elastic) * drate
+            k[POWERS + 1 + 2 * j, i] = -dtangential * slidings[j] - tangential * dslidings[j]
+
+
+@compiled
+def _push_change(place, found, change, dsliding):
+    """Derivatives of a joint's normal and tangential force, and of the force on its ball."""
+    nx, ny = place[0], place[1]
+    normal, by_depth, by_rate, _, _, tangential, by_normal, by_sliding = found
+    dnormal = by_depth * change[0] + by_rate * change[2]
+    dtangential = by_normal * dnormal + by_sliding * dsliding
+    turned_x, turned_y = normal * ny - tangential * nx, -normal * nx - tangential * ny
+    dfx = -dnormal * nx - dtangential * ny + turned_x * change[1]
+    dfy = -dnormal * ny + dtangential * nx + turned_y * change[1]
+    return dnormal, dtangential, dfx, dfy
+
+
+@compiled
+def compliance(j, theta, phi, dx, dy, p):
+    """Inverse mass of a joint's ball against its socket along (dx, dy), in 1/kg, the other free.
+
+    ``phi`` are sine and cosine of the coupler's angle.
+    """
+    (st, ct), (sp, cp) = sine_cosine(theta), phi
+    turn = 0.5 * p.l2 * (cp * dy - sp * dx)
+    ease = (dx * dx + dy * dy) / p.m2 + turn * turn / p.i2
+    if j == 0:
+        return ease + dx * dx / p.m3
+    if p.steady > 0:
+        return ease
+    lever = p.l1 * (ct * dy - st * dx)
+    return ease + lever * lever / p.j1
+
+
+@compiled
+def record(row, y, pieces, f, p, laws):
+    """Fill a row of output from (z, z', energies lost) and what `motion` found there."""
+    (st, ct), omega = sine_cosine(y[0]), y[5]
+    sp, cp, psi = f[SINE], f[COSINE], f[PSI]
+    places = (
+        _place(y, 0, pieces[0][0], laws[0][1]),
+        _place(y, 1, pieces[1][0], laws[1][1]),
+    )
+    x = p.l1 * ct - places[1][5], p.l1 * st - places[1][6]  # the coupler's socket
+    wx, wy = -p.l1 * st * omega - places[1][7], p.l1 * ct * omega - places[1][8]
+    speed = wx - p.l2 * sp * psi - places[0][7]
+    crank = y[0], omega, f[0], f[MOMENT]
+    slider = x[0] + p.l2 * cp - places[0][5], speed, f[SLIDER]
+    middle = wx - 0.5 * p.l2 * sp * psi, wy + 0.5 * p.l2 * cp * psi
+    kinetic = 0.5 * (p.j1 * omega * omega + p.i2 * psi * psi + p.m3 * speed * speed)
+    kinetic += 0.5 * p.m2 * (middle[0] * middle[0] + middle[1] * middle[1])
+    drive = y[14] if p.steady > 0 else p.moment * y[0]
+    fall = (p.g1 - p.m2 * p.gravity * p.l1) * st + p.m2 * p.gravity * (x[1] + 0.5 * p.l2 * sp)
+    energies = drive - fall, kinetic, 0.0, y[10] + y[12], y[11] + y[13]
+    forces = _on_socket(f, 0, places[0]), _on_socket(f, 1, places[1])
+    e = (places[0][5], places[0][6], f[DEPTH]), (places[1][5], places[1][6], f[DEPTH + JOINT])
+    coupler = angle_of(sp, cp), psi
+    stepping.record(row, crank, slider, coupler, e[0], forces[0], energies)
+    stepping.record_crank_joint(row, e[1], forces[1])
+
+
+@compiled
+def _on_socket(f, j, place):
+    """Normal and tangential force of a joint, and their sum on the socket."""
+    normal, tangential, nx, ny = (
+        f[NORMAL + JOINT * j],
+        f[TANGENTIAL + JOINT * j],
+        place[0],
+        place[1],
+    )
+    return normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx
