@@ -43,8 +43,6 @@ CONTACT, BRANCH, APPROACH, DEEP, NUMBER = range(5)
 """What is known of a joint: in contact or not, friction branch, approach speed, the depth that this
 can bring, and the number of the impact."""
 ROUNDOFF = 1e-16
-OPTIONS = {"jit_options": {"error_model": "numpy"}, "inline": "always"}
-"""Of functions that the compiler chooses by the number of joints."""
 Laws = tuple[NDArray[np.float64], ...]
 """A packed law for each clearance joint, slider's and crank's. How many there are is known to the
 compiler, so that each number has loops of its own."""
@@ -55,7 +53,7 @@ def _move(y, pieces, p, laws, jacobian, f, k):
     raise NotImplementedError("in compiled code only")
 
 
-@overload(_move, **OPTIONS)
+@overload(_move, inline="always")
 def _move_compiled(y, pieces, p, laws, jacobian, f, k):
     if len(pieces) == 1:
         return lambda y, pieces, p, laws, jacobian, f, k: rigid.motion(
@@ -77,7 +75,7 @@ def _record(row, y, pieces, f, p, laws):
     raise NotImplementedError("in compiled code only")
 
 
-@overload(_record, **OPTIONS)
+@overload(_record, inline="always")
 def _record_compiled(row, y, pieces, f, p, laws):
     if len(pieces) == 1:
         return lambda row, y, pieces, f, p, laws: rigid.record(row, y, pieces[0][0], f, p, laws[0])
@@ -94,7 +92,7 @@ def _piece(one):
     return one[CONTACT] > 0, int(one[BRANCH]), one[APPROACH]
 
 
-@overload(_pieces, **OPTIONS)
+@overload(_pieces, inline="always")
 def _pieces_compiled(joints, laws):
     if len(laws) == 1:
         return lambda joints, laws: (_piece(joints[0]),)
@@ -109,7 +107,7 @@ def _ease(j, theta, phi, nx, ny, p, laws):
     raise NotImplementedError("in compiled code only")
 
 
-@overload(_ease, **OPTIONS)
+@overload(_ease, inline="always")
 def _ease_compiled(j, theta, phi, nx, ny, p, laws):
     if len(laws) == 1:
         return lambda j, theta, phi, nx, ny, p, laws: rigid.compliance(
@@ -123,7 +121,7 @@ def _step(smooth, h, new):
     raise NotImplementedError("in compiled code only")
 
 
-@overload(_step, **OPTIONS)
+@overload(_step, inline="always")
 def _step_compiled(smooth, h, new):
     if len(smooth[1]) == 1:
         return lambda smooth, h, new: _step_one(smooth, h, new)
@@ -437,7 +435,7 @@ def stepper(
     scene: Scene, laws: Laws, horizon: float, tolerance: float
 ) -> tuple[NDArray[np.float64], Callable]:
     """State at t = 0, and the loop that steps it, for ``advance_in_blocks``; ``horizon`` in s."""
-    p, clearances = scene.constants(), (scene.clearance, scene.crank_clearance)[: len(laws)]
+    p, clearances = scene.constants(), (scene.clearance, scene.crank_clearance or 0.0)[: len(laws)]
     integrals = (0,) * (2 * len(laws) + (scene.crank_speed is not None))
     unknowns = 1 + 2 * len(laws)
     state, joints = np.zeros(stepping.STATE), np.zeros((len(laws), 5))

@@ -25,7 +25,11 @@ Constants = namedtuple(
 )
 """What compiled functions know of a scene, all SI; rigid links as a double pendulum. ``steady`` is
 1 for a crank of constant speed."""
-FreeBodies = namedtuple("FreeBodies", (*Constants._fields, "j1", "m2", "i2", "crank_r1"))
+FreeBodies = namedtuple(
+    "FreeBodies",
+    "l1 l2 a11 a22 a12 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1 steady "
+    "j1 m2 i2 crank_r1",
+)
 """The same of a scene with two clearance joints, with the crank's inertia about its axis, the
 coupler's mass and inertia, and the radius of the ball on the crank."""
 Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear bending")
@@ -225,8 +229,8 @@ class Scene:
         moment = self.driving_moment if self.crank_speed is None else 0.0
         loads = self.slider_mass, moment, (m1 / 2 + m2) * g * l1, m2 * g * l2 / 2, g
         joint = self.ball_radius, self.clearance, self.damping_factor, self.friction
-        joint += self.slow_speed, self.full_speed, self.crank_speed is not None
-        known = *rods, *loads, *joint
+        drive = self.slow_speed, self.full_speed, self.crank_speed is not None
+        known = *rods, *loads, *joint, *drive
         if self.crank_clearance is None:
             return Constants(*map(float, known))
         bodies = i1 + m1 * l1**2 / 4, m2, i2, self.socket_radius - self.crank_clearance
