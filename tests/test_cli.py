@@ -16,10 +16,11 @@ from typing import get_args
 import numpy as np
 import pandas as pd
 import pytest
+import typer
 
 from study import cli, contact, dataset, export, paths
 from study.choose import links
-from study.cli import output
+from study.cli import options, output
 from study.dataset import store
 from study.joint import Joint, Layer, Material, compliance, curve, first_yield, force_curve
 from study.joint.joint import KINEMATICS
@@ -354,6 +355,27 @@ def test_help_names_units(run):
         status, out, _ = run(command, "--help")
         assert status == 0
         assert "P/(E* dR^2)" in out or "d/dR" in out
+
+
+UNIT = r"\bin (m|N|Pa|s|kg m\^2)\b|\bclearances?\b|\bratio\b|\bover\b|relative|no unit|local error"
+
+
+def test_every_option_is_explained_and_every_number_has_its_unit(run):
+    def commands(group, *words):
+        for name, command in group.commands.items():
+            if hasattr(command, "commands"):
+                yield from commands(command, *words, name)
+            else:
+                yield (*words, name)
+
+    for words in commands(typer.main.get_command(options.app)):
+        status, out, _ = run(*words, "--help")
+        assert status == 0
+        listed = re.split(r"\n  (?=-)", out.partition("Options:\n")[2])[1:]
+        for entry in (" ".join(text.split()) for text in listed):
+            name, kind, text = re.fullmatch(r"(-\S+)( [A-Z]+| <\S+>)? (.+)", entry).groups()
+            assert len(text) > 10, (words, name)
+            assert kind != " NUMBER" or re.search(UNIT, text), (words, entry)
 
 
 @pytest.mark.parametrize(

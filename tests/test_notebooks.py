@@ -24,6 +24,14 @@ def test_catalogue_and_folder_agree():
     assert len(results) == len(set(results))
 
 
+def test_every_figure_tells_one_sentence_without_numbers():
+    for notebook in catalogue.CATALOGUE:
+        assert notebook.tells.keys() == notebook.figures.keys()
+        for sentence in notebook.tells.values():
+            assert re.fullmatch(r"[A-Z][^.]{30,150}\.", sentence)
+            assert not re.search(r"\d", re.sub(r"(Table|Fig\.) \d+", "", sentence))
+
+
 def test_notebooks_are_stripped():
     files = [str(notebook.path) for notebook in catalogue.CATALOGUE]
     command = [sys.executable, "-m", "nbstripout", "--verify", *files]

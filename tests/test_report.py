@@ -2,6 +2,7 @@
 
 import base64
 import csv
+import html
 import json
 import os
 import re
@@ -20,7 +21,7 @@ from nbformat import v4
 from study import dataset, paths
 from study.checks import StudyError
 from study.contact import LAWS
-from study.pages import report
+from study.pages import execute, report
 from study.pages.catalogue import CATALOGUE
 from study.pages.report.claims import COLUMNS, VERDICTS
 from study.pages.report.curves import PARAMETERS, curves
@@ -183,6 +184,29 @@ def test_every_figure_and_table_has_its_page(built, pages):
         if name in notebook.figures:
             assert f"{name}.png" in page.links + page.loaded
             assert (built / f"figures/{name}.png").is_file()
+
+
+def test_a_figure_tells_what_to_conclude_and_a_notebook_its_parameters(built):
+    def text(page):
+        return html.unescape((built / page).read_text(encoding="utf-8"))
+
+    for notebook in CATALOGUE:
+        for name, sentence in notebook.tells.items():
+            assert f'<p class="tells">{sentence}</p>' in text(f"figures/{name}.html")
+        page = text(f"notebooks/{notebook.name}.html")
+        assert '<input type="checkbox" id="code">' in page  # the code is folded
+        for key, default, allowed, meaning in execute.explained(notebook):
+            told = f"<dt><code>{key}</code> = {default}{allowed}</dt><dd>{meaning}</dd>"
+            assert told in page
+    first = (built / "index.html").read_text(encoding="utf-8").partition("</figure>")[0]
+    assert 'src="figures/trend.png"' in first
+    assert "The stiffened Hertz law follows the elastic solution" in first
+
+
+@pytest.mark.parametrize("word", ["bronz", "liner", "yield", "matlab"])
+def test_search_knows_words_of_engineers(index, word):
+    """Words as the search stems them."""
+    assert word in index["terms"] | index["titleterms"]
 
 
 def test_results_come_in_the_papers_order(sources):

@@ -7,6 +7,7 @@ import os
 import re
 from dataclasses import fields
 from inspect import Parameter, Signature, getdoc, signature
+from pathlib import Path
 from pkgutil import resolve_name
 from types import UnionType
 from typing import Annotated, Literal, Union, get_args, get_origin
@@ -27,15 +28,15 @@ app.add_typer(data_app, name="data")
 INTERRUPTED = 130  # typer's status after Ctrl-C
 FLAGS = {"ball_drive": "--drive", "form": "--format", "dask_address": "--dask"}
 FLAGS |= {"as_json": "--json", "settings": "-p"}
-ARGUMENTS = {"name": "NAME", "names": "[NAME]..."}
+ARGUMENTS = {"name": "NAME", "names": "NAME"}
 HELP = {
     "as_json": "Print one JSON object.",
     "case": "One case, every depth of it.",
     "clearance": "Radius of the socket less that of the ball, in m.",
     "depth": "Penetration depth in m; may be repeated.",
-    "depth_star": "Dimensionless penetration depth d/dR; may be repeated.",
+    "depth_star": "Penetration depth in clearances, d/dR; may be repeated.",
     "force": "Contact force in N; may be repeated.",
-    "group": "Group of cases: paper, ratio, poisson, fit, judge, ...",
+    "group": "Group of cases: paper, ratio, poisson, modulus, support, liner or judge.",
     "inertia": "Of crank and coupler about their centres, in kg m^2: I1,I2 [default: rods].",
     "keep": "Take what differs as the kept results from now on.",
     "layer": "Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer "
@@ -47,18 +48,31 @@ HELP = {
     "name": f"One of {', '.join(LAWS)}.",
     "names": "Figures, tables or notebooks; default all.",
     "output": "File to write.",
-    "poisson": "Poisson's ratio of both bodies, in (-1, 0.5).",
-    "r2_star": "Dimensionless socket radius R2/dR, > 1.",
+    "r2_star": "Radius of the socket in clearances, R2/dR, > 1.",
     "scene": "KEY=VALUE of the scene; may be repeated.",
     "settings": "KEY=VALUE of a notebook's parameter; may be repeated.",
     "socket_radius": "Inner radius of the socket, in m.",
     "socket_ratio": "Outer over inner radius of the socket.",
-    "socket_poisson": "Poisson's ratio of the socket, if not that of the ball.",
     "tolerance": "Largest relative error of the law that is told, with dimensions [default: 0.01].",
     "wall": "Thickness of the socket beyond its inner radius, liners included, in m.",
     "yield_stress": "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa.",
 }
 """Of what the library's docstrings do not explain."""
+PLAIN = {
+    "ball_drive": "Equatorial plane of the half ball: moved along the axis and free to widen "
+    "(plane), moved as on a rigid plate (clamped), or moved at its centre alone (point).",
+    "duration": "Simulated time, in s.",
+    "kinematics": "Which points of the surfaces face each other. small: those at equal angles "
+    "from the socket's centre; linear: those that the ball's points have moved to, as in a "
+    "small-strain analysis with contact on moved surfaces; finite: with large displacements.",
+    "poisson": "Poisson's ratio of the ball, and of the socket if it has no other (no unit).",
+    "quantity": "Of which part of the slider's motion --tolerance is the error.",
+    "repeats": "How often each call is timed, after one that is not counted.",
+    "rim": "Edge of the socket at its equator: on a mirror plane, or free of traction.",
+    "socket_poisson": "Poisson's ratio of the socket, if not that of the ball (no unit).",
+}
+"""Instead of what the library's docstrings say, which is longer or takes more for granted."""
+METAVARS = {bool: None, float: "NUMBER", int: "COUNT", str: "TEXT", Path: "FILE"}
 
 
 def command(name, *library, group=app, defaults=True):
@@ -85,7 +99,9 @@ def command(name, *library, group=app, defaults=True):
                 one.command(help=getdoc(function))(call)
                 return typer.main.get_command(one).make_context(*args, **more)
 
-        group.command(name, cls=Command, help=getdoc(function))(lambda: None)
+        text = getdoc(function)
+        short = " ".join(text.split("\n\n")[0].split())
+        group.command(name, cls=Command, help=text, short_help=short)(lambda: None)
         return function
 
     return decorate
@@ -105,7 +121,7 @@ def _help(name):
 def _options(source, names, defaults):
     """Options for parameters of a function or dataclass, explained by its docstring."""
     entries = re.findall(r"^(\w[\w, ]*)(?: : .*)?\n((?: {4}.+\n?)+)", getdoc(source) or "", re.M)
-    texts = HELP | {name: text for listed, text in entries for name in listed.split(", ")}
+    texts = HELP | {name: text for listed, text in entries for name in listed.split(", ")} | PLAIN
     known = signature(source, eval_str=True).parameters
     return [_option(known[name], texts.get(name, ""), defaults) for name in names]
 
@@ -128,7 +144,10 @@ def _option(parameter, text, defaults=False):
         kind, text = str, f"N,N: {text}"
     if defaults and default not in (Parameter.empty, None, False):
         text += f" [default: {default}]"
-    made = typer.Option(FLAGS.get(name, f"--{name.replace('_', '-')}"), help=text)
+    flag, of_one = FLAGS.get(name, f"--{name.replace('_', '-')}"), kind
+    if get_origin(kind) is list:
+        (of_one,) = get_args(kind)
+    made = typer.Option(flag, help=text, metavar=METAVARS.get(of_one))
     if name in ARGUMENTS:
         made = typer.Argument(help=text, metavar=ARGUMENTS[name])
     if default is not Parameter.empty:

@@ -37,7 +37,7 @@ def export(law: Exported, form: Format, joint: Joint, depth_star: float | None =
     Parameters
     ----------
     law
-        Key of ``study.contact.LAWS``, or ``tabulated``: the force-depth curve of the joint.
+        Name of a law, or ``tabulated``: the force-depth curve of the joint.
     form
         Function (C; MATLAB and Octave), formula and numbers (JSON), or force over depth (CSV).
     joint

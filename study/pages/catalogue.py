@@ -23,6 +23,8 @@ class Notebook:
         File name without suffix.
     figures, tables
         Name of each figure and table -> what it shows.
+    tells
+        Name of each figure -> what to conclude from it, in one sentence without numbers.
     reads
         Results of other notebooks whose numbers it reads.
     """
@@ -30,6 +32,7 @@ class Notebook:
     name: str
     figures: dict[str, str] = field(default_factory=dict)
     tables: dict[str, str] = field(default_factory=dict)
+    tells: dict[str, str] = field(default_factory=dict)
     reads: list[str] = field(default_factory=list)
 
     @property

@@ -15,6 +15,7 @@ from jinja2 import Environment, PackageLoader
 from study import paths
 from study.dataset.store import CURVES, PACKAGE
 from study.pages.catalogue import CATALOGUE
+from study.pages.execute import explained, shown_with
 from study.pages.report.claims import VERDICTS
 from study.pages.report.curves import curves
 from study.pages.report.results import Result
@@ -41,6 +42,7 @@ class Sources:
             lstrip_blocks=True,
         )
         self._templates.globals |= {"results": results, "verdicts": VERDICTS}
+        self._templates.globals |= {"explained": explained, "shown_with": shown_with}
         self._macros = self._templates.get_template("macros.html").module
         self._images = {sha256(r.image.read_bytes()).digest(): r for r in results if r.image}
         self._modules = {}
