@@ -256,6 +256,13 @@ def _first_event(smooth, seen, t, h, new):
 
 
 @compiled
+def _passes_peak(j, start, seen):
+    """Whether force or depth of a joint has a peak in a step with these ends."""
+    force, depth = NORMAL_RATE + JOINT * j, RATE + JOINT * j
+    return start[force] > 0 >= seen[force] or start[depth] > 0 >= seen[depth]
+
+
+@compiled
 def _measure_peaks(j, impact, row, smooth, seen, t, h, new):
     """Locate peaks of force and depth inside a step of ``h`` with ``seen`` at its end.
 
@@ -358,14 +365,19 @@ def advance(state, y, joints, p, laws, integrals, tolerance, rows, impacts, even
                 if seen[DEPTH + JOINT * j] > laws[j][1]:
                     state[stepping.LIMIT] = laws[j][1]
                     return done, stepping.TOO_DEEP
-                at = int(joints[j, NUMBER])
-                row = events[at, stepping.PEAK]
-                _measure_peaks(j, impacts[at], row, smooth, seen, t, length, trial)
+                if _passes_peak(j, here[0], seen):
+                    at = int(joints[j, NUMBER])
+                    row = events[at, stepping.PEAK]
+                    _measure_peaks(j, impacts[at], row, smooth, seen, t, length, trial)
         t = state[stepping.TIME] = rows[done, 0] if landing else t + length
         y[:] = new
         for j in range(len(pieces)):
             if pieces[j][0]:
-                _follow(j, seen, state, y, joints, p, laws, (impacts, events))
+                at = JOINT * j
+                _attend(j, state, y, joints)
+                if stepping.follow_impact(impacts, state, seen[NORMAL + at], seen[DEPTH + at]):
+                    row = stepping.event_row(events, state, stepping.PEAK)
+                    _record(row, y, pieces, seen, p, laws)
         if event >= 0:
             h = _turn(event, of, seen, state, y, joints, h, p, laws, (impacts, events))
             pieces = _pieces(joints, laws)
@@ -380,16 +392,6 @@ def _attend(j, state, y, joints):
     lost = 2 + 4 * len(joints) + 2 * j
     state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION] = y[lost], y[lost + 1]
     state[stepping.AT_HAND] = joints[j, NUMBER]
-
-
-@compiled
-def _follow(j, seen, state, y, joints, p, laws, table):
-    """Bring a joint's impact up to date at the end of a step."""
-    (impacts, events), at = table, JOINT * j
-    _attend(j, state, y, joints)
-    if stepping.follow_impact(impacts, state, seen[NORMAL + at], seen[DEPTH + at]):
-        row = stepping.event_row(events, state, stepping.PEAK)
-        _record(row, y, _pieces(joints, laws), seen, p, laws)
 
 
 @compiled
