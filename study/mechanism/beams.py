@@ -20,7 +20,7 @@ from study.compiled import compiled
 from study.contact.forces import joint_forces
 from study.contact.friction import friction_branch
 from study.mechanism import stepping
-from study.mechanism.angles import arcsine, direction, norm, sine_cosine
+from study.mechanism.angles import direction, norm, sine_cosine
 from study.mechanism.scene import Body, Scene
 
 SPECTRAL_RADIUS = 0.8
@@ -34,47 +34,51 @@ NO_TANGENT = (0.0, 0.0)
 ANY = 3  # friction branch: that of the sliding speed found
 # Places in what `_contact` finds
 DEPTH, NORMAL, TANGENTIAL, ELASTIC, RATE, SLIDING, FORCE_X, FORCE_Y, EX, EY = range(10)
-System = namedtuple("System", "sections unknowns ball pin mass load initial ideal")
+DRIVE_WORK, DRIVE_MOMENT = range(2)  # places in the state, before those of all models
+System = namedtuple("System", "sections unknowns ball pin mass load initial rates ideal")
 """Elements of both links on +x, their unknowns numbered along the chain, mass and load.
 
 A row of ``sections`` has length, axial, shear and bending stiffness, mass and rotary inertia per
 length; one of ``unknowns`` the numbers of (x, y, rotation) at both ends, -1 where held. ``ball``
 has the numbers of its x, y and rotation and of the slider's x, ``pin`` that of its x. In the
-consistent ``mass``, a band, column BAND is the diagonal. ``initial`` are the places and rotations
-at t = 0.
+consistent ``mass``, a band, column BAND is the diagonal. ``initial`` and ``rates`` are the places
+and rotations at t = 0, and their rates.
 """
 
 
 def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
     """System with numbers of elements of crank and coupler; an ideal joint fixes ball to slider."""
-    sections, unknowns, initial = [], [], []
+    sections, unknowns, initial, rates = [], [], [], []
 
-    def number(value):
+    def number(value, rate):
         initial.append(value)
+        rates.append(rate)
         return len(initial) - 1
 
-    near = [-1, -1, number(0.0)]
-    x = y = angle = 0.0
-    for body, n in zip(get_args(Body), elements, strict=True):
+    e_x, e_y = (0.0, 0.0) if ideal else scene.initial_eccentricity
+    angles, speeds = scene.configuration(e_y)
+    near = [-1, -1, number(angles[0], speeds[0])]
+    x = y = u = v = 0.0
+    for body, n, angle, speed in zip(get_args(Body), elements, angles, speeds, strict=True):
         link = scene.link(body)
         length = link.length / n
         shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
         stiffness = length, link.axial, shear, link.bending
         section = *stiffness, link.mass_per_length, link.rotary_per_length
         if body == "coupler":  # at the pin: the same place, a rotation of its own
-            angle = 0.0 if ideal else arcsine(scene.initial_eccentricity[1] / link.length)
-            pin, near = near[0], [*near[:2], number(angle)]
+            pin, near = near[0], [*near[:2], number(angle, speed)]
         sine, cosine = sine_cosine(angle)
         for e in range(n):
             x, y = x + length * cosine, y + length * sine
+            u, v = u - length * sine * speed, v + length * cosine * speed
             held = ideal and body == "coupler" and e == n - 1
-            far = [number(x), -1 if held else number(y), number(angle)]
+            far = [number(x, u), -1 if held else number(y, v), number(angle, speed)]
             sections.append(section)
             unknowns.append(near + far)
             near = far
-    ball = [*near, near[0] if ideal else number(x - scene.initial_eccentricity[0])]
+    ball = [*near, near[0] if ideal else number(x - e_x, u)]
     band, load = np.zeros((len(initial), 2 * BAND + 1)), np.zeros(len(initial))
-    load[0] = scene.driving_moment
+    load[0] = 0.0 if scene.crank_speed is not None else scene.driving_moment
     for (length, _, _, _, mass, rotary), at in zip(sections, unknowns, strict=True):
         for i in range(6):
             for j in range(6):
@@ -87,7 +91,8 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
                 load[y_number] -= scene.gravity * length * mass / 2
     band[ball[3], BAND] += scene.slider_mass
     numbers = np.array(unknowns), np.array(ball), pin
-    return System(np.array(sections), *numbers, band, load, np.array(initial), ideal)
+    numbers += band, load, np.array(initial), np.array(rates)
+    return System(np.array(sections), *numbers, ideal)
 
 
 @compiled
@@ -279,6 +284,8 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
             for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
                 share = (1 - ALPHA_M) * a1[j] + ALPHA_M * a[j]
                 right[i] -= system.mass[i, BAND + j - i] * share
+        if p.steady:  # the crank's rotation is known
+            right[0], matrix[0], matrix[0, BAND] = 0.0, 0.0, 1.0
         _solve(matrix, right)
         change = 0.0
         for i in range(size):
@@ -310,6 +317,8 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
     matrix, now, found = np.zeros_like(system.mass), np.zeros(10), np.zeros(10)
     work = force, right, matrix, found
     strain = _forces(motion[0], motion[1], system, state, ANY, p, law, now, old, matrix, NO_TANGENT)
+    if p.steady and state[stepping.STEPS] == 0:
+        _drive(state, motion, system, old[0], 0.0)
     tolerance = NEWTON_TOLERANCE * law[1] + 1e-13 * abs(motion[0, system.ball[3]])
     while True:
         if int(state[stepping.IMPACTS]) == len(impacts):
@@ -347,6 +356,8 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
                 stepping.end_impact(impacts, state, -found[RATE])
         motion[3] = motion[2]
         motion[:3], old[:], now[:] = new, force, found
+        if p.steady:
+            _drive(state, motion, system, force[0], h)
         for event, happened in enumerate((begun, largest, ended)):
             if happened:
                 row = stepping.event_row(events, state, event)
@@ -356,13 +367,28 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
 
 
 @compiled
+def _true_acceleration(motion):
+    """Accelerations now: the method's belong to a time (alpha_f - alpha_m) h before."""
+    late = (1 - SPECTRAL_RADIUS) / (SPECTRAL_RADIUS + 1)
+    return motion[2] + late * (motion[2] - motion[3])
+
+
+@compiled
+def _drive(state, motion, system, resisted, h):
+    """Moment that holds the crank's speed against inertia and what else resists, and its work."""
+    moment, a = resisted, _true_acceleration(motion)
+    for j in range(BAND + 1):
+        moment += system.mass[0, BAND + j] * a[j]
+    state[DRIVE_WORK] += 0.5 * h * (state[DRIVE_MOMENT] + moment) * motion[1, 0]
+    state[DRIVE_MOMENT] = moment
+
+
+@compiled
 def _record(row, state, motion, system, now, strain, p):
     """Fill a row of output from motion and contact at the state's time."""
     q, v, ball, pin = motion[0], motion[1], system.ball, system.pin
-    # the method's accelerations belong to a time (alpha_f - alpha_m) h before
-    late = (1 - SPECTRAL_RADIUS) / (SPECTRAL_RADIUS + 1)
-    a = motion[2] + late * (motion[2] - motion[3])
-    kinetic, work, size = 0.0, 0.0, len(q)
+    a, size = _true_acceleration(motion), len(q)
+    kinetic, work, drive = 0.0, state[DRIVE_WORK], p.moment + state[DRIVE_MOMENT]
     for i in range(size):
         work += system.load[i] * q[i]
         for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
@@ -372,29 +398,29 @@ def _record(row, state, motion, system, now, strain, p):
     if system.ideal:
         fx, fy = p.m3 * a[ball[0]], -_reaction(q, a, system, p.gravity)
         y, place, forces = 0.0, (0.0, 0.0, 0.0), (norm(fx, fy), 0.0, fx, fy)
-    crank, slider = (q[0], v[0], a[0], p.moment), (q[ball[3]], v[ball[3]], forces[2] / p.m3)
+    crank, slider = (q[0], v[0], a[0], drive), (q[ball[3]], v[ball[3]], forces[2] / p.m3)
     coupler = direction(y - q[pin + 1], q[ball[0]] - q[pin]), v[ball[2]]
     lost = state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION]
     energies = work, kinetic, strain, *lost
     stepping.record(row, crank, slider, coupler, place, forces, energies)
 
 
-def _start(system):
-    """Places and accelerations at t = 0, in the rows of ``advance``'s ``motion``.
+def _start(system, steady):
+    """Places, rates and accelerations at t = 0, in the rows of ``advance``'s ``motion``.
 
-    Rotations without inertia follow the load at once: they balance it before anything moves.
+    Rotations without inertia follow the load at once, but for that of a crank of constant speed.
     """
-    sections, unknowns, _, _, mass, load, initial, _ = system
+    sections, unknowns, _, _, mass, load, initial, rates, _ = system
     motion = np.zeros((4, len(load)))
-    motion[0] = initial
+    motion[:2] = initial, rates
     force, stiffness = -load, np.zeros_like(mass)
     _internal(motion[0], sections, unknowns, force, stiffness, 1.0)
-    light = mass[:, BAND] == 0
+    light, free = mass[:, BAND] == 0, np.arange(len(load)) >= (1 if steady else 0)
     if light.any():
-        motion[0] -= _solve_for(light, stiffness, force)
+        motion[0] -= _solve_for(light & free, stiffness, force)
         force = -load
         _internal(motion[0], sections, unknowns, force, stiffness, 0.0)
-    motion[2:] = _solve_for(~light, mass, -force)
+    motion[2:] = _solve_for(~light & free, mass, -force)
     return motion
 
 
@@ -421,6 +447,6 @@ def blocks(
     """Blocks of output rows of the scene with links of beam elements, as those of particles."""
     system, p, state = assemble(scene, elements, ideal), scene.constants(), np.zeros(stepping.STATE)
     strides, h = stepping.divide(times, step)
-    motion, state[stepping.STEP] = _start(system), h
+    motion, state[stepping.STEP] = _start(system, scene.crank_speed is not None), h
     loop = partial(advance, state, motion, system, p, law, h, strides)
     return stepping.advance_in_blocks(loop, times, state, "Newton's method found no balance")

@@ -23,11 +23,11 @@ from study.compiled import compiled
 from study.contact.forces import elastic_force, joint_forces
 from study.contact.friction import friction_branch, friction_factor
 from study.mechanism import stepping
-from study.mechanism.angles import angle_of, arcsine, direction, norm, sine_cosine
+from study.mechanism.angles import angle_of, direction, norm, sine_cosine
 from study.mechanism.scene import Link, Scene
 
 Method = Literal["centred", "lagged", "unguarded"]
-GAP, GAP_RATE = range(2)  # places in the state, before those of all models
+GAP, GAP_RATE, DRIVE_WORK, DRIVE_POWER = range(4)  # places in the state, before all models' own
 
 
 System = namedtuple("System", "elements masses rotaries pin frequency ideal lagged guarded")
@@ -251,8 +251,11 @@ def _joint(place, state, motion, system, acting, p, law, h):
 
 
 @compiled
-def _accelerate(motion, system, acting, end_mass, h):
-    """Step the rates and return the kinetic energy at the middle of the step."""
+def _accelerate(motion, system, acting, end_mass, steady, h):
+    """Step the rates and return the kinetic energy at the middle of the step.
+
+    At constant crank speed, ``steady``, the crank's fixed end turns as it did.
+    """
     masses, rotaries, (forces, moments) = system.masses, system.rotaries, acting
     last, kinetic = len(masses) - 1, 0.0
     for i in range(1, last + 1):
@@ -262,10 +265,18 @@ def _accelerate(motion, system, acting, end_mass, h):
             kinetic += 0.5 * mass * (motion.rates[i, n] + 0.5 * change) ** 2
             motion.rates[i, n] += change
     for j in range(len(rotaries)):
-        change = h * moments[j] / rotaries[j]
+        change = 0.0 if steady and j == 0 else h * moments[j] / rotaries[j]
         kinetic += 0.5 * rotaries[j] * (motion.spins[j] + 0.5 * change) ** 2
         motion.spins[j] += change
     return kinetic
+
+
+@compiled
+def _drive(state, power, h):
+    """Add the work of a drive since the step before, by the powers at both."""
+    if state[stepping.STEPS] > 0:
+        state[DRIVE_WORK] += 0.5 * h * (state[DRIVE_POWER] + power)
+    state[DRIVE_POWER] = power
 
 
 @compiled
@@ -273,10 +284,13 @@ def _record(row, state, motion, system, acting, joint, p, h, strain, kinetic):
     """Fill a row of output, after the step's rates and before its places."""
     places, _, turns, spins, _ = motion
     (_, moments), (place, forces, slider), pin = acting, joint, system.pin
-    last, work, turning = len(places) - 1, p.moment * turns[0], moments[0] / system.rotaries[0]
+    last, turning, drive = len(places) - 1, moments[0] / system.rotaries[0], p.moment
+    if p.steady:
+        turning, drive = 0.0, -moments[0]
+    work = state[DRIVE_WORK] + p.moment * turns[0]
     for i in range(1, last + 1):
         work -= p.gravity * system.masses[i] * places[i, 1]
-    crank = turns[0], spins[0] - 0.5 * h * turning, turning, p.moment
+    crank = turns[0], spins[0] - 0.5 * h * turning, turning, drive
     along, across = places[last, 0] - places[pin, 0], places[last, 1] - places[pin, 1]
     coupler = direction(across, along), spins[-1] - 0.5 * h * moments[-1] / system.rotaries[-1]
     lost = state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION]
@@ -301,6 +315,8 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
         moments[:] = 0.0
         moments[0] = p.moment
         strain = _internal_forces(places, turns, system.elements, system.pin, forces, moments)
+        if p.steady:
+            _drive(state, -moments[0] * spins[0], h)
         place, found, event, largest = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), -1, False
         if ideal:
             fx, fy = p.m3 / end_mass * forces[last, 0], forces[last, 1]
@@ -319,7 +335,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
                     return done, stepping.FAILED
                 largest = stepping.follow_impact(impacts, state, found[0], place[2])
         pull = found[2] / p.m3  # the slider's acceleration
-        kinetic = _accelerate(motion, system, acting, end_mass, h)
+        kinetic = _accelerate(motion, system, acting, end_mass, p.steady > 0, h)
         slide[1] = rates[last, 0] if ideal else slide[1] + h * pull
         speed = slide[1] - 0.5 * h * pull
         if not ideal:
@@ -370,7 +386,7 @@ def blocks(
         raise ValueError(f"step must be <= {limit:.4g} s, the limit of stability, got {step:.4g} s")
     how = {"lagged": method != "centred", "guarded": method != "unguarded"}
     system = System(**vars(frame), frequency=frequency, ideal=ideal, **how)
-    motion, state, p = _at_rest(scene, frame, ideal, h), np.zeros(stepping.STATE), scene.constants()
+    motion, state, p = _start(scene, frame, ideal, h), np.zeros(stepping.STATE), scene.constants()
     state[stepping.STEP] = h
     ball, slide = motion.places[-1], motion.slide
     state[GAP] = norm(ball[0] - slide[0], ball[1]) - scene.clearance
@@ -379,17 +395,24 @@ def blocks(
     return stepping.advance_in_blocks(loop, times, state, failure)
 
 
-def _at_rest(scene, frame, ideal, h):
-    """Motion at rest at t = 0, with the rates of half a step earlier by the accelerations then."""
-    particles, (e_x, e_y) = len(frame.masses), scene.initial_eccentricity
+def _start(scene, frame, ideal, h):
+    """Motion at t = 0, the joints at rest: rates of half a step earlier by the accelerations then.
+
+    The links are straight, so that only gravity and the drive's moment accelerate them.
+    """
+    particles, (e_x, e_y) = len(frame.masses), (0.0, 0.0) if ideal else scene.initial_eccentricity
+    (theta, phi), (omega, psi) = scene.configuration(e_y)
     places, rates = np.zeros((particles, 2)), np.zeros((particles, 2))
-    angle = 0.0 if ideal else arcsine(e_y / scene.coupler_length)
-    angles = np.where(np.arange(particles - 1) < frame.pin, 0.0, angle)
+    of_crank = np.arange(particles - 1) < frame.pin
+    angles, speeds = np.where(of_crank, theta, phi), np.where(of_crank, omega, psi)
     chords = frame.elements[:, :1] * np.array([sine_cosine(a)[::-1] for a in angles])
     places[1:] = np.cumsum(chords, axis=0)
-    turns = np.where(np.arange(particles + 1) <= frame.pin, 0.0, angle)
-    slide = np.array([places[-1, 0] - (0 if ideal else e_x), 0.0])
-    spins = np.zeros(particles + 1)
-    spins[0] = -h / 2 * scene.driving_moment / frame.rotaries[0]
-    rates[1 : -1 if ideal else None, 1] = h / 2 * scene.gravity
+    rates[1:] = np.cumsum(speeds[:, None] * chords[:, ::-1] * (-1, 1), axis=0)
+    of_crank = np.arange(particles + 1) <= frame.pin
+    turns, spins = np.where(of_crank, theta, phi), np.where(of_crank, omega, psi)
+    slide = np.array([places[-1, 0] - e_x, rates[-1, 0]])
+    if scene.crank_speed is None:
+        spins[0] -= h / 2 * scene.driving_moment / frame.rotaries[0]
+    rates[1:, 1] += h / 2 * scene.gravity
+    rates[-1, 1] = 0.0 if ideal else h / 2 * scene.gravity  # the ball is at rest in its socket
     return Motion(places, rates, turns, spins, slide)
