@@ -44,7 +44,8 @@ def test_stiff_links_with_an_ideal_joint_move_as_rigid_ones(model, start):
     assert flexible.energy_error < 1e-6
     if "crank_speed" in start:
         speed, angle = start["crank_speed"], start.get("initial_crank_angle", 0.0)
-        assert flexible.crank_angle == pytest.approx(angle + speed * flexible.time, rel=1e-12)
+        # the angle is a sum over tens of thousands of steps
+        assert flexible.crank_angle == pytest.approx(angle + speed * flexible.time, rel=1e-10)
         assert (flexible.crank_speed == speed).all()
         assert flexible.work[-1] == pytest.approx(rigid.work[-1], rel=2e-3)
 

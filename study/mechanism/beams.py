@@ -63,8 +63,7 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
         link = scene.link(body)
         length = link.length / n
         shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
-        stiffness = length, link.axial, shear, link.bending
-        section = *stiffness, link.mass_per_length, link.rotary_per_length
+        section = length, link.axial, shear, link.bending, *link[1:3]
         if body == "coupler":  # at the pin: the same place, a rotation of its own
             pin, near = near[0], [*near[:2], number(angle, speed)]
         sine, cosine = sine_cosine(angle)
@@ -411,11 +410,10 @@ def _start(system, steady):
     Rotations without inertia follow the load at once, but for that of a crank of constant speed.
     """
     sections, unknowns, _, _, mass, load, initial, rates, _ = system
-    motion = np.zeros((4, len(load)))
-    motion[:2] = initial, rates
+    motion = np.array([initial, rates, 0 * load, 0 * load])
     force, stiffness = -load, np.zeros_like(mass)
     _internal(motion[0], sections, unknowns, force, stiffness, 1.0)
-    light, free = mass[:, BAND] == 0, np.arange(len(load)) >= (1 if steady else 0)
+    light, free = mass[:, BAND] == 0, np.arange(len(load)) >= steady
     if light.any():
         motion[0] -= _solve_for(light & free, stiffness, force)
         force = -load

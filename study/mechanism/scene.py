@@ -13,6 +13,7 @@ from study import checks
 from study.contact import composite_modulus
 from study.contact.damping import Damping, damping_factor
 from study.joint import Material, material
+from study.mechanism.angles import arcsine, sine_cosine
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -196,6 +197,17 @@ class Scene:
             crank if self.crank_inertia is None else self.crank_inertia,
             coupler if self.coupler_inertia is None else self.coupler_inertia,
         )
+
+    def configuration(self, eccentricity: float) -> tuple[tuple[float, float], ...]:
+        """Angles of crank and coupler at t = 0, in rad, and their rates, in rad/s.
+
+        ``eccentricity`` is the ball's along y, in m; it is at rest in its socket.
+        """
+        theta, omega = self.initial_crank_angle, self.starting_speed
+        st, ct = sine_cosine(theta)
+        phi = arcsine((eccentricity - self.crank_length * st) / self.coupler_length)
+        reach = self.coupler_length * sine_cosine(phi)[1]
+        return (theta, phi), (omega, -self.crank_length * ct * omega / reach)
 
     def link(self, body: Body) -> Link:
         """Beam that stands for a flexible link.

@@ -139,9 +139,6 @@ def _check_motion(scene, model, gapless, duration):
     if scene.crank_clearance is not None and (model != "rigid" or gapless):
         kind = "ideal" if gapless else "clearance"
         raise ValueError(f"crank clearance must be left out: model {model}, joint {kind} has none")
-    for name in ("crank_speed", "initial_crank_angle", "initial_crank_speed"):
-        if model != "rigid" and getattr(scene, name) != getattr(Scene, name):
-            raise ValueError(f"{name.replace('_', ' ')} must be left out: model {model} has none")
     inertia = scene.inertias[0] + scene.crank_mass * scene.crank_length**2 / 4
     turned = abs(scene.constants().moment) * duration**2 / (2 * inertia)
     turned += abs(scene.starting_speed) * duration

@@ -19,11 +19,11 @@ from study.mechanism.response import ALL_COLUMNS, COLUMNS, EVENTS
 
 FINE, FULL, TOO_DEEP, FAILED = range(4)
 LOST_DAMPING, LOST_FRICTION, CONTACT, APPROACH, IMPACTS, AT_HAND, STEPS, TIME, STEP, LIMIT = range(
-    2, 12
+    4, 14
 )
-"""Places in every model's state; the first two are its own. `AT_HAND` is the number of the impact
+"""Places in every model's state; the first four are its own. `AT_HAND` is the number of the impact
 that is followed, `IMPACTS` how many there were."""
-STATE = 12  # numbers in it
+STATE = 14  # numbers in it
 # Columns of the impacts while they are computed, after time and approach speed
 PEAK_FORCE, PEAK_DEPTH, DURATION, SEPARATION_SPEED, LOST, LOST_BEFORE, JOINT = range(2, 9)
 START, PEAK, END = range(len(EVENTS))
