@@ -123,6 +123,12 @@ def test_crank_slider_in_exudyn_is_ours(exudyn, law, options):
     assert last.lost_damping + last.lost_friction == pytest.approx(first.lost, rel=2e-3)
 
 
+def test_what_exudyns_crank_slider_has_not_is_refused(exudyn):
+    for name, value in (("crank_speed", 10.0), ("gravity", 9.81), ("crank_clearance", 1e-5)):
+        with pytest.raises(ValueError, match=f"{name.replace('_', ' ')} must be left out: this"):
+            crank_slider(Scene(**{name: value}), duration=1e-3)
+
+
 def test_a_step_of_exudyn_is_checked(exudyn):
     with pytest.raises(ValueError, match="step must be > 0 and <= 0.02 s, got 1 s"):
         pendulum(clearance_joint(), step=1.0)

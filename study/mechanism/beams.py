@@ -90,8 +90,8 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
                 load[y_number] -= scene.gravity * length * mass / 2
     band[ball[3], BAND] += scene.slider_mass
     numbers = np.array(unknowns), np.array(ball), pin
-    numbers += band, load, np.array(initial), np.array(rates)
-    return System(np.array(sections), *numbers, ideal)
+    start = np.array(initial), np.array(rates)
+    return System(np.array(sections), *numbers, band, load, *start, ideal)
 
 
 @compiled

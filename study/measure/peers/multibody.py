@@ -11,15 +11,30 @@ from study.contact.forces import pack
 from study.mechanism import Scene
 
 
+HERE_AS_USUAL = (
+    "gravity",
+    "initial_eccentricity",
+    "initial_crank_angle",
+    "initial_crank_speed",
+    "crank_speed",
+    "crank_clearance",
+)
+
+
 def links(scene: Scene) -> tuple[Any, Callable[[str, float], int], int]:
     """Exudyn's system of crank, coupler and slider with its drive, all but the clearance joint.
 
     Returns the system, a function that makes a marker on a body ("ground", "crank", "coupler" or
-    "slider") at a place in m along it from its centre, and the slider's node.
+    "slider") at a place in m along it from its centre, and the slider's node. A scene that does
+    not start at rest with concentric ball and links on +x, or has what this system has not, is a
+    ``ValueError``.
     """
     import exudyn as exu
     from exudyn import itemInterface as item  # noqa: N813
 
+    for name in HERE_AS_USUAL:
+        if getattr(scene, name) != getattr(Scene, name):
+            raise ValueError(f"{name.replace('_', ' ')} must be left out: this model has none")
     s, system = scene, exu.SystemContainer().AddSystem()
     ground = system.AddObject(item.ObjectGround())
     bodies = {}
