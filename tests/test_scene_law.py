@@ -8,6 +8,7 @@ import pytest
 from study import contact
 from study.choose import choose, choose_model
 from study.joint import Joint, Layer, Material, material, whole_curve
+from study.measure import explicit, stability
 from study.mechanism import Scene, simulate
 
 BRONZE, STEEL = Material(1.1e11, 0.34), Material(2.07e11, 0.3)
@@ -153,3 +154,24 @@ def test_choice_of_a_model_solves_the_joint_of_the_scenes_materials():
     laws = {row["law"] for row in choice.evidence}
     assert laws == {"none", "hertz", "stiffened_hertz"}
     assert choice.note == "socket material is not that of the random scenes"
+
+
+def test_models_that_measure_refuse_what_they_do_not_have():
+    numbers = stability.packed(PAPER, "hertz")
+    options = {"duration": 1e-4, "outputs": 10, "step": 1e-6, "scheme": "RK4"}
+    for name, value in (("crank_speed", 10.0), ("crank_clearance", 1e-5)):
+        with pytest.raises(ValueError, match=f"{name.replace('_', ' ')} must be left out: this"):
+            explicit.integrate(PAPER.but(**{name: value}), numbers, **options)
+    with pytest.raises(ValueError, match="crank clearance must be left out: this model has none"):
+        stability.packed(PAPER.but(crank_clearance=1e-5), "hertz")
+
+
+def test_explicit_steps_begin_where_the_scene_does():
+    scene = PAPER.but(initial_crank_angle=1.0, initial_crank_speed=30.0)
+    numbers = stability.packed(scene, "hertz")
+    _, depth = explicit.integrate(scene, numbers, 3e-3, 30, 1e-6, "RK4")
+    ours = simulate(scene, duration=3e-3, outputs=30)
+    before = ours.time < ours.impacts.time[0]
+    assert before.sum() > 3
+    assert depth[before] == pytest.approx(ours.depth[before], abs=1e-11)
+    assert stability.packed(MIXED, "stiffened_hertz").tolist() != numbers.tolist()

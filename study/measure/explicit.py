@@ -182,7 +182,7 @@ def integrate(
     scheme
         One of `SCHEMES`.
     start
-        (theta, e_x, e_y) and their rates at t = 0; by default at rest in the scene's place.
+        (theta, e_x, e_y) and their rates at t = 0; by default those of the scene.
     approach
         Approach speed of the contact that the start is in, in m/s; inf for none.
     guarded
@@ -199,7 +199,7 @@ def integrate(
     study.mechanism.MechanismError
         If the step is beyond its limit, or the ball goes deeper than one clearance.
     """
-    checks.instance("scene", scene, Scene)
+    checks.instance("scene", scene, Scene).has_none_of("crank_speed", "crank_clearance")
     numbers = checks.number("law", law)
     if np.ndim(numbers) != 1 or np.size(numbers) < 3:
         raise ValueError(f"law must be packed numbers of a law, got {checks.shown(law)}")
@@ -212,7 +212,9 @@ def integrate(
         checks.number("approach", approach, "m/s", above=0, scalar=True)
     if start is not None and np.shape(checks.number("start", start)) != (6,):
         raise ValueError(f"start must be 6 numbers, got {checks.shown(start)}")
-    y = np.array([0.0, *scene.initial_eccentricity, 0, 0, 0] if start is None else start, float)
+    places = scene.initial_crank_angle, *scene.initial_eccentricity
+    own = *places, scene.initial_crank_speed, 0.0, 0.0
+    y = np.array(own if start is None else start, float)
     strides, h = divide([duration * np.arange(2) / outputs], step)
     found = np.zeros((outputs + 1, 2))
     args = (scene.constants(), law, h, strides, outputs, found, scene.clearance, guarded)

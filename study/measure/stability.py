@@ -13,9 +13,19 @@ from scipy.integrate import solve_ivp
 
 from study import checks
 from study.contact.forces import elastic_force, pack
+from study.contact.laws import find
 from study.measure import explicit
 from study.measure.limits import bisect
-from study.mechanism import MechanismError, Scene, events, particles, rigid, simulate, stepping
+from study.mechanism import (
+    MechanismError,
+    Scene,
+    events,
+    particles,
+    rigid,
+    scene_law,
+    simulate,
+    stepping,
+)
 from study.mechanism.response import ALL_COLUMNS
 
 Numbers = NDArray[np.float64]
@@ -23,8 +33,10 @@ Numbers = NDArray[np.float64]
 
 def packed(scene: Scene, law: str) -> Numbers:
     """Numbers of a law and a scene's joint for the compiled functions."""
-    checks.instance("scene", scene, Scene)
-    return pack(law, scene.ball_radius, scene.socket_radius, scene.composite_modulus)
+    checks.instance("scene", scene, Scene).has_none_of("crank_clearance")
+    options = scene_law.options(scene, find(law), {})
+    radii = scene.ball_radius, scene.socket_radius
+    return pack(law, *radii, scene.composite_modulus, **options)
 
 
 def _checked(state):

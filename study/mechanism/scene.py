@@ -209,6 +209,12 @@ class Scene:
         reach = self.coupler_length * sine_cosine(phi)[1]
         return (theta, phi), (omega, -self.crank_length * ct * omega / reach)
 
+    def has_none_of(self, *names: str) -> None:
+        """Raise ``ValueError`` if a parameter is given that a model does not have."""
+        for name in names:
+            if getattr(self, name) != getattr(Scene, name):
+                raise ValueError(f"{name.replace('_', ' ')} must be left out: this model has none")
+
     def link(self, body: Body) -> Link:
         """Beam that stands for a flexible link.
 
