@@ -363,6 +363,8 @@ def mechanism_rows():
         "initial_eccentricity": (*NO_NUMBER, [1e-5], (1, 2), (nan, 0), (None, 0), RAGGED),
         "crank_inertia": set_without((*NUMBER, -1), None),
         "link_modulus": set_without(POSITIVE, None),
+        "ball": set_without(THING, None),
+        "socket": set_without(NAME, None),
     }
     for name, wrong in (lengths | masses | others).items():
         yield from rows(Scene, **{name: (None, wrong)})
