@@ -19,10 +19,10 @@ from numba.extending import overload
 from numpy.typing import NDArray
 
 from study.compiled import compiled
-from study.contact.forces import NODES, WEIGHTS, elastic_force, stored_energy
 from study.contact.friction import friction_branch
 from study.mechanism import rigid, stepping, two_joints
-from study.mechanism.angles import angle_of, direction, fifth_root, norm, sine_cosine
+from study.mechanism.angles import angle_of, fifth_root, norm, sine_cosine
+from study.mechanism.free_impact import impact_depth
 from study.mechanism.response import ALL_COLUMNS
 from study.mechanism.rigid import COSINE, DEPTH, JOINT, NORMAL, NORMAL_RATE, RATE, SINE, SLIDING
 from study.mechanism.rosenbrock import (
@@ -97,23 +97,6 @@ def _pieces_compiled(joints, laws):
     if len(laws) == 1:
         return lambda joints, laws: (_piece(joints[0]),)
     return lambda joints, laws: (_piece(joints[0]), _piece(joints[1]))
-
-
-def _ease(j, theta, phi, nx, ny, p, laws):
-    """Inverse mass of a joint's ball against its socket along the normal; others do not push.
-
-    ``phi`` are sine and cosine of the coupler's angle.
-    """
-    raise NotImplementedError("in compiled code only")
-
-
-@overload(_ease, inline="always")
-def _ease_compiled(j, theta, phi, nx, ny, p, laws):
-    if len(laws) == 1:
-        return lambda j, theta, phi, nx, ny, p, laws: rigid.compliance(
-            theta, laws[0][1] * ny, nx, ny, 0.0, p
-        )
-    return lambda j, theta, phi, nx, ny, p, laws: two_joints.compliance(j, theta, phi, nx, ny, p)
 
 
 def _step(smooth, h, new):
@@ -284,42 +267,6 @@ def _measure_peaks(j, impact, row, smooth, seen, t, h, new):
 
 
 @compiled
-def _impact_depth(ease, rate, law):
-    """Depth at which the contact has stored the energy of an approach speed, in m.
-
-    ``ease`` is the inverse mass of the ball against the socket.
-    """
-    energy = rate * rate / (2 * ease)
-    depth = law[1]
-    for _ in range(200):  # Newton's method on a convex function
-        change = (stored_energy(law, depth) - energy) / elastic_force(law, depth)[0]
-        depth -= change
-        if abs(change) <= 1e-6 * depth:
-            break
-    return depth
-
-
-@compiled
-def free_durations(starts, impacts, p, laws):
-    """Durations of free elastic impacts with the approach speeds of ``impacts``, in s.
-
-    ``starts`` are their first rows of output.
-    """
-    durations = np.zeros(len(impacts))
-    for i, row in enumerate(starts):
-        j, speed = int(impacts[i, stepping.JOINT]), impacts[i, 1]
-        ex, ey = (row[9], row[10]) if j == 0 else (row[22], row[23])
-        ny, nx = sine_cosine(direction(ey, ex))
-        ease = _ease(j, row[1], sine_cosine(row[7]), nx, ny, p, laws)
-        deep = _impact_depth(ease, speed, laws[j])
-        energy = stored_energy(laws[j], deep)
-        for node, weight in zip(NODES, WEIGHTS):  # noqa: B905 (compiled code has no strict)
-            left = 1 - stored_energy(laws[j], deep * (1 - node * node)) / energy
-            durations[i] += weight * 4 * node * deep / (speed * sqrt(left))
-    return durations
-
-
-@compiled
 def advance(state, y, joints, p, laws, integrals, tolerance, rows, impacts, events):
     """Step to the time of each row and fill it; return the number of rows filled and the ending."""
     t, h, pieces = state[stepping.TIME], state[stepping.STEP], _pieces(joints, laws)
@@ -429,7 +376,7 @@ def _turn(event, j, seen, state, y, joints, h, p, laws, table):
     row = stepping.event_row(events, state, stepping.START)
     _record(row, y, _pieces(joints, laws), seen, p, laws)
     (ny, nx), phi = sine_cosine(z[1]), (seen[SINE], seen[COSINE])
-    one[DEEP] = _impact_depth(_ease(j, y[0], phi, nx, ny, p, laws), rates[0], law)
+    one[DEEP] = impact_depth(j, y[0], phi, nx, ny, rates[0], p, laws)
     return min(h, 0.1 * one[DEEP] / rates[0])
 
 

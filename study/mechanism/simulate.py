@@ -15,6 +15,7 @@ from study import checks
 from study.contact.forces import pack
 from study.contact.laws import AnyLaw, find
 from study.mechanism import beams, events, ideal, particles, scene_law
+from study.mechanism.free_impact import free_durations
 from study.mechanism.response import COLUMNS, EVENTS, JOINTS, Response
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import JOINT, LOST_BEFORE, add_stored_energy
@@ -172,7 +173,7 @@ def _gather(blocks, times, progress, scene, laws, told):
     rows, work = np.vstack(parts), list(COLUMNS).index("work")
     numbers = impacts[:, JOINT].astype(int)
     starts = own[:, EVENTS.index("start")]
-    free = events.free_durations(starts, impacts, scene.constants(), laws)
+    free = free_durations(starts, impacts, scene.constants(), laws)
     happened = own[:, :, 0] <= rows[-1, 0]  # the others are NaN, or come after an interruption
     names = np.array([EVENTS, [f"crank {kind}" for kind in EVENTS]])[numbers]
     own, kinds = own[happened], tuple(names[happened].tolist())

@@ -1,0 +1,64 @@
+"""Free impacts of rigid links: how deep they go and how long they last without other forces.
+
+A stepper's tolerance needs the depth, and a contact that is much longer is no impact.
+"""
+
+from math import sqrt
+
+import numpy as np
+from numba.extending import overload
+
+from study.compiled import compiled
+from study.contact.forces import NODES, WEIGHTS, elastic_force, stored_energy
+from study.mechanism import rigid, stepping, two_joints
+from study.mechanism.angles import direction, sine_cosine
+
+
+def _lightness(j, theta, phi, nx, ny, p, laws):
+    """Inverse mass of a joint's ball against its socket along the normal; others do not push."""
+    raise NotImplementedError("in compiled code only")
+
+
+@overload(_lightness, inline="always")
+def _lightness_compiled(j, theta, phi, nx, ny, p, laws):
+    if len(laws) == 1:
+        return lambda j, theta, phi, nx, ny, p, laws: rigid.compliance(
+            theta, laws[0][1] * ny, nx, ny, 0.0, p
+        )
+    return lambda j, theta, phi, nx, ny, p, laws: two_joints.compliance(j, theta, phi, nx, ny, p)
+
+
+@compiled
+def impact_depth(j, theta, phi, nx, ny, rate, p, laws):
+    """Depth at which a joint's contact has stored the energy of an approach speed, in m.
+
+    The bodies meet along the normal (nx, ny); ``phi`` are sine and cosine of the coupler's angle.
+    """
+    law = laws[j]
+    energy = rate * rate / (2 * _lightness(j, theta, phi, nx, ny, p, laws))
+    depth = law[1]
+    for _ in range(200):  # Newton's method on a convex function
+        change = (stored_energy(law, depth) - energy) / elastic_force(law, depth)[0]
+        depth -= change
+        if abs(change) <= 1e-6 * depth:
+            break
+    return depth
+
+
+@compiled
+def free_durations(starts, impacts, p, laws):
+    """Durations of free elastic impacts with the approach speeds of ``impacts``, in s.
+
+    ``starts`` are their first rows of output.
+    """
+    durations = np.zeros(len(impacts))
+    for i, row in enumerate(starts):
+        j, speed = int(impacts[i, stepping.JOINT]), impacts[i, 1]
+        ex, ey = (row[9], row[10]) if j == 0 else (row[22], row[23])
+        ny, nx = sine_cosine(direction(ey, ex))
+        deep = impact_depth(j, row[1], sine_cosine(row[7]), nx, ny, speed, p, laws)
+        energy = stored_energy(laws[j], deep)
+        for node, weight in zip(NODES, WEIGHTS):  # noqa: B905 (compiled code has no strict)
+            left = 1 - stored_energy(laws[j], deep * (1 - node * node)) / energy
+            durations[i] += weight * 4 * node * deep / (speed * sqrt(left))
+    return durations
