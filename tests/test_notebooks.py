@@ -134,7 +134,9 @@ def order(names, report):
         "assert not built.failures\n"
         "for name, outcome in built.outcomes.items():\n"
         "    if outcome.name != 'SKIP':\n"
-        "        print(name)"
+        "        print(name)\n"
+        "again = execute.run(catalogue.CATALOGUE, {}, dry=True)\n"  # in the same process
+        "assert len(again.outcomes) == len(catalogue.CATALOGUE)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

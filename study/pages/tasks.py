@@ -3,6 +3,7 @@
 import os
 import re
 import signal
+import sys
 import threading
 from pathlib import Path
 from typing import NamedTuple
@@ -106,6 +107,8 @@ def build(
         if not os.access(paths.ROOT, os.W_OK):
             raise StudyError(f"nothing can be built: the folder {paths.ROOT} is read-only")
         paths.sweep()
+    for name in [name for name in sys.modules if re.search(r"(^|\.)task_\w+$", name)]:
+        del sys.modules[name]  # pytask finds the tasks of a module as it is imported, and only then
     finished, write_hashes = False, pytask_build.pytask_unconfigure
     if dry:  # write nothing either: the folder may be read-only
         pytask.console.quiet, pytask_build.pytask_unconfigure = True, None
