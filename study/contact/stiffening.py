@@ -2,7 +2,8 @@
 
 The table behind `study.contact.stiffened_hertz`: ln S at nine depths, as a Chebyshev series in
 five coordinates of the joint, with terms of their own for a clamped ball and a free rim. The table
-is made by `study.dataset.fitting`; this module evaluates it, once a joint.
+is made by `study.dataset.stiffening`; this module evaluates it, once a joint, to the same bits on
+every processor: impacts are chaotic, and a last digit decides what comes after some of them.
 """
 
 from functools import lru_cache
@@ -24,14 +25,31 @@ RANGES = {
     "modulus_ratio": (0, 1e9),
 }
 """Where the table holds: least and largest value, and for all R2* from `LEAST_R2_STAR` on."""
-PLACES = (1 - np.cos(np.pi * np.arange(1, 10) / 9)) / 4
+PLACES = np.round((1 - np.cos(np.pi * np.arange(1, 10) / 9)) / 4, 12)
 """Values of u = s/(1 + s) with s = sqrt(ds), up to ds = 1, at which ln S is kept; shape (9,)."""
 DEGREES = ("share", "poisson", "socket_poisson", "socket_ratio", "r2_star")
 """Coordinates of the Chebyshev series, and columns of their degrees in the table."""
 SUPPORTS = ("clamped", "free")
 """Columns of 0 and 1: terms that are added for a clamped ball, a free rim, or both."""
 UNIT = 1e-5  # of ln S in the table, which holds whole numbers
-_POWERS = np.linalg.inv(PLACES[:, None] ** np.arange(1, 10))  # S - 1 there to powers of u
+DIGITS = 10
+"""Decimals to which S is rounded at `PLACES`: beyond them, processors differ."""
+
+
+def _to_powers():
+    """Powers of u from S - 1 at `PLACES`, (9, 9), by additions, products and quotients alone."""
+    matrix = np.zeros((9, 9))
+    for k, place in enumerate(PLACES):
+        row = np.zeros(9)  # of u times the product of (u - u_j)/(u_k - u_j), over u_k
+        row[0] = 1 / place
+        for other in np.delete(PLACES, k):
+            row[1:], row[0] = row[:-1] - other * row[1:], -other * row[0]
+            row /= place - other
+        matrix[:, k] = row
+    return matrix
+
+
+_POWERS = _to_powers()
 
 
 def share_of_ball(modulus_ratio: float, poisson: float, socket_poisson: float) -> float:
@@ -63,7 +81,7 @@ def powers(r2_star: ArrayLike, bodies: tuple[float, ...], clamped: bool, free: b
     """
     place = 2 * LEAST_R2_STAR / np.asarray(r2_star) - 1
     logarithm = chebyshev.chebval(place, _in_r2_star(bodies, clamped, free))
-    rise = np.expm1(logarithm)
+    rise = np.round(np.expm1(logarithm), DIGITS)
     terms = _POWERS.T.reshape(9, 9, *(1,) * (rise.ndim - 1)) * rise[:, None]
     return terms.sum(axis=0)[::-1]  # in the same order for one R2* and for many
 

@@ -50,7 +50,7 @@ compiler, so that each number has loops of its own."""
 
 def _move(y, pieces, p, laws, jacobian, f, k):
     """Accelerations, powers and what else is found, of the mechanism with these joints."""
-    raise NotImplementedError("in compiled code only")
+    raise TypeError("in compiled code only")
 
 
 @overload(_move, inline="always")
@@ -72,7 +72,7 @@ def accelerate(y, joints, p, laws, f, k):
 
 def _record(row, y, pieces, f, p, laws):
     """Fill a row of output, which has its time already."""
-    raise NotImplementedError("in compiled code only")
+    raise TypeError("in compiled code only")
 
 
 @overload(_record, inline="always")
@@ -84,7 +84,7 @@ def _record_compiled(row, y, pieces, f, p, laws):
 
 def _pieces(joints, laws):
     """(In contact?, friction branch, approach speed) of each joint."""
-    raise NotImplementedError("in compiled code only")
+    raise TypeError("in compiled code only")
 
 
 @compiled
@@ -101,7 +101,7 @@ def _pieces_compiled(joints, laws):
 
 def _step(smooth, h, new):
     """One step of Rodas5P; fills ``new`` and leaves the error estimate in the scratch."""
-    raise NotImplementedError("in compiled code only")
+    raise TypeError("in compiled code only")
 
 
 @overload(_step, inline="always")

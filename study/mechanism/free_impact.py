@@ -16,7 +16,7 @@ from study.mechanism.angles import direction, sine_cosine
 
 def _lightness(j, theta, phi, nx, ny, p, laws):
     """Inverse mass of a joint's ball against its socket along the normal; others do not push."""
-    raise NotImplementedError("in compiled code only")
+    raise TypeError("in compiled code only")
 
 
 @overload(_lightness, inline="always")
