@@ -420,6 +420,10 @@ def test_every_option_is_explained_and_every_number_has_its_unit(run):
             ],
             "'point' is not one of 'plane', 'clamped'",
         ),
+        (
+            ["law", "hertz", "--r2-star", "99", "--depth-star", "0.1", "--drive", "clamped"],
+            "--drive must be left out: hertz does not depend on it",
+        ),
         (["export", "--law", "hooke", "--format", "c"], "'hooke' is not one of"),
         (
             ["export", "--law", "hertz", "--format", "matlab", "--depth-star", "-1"],

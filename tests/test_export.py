@@ -198,7 +198,8 @@ def test_every_shape_of_a_law_has_its_formula():
     for law in LAWS.values():
         _, shape, constants = law.parts(200.0)
         assert formulas.words(shape)
-        assert "value" in formulas.text("c", shape, constants, "", **FILLED)
+        text = formulas.text("c", shape, constants, "", **FILLED)
+        assert text.index("    value = ") < text.index("    slope = ")
 
 
 FILLED = dict.fromkeys(("law", "title", "source", "deepest", "margin", "scale"), "1")
@@ -219,3 +220,10 @@ def test_bad_input_is_one_clear_error():
         export("stiffened_hertz", "json", Joint(200), 2.0)
     with pytest.raises(ValueError, match="depth_star must be > 0, got 0"):
         export("hertz", "json", Joint(200), 0.0)
+
+
+@pytest.mark.parametrize("law", ["hertz", "tabulated"])
+def test_a_socket_little_larger_than_its_clearance_has_a_depth_of_its_own(law):
+    """At R2* = 2 the contact would be at the rim before one clearance."""
+    _, deepest = json.loads(export(law, "json", Joint(2)))["range"]["depth_star"]
+    assert 0.5 < deepest < 0.73

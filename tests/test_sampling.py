@@ -145,3 +145,14 @@ def test_a_function_in_si_units_and_back(function):
     force = [function(d / 5e-5, 200.0) * MODULUS * (R2 - R1) ** 2 for d in depths]
     assert law.force(depths) == pytest.approx(force, rel=1e-6)
     assert law.depth(law.force(depths)) == pytest.approx(depths, rel=1e-12)
+
+
+@pytest.mark.parametrize("deepest", [1e-6, 300.0])
+def test_shallow_and_deep_tables(deepest):
+    law = contact.sampled(lambda ds, r2: r2 * ds**1.5, deepest)
+    assert law(deepest, 1e6) == pytest.approx(1e6 * deepest**1.5, rel=1e-9)
+
+
+def test_a_table_has_a_largest_depth():
+    with pytest.raises(ValueError, match="deepest must be > 0 and <= 1000, got 1e\\+20"):
+        contact.sampled(lambda ds, r2: ds, 1e20)

@@ -1,12 +1,14 @@
 """Joints with their dimensions: known values, consistency, the limit of Hertz, wrong input."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from study import contact
 from study.contact import LAWS
 from study.joint import Joint, Layer, Material, SizedJoint, first_yield, force_curve
 
@@ -26,7 +28,7 @@ JOINTS = pytest.mark.parametrize("joint", [BRONZE, CUP, LINED], ids=["bronze", "
     ],
 )
 def test_known_joints(joint, force, depth, stiffness, pressure):
-    """Values that a user of the library worked out by hand, to the digits that he gave."""
+    """Values worked out by hand from the dimensionless solution, to the digits given."""
     found = joint.solve(force=force)
     assert found.depth[0] == pytest.approx(depth, rel=0.01)
     assert found.stiffness[0] == pytest.approx(stiffness, rel=0.01)
@@ -195,3 +197,10 @@ def test_wrong_joints(changes, message):
 def test_wrong_depths_and_forces(given, message):
     with pytest.raises(ValueError, match=re.escape(message)):
         SizedJoint(**GOOD).solve(**given)
+
+
+@pytest.mark.parametrize("law", ["stiffened_hertz", contact.stiffened_hertz])
+def test_stiffened_hertz_is_for_linear_kinematics_alone(law):
+    assert BRONZE.law(law).force(4e-6) == pytest.approx(BRONZE.law().force(4e-6), rel=2e-3)
+    with pytest.raises(ValueError, match="kinematics of stiffened_hertz must be one of linear"):
+        replace(BRONZE, kinematics="finite").law(law)

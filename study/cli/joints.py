@@ -5,7 +5,7 @@ from inspect import signature
 from pathlib import Path
 
 from study import checks, paths
-from study.cli.options import check_output, command, left_out, numbers
+from study.cli.options import check_output, command, flag, left_out, numbers
 from study.cli.output import named_fields, show, waiting
 from study.contact import LAWS, LawName
 
@@ -67,19 +67,15 @@ def solve_joint(
     given = {name: value for name, value in given.items() if value not in (None, ())} | joint
     if sized := [name for name in OF_SIZED if name in given]:
         others = [name for name in given if name not in (*OF_SIZED, *OF_BOTH)]
-        left_out(others, given, f"{_flag(sized[0])} is of a joint with its dimensions")
+        left_out(others, given, f"{flag(sized[0])} is of a joint with its dimensions")
         _solve_sized(as_json, **given)
     else:
         _needed(("r2_star", "depth_star"), given, " or, with dimensions, --socket-radius, ...")
         _solve_dimensionless(as_json, **given)
 
 
-def _flag(name):
-    return f"--{name.replace('_', '-')}"
-
-
 def _needed(names, given, more=""):
-    missing = [_flag(name) for name in names if name not in given]
+    missing = [flag(name) for name in names if name not in given]
     if missing:
         raise ValueError(f"{' and '.join(missing)} must be given{more}")
 

@@ -53,7 +53,8 @@ HELP = {
     "settings": "KEY=VALUE of a notebook's parameter; may be repeated.",
     "socket_radius": "Inner radius of the socket, in m.",
     "socket_ratio": "Outer over inner radius of the socket.",
-    "tolerance": "Largest relative error of the law that is told, with dimensions [default: 0.01].",
+    "tolerance": "For a joint with dimensions: largest relative error of the law that is named "
+    "[default: 0.01].",
     "wall": "Thickness of the socket beyond its inner radius, liners included, in m.",
     "yield_stress": "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa.",
 }
@@ -144,10 +145,10 @@ def _option(parameter, text, defaults=False):
         kind, text = str, f"N,N: {text}"
     if defaults and default not in (Parameter.empty, None, False):
         text += f" [default: {default}]"
-    flag, of_one = FLAGS.get(name, f"--{name.replace('_', '-')}"), kind
+    of_one = kind
     if get_origin(kind) is list:
         (of_one,) = get_args(kind)
-    made = typer.Option(flag, help=text, metavar=METAVARS.get(of_one))
+    made = typer.Option(flag(name), help=text, metavar=METAVARS.get(of_one))
     if name in ARGUMENTS:
         made = typer.Argument(help=text, metavar=ARGUMENTS[name])
     if default is not Parameter.empty:
@@ -156,11 +157,16 @@ def _option(parameter, text, defaults=False):
     return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=hint)
 
 
+def flag(name):
+    """Option of a parameter, as it is typed."""
+    return FLAGS.get(name, f"--{name.replace('_', '-')}")
+
+
 def left_out(names, given, why):
     """Refuse what was given though it means nothing here."""
     for name in names:
         if name in given:
-            raise ValueError(f"--{name.replace('_', '-')} must be left out: {why}")
+            raise ValueError(f"{flag(name)} must be left out: {why}")
 
 
 def check_output(output, suffix):

@@ -5,6 +5,7 @@ from dataclasses import replace
 from study import checks
 from study.contact import LAWS
 from study.joint import Joint, Layer, Material, SizedJoint, SizedSolution
+from study.joint.sized import usual_depth
 
 MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
 
@@ -130,7 +131,7 @@ def _options(joint: Joint, deepest: float) -> str:
     if not joint.layers:
         numbers |= {"socket-ratio": joint.socket_ratio, "modulus-ratio": joint.modulus_ratio}
         numbers |= {"socket-poisson": joint.socket.poisson}
-    if deepest > 1:
+    if deepest > usual_depth(joint):
         numbers["depth-star"] = deepest
     texts = {name: f"{value:.9g}" for name, value in numbers.items()}
     usual = {"drive": joint.ball_drive, "rim": joint.rim, "kinematics": joint.kinematics}

@@ -276,8 +276,9 @@ def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> 
 
     The secant stiffness P*/ds is sampled on equal steps of sqrt(ds), and is a cubic Hermite spline
     between them: exact for powers ds, ds^1.5, ds^2 and ds^2.5, continuously differentiable. The
-    steps are halved until the force is within 1e-6 of the function's between them, or within
-    1e-8 of the largest; this is done once for an R2*. A law is called with one R2* at a time.
+    steps are halved until the force is right between them within `sampling.TOLERANCE`, or within
+    `sampling.FLOOR` of the largest; this is done once for an R2*. A law is called with one R2* at a
+    time.
 
     Wherever a law is taken, a function may be given instead: it is sampled up to one clearance.
 
@@ -299,7 +300,7 @@ def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> 
         raise ValueError(f"law must be a name or a function, got {checks.shown(function)}")
     name = getattr(function, "__name__", type(function).__name__)
     sampling.check_arguments(function, name)
-    limit = checks.number("deepest", deepest, above=0, scalar=True)
+    limit = checks.number("deepest", deepest, above=0, most=sampling.DEEPEST, scalar=True)
     table = lru_cache(maxsize=8)(partial(sampling.of_function, function, name, deepest=limit))
 
     def parts(r2_star: Floats) -> Parts:

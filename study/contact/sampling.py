@@ -17,6 +17,8 @@ STEPS = 256
 """Per unit of s; the table of a function begins with them."""
 NARROWEST, MOST_KNOTS = 1e-10, 20_000
 """Least interval of a function's table, as a share of it, and largest number of its knots."""
+DEEPEST = 1000.0
+"""Largest depth_star of a function's table."""
 TOLERANCE = 1e-7
 """Largest error of a function's table between its knots, relative to the force there."""
 FLOOR = 1e-9
@@ -63,7 +65,7 @@ def of_function(
     """
     root = np.sqrt(deepest)
     known = {0.0: _force(function, name, 0.0, r2_star)}
-    knots = np.linspace(0, root, int(np.ceil(STEPS * root)) + 1)
+    knots = np.linspace(0, root, max(4, int(np.ceil(STEPS * root))) + 1)
     while True:
         within = knots[:-1, None] + np.diff(knots)[:, None] * (0, 0.25, 0.5, 0.75)
         places = np.append(within, root)

@@ -15,6 +15,7 @@ from study import checks, contact
 from study.contact import LAWS, LawName, laws, shapes
 from study.export import formulas
 from study.joint import Joint, curve_to
+from study.joint.sized import usual_depth
 
 Exported = Literal[LawName, "tabulated"]
 Format = Literal["c", "matlab", "json", "csv"]
@@ -43,7 +44,7 @@ def export(law: Exported, form: Format, joint: Joint, depth_star: float | None =
     joint
         The one joint that the text is for.
     depth_star
-        Largest depth of the text, in clearances; by default 1.
+        Largest depth of the text, in clearances; by default 1, if the joint can be pressed so far.
 
     Raises
     ------
@@ -57,7 +58,7 @@ def export(law: Exported, form: Format, joint: Joint, depth_star: float | None =
     if law == "stiffened_hertz":
         checks.choice("kinematics of stiffened_hertz", joint.kinematics, ("linear",))
         joint.stiffening_options()  # refused before the joint is solved
-    deepest = 1.0
+    deepest = usual_depth(joint)
     if depth_star is not None:
         deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     content = _Content(law, joint, deepest)

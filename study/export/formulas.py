@@ -66,7 +66,7 @@ def _polynomial(coefficients: Sequence[float], x: str) -> str:
     """Horner's scheme of coefficients from the highest power to the lowest."""
     first, *rest = (f"{float(c)!r}" for c in coefficients)
     for c in rest:
-        first = f"{c} + {x} .* ({first})" if first else c
+        first = f"{c} + {x} .* ({first})"
     return first
 
 

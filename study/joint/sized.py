@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.contact import JointLaw, largest_depth, tabulated
-from study.contact.laws import AnyLaw
+from study.contact.laws import LAWS, AnyLaw, find
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO, Drive, Rim
 from study.joint.curve import ForceCurve, UnresolvedError, force_curve
 from study.joint.growth import curve_to
@@ -51,7 +51,7 @@ class SizedSolution:
         Where it is, k words a body (`study.joint.LargestStress`).
     yield_factor
         Yield stress over largest von Mises stress of each body: it yields below 1. None for a
-        material without a yield stress. Where one yields, all else is about bodies that do not.
+        material without a yield stress. Beyond yield the other numbers are those of elastic bodies.
     """
 
     depth: Floats
@@ -143,8 +143,11 @@ class SizedJoint:
             default table reaches one clearance deep at least, if the joint can.
         """
         if law is None:
-            return self._table(self._usual_depth)[0]
-        options = self.joint.stiffening_options() if law == "stiffened_hertz" else {}
+            return self._table(usual_depth(self.joint))[0]
+        options = {}
+        if find(law) is LAWS["stiffened_hertz"]:
+            checks.choice("kinematics of stiffened_hertz", self.kinematics, ("linear",))
+            options = self.joint.stiffening_options()
         return self._in_si_units(law, **options)
 
     def solve(
@@ -190,13 +193,9 @@ class SizedJoint:
             },
         )
 
-    @property
-    def _usual_depth(self):
-        return min(_USUAL, 0.8 * largest_depth(self.joint.r2_star))
-
     def _reaching(self, name, asked, unit):
         """Least table that reaches all depths or forces asked for, and its curve."""
-        deepest = self._usual_depth
+        deepest = usual_depth(self.joint)
         law, curve = self._table(deepest)
         while (most := self._most(law, name)) < asked.max():
             deepest *= _STEP
@@ -244,6 +243,11 @@ class SizedJoint:
             f"{name} must be so large that elements resolve the contact, got {asked.min():g} "
             f"{unit}: that close to touching, Hertz's law holds"
         )
+
+
+def usual_depth(joint: Joint) -> float:
+    """Depth_star to which a law of a joint reaches if none is asked for: 1, if the joint can."""
+    return float(min(_USUAL, 0.8 * largest_depth(joint.r2_star)))
 
 
 def _error_beside(curve, depth_star):
