@@ -51,14 +51,15 @@ def test_stiff_links_with_an_ideal_joint_move_as_rigid_ones(model, start):
 
 
 @every_model
-def test_moment_that_holds_the_speed_is_its_power_over_the_speed(model):
-    scene = PAPER.but(crank_speed=40.0, crank_inertia=1e-4, coupler_inertia=4e-4)
-    r = simulate(scene, model=model, duration=2e-3, outputs=2000, elements=(2, 3))
-    power = np.gradient(r.work, r.time)
-    middle = slice(2, -2)
-    size = np.abs(r.driving_moment).max()
-    assert np.abs(power / 40.0 - r.driving_moment)[middle].max() < 0.05 * size
-    assert r.energy_error < 1e-4
+@pytest.mark.parametrize("speed", [40.0, -40.0])
+def test_moment_that_holds_the_speed_is_that_of_rigid_links_but_for_ringing(model, speed):
+    scene = STIFF.but(crank_speed=speed, initial_crank_angle=1.0, gravity=9.81)
+    options = {"joint": "ideal", "duration": 0.02, "outputs": 20000}
+    rigid, flexible = (
+        np.convolve(simulate(scene, model=kind, **options).driving_moment, np.full(1000, 1e-3))
+        for kind in ("rigid", model)
+    )  # means over 1 ms, in which stiff links ring some hundred times
+    assert flexible[999:-999] == pytest.approx(rigid[999:-999], abs=0.02 * np.abs(rigid).max())
 
 
 @every_model

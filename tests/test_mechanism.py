@@ -13,7 +13,7 @@ from study.contact.damping import DAMPINGS
 from study.contact.forces import pack
 from study.joint import Joint, force_curve
 from study.measure import explicit
-from study.mechanism import MechanismError, Scene, compare, events, rigid, simulate
+from study.mechanism import MechanismError, Scene, compare, events, rigid, simulate, stepping
 from study.mechanism.response import EVENTS
 from study.mechanism.rosenbrock import POWERS
 
@@ -480,6 +480,21 @@ def test_same_inputs_same_numbers(tmp_path):
     for name in ("one.csv", "two.csv"):
         simulate(duration=0.01).save(tmp_path / name)
     assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "two.csv").read_bytes()
+
+
+def test_blocks_are_not_changed_by_the_next_ones():
+    def advance(rows, impacts, own):
+        state[stepping.IMPACTS] = 1
+        impacts[0], own[0] = impacts[0] + 1, rows[0, 0]
+        return len(rows), stepping.FINE
+
+    state, times = np.zeros(stepping.STATE), [np.array([1.0, 2.0]), np.array([3.0, 4.0])]
+    blocks = stepping.advance_in_blocks(advance, times, state, "")
+    first = next(blocks)
+    kept = [part.copy() for part in first]
+    next(blocks)
+    for part, before in zip(first, kept, strict=True):
+        np.testing.assert_array_equal(part, before)
 
 
 def test_interruption_leaves_what_was_computed():

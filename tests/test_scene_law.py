@@ -9,6 +9,7 @@ from study import contact
 from study.choose import choose, choose_model
 from study.joint import Joint, Layer, Material, material, whole_curve
 from study.measure import explicit, stability
+from study.measure.peers import odes
 from study.mechanism import Scene, simulate
 
 BRONZE, STEEL = Material(1.1e11, 0.34), Material(2.07e11, 0.3)
@@ -162,6 +163,8 @@ def test_models_that_measure_refuse_what_they_do_not_have():
     for name, value in (("crank_speed", 10.0), ("crank_clearance", 1e-5)):
         with pytest.raises(ValueError, match=f"{name.replace('_', ' ')} must be left out: this"):
             explicit.integrate(PAPER.but(**{name: value}), numbers, **options)
+        with pytest.raises(ValueError, match=f"{name.replace('_', ' ')} must be left out: this"):
+            odes.slider_acceleration("LSODA", PAPER.but(**{name: value}), numbers, 1e-4, 10, 1e-6)
     with pytest.raises(ValueError, match="crank clearance must be left out: this model has none"):
         stability.packed(PAPER.but(crank_clearance=1e-5), "hertz")
 
@@ -174,4 +177,17 @@ def test_explicit_steps_begin_where_the_scene_does():
     before = ours.time < ours.impacts.time[0]
     assert before.sum() > 3
     assert depth[before] == pytest.approx(ours.depth[before], abs=1e-11)
-    assert stability.packed(MIXED, "stiffened_hertz").tolist() != numbers.tolist()
+
+
+def test_other_integrators_begin_where_the_scene_does():
+    scene = PAPER.but(initial_crank_angle=1.0, initial_crank_speed=30.0)
+    numbers = stability.packed(scene, "hertz")
+    found = odes.slider_acceleration("DOP853", scene, numbers, 3e-3, 300, 1e-8)
+    ours = simulate(scene, duration=3e-3, outputs=300, tolerance=1e-8).slider_acceleration
+    assert abs(ours).max() > 100
+    assert found == pytest.approx(ours[1:], abs=1e-3 * abs(ours).max())
+
+
+def test_a_packed_law_is_that_of_the_scenes_materials():
+    numbers = [stability.packed(scene, "stiffened_hertz").tolist() for scene in (PAPER, MIXED)]
+    assert numbers[0] != numbers[1]

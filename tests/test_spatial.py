@@ -3,11 +3,14 @@
 from itertools import pairwise
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from study import contact
+from study.checks import StudyError
 from study.contact import forces
 from study.contact.friction import friction_branch
+from study.measure.peers import multibody
 from study.measure.peers.spatial import ClearanceJoint, crank_slider, pendulum
 from study.mechanism import Scene, simulate
 
@@ -58,12 +61,33 @@ def test_forces_do_not_depend_on_the_frame_of_reference():
     assert not joint.forces(0.5 * vectors[0], *vectors[1:])[0].any()
 
 
+@pytest.mark.parametrize("rate", [0.0, -0.01])
+def test_contact_that_begins_without_approach_is_not_damped(rate):
+    joint, place = clearance_joint(restitution=0.5), np.array([5.01e-5, 0, 0])
+    elastic = clearance_joint().forces(place, np.zeros(3), np.zeros(3))[2]
+    for speed in (rate, 0.03):  # the approach speed is that of the first evaluation
+        _, _, normal, damping, _ = joint.forces(place, np.array([speed, 0, 0]), np.zeros(3))
+        assert (normal, damping) == (elastic, 0)
+    joint._note(0.0, place, np.zeros(3), np.zeros(3))
+    assert np.isnan(joint.history().approach_speed[0])
+
+
+def test_depth_beyond_the_law_is_one_clear_error():
+    joint = clearance_joint("hyperbolic_winkler")
+    place = np.array([joint.clearance + 1.01 * joint.deepest, 0, 0])
+    with pytest.raises(StudyError, match="winkler must stay <= 6.1685e-05 m, got 6.23019e-05 m"):
+        joint.forces(place, np.zeros(3), np.zeros(3))
+
+
 def test_bad_joint_is_one_clear_error():
     for changes, message in (
         ({"law": "hooke"}, "law must be one of hertz"),
         ({"law": "stiffened_hertz"}, "stiffened_hertz in SI units must be given socket_ratio"),
         ({"restitution": 1.1}, "restitution must be >= 0 and <= 1, got 1.1"),
         ({"friction": -1}, "friction must be >= 0, got -1"),
+        ({"full_speed": "x"}, "full speed must be one number, got 'x'"),
+        ({"full_speed": 0.0}, "full speed must be > 0 m/s, got 0 m/s"),
+        ({"slow_speed": [1e-4, 1e-3]}, "slow speed must be one number"),
         ({"slow_speed": 0.1}, "slow speed must be >= 0 and < 0.01 m/s, got 0.1 m/s"),
     ):
         with pytest.raises(ValueError, match=message):
@@ -129,9 +153,60 @@ def test_what_exudyns_crank_slider_has_not_is_refused(exudyn):
             crank_slider(Scene(**{name: value}), duration=1e-3)
 
 
-def test_a_step_of_exudyn_is_checked(exudyn):
-    with pytest.raises(ValueError, match="step must be > 0 and <= 0.02 s, got 1 s"):
-        pendulum(clearance_joint(), step=1.0)
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"step": 1.0}, "step must be > 0 and <= 0.02 s, got 1 s"),
+        ({"duration": 0.0}, "duration must be > 0 s, got 0 s"),
+        ({"length": 0.0}, "length must be > 0 m, got 0 m"),
+        ({"mass": -1.0}, "mass must be > 0 kg, got -1 kg"),
+        ({"tilt": np.nan}, "tilt must be finite"),
+        ({"precession": "x"}, "precession must be one number, got 'x'"),
+    ],
+)
+def test_bad_pendulum_is_one_clear_error(exudyn, given, message):
+    with pytest.raises(ValueError, match=message):
+        pendulum(clearance_joint(), **given)
+
+
+def test_pendulum_begins_the_joints_history_anew(exudyn):
+    joint = clearance_joint(**LOSSES)
+    tables = [pendulum(joint, duration=3.2e-3, step=1e-5) for _ in range(2)]
+    assert (tables[0].depth > 0).iloc[-1]  # the first run ends in a contact
+    pd.testing.assert_frame_equal(*tables)
+
+
+def test_ball_that_goes_too_deep_in_exudyn_is_one_clear_error(exudyn):
+    with pytest.raises(StudyError, match="^depth of hyperbolic_winkler must stay <="):
+        pendulum(clearance_joint("hyperbolic_winkler"), mass=1e9, precession=100.0)
+
+
+def test_two_joints_of_one_system_are_both_noted(exudyn):
+    from exudyn import itemInterface as item  # noqa: N813
+    from exudyn.utilities import InertiaSphere
+
+    system = exudyn.SystemContainer().AddSystem()
+    ground = system.AddObject(item.ObjectGround())
+    joints, depths = [clearance_joint(), clearance_joint()], [1e-6, 2e-6]
+    for joint, depth in zip(joints, depths, strict=True):
+        start = [joint.clearance + depth, 0, 0]
+        body = system.CreateRigidBody(
+            inertia=InertiaSphere(0.1, 0.01),
+            nodeType=exudyn.NodeType.RotationRotationVector,
+            initialDisplacement=start,
+        )
+        pair = [
+            system.AddMarker(item.MarkerBodyRigid(bodyNumber=number)) for number in (ground, body)
+        ]
+        joint.connect(system, *pair)
+    with pytest.raises(ValueError, match="joint must be connected once, got it twice"):
+        joints[0].connect(system, *pair)
+    system.Assemble()
+    settings = multibody.integration(1e-5, 1e-6, 1e-6)
+    multibody.solve(system, settings, solverType=exudyn.DynamicSolverType.RK44)
+    for joint, depth in zip(joints, depths, strict=True):
+        assert joint.history().depth[0] == pytest.approx(depth, rel=1e-9)
+        assert len(joint.rows) == 11
 
 
 def test_the_laws_force_is_the_one_of_si_units():

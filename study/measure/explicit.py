@@ -156,6 +156,16 @@ def _centre(y, approach, p, law, half, work, z, a, b, c):
     return acceleration(z, True, approach, p, law, work, c)[2]
 
 
+def start_of(scene: Scene) -> NDArray[np.float64]:
+    """(theta, e_x, e_y) and their rates at t = 0.
+
+    Raises ``ValueError`` for a scene with a constant speed or a second clearance joint.
+    """
+    checks.instance("scene", scene, Scene).has_none_of("crank_speed", "crank_clearance")
+    places = scene.initial_crank_angle, *scene.initial_eccentricity
+    return np.array([*places, scene.initial_crank_speed, 0.0, 0.0])
+
+
 def integrate(
     scene: Scene,
     law: NDArray[np.float64],
@@ -199,7 +209,7 @@ def integrate(
     study.mechanism.MechanismError
         If the step is beyond its limit, or the ball goes deeper than one clearance.
     """
-    checks.instance("scene", scene, Scene).has_none_of("crank_speed", "crank_clearance")
+    own = start_of(scene)
     numbers = checks.number("law", law)
     if np.ndim(numbers) != 1 or np.size(numbers) < 3:
         raise ValueError(f"law must be packed numbers of a law, got {checks.shown(law)}")
@@ -212,8 +222,6 @@ def integrate(
         checks.number("approach", approach, "m/s", above=0, scalar=True)
     if start is not None and np.shape(checks.number("start", start)) != (6,):
         raise ValueError(f"start must be 6 numbers, got {checks.shown(start)}")
-    places = scene.initial_crank_angle, *scene.initial_eccentricity
-    own = *places, scene.initial_crank_speed, 0.0, 0.0
     y = np.array(own if start is None else start, float)
     strides, h = divide([duration * np.arange(2) / outputs], step)
     found = np.zeros((outputs + 1, 2))

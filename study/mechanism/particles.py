@@ -398,7 +398,8 @@ def blocks(
 def _start(scene, frame, ideal, h):
     """Motion at t = 0, the joints at rest: rates of half a step earlier by the accelerations then.
 
-    The links are straight, so that only gravity and the drive's moment accelerate them.
+    The links are straight, so that only gravity and the drive's moment accelerate them. They are
+    unstrained too: a link that turns then stretches, and rings axially at first.
     """
     particles, (e_x, e_y) = len(frame.masses), (0.0, 0.0) if ideal else scene.initial_eccentricity
     (theta, phi), (omega, psi) = scene.configuration(e_y)

@@ -158,4 +158,4 @@ def advance_in_blocks(
                 at = f"time {state[TIME]:.9g} s, step {state[STEP]:.4g} s"
                 raise MechanismError(f"{what}; stopped at {at}")
         number = int(state[IMPACTS])
-        yield rows, impacts[:number].copy(), events[:number]
+        yield rows, impacts[:number].copy(), events[:number].copy()

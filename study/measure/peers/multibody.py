@@ -67,7 +67,11 @@ def sensor(system: Any, node: int, quantity: str) -> int:
 
 
 def integration(duration: float, step: float, period: float) -> Any:
-    """Exudyn's settings for steps of a fixed length, with output every ``period``, all in s."""
+    """Exudyn's settings for steps of a fixed length, with output every ``period``, all in s.
+
+    A step that does not divide the duration becomes the one that does in the nearest whole number
+    of steps, which may be longer.
+    """
     import exudyn as exu
 
     checks.number("duration", duration, "s", above=0, scalar=True)
@@ -82,6 +86,19 @@ def integration(duration: float, step: float, period: float) -> Any:
     time.newton.useModifiedNewton = True
     time.discontinuous.useRecommendedStepSize = False
     return settings
+
+
+def solve(system: Any, settings: Any, **options: Any) -> None:
+    """Step an assembled system; a `study.checks.StudyError` in a user function comes out as it is.
+
+    Exudyn makes it the cause of an error of its own, with all calls in its message.
+    """
+    try:
+        system.SolveDynamic(settings, **options)
+    except Exception as error:
+        if isinstance(error.__cause__, checks.StudyError):
+            raise error.__cause__ from None
+        raise
 
 
 def slider_acceleration(

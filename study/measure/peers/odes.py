@@ -44,6 +44,8 @@ def slider_acceleration(
 
     Raises
     ------
+    ValueError
+        For a scene with a constant speed or a second clearance joint.
     study.checks.StudyError
         If the integrator fails.
     """
@@ -51,8 +53,7 @@ def slider_acceleration(
     checks.number("rtol", rtol, above=0, scalar=True)
     integrate = _sundials if method == "CVODE" else _scipy
     times = duration * np.arange(1, outputs + 1) / outputs
-    p, y, t, approach, found = scene.constants(), np.zeros(6), 0.0, 0.0, []
-    y[1:3] = scene.initial_eccentricity
+    p, y, t, approach, found = scene.constants(), explicit.start_of(scene), 0.0, 0.0, []
     work, out = (*rigid.new_slopes(), np.zeros(8)), np.zeros(3)
     while True:
         contact, speed = approach > 0, approach or inf

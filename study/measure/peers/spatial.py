@@ -5,7 +5,7 @@ three dimensions. `pendulum` hangs a body on it, `crank_slider` is the mechanism
 `study.mechanism` in Exudyn. For another program the force alone is enough: `study export`.
 """
 
-from math import nan
+from math import inf, nan, pi
 from typing import Any
 
 import numpy as np
@@ -17,11 +17,12 @@ from study.contact.damping import Damping, damping_factor
 from study.contact.forces import elastic_force, pack, stored_energy
 from study.contact.friction import friction_branch, friction_factor
 from study.contact.joint_law import JointLaw
-from study.contact.laws import AnyLaw, find
+from study.contact.laws import LIMIT_MARGIN, AnyLaw, find
 from study.measure.peers import multibody
 from study.mechanism import Scene, scene_law
 
 GRAVITY = 9.81
+JOINTS = "clearance joints"  # key of an Exudyn system's variables: joints and their connectors
 Vector = NDArray[np.float64]
 
 
@@ -29,7 +30,8 @@ class ClearanceJoint:
     """A ball in a socket with clearance: the forces on them, and what became of the energy.
 
     The connector acts at both centres. For a socket that turns, its friction leaves out terms of
-    the order of clearance over radius; the normal force is exact.
+    the order of clearance over radius; the normal force is exact. A contact that begins without
+    approach, by its first evaluation, has no approach speed, and is not damped.
 
     Parameters
     ----------
@@ -48,6 +50,11 @@ class ClearanceJoint:
     ----------
     rows
         A tuple for the start and every step so far, columns as of `history`.
+
+    Raises
+    ------
+    ValueError
+        For a value out of range.
     """
 
     def __init__(
@@ -65,13 +72,19 @@ class ClearanceJoint:
         **options: Any,
     ) -> None:
         radii = {"ball_radius": ball_radius, "socket_radius": socket_radius}
-        JointLaw(law, **radii, composite_modulus=composite_modulus, **options)  # checked
+        known = JointLaw(law, **radii, composite_modulus=composite_modulus, **options)
+        self.name, self.deepest = known.name, known.deepest
         self.law = pack(law, *radii.values(), composite_modulus, **options)
         self.ball_radius, self.clearance = ball_radius, self.law[1]
         self.damping_factor = damping_factor(damping, restitution)
         self.friction = checks.number("friction", friction, least=0, scalar=True)
-        slow = checks.number("slow speed", slow_speed, "m/s", least=0, below=full_speed)
-        self.speeds = slow, float(full_speed)
+        full = checks.number("full speed", full_speed, "m/s", above=0, scalar=True)
+        slow = checks.number("slow speed", slow_speed, "m/s", least=0, below=full, scalar=True)
+        self.speeds = slow, full
+        self._begin()
+
+    def _begin(self):
+        """Forget the history."""
         self.approach: float | None = None  # of the contact that goes on, at its first evaluation
         self.rows: list[tuple[float, ...]] = []
         self._losing = 0.0, 0.0, 0.0  # time of the last row, powers lost to damping and friction
@@ -80,16 +93,20 @@ class ClearanceJoint:
         """Force and torque on the ball in N and N m, normal force, powers lost to each in W.
 
         ``place`` and ``velocity`` are those of the ball's centre from the socket's, ``spin`` its
-        angular velocity; SI units.
+        angular velocity; SI units. Raises `study.checks.StudyError` for a depth that the law is
+        not for.
         """
         distance = np.sqrt(place @ place)
         depth = distance - self.clearance
         if depth <= 0:
             return np.zeros(3), np.zeros(3), 0.0, 0.0, 0.0
+        if not depth <= self.deepest * (1 + LIMIT_MARGIN):
+            wanted = f"depth of {self.name} must stay <= {self.deepest:g} m"
+            raise checks.StudyError(f"{wanted}, got {depth:g} m")
         outwards = place / distance
         rate = velocity @ outwards
         if self.approach is None:
-            self.approach = max(rate, 1e-12)  # grazing: no damping by a speed of rounding
+            self.approach = rate if rate > 0 else inf
         elastic = elastic_force(self.law, depth)[0]
         normal = elastic * (1 + self.damping_factor * rate / self.approach)  # Eq. 31
         arm = self.ball_radius * outwards
@@ -103,7 +120,12 @@ class ClearanceJoint:
         return tangential - normal * outwards, np.cross(arm, tangential), normal, *powers
 
     def connect(self, system: Any, socket: int, ball: int) -> None:
-        """Put the joint between two markers of an Exudyn system, at the centres of both."""
+        """Put the joint between two markers of an Exudyn system, at the centres of both.
+
+        Its history begins anew. All joints of a system share its one user function after a step.
+        They are in ``system.variables``, which ``system.Reset()`` keeps: take a new system instead.
+        Raises ``ValueError`` if the joint is in this system already.
+        """
         import exudyn as exu
         from exudyn import itemInterface as item  # noqa: N813
 
@@ -115,13 +137,18 @@ class ClearanceJoint:
             return [*-force, *-torque]  # Exudyn counts what the connector resists
 
         def after_a_step(system, time):
-            self._note(time, *(np.array(system.GetObjectOutput(number, one)) for one in seen))
+            for joint, number in system.variables[JOINTS]:
+                joint._note(time, *(np.array(system.GetObjectOutput(number, one)) for one in seen))
             return True
 
+        joints = system.variables.setdefault(JOINTS, [])
+        if any(joint is self for joint, _ in joints):
+            raise ValueError("joint must be connected once, got it twice in one system")
         connector = item.ObjectConnectorRigidBodySpringDamper(
             markerNumbers=[socket, ball], springForceTorqueUserFunction=force
         )
-        number = system.AddObject(connector)
+        joints.append((self, system.AddObject(connector)))
+        self._begin()
         system.SetPostStepUserFunction(after_a_step)
 
     def _note(self, time, place, velocity, spin):
@@ -135,7 +162,7 @@ class ClearanceJoint:
         pairs = zip(lost, powers, powers_before, strict=True)
         lost = tuple(e + (time - before) * (p + q) / 2 for e, p, q in pairs)
         stored = stored_energy(self.law, depth)
-        approach = nan if self.approach is None else self.approach
+        approach = nan if self.approach in (None, inf) else self.approach
         self.rows.append((time, depth, normal, approach, stored, *lost))
         self._losing = time, *powers
 
@@ -143,7 +170,8 @@ class ClearanceJoint:
         """The joint at the start and after every step, SI units.
 
         Columns time, depth (negative in flight), normal_force, approach_speed (of the contact that
-        goes on, NaN in flight), elastic, lost_damping and lost_friction (J, since t = 0).
+        goes on; NaN in flight, and where it began without one), elastic, lost_damping and
+        lost_friction (J, since t = 0).
         """
         names = ("time", "depth", "normal_force", "approach_speed")
         energies = ("elastic", "lost_damping", "lost_friction")
@@ -171,7 +199,20 @@ def pendulum(
     pandas.DataFrame
         The joint's `history`, and: x, y, z of the rod's centre in m; kinetic energy and potential
         (J); spin_z, the angular momentum about the vertical axis in kg m^2/s.
+
+    Raises
+    ------
+    ValueError
+        For a value out of range.
+    study.checks.StudyError
+        If the ball goes deeper than the law is for.
     """
+    checks.instance("joint", joint, ClearanceJoint)
+    checks.number("length", length, "m", above=0, scalar=True)
+    checks.number("mass", mass, "kg", above=0, scalar=True)
+    checks.number("tilt", tilt, "rad", least=-2 * pi, most=2 * pi, scalar=True)
+    checks.number("precession", precession, "rad/s", least=-1e6, most=1e6, scalar=True)
+    settings = multibody.integration(duration, step, step)
     import exudyn as exu
     from exudyn import itemInterface as item  # noqa: N813
     from exudyn.utilities import RigidBodyInertia, RotationMatrixY, SensorBody
@@ -207,8 +248,7 @@ def pendulum(
         for kind in kinds
     ]
     system.Assemble()
-    settings = multibody.integration(duration, step, step)
-    system.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
+    multibody.solve(system, settings, solverType=exu.DynamicSolverType.RK44)
     table = joint.history()
     stored = [np.array(system.GetSensorStoredData(one))[:, 1:] for one in sensors]
     place, velocity, _, local, rotation = stored
@@ -228,8 +268,10 @@ def crank_slider(
 
     Beside the joint's `history` a column ``slider_position``, in m, as of
     `study.mechanism.simulate`. The materials of ``stiffened_hertz`` are the scene's; its
-    ``socket_ratio`` must be given. Duration and step in s.
+    ``socket_ratio`` must be given. Duration and step in s. Raises `study.checks.StudyError` if the
+    ball goes deeper than the law is for.
     """
+    settings = multibody.integration(duration, step, step)
     s, (system, at, slider) = scene, multibody.links(scene)
     law = find(law)
     options = scene_law.options(scene, law, options)
@@ -248,7 +290,7 @@ def crank_slider(
     joint.connect(system, at("slider", 0), at("coupler", s.coupler_length / 2))
     stored = multibody.sensor(system, slider, "Position")
     system.Assemble()
-    system.SolveDynamic(multibody.integration(duration, step, step))
+    multibody.solve(system, settings)
     table = joint.history()
     table["slider_position"] = system.GetSensorStoredData(stored)[:, 1]
     return table
