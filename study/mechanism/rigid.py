@@ -198,6 +198,5 @@ def record(row, y, contact, f, p, law):
     beta, alpha, omega = f[BETA], f[0], y[3]
     ax = -p.l1 * (st * alpha + ct * omega * omega) - 0.5 * p.l2 * (sp * beta + cp * psi * psi)
     ay = p.l1 * (ct * alpha - st * omega * omega) + 0.5 * p.l2 * (cp * beta - sp * psi * psi)
-    mass = 2 * p.a12 / (p.l1 * p.l2)
-    pull = mass * ax + forces[2], mass * (ay + p.gravity) + forces[3]
+    pull = p.m2 * ax + forces[2], p.m2 * (ay + p.gravity) + forces[3]
     stepping.record_crank_joint(row, (0.0, 0.0, 0.0), (norm(pull[0], pull[1]), 0.0, *pull))

@@ -22,17 +22,12 @@ Body = Literal["crank", "coupler"]
 ROD = "assumed, uniform rod about its centre, m L^2/12"
 Constants = namedtuple(
     "Constants",
-    "l1 l2 a11 a22 a12 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1 steady",
+    "l1 l2 a11 a22 a12 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1 steady "
+    "j1 own_g1 m2 i2 crank_r1",
 )
 """What compiled functions know of a scene, all SI; rigid links as a double pendulum. ``steady`` is
-1 for a crank of constant speed."""
-FreeBodies = namedtuple(
-    "FreeBodies",
-    "l1 l2 a11 a22 a12 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1 steady "
-    "j1 m2 i2 crank_r1",
-)
-"""The same of a scene with two clearance joints, with the crank's inertia about its axis, the
-coupler's mass and inertia, and the radius of the ball on the crank."""
+1 for a crank of constant speed. Of free links: the crank's inertia about its axis and moment of its
+own weight, the coupler's mass and inertia, and the radius of the ball on the crank."""
 Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear bending")
 """Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
 
@@ -238,7 +233,7 @@ class Scene:
             bending=modulus * area**2 / 12,
         )
 
-    def constants(self) -> Constants | FreeBodies:
+    def constants(self) -> Constants:
         """Numbers of the scene for the compiled functions."""
         i1, i2 = self.inertias
         m1, m2, l1, l2 = self.crank_mass, self.coupler_mass, self.crank_length, self.coupler_length
@@ -248,11 +243,9 @@ class Scene:
         loads = self.slider_mass, moment, (m1 / 2 + m2) * g * l1, m2 * g * l2 / 2, g
         joint = self.ball_radius, self.clearance, self.damping_factor, self.friction
         drive = self.slow_speed, self.full_speed, self.crank_speed is not None
-        known = *rods, *loads, *joint, *drive
-        if self.crank_clearance is None:
-            return Constants(*map(float, known))
-        bodies = i1 + m1 * l1**2 / 4, m2, i2, self.socket_radius - self.crank_clearance
-        return FreeBodies(*map(float, (*known, *bodies)))
+        ball = self.socket_radius - (self.crank_clearance or 0.0)
+        free = i1 + m1 * l1**2 / 4, loads[2] - m2 * g * l1, m2, i2, ball
+        return Constants(*map(float, (*rods, *loads, *joint, *drive, *free)))
 
     def parameters(self) -> "pd.DataFrame":
         """Every parameter: where the paper states it, or what this study assumes instead.

@@ -100,8 +100,7 @@ def motion(y, pieces, p, laws, jacobian, f, k):
     fx0, fy0 = -n0 * places[0][0] - t0 * places[0][1], -n0 * places[0][1] + t0 * places[0][0]
     fx1, fy1 = -n1 * places[1][0] - t1 * places[1][1], -n1 * places[1][1] + t1 * places[1][0]
 
-    gravity = p.g1 - p.m2 * p.gravity * p.l1  # that of the crank alone
-    push = p.l1 * (ct * fy1 - st * fx1) + p.crank_r1 * t1 - gravity * ct
+    push = p.l1 * (ct * fy1 - st * fx1) + p.crank_r1 * t1 - p.own_g1 * ct
     moment, alpha = (-push, 0.0) if p.steady > 0 else (p.moment, (p.moment + push) / p.j1)
     sx, sy = fx0 + fx1, fy0 + fy1
     beta = (half * (cp * sy - sp * sx) + p.r1 * t0 - arm * t1) / p.i2
@@ -140,7 +139,7 @@ def _derive(y, kinematics, places, slidings, found, contacts, p, f, k):
     """Fill ``k`` with the derivatives of accelerations and powers, a column for each of (z, z')."""
     (st, ct, sp, cp, psi, beta), (sx, sy), grown = kinematics
     omega, alpha, half = y[5], f[0], 0.5 * p.l2
-    arm, gravity = places[1][2] + p.crank_r1, p.g1 - p.m2 * p.gravity * p.l1
+    arm = places[1][2] + p.crank_r1
     fy1 = -found[1][0] * places[1][1] + found[1][5] * places[1][0]
     fx1 = -found[1][0] * places[1][0] - found[1][5] * places[1][1]
     for i in range(10):
@@ -163,7 +162,7 @@ def _derive(y, kinematics, places, slidings, found, contacts, p, f, k):
         )
         (_, dt0, dfx0, dfy0), (_, dt1, dfx1, dfy1) = pushes
         dpush = p.l1 * (ct * dfy1 - st * dfx1 - (st * fy1 + ct * fx1) * dt)
-        dpush += p.crank_r1 * dt1 + gravity * st * dt
+        dpush += p.crank_r1 * dt1 + p.own_g1 * st * dt
         dalpha, dmoment = (0.0, -dpush) if p.steady > 0 else (dpush / p.j1, 0.0)
         dbeta = half * (cp * (dfy0 + dfy1) - sp * (dfx0 + dfx1) - (sp * sy + cp * sx) * dp)
         dbeta = (dbeta + p.r1 * dt0 - arm * dt1 - dreach * found[1][5]) / p.i2
@@ -246,7 +245,7 @@ def record(row, y, pieces, f, p, laws):
     kinetic = 0.5 * (p.j1 * omega * omega + p.i2 * psi * psi + p.m3 * speed * speed)
     kinetic += 0.5 * p.m2 * (middle[0] * middle[0] + middle[1] * middle[1])
     drive = y[14] if p.steady > 0 else p.moment * y[0]
-    fall = (p.g1 - p.m2 * p.gravity * p.l1) * st + p.m2 * p.gravity * (x[1] + 0.5 * p.l2 * sp)
+    fall = p.own_g1 * st + p.m2 * p.gravity * (x[1] + 0.5 * p.l2 * sp)
     energies = drive - fall, kinetic, 0.0, y[10] + y[12], y[11] + y[13]
     forces = _on_socket(f, 0, places[0]), _on_socket(f, 1, places[1])
     e = (places[0][5], places[0][6], f[DEPTH]), (places[1][5], places[1][6], f[DEPTH + JOINT])
