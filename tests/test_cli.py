@@ -138,8 +138,8 @@ def test_joint_with_dimensions_takes_liners_supports_and_a_tolerance(run):
     status, out, err = run(*lined, "--drive", "clamped", "--json")
     assert (status, err) == (0, "")
     found = json.loads(out)
-    assert [*found["materials"]] == ["ball", "layer 1", "layer 2", "layer 3"]
-    assert found["yield_factor_layer_2"] is None
+    assert [*found["materials"]] == ["ball", "liner 1", "liner 2", "socket"]
+    assert found["yield_factor_liner_2"] is None
     assert found["law"] == "tabulated"
     assert "--drive clamped" in found["export"]
     assert found["export"].count("--layer ") == 3

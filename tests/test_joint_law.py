@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from study import contact
 from study.contact import JointLaw
 from study.joint import Joint, Material, whole_curve
+from study.mechanism import simulate
 from tests.test_laws import PAPER, VARIANTS
 
 SIZES = {"ball_radius": 9.95e-3, "socket_radius": 10e-3, "composite_modulus": 1.1e11}
@@ -123,3 +124,12 @@ def test_wrong_joints(law, changes, message):
 def test_wrong_forces(force):
     with pytest.raises(ValueError, match="force of hertz must be "):
         JointLaw("hertz", **SIZES).depth(force)
+
+
+def test_a_law_with_dimensions_is_no_law_for_others():
+    law = contact.JointLaw("hertz", ball_radius=9.95e-3, socket_radius=0.01, composite_modulus=1e11)
+    for take in (lambda: simulate(law=law), lambda: contact.contact_force(law, 1e-6, 1, 2, 1e11)):
+        with pytest.raises(
+            ValueError, match="law must be a name, a function, or a law without dim"
+        ):
+            take()

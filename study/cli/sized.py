@@ -32,12 +32,12 @@ def told(joint: SizedJoint, solution: SizedSolution, tolerance: float) -> tuple[
         values[f"von_mises_{name}_place"] = list(solution.von_mises_place[body])
         values[f"yield_factor_{name}"] = None if factor is None else factor.tolist()
     values |= {name: getattr(joint, name) for name in ("socket_radius", "clearance", "wall")}
-    values["materials"] = {body: vars(material) for body, material in plain.materials.items()}
+    values["materials"] = {body: vars(material) for body, material in joint.materials.items()}
     without = ("r2_star", "socket_ratio", "modulus_ratio", "composite_modulus")
     values |= {name: getattr(plain, name) for name in without}
     values["depth_star"] = (solution.depth / joint.clearance).tolist()
     law, sentences = _law(joint, largest, tolerance)
-    return values | law, [_contact(solution), _stresses(plain, solution), *sentences]
+    return values | law, [_contact(solution), _stresses(joint, solution), *sentences]
 
 
 def _contact(solution):

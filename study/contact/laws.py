@@ -331,6 +331,9 @@ def find(law: AnyLaw) -> Law:
     if isinstance(law, partial) and hasattr(law.func, "parts"):
         shown = checks.shown(law)
         raise ValueError(f"law must be without its options, which stand beside it, got {shown}")
+    if hasattr(law, "composite_modulus"):  # a JointLaw
+        wanted = "a law without dimensions, such as tabulated(whole_curve(joint))"
+        raise ValueError(f"law must be a name, a function, or {wanted}, got a JointLaw")
     if callable(law) and not isinstance(law, type):
         return sampled(law)
     return LAWS[checks.choice("law", law, LAWS)]

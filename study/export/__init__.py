@@ -93,13 +93,13 @@ class _Content:
     def told(self):
         """Joint, range and error in words."""
         joint = ", ".join(f"{key} {_plain(value)}" for key, value in _described(self.joint).items())
-        of_law = f" at most {_percent(self.error)} against the solved joint."
+        known = f"the joint is solved within about {_percent(self.known)}."
+        if self.name != "tabulated":
+            known = f"at most {_percent(self.error)} against the solved joint. {known.capitalize()}"
         return [
             f"Joint: {joint}.",
             f"Range: depths from 0 to {self.deepest:g} clearances.",
-            f"Error of the force, from {self.least:g} clearances on:"
-            f"{'' if self.name == 'tabulated' else of_law} The joint is solved within about "
-            f"{_percent(self.known)}.",
+            f"Error of the force, from {self.least:g} clearances on: {known}",
         ]
 
     def function(self, form):

@@ -46,7 +46,8 @@ class SizedSolution:
         Estimated relative error of the force: that of the curve beside the depth, and the
         difference from the joint solved at the depth.
     von_mises
-        Largest von Mises stress in each body, in Pa, by its name in ``joint.materials``.
+        Largest von Mises stress in each body, in Pa: ``ball``, ``liner 1`` and so on from the
+        inside out, and ``socket``.
     von_mises_place
         Where it is, k words a body (`study.joint.LargestStress`).
     yield_factor
@@ -120,6 +121,13 @@ class SizedJoint:
             return Joint(r2_star, ratio, ball, socket, **given)
         return Joint(r2_star, ball=ball, layers=self._layers(socket), **given)
 
+    @property
+    def materials(self) -> dict[str, Material]:
+        """Materials of ``ball``, ``liner 1`` and so on from the inside out, and ``socket``."""
+        liners = [f"liner {k}" for k in range(1, len(self.liner) + 1)]
+        values = self.joint.materials.values()
+        return dict(zip(["ball", *liners, "socket"], values, strict=True))
+
     def _layers(self, socket):
         radius, inside = self.socket_radius, 0.0
         layers = []
@@ -174,10 +182,11 @@ class SizedJoint:
         depth_star = depths / self.clearance
         solved = self._solved(depth_star, name, asked, unit)
         largest = solved.largest_stress
-        modulus, strengths = self.joint.composite_modulus, self.joint.materials
+        modulus, strengths = self.joint.composite_modulus, self.materials
+        bodies = dict(zip(self.joint.materials, strengths, strict=True))
         pressure = modulus * self.clearance / self.socket_radius
         off = np.abs(forces / (modulus * self.clearance**2 * solved.force_star) - 1)
-        stresses = {body: pressure * one.von_mises for body, one in largest.items()}
+        stresses = {bodies[name]: pressure * one.von_mises for name, one in largest.items()}
         return SizedSolution(
             depth=depths,
             force=forces,
@@ -186,7 +195,7 @@ class SizedJoint:
             peak_pressure=pressure * solved.peak_pressure_star,
             error_estimate=_error_beside(curve, depth_star) + off,
             von_mises=stresses,
-            von_mises_place={body: one.place for body, one in largest.items()},
+            von_mises_place={bodies[name]: one.place for name, one in largest.items()},
             yield_factor={
                 body: strength / stress if (strength := strengths[body].yield_stress) else None
                 for body, stress in stresses.items()
