@@ -148,13 +148,34 @@ def test_joint_with_dimensions_takes_liners_supports_and_a_tolerance(run):
     assert "No law is told: no model is known to be within the tolerance 1e-05" in out
 
 
+def test_joint_with_dimensions_compares_laws_no_shallower_than_elements_resolve(run):
+    metres = ("--socket-radius", 16e-3, "--clearance", 1e-4, "--wall", 8e-3, "--force")
+    for words in ((500, "--drive", "clamped", "--rim", "free"), (0.5,)):
+        status, out, err = run("joint", *metres, *words, "--json")
+        assert (status, err) == (0, "")
+        found = json.loads(out)
+        least, most = found["law_depths"]
+        assert least < found["depth"][0] < most
+        assert found["law_error_bound"] < 0.01
+
+
+def test_joint_with_dimensions_in_mm_is_asked_whether_they_are_in_m(run):
+    millimetres = ("--socket-radius", 16, "--clearance", 0.1, "--wall", 8, "--force", 500)
+    status, out, err = run("joint", *millimetres)
+    assert (status, err) == (0, "")
+    small = "No law is told: the contact is too small for laws to be compared: there Hertz's law"
+    assert f"{small} holds\n" in out
+    assert out.endswith("The socket's radius is 16 m: are the sizes in m?\n")
+    assert "are the sizes in m?" not in run(*BRONZE, "--force", 8000)[1]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         ([*BRONZE, "--force", 1, "--r2-star", 75], "--r2-star must be left out: --socket-radius"),
         (["joint", "--r2-star", 75, "--depth-star", 0.1, "--ball", "steel"], "--r2-star must be"),
         ([*BRONZE, "--force", 1, "--poisson", 0.3], "--poisson must be left out: --socket-radius"),
-        (BRONZE, "either depth or force must be given, not both"),
+        (BRONZE, "study: depth or force must be given"),
         ([*BRONZE, "--force", 1, "--depth", 1e-6], "either depth or force must be given, not both"),
         (["joint", "--socket-radius", 0.01, "--force", 1], "--clearance and --wall must be given"),
         (["joint", "--force", 1], "--socket-radius and --clearance and --wall must be given"),
@@ -462,6 +483,7 @@ def test_every_option_is_explained_and_every_number_has_its_unit(run):
         (["joint", "--r2star", "9", "--depth-star", "1"], "No such option: --r2star"),
         (["data", "show", "--r2-star", "77"], "r2_star must be one of 20, 40"),
         (["run", "fig99"], "NAME must be one that `study list` shows, got 'fig99'"),
+        (["run", "-p", "r2_star=100"], "-p must be given with a NAME, as in: study run fig10 -p r"),
         (["run", "fig10", "-p", "r2_star"], "-p must be key=value"),
         (["run", "fig10", "-p", "radius=1"], "parameter must be one of"),
         (["run", "fig10", "-p", "r2_star=big"], "parameter r2_star must be of type float"),

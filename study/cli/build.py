@@ -17,6 +17,8 @@ def run_notebooks(names: list[str] = (), settings: list[str] = (), **how):
     """
     from study.pages import catalogue, execute
 
+    if settings and not names:  # or every notebook that has the parameter would run with it
+        raise ValueError(f"-p must be given with a NAME, as in: study run fig10 -p {settings[0]}")
     selected = catalogue.select(names)
     parameters = execute.check_parameters(selected, settings)
     _compare(_make(selected, parameters, **how))
