@@ -164,8 +164,12 @@ def test_joint_with_dimensions_in_mm_is_asked_whether_they_are_in_m(run):
     status, out, err = run("joint", *millimetres)
     assert (status, err) == (0, "")
     small = "No law is told: the contact is too small for laws to be compared: there Hertz's law"
-    assert f"{small} holds\n" in out
+    assert re.search(rf"^{small} holds within 0\.\d+ %$", out, re.M)
     assert out.endswith("The socket's radius is 16 m: are the sizes in m?\n")
+    clamped = ("--socket-radius", 16e-3, "--clearance", 1e-4, "--wall", 8e-3, "--drive", "clamped")
+    assert re.search(
+        rf"^{small} holds within 2\.\d %$", run("joint", *clamped, "--force", 1)[1], re.M
+    )
     assert "are the sizes in m?" not in run(*BRONZE, "--force", 8000)[1]
 
 

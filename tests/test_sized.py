@@ -185,7 +185,7 @@ def test_wrong_joints(changes, message):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({}, "either depth or force must be given, not both"),
+        ({}, "depth or force must be given"),
         ({"depth": 1e-6, "force": 1.0}, "either depth or force must be given, not both"),
         ({"depth": 0}, "depth must be > 0 m, got 0 m"),
         ({"force": [1.0, -3.0]}, "force must be > 0 N, got -3 N"),

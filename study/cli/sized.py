@@ -8,6 +8,10 @@ from study.joint import Joint, Layer, Material, SizedJoint, SizedSolution
 from study.joint.sized import usual_depth
 
 MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
+DEEPER = (1, 4, 12)
+"""Times the depth asked for: laws are compared up to the least that elements resolve. The range
+compared begins at a twelfth of its end at most, so that the depth asked for is within it."""
+LARGE = 1.0  # m: a socket's radius that was hardly meant
 
 
 def liner(text: str) -> tuple[float, str]:
@@ -37,6 +41,8 @@ def told(joint: SizedJoint, solution: SizedSolution, tolerance: float) -> tuple[
     values |= {name: getattr(plain, name) for name in without}
     values["depth_star"] = (solution.depth / joint.clearance).tolist()
     law, sentences = _law(joint, largest, tolerance)
+    if joint.socket_radius >= LARGE:
+        sentences.append(f"The socket's radius is {joint.socket_radius:g} m: are the sizes in m?")
     return values | law, [_contact(solution), _stresses(joint, solution), *sentences]
 
 
@@ -73,11 +79,9 @@ def _digits(value):
 
 def _law(joint, largest, tolerance):
     """The cheapest law that will do up to a depth, as JSON and in words."""
-    from study.choose import choose
-
     plain = joint.joint
     try:
-        choice = choose(_without_yield(plain), largest / joint.clearance, tolerance)
+        choice = _choice(plain, largest / joint.clearance, tolerance)
     except (checks.StudyError, ValueError) as error:  # no checkout, or none is known well enough
         return {"law": None, "law_error_bound": None, "export": None}, [f"No law is told: {error}"]
     least, most = (_digits(joint.clearance * depth / MICRO) for depth in choice.depths)
@@ -112,6 +116,24 @@ def _law(joint, largest, tolerance):
         "law_errors": choice.errors,
         "export": line,
     }, lines
+
+
+def _choice(joint, depth_star, tolerance):
+    """What is chosen for a joint up to a depth, or up to a deeper one that elements resolve."""
+    from study.choose import choose
+    from study.choose.law import errors
+
+    is_small = max(DEEPER) * depth_star <= usual_depth(joint)
+    for deeper in DEEPER if is_small else (1,):
+        try:
+            return choose(_without_yield(joint), deeper * depth_star, tolerance)
+        except checks.RangeError:
+            if not is_small:
+                raise
+    off = errors(joint, depth_star, LAWS["hertz"](depth_star, joint.r2_star))
+    known = off.get("stiffened_hertz")  # which begins as Hertz's law
+    hertz = "" if known is None else f": there Hertz's law holds within {known / PERCENT:.2g} %"
+    raise checks.RangeError(f"the contact is too small for laws to be compared{hertz}")
 
 
 def _without_yield(joint: Joint) -> Joint:

@@ -169,7 +169,9 @@ class SizedJoint:
             For a depth or force that the joint cannot have, because contact would reach the
             socket's rim; for a contact too small to be resolved; unless one of both is given.
         """
-        if (depth is None) == (force is None):
+        if depth is None and force is None:
+            raise ValueError("depth or force must be given")
+        if depth is not None and force is not None:
             raise ValueError("either depth or force must be given, not both")
         name, unit = ("depth", "m") if force is None else ("force", "N")
         given: Any = depth if force is None else force
