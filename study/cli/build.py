@@ -6,7 +6,7 @@ import typer
 
 from study.checks import StudyError
 from study.cli.options import command
-from study.cli.output import fail, paragraphs, show_csv
+from study.cli.output import fail, paragraphs, prose, show_csv
 
 
 @command("run", "study.pages.tasks:build jobs force dask_address")
@@ -104,7 +104,7 @@ def _make(selected, parameters, **how):
     if not made:
         names = ", ".join(notebook.name for notebook in selected)
         of = f" of {names}" if len(selected) < len(every) else ""
-        print(f"Nothing was stale: every figure and table{of} in figures/ is up to date.")
+        print(prose(f"Nothing was stale: every figure and table{of} in figures/ is up to date."))
     return [notebook for notebook in every if notebook in selected or notebook.name in made]
 
 

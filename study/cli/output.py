@@ -33,8 +33,19 @@ def show(told, as_json=False, *parts):
         print(json.dumps(told, allow_nan=False))
         return
     width = _terminal()
-    parts = [p if isinstance(p, str) else "\n".join(_lines(p, width)) for p in parts or [told]]
-    print("\n\n".join(parts))
+    lines = [
+        prose(part) if isinstance(part, str) else "\n".join(_lines(part, width))
+        for part in parts or [told]
+    ]
+    print("\n\n".join(lines))
+
+
+def prose(text):
+    """Sentences, on a terminal wrapped at words; a command to copy stays one line."""
+    width, lines = _terminal(), text.splitlines()
+    if width is None:
+        return text
+    return "\n".join(x if x.startswith("study ") else fill(x, width, **WHOLE) for x in lines)
 
 
 def show_csv(frame):
@@ -57,7 +68,8 @@ def _lines(table, width):
 
     On a terminal, ``width`` characters wide, one that is too wide is turned if it has one row.
     Else what is the same in all rows is said above, and the other columns stand in blocks below
-    each other, each of which begins with the first column.
+    each other, each of which begins with the first column. A column that is still too wide is
+    wrapped at words.
     """
     columns = [_column(head, table[head]) for head in table]
     if width is None or _wide(columns) <= width:
@@ -71,7 +83,7 @@ def _lines(table, width):
         if len(blocks[-1]) > 1 and _wide([*blocks[-1], column]) > width:
             blocks.append([first])
         blocks[-1].append(column)
-    lines = [line for block in blocks for line in ["", *_block(block)]]
+    lines = [line for block in blocks for line in ["", *_block(_wrapped(block, width))]]
     return [*wrap(said, width, **WHOLE), *lines] if said else lines[1:]
 
 
@@ -97,6 +109,21 @@ def _column(head, values):
 
 def _wide(columns):
     return sum(len(column[0]) + len(GAP) for column in columns) - len(GAP)
+
+
+def _wrapped(block, width):
+    """A block in which no line is too wide: the cells of its last column may take several."""
+    *others, last = block
+    room = max(width - _wide(others) - len(GAP), max(map(len, " ".join(last).split())))
+    if _wide(block) <= width or not others:
+        return block
+    rows = []
+    for *cells, text in zip(*block, strict=True):
+        first, *more = wrap(text, room, **WHOLE) or [""]
+        blank = [" " * len(cell) for cell in cells]
+        rows += [[*cells, first], *([*blank, part] for part in more)]
+    *others, last = map(list, zip(*rows, strict=True))
+    return [*others, [cell.ljust(max(map(len, last))) for cell in last]]
 
 
 def _block(columns):

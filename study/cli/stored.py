@@ -30,10 +30,18 @@ def show_data(
 
 @command("materials", group=data_app)
 def list_materials():
-    """List the materials that study joint knows by name: typical values, and sources."""
+    """List the materials that study joint knows by name: typical values, and sources.
+
+    Plain CSV where the output is no terminal.
+    """
+    import pandas as pd
+
     from study.joint import materials
 
     rows, units = materials.table(), {"youngs_modulus": " Pa", "yield_stress": " Pa"}
+    if not sys.stdout.isatty():
+        show_csv(pd.DataFrame(rows))
+        return
     show({name + units.get(name, ""): [row[name] for row in rows] for name in rows[0]})
 
 
