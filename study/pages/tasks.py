@@ -5,6 +5,7 @@ import re
 import signal
 import sys
 import threading
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from _pytask import build as pytask_build
 from _pytask.pluginmanager import get_plugin_manager
 from loky import cpu_count, get_reusable_executor
 from pytask import TaskOutcome
+from pytask_parallel import backends
 
 from study import checks, paths
 from study.checks import StudyError
@@ -37,6 +39,9 @@ def _plugins():
 
 
 pytask_build.get_plugin_manager = _plugins
+# An idle worker stays: of two that end at once, one after 10 s without a task and one because its
+# memory has grown, none is started anew, and the tasks that are left would wait for ever.
+backends.get_reusable_executor = partial(get_reusable_executor, timeout=None)
 
 
 class Built(NamedTuple):
