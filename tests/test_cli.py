@@ -544,14 +544,46 @@ def test_no_dask_scheduler_is_one_line_and_status_1(run):
     assert err.count("\n") == 1
 
 
-def test_interruption_is_one_line_and_status_130(run, monkeypatch):
-    def interrupt(**_):
+def test_interruption_is_one_line_and_status_130(run, monkeypatch, tmp_path):
+    def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(dataset, "load", interrupt)
-    status, _, err = run("data", "show")
-    assert status == 130
-    assert err == "study: interrupted; what was finished is kept\n"
+    for called, kept, words in (
+        ("dataset:load", "", ["data", "show"]),
+        ("export:export", "", ["export", "--law", "hertz", "--format", "c"]),
+        ("choose:choose", "", [*CHOOSE, "--tolerance", 0.1]),
+        ("mechanism:simulate", "", ["simulate", "--output", tmp_path / "motion.csv"]),
+        ("joint:SizedJoint.solve", "", [*BRONZE, "--force", 1]),
+        ("pages.tasks:build", "; what was finished is kept", ["data", "build"]),
+        ("measure.speed:measure", "; what was finished is kept", ["measure"]),
+        ("measure.speed:measure", "", ["measure", "--output", tmp_path / "times.csv"]),
+    ):
+        with monkeypatch.context() as patch:
+            name = f"study.{called}"
+            patch.setattr(name.replace(":", "."), wraps(resolve_name(name))(interrupt))
+            status, _, err = run(*words)
+        assert (status, err) == (130, f"study: interrupted{kept}\n"), words
+
+
+@pytest.mark.parametrize(
+    ("words", "near"),
+    [
+        (["simulate", "--scene", "clearence=1e-5"], "clearance"),
+        ([*BRONZE, "--force", 1, "--ball", "stel"], "steel"),
+        (["law", "hertzz", "--r2-star", 200, "--depth-star", 0.1], "hertz"),
+        (["export", "--law", "tabulatd", "--format", "c"], "tabulated"),
+        (["run", "fig10", "-p", "r2star=100"], "r2_star"),
+        (["run", "fig10", "-p", "kinematics=smal"], "small"),
+        (["law", "hooke", "--r2-star", 200, "--depth-star", 0.1], None),
+        (["simulate", "--scene", "volume=1"], None),
+    ],
+)
+def test_a_wrong_name_is_answered_by_the_nearest_one(run, words, near):
+    status, out, err = run(*words)
+    assert (status, out) == (2, "")
+    assert err.count("\n") == 1
+    assert err.endswith(f": did you mean {near}?\n") == bool(near)
+    assert ("did you mean" in err) == bool(near)
 
 
 def test_simulate_states_its_law_and_takes_materials_by_name(run):

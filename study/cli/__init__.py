@@ -3,14 +3,18 @@
 A user's mistake is one line on standard error and exit status 2; a failure is exit status 1.
 """
 
+import re
 import sys
+from difflib import get_close_matches
 
 import typer
 
 from study import checks
 from study.cli import build, joints, mechanism, stored  # noqa: F401  (each adds its commands)
-from study.cli.options import INTERRUPTED, app
+from study.cli.options import INTERRUPTED, InterruptionError, app
 
+_LISTED = re.compile(r"\bone of (?P<known>.+), got '(?P<asked>[^'=]+)[^']*'$")
+_LISTED_BY_TYPER = re.compile(r"'(?P<asked>[^']+)' is not one of (?P<known>.+)\.$")
 UsageError = typer.BadParameter.__base__  # of every wrong option or argument
 
 
@@ -25,12 +29,24 @@ def main():
         if text.startswith("Usage:"):  # a command group alone: its help is the answer
             print(text, file=sys.stderr)
             sys.exit(2)
-        _complain(text, 2)
+        _complain(_hinted(text), 2)
     except (checks.StudyError, OSError) as error:
         _complain(str(error), 1)
-    if status == INTERRUPTED:
-        _complain("interrupted; what was finished is kept", status)
+    except InterruptionError as kept:
+        _complain(f"interrupted{kept}", INTERRUPTED)
+    if status == INTERRUPTED:  # before a command began
+        _complain("interrupted", status)
     sys.exit(status or 0)
+
+
+def _hinted(text):
+    """What is wrong with a name, and the nearest one of those that the text lists."""
+    found = _LISTED.search(text) or _LISTED_BY_TYPER.search(text)
+    if found is None:
+        return text
+    known = [name.strip("'") for name in found["known"].split(", ")]
+    near = get_close_matches(found["asked"], known, 1)
+    return f"{text.rstrip('.')}: did you mean {near[0]}?" if near else text
 
 
 def _complain(text, status):

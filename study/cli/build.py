@@ -9,7 +9,7 @@ from study.cli.options import command
 from study.cli.output import fail, paragraphs, prose, show_csv
 
 
-@command("run", "study.pages.tasks:build jobs force dask_address")
+@command("run", "study.pages.tasks:build jobs force dask_address", keeps=True)
 def run_notebooks(names: list[str] = (), settings: list[str] = (), **how):
     """Run the stale notebooks and compare their figures and tables with those in figures/.
 
@@ -71,7 +71,7 @@ def typeset_paper():
     print("made  build/paper.pdf")
 
 
-@command("report", "study.pages.tasks:build jobs")
+@command("report", "study.pages.tasks:build jobs", keeps=True)
 def write_report(**how):
     """Bring everything up to date: figures, tables, paper, and the report, build/report/."""
     from study.pages.catalogue import CATALOGUE

@@ -6,7 +6,15 @@ from functools import partial
 from inspect import signature
 from pathlib import Path
 
-from study.cli.options import INTERRUPTED, check_output, command, left_out, number, numbers
+from study.cli.options import (
+    KEPT,
+    InterruptionError,
+    check_output,
+    command,
+    left_out,
+    number,
+    numbers,
+)
 from study.cli.output import bar, named_fields, show, waiting
 
 SHOWN = 20  # impacts in a printed table
@@ -90,7 +98,8 @@ def simulate_mechanism(
     )
     if output is not None:  # last: what was computed is printed even if the disk is full
         response.save(output)
-    return 0 if response.complete else INTERRUPTED
+    if not response.complete:
+        raise InterruptionError(KEPT)
 
 
 def _told(choice, duration):

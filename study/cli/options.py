@@ -26,6 +26,7 @@ data_app = typer.Typer(help="The cached force-depth curves.", no_args_is_help=Tr
 app.add_typer(data_app, name="data")
 
 INTERRUPTED = 130  # typer's status after Ctrl-C
+KEPT = "; what was finished is kept"
 FLAGS = {"ball_drive": "--drive", "form": "--format", "dask_address": "--dask"}
 FLAGS |= {"as_json": "--json", "settings": "-p"}
 ARGUMENTS = {"name": "NAME", "names": "NAME"}
@@ -76,17 +77,26 @@ PLAIN = {
 METAVARS = {bool: None, float: "NUMBER", int: "COUNT", str: "TEXT", Path: "FILE"}
 
 
-def command(name, *library, group=app, defaults=True):
+class InterruptionError(Exception):
+    """Ctrl-C in a command; says what is kept, if something is."""
+
+
+def command(name, *library, group=app, defaults=True, keeps=False):
     """Decorate a function as a command: its annotated parameters become options.
 
     So do parameters of the library, as "module:function parameter parameter ...". Those that are
     given reach the function. They are looked up as the command is called, so that ``study
-    --help`` imports no room.
+    --help`` imports no room. One that ``keeps`` what was finished when it is interrupted does so
+    unless --output is given.
     """
 
     def decorate(function):
         def call(**given):
-            return function(**{key: value for key, value in given.items() if value is not None})
+            given = {key: value for key, value in given.items() if value is not None}
+            try:
+                return function(**given)
+            except KeyboardInterrupt:
+                raise InterruptionError(KEPT if keeps and "output" not in given else "") from None
 
         class Command(typer.core.TyperCommand):
             def make_context(self, *args, **more):

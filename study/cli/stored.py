@@ -55,7 +55,7 @@ def check_data():
     show({"checked": checked, "found": found})
 
 
-@command("build", "study.pages.tasks:build jobs", group=data_app)
+@command("build", "study.pages.tasks:build jobs", group=data_app, keeps=True)
 def build_data(**how):
     """Build the dataset from nothing; an interrupted build resumes."""
     from study.pages import tasks
@@ -64,7 +64,7 @@ def build_data(**how):
     print("The dataset is up to date: data/force_curves.csv, links.csv and datapackage.json.")
 
 
-@command("measure", "study.measure.speed:measure chart repeats")
+@command("measure", "study.measure.speed:measure chart repeats", keeps=True)
 def measure_speed(output: Path | None = None, **how):
     """Time laws (a minute), solvers and steppers (ten minutes each) on this machine.
 
