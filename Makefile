@@ -9,16 +9,19 @@ NEW_ENOUGH := import sys; sys.exit(sys.version_info < (3, 11))
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
 	"$$p" -c "$(NEW_ENOUGH)" 2>/dev/null && { echo "$$p"; break; }; done)
 
-.PHONY: help reproduce test lab data bench lock clean
+.PHONY: help setup reproduce test lab data bench lock clean
 
 help:
 	@echo "make reproduce   set up, rebuild what is stale: figures/, build/paper.pdf, build/report/"
 	@echo "make test        set up, run the whole test suite"
+	@echo "make setup       set up only: .venv with the packages of requirements.lock"
 	@echo "make lab         set up, open the notebooks in JupyterLab"
 	@echo "make data        set up, build the finite-element dataset from nothing"
 	@echo "make bench       set up, measure the speed of solver and steppers"
 	@echo "make lock        renew requirements.lock (needs uv)"
 	@echo "make clean       remove .venv, build/ and all caches"
+
+setup: $(READY)
 
 reproduce: $(READY)
 	@$(BIN)/study report

@@ -68,6 +68,9 @@ def test_a_damaged_table_is_one_clear_error(content, tmp_path, monkeypatch):
     monkeypatch.setattr(materials, "MATERIALS", tmp_path / "materials.csv")
     (tmp_path / "materials.csv").write_text(content)
     materials.table.cache_clear()
-    with pytest.raises(checks.StudyError, match=r"materials.csv is missing or damaged"):
+    with pytest.raises(
+        checks.StudyError,
+        match=r"materials.csv is missing or damaged.* git checkout -- study/joint/materials.csv, ",
+    ):
         materials.table()
     materials.table.cache_clear()
