@@ -39,8 +39,8 @@ def _plugins():
 
 
 pytask_build.get_plugin_manager = _plugins
-# An idle worker stays: of two that end at once, one after 10 s without a task and one because its
-# memory has grown, none is started anew, and the tasks that are left would wait for ever.
+# loky ends idle workers after 10 s. A build was seen to wait for ever once all of them had ended,
+# though a task was left: so they stay.
 backends.get_reusable_executor = partial(get_reusable_executor, timeout=None)
 
 
