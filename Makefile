@@ -9,7 +9,7 @@ NEW_ENOUGH := import sys; sys.exit(sys.version_info < (3, 11))
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
 	"$$p" -c "$(NEW_ENOUGH)" 2>/dev/null && { echo "$$p"; break; }; done)
 
-.PHONY: help setup reproduce test lab data bench lock clean
+.PHONY: help reproduce test setup lab data bench lock clean
 
 help:
 	@echo "make reproduce   set up, rebuild what is stale: figures/, build/paper.pdf, build/report/"
@@ -22,6 +22,7 @@ help:
 	@echo "make clean       remove .venv, build/ and all caches"
 
 setup: $(READY)
+	@echo "Ready: $(BIN)/study --help"
 
 reproduce: $(READY)
 	@$(BIN)/study report

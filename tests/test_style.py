@@ -41,3 +41,10 @@ def test_no_path_of_a_machine():
         text = path.read_text(encoding="utf-8")
         assert root not in text, path
         assert not re.search(r"/(home|Users)/\w+/", text), path
+
+
+def test_make_help_names_every_target():
+    text = (paths.ROOT / "Makefile").read_text(encoding="utf-8")
+    (line,) = re.findall(r"^\.PHONY: help (.+)$", text, re.M)
+    assert re.findall(r'@echo "make (\w+) ', text) == line.split()
+    assert "setup" in line.split()
