@@ -260,7 +260,10 @@ def test_bad_scene_is_one_clear_error(changes, message):
     "options", [{"model": "particles"}, {"model": "beams"}, {"joint": "ideal"}]
 )
 def test_a_model_without_a_second_joint_says_so(options):
-    with pytest.raises(ValueError, match="crank clearance must be left out: model"):
+    with pytest.raises(
+        ValueError,
+        match="crank clearance must be left out: a second clearance joint is for model rigid",
+    ):
         simulate(BOTH, duration=1e-3, **options)
     with pytest.raises(ValueError, match="crank clearance must be left out"):
         choose_model(BOTH, tolerance=0.01)

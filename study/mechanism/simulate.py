@@ -138,8 +138,10 @@ def _check_motion(scene, model, gapless, duration):
     """Refuse what a model does not have, and a crank that does nothing but turn."""
     checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
     if scene.crank_clearance is not None and (model != "rigid" or gapless):
-        kind = "ideal" if gapless else "clearance"
-        raise ValueError(f"crank clearance must be left out: model {model}, joint {kind} has none")
+        raise ValueError(
+            "crank clearance must be left out: a second clearance joint is for model rigid with "
+            f"joint clearance, got model {model} and joint {'ideal' if gapless else 'clearance'}"
+        )
     inertia = scene.inertias[0] + scene.crank_mass * scene.crank_length**2 / 4
     turned = abs(scene.constants().moment) * duration**2 / (2 * inertia)
     turned += abs(scene.starting_speed) * duration
