@@ -81,12 +81,13 @@ def angle_of(sine, cosine):
 
 
 @compiled
-def fifth_root(x):
-    """Fifth root of a number by Newton's method, within 1e-15 from 1e-12 to 1e12."""
-    eighth = sqrt(sqrt(sqrt(x)))
-    root = eighth * sqrt(eighth)  # x^(3/16)
+def sixth_root(x):
+    """Sixth root of a number by Newton's method, within 1e-15 from 1e-12 to 1e12."""
+    square = sqrt(x)
+    eighth = sqrt(sqrt(square))
+    root = eighth * sqrt(sqrt(eighth))  # x^(5/32)
     for _ in range(12):
-        root += (x / (root * root * root * root) - root) / 5
+        root += (square / (root * root) - root) / 3
     return root
 
 

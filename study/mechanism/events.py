@@ -21,21 +21,32 @@ from numpy.typing import NDArray
 from study.compiled import compiled
 from study.contact.friction import friction_branch
 from study.mechanism import rigid, stepping, two_joints
-from study.mechanism.angles import angle_of, fifth_root, norm, sine_cosine
+from study.mechanism.angles import angle_of, norm, sixth_root, sine_cosine
 from study.mechanism.free_impact import impact_depth
 from study.mechanism.response import ALL_COLUMNS
 from study.mechanism.rigid import COSINE, DEPTH, JOINT, NORMAL, NORMAL_RATE, RATE, SINE, SLIDING
-from study.mechanism.rosenbrock import (
+from study.mechanism.collocation import (
+    ORDER,
+    PAIRS,
+    PLACE,
+    POINTS,
+    POWERS,
+    RATE as RATE_WEIGHTS,
     STAGES,
-    begin_stage,
-    cofactors,
-    end_stage,
-    end_stage_of_three,
-    triangles,
+    estimate,
+    extrapolate,
+    factorise,
+    finish,
+    improve,
+    inside,
+    polynomials,
+    stage,
 )
 from study.mechanism.scene import Scene
 
-REACH = 0
+REACH, BEGAN, LENGTH, SMOOTH = range(4)
+END = stepping.STATE
+ITERATIONS, EXACT_ENOUGH = 10, 0.02
 """Place in the state, before those of all models, of the speed that the drive gives."""
 SURFACES, UPWARDS, DOWNWARDS, FORCE_PEAK, DEPTH_PEAK = range(5)
 """Events: the surfaces meet or part, the sliding speed leaves the friction branch, peaks."""
@@ -99,114 +110,114 @@ def _pieces_compiled(joints, laws):
     return lambda joints, laws: (_piece(joints[0]), _piece(joints[1]))
 
 
-def _step(smooth, h, new):
-    """One step of Rodas5P; fills ``new`` and leaves the error estimate in the scratch."""
-    raise TypeError("in compiled code only")
-
-
-@overload(_step, inline="always")
-def _step_compiled(smooth, h, new):
-    if len(smooth[1]) == 1:
-        return lambda smooth, h, new: _step_one(smooth, h, new)
-    return lambda smooth, h, new: _step_two(smooth, h, new)
-
-
 @compiled
-def _step_one(smooth, h, new):
-    y, pieces, p, laws, (f0, k), (u, work, f), integrals = smooth
-    factors, rate, piece, law = cofactors(k, h), 1 / h, pieces[0], laws[0]
-    for i in range(STAGES):
-        begin_stage(i, y, rate, u, work, new, 6 + len(integrals))
-        if i == 0:
-            f[:] = f0
-        else:
-            rigid.motion(new, piece, p, law, False, f, k)
-        end_stage_of_three(i, new, f, k, factors, u, work, integrals)
-    for n in range(6 + len(integrals)):
-        new[n] += u[STAGES - 1, n]
-
-
-@compiled
-def _step_two(smooth, h, new):
-    y, pieces, p, laws, (f0, k), (u, work, f), _ = smooth
-    factors, rate = triangles(k, h, 5), 1 / h
-    for i in range(STAGES):
-        begin_stage(i, y, rate, u, work, new, len(y))
-        if i == 0:
-            f[:] = f0
-        else:
-            two_joints.motion(new, pieces, p, laws, False, f, k)
-        end_stage(i, new, f, k, factors, u, work)
-    for n in range(len(y)):
-        new[n] += u[STAGES - 1, n]
-
-
-@compiled
-def _error(u, y, pieces, joints, seen, reach, tolerance, p, laws):
-    """Largest local error over what ``tolerance`` allows.
+def _size(error, y, pieces, joints, depths, reach, tolerance, p, laws):
+    """Largest of some errors of z and z' over what ``tolerance`` allows.
 
     Places count by the clearance, a depth by the deepest that this impact's approach speed can
     bring, speeds by a tenth of what the drive gives over the clearance (found by measuring).
     """
     n = 1 + 2 * len(pieces)
-    turned, turning = p.l1 * abs(u[7, 0]), p.l1 * abs(u[7, n])
+    turned, turning = p.l1 * abs(error[0]), p.l1 * abs(error[n])
     speed = 0.1 * tolerance * reach + ROUNDOFF * p.l1 * abs(y[n])
-    error = turned / (tolerance * laws[0][1] + ROUNDOFF * p.l1 * abs(y[0]))
-    error = max(error, turning / speed)
+    size = turned / (tolerance * laws[0][1] + ROUNDOFF * p.l1 * abs(y[0]))
+    size = max(size, turning / speed)
     for j in range(len(pieces)):
         clearance, contact, at = laws[j][1], pieces[j][0], 1 + 2 * j
         place = tolerance * clearance
-        deep = tolerance * max(joints[j, DEEP], seen[DEPTH + JOINT * j]) if contact else place
+        deep = tolerance * max(joints[j, DEEP], depths[DEPTH + JOINT * j]) if contact else place
         across = clearance if contact else 1.0
-        error = max(error, abs(u[7, at]) / deep, abs(u[7, at + 1]) * across / place)
-        error = max(error, abs(u[7, n + at]) / speed, abs(u[7, n + at + 1]) * across / speed)
-    return error
+        size = max(size, abs(error[at]) / deep, abs(error[at + 1]) * across / place)
+        size = max(size, abs(error[n + at]) / speed, abs(error[n + at + 1]) * across / speed)
+    return size if size == size else inf
 
 
 @compiled
-def _event(which, j, pieces, seen, p):
-    """Event functions of joint ``j``, negative before and positive after."""
-    contact, at = pieces[j][0], JOINT * j
+def _collocate(h, y, pieces, joints, here, room, reach, tolerance, p, laws):
+    """Find the accelerations at the points of a step by Newton's method; whether it converged."""
+    n, columns, (f0, k) = 1 + 2 * len(pieces), len(y) - 1 - 2 * len(pieces), here
+    rates, residuals, marks, real, pairs, x, z, new, f, error = room
+    factorise(k, h, n, real, pairs)
+    before = inf
+    for _ in range(ITERATIONS):
+        for i in range(STAGES):
+            stage(i, y, h, rates, n, new)
+            _move(new, pieces, p, laws, False, f, k)
+            for m in range(n):
+                residuals[i, m] = f[m] - rates[1 + i, m]
+            for m in range(n, columns):
+                rates[1 + i, m] = f[POWERS + m - n]
+            _mark(i, f, pieces, marks)
+        improve(residuals, rates, n, real, pairs, x, z)
+        for m in range(n):
+            place = speed = 0.0
+            for j in range(STAGES):
+                place += abs(PLACE[STAGES - 1, j] * residuals[j, m])
+                speed += abs(RATE_WEIGHTS[STAGES - 1, j] * residuals[j, m])
+            error[m], error[n + m] = h * h * place, h * speed
+        size = _size(error, y, pieces, joints, f0, reach, tolerance, p, laws)
+        if not size < before:
+            return size < EXACT_ENOUGH
+        left = size * size / (before - size) if before < inf else size
+        if left < EXACT_ENOUGH:
+            return True
+        before = size
+    return False
+
+
+@compiled
+def _mark(i, f, pieces, marks):
+    """Keep what tells events at point ``i`` of a step."""
+    for j in range(len(pieces)):
+        at = JOINT * j
+        marks[i, j, 0], marks[i, j, 1] = f[DEPTH + at], f[RATE + at]
+        marks[i, j, 2], marks[i, j, 3] = f[SLIDING + at], f[NORMAL_RATE + at]
+
+
+@compiled
+def _event(which, piece, depth, rate, sliding, normal_rate, p):
+    """Event functions of a joint, negative before and positive after."""
+    contact, branch, _ = piece
     if which == SURFACES:
-        return -seen[DEPTH + at] if contact else seen[DEPTH + at]
+        return -depth if contact else depth
     if not contact:
         return -1.0
     if which == FORCE_PEAK:
-        return -seen[NORMAL_RATE + at]
+        return -normal_rate
     if which == DEPTH_PEAK:
-        return -seen[RATE + at]
-    branch, bounds = pieces[j][1], (-inf, -p.v1, -p.v0, p.v0, p.v1, inf)
+        return -rate
+    bounds = (-inf, -p.v1, -p.v0, p.v0, p.v1, inf)
     if which == UPWARDS:
-        return seen[SLIDING + at] - bounds[branch + 3]
-    return bounds[branch + 2] - seen[SLIDING + at]
+        return sliding - bounds[branch + 3]
+    return bounds[branch + 2] - sliding
 
 
 @compiled
-def _try(which, j, smooth, h, new):
-    """Step by ``h`` and tell an event function at its end; the scratch keeps what is seen."""
-    _, pieces, p, laws, (_, k), (_, _, f), _ = smooth
-    _step(smooth, h, new)
+def _look(which, j, x, smooth, new, f):
+    """Event function at the share ``x`` of a step, where ``new`` and ``f`` are filled."""
+    y, h, found, pieces, k, p, laws = smooth
+    inside(y, h, found, x, 1 + 2 * len(pieces), new)
     _move(new, pieces, p, laws, False, f, k)
-    return _event(which, j, pieces, f, p)
+    at = JOINT * j
+    seen = f[DEPTH + at], f[RATE + at], f[SLIDING + at], f[NORMAL_RATE + at]
+    return _event(which, pieces[j], *seen, p)
 
 
 @compiled
-def _locate(which, j, before, after, smooth, t, h, new):
-    """Length of the step, at most ``h``, that ends where an event function turns positive.
+def _locate(which, j, low, high, smooth, new, f):
+    """Share of a step, between two, at which an event function turns positive.
 
-    ``before`` and ``after`` are its values at 0 and ``h``; false position with halving of a
-    value that stays (Illinois), each value from a step of its own.
+    By false position with halving of a value that stays (Illinois), on the step's polynomials.
     """
-    low, high, side = 0.0, h, 0
+    before, after = _look(which, j, low, smooth, new, f), _look(which, j, high, smooth, new, f)
+    side = 0
     if before > -1e-9 * after:  # the piece begins on the event, and has left it at once
         before = -after
-    while high - low > 1e-15 * t + 1e-14 * high:
+    while high - low > 1e-12 + 1e-9 * high:
         middle = (low * after - high * before) / (after - before)
         if not low < middle < high:
             middle = 0.5 * (low + high)
-        if not low < middle < high:
-            break
-        value = _try(which, j, smooth, middle, new)
+        value = _look(which, j, middle, smooth, new, f)
         if value < 0:
             after = after / 2 if side < 0 else after
             low, before, side = middle, value, -1
@@ -219,90 +230,124 @@ def _locate(which, j, before, after, smooth, t, h, new):
 
 
 @compiled
-def _first_event(smooth, seen, t, h, new):
-    """Which event of which joint ends a step of ``h`` with ``seen`` at its end, and when.
-
-    The event is -1 for none.
-    """
-    _, pieces, p, _, here, _, _ = smooth
-    first, of = -1, 0
+def _first_event(smooth, marks, new, f, p):
+    """Which event of which joint comes first in a step, -1 for none, and at which share of it."""
+    pieces, first, of, share = smooth[3], -1, 0, inf
     for j in range(len(pieces)):
         for which in (SURFACES, UPWARDS, DOWNWARDS):
-            after = (
-                _try(which, j, smooth, h, new) if first >= 0 else _event(which, j, pieces, seen, p)
-            )
-            if after >= 0:
-                before = _event(which, j, pieces, here[0], p)
-                h = _locate(which, j, before, after, smooth, t, h, new)
-                first, of = which, j
-    return first, of, h
+            low = 0.0
+            for i in range(STAGES):
+                m = marks[i, j, 0], marks[i, j, 1], marks[i, j, 2], marks[i, j, 3]
+                if low < share and _event(which, pieces[j], *m, p) >= 0:
+                    at = _locate(which, j, low, POINTS[i], smooth, new, f)
+                    if at < share:
+                        first, of, share = which, j, at
+                    break
+                low = POINTS[i]
+    return first, of, share
 
 
 @compiled
-def _passes_peak(j, start, seen):
-    """Whether force or depth of a joint has a peak in a step with these ends."""
-    force, depth = NORMAL_RATE + JOINT * j, RATE + JOINT * j
-    return start[force] > 0 >= seen[force] or start[depth] > 0 >= seen[depth]
+def _nearer(which, j, smooth, new, f):
+    """Share of a step that ends close to an event at which it would end on it."""
+    end, before = _look(which, j, 1.0, smooth, new, f), _look(which, j, 0.999, smooth, new, f)
+    share = 1 - 0.001 * end / (end - before)
+    return share if abs(share - 1) < 0.1 else 1.0
 
 
 @compiled
-def _measure_peaks(j, impact, row, smooth, seen, t, h, new):
-    """Locate peaks of force and depth inside a step of ``h`` with ``seen`` at its end.
+def _measure_peaks(j, impact, row, smooth, t, start, marks, new, f):
+    """Locate peaks of force and depth inside a step that begins at ``t`` with ``start``.
 
     ``row`` is that of output at the peak of the force.
     """
-    _, pieces, p, laws, (start, _), (_, _, f), _ = smooth
-    peaks = (FORCE_PEAK, stepping.PEAK_FORCE, NORMAL), (DEPTH_PEAK, stepping.PEAK_DEPTH, DEPTH)
-    for which, column, quantity in peaks:
-        before, after = _event(which, j, pieces, start, p), _event(which, j, pieces, seen, p)
-        at = quantity + JOINT * j
-        if before < 0 <= after and start[at] - before * h > impact[column]:
-            length = _locate(which, j, before, after, smooth, t, h, new)
-            _try(which, j, smooth, length, new)
-            if f[at] > impact[column]:
-                impact[column] = f[at]
-                if which == FORCE_PEAK:
-                    row[0] = t + length
-                    _record(row, new, pieces, f, p, laws)
+    _, h, _, pieces, _, p, laws = smooth
+    peaks = (FORCE_PEAK, stepping.PEAK_FORCE, NORMAL, NORMAL_RATE, 3), (
+        DEPTH_PEAK, stepping.PEAK_DEPTH, DEPTH, RATE, 1
+    )
+    for which, column, quantity, rate, mark in peaks:
+        low, rising = 0.0, start[rate + JOINT * j] > 0
+        for i in range(STAGES):
+            if rising and marks[i, j, mark] <= 0:
+                share = _locate(which, j, low, POINTS[i], smooth, new, f)
+                _look(which, j, share, smooth, new, f)
+                if f[quantity + JOINT * j] > impact[column]:
+                    impact[column] = f[quantity + JOINT * j]
+                    if which == FORCE_PEAK:
+                        row[0] = t + share * h
+                        _record(row, new, pieces, f, p, laws)
+            low, rising = POINTS[i], marks[i, j, mark] > 0
 
 
 @compiled
-def advance(state, y, joints, p, laws, integrals, tolerance, rows, impacts, events):
-    """Step to the time of each row and fill it; return the number of rows filled and the ending."""
+def advance(state, y, joints, kept, p, laws, tolerance, rows, impacts, events):
+    """Step beyond the time of each row and fill it; return the rows filled and the ending."""
     t, h, pieces = state[stepping.TIME], state[stepping.STEP], _pieces(joints, laws)
+    start, was, found, (rates, marks) = kept
+    n, columns, reach = 1 + 2 * len(pieces), len(y) - 1 - 2 * len(pieces), state[REACH]
     here, there = rigid.new_slopes(len(laws)), rigid.new_slopes(len(laws))
-    new, trial = np.zeros(len(y)), np.zeros(len(y))
-    scratch = np.zeros((STAGES, len(y))), np.zeros(len(y)), np.zeros(len(here[0]))
+    new, f = np.zeros(len(y)), np.zeros(len(here[0]))
+    room = (
+        rates, np.zeros((STAGES, n)), marks, np.zeros((n, n)),
+        np.zeros((PAIRS, n, n), np.complex128), np.zeros(n), np.zeros((PAIRS, n), np.complex128),
+        np.zeros(len(y)), np.zeros(len(here[0])), np.zeros(2 * n),
+    )
     known, idle, done = False, 0, 0
     while done < len(rows):
+        if rows[done, 0] <= t:
+            length = state[LENGTH]
+            inside(start, length, found, (rows[done, 0] - state[BEGAN]) / length, n, new)
+            earlier = _pieces(was, laws)
+            _move(new, earlier, p, laws, False, f, here[1])
+            _record(rows[done], new, earlier, f, p, laws)
+            done += 1
+            continue
         if int(state[stepping.IMPACTS]) == len(impacts):
             return done, stepping.FULL
         if not known:
             _move(y, pieces, p, laws, True, here[0], here[1])
             known = True
-        if t >= rows[done, 0]:
-            _record(rows[done], y, pieces, here[0], p, laws)
-            done += 1
-            continue
-        smooth = y, pieces, p, laws, here, scratch, integrals
-        landing = t + h * 1.000001 >= rows[done, 0]
-        length = rows[done, 0] - t if landing else h
-        _step(smooth, length, new)
+        landing = t + h * 1.000001 >= state[END]
+        length = state[END] - t if landing else h
+        for m in range(columns):
+            rates[0, m] = here[0][m if m < n else POWERS + m - n]
+        if state[SMOOTH] > 0:
+            extrapolate(found, 1.0, length / state[LENGTH], n, rates)
+        else:
+            for i in range(STAGES):
+                for m in range(n):
+                    rates[1 + i, m] = rates[0, m]
         state[stepping.STEPS] += 1
-        error = _error(scratch[0], y, pieces, joints, here[0], state[REACH], tolerance, p, laws)
+        error = inf
+        if _collocate(length, y, pieces, joints, here, room, reach, tolerance, p, laws):
+            estimate(y, length, rates, here[1], n, room[3], room[9])
+            error = _size(room[9], y, pieces, joints, here[0], reach, tolerance, p, laws)
         if not error <= 1.0:
-            h = length * (max(0.2, 0.9 / fifth_root(error)) if error < inf else 0.1)
+            h = length * (max(0.2, 0.9 / sixth_root(error)) if error < inf else 0.3)
             if h > 1e-15 * t:
                 continue
             return done, stepping.FAILED
+        finish(y, length, rates, n, new)
         _move(new, pieces, p, laws, True, there[0], there[1])
-        grown = length * min(5.0, 0.9 / fifth_root(max(error, 1e-12)))
+        _mark(STAGES - 1, there[0], pieces, marks)
+        polynomials(rates, columns, found)
+        grown = length * min(4.0, 0.9 / sixth_root(max(error, 1e-9)))
         h = max(h, grown) if landing else grown
-        event, of, length = _first_event(smooth, there[0], t, length, trial)
+        smooth = y, length, found, pieces, here[1], p, laws
+        event, of, share = _first_event(smooth, marks, room[7], room[8], p)
         if event >= 0:
             landing, known = False, False
-            _step(smooth, length, new)
+            for again in range(2):
+                extrapolate(found, 0.0, share, n, rates)
+                length *= share
+                _collocate(length, y, pieces, joints, here, room, reach, tolerance, p, laws)
+                polynomials(rates, columns, found)
+                smooth = y, length, found, pieces, here[1], p, laws
+                if again == 0:
+                    share = _nearer(event, of, smooth, room[7], room[8])
+            finish(y, length, rates, n, new)
             _move(new, pieces, p, laws, False, there[0], there[1])
+            _mark(STAGES - 1, there[0], pieces, marks)
             idle = idle + 1 if length <= 1e-14 * t else 0
             if idle > 100:
                 return done, stepping.FAILED
@@ -312,11 +357,12 @@ def advance(state, y, joints, p, laws, integrals, tolerance, rows, impacts, even
                 if seen[DEPTH + JOINT * j] > laws[j][1]:
                     state[stepping.LIMIT] = laws[j][1]
                     return done, stepping.TOO_DEEP
-                if _passes_peak(j, here[0], seen):
-                    at = int(joints[j, NUMBER])
-                    row = events[at, stepping.PEAK]
-                    _measure_peaks(j, impacts[at], row, smooth, seen, t, length, trial)
-        t = state[stepping.TIME] = rows[done, 0] if landing else t + length
+                at = int(joints[j, NUMBER])
+                row = events[at, stepping.PEAK]
+                _measure_peaks(j, impacts[at], row, smooth, t, here[0], marks, room[7], room[8])
+        start[:], was[:] = y, joints
+        state[BEGAN], state[LENGTH], state[SMOOTH] = t, length, 1.0 if event < 0 else 0.0
+        t = state[stepping.TIME] = state[END] if landing else t + length
         y[:] = new
         for j in range(len(pieces)):
             if pieces[j][0]:
@@ -385,10 +431,10 @@ def stepper(
 ) -> tuple[NDArray[np.float64], Callable]:
     """State at t = 0, and the loop that steps it, for ``advance_in_blocks``; ``horizon`` in s."""
     p, clearances = scene.constants(), (scene.clearance, scene.crank_clearance or 0.0)[: len(laws)]
-    integrals = (0,) * (2 * len(laws) + (scene.crank_speed is not None))
+    integrals = 2 * len(laws) + (scene.crank_speed is not None)
     unknowns = 1 + 2 * len(laws)
-    state, joints = np.zeros(stepping.STATE), np.zeros((len(laws), 5))
-    y, (f, k) = np.zeros(2 * unknowns + len(integrals)), rigid.new_slopes(len(laws))
+    state, joints = np.zeros(stepping.STATE + 1), np.zeros((len(laws), 5))
+    y, (f, k) = np.zeros(2 * unknowns + integrals), rigid.new_slopes(len(laws))
     y[0], y[unknowns] = scene.initial_crank_angle, scene.starting_speed
     y[1:3] = scene.initial_eccentricity
     accelerate(y, joints, p, laws, f, k)
@@ -397,7 +443,10 @@ def stepper(
         reach = sqrt(norm(f[1 + 2 * j], f[2 + 2 * j]) * clearance)
         state[REACH] = max(state[REACH], reach, clearance / horizon)
     state[stepping.STEP] = min(1e-3 * scene.clearance / state[REACH], horizon)
-    return state, partial(advance, state, y, joints, p, laws, integrals, tolerance)
+    state[LENGTH], state[END] = 1.0, horizon
+    rates = np.zeros((ORDER, unknowns + integrals))
+    memory = y.copy(), joints.copy(), np.zeros_like(rates), (rates, np.zeros((STAGES, len(laws), 4)))
+    return state, partial(advance, state, y, joints, memory, p, laws, tolerance)
 
 
 def blocks(

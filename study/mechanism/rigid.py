@@ -16,7 +16,7 @@ from study.compiled import compiled
 from study.contact.forces import joint_forces
 from study.mechanism import stepping
 from study.mechanism.angles import angle_of, norm, sine_cosine
-from study.mechanism.rosenbrock import POWERS
+from study.mechanism.collocation import POWERS
 
 # Places in what `motion` finds, after the accelerations and the powers: of the joint (a second one
 # has its own `JOINT` places later), then of the mechanism

@@ -30,7 +30,7 @@ from study.mechanism.rigid import (
     SLIDING,
     TANGENTIAL,
 )
-from study.mechanism.rosenbrock import POWERS
+from study.mechanism.collocation import POWERS
 
 _UNIT = np.eye(10)
 

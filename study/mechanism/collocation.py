@@ -1,0 +1,278 @@
+"""One step of collocation at Radau's points, for compiled loops: of order 9, for stiff equations.
+
+For z'' = f(z, z') with three or five unknowns, beside which integrals are carried whose rates
+depend on z and z' alone. A state is (z, z', integrals), ``f`` the accelerations and, from `POWERS`
+on, the integrals' rates, ``k`` their derivatives to (z, z').
+
+A step's accelerations are a polynomial in time that meets the equations at the five points of
+Radau's right rule (Radau IIA), and tells the state at every time in the step. Newton's method finds
+the accelerations at the points, with the derivatives at the step's start; in the eigenvectors of
+Radau's matrix its system falls apart into a real one and two complex ones of the unknowns' number.
+The error is estimated against a method of order 5 with the same points and the step's start
+(Hairer and Wanner, Solving Ordinary Differential Equations II, secs. IV.5 and IV.8).
+"""
+
+from fractions import Fraction
+from math import comb
+
+import numpy as np
+
+from study.compiled import compiled
+
+STAGES = 5
+PAIRS = STAGES // 2
+ORDER = STAGES + 1
+"""Power of the step that the error estimate grows with."""
+POWERS = 5
+"""Place of the integrals' rates in ``f`` and ``k``."""
+
+
+def _legendre(degree):
+    """Coefficients of Legendre's polynomial on (0, 1), from the lowest power."""
+    return [
+        (-1) ** (degree + k) * comb(degree, k) * comb(degree + k, k) for k in range(degree + 1)
+    ]
+
+
+def _value(coefficients, x):
+    return sum(c * x**k for k, c in enumerate(coefficients))
+
+
+def _points():
+    """Radau's points in (0, 1]: exact but for rounding, so that they are the same everywhere."""
+    low = [*_legendre(STAGES - 1), 0]
+    radau = [a - b for a, b in zip(_legendre(STAGES), low, strict=True)]
+    slope = [k * c for k, c in enumerate(radau)][1:]
+    points = sorted(float(x.real) for x in np.roots(radau[::-1]))
+    for _ in range(3):  # Newton's method, in fractions
+        exact = [Fraction(x) for x in points]
+        points = [float(x - _value(radau, x) / _value(slope, x)) for x in exact]
+    return [*points[:-1], 1.0]
+
+
+def _polynomials(points):
+    """Coefficients of Lagrange's polynomials of some points, each from the lowest power."""
+    found = []
+    for j, own in enumerate(points):
+        one = [Fraction(1)]
+        for i, other in enumerate(points):
+            if i != j:
+                scale = 1 / (own - other)
+                shifted, kept = [Fraction(0), *one], [*one, Fraction(0)]
+                one = [scale * (a - other * b) for a, b in zip(shifted, kept, strict=True)]
+        found.append(one)
+    return found
+
+
+def _integrals(points):
+    """Radau's matrix: Lagrange's polynomials integrated from 0 to each point."""
+    antiderivatives = [
+        [Fraction(0), *(c / (k + 1) for k, c in enumerate(one))] for one in _polynomials(points)
+    ]
+    return [[_value(one, x) for one in antiderivatives] for x in points]
+
+
+def _eigenvectors(matrix):
+    """Eigenvalue and vectors of the real one, of one of each complex pair, and their inverses.
+
+    Newton's method only converges by them; they are rounded, because their last bits differ
+    between processors.
+    """
+    values, vectors = np.linalg.eig(matrix)
+    order = np.argsort(values.imag)
+    order = np.append(order[PAIRS], order[PAIRS + 1 :])  # the real one, then Im > 0
+    both = vectors / vectors[-1]
+    inverse = np.linalg.inv(both)
+    values, vectors, inverse = (
+        np.round(x, 10) for x in (values[order], both[:, order], inverse[order])
+    )
+    real = values[0].real, vectors[:, 0].real.copy(), inverse[0].real.copy()
+    return real, (values[1:], 2 * vectors[:, 1:], inverse[1:])
+
+
+_EXACT = [Fraction(x) for x in _points()]
+_MATRIX = _integrals(_EXACT)
+_SQUARE = [[sum(a * b for a, b in zip(row, c, strict=True)) for c in zip(*_MATRIX, strict=True)] for row in _MATRIX]
+POINTS = np.array([float(x) for x in _EXACT])
+RATE, PLACE = np.array(_MATRIX, dtype=float), np.array(_SQUARE, dtype=float)
+"""Weights of the accelerations at the points in the change of rates and places up to each point."""
+(REAL, REAL_VECTOR, REAL_INVERSE), (COMPLEX, COMPLEX_VECTORS, COMPLEX_INVERSES) = _eigenvectors(RATE)
+_WITH_START = _polynomials([Fraction(0), *_EXACT])
+MONOMIALS = np.array(list(zip(*_WITH_START, strict=True)), dtype=float)
+"""Coefficients of the polynomial in a step's time from its values at the start and the points."""
+
+
+def _lower_order():
+    """Weights of the rates' difference to a method of order `STAGES`, which has `REAL` at 0."""
+    gamma = Fraction(REAL)
+    # it integrates 1, x, x^2, ...: weights of Lagrange's polynomials on (0, 1), less gamma at 0
+    weights = [
+        sum(c / (k + 1) for k, c in enumerate(one)) - gamma * one[0]
+        for one in _polynomials(_EXACT)
+    ]
+    change = [a - b for a, b in zip(weights, _MATRIX[-1], strict=True)]
+    of_places = [
+        sum(a * row[j] for a, row in zip(change, _MATRIX, strict=True)) for j in range(STAGES)
+    ]
+    return np.array(change, dtype=float), np.array(of_places, dtype=float)
+
+
+RATE_ERROR, PLACE_ERROR = _lower_order()
+
+
+@compiled
+def factorise(k, h, n, real, pairs):
+    """Triangular factors of Newton's systems I - h a df/dz' - (h a)^2 df/dz, for each eigenvalue a.
+
+    Without pivoting: the largest entries are on the diagonal, those of the depths.
+    """
+    a = h * REAL
+    for i in range(n):
+        for j in range(n):
+            real[i, j] = -a * (k[i, n + j] + a * k[i, j])
+        real[i, i] += 1
+    for i in range(n):
+        real[i, i] = 1 / real[i, i]
+        for row in range(i + 1, n):
+            real[row, i] *= real[i, i]
+            for j in range(i + 1, n):
+                real[row, j] -= real[row, i] * real[i, j]
+    for q in range(PAIRS):
+        b = h * COMPLEX[q]
+        for i in range(n):
+            for j in range(n):
+                pairs[q, i, j] = -b * (k[i, n + j] + b * k[i, j])
+            pairs[q, i, i] += 1
+        for i in range(n):
+            d = pairs[q, i, i]
+            pairs[q, i, i] = d.conjugate() * (1 / (d.real * d.real + d.imag * d.imag))
+            for row in range(i + 1, n):
+                pairs[q, row, i] *= pairs[q, i, i]
+                for j in range(i + 1, n):
+                    pairs[q, row, j] -= pairs[q, row, i] * pairs[q, i, j]
+
+
+@compiled
+def solve(w, x, n):
+    """Solve with triangular factors, in place."""
+    for i in range(n):
+        for j in range(i):
+            x[i] -= w[i, j] * x[j]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            x[i] -= w[i, j] * x[j]
+        x[i] *= w[i, i]
+
+
+@compiled
+def stage(i, y, h, rates, n, new):
+    """Fill ``new`` with the state at point ``i`` of a step, but for the integrals."""
+    for m in range(n):
+        place = speed = 0.0
+        for j in range(STAGES):
+            place += PLACE[i, j] * rates[1 + j, m]
+            speed += RATE[i, j] * rates[1 + j, m]
+        new[m] = y[m] + h * (POINTS[i] * y[n + m] + h * place)
+        new[n + m] = y[n + m] + h * speed
+
+
+@compiled
+def improve(residuals, rates, n, real, pairs, x, z):
+    """One step of Newton's method on the accelerations at the points, which ``residuals`` change.
+
+    They are replaced by the changes.
+    """
+    for m in range(n):
+        x[m] = 0.0
+        for j in range(STAGES):
+            x[m] += REAL_INVERSE[j] * residuals[j, m]
+    solve(real, x, n)
+    for q in range(PAIRS):
+        for m in range(n):
+            z[q, m] = 0.0
+            for j in range(STAGES):
+                z[q, m] += COMPLEX_INVERSES[q, j] * residuals[j, m]
+        for i in range(n):
+            for j in range(i):
+                z[q, i] -= pairs[q, i, j] * z[q, j]
+        for i in range(n - 1, -1, -1):
+            for j in range(i + 1, n):
+                z[q, i] -= pairs[q, i, j] * z[q, j]
+            z[q, i] *= pairs[q, i, i]
+    for i in range(STAGES):
+        for m in range(n):
+            change = REAL_VECTOR[i] * x[m]
+            for q in range(PAIRS):
+                v = COMPLEX_VECTORS[i, q]
+                change += v.real * z[q, m].real - v.imag * z[q, m].imag
+            residuals[i, m] = change
+            rates[1 + i, m] += change
+
+
+@compiled
+def finish(y, h, rates, n, new):
+    """Fill ``new`` with the state at the step's end, integrals too."""
+    stage(STAGES - 1, y, h, rates, n, new)
+    for m in range(2 * n, len(y)):
+        new[m] = y[m]
+        for j in range(STAGES):
+            new[m] += h * RATE[STAGES - 1, j] * rates[1 + j, m - n]
+
+
+@compiled
+def estimate(y, h, rates, k, n, real, error):
+    """Fill ``error`` with the estimated errors of z and z' of a step."""
+    g = h * REAL
+    for m in range(n):
+        place, speed = 0.0, REAL * rates[0, m]
+        for j in range(STAGES):
+            place += PLACE_ERROR[j] * rates[1 + j, m]
+            speed += RATE_ERROR[j] * rates[1 + j, m]
+        error[m], error[n + m] = h * h * place, h * speed
+    rest = error[n:]
+    for m in range(n):
+        for j in range(n):
+            rest[m] += g * k[m, j] * error[j]
+    solve(real, rest, n)
+    for m in range(n):
+        error[m] += g * rest[m]
+
+
+@compiled
+def polynomials(rates, columns, found):
+    """Fill ``found`` with the coefficients of accelerations and powers over the step's time."""
+    for i in range(ORDER):
+        for m in range(columns):
+            total = 0.0
+            for j in range(ORDER):
+                total += MONOMIALS[i, j] * rates[j, m]
+            found[i, m] = total
+
+
+@compiled
+def extrapolate(found, share, ratio, n, rates):
+    """Guess the accelerations at the points of a step from the polynomials of another.
+
+    The step starts at ``share`` of the other one and has ``ratio`` times its length.
+    """
+    for j in range(STAGES):
+        x = share + ratio * POINTS[j]
+        for m in range(n):
+            total = 0.0
+            for i in range(ORDER - 1, -1, -1):
+                total = total * x + found[i, m]
+            rates[1 + j, m] = total
+
+
+@compiled
+def inside(y, h, found, x, n, new):
+    """Fill ``new`` with the state at the share ``x`` of a step from ``y``, integrals too."""
+    for m in range(len(y) - n):
+        speed = place = 0.0
+        for i in range(ORDER - 1, -1, -1):
+            share = found[i, m] / (i + 1)
+            speed = speed * x + share
+            place = place * x + share / (i + 2)
+        new[n + m] = y[n + m] + h * x * speed
+        if m < n:
+            new[m] = y[m] + h * x * (y[n + m] + h * x * place)
