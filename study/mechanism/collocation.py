@@ -213,10 +213,11 @@ def improve(residuals, rates, n, real, pairs, x, z):
 def finish(y, h, rates, n, new):
     """Fill ``new`` with the state at the step's end, integrals too."""
     stage(STAGES - 1, y, h, rates, n, new)
-    for m in range(2 * n, len(y)):
-        new[m] = y[m]
+    for m in range(n):
+        integral = 0.0
         for j in range(STAGES):
-            new[m] += h * RATE[STAGES - 1, j] * rates[1 + j, m - n]
+            integral += RATE[STAGES - 1, j] * rates[1 + j, n + m]
+        new[2 * n + m] = y[2 * n + m] + h * integral
 
 
 @compiled
@@ -267,7 +268,7 @@ def extrapolate(found, share, ratio, n, rates):
 @compiled
 def inside(y, h, found, x, n, new):
     """Fill ``new`` with the state at the share ``x`` of a step from ``y``, integrals too."""
-    for m in range(len(y) - n):
+    for m in range(2 * n):
         speed = place = 0.0
         for i in range(ORDER - 1, -1, -1):
             share = found[i, m] / (i + 1)

@@ -24,13 +24,11 @@ from study.mechanism import rigid, stepping, two_joints
 from study.mechanism.angles import angle_of, norm, sixth_root, sine_cosine
 from study.mechanism.free_impact import impact_depth
 from study.mechanism.response import ALL_COLUMNS
-from study.mechanism.rigid import COSINE, DEPTH, JOINT, NORMAL, NORMAL_RATE, RATE, SINE, SLIDING
 from study.mechanism.collocation import (
     ORDER,
     PAIRS,
     PLACE,
     POINTS,
-    POWERS,
     RATE as RATE_WEIGHTS,
     STAGES,
     estimate,
@@ -59,38 +57,44 @@ Laws = tuple[NDArray[np.float64], ...]
 compiler, so that each number has loops of its own."""
 
 
-def _move(y, pieces, p, laws, jacobian, f, k):
-    """Accelerations, powers and what else is found, of the mechanism with these joints."""
+def _move(y, pieces, p, laws):
+    """Accelerations, powers and forces of the mechanism with these joints."""
     raise TypeError("in compiled code only")
 
 
-@overload(_move, inline="always")
-def _move_compiled(y, pieces, p, laws, jacobian, f, k):
+@overload(_move)
+def _move_compiled(y, pieces, p, laws):
     if len(pieces) == 1:
-        return lambda y, pieces, p, laws, jacobian, f, k: rigid.motion(
-            y, pieces[0], p, laws[0], jacobian, f, k
-        )
-    return lambda y, pieces, p, laws, jacobian, f, k: two_joints.motion(
-        y, pieces, p, laws, jacobian, f, k
-    )
+        return lambda y, pieces, p, laws: rigid.motion(y, pieces[0], p, laws[0])
+    return lambda y, pieces, p, laws: two_joints.motion(y, pieces, p, laws)
 
 
-@compiled
-def accelerate(y, joints, p, laws, f, k):
-    """Fill ``f`` at a state, without derivatives."""
-    _move(y, _pieces(joints, laws), p, laws, False, f, k)
+def _derive(y, pieces, p, found, parts, k):
+    """Fill ``k`` with the derivatives of the accelerations that `_move` found."""
+    raise TypeError("in compiled code only")
 
 
-def _record(row, y, pieces, f, p, laws):
+@overload(_derive)
+def _derive_compiled(y, pieces, p, found, parts, k):
+    if len(pieces) == 1:
+        return lambda y, pieces, p, found, parts, k: rigid.derive(y, pieces[0], p, found, parts, k)
+    return lambda y, pieces, p, found, parts, k: two_joints.derive(y, pieces, p, found, parts, k)
+
+
+def _record(row, y, pieces, found, p, laws):
     """Fill a row of output, which has its time already."""
     raise TypeError("in compiled code only")
 
 
-@overload(_record, inline="always")
-def _record_compiled(row, y, pieces, f, p, laws):
+@overload(_record)
+def _record_compiled(row, y, pieces, found, p, laws):
     if len(pieces) == 1:
-        return lambda row, y, pieces, f, p, laws: rigid.record(row, y, pieces[0][0], f, p, laws[0])
-    return lambda row, y, pieces, f, p, laws: two_joints.record(row, y, pieces, f, p, laws)
+        return lambda row, y, pieces, found, p, laws: rigid.record(
+            row, y, pieces[0][0], found, p, laws[0]
+        )
+    return lambda row, y, pieces, found, p, laws: two_joints.record(
+        row, y, pieces, found, p, laws
+    )
 
 
 def _pieces(joints, laws):
@@ -103,7 +107,7 @@ def _piece(one):
     return one[CONTACT] > 0, int(one[BRANCH]), one[APPROACH]
 
 
-@overload(_pieces, inline="always")
+@overload(_pieces)
 def _pieces_compiled(joints, laws):
     if len(laws) == 1:
         return lambda joints, laws: (_piece(joints[0]),)
@@ -111,7 +115,16 @@ def _pieces_compiled(joints, laws):
 
 
 @compiled
-def _size(error, y, pieces, joints, depths, reach, tolerance, p, laws):
+def motion(y, joints, p, laws, k):
+    """Accelerations, powers and forces at a state; fill ``k`` with the accelerations' derivatives."""
+    pieces = _pieces(joints, laws)
+    found, parts = _move(y, pieces, p, laws)
+    _derive(y, pieces, p, found, parts, k)
+    return found
+
+
+@compiled
+def _size(error, y, pieces, joints, seen, reach, tolerance, p, laws):
     """Largest of some errors of z and z' over what ``tolerance`` allows.
 
     Places count by the clearance, a depth by the deepest that this impact's approach speed can
@@ -125,7 +138,7 @@ def _size(error, y, pieces, joints, depths, reach, tolerance, p, laws):
     for j in range(len(pieces)):
         clearance, contact, at = laws[j][1], pieces[j][0], 1 + 2 * j
         place = tolerance * clearance
-        deep = tolerance * max(joints[j, DEEP], depths[DEPTH + JOINT * j]) if contact else place
+        deep = tolerance * max(joints[j, DEEP], seen[j].depth) if contact else place
         across = clearance if contact else 1.0
         size = max(size, abs(error[at]) / deep, abs(error[at + 1]) * across / place)
         size = max(size, abs(error[n + at]) / speed, abs(error[n + at + 1]) * across / speed)
@@ -133,21 +146,21 @@ def _size(error, y, pieces, joints, depths, reach, tolerance, p, laws):
 
 
 @compiled
-def _collocate(h, y, pieces, joints, here, room, reach, tolerance, p, laws):
+def _collocate(h, y, pieces, joints, seen, room, reach, tolerance, p, laws):
     """Find the accelerations at the points of a step by Newton's method; whether it converged."""
-    n, columns, (f0, k) = 1 + 2 * len(pieces), len(y) - 1 - 2 * len(pieces), here
-    rates, residuals, marks, real, pairs, x, z, new, f, error = room
+    n = 1 + 2 * len(pieces)
+    rates, residuals, marks, k, real, pairs, x, z, new, error = room
     factorise(k, h, n, real, pairs)
     before = inf
     for _ in range(ITERATIONS):
         for i in range(STAGES):
             stage(i, y, h, rates, n, new)
-            _move(new, pieces, p, laws, False, f, k)
+            found, _ = _move(new, pieces, p, laws)
             for m in range(n):
-                residuals[i, m] = f[m] - rates[1 + i, m]
-            for m in range(n, columns):
-                rates[1 + i, m] = f[POWERS + m - n]
-            _mark(i, f, pieces, marks)
+                residuals[i, m] = found.accelerations[m] - rates[1 + i, m]
+            for m in range(n):
+                rates[1 + i, n + m] = found.powers[m]
+            _mark(i, found.joints, marks)
         improve(residuals, rates, n, real, pairs, x, z)
         for m in range(n):
             place = speed = 0.0
@@ -155,7 +168,7 @@ def _collocate(h, y, pieces, joints, here, room, reach, tolerance, p, laws):
                 place += abs(PLACE[STAGES - 1, j] * residuals[j, m])
                 speed += abs(RATE_WEIGHTS[STAGES - 1, j] * residuals[j, m])
             error[m], error[n + m] = h * h * place, h * speed
-        size = _size(error, y, pieces, joints, f0, reach, tolerance, p, laws)
+        size = _size(error, y, pieces, joints, seen, reach, tolerance, p, laws)
         if not size < before:
             return size < EXACT_ENOUGH
         left = size * size / (before - size) if before < inf else size
@@ -166,12 +179,11 @@ def _collocate(h, y, pieces, joints, here, room, reach, tolerance, p, laws):
 
 
 @compiled
-def _mark(i, f, pieces, marks):
+def _mark(i, joints, marks):
     """Keep what tells events at point ``i`` of a step."""
-    for j in range(len(pieces)):
-        at = JOINT * j
-        marks[i, j, 0], marks[i, j, 1] = f[DEPTH + at], f[RATE + at]
-        marks[i, j, 2], marks[i, j, 3] = f[SLIDING + at], f[NORMAL_RATE + at]
+    for j in range(len(joints)):
+        marks[i, j, 0], marks[i, j, 1] = joints[j].depth, joints[j].rate
+        marks[i, j, 2], marks[i, j, 3] = joints[j].sliding, joints[j].normal_rate
 
 
 @compiled
@@ -193,23 +205,28 @@ def _event(which, piece, depth, rate, sliding, normal_rate, p):
 
 
 @compiled
-def _look(which, j, x, smooth, new, f):
-    """Event function at the share ``x`` of a step, where ``new`` and ``f`` are filled."""
-    y, h, found, pieces, k, p, laws = smooth
+def _look(x, smooth, new):
+    """Fill ``new`` with the state at the share ``x`` of a step, and tell what is found there."""
+    y, h, found, pieces, p, laws = smooth
     inside(y, h, found, x, 1 + 2 * len(pieces), new)
-    _move(new, pieces, p, laws, False, f, k)
-    at = JOINT * j
-    seen = f[DEPTH + at], f[RATE + at], f[SLIDING + at], f[NORMAL_RATE + at]
-    return _event(which, pieces[j], *seen, p)
+    return _move(new, pieces, p, laws)[0]
 
 
 @compiled
-def _locate(which, j, low, high, smooth, new, f):
+def _value(which, j, x, smooth, new):
+    """Event function of a joint at the share ``x`` of a step."""
+    _, _, _, pieces, p, _ = smooth
+    joint = _look(x, smooth, new).joints[j]
+    return _event(which, pieces[j], joint.depth, joint.rate, joint.sliding, joint.normal_rate, p)
+
+
+@compiled
+def _locate(which, j, low, high, smooth, new):
     """Share of a step, between two, at which an event function turns positive.
 
     By false position with halving of a value that stays (Illinois), on the step's polynomials.
     """
-    before, after = _look(which, j, low, smooth, new, f), _look(which, j, high, smooth, new, f)
+    before, after = _value(which, j, low, smooth, new), _value(which, j, high, smooth, new)
     side = 0
     if before > -1e-9 * after:  # the piece begins on the event, and has left it at once
         before = -after
@@ -217,7 +234,7 @@ def _locate(which, j, low, high, smooth, new, f):
         middle = (low * after - high * before) / (after - before)
         if not low < middle < high:
             middle = 0.5 * (low + high)
-        value = _look(which, j, middle, smooth, new, f)
+        value = _value(which, j, middle, smooth, new)
         if value < 0:
             after = after / 2 if side < 0 else after
             low, before, side = middle, value, -1
@@ -230,7 +247,7 @@ def _locate(which, j, low, high, smooth, new, f):
 
 
 @compiled
-def _first_event(smooth, marks, new, f, p):
+def _first_event(smooth, marks, new, p):
     """Which event of which joint comes first in a step, -1 for none, and at which share of it."""
     pieces, first, of, share = smooth[3], -1, 0, inf
     for j in range(len(pieces)):
@@ -239,7 +256,7 @@ def _first_event(smooth, marks, new, f, p):
             for i in range(STAGES):
                 m = marks[i, j, 0], marks[i, j, 1], marks[i, j, 2], marks[i, j, 3]
                 if low < share and _event(which, pieces[j], *m, p) >= 0:
-                    at = _locate(which, j, low, POINTS[i], smooth, new, f)
+                    at = _locate(which, j, low, POINTS[i], smooth, new)
                     if at < share:
                         first, of, share = which, j, at
                     break
@@ -248,34 +265,34 @@ def _first_event(smooth, marks, new, f, p):
 
 
 @compiled
-def _nearer(which, j, smooth, new, f):
+def _nearer(which, j, smooth, new):
     """Share of a step that ends close to an event at which it would end on it."""
-    end, before = _look(which, j, 1.0, smooth, new, f), _look(which, j, 0.999, smooth, new, f)
+    end, before = _value(which, j, 1.0, smooth, new), _value(which, j, 0.999, smooth, new)
     share = 1 - 0.001 * end / (end - before)
     return share if abs(share - 1) < 0.1 else 1.0
 
 
 @compiled
-def _measure_peaks(j, impact, row, smooth, t, start, marks, new, f):
+def _measure_peaks(j, impact, row, smooth, t, start, marks, new):
     """Locate peaks of force and depth inside a step that begins at ``t`` with ``start``.
 
     ``row`` is that of output at the peak of the force.
     """
-    _, h, _, pieces, _, p, laws = smooth
-    peaks = (FORCE_PEAK, stepping.PEAK_FORCE, NORMAL, NORMAL_RATE, 3), (
-        DEPTH_PEAK, stepping.PEAK_DEPTH, DEPTH, RATE, 1
-    )
-    for which, column, quantity, rate, mark in peaks:
-        low, rising = 0.0, start[rate + JOINT * j] > 0
+    _, h, _, pieces, p, laws = smooth
+    for which in (FORCE_PEAK, DEPTH_PEAK):
+        mark = 3 if which == FORCE_PEAK else 1
+        low, rising = 0.0, (start.normal_rate if which == FORCE_PEAK else start.rate) > 0
         for i in range(STAGES):
             if rising and marks[i, j, mark] <= 0:
-                share = _locate(which, j, low, POINTS[i], smooth, new, f)
-                _look(which, j, share, smooth, new, f)
-                if f[quantity + JOINT * j] > impact[column]:
-                    impact[column] = f[quantity + JOINT * j]
-                    if which == FORCE_PEAK:
-                        row[0] = t + share * h
-                        _record(row, new, pieces, f, p, laws)
+                share = _locate(which, j, low, POINTS[i], smooth, new)
+                found = _look(share, smooth, new)
+                impact[stepping.PEAK_DEPTH] = max(
+                    impact[stepping.PEAK_DEPTH], found.joints[j].depth
+                )
+                if found.joints[j].normal > impact[stepping.PEAK_FORCE]:
+                    impact[stepping.PEAK_FORCE] = found.joints[j].normal
+                    row[0] = t + share * h
+                    _record(row, new, pieces, found, p, laws)
             low, rising = POINTS[i], marks[i, j, mark] > 0
 
 
@@ -283,98 +300,98 @@ def _measure_peaks(j, impact, row, smooth, t, start, marks, new, f):
 def advance(state, y, joints, kept, p, laws, tolerance, rows, impacts, events):
     """Step beyond the time of each row and fill it; return the rows filled and the ending."""
     t, h, pieces = state[stepping.TIME], state[stepping.STEP], _pieces(joints, laws)
-    start, was, found, (rates, marks) = kept
-    n, columns, reach = 1 + 2 * len(pieces), len(y) - 1 - 2 * len(pieces), state[REACH]
-    here, there = rigid.new_slopes(len(laws)), rigid.new_slopes(len(laws))
-    new, f = np.zeros(len(y)), np.zeros(len(here[0]))
+    start, was, polynomial, (rates, marks) = kept
+    n, reach = 1 + 2 * len(pieces), state[REACH]
+    new, trial, k, next_k = np.zeros(3 * n), np.zeros(3 * n), np.zeros((n, 2 * n)), np.zeros((n, 2 * n))
+    found = motion(y, joints, p, laws, k)
+    real, error = np.zeros((n, n)), np.zeros(2 * n)
+    idle, done = 0, 0
     room = (
-        rates, np.zeros((STAGES, n)), marks, np.zeros((n, n)),
+        rates, np.zeros((STAGES, n)), marks, k, real,
         np.zeros((PAIRS, n, n), np.complex128), np.zeros(n), np.zeros((PAIRS, n), np.complex128),
-        np.zeros(len(y)), np.zeros(len(here[0])), np.zeros(2 * n),
+        trial, error,
     )
-    known, idle, done = False, 0, 0
     while done < len(rows):
         if rows[done, 0] <= t:
-            length = state[LENGTH]
-            inside(start, length, found, (rows[done, 0] - state[BEGAN]) / length, n, new)
-            earlier = _pieces(was, laws)
-            _move(new, earlier, p, laws, False, f, here[1])
-            _record(rows[done], new, earlier, f, p, laws)
+            earlier, length = _pieces(was, laws), state[LENGTH]
+            smooth = start, length, polynomial, earlier, p, laws
+            at = _look((rows[done, 0] - state[BEGAN]) / length, smooth, trial)
+            _record(rows[done], trial, earlier, at, p, laws)
             done += 1
             continue
         if int(state[stepping.IMPACTS]) == len(impacts):
             return done, stepping.FULL
-        if not known:
-            _move(y, pieces, p, laws, True, here[0], here[1])
-            known = True
         landing = t + h * 1.000001 >= state[END]
         length = state[END] - t if landing else h
-        for m in range(columns):
-            rates[0, m] = here[0][m if m < n else POWERS + m - n]
+        for m in range(n):
+            rates[0, m], rates[0, n + m] = found.accelerations[m], found.powers[m]
         if state[SMOOTH] > 0:
-            extrapolate(found, 1.0, length / state[LENGTH], n, rates)
+            extrapolate(polynomial, 1.0, length / state[LENGTH], n, rates)
         else:
             for i in range(STAGES):
                 for m in range(n):
                     rates[1 + i, m] = rates[0, m]
         state[stepping.STEPS] += 1
-        error = inf
-        if _collocate(length, y, pieces, joints, here, room, reach, tolerance, p, laws):
-            estimate(y, length, rates, here[1], n, room[3], room[9])
-            error = _size(room[9], y, pieces, joints, here[0], reach, tolerance, p, laws)
-        if not error <= 1.0:
-            h = length * (max(0.2, 0.9 / sixth_root(error)) if error < inf else 0.3)
+        size = inf
+        if _collocate(length, y, pieces, joints, found.joints, room, reach, tolerance, p, laws):
+            estimate(y, length, rates, k, n, real, error)
+            size = _size(error, y, pieces, joints, found.joints, reach, tolerance, p, laws)
+        if not size <= 1.0:
+            h = length * (max(0.2, 0.9 / sixth_root(size)) if size < inf else 0.3)
             if h > 1e-15 * t:
                 continue
             return done, stepping.FAILED
         finish(y, length, rates, n, new)
-        _move(new, pieces, p, laws, True, there[0], there[1])
-        _mark(STAGES - 1, there[0], pieces, marks)
-        polynomials(rates, columns, found)
-        grown = length * min(4.0, 0.9 / sixth_root(max(error, 1e-9)))
+        seen, parts = _move(new, pieces, p, laws)
+        _mark(STAGES - 1, seen.joints, marks)
+        polynomials(rates, 2 * n, polynomial)
+        grown = length * min(4.0, 0.9 / sixth_root(max(size, 1e-9)))
         h = max(h, grown) if landing else grown
-        smooth = y, length, found, pieces, here[1], p, laws
-        event, of, share = _first_event(smooth, marks, room[7], room[8], p)
+        smooth = y, length, polynomial, pieces, p, laws
+        event, of, share = _first_event(smooth, marks, trial, p)
         if event >= 0:
-            landing, known = False, False
+            landing = False
             for again in range(2):
-                extrapolate(found, 0.0, share, n, rates)
+                extrapolate(polynomial, 0.0, share, n, rates)
                 length *= share
-                _collocate(length, y, pieces, joints, here, room, reach, tolerance, p, laws)
-                polynomials(rates, columns, found)
-                smooth = y, length, found, pieces, here[1], p, laws
+                _collocate(length, y, pieces, joints, found.joints, room, reach, tolerance, p, laws)
+                polynomials(rates, 2 * n, polynomial)
+                smooth = y, length, polynomial, pieces, p, laws
                 if again == 0:
-                    share = _nearer(event, of, smooth, room[7], room[8])
+                    share = _nearer(event, of, smooth, trial)
             finish(y, length, rates, n, new)
-            _move(new, pieces, p, laws, False, there[0], there[1])
-            _mark(STAGES - 1, there[0], pieces, marks)
+            seen, parts = _move(new, pieces, p, laws)
+            _mark(STAGES - 1, seen.joints, marks)
             idle = idle + 1 if length <= 1e-14 * t else 0
             if idle > 100:
                 return done, stepping.FAILED
-        seen = there[0]
+        else:
+            _derive(new, pieces, p, seen, parts, next_k)
+            k[:] = next_k
         for j in range(len(pieces)):
             if pieces[j][0]:
-                if seen[DEPTH + JOINT * j] > laws[j][1]:
+                if seen.joints[j].depth > laws[j][1]:
                     state[stepping.LIMIT] = laws[j][1]
                     return done, stepping.TOO_DEEP
-                at = int(joints[j, NUMBER])
-                row = events[at, stepping.PEAK]
-                _measure_peaks(j, impacts[at], row, smooth, t, here[0], marks, room[7], room[8])
+                at_hand = int(joints[j, NUMBER])
+                row = events[at_hand, stepping.PEAK]
+                _measure_peaks(j, impacts[at_hand], row, smooth, t, found.joints[j], marks, trial)
         start[:], was[:] = y, joints
         state[BEGAN], state[LENGTH], state[SMOOTH] = t, length, 1.0 if event < 0 else 0.0
         t = state[stepping.TIME] = state[END] if landing else t + length
         y[:] = new
         for j in range(len(pieces)):
             if pieces[j][0]:
-                at = JOINT * j
                 _attend(j, state, y, joints)
-                if stepping.follow_impact(impacts, state, seen[NORMAL + at], seen[DEPTH + at]):
+                joint = seen.joints[j]
+                if stepping.follow_impact(impacts, state, joint.normal, joint.depth):
                     row = stepping.event_row(events, state, stepping.PEAK)
                     _record(row, y, pieces, seen, p, laws)
+        found = seen
         if event >= 0:
             h = _turn(event, of, seen, state, y, joints, h, p, laws, (impacts, events))
             pieces = _pieces(joints, laws)
-        here, there = there, here
+            found = motion(y, joints, p, laws, k)
         state[stepping.STEP] = h
     return done, stepping.FINE
 
@@ -409,19 +426,19 @@ def _turn(event, j, seen, state, y, joints, h, p, laws, table):
         rates[0], rates[1] = rate * nx - across * ny, rate * ny + across * nx
         one[CONTACT], one[BRANCH] = 0.0, 0.0
         return h
-    if seen[RATE + JOINT * j] <= 0:  # it grazes, and goes on in flight
+    if seen.joints[j].rate <= 0:  # it grazes, and goes on in flight
         return h
     r = norm(z[0], z[1])
     nx, ny, wx, wy = z[0] / r, z[1] / r, rates[0], rates[1]
     z[0], z[1] = 0.0, angle_of(ny, nx)
     rates[0], rates[1] = nx * wx + ny * wy, (nx * wy - ny * wx) / law[1]
     one[CONTACT], one[APPROACH], one[NUMBER] = 1.0, rates[0], state[stepping.IMPACTS]
-    one[BRANCH] = friction_branch(seen[SLIDING + JOINT * j], p.v0, p.v1)
+    one[BRANCH] = friction_branch(seen.joints[j].sliding, p.v0, p.v1)
     stepping.begin_impact(impacts, state, state[stepping.TIME], rates[0])
     impacts[int(one[NUMBER]), stepping.JOINT] = j
     row = stepping.event_row(events, state, stepping.START)
     _record(row, y, _pieces(joints, laws), seen, p, laws)
-    (ny, nx), phi = sine_cosine(z[1]), (seen[SINE], seen[COSINE])
+    (ny, nx), phi = sine_cosine(z[1]), (seen.coupler[0], seen.coupler[1])
     one[DEEP] = impact_depth(j, y[0], phi, nx, ny, rates[0], p, laws)
     return min(h, 0.1 * one[DEEP] / rates[0])
 
@@ -431,20 +448,19 @@ def stepper(
 ) -> tuple[NDArray[np.float64], Callable]:
     """State at t = 0, and the loop that steps it, for ``advance_in_blocks``; ``horizon`` in s."""
     p, clearances = scene.constants(), (scene.clearance, scene.crank_clearance or 0.0)[: len(laws)]
-    integrals = 2 * len(laws) + (scene.crank_speed is not None)
-    unknowns = 1 + 2 * len(laws)
+    unknowns = 1 + 2 * len(laws)  # and as many integrals
     state, joints = np.zeros(stepping.STATE + 1), np.zeros((len(laws), 5))
-    y, (f, k) = np.zeros(2 * unknowns + integrals), rigid.new_slopes(len(laws))
+    y = np.zeros(3 * unknowns)
     y[0], y[unknowns] = scene.initial_crank_angle, scene.starting_speed
     y[1:3] = scene.initial_eccentricity
-    accelerate(y, joints, p, laws, f, k)
+    accelerations = motion(y, joints, p, laws, np.zeros((unknowns, 2 * unknowns))).accelerations
     for j, clearance in enumerate(clearances):
         joints[j, DEEP] = clearance
-        reach = sqrt(norm(f[1 + 2 * j], f[2 + 2 * j]) * clearance)
+        reach = sqrt(norm(*accelerations[1 + 2 * j : 3 + 2 * j]) * clearance)
         state[REACH] = max(state[REACH], reach, clearance / horizon)
     state[stepping.STEP] = min(1e-3 * scene.clearance / state[REACH], horizon)
     state[LENGTH], state[END] = 1.0, horizon
-    rates = np.zeros((ORDER, unknowns + integrals))
+    rates = np.zeros((ORDER, 2 * unknowns))
     memory = y.copy(), joints.copy(), np.zeros_like(rates), (rates, np.zeros((STAGES, len(laws), 4)))
     return state, partial(advance, state, y, joints, memory, p, laws, tolerance)
 

@@ -9,6 +9,7 @@ They are stepped in `study.mechanism.events`; those of two clearance joints are 
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,30 +17,44 @@ from study.compiled import compiled
 from study.contact.forces import joint_forces
 from study.mechanism import stepping
 from study.mechanism.angles import angle_of, norm, sine_cosine
-from study.mechanism.collocation import POWERS
 
-# Places in what `motion` finds, after the accelerations and the powers: of the joint (a second one
-# has its own `JOINT` places later), then of the mechanism
-DEPTH, RATE, SLIDING, NORMAL, TANGENTIAL, NORMAL_RATE = range(10, 16)
-JOINT = 6
-MOMENT, SINE, COSINE, PSI, SLIDER, BETA = range(22, 28)
-_UNIT = np.eye(6)
+UNKNOWNS = 3
+_UNIT = np.eye(2 * UNKNOWNS)
+
+
+class Contact(NamedTuple):
+    """What is found of a joint: where and how fast the surfaces are, and what pushes them."""
+
+    depth: float
+    rate: float
+    sliding: float
+    normal: float
+    tangential: float
+    normal_rate: float
+    """Rate of the normal force."""
+
+
+class Motion(NamedTuple):
+    """What is found of a mechanism at a state (z, z', ...)."""
+
+    accelerations: tuple[float, ...]
+    """z''."""
+    powers: tuple[float, ...]
+    """Lost to damping and friction, joint by joint, and that of the drive."""
+    joints: tuple[Contact, ...]
+    moment: float
+    """Of the drive."""
+    coupler: tuple[float, float, float, float]
+    """Sine and cosine of the coupler's angle, its speed and acceleration."""
+    slider: float
+    """Its acceleration."""
 
 
 @compiled
-def new_slopes(joints=1):
-    """Room for what `motion` fills, with one or two clearance joints."""
-    return np.zeros(28), np.zeros((POWERS + 5, 2 + 4 * joints))
+def motion(y, piece, p, law):
+    """Accelerations, powers and forces at y = (z, z', ...); and what `derive` needs of them.
 
-
-@compiled
-def motion(y, piece, p, law, jacobian, f, k):
-    """Fill ``f`` with accelerations z'', powers and what else is found, at y = (z, z', ...).
-
-    ``piece`` is (in contact?, friction branch, approach speed). The powers are those lost to
-    damping and friction and, at constant crank speed, that of the drive. With ``jacobian`` the
-    derivatives ``k`` are filled, a row for each of z'' and the powers, a column for each of
-    (z, z').
+    ``piece`` is (in contact?, friction branch, approach speed).
     """
     contact, branch, approach = piece
     l1, l2 = p.l1, p.l2
@@ -58,14 +73,11 @@ def motion(y, piece, p, law, jacobian, f, k):
     psi = (wy - l1 * ct * omega) / (l2 * cp)
     sliding = r * spin + p.r1 * psi
 
-    normal = normal_d = normal_r = elastic = elastic_d = 0.0
-    tangential = tangential_n = tangential_s = 0.0
+    forces = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if contact and y[1] > 0:
-        normal, normal_d, normal_r, elastic, elastic_d, tangential, tangential_n, tangential_s = (
-            joint_forces(
-                law, y[1], rate, sliding, branch, approach, p.damping, p.friction, p.v0, p.v1
-            )
-        )
+        given = y[1], rate, sliding, branch, approach
+        forces = joint_forces(law, *given, p.damping, p.friction, p.v0, p.v1)
+    normal, normal_d, normal_r, elastic, _, tangential, _, _ = forces
     fx, fy = -normal * nx - tangential * ny, -normal * ny + tangential * nx  # on the ball
 
     # [A11 C; C A22] (theta'', phi'') = (q1, q2): crank and coupler as a double pendulum
@@ -84,22 +96,29 @@ def motion(y, piece, p, law, jacobian, f, k):
     ax = -l1 * (st * alpha + ct * omega * omega) - l2 * (sp * beta + cp * psi * psi) - slider
     ay = l1 * (ct * alpha - st * omega * omega) + l2 * (cp * beta - sp * psi * psi)
     growth = nx * ax + ny * ay + r * spin * spin
-    f[0] = alpha
+    accelerations = alpha, ax, ay
     if contact:
-        f[1], f[2] = growth, (nx * ay - ny * ax - 2 * rate * spin) / r
-    else:
-        f[1], f[2] = ax, ay
-    f[POWERS], f[POWERS + 1] = (normal - elastic) * rate, -tangential * sliding
-    f[POWERS + 2] = moment * omega
-    f[DEPTH], f[RATE], f[SLIDING] = y[1] if contact else r - law[1], rate, sliding
-    f[NORMAL], f[TANGENTIAL] = normal, tangential
-    f[NORMAL_RATE] = normal_d * rate + normal_r * growth
-    f[MOMENT] = moment
-    f[SINE], f[COSINE], f[PSI], f[SLIDER] = sp, cp, psi, slider + 0.0
-    f[BETA] = beta
-    if not jacobian:
-        return
-    for j in range(6):  # derivatives along each of (z, z')
+        accelerations = alpha, growth, (nx * ay - ny * ax - 2 * rate * spin) / r
+    depth, grown = y[1] if contact else r - law[1], normal_d * rate + normal_r * growth
+    joint = Contact(depth, rate, sliding, normal, tangential, grown)
+    powers = (normal - elastic) * rate, -tangential * sliding, moment * omega
+    coupler = sp, cp, psi, beta
+    found = Motion(accelerations, powers, (joint,), moment, coupler, slider + 0.0)
+    return found, ((st, ct, nx, ny), (r, spin, wx), (cross, coupling), (ax, ay), forces)
+
+
+@compiled
+def derive(y, piece, p, found, parts, k):
+    """Fill ``k`` with the derivatives of z'', a column for each of (z, z')."""
+    contact = piece[0]
+    l1, l2, omega = p.l1, p.l2, y[3]
+    (st, ct, nx, ny), (r, spin, wx), (cross, coupling), (ax, ay), forces = parts
+    normal, normal_d, normal_r, _, _, tangential, tangential_n, tangential_s = forces
+    alpha, (sp, cp, psi, beta) = found.accelerations[0], found.coupler
+    rate = found.joints[0].rate
+    fx, fy = -normal * nx - tangential * ny, -normal * ny + tangential * nx
+    determinant = p.a11 * p.a22 - coupling * coupling
+    for j in range(2 * UNKNOWNS):
         dt, do = _UNIT[j, 0], _UNIT[j, 3]
         dr = db = drate = dspin = 0.0
         if contact:
@@ -135,7 +154,6 @@ def motion(y, piece, p, law, jacobian, f, k):
         dbeta = (p.a11 * dq2 - coupling * dq1) / determinant
         if p.steady > 0:
             dalpha, dbeta = 0.0, dq2 / p.a22
-            k[POWERS + 2, j] = (coupling * dbeta - dq1) * omega + moment * do
         dax = (
             -l1 * (st * dalpha + ct * (alpha * dt + 2 * omega * do) - st * omega * omega * dt)
             - l2 * (sp * dbeta + cp * (beta * dp + 2 * psi * dpsi) - sp * psi * psi * dp)
@@ -148,11 +166,9 @@ def motion(y, piece, p, law, jacobian, f, k):
             k[1, j] = (nx * ay - ny * ax) * db + nx * dax + ny * day
             k[1, j] += dr * spin * spin + 2 * r * spin * dspin
             turn = nx * day - ny * dax - (nx * ax + ny * ay) * db
-            k[2, j] = (turn - 2 * (drate * spin + rate * dspin) - f[2] * dr) / r
+            k[2, j] = (turn - 2 * (drate * spin + rate * dspin) - found.accelerations[2] * dr) / r
         else:
             k[1, j], k[2, j] = dax, day
-        k[POWERS, j] = (dnormal - elastic_d * dr) * rate + (normal - elastic) * drate
-        k[POWERS + 1, j] = -dtangential * sliding - tangential * dsliding
 
 
 @compiled
@@ -174,28 +190,27 @@ def compliance(theta, ey, dx, dy, arm, p):
 
 
 @compiled
-def record(row, y, contact, f, p, law):
+def record(row, y, contact, found, p, law):
     """Fill a row of output from (z, z', energies lost) and what `motion` found there."""
     st, ct = sine_cosine(y[0])
-    sp, cp, psi = f[SINE], f[COSINE], f[PSI]
+    (sp, cp, psi, beta), joint = found.coupler, found.joints[0]
     ex, ey, wx, nx, ny = y[1], y[2], y[4], 0.0, 0.0
     if contact:
         ny, nx = sine_cosine(y[2])
         r = law[1] + y[1]
         ex, ey, wx = r * nx, r * ny, y[4] * nx - y[5] * r * ny
-    crank = y[0], y[3], f[0], f[MOMENT]
-    speed = -p.l1 * st * y[3] - p.l2 * sp * psi - wx
-    slider = p.l1 * ct + p.l2 * cp - ex, speed, f[SLIDER]
-    normal, tangential = f[NORMAL], f[TANGENTIAL]
+    alpha, omega = found.accelerations[0], y[3]
+    crank = y[0], omega, alpha, found.moment
+    speed = -p.l1 * st * omega - p.l2 * sp * psi - wx
+    slider = p.l1 * ct + p.l2 * cp - ex, speed, found.slider
+    normal, tangential = joint.normal, joint.tangential
     forces = normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx
-    kinetic = 0.5 * (p.a11 * y[3] * y[3] + p.a22 * psi * psi + p.m3 * speed * speed)
-    kinetic += p.a12 * (ct * cp + st * sp) * y[3] * psi
-    drive = y[8] if p.steady > 0 else p.moment * y[0]
-    energies = drive - p.g1 * st - p.g2 * sp, kinetic, 0.0, y[6], y[7]
-    coupler, place = (angle_of(sp, cp), psi), (ex, ey, f[DEPTH])
+    kinetic = 0.5 * (p.a11 * omega * omega + p.a22 * psi * psi + p.m3 * speed * speed)
+    kinetic += p.a12 * (ct * cp + st * sp) * omega * psi
+    energies = y[8] - p.g1 * st - p.g2 * sp, kinetic, 0.0, y[6], y[7]
+    coupler, place = (angle_of(sp, cp), psi), (ex, ey, joint.depth)
     stepping.record(row, crank, slider, coupler, place, forces, energies)
     # the coupler's centre is accelerated by the forces on its two ends
-    beta, alpha, omega = f[BETA], f[0], y[3]
     ax = -p.l1 * (st * alpha + ct * omega * omega) - 0.5 * p.l2 * (sp * beta + cp * psi * psi)
     ay = p.l1 * (ct * alpha - st * omega * omega) + 0.5 * p.l2 * (cp * beta - sp * psi * psi)
     pull = p.m2 * ax + forces[2], p.m2 * (ay + p.gravity) + forces[3]

@@ -16,23 +16,10 @@ from study.compiled import compiled
 from study.contact.forces import joint_forces
 from study.mechanism import stepping
 from study.mechanism.angles import angle_of, sine_cosine
-from study.mechanism.rigid import (
-    COSINE,
-    DEPTH,
-    JOINT,
-    MOMENT,
-    NORMAL,
-    NORMAL_RATE,
-    PSI,
-    RATE,
-    SINE,
-    SLIDER,
-    SLIDING,
-    TANGENTIAL,
-)
-from study.mechanism.collocation import POWERS
+from study.mechanism.rigid import Contact, Motion
 
-_UNIT = np.eye(10)
+UNKNOWNS = 5
+_UNIT = np.eye(2 * UNKNOWNS)
 
 
 @compiled
@@ -71,11 +58,10 @@ def _force(j, y, place, sliding, piece, p, law):
 
 
 @compiled
-def motion(y, pieces, p, laws, jacobian, f, k):
-    """Fill ``f`` with accelerations z'', powers and what else is found, at y = (z, z', ...).
+def motion(y, pieces, p, laws):
+    """Accelerations, powers and forces at y = (z, z', ...); and what `derive` needs of them.
 
-    As `study.mechanism.rigid.motion`; the powers are those lost to damping and friction, joint by
-    joint, and that of the drive.
+    As `study.mechanism.rigid.motion`, with a piece and a law for each joint.
     """
     (st, ct), omega, half = sine_cosine(y[0]), y[5], 0.5 * p.l2
     contacts = pieces[0][0], pieces[1][0]
@@ -112,37 +98,43 @@ def motion(y, pieces, p, laws, jacobian, f, k):
         (middle[0] + turn[0] - slider, middle[1] + turn[1]),
         (end[0] - middle[0] + turn[0], end[1] - middle[1] + turn[1]),
     )
-    f[0], f[MOMENT], f[POWERS + 4] = alpha, moment, moment * omega
-    f[SINE], f[COSINE], f[PSI], f[SLIDER] = sp, cp, psi, slider + 0.0
-    for j in range(2):
-        (nx, ny, r, rate, spin, _, _, _, _), (ax, ay), at = places[j], grown[j], JOINT * j
-        normal, by_depth, by_rate, elastic, _, tangential, _, _ = found[j]
-        growth = nx * ax + ny * ay + r * spin * spin
-        if contacts[j]:
-            f[1 + 2 * j] = growth
-            f[2 + 2 * j] = (nx * ay - ny * ax - 2 * rate * spin) / r
-        else:
-            f[1 + 2 * j], f[2 + 2 * j] = ax, ay
-        f[POWERS + 2 * j] = (normal - elastic) * rate
-        f[POWERS + 1 + 2 * j] = -tangential * slidings[j]
-        f[DEPTH + at] = y[1 + 2 * j] if contacts[j] else r - laws[j][1]
-        f[RATE + at], f[SLIDING + at] = rate, slidings[j]
-        f[NORMAL + at], f[TANGENTIAL + at] = normal, tangential
-        f[NORMAL_RATE + at] = by_depth * rate + by_rate * growth
-    if jacobian:
-        kinematics = (st, ct, sp, cp, psi, beta), (sx, sy), grown
-        _derive(y, kinematics, places, slidings, found, contacts, p, f, k)
+    states = (
+        _of_joint(0, y, contacts[0], places[0], grown[0], slidings[0], found[0], laws[0]),
+        _of_joint(1, y, contacts[1], places[1], grown[1], slidings[1], found[1], laws[1]),
+    )
+    accelerations = alpha, *states[0][0], *states[1][0]
+    powers = *states[0][1], *states[1][1], moment * omega
+    joints, coupler = (states[0][2], states[1][2]), (sp, cp, psi, beta)
+    seen = Motion(accelerations, powers, joints, moment, coupler, slider + 0.0)
+    return seen, ((st, ct), (sx, sy), grown, places, slidings, found)
 
 
 @compiled
-def _derive(y, kinematics, places, slidings, found, contacts, p, f, k):
-    """Fill ``k`` with the derivatives of accelerations and powers, a column for each of (z, z')."""
-    (st, ct, sp, cp, psi, beta), (sx, sy), grown = kinematics
-    omega, alpha, half = y[5], f[0], 0.5 * p.l2
+def _of_joint(j, y, contact, place, grown, sliding, force, law):
+    """Accelerations of a joint's two coordinates, its powers lost, and what is found of it."""
+    (nx, ny, r, rate, spin, _, _, _, _), (ax, ay) = place, grown
+    normal, by_depth, by_rate, elastic, _, tangential, _, _ = force
+    growth = nx * ax + ny * ay + r * spin * spin
+    accelerations = ax, ay
+    if contact:
+        accelerations = growth, (nx * ay - ny * ax - 2 * rate * spin) / r
+    depth = y[1 + 2 * j] if contact else r - law[1]
+    grown_normal = by_depth * rate + by_rate * growth
+    found = Contact(depth, rate, sliding, normal, tangential, grown_normal)
+    return accelerations, ((normal - elastic) * rate, -tangential * sliding), found
+
+
+@compiled
+def derive(y, pieces, p, seen, parts, k):
+    """Fill ``k`` with the derivatives of z'', a column for each of (z, z')."""
+    (st, ct), (sx, sy), grown, places, slidings, found = parts
+    (sp, cp, psi, beta), alpha = seen.coupler, seen.accelerations[0]
+    contacts = pieces[0][0], pieces[1][0]
+    omega, half = y[5], 0.5 * p.l2
     arm = places[1][2] + p.crank_r1
     fy1 = -found[1][0] * places[1][1] + found[1][5] * places[1][0]
     fx1 = -found[1][0] * places[1][0] - found[1][5] * places[1][1]
-    for i in range(10):
+    for i in range(2 * UNKNOWNS):
         dt, do = _UNIT[i, 0], _UNIT[i, 5]
         changes = (
             _change(0, i, places[0], contacts[0]),
@@ -163,7 +155,7 @@ def _derive(y, kinematics, places, slidings, found, contacts, p, f, k):
         (_, dt0, dfx0, dfy0), (_, dt1, dfx1, dfy1) = pushes
         dpush = p.l1 * (ct * dfy1 - st * dfx1 - (st * fy1 + ct * fx1) * dt)
         dpush += p.crank_r1 * dt1 + p.own_g1 * st * dt
-        dalpha, dmoment = (0.0, -dpush) if p.steady > 0 else (dpush / p.j1, 0.0)
+        dalpha = 0.0 if p.steady > 0 else dpush / p.j1
         dbeta = half * (cp * (dfy0 + dfy1) - sp * (dfx0 + dfx1) - (sp * sy + cp * sx) * dp)
         dbeta = (dbeta + p.r1 * dt0 - arm * dt1 - dreach * found[1][5]) / p.i2
         dturn = (
@@ -179,22 +171,18 @@ def _derive(y, kinematics, places, slidings, found, contacts, p, f, k):
             (dmiddle[0] + dturn[0] + dfx0 / p.m3, dmiddle[1] + dturn[1]),
             (dend[0] - dmiddle[0] + dturn[0], dend[1] - dmiddle[1] + dturn[1]),
         )
-        k[0, i], k[POWERS + 4, i] = dalpha, dmoment * omega + f[MOMENT] * do
+        k[0, i] = dalpha
         for j in range(2):
             (nx, ny, r, rate, spin, _, _, _, _), (ax, ay) = places[j], grown[j]
             (dr, db, drate, dspin, _, _), (dax, day) = changes[j], dgrown[j]
-            normal, _, _, elastic, elastic_d, tangential, _, _ = found[j]
             if contacts[j]:
                 k[1 + 2 * j, i] = (nx * ay - ny * ax) * db + nx * dax + ny * day
                 k[1 + 2 * j, i] += dr * spin * spin + 2 * r * spin * dspin
                 turned = nx * day - ny * dax - (nx * ax + ny * ay) * db
-                turned -= 2 * (drate * spin + rate * dspin) + f[2 + 2 * j] * dr
+                turned -= 2 * (drate * spin + rate * dspin) + seen.accelerations[2 + 2 * j] * dr
                 k[2 + 2 * j, i] = turned / r
             else:
                 k[1 + 2 * j, i], k[2 + 2 * j, i] = dax, day
-            dnormal, dtangential, _, _ = pushes[j]
-            k[POWERS + 2 * j, i] = (dnormal - elastic_d * dr) * rate + (normal - elastic) * drate
-            k[POWERS + 1 + 2 * j, i] = -dtangential * slidings[j] - tangential * dslidings[j]
 
 
 @compiled
@@ -228,10 +216,10 @@ def compliance(j, theta, phi, dx, dy, p):
 
 
 @compiled
-def record(row, y, pieces, f, p, laws):
+def record(row, y, pieces, seen, p, laws):
     """Fill a row of output from (z, z', energies lost) and what `motion` found there."""
     (st, ct), omega = sine_cosine(y[0]), y[5]
-    sp, cp, psi = f[SINE], f[COSINE], f[PSI]
+    (sp, cp, psi, _), joints = seen.coupler, seen.joints
     places = (
         _place(y, 0, pieces[0][0], laws[0][1]),
         _place(y, 1, pieces[1][0], laws[1][1]),
@@ -239,28 +227,22 @@ def record(row, y, pieces, f, p, laws):
     x = p.l1 * ct - places[1][5], p.l1 * st - places[1][6]  # the coupler's socket
     wx, wy = -p.l1 * st * omega - places[1][7], p.l1 * ct * omega - places[1][8]
     speed = wx - p.l2 * sp * psi - places[0][7]
-    crank = y[0], omega, f[0], f[MOMENT]
-    slider = x[0] + p.l2 * cp - places[0][5], speed, f[SLIDER]
+    crank = y[0], omega, seen.accelerations[0], seen.moment
+    slider = x[0] + p.l2 * cp - places[0][5], speed, seen.slider
     middle = wx - 0.5 * p.l2 * sp * psi, wy + 0.5 * p.l2 * cp * psi
     kinetic = 0.5 * (p.j1 * omega * omega + p.i2 * psi * psi + p.m3 * speed * speed)
     kinetic += 0.5 * p.m2 * (middle[0] * middle[0] + middle[1] * middle[1])
-    drive = y[14] if p.steady > 0 else p.moment * y[0]
     fall = p.own_g1 * st + p.m2 * p.gravity * (x[1] + 0.5 * p.l2 * sp)
-    energies = drive - fall, kinetic, 0.0, y[10] + y[12], y[11] + y[13]
-    forces = _on_socket(f, 0, places[0]), _on_socket(f, 1, places[1])
-    e = (places[0][5], places[0][6], f[DEPTH]), (places[1][5], places[1][6], f[DEPTH + JOINT])
+    energies = y[14] - fall, kinetic, 0.0, y[10] + y[12], y[11] + y[13]
+    forces = _on_socket(joints[0], places[0]), _on_socket(joints[1], places[1])
+    e = (places[0][5], places[0][6], joints[0].depth), (places[1][5], places[1][6], joints[1].depth)
     coupler = angle_of(sp, cp), psi
     stepping.record(row, crank, slider, coupler, e[0], forces[0], energies)
     stepping.record_crank_joint(row, e[1], forces[1])
 
 
 @compiled
-def _on_socket(f, j, place):
+def _on_socket(joint, place):
     """Normal and tangential force of a joint, and their sum on the socket."""
-    normal, tangential, nx, ny = (
-        f[NORMAL + JOINT * j],
-        f[TANGENTIAL + JOINT * j],
-        place[0],
-        place[1],
-    )
+    normal, tangential, nx, ny = joint.normal, joint.tangential, place[0], place[1]
     return normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx
