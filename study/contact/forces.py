@@ -1,7 +1,8 @@
 """Contact force at one point, compiled for the stepping loops of the mechanism.
 
-A law with its dimensions is packed into one array of numbers, because compiled code that is
-kept on disk cannot hold Python functions; every formula stays in `shapes` and `friction`.
+A law with its dimensions is packed into one record of numbers, because compiled code that is
+kept on disk cannot hold Python functions; every formula stays in `shapes` and `friction`. A record
+is passed on as a pointer: an array would be counted at every call, which takes as long as a law.
 """
 
 from inspect import signature
@@ -9,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from numba.extending import register_jitable
-from numpy.typing import NDArray
 
 from study import checks
 from study.compiled import compiled
@@ -23,14 +23,17 @@ _hertz, _winkler, _power, _chord, _liu, _hyperbolic, _stiffened, _tabulated, _sa
     compiled(shape) for shape in shapes.SHAPES
 )
 _SAMPLED = len(shapes.SHAPES) - 1
+CAPACITIES = 4096, 65536
+"""Rooms for a law's constants, the first of which holds those of all laws but large tables."""
 
 
 def pack(
     law: AnyLaw, ball_radius: float, socket_radius: float, composite: float, **options: Any
-) -> NDArray[np.float64]:
+) -> np.record:
     """Numbers that `elastic_force` needs; arguments and errors as of `contact.contact_force`.
 
-    They are the shape's index, the clearance in m, the force scale in N, and the constants.
+    The record has the shape's index, the clearance in m, the force scale in N, and the constants
+    with their number.
     """
     parts = find(law).parts
     clearance, r2_star = clearance_and_r2_star(ball_radius, socket_radius)
@@ -39,35 +42,49 @@ def pack(
     for option in options:
         checks.choice(f"option of {parts.__name__}", option, known)
     scale, shape, constants = parts(r2_star, **options)
-    scale = modulus * clearance**2 * scale
-    return np.array([shapes.SHAPES.index(shape), clearance, scale, *constants], dtype=float)
+    room = next(size for size in CAPACITIES if size >= len(constants))
+    packed = np.recarray(
+        1,
+        dtype=[
+            ("shape_index", np.int64),
+            ("clearance", float),
+            ("scale", float),
+            ("count", np.int64),
+            ("constants", float, (room,)),
+        ],
+    )[0]
+    packed.shape_index, packed.clearance = shapes.SHAPES.index(shape), clearance
+    packed.scale, packed.count = modulus * clearance**2 * scale, len(constants)
+    packed.constants[:] = 0.0
+    packed.constants[: len(constants)] = constants
+    return packed
 
 
 @compiled
 def elastic_force(law, depth):
     """Force of a packed law in N, and its derivative in N/m, at a depth > 0 in m."""
-    depth_star = depth / law[1]  # shapes without constants ignore what they get: no slice
-    shape = int(law[0])
+    depth_star, shape, constants = depth / law.clearance, law.shape_index, law.constants
     if shape == 0:
-        value, slope = _hertz(depth_star, law)
+        value, slope = _hertz(depth_star, constants)
     elif shape == 1:
-        value, slope = _winkler(depth_star, law)
+        value, slope = _winkler(depth_star, constants)
     elif shape == 2:
-        value, slope = _power(depth_star, law[3:])
+        value, slope = _power(depth_star, constants)
     elif shape == 3:
-        value, slope = _chord(depth_star, law)
+        value, slope = _chord(depth_star, constants)
     elif shape == 4:
-        value, slope = _liu(depth_star, law)
+        value, slope = _liu(depth_star, constants)
     elif shape == 5:
-        value, slope = _hyperbolic(depth_star, law[3:])
+        value, slope = _hyperbolic(depth_star, constants[: law.count])
     elif shape == 6:
-        nine = law[3], law[4], law[5], law[6], law[7], law[8], law[9], law[10], law[11]
-        value, slope = _stiffened(depth_star, nine)  # half the time of a slice
+        c = constants
+        nine = c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8]
+        value, slope = _stiffened(depth_star, nine)
     elif shape == 7:
-        value, slope = _tabulated(depth_star, law[3:])
+        value, slope = _tabulated(depth_star, constants[: law.count])
     else:
-        value, slope = _sampled(depth_star, law[3:])
-    return law[2] * value, law[2] / law[1] * slope
+        value, slope = _sampled(depth_star, constants[: law.count])
+    return law.scale * value, law.scale / law.clearance * slope
 
 
 def _gauss(count):
@@ -88,13 +105,14 @@ def stored_energy(law, depth):
     integrated from knot to knot, each interval exactly.
     """
     energy = 0.0
-    if depth > 0 and law[0] == _SAMPLED:
-        low, root = 0.0, np.sqrt(depth / law[1])
-        for knot in law[4 : 3 + (len(law) - 3) // 3]:
+    if depth > 0 and law.shape_index == _SAMPLED:
+        low, root = 0.0, np.sqrt(depth / law.clearance)
+        for knot in law.constants[1 : law.count // 3]:
             step = min(knot, root) - low
             for node, weight in zip(_FEW_NODES, _FEW_WEIGHTS):  # noqa: B905
                 s = low + node * step
-                energy += weight * step * 2 * s * law[1] * elastic_force(law, s * s * law[1])[0]
+                inner = s * s * law.clearance
+                energy += weight * step * 2 * s * law.clearance * elastic_force(law, inner)[0]
             low = knot
             if low >= root:
                 break

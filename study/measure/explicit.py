@@ -36,13 +36,13 @@ def acceleration(y, contact, approach, p, law, work, out):
     """
     f, unused, z = work
     r = norm(y[1], y[2])
-    if not (contact and r > law[1]):
+    if not (contact and r > law.clearance):
         z[:6] = y
         rigid.motion(z, (False, 0, 1.0), p, law, False, f, unused)
         out[:3] = f[:3]
         return f[rigid.DEPTH], f[rigid.RATE], f[rigid.SLIDER]
     nx, ny = y[1] / r, y[2] / r
-    z[0], z[1], z[2], z[3] = y[0], r - law[1], angle_of(ny, nx), y[3]
+    z[0], z[1], z[2], z[3] = y[0], r - law.clearance, angle_of(ny, nx), y[3]
     z[4], z[5] = nx * y[4] + ny * y[5], (nx * y[5] - ny * y[4]) / r
     st, ct = sine_cosine(y[0])
     sp = (y[2] - p.l1 * st) / p.l2
@@ -62,7 +62,7 @@ def _limit(scheme, y, depth, approach, p, law):
     normal and s along the tangent; right for ``lagged``, and safe for the others. The centred
     velocity has no limit of damping, but `_centre` one of its own.
     """
-    r = law[1] + depth
+    r = law.clearance + depth
     nx, ny = y[1] / r, y[2] / r
     ease = rigid.compliance(y[0], y[2], nx, ny, 0.0, p)
     force, stiffness = elastic_force(law, depth)

@@ -148,7 +148,7 @@ def _contact(q, v, ball, contact, approach, branch, p, law, found):
     wx, wy, spin = v[ball[0]] - v[ball[3]], v[ball[1]], v[ball[2]]
     r = norm(ex, ey)
     found[:] = 0.0
-    found[DEPTH], found[EX], found[EY] = r - law[1], ex, ey
+    found[DEPTH], found[EX], found[EY] = r - law.clearance, ex, ey
     nx, ny = (ex / r, ey / r) if r > 0 else (1.0, 0.0)
     tx, ty = -ny, nx
     rate, across = wx * nx + wy * ny, wx * tx + wy * ty
@@ -159,7 +159,7 @@ def _contact(q, v, ball, contact, approach, branch, p, law, found):
     if branch == ANY:
         branch = friction_branch(sliding, p.v0, p.v1)
     normal, normal_d, normal_r, elastic, _, tangential, tangential_n, tangential_s = joint_forces(
-        law, r - law[1], rate, sliding, branch, approach, p.damping, p.friction, p.v0, p.v1
+        law, r - law.clearance, rate, sliding, branch, approach, p.damping, p.friction, p.v0, p.v1
     )
     found[NORMAL], found[TANGENTIAL], found[ELASTIC] = normal, tangential, elastic
     found[FORCE_X] = normal * nx - tangential * tx
@@ -318,7 +318,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
     strain = _forces(motion[0], motion[1], system, state, ANY, p, law, now, old, matrix, NO_TANGENT)
     if p.steady and state[stepping.STEPS] == 0:
         _drive(state, motion, system, old[0], 0.0)
-    tolerance = NEWTON_TOLERANCE * law[1] + 1e-13 * abs(motion[0, system.ball[3]])
+    tolerance = NEWTON_TOLERANCE * law.clearance + 1e-13 * abs(motion[0, system.ball[3]])
     while True:
         if int(state[stepping.IMPACTS]) == len(impacts):
             return done, stepping.FULL

@@ -1,8 +1,7 @@
 """One step of collocation at Radau's points, for compiled loops: of order 9, for stiff equations.
 
-For z'' = f(z, z') with three or five unknowns, beside which integrals are carried whose rates
-depend on z and z' alone. A state is (z, z', integrals), ``f`` the accelerations and, from `POWERS`
-on, the integrals' rates, ``k`` their derivatives to (z, z').
+For z'' = f(z, z') with n unknowns, beside which n integrals are carried whose rates depend on z
+and z' alone. A state is (z, z', integrals). All that a step works on is one record, of `fields`.
 
 A step's accelerations are a polynomial in time that meets the equations at the five points of
 Radau's right rule (Radau IIA), and tells the state at every time in the step. Newton's method finds
@@ -23,8 +22,6 @@ STAGES = 5
 PAIRS = STAGES // 2
 ORDER = STAGES + 1
 """Power of the step that the error estimate grows with."""
-POWERS = 5
-"""Place of the integrals' rates in ``f`` and ``k``."""
 
 
 def _legendre(degree):
@@ -120,12 +117,35 @@ def _lower_order():
 RATE_ERROR, PLACE_ERROR = _lower_order()
 
 
+def fields(unknowns):
+    """Names, types and shapes of what a step works on.
+
+    ``start`` is the state at the step's start and ``y`` that at its end; ``rates`` has a row of
+    accelerations and integrals' rates at the start and at each point, ``polynomial`` a row of their
+    coefficients for each power of the step's time; ``k`` has the derivatives of f to (z, z') at the
+    start, ``error`` those of (z, z'); the others are for Newton's method.
+    """
+    n = unknowns
+    return [
+        *((name, float, (3 * n,)) for name in ("y", "start", "trial")),
+        *((name, float, (1 + STAGES, 2 * n)) for name in ("rates", "polynomial")),
+        ("k", float, (n, 2 * n)),
+        ("error", float, (2 * n,)),
+        ("residuals", float, (STAGES, n)),
+        ("real", float, (n, n)),
+        ("pairs", complex, (PAIRS, n, n)),
+        ("x", float, (n,)),
+        ("z", complex, (PAIRS, n)),
+    ]
+
+
 @compiled
-def factorise(k, h, n, real, pairs):
+def factorise(work, h):
     """Triangular factors of Newton's systems I - h a df/dz' - (h a)^2 df/dz, for each eigenvalue a.
 
-    Without pivoting: the largest entries are on the diagonal, those of the depths.
+    Without exchange of rows: the largest entries are those of the depths, on the diagonal.
     """
+    k, real, pairs, n = work.k, work.real, work.pairs, len(work.x)
     a = h * REAL
     for i in range(n):
         for j in range(n):
@@ -153,40 +173,44 @@ def factorise(k, h, n, real, pairs):
 
 
 @compiled
-def solve(w, x, n):
-    """Solve with triangular factors, in place."""
+def _solve(work):
+    """Solve the real system, for ``x`` in place."""
+    real, x, n = work.real, work.x, len(work.x)
     for i in range(n):
         for j in range(i):
-            x[i] -= w[i, j] * x[j]
+            x[i] -= real[i, j] * x[j]
     for i in range(n - 1, -1, -1):
         for j in range(i + 1, n):
-            x[i] -= w[i, j] * x[j]
-        x[i] *= w[i, i]
+            x[i] -= real[i, j] * x[j]
+        x[i] *= real[i, i]
 
 
 @compiled
-def stage(i, y, h, rates, n, new):
-    """Fill ``new`` with the state at point ``i`` of a step, but for the integrals."""
+def stage(i, work, h):
+    """Fill ``trial`` with the state at point ``i`` of a step, but for the integrals."""
+    start, rates, n = work.start, work.rates, len(work.x)
     for m in range(n):
         place = speed = 0.0
         for j in range(STAGES):
             place += PLACE[i, j] * rates[1 + j, m]
             speed += RATE[i, j] * rates[1 + j, m]
-        new[m] = y[m] + h * (POINTS[i] * y[n + m] + h * place)
-        new[n + m] = y[n + m] + h * speed
+        work.trial[m] = start[m] + h * (POINTS[i] * start[n + m] + h * place)
+        work.trial[n + m] = start[n + m] + h * speed
 
 
 @compiled
-def improve(residuals, rates, n, real, pairs, x, z):
-    """One step of Newton's method on the accelerations at the points, which ``residuals`` change.
+def improve(work, h):
+    """One step of Newton's method on the accelerations at the points.
 
-    They are replaced by the changes.
+    ``residuals`` are replaced by the accelerations' changes, ``error`` by a bound of what they
+    change at the step's end.
     """
+    residuals, pairs, x, z, n = work.residuals, work.pairs, work.x, work.z, len(work.x)
     for m in range(n):
         x[m] = 0.0
         for j in range(STAGES):
             x[m] += REAL_INVERSE[j] * residuals[j, m]
-    solve(real, x, n)
+    _solve(work)
     for q in range(PAIRS):
         for m in range(n):
             z[q, m] = 0.0
@@ -199,81 +223,84 @@ def improve(residuals, rates, n, real, pairs, x, z):
             for j in range(i + 1, n):
                 z[q, i] -= pairs[q, i, j] * z[q, j]
             z[q, i] *= pairs[q, i, i]
-    for i in range(STAGES):
-        for m in range(n):
+    for m in range(n):
+        place = speed = 0.0
+        for i in range(STAGES):
             change = REAL_VECTOR[i] * x[m]
             for q in range(PAIRS):
                 v = COMPLEX_VECTORS[i, q]
                 change += v.real * z[q, m].real - v.imag * z[q, m].imag
-            residuals[i, m] = change
-            rates[1 + i, m] += change
+            work.rates[1 + i, m] += change
+            place += abs(PLACE[STAGES - 1, i] * change)
+            speed += abs(RATE[STAGES - 1, i] * change)
+        work.error[m], work.error[n + m] = h * h * place, h * speed
 
 
 @compiled
-def finish(y, h, rates, n, new):
-    """Fill ``new`` with the state at the step's end, integrals too."""
-    stage(STAGES - 1, y, h, rates, n, new)
+def finish(work, h):
+    """Fill ``y`` with the state at the step's end, and ``polynomial``."""
+    start, rates, n = work.start, work.rates, len(work.x)
     for m in range(n):
-        integral = 0.0
+        place = speed = integral = 0.0
         for j in range(STAGES):
+            place += PLACE[STAGES - 1, j] * rates[1 + j, m]
+            speed += RATE[STAGES - 1, j] * rates[1 + j, m]
             integral += RATE[STAGES - 1, j] * rates[1 + j, n + m]
-        new[2 * n + m] = y[2 * n + m] + h * integral
+        work.y[m] = start[m] + h * (start[n + m] + h * place)
+        work.y[n + m] = start[n + m] + h * speed
+        work.y[2 * n + m] = start[2 * n + m] + h * integral
+    for i in range(1 + STAGES):
+        for m in range(2 * n):
+            total = 0.0
+            for j in range(1 + STAGES):
+                total += MONOMIALS[i, j] * rates[j, m]
+            work.polynomial[i, m] = total
 
 
 @compiled
-def estimate(y, h, rates, k, n, real, error):
+def estimate(work, h):
     """Fill ``error`` with the estimated errors of z and z' of a step."""
-    g = h * REAL
+    rates, k, error, n, g = work.rates, work.k, work.error, len(work.x), h * REAL
     for m in range(n):
         place, speed = 0.0, REAL * rates[0, m]
         for j in range(STAGES):
             place += PLACE_ERROR[j] * rates[1 + j, m]
             speed += RATE_ERROR[j] * rates[1 + j, m]
-        error[m], error[n + m] = h * h * place, h * speed
-    rest = error[n:]
+        error[m], work.x[m] = h * h * place, h * speed
     for m in range(n):
         for j in range(n):
-            rest[m] += g * k[m, j] * error[j]
-    solve(real, rest, n)
+            work.x[m] += g * k[m, j] * error[j]
+    _solve(work)
     for m in range(n):
-        error[m] += g * rest[m]
+        error[n + m] = work.x[m]
+        error[m] += g * work.x[m]
 
 
 @compiled
-def polynomials(rates, columns, found):
-    """Fill ``found`` with the coefficients of accelerations and powers over the step's time."""
-    for i in range(ORDER):
-        for m in range(columns):
-            total = 0.0
-            for j in range(ORDER):
-                total += MONOMIALS[i, j] * rates[j, m]
-            found[i, m] = total
-
-
-@compiled
-def extrapolate(found, share, ratio, n, rates):
-    """Guess the accelerations at the points of a step from the polynomials of another.
+def guess(work, share, ratio):
+    """Guess the accelerations at the points of a step from the polynomial of another.
 
     The step starts at ``share`` of the other one and has ``ratio`` times its length.
     """
     for j in range(STAGES):
         x = share + ratio * POINTS[j]
-        for m in range(n):
+        for m in range(len(work.x)):
             total = 0.0
-            for i in range(ORDER - 1, -1, -1):
-                total = total * x + found[i, m]
-            rates[1 + j, m] = total
+            for i in range(STAGES, -1, -1):
+                total = total * x + work.polynomial[i, m]
+            work.rates[1 + j, m] = total
 
 
 @compiled
-def inside(y, h, found, x, n, new):
-    """Fill ``new`` with the state at the share ``x`` of a step from ``y``, integrals too."""
+def inside(work, h, x):
+    """Fill ``trial`` with the state at the share ``x`` of the step, integrals too."""
+    start, n = work.start, len(work.x)
     for m in range(2 * n):
         speed = place = 0.0
-        for i in range(ORDER - 1, -1, -1):
-            share = found[i, m] / (i + 1)
+        for i in range(STAGES, -1, -1):
+            share = work.polynomial[i, m] / (i + 1)
             speed = speed * x + share
             place = place * x + share / (i + 2)
-        new[n + m] = y[n + m] + h * x * speed
+        work.trial[n + m] = start[n + m] + h * x * speed
         if m < n:
-            new[m] = y[m] + h * x * (y[n + m] + h * x * place)
+            work.trial[m] = start[m] + h * x * (start[n + m] + h * x * place)

@@ -23,7 +23,7 @@ def _lightness(j, theta, phi, nx, ny, p, laws):
 def _lightness_compiled(j, theta, phi, nx, ny, p, laws):
     if len(laws) == 1:
         return lambda j, theta, phi, nx, ny, p, laws: rigid.compliance(
-            theta, laws[0][1] * ny, nx, ny, 0.0, p
+            theta, laws[0].clearance * ny, nx, ny, 0.0, p
         )
     return lambda j, theta, phi, nx, ny, p, laws: two_joints.compliance(j, theta, phi, nx, ny, p)
 
@@ -36,7 +36,7 @@ def impact_depth(j, theta, phi, nx, ny, rate, p, laws):
     """
     law = laws[j]
     energy = rate * rate / (2 * _lightness(j, theta, phi, nx, ny, p, laws))
-    depth = law[1]
+    depth = law.clearance
     for _ in range(200):  # Newton's method on a convex function
         change = (stored_energy(law, depth) - energy) / elastic_force(law, depth)[0]
         depth -= change

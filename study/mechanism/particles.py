@@ -323,7 +323,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
             found = norm(fx, fy), 0.0, fx, fy
         else:
             ex, ey = places[last, 0] - slide[0], places[last, 1]
-            place = ex, ey, norm(ex, ey) - law[1]
+            place = ex, ey, norm(ex, ey) - law.clearance
             if not place[2] <= p.clearance:
                 state[stepping.LIMIT] = p.clearance
                 return done, stepping.TOO_DEEP

@@ -61,7 +61,7 @@ def motion(y, piece, p, law):
     (st, ct), omega = sine_cosine(y[0]), y[3]
     if contact:
         ny, nx = sine_cosine(y[2])
-        r, rate, spin = law[1] + y[1], y[4], y[5]
+        r, rate, spin = law.clearance + y[1], y[4], y[5]
         ey, wx, wy = r * ny, rate * nx - r * spin * ny, rate * ny + r * spin * nx
     else:
         ey, wx, wy = y[2], y[4], y[5]
@@ -99,7 +99,7 @@ def motion(y, piece, p, law):
     accelerations = alpha, ax, ay
     if contact:
         accelerations = alpha, growth, (nx * ay - ny * ax - 2 * rate * spin) / r
-    depth, grown = y[1] if contact else r - law[1], normal_d * rate + normal_r * growth
+    depth, grown = y[1] if contact else r - law.clearance, normal_d * rate + normal_r * growth
     joint = Contact(depth, rate, sliding, normal, tangential, grown)
     powers = (normal - elastic) * rate, -tangential * sliding, moment * omega
     coupler = sp, cp, psi, beta
@@ -197,7 +197,7 @@ def record(row, y, contact, found, p, law):
     ex, ey, wx, nx, ny = y[1], y[2], y[4], 0.0, 0.0
     if contact:
         ny, nx = sine_cosine(y[2])
-        r = law[1] + y[1]
+        r = law.clearance + y[1]
         ex, ey, wx = r * nx, r * ny, y[4] * nx - y[5] * r * ny
     alpha, omega = found.accelerations[0], y[3]
     crank = y[0], omega, alpha, found.moment

@@ -66,8 +66,8 @@ def motion(y, pieces, p, laws):
     (st, ct), omega, half = sine_cosine(y[0]), y[5], 0.5 * p.l2
     contacts = pieces[0][0], pieces[1][0]
     places = (
-        _place(y, 0, contacts[0], laws[0][1]),
-        _place(y, 1, contacts[1], laws[1][1]),
+        _place(y, 0, contacts[0], laws[0].clearance),
+        _place(y, 1, contacts[1], laws[1].clearance),
     )
     sp = (places[0][6] + places[1][6] - p.l1 * st) / p.l2
     cp = sqrt(1 - sp * sp)
@@ -118,7 +118,7 @@ def _of_joint(j, y, contact, place, grown, sliding, force, law):
     accelerations = ax, ay
     if contact:
         accelerations = growth, (nx * ay - ny * ax - 2 * rate * spin) / r
-    depth = y[1 + 2 * j] if contact else r - law[1]
+    depth = y[1 + 2 * j] if contact else r - law.clearance
     grown_normal = by_depth * rate + by_rate * growth
     found = Contact(depth, rate, sliding, normal, tangential, grown_normal)
     return accelerations, ((normal - elastic) * rate, -tangential * sliding), found
@@ -221,8 +221,8 @@ def record(row, y, pieces, seen, p, laws):
     (st, ct), omega = sine_cosine(y[0]), y[5]
     (sp, cp, psi, _), joints = seen.coupler, seen.joints
     places = (
-        _place(y, 0, pieces[0][0], laws[0][1]),
-        _place(y, 1, pieces[1][0], laws[1][1]),
+        _place(y, 0, pieces[0][0], laws[0].clearance),
+        _place(y, 1, pieces[1][0], laws[1].clearance),
     )
     x = p.l1 * ct - places[1][5], p.l1 * st - places[1][6]  # the coupler's socket
     wx, wy = -p.l1 * st * omega - places[1][7], p.l1 * ct * omega - places[1][8]

@@ -121,7 +121,7 @@ def slider_acceleration(
         nodeNumber=system.AddNode(data),
         spheresRadii=[s.ball_radius, s.socket_radius],
         isHollowSphere1=True,
-        contactStiffness=law[2] / s.clearance**1.5,
+        contactStiffness=law.scale / s.clearance**1.5,
         contactStiffnessExponent=1.5,
         impactModel=1,
         restitutionCoefficient=1 - (1 - s.restitution**2) / 2,

@@ -75,7 +75,7 @@ class ClearanceJoint:
         known = JointLaw(law, **radii, composite_modulus=composite_modulus, **options)
         self.name, self.deepest = known.name, known.deepest
         self.law = pack(law, *radii.values(), composite_modulus, **options)
-        self.ball_radius, self.clearance = ball_radius, self.law[1]
+        self.ball_radius, self.clearance = ball_radius, self.law.clearance
         self.damping_factor = damping_factor(damping, restitution)
         self.friction = checks.number("friction", friction, least=0, scalar=True)
         full = checks.number("full speed", full_speed, "m/s", above=0, scalar=True)
