@@ -187,13 +187,13 @@ def solve_some(form: str, some: list[Case]) -> list[Rows]:
     """Rows of the first cases of a list: of as many as take a second."""
     end, found = time.monotonic() + _LONG, []
     for case in some:
-        found.append(_rows(form, case))
+        found.append(rows(form, case))
         if time.monotonic() > end:
             break
     return found
 
 
-def _rows(form, case):
+def rows(form: str, case: Case) -> Rows:
     """Cells of a case's rows, with 9 digits; one row with the reason if it fails."""
     columns = COLUMNS[form]
     try:
@@ -309,6 +309,8 @@ def _of_scene(given):
 
 def _simulated(scene: Scene, run: Callable[[], Response]) -> Told:
     response = run()
+    if not response.complete:
+        raise KeyboardInterrupt
     impacts = dict(zip(IMPACT_COLUMNS, response.impact_rows.T, strict=True))
     deviation = np.abs(response.slider_position - ideal_position(scene, response))
     return {

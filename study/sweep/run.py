@@ -192,18 +192,21 @@ def _write(output, form, found, names, rows):
 
 def _solved(form, todo, jobs, dask_address) -> Iterator[tuple[str, Rows]]:
     """Keys and rows of cases, as they are finished; neighbours are solved by the same process."""
-    if not todo:
+    count = min(jobs or cpu_count(), len(todo))
+    if dask_address is None and count < 2:  # here, without the start of a process
+        for key, case in todo:
+            yield key, of_cases.rows(form, case)
         return
-    with _workers(jobs, dask_address, len(todo)) as (executor, count):
+    with _workers(count, dask_address) as (executor, count):
         size = max(1, min(_TASK, len(todo) // (4 * count)))
         waiting = deque(todo[k : k + size] for k in range(0, len(todo), size))
         running: dict = {}
         while waiting or running:
             while waiting and len(running) < _AHEAD * count:
                 task = waiting.popleft()
-                running[executor.submit(of_cases.solve_some, form, [case for _, case in task])] = (
-                    task
-                )
+                with _without_interrupts():
+                    future = executor.submit(of_cases.solve_some, form, [case for _, case in task])
+                running[future] = task
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 task = running.pop(future)
                 try:
@@ -219,7 +222,7 @@ def _solved(form, todo, jobs, dask_address) -> Iterator[tuple[str, Rows]]:
 
 
 @contextmanager
-def _workers(jobs, dask_address, most) -> Iterator[tuple[Executor, int]]:
+def _workers(count, dask_address) -> Iterator[tuple[Executor, int]]:
     """What runs functions, and how many at once; stopped if the study is."""
     if dask_address is not None:
         from study.pages.tasks import dask_client
@@ -227,12 +230,9 @@ def _workers(jobs, dask_address, most) -> Iterator[tuple[Executor, int]]:
         with dask_client(dask_address) as client:
             yield client.get_executor(pure=False), sum(client.nthreads().values())
         return
-    count = min(jobs or cpu_count(), most)
     executor = ProcessPoolExecutor(count, timeout=_IDLE)
     finished = False
     try:
-        with _without_interrupts():
-            executor.submit(int)  # starts the processes
         yield executor, count
         finished = True
     finally:
@@ -241,7 +241,7 @@ def _workers(jobs, dask_address, most) -> Iterator[tuple[Executor, int]]:
 
 @contextmanager
 def _without_interrupts():
-    """Ignore Ctrl-C, as processes that are started now do for ever: their runner stops them."""
+    """Ignore Ctrl-C for a moment, and for ever in processes that start in it: these are stopped."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
