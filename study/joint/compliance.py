@@ -11,6 +11,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solveh_banded
 from scipy.sparse import csr_array
 
 from study import checks
@@ -131,6 +132,13 @@ class Compliance:
     def __post_init__(self):
         for array in (self.angles, self.flexibility, self.reaction):
             array.flags.writeable = False
+
+    @cached_property
+    def between_nodes(self) -> NDArray[np.float64]:
+        """The flexibility in terms of the hats' values, not of their integrals; shape (n, n)."""
+        mass = HatFunctions(self.angles).mass()
+        bands = np.array([np.append(0, np.diag(mass, 1)), np.diag(mass)])
+        return solveh_banded(bands, solveh_banded(bands, self.flexibility).T)
 
     @cached_property
     def coarser(self) -> "Compliance":

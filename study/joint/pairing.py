@@ -7,6 +7,7 @@ socket radii R2, pressures in E* dR/R2 and depths in dR. Arguments are not check
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import LinAlgError, cholesky, solve_triangular, solveh_banded
 
 from study.joint import complementarity
-from study.joint.compliance import Compliance, HatFunctions
+from study.joint.compliance import Compliance, HatFunctions, surface_angles
 from study.threads import one_thread
 
 if TYPE_CHECKING:
@@ -65,43 +66,45 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
 def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
     """Contact problem with each point of the ball facing the point it has moved to, as `small`."""
     of_ball, of_socket = joint.modulus_shares
-    r1, r2_star = joint.ball_radius, joint.r2_star
-    hats = HatFunctions(ball.angles)
-    mass = hats.mass()
-    bands = np.array([np.append(0, np.diag(mass, 1)), np.diag(mass)])
-    socket_flexibility = solveh_banded(bands, solveh_banded(bands, socket.flexibility).T)
-    weights = (r1 * hats.areas)[:, None]
-    forces = (hats.values(hats.points) * weights).T.tocsr()
-    constant, axial = hats.integrate(np.ones_like), hats.integrate(np.cos)
+    of_pressure = of_ball * joint.ball_radius * ball.flexibility
     # ripples of pressure that the socket's hats do not see still give way, as on a half-space
-    width = np.convolve(np.diff(hats.angles), [0.5, 0.5])
+    width = np.convolve(np.diff(ball.angles), [0.5, 0.5])
     local = np.sqrt(2 / np.pi * (1 - joint.socket.poisson**2) * width)
 
     def problem(depth):
-        e = (1 + depth) / r2_star
-        seen = hats.values(_faced(joint, hats.points, depth))
-        moved = forces @ seen  # to the socket's nodes
-        by_socket = moved @ (moved @ socket_flexibility).T
-        of_seen = seen.T @ (seen * weights)
-        within = np.array([np.append(0, of_seen.diagonal(1)), of_seen.diagonal()])
-        within[1, within[1] == 0] = 1.0  # beyond the last point faced
-        unseen = r1 * mass - moved @ solveh_banded(within, moved.T.toarray())
-        by_socket += local[:, None] * unseen * local
-        matrix = of_ball * r1 * ball.flexibility + of_socket * by_socket
+        moved, unseen, gap = _pairs(joint.r2_star, depth, len(width) - 1)
+        by_socket = moved @ (moved @ socket.between_nodes).T + local[:, None] * unseen * local
+        return of_pressure + of_socket * by_socket, gap
 
-        def beyond(phi):
-            along, side = r1 + e * np.cos(phi), np.sin(phi) ** 2
-            return -side / (along + np.sqrt(along**2 + e**2 * side)) / r2_star
-
-        return matrix, np.array([constant, -axial, hats.integrate(beyond)])
-
-    return problem, r1**2 * axial
+    return problem, joint.ball_radius**2 * HatFunctions(ball.angles).integrate(np.cos)
 
 
-def _faced(joint, angles, depth):
+@lru_cache(maxsize=32)
+def _pairs(r2_star, depth, resolution):
+    """Matrix that moves pressure to the socket's nodes, work it does not see there, and the gap.
+
+    They are the same for all bodies.
+    """
+    hats, r1, e = HatFunctions(surface_angles(resolution)), 1 - 1 / r2_star, (1 + depth) / r2_star
+    weights = (r1 * hats.areas)[:, None]
+    seen = hats.values(_faced(r1, e, hats.points))
+    moved = (hats.values(hats.points) * weights).T.tocsr() @ seen
+    of_seen = seen.T @ (seen * weights)
+    within = np.array([np.append(0, of_seen.diagonal(1)), of_seen.diagonal()])
+    within[1, within[1] == 0] = 1.0  # beyond the last point faced
+    unseen = r1 * hats.mass() - moved @ solveh_banded(within, moved.T.toarray())
+
+    def beyond(phi):
+        along, side = r1 + e * np.cos(phi), np.sin(phi) ** 2
+        return -side / (along + np.sqrt(along**2 + e**2 * side)) / r2_star
+
+    gap = [hats.integrate(np.ones_like), -hats.integrate(np.cos), hats.integrate(beyond)]
+    return moved, unseen, np.array(gap)
+
+
+def _faced(ball_radius, eccentricity, angles):
     """Polar angles of the socket's points that points of the ball have moved to."""
-    moved = joint.ball_radius * np.sin(angles), joint.ball_radius * np.cos(angles)
-    return np.arctan2(moved[0], moved[1] + (1 + depth) / joint.r2_star)
+    return np.arctan2(ball_radius * np.sin(angles), ball_radius * np.cos(angles) + eccentricity)
 
 
 def socket_pressure(joint: Joint, angles: Floats, depths: Floats, pressure: Floats) -> Floats:
@@ -113,7 +116,7 @@ def socket_pressure(joint: Joint, angles: Floats, depths: Floats, pressure: Floa
         e = (1 + depth) / joint.r2_star
         away = np.sqrt(r1**2 + e**2 + 2 * r1 * e * np.cos(angles))
         shrunk = away**3 / (r1 + e * np.cos(angles))  # the ball's area over the socket's
-        moved[k] = np.interp(angles, _faced(joint, angles, depth), pressure[k] * shrunk)
+        moved[k] = np.interp(angles, _faced(r1, e, angles), pressure[k] * shrunk)
     return moved
 
 
