@@ -5,7 +5,7 @@ clamped and nothing is guessed.
 """
 
 import math
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import Any, TypeVar
 
 import numpy as np
@@ -164,6 +164,26 @@ def frame(name: str, value: Any, columns: Iterable[str]) -> Any:
         wanted = f"a table with rows and the columns {', '.join(columns)}"
         raise ValueError(f"{name} must be {wanted}, got {shown(value)}")
     return value
+
+
+def read(name: str, text: str, kind: Callable[[str], Any] = float) -> Any:
+    """Return the number that a text states, or raise ``ValueError``."""
+    try:
+        return kind(text)
+    except ValueError:
+        what = "a whole number" if kind is int else "a number"
+        raise ValueError(f"{name} must be {what}, got {text!r}") from None
+
+
+def read_several(
+    name: str, text: str, count: int = 2, kind: Callable[[str], Any] = float
+) -> tuple[Any, ...]:
+    """Return the two or three numbers that a text states, separated by commas."""
+    parts = text.split(",")
+    if len(parts) != count:
+        wanted = {2: "two numbers separated by a comma", 3: "three numbers separated by commas"}
+        raise ValueError(f"{name} must be {wanted[count]}, got {text!r}")
+    return tuple(read(name, part, kind) for part in parts)
 
 
 def shown(value: object) -> str:

@@ -1,5 +1,6 @@
 """Force-depth curves against independent solutions, convergence, and mechanics."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -9,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from study import contact, paths
-from study.joint import Joint, Material, fem, force_curve, pairing, series
+from study.joint import Joint, Material, complementarity, fem, force_curve, pairing, series
 from study.joint.complementarity import ComplementarityError
 from study.joint.compliance import RIMS, HatFunctions
 
@@ -214,6 +215,53 @@ def test_error_estimate_covers_the_error(solver):
         error = np.abs(curve.force_star / exact - 1)
         assert (error <= curve.error_estimate).all()
         assert np.median(curve.error_estimate / error) < 15  # and is no wild overestimate
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_error_estimate_covers_the_error_of_any_joint(seed):
+    draw = np.random.default_rng(seed)
+    nu, stiffer = draw.uniform(0, 0.47, 2), 1000 ** draw.uniform(-1, 1)
+    kinematics = ("small", "linear")[seed % 2]
+    materials = Material(2e11, nu[0]), Material(2e11 * stiffer, nu[1])
+    joint = Joint(10 * 1000 ** draw.random(), 1 + 3 / 100 ** draw.random(), *materials)
+    joint = replace(joint, kinematics=kinematics)
+    depth = np.linspace(0.02, 1, 25) ** 1.5
+    curve = force_curve(joint, depth, 64)
+    error = np.abs(curve.force_star / finest(joint, tuple(depth)) - 1)
+    assert (error <= curve.error_estimate).all()
+    assert np.median(curve.error_estimate / error) < 15
+
+
+@pytest.mark.parametrize("kinematics", ["small", "linear"])
+@pytest.mark.parametrize(
+    ("socket", "ratio"), [(Material(), 1.2), (Material(2e9, 0.49), 1.05), (Material(2e13, 0.2), 3)]
+)
+def test_contact_grown_from_the_pole_is_that_found_by_pivoting(kinematics, socket, ratio):
+    joint = Joint(30, ratio, socket=socket, kinematics=kinematics)
+    bodies = series.ball_compliance(0.3, 64), series.socket_compliance(ratio, socket.poisson, 64)
+    problem, axial = getattr(pairing, kinematics)(joint, *bodies)
+    depths = np.array([0.02, 0.5, 0.0, 0.2])
+    pressure, force = pairing.solve(joint, depths, problem, axial, (1.0, 0.9))
+    for k, depth in enumerate(depths):
+        matrix, parts = problem(depth)
+        for times, found in zip((1.0, 0.9), force[:, k], strict=True):
+            gap = (1 + times * depth) ** np.arange(3) @ parts
+            expected = complementarity.solve(matrix, gap if depth > 0 else abs(gap))[0]
+            assert found == pytest.approx(joint.r2_star * expected @ axial, rel=1e-10)
+            if times == 1:
+                assert pressure[k] == pytest.approx(expected, abs=1e-9 * expected.max())
+
+
+def test_contact_in_two_parts_is_found_by_pivoting():
+    joint, size = Joint(200), 6
+    gap = np.array([-1.0, -1.0, 1.0, -1.0, -1.0, 1.0])  # contact grown from the pole ends too early
+
+    def problem(_):
+        return np.eye(size), np.array([gap, np.zeros(size), np.zeros(size)])
+
+    pressure, force = pairing.solve(joint, np.array([0.5]), problem, np.ones(size))
+    assert pressure[0] == pytest.approx(np.maximum(-gap, 0))
+    assert force[0, 0] == pytest.approx(200 * 4)
 
 
 @settings(max_examples=25)

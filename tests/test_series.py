@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from study.joint import fem, series
+from study.joint import Joint, fem, force_curve, series
 from study.joint.compliance import HatFunctions, surface_angles
 
 EVEN = np.arange(0, 10_001, 2)
@@ -113,9 +113,33 @@ def test_series_has_converged_with_its_last_order():
         series.ball_compliance,
         lambda *a, **k: series.socket_compliance(1.2, *a, **k),
     ):
-        full, half = (function(0.3, last_order=n).flexibility for n in (10_000, 5_000))
-        assert smooth @ half @ smooth == pytest.approx(smooth @ full @ smooth, rel=1e-9)
-        assert np.diag(half) == pytest.approx(np.diag(full), rel=2e-3)
+        full, usual = (function(0.3, last_order=n).flexibility for n in (10_000, None))
+        assert smooth @ usual @ smooth == pytest.approx(smooth @ full @ smooth, rel=1e-9)
+        assert np.diag(usual) == pytest.approx(np.diag(full), rel=2e-3)
+
+
+def test_more_orders_change_neither_force_nor_peak_pressure(monkeypatch):
+    joint, found = Joint(200, 1.1), []
+    for orders in (4 * series.ORDERS, series.ORDERS):  # the usual ones stay cached
+        monkeypatch.setattr(series, "ORDERS", orders)
+        for known in (series.ball_compliance, series.socket_compliance):
+            known.cache_clear()
+        found.append(force_curve(joint, np.linspace(0.02, 1, 15), 128))
+    more, usual = found
+    assert usual.force_star == pytest.approx(more.force_star, rel=1e-6)
+    assert usual.peak_pressure_star == pytest.approx(more.peak_pressure_star, rel=1e-5)
+
+
+@pytest.mark.parametrize("body", ["ball", "socket"])
+def test_coarser_hats_are_those_of_half_the_resolution(body):
+    solve = {
+        "ball": lambda n: series.ball_compliance(0.3, n, 1000),
+        "socket": lambda n: series.socket_compliance(1.2, 0.3, n, 1000),
+    }[body]
+    fine, coarse = solve(64).coarser, solve(32)
+    for name in ("angles", "flexibility", "reaction"):
+        expected = getattr(coarse, name)
+        assert getattr(fine, name) == pytest.approx(expected, abs=1e-12 * expected.max())
 
 
 @pytest.mark.parametrize(

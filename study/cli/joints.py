@@ -5,13 +5,13 @@ from inspect import signature
 from pathlib import Path
 
 from study import checks, paths
-from study.cli.options import check_output, command, flag, left_out, numbers
+from study.cli.options import check_output, command, flag, left_out
 from study.cli.output import named_fields, show, waiting
 from study.contact import LAWS, LawName
 
 MATERIALS = (
     "study.joint:Material poisson",
-    "study.cli.joints:given_joint modulus_ratio socket_poisson layer",
+    "study.joint.described:described modulus_ratio socket_poisson layer",
 )
 JOINT = ("study.joint:Joint socket_ratio ball_drive rim kinematics", *MATERIALS)
 
@@ -84,10 +84,11 @@ def _solve_sized(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of
     from study.choose.law import TOLERANCES
     from study.cli import sized
     from study.joint import SizedJoint
+    from study.joint.described import liner as read_liner
 
     _needed(SIZES, of_joint)
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
-    joint = SizedJoint(**of_joint, liner=tuple(sized.liner(text) for text in liner))
+    joint = SizedJoint(**of_joint, liner=tuple(map(read_liner, liner)))
     with waiting("Solving the joint"):
         told, parts = sized.told(joint, joint.solve(force=force, depth=depth), tolerance)
     show(told, as_json, *parts)
@@ -95,8 +96,9 @@ def _solve_sized(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of
 
 def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, **joint):
     from study.joint import force_curve
+    from study.joint.described import described
 
-    solved_joint = given_joint(r2_star, **joint)
+    solved_joint = described(r2_star, **joint)
     with waiting("Solving the joint"):
         curve = force_curve(solved_joint, depth_star, solver=solver)
         stresses = curve.largest_stress
@@ -118,42 +120,10 @@ def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, **joint):
     show(named, as_json, *parts)
 
 
-def given_joint(
-    r2_star=200.0,
-    *,
-    modulus_ratio: float | None = None,
-    socket_poisson: float | None = None,
-    layer: list[str] | None = None,
-    yield_stress: float | None = None,
-    **others,
-):
-    """The joint that a command's options describe: what is not given is the library's default."""
-    from study.joint import Joint, Layer, Material
-
-    poisson = {"poisson": others.pop("poisson")} if "poisson" in others else {}
-    ball = Material(**poisson, yield_stress=yield_stress)
-    unit, of_one = ball.youngs_modulus, {"modulus_ratio": modulus_ratio}
-    of_one |= {"socket_poisson": socket_poisson, "socket_ratio": others.get("socket_ratio")}
-    if layer:
-        of_one |= {"yield_stress": yield_stress}
-        given = [name for name, value in of_one.items() if value is not None]
-        left_out(given, given, "--layer tells what the socket is")
-        each = [numbers("--layer", text, count=3) for text in layer]
-        moduli = [unit * checks.number("modulus of --layer", e, above=0) for _, e, _ in each]
-        layers = zip(each, moduli, strict=True)
-        others["layers"] = tuple(Layer(q, Material(e, nu)) for (q, _, nu), e in layers)
-    else:
-        poisson = ball.poisson if socket_poisson is None else socket_poisson
-        ratio = 1.0 if modulus_ratio is None else modulus_ratio
-        modulus = unit * checks.number("--modulus-ratio", ratio, above=0)
-        others["socket"] = Material(modulus, poisson, yield_stress)
-    return Joint(r2_star, ball=ball, **others)
-
-
 @command(
     "choose",
     *JOINT,
-    "study.cli.joints:given_joint yield_stress",
+    "study.joint.described:described yield_stress",
     "study.choose:choose depth_star tolerance",
 )
 def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **joint):
@@ -163,8 +133,9 @@ def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **j
     """
     from study.choose import choose
     from study.choose.law import relative_costs
+    from study.joint.described import described
 
-    asked, costs = given_joint(r2_star, **joint), relative_costs()
+    asked, costs = described(r2_star, **joint), relative_costs()
     with waiting("Solving the joint"):
         choice = choose(asked, depth_star, tolerance)
     laws = sorted(choice.errors, key=costs.get)
@@ -199,10 +170,11 @@ def export_law(
     against the solved joint.
     """
     from study.export import SUFFIXES, export
+    from study.joint.described import described
 
     joint |= {} if r2_star is None else {"r2_star": r2_star}
     check_output(output, SUFFIXES[form])
-    asked = given_joint(**joint)
+    asked = described(**joint)
     with waiting("Solving the joint, and its error"):
         text = export(law, form, asked, depth_star)
     if output is None:

@@ -6,15 +6,8 @@ from functools import partial
 from inspect import signature
 from pathlib import Path
 
-from study.cli.options import (
-    KEPT,
-    InterruptionError,
-    check_output,
-    command,
-    left_out,
-    number,
-    numbers,
-)
+from study import checks
+from study.cli.options import KEPT, InterruptionError, check_output, command, left_out
 from study.cli.output import bar, named_fields, show, waiting
 
 SHOWN = 20  # impacts in a printed table
@@ -53,7 +46,7 @@ def simulate_mechanism(
     changed = _scene(scene, inertia)
     check_output(output, ".csv")
     if "elements" in given:
-        given["elements"] = numbers("--elements", given["elements"], int)
+        given["elements"] = checks.read_several("--elements", given["elements"], kind=int)
     if sys.stderr.isatty() and not any(CACHE.rglob("*.nbi")):
         print("Compiling the stepping loops, once: some twenty seconds ...", file=sys.stderr)
     auto = given.get("model") == "auto"
@@ -67,7 +60,7 @@ def simulate_mechanism(
     with waiting("Choosing the model"):
         choice = choose_model(changed, **given) if auto else None
     run = choice.simulate if auto else partial(mechanism.simulate, changed, **given)
-    with bar() as shown:
+    with bar("simulated {task.completed:.4g} of {task.total:g} s") as shown:
         task = shown.add_task("", total=given.get("duration", options["duration"].default))
         response = run(progress=lambda time: shown.update(task, completed=time))
     last = response.motion.iloc[-1]
@@ -121,15 +114,14 @@ def _scene(settings, inertia):
     """The paper's scene with settings ``KEY=VALUE`` and the inertias changed."""
     from study.mechanism import Scene
 
-    known, changes = {field.name: field.default for field in fields(Scene)}, {}
-    if inertia != "rods":
-        changes["crank_inertia"], changes["coupler_inertia"] = numbers("--inertia", inertia)
+    known, texts = [field.name for field in fields(Scene)], {}
     for setting in settings:
         key, equals, text = setting.partition("=")
         if not equals or key not in known:
             names = ", ".join(known)
             raise ValueError(f"--scene must be KEY=VALUE with KEY one of {names}, got {setting!r}")
-        kind = type(known[key])
-        read = numbers if kind is tuple else number
-        changes[key] = text if kind is str or key in ("ball", "socket") else read(key, text)
-    return Scene(**changes)
+        texts[key] = text
+    rods = {"crank_inertia": None, "coupler_inertia": None}
+    if inertia != "rods":
+        rods = dict(zip(rods, checks.read_several("--inertia", inertia), strict=True))
+    return Scene.read(texts, **rods)

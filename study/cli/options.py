@@ -1,6 +1,6 @@
 """Commands and their options: one that is a parameter of the library is explained there.
 
-Here are also the readings of numbers, and the refusals, that several commands share.
+Here are also the refusals that several commands share.
 """
 
 import os
@@ -29,9 +29,10 @@ INTERRUPTED = 130  # typer's status after Ctrl-C
 KEPT = "; what was finished is kept"
 FLAGS = {"ball_drive": "--drive", "form": "--format", "dask_address": "--dask"}
 FLAGS |= {"as_json": "--json", "settings": "-p"}
-ARGUMENTS = {"name": "NAME", "names": "NAME"}
+ARGUMENTS = {"name": "NAME", "names": "NAME", "kind": "KIND", "cases": "[FILE]"}
 HELP = {
     "as_json": "Print one JSON object.",
+    "cases": "CSV file with a row per case; or --random.",
     "case": "One case, every depth of it.",
     "clearance": "Radius of the socket less that of the ball, in m.",
     "depth": "Penetration depth in m; may be repeated.",
@@ -39,25 +40,26 @@ HELP = {
     "force": "Contact force in N; may be repeated.",
     "group": "Group of cases: paper, ratio, poisson, modulus, support, liner or judge.",
     "inertia": "Of crank and coupler about their centres, in kg m^2: I1,I2 [default: rods].",
+    "kind": "What the cases are: joints or scenes.",
     "keep": "Take what differs as the kept results from now on.",
-    "layer": "Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer "
-    "of the socket: N,N,N; may be repeated, from the inside out.",
     "liner": "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be "
     "repeated, from the inside out.",
     "model": "Links; auto: as little as it needs.",
-    "modulus_ratio": "Young's modulus of the socket over that of the ball, > 0 [default: 1.0].",
     "name": f"One of {', '.join(LAWS)}.",
     "names": "Figures, tables or notebooks; default all.",
     "output": "File to write.",
     "r2_star": "Radius of the socket in clearances, R2/dR, > 1.",
+    "random": "Number of cases drawn at random from every --range.",
+    "range": "Range of a column: NAME=LOW:HIGH, drawn evenly, NAME=LOW:HIGH:log, or the values to "
+    "choose from, NAME=A,B,C; may be repeated.",
     "scene": "KEY=VALUE of the scene; may be repeated.",
+    "seed": "Of the random numbers [default: 0]; the same cases for the same seed.",
     "settings": "KEY=VALUE of a notebook's parameter; may be repeated.",
     "socket_radius": "Inner radius of the socket, in m.",
     "socket_ratio": "Outer over inner radius of the socket.",
     "tolerance": "For a joint with dimensions: largest relative error of the law that is named "
     "[default: 0.01].",
     "wall": "Thickness of the socket beyond its inner radius, liners included, in m.",
-    "yield_stress": "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa.",
 }
 """Of what the library's docstrings do not explain."""
 PLAIN = {
@@ -189,21 +191,3 @@ def check_output(output, suffix):
         raise ValueError(f"--output must be in a folder that can be written to, got {output}")
     if output.is_dir():
         raise ValueError(f"--output must be a file, got the folder {output}")
-
-
-def numbers(name, text, kind=float, count=2):
-    """Two or three numbers, separated by commas."""
-    parts = text.split(",")
-    if len(parts) != count:
-        wanted = {2: "two numbers separated by a comma", 3: "three numbers separated by commas"}
-        raise ValueError(f"{name} must be {wanted[count]}, got {text!r}")
-    return tuple(number(name, part, kind) for part in parts)
-
-
-def number(name, text, kind=float):
-    """One number from an option's text."""
-    try:
-        return kind(text)
-    except ValueError:
-        what = "a whole number" if kind is int else "a number"
-        raise ValueError(f"{name} must be {what}, got {text!r}") from None

@@ -159,13 +159,13 @@ def waiting(what):
         timer.cancel()
 
 
-def bar():
-    """Bar of simulated time on standard error, gone at the end; none off the terminal."""
+def bar(text):
+    """Bar of something done on standard error, gone at the end; none off the terminal."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    text = TextColumn("simulated {task.completed:.4g} of {task.total:g} s")
-    columns, console = (text, BarColumn(), TimeRemainingColumn()), Console(stderr=True)
+    columns = TextColumn(text), BarColumn(), TimeRemainingColumn()
+    console = Console(stderr=True)
     hidden = not console.is_terminal
     return Progress(*columns, console=console, transient=True, disable=hidden)
 

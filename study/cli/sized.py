@@ -14,16 +14,6 @@ compared begins at a twelfth of its end at most, so that the depth asked for is 
 LARGE = 1.0  # m: a socket's radius that was hardly meant
 
 
-def liner(text: str) -> tuple[float, str]:
-    """Thickness in m and material of an option's text."""
-    thickness, _, material = text.partition(",")
-    try:
-        return float(thickness), material.strip()
-    except ValueError:
-        wanted = "--liner must be a thickness in m and a material, such as 0.5e-3,PTFE"
-        raise ValueError(f"{wanted}, got {text!r}") from None
-
-
 def told(joint: SizedJoint, solution: SizedSolution, tolerance: float) -> tuple[dict, list]:
     """One JSON object of a solved joint, and its parts as text."""
     plain, largest = joint.joint, float(solution.depth.max())

@@ -6,11 +6,12 @@ radius and unit Young's modulus, and serves every clearance, depth and modulus.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache, wraps
+from functools import cached_property, lru_cache, wraps
 from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solveh_banded
 from scipy.sparse import csr_array
 
 from study import checks
@@ -131,6 +132,20 @@ class Compliance:
     def __post_init__(self):
         for array in (self.angles, self.flexibility, self.reaction):
             array.flags.writeable = False
+
+    @cached_property
+    def between_nodes(self) -> NDArray[np.float64]:
+        """The flexibility in terms of the hats' values, not of their integrals; shape (n, n)."""
+        mass = HatFunctions(self.angles).mass()
+        bands = np.array([np.append(0, np.diag(mass, 1)), np.diag(mass)])
+        return solveh_banded(bands, solveh_banded(bands, self.flexibility).T)
+
+    @cached_property
+    def coarser(self) -> "Compliance":
+        """The same body under the hats between every second node, which are sums of its own."""
+        angles = self.angles[::2]
+        sums = HatFunctions(angles).values(self.angles).T
+        return Compliance(angles, sums @ (sums @ self.flexibility).T, sums @ self.reaction)
 
 
 class HatFunctions:

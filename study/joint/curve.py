@@ -7,6 +7,7 @@ hat functions. Frictionless and elastic. Which points face each other: `study.jo
 Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -23,6 +24,7 @@ from study.joint.compliance import (
     Compliance,
     layer_ratios,
     layer_steps,
+    surface_angles,
 )
 from study.joint.joint import Joint
 from study.threads import one_thread
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
 
 Solver = Literal["series", "quadratic", "linear"]
 SOLVERS: tuple[Solver, ...] = get_args(Solver)
-_BESIDE = (0.97, 1.03)  # neighbours of a depth at which its error is estimated too
+_TIMES = (1.0, 0.97, 1.03)  # a depth at which the error is estimated: its neighbours too
 
 
 class UnresolvedError(checks.RangeError):
@@ -53,8 +55,8 @@ class ForceCurve:
         Largest pressure, in E* dR/R2; shape (k,).
     error_estimate
         Estimated relative discretisation error of the force, shape (k,): its largest difference
-        from the force at half the resolution, at this depth and 3 % to both sides of it (the
-        error oscillates as the contact's edge passes the nodes).
+        from the force at half the resolution, at this depth and 3 % to both sides of it, with the
+        matrix of this depth (the error oscillates as the contact's edge passes the nodes).
     angles, pressure
         Polar angles in rad, shape (n,), and the pressure there in E* dR/R2, shape (k, n).
     """
@@ -137,31 +139,28 @@ def force_curve(
     if depths.ndim != 1 or depths.size == 0:
         raise ValueError(f"depth_star must be a list of depths, got shape {depths.shape}")
     resolution = checked_resolution(joint, solver, resolution)
-    beside = np.outer([1, *_BESIDE], depths).ravel()
-    angles, pressure, fine = _solve(joint, solver, beside, resolution)
-    _, _, coarse = _solve(joint, solver, beside, resolution // 2)
-    pressure = pressure[: depths.size]
+    angles, pressure, fine, coarse = _solve(joint, solver, depths, resolution)
     at_rim = pressure[:, -2:].any(axis=1)
     if at_rim.any():
         raise checks.RangeError(
             "depth_star must keep the contact off the socket's rim (half-angle < 90 deg), "
             f"got {depths[at_rim].min():g}"
         )
-    unseen = (np.minimum(fine, coarse) == 0) & (beside > 0)
+    unseen = ((np.minimum(fine, coarse) == 0) & (depths > 0)).any(axis=0)
     if unseen.any():
         raise UnresolvedError(
             "depth_star must be 0 or so large that the elements resolve the contact, got "
-            f"{beside[unseen].max():.3g} with elements of {np.degrees(angles[1]):.2g} deg"
+            f"{depths[unseen].max():.3g} with elements of {np.degrees(angles[1]):.2g} deg"
         )
     relative = np.divide(np.abs(fine - coarse), fine, out=np.zeros_like(fine), where=fine > 0)
     return ForceCurve(
         joint=joint,
         solver=solver,
         depth_star=depths,
-        force_star=fine[: depths.size],
+        force_star=fine[0],
         contact_half_angle_deg=np.degrees([_edge(angles, p) for p in pressure]),
         peak_pressure_star=pressure.max(axis=1),
-        error_estimate=relative.reshape(-1, depths.size).max(axis=0),
+        error_estimate=relative.max(axis=0),
         angles=angles,
         pressure=pressure,
     )
@@ -204,42 +203,49 @@ def checked_resolution(joint: Joint, solver: Solver, resolution: int | None) -> 
 
 
 def _solve(joint, solver, depths, resolution):
-    """Nodal angles, pressure profiles (k, n) and forces (k,) at one resolution."""
+    """Nodal angles, pressures (k, n), and forces (m, k) at `_TIMES` the depths by both meshes."""
+    found = []
     if joint.kinematics == "finite":
         from study.joint import fem
 
-        of_ball, of_socket = meshed(joint, resolution)
-        ball, socket = fem.ball(*of_ball), fem.socket(*of_socket)
-        angles = ball.compliance.angles
-        return angles, *pairing.solve_finite(joint, depths, ball, socket)
-    ball, socket = compliances(joint, solver, resolution)
-    paired = pairing.small if joint.kinematics == "small" else pairing.linear
-    return ball.angles, *pairing.solve(joint, depths, *paired(joint, ball, socket))
+        for n in (resolution, resolution // 2):
+            of_ball, of_socket = meshed(joint, n)
+            bodies = fem.ball(*of_ball), fem.socket(*of_socket)
+            beside = np.outer(_TIMES, depths)
+            pressure, force = pairing.solve_finite(joint, beside.ravel(), *bodies)
+            found.append((pressure[: depths.size], force.reshape(beside.shape)))
+    else:
+        paired = pairing.small if joint.kinematics == "small" else pairing.linear
+        for bodies in meshes(joint, solver, resolution):
+            found.append(pairing.solve(joint, depths, *paired(joint, *bodies), _TIMES))
+    (pressure, fine), (_, coarse) = found
+    return surface_angles(resolution), pressure, fine, coarse
 
 
-def compliances(
-    joint: Joint, solver: Solver | None, resolution: int, orders: int | None = None
-) -> tuple[Compliance, Compliance]:
-    """Compliances of ball and socket by a solver; by default of each by the series if it can be.
+def meshes(
+    joint: Joint, solver: Solver | None, resolution: int
+) -> Iterator[tuple[Compliance, Compliance]]:
+    """Ball and socket at a resolution, then at half of it, by a solver or each by its best.
 
-    The series ends at ``orders`` an element, by default at 10,000 or `series.ORDERS` an element.
+    Coarser elements are solved themselves; the series is seen by coarser hats.
     """
-    usual = max(series.LAST_ORDER, series.ORDERS * resolution)
-    last_order = orders * resolution if orders else usual
-    ball: Compliance | None = None
-    socket: Compliance | None = None
+    balls: tuple[Compliance, ...] = ()
+    sockets: tuple[Compliance, ...] = ()
     if joint.ball_drive == "plane" and solver in (None, "series"):
-        ball = series.ball_compliance(joint.ball.poisson, resolution, last_order)
+        ball = series.ball_compliance(joint.ball.poisson, resolution)
+        balls = ball, ball.coarser
     if joint.rim == "mirror" and solver in (None, "series"):
         ratio, poisson, modulus = joint.socket_layers
-        socket = series.socket_compliance(ratio, poisson, resolution, last_order, modulus)
-    if ball is None or socket is None:
+        socket = series.socket_compliance(ratio, poisson, resolution, modulus=modulus)
+        sockets = socket, socket.coarser
+    if not (balls and sockets):
         from study.joint import fem
 
-        of_ball, of_socket = meshed(joint, resolution, 3 if solver == "linear" else 6)
-        ball = fem.ball_compliance(*of_ball) if ball is None else ball
-        socket = fem.socket_compliance(*of_socket) if socket is None else socket
-    return ball, socket
+        nodes = 3 if solver == "linear" else 6
+        each = [meshed(joint, n, nodes) for n in (resolution, resolution // 2)]
+        balls = balls or tuple(fem.ball_compliance(*of_ball) for of_ball, _ in each)
+        sockets = sockets or tuple(fem.socket_compliance(*of_socket) for _, of_socket in each)
+    return zip(balls, sockets, strict=True)
 
 
 def meshed(joint: Joint, resolution: int, nodes: int = 6) -> tuple[tuple, tuple]:

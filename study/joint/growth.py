@@ -9,12 +9,11 @@ displacements, are for `study.joint.force_curve`.
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cholesky, solve_triangular
+from scipy.linalg import solve_triangular
 
 from study import checks
 from study.contact import largest_depth
-from study.joint import curve, pairing, series
-from study.joint.complementarity import ComplementarityError
+from study.joint import curve, pairing
 from study.joint.curve import ForceCurve, UnresolvedError
 from study.joint.joint import Joint
 from study.threads import one_thread
@@ -101,7 +100,8 @@ def _grown(joint, deepest, resolution):
     checks.number("deepest", deepest, below=largest_depth(joint.r2_star))
     solver = curve.chosen_solver(joint, None)
     resolution = curve.checked_resolution(joint, solver, resolution)
-    coarse, fine = (_Growth(joint, n, deepest) for n in (resolution // 2, resolution))
+    meshes = curve.meshes(joint, None, resolution)
+    fine, coarse = (_Growth(joint, *bodies, deepest) for bodies in meshes)
     size = min(len(coarse.depth), len(fine.depth[::2]))
     depth, force = (
         f[: 2 * size : 2] + (f[: 2 * size : 2] - c[:size]) / 3
@@ -124,8 +124,7 @@ def _grown(joint, deepest, resolution):
 class _Growth:
     """Contacts up to each node of one mesh: their depths, forces and pressures."""
 
-    def __init__(self, joint, resolution, deepest):
-        ball, socket = curve.compliances(joint, None, resolution, series.ORDERS)
+    def __init__(self, joint, ball, socket, deepest):
         paired = pairing.small if joint.kinematics == "small" else pairing.linear
         problem, axial = paired(joint, ball, socket)
         self.angles = ball.angles
@@ -133,7 +132,8 @@ class _Growth:
         # few, all contacts are solved; then polynomials in the eccentricity meet a contact's own
         count = 1 if joint.r2_star > 1e6 else _MADE
         made = 1 + deepest * (1 - np.cos(np.pi * np.arange(count) / max(count - 1, 1))) / 2
-        solved = [_factor(*problem(eccentricity - 1), axial) for eccentricity in made]
+        made_problems = (problem(eccentricity - 1) for eccentricity in made)
+        solved = [pairing.factor(matrix, np.vstack([gap, axial])) for matrix, gap in made_problems]
         self._made, self._factors = made, [factor for factor, _ in solved]
         *self._gaps, load = np.array([of for _, of in solved]).swapaxes(0, 1)
         one, first, second = self._gaps
@@ -166,15 +166,3 @@ class _Growth:
             part = factor[:node, :node]
             profiles[k, :node] = solve_triangular(part, -gap, lower=True, trans=1)
         return polyval(own, self._polynomial(profiles))
-
-
-def _factor(matrix, gap, axial):
-    """Cholesky factor, and the gap's factors and the axial force solved with it."""
-    try:
-        factor = cholesky(matrix, lower=True, check_finite=False)
-    except LinAlgError:
-        raise ComplementarityError(
-            "contact did not converge: its matrix is not positive definite"
-        ) from None
-    right = np.vstack([gap, axial]).T
-    return factor, solve_triangular(factor, right, lower=True, check_finite=False).T

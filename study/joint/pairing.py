@@ -6,16 +6,17 @@ socket radii R2, pressures in E* dR/R2 and depths in dR. Arguments are not check
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.linalg import solveh_banded
+from scipy.linalg import LinAlgError, cholesky, solve_triangular, solveh_banded
 
 from study.joint import complementarity
-from study.joint.compliance import Compliance, HatFunctions
+from study.joint.compliance import Compliance, HatFunctions, surface_angles
 from study.threads import one_thread
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ RELAXATIONS = (0.8, 0.5, 0.25)  # of the pressure's step, tried in turn: they da
 # short as the elements, which are the stronger the softer the socket is against the ball
 TOLERANCE = 1e-7  # of the force between two steps
 MOST_STEPS = 60
+BEYOND = 8  # nodes that a contact may reach farther than that at a larger depth
 LARGEST_R2_STAR = 1e8  # beyond it the gap is lost in the rounding of the surfaces' places
 
 
@@ -46,7 +48,7 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
     matrix = of_ball * r1 * ball.flexibility + of_socket * socket.flexibility
     hats = HatFunctions(ball.angles)
 
-    axial = hats.integrate(np.cos)
+    constant, axial = hats.integrate(np.ones_like), hats.integrate(np.cos)
 
     def problem(depth):
         e = (1 + depth) / r2_star
@@ -56,7 +58,7 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
             side = np.minimum(np.sin(theta) ** 2, (r1 / e) ** 2)
             return side / (r1 + np.sqrt(np.maximum(r1**2 - e**2 * side, 0))) / r2_star
 
-        return matrix, np.array([hats.integrate(np.ones_like), -axial, hats.integrate(beyond)])
+        return matrix, np.array([constant, -axial, hats.integrate(beyond)])
 
     return problem, axial
 
@@ -64,43 +66,45 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
 def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
     """Contact problem with each point of the ball facing the point it has moved to, as `small`."""
     of_ball, of_socket = joint.modulus_shares
-    r1, r2_star = joint.ball_radius, joint.r2_star
-    hats = HatFunctions(ball.angles)
-    mass = hats.mass()
-    bands = np.array([np.append(0, np.diag(mass, 1)), np.diag(mass)])
-    socket_flexibility = solveh_banded(bands, solveh_banded(bands, socket.flexibility).T)
-    weights = (r1 * hats.areas)[:, None]
-    forces = (hats.values(hats.points) * weights).T.tocsr()
-    axial = hats.integrate(np.cos)
+    of_pressure = of_ball * joint.ball_radius * ball.flexibility
     # ripples of pressure that the socket's hats do not see still give way, as on a half-space
-    width = np.convolve(np.diff(hats.angles), [0.5, 0.5])
+    width = np.convolve(np.diff(ball.angles), [0.5, 0.5])
     local = np.sqrt(2 / np.pi * (1 - joint.socket.poisson**2) * width)
 
     def problem(depth):
-        e = (1 + depth) / r2_star
-        seen = hats.values(_faced(joint, hats.points, depth))
-        moved = forces @ seen  # to the socket's nodes
-        by_socket = moved @ (moved @ socket_flexibility).T
-        of_seen = seen.T @ (seen * weights)
-        within = np.array([np.append(0, of_seen.diagonal(1)), of_seen.diagonal()])
-        within[1, within[1] == 0] = 1.0  # beyond the last point faced
-        unseen = r1 * mass - moved @ solveh_banded(within, moved.T.toarray())
-        by_socket += local[:, None] * unseen * local
-        matrix = of_ball * r1 * ball.flexibility + of_socket * by_socket
+        moved, unseen, gap = _pairs(joint.r2_star, depth, len(width) - 1)
+        by_socket = moved @ (moved @ socket.between_nodes).T + local[:, None] * unseen * local
+        return of_pressure + of_socket * by_socket, gap
 
-        def beyond(phi):
-            along, side = r1 + e * np.cos(phi), np.sin(phi) ** 2
-            return -side / (along + np.sqrt(along**2 + e**2 * side)) / r2_star
-
-        return matrix, np.array([hats.integrate(np.ones_like), -axial, hats.integrate(beyond)])
-
-    return problem, r1**2 * axial
+    return problem, joint.ball_radius**2 * HatFunctions(ball.angles).integrate(np.cos)
 
 
-def _faced(joint, angles, depth):
+@lru_cache(maxsize=32)
+def _pairs(r2_star, depth, resolution):
+    """Matrix that moves pressure to the socket's nodes, work it does not see there, and the gap.
+
+    They are the same for all bodies.
+    """
+    hats, r1, e = HatFunctions(surface_angles(resolution)), 1 - 1 / r2_star, (1 + depth) / r2_star
+    weights = (r1 * hats.areas)[:, None]
+    seen = hats.values(_faced(r1, e, hats.points))
+    moved = (hats.values(hats.points) * weights).T.tocsr() @ seen
+    of_seen = seen.T @ (seen * weights)
+    within = np.array([np.append(0, of_seen.diagonal(1)), of_seen.diagonal()])
+    within[1, within[1] == 0] = 1.0  # beyond the last point faced
+    unseen = r1 * hats.mass() - moved @ solveh_banded(within, moved.T.toarray())
+
+    def beyond(phi):
+        along, side = r1 + e * np.cos(phi), np.sin(phi) ** 2
+        return -side / (along + np.sqrt(along**2 + e**2 * side)) / r2_star
+
+    gap = [hats.integrate(np.ones_like), -hats.integrate(np.cos), hats.integrate(beyond)]
+    return moved, unseen, np.array(gap)
+
+
+def _faced(ball_radius, eccentricity, angles):
     """Polar angles of the socket's points that points of the ball have moved to."""
-    moved = joint.ball_radius * np.sin(angles), joint.ball_radius * np.cos(angles)
-    return np.arctan2(moved[0], moved[1] + (1 + depth) / joint.r2_star)
+    return np.arctan2(ball_radius * np.sin(angles), ball_radius * np.cos(angles) + eccentricity)
 
 
 def socket_pressure(joint: Joint, angles: Floats, depths: Floats, pressure: Floats) -> Floats:
@@ -112,20 +116,60 @@ def socket_pressure(joint: Joint, angles: Floats, depths: Floats, pressure: Floa
         e = (1 + depth) / joint.r2_star
         away = np.sqrt(r1**2 + e**2 + 2 * r1 * e * np.cos(angles))
         shrunk = away**3 / (r1 + e * np.cos(angles))  # the ball's area over the socket's
-        moved[k] = np.interp(angles, _faced(joint, angles, depth), pressure[k] * shrunk)
+        moved[k] = np.interp(angles, _faced(r1, e, angles), pressure[k] * shrunk)
     return moved
 
 
 @one_thread
-def solve(joint: Joint, depths: Floats, problem: Problem, axial: Floats) -> tuple[Floats, Floats]:
-    """Pressures (k, n) and forces (k,) of `small` or `linear` pairing, whose bodies stay linear."""
-    pressure, active = np.zeros((len(depths), len(axial))), None
+def solve(
+    joint: Joint, depths: Floats, problem: Problem, axial: Floats, times: Sequence[float] = (1.0,)
+) -> tuple[Floats, Floats]:
+    """Pressures (k, n) at the depths, and forces (m, k) at these ``times`` m factors, the first 1.
+
+    Of `small` or `linear` pairing, whose bodies stay linear. The matrix is that of the depth
+    itself for all factors.
+    """
+    pressure, force = np.zeros((len(depths), len(axial))), np.zeros((len(times), len(depths)))
+    reach = len(axial)
     for k in np.argsort(-depths, kind="stable"):
         if depths[k] > 0:
-            matrix, gap = problem(depths[k])
-            gap = (1 + depths[k]) ** np.arange(3) @ gap
-            pressure[k], active = complementarity.solve(matrix, gap, active)
-    return pressure, joint.r2_star * pressure @ axial
+            matrix, parts = problem(depths[k])
+            gaps = (1 + np.outer(times, depths[k])) ** np.arange(3) @ parts
+            pressure[k], force[:, k] = _contact(matrix, gaps, axial, reach)
+            reach = min(int(np.count_nonzero(pressure[k])) + BEYOND, len(axial))
+    return pressure, joint.r2_star * force
+
+
+def _contact(matrix, gaps, axial, reach):
+    """Pressure under the first of the gaps, and the axial force under each.
+
+    Contact grows from the pole, node by node, so that the leading part of one Cholesky factor is
+    the factor of a smaller contact, which ends before the node that would be pulled. It is sought
+    among the nodes in ``reach``; where pressure or gap is negative after all, by pivoting.
+    """
+    known, solved = factor(matrix[:reach, :reach], np.vstack([gaps, axial])[:, :reach])
+    pulled = np.column_stack([solved[:-1] >= 0, np.ones(len(gaps), dtype=bool)])
+    ends, pressure = pulled.argmax(axis=1), np.zeros(len(axial))
+    part, of_gap = known[: ends[0], : ends[0]], solved[0, : ends[0]]
+    pressure[: ends[0]] = solve_triangular(part, -of_gap, lower=True, trans=1, check_finite=False)
+    gap = gaps[0] + matrix[:, : ends[0]] @ pressure[: ends[0]]
+    zero = complementarity.TOLERANCE
+    if pressure.min() < 0 or gap.min() < -zero * np.abs(gaps[0]).max():
+        found = [complementarity.solve(matrix, of_one, pressure > 0)[0] for of_one in gaps]
+        return found[0], found @ axial
+    forces = np.cumsum(-solved[:-1] * solved[-1], axis=1)
+    return pressure, np.where(ends > 0, forces[np.arange(len(gaps)), ends - 1], 0.0)
+
+
+def factor(matrix: Floats, right: Floats) -> tuple[Floats, Floats]:
+    """Lower Cholesky factor of a contact matrix, and the rows of (m, n) solved with it."""
+    try:
+        known = cholesky(matrix, lower=True, check_finite=False)
+    except LinAlgError:
+        raise complementarity.ComplementarityError(
+            "contact did not converge: its matrix is not positive definite"
+        ) from None
+    return known, solve_triangular(known, right.T, lower=True, check_finite=False).T
 
 
 @one_thread

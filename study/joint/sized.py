@@ -183,11 +183,27 @@ class SizedJoint:
         forces = asked if depth is None else np.asarray(law.force(depths))
         depth_star = depths / self.clearance
         solved = self._solved(depth_star, name, asked, unit)
+        off = np.abs(forces / self._force(solved) - 1)
+        return self._solution(law, depths, forces, solved, _error_beside(curve, depth_star) + off)
+
+    def curve(self) -> SizedSolution:
+        """The whole curve, at some 50 depths to one clearance, or to what the joint can.
+
+        Its errors are those of `study.joint.ForceCurve`.
+        """
+        law, curve = self._table(usual_depth(self.joint))
+        depths = self.clearance * curve.depth_star
+        return self._solution(law, depths, self._force(curve), curve, curve.error_estimate)
+
+    def _force(self, curve):
+        return self.joint.composite_modulus * self.clearance**2 * curve.force_star
+
+    def _solution(self, law, depths, forces, solved, errors):
+        """What a law tells of depths, and of the rest the joint solved there."""
         largest = solved.largest_stress
         modulus, strengths = self.joint.composite_modulus, self.materials
         bodies = dict(zip(self.joint.materials, strengths, strict=True))
         pressure = modulus * self.clearance / self.socket_radius
-        off = np.abs(forces / (modulus * self.clearance**2 * solved.force_star) - 1)
         stresses = {bodies[name]: pressure * one.von_mises for name, one in largest.items()}
         return SizedSolution(
             depth=depths,
@@ -195,7 +211,7 @@ class SizedJoint:
             stiffness=np.asarray(law.stiffness(depths)),
             contact_half_angle_deg=solved.contact_half_angle_deg,
             peak_pressure=pressure * solved.peak_pressure_star,
-            error_estimate=_error_beside(curve, depth_star) + off,
+            error_estimate=errors,
             von_mises=stresses,
             von_mises_place={bodies[name]: one.place for name, one in largest.items()},
             yield_factor={

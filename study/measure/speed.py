@@ -22,7 +22,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from threadpoolctl import threadpool_limits
 
 from study import checks
@@ -33,7 +33,7 @@ from study.contact.forces import elastic_force, pack
 from study.joint import Joint, fem, force_curve, pairing, paper_joint, series, whole_curve
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
 from study.measure import explicit
-from study.measure.peers import calculix, multibody, odes
+from study.measure.peers import calculix, cvode, multibody, odes
 from study.mechanism import Scene, simulate
 
 COLUMNS = {
@@ -41,11 +41,12 @@ COLUMNS = {
     "program": "ours, or the other program's name",
     "version": "Version of the program",
     "method": "Law, elements or stepper",
+    "called": "compiled (its whole loop), from Python, or as a program (with its start)",
     "setting": "Its resolution, orders, tolerance or step",
     "time": "Median of the repeats, per call, curve or scene",
     "time_low": "First quartile of the repeats",
     "time_high": "Third quartile of the repeats",
-    "repeats": "Number of repeats, after one that is not counted",
+    "repeats": "Number of calls that count; the first does only where it is long",
     "relative": "Time over that of the chart's first row",
     "vectorised": "Laws: time per element of an array of 10,000, over that of Hertz's law; else 0",
     "largest_error": "Largest relative error of the force; of a stepper the same as rms_error",
@@ -62,13 +63,12 @@ CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
 SCENE, DURATION, OUTPUTS = Scene(), 0.3, 3000
 Chart = Literal["laws", "solvers", "steppers"]
 CHARTS = get_args(Chart)
-LONG = 5.0  # s: what takes longer is repeated twice only
+COMPILED, PYTHON, PROGRAM = "compiled", "from Python", "as a program"
+"""How a method is called: in a compiled loop, by a loop in Python, or as a process of its own."""
+LONG, ENOUGH = 1.0, 3.0  # s: a first call of this length counts; then it is called twice only
 
-FEWEST_ORDERS = {32: 200, 64: 300, 160: 1000, 320: 3000}
-"""By resolution: with fewer the hats' compliance is not positive definite."""
 SOLVERS = (  # method and its resolution
     *(("series", n) for n in (320, 32, 64, 160, 640)),
-    *(("series of few orders", n) for n in (32, 64, 160, 320)),
     *(("six-node triangles", n) for n in (32, 64, 96, 160, 224)),
     *(("three-node triangles", n) for n in (32, 64, 96, 160, 320)),
     *(("CAX6", n) for n in (32, 64)),
@@ -76,31 +76,46 @@ SOLVERS = (  # method and its resolution
     *(("CAX3", n) for n in (32, 64, 96, 160)),
 )
 STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7)
-LONGEST_STEPS = {"velocity Verlet": 1e-6, "RK4": 1e-6}
+LONGEST_STEPS = {"centred": 2e-6, "velocity Verlet": 1e-6, "RK4": 1e-6}
 """Of the explicit steppers with which the ball goes too deep by longer ones (notebook 17)."""
+LAST = {"LSODA": 10, "Radau": 8, "DOP853": 9, "CVODE": 10}
+"""Of the smallest tolerances, minus their decimal logarithm: smaller ones take many seconds."""
 STEPPERS = (  # method and its tolerance or step
     *(("Rodas5P, events", t) for t in (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)),
     *((s, h) for s in explicit.SCHEMES for h in STEPS if h <= LONGEST_STEPS.get(s, STEPS[0])),
-    *((method, t) for method in odes.METHODS for t in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)),
+    *((f"CVODE in C, {c} coordinates", 10 ** -(n / 2)) for c in cvode.SCALES for n in range(6, 25)),
+    *((method, 10.0**-n) for method, most in LAST.items() for n in range(4, most + 1)),
     *(("generalised alpha", h) for h in (1e-5, 4e-6, 1e-6)),
 )
-PROGRAMS = {"CVODE": ("SUNDIALS", "scikit-sundae"), "generalised alpha": ("Exudyn", "exudyn")}
-"""Programs and packages of the methods that are neither ours nor SciPy's."""
+OURS = STEPPERS[0][0]
+ERRORS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
+"""Errors of the slider's acceleration at which steppers are compared."""
 
 
 def timed(function: Callable[[], Any], repeats: int) -> tuple[NDArray[np.float64], Any]:
-    """Times of a call in s, on one thread, after one not counted, and what it returned."""
-    times = []
+    """Times of a call in s, and what it returned, as of `timed_by_turns`."""
+    return timed_by_turns([function], repeats)[0]
+
+
+def timed_by_turns(
+    functions: Sequence[Callable[[], Any]], repeats: int
+) -> list[tuple[NDArray[np.float64], Any]]:
+    """Times of calls in s, on one thread, by turns, and what each function returned.
+
+    A function's first call is not counted if it takes less than `LONG`. After `ENOUGH` of all its
+    calls it is called no more, but at least twice.
+    """
+    times: list[list[float]] = [[] for _ in functions]
+    results = [None] * len(functions)
     with threadpool_limits(limits=1):
-        start = perf_counter()
-        result = function()
-        if perf_counter() - start > LONG:
-            repeats = min(repeats, 2)
-        for _ in range(repeats):
-            start = perf_counter()
-            function()
-            times.append(perf_counter() - start)
-    return np.array(times), result
+        for turn in range(repeats + 1):
+            for n, (function, own) in enumerate(zip(functions, times, strict=True)):
+                if turn < 2 or sum(own) < ENOUGH:
+                    start = perf_counter()
+                    results[n] = function()
+                    own.append(perf_counter() - start)
+    counted = [np.array(own[own[0] < LONG :]) for own in times]
+    return list(zip(counted, results, strict=True))
 
 
 def measure(chart: list[Chart] | None = None, repeats: int = 5) -> Iterator[pd.DataFrame]:
@@ -141,7 +156,7 @@ def laws(repeats: int = 15, compile_times: bool = True) -> pd.DataFrame:
     times, curve = timed(partial(force_curve, PAPER, LAW_DEPTHS), repeats)
     times /= LAW_DEPTHS.size
     setting = f"six-node triangles, resolution {RESOLUTION['quadratic']}"
-    others = {"vectorised": np.median(times) * depths.size}
+    others = {"vectorised": np.median(times) * depths.size, "called": PYTHON}
     rows.append(_row("laws", "solver", setting, times, curve.force_star / exact - 1, **others))
     frame = _frame(rows)
     frame["vectorised"] /= frame["vectorised"].iloc[0]
@@ -157,22 +172,18 @@ def solvers(repeats: int = 3, chosen: Sequence[tuple[str, int]] = SOLVERS) -> pd
     ccx = calculix.version()
     force_curve(FREE, CURVE_DEPTHS[:1], resolution=32)  # imports
     for method, n in chosen:
-        run, setting, others = partial(_curve, method, n), f"resolution {n}", {}
-        if method.startswith("series"):
-            setting += f", {_orders(method, n)} orders"
+        run, setting, others = partial(_curve, method, n), f"resolution {n}", {"called": PYTHON}
+        if method == "series":
+            setting += f", {series.ORDERS * n} orders"
         elif method.startswith("CAX"):
             if ccx is None:
                 continue
             how = {"nodes": int(method[3]), "contact": "node" if "node" in method else "surface"}
             run = partial(calculix.force_curve, FREE, CURVE_DEPTHS, n, **how)
-            others = {"program": "CalculiX", "version": ccx}
+            others = {"program": "CalculiX", "version": ccx, "called": PROGRAM}
         times, force = timed(run, repeats)
         rows.append(_row("solvers", method, setting, times, force / exact - 1, **others))
     return _frame(rows)
-
-
-def _orders(method, n):
-    return FEWEST_ORDERS[n] if "few" in method else series.LAST_ORDER
 
 
 def _curve(method, n):
@@ -181,14 +192,14 @@ def _curve(method, n):
     kept += [series.ball_compliance, series.socket_compliance, series.hat_coefficients]
     for function in kept:
         function.cache_clear()
-    if method.startswith("series"):
-        ball = series.ball_compliance(0.3, n, _orders(method, n))
-        socket = series.socket_compliance(FREE.socket_ratio, 0.3, n, _orders(method, n))
+    if method == "series":
+        ball = series.ball_compliance(0.3, n)
+        socket = series.socket_compliance(FREE.socket_ratio, 0.3, n)
     else:
         mesh = n, 6 if method.startswith("six") else 3
         ball = fem.ball_compliance(0.3, "plane", *mesh)
         socket = fem.socket_compliance(FREE.socket_ratio, 0.3, "mirror", *mesh)
-    return pairing.solve(FREE, CURVE_DEPTHS, *pairing.linear(FREE, ball, socket))[1]
+    return pairing.solve(FREE, CURVE_DEPTHS, *pairing.linear(FREE, ball, socket))[1][0]
 
 
 def steppers(
@@ -203,35 +214,72 @@ def steppers(
     compile_times
         As for `laws`.
     """
-    truth, rows, own = _ours(1e-11), [], {}
     law = pack("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
+    found = [(method, setting, _stepper(method, setting, law)) for method, setting in chosen]
+    found = [row for row in found if row[-1] is not None]
+    truth, seconds = _ours(1e-11), {}
     if compile_times:
-        own["rigid"] = _compile_time("simulate(duration=1e-5, outputs=1)")
-        own["explicit"] = _compile_time("explicit.integrate(Scene(), law, 1e-5, 1, 1e-6, 'RK4')")
-    for method, setting in chosen:
+        seconds[OURS] = _compile_time("simulate(duration=1e-5, outputs=1)")
+        call = "explicit.integrate(Scene(), law, 1e-5, 1, 1e-6, 'RK4')"
+        seconds |= dict.fromkeys(explicit.SCHEMES, _compile_time(call))
+    rows, measured = [], timed_by_turns([run for _, _, (run, _) in found], repeats)
+    for (method, setting, (_, others)), (times, value) in zip(found, measured, strict=True):
         by_step = method in (*explicit.SCHEMES, "generalised alpha")
-        text = f"step {setting:g} s" if by_step else f"tolerance {setting:g}"
-        if method.startswith("Rodas"):
-            run, others = partial(_ours, setting), {"compile_time": own.get("rigid", 0.0)}
-        elif method in explicit.SCHEMES:
-            run = partial(_explicit, law, setting, method)
-            others = {"compile_time": own.get("explicit", 0.0)}
-        else:
-            program, package = PROGRAMS.get(method, ("SciPy", "scipy"))
-            version = _version(package)
-            if not version:
-                continue
-            others = {"program": program, "version": version}
-            run = partial(odes.slider_acceleration, method, SCENE, law, DURATION, OUTPUTS, setting)
-            if program == "Exudyn":
-                run = partial(multibody.slider_acceleration, SCENE, DURATION, OUTPUTS, setting)
-            elif program == "SUNDIALS":
-                others["version"] = f"{package} {version}"
-        times, found = timed(run, repeats)
-        error = (found - truth) / np.sqrt(np.mean(truth**2))
-        nrms = np.full(1, np.sqrt(np.mean(error**2)))
+        text = f"step {setting:g} s" if by_step else f"tolerance {setting:.2g}"
+        nrms = np.sqrt(np.mean((value - truth) ** 2, keepdims=True) / np.mean(truth**2))
+        others = {"compile_time": seconds.get(method, 0.0)} | others
         rows.append(_row("steppers", method, text, times, nrms, **others))
     return _frame(rows)
+
+
+def _stepper(method, setting, law):
+    """A run of one of `STEPPERS`, and how it is called; None if its program is not installed."""
+    if method == OURS:
+        return partial(_ours, setting), {}
+    if method in explicit.SCHEMES:
+        return partial(_explicit, law, setting, method), {}
+    given = SCENE, law, DURATION, OUTPUTS, setting
+    if method.startswith("CVODE in C"):
+        version = cvode.version()
+        others = {"version": f"{version}, gcc {' '.join(cvode.FLAGS[:2])}", "program": "SUNDIALS"}
+        run = partial(cvode.slider_acceleration, *given, method.split()[-2])
+        return (run, others) if version else None
+    if method in odes.METHODS:
+        program = "SciPy" if method in odes.SCIPY else "scikit-sundae"
+        run, how = partial(odes.slider_acceleration, method, *given), PYTHON
+    else:
+        program, how = "Exudyn", COMPILED
+        run = partial(multibody.slider_acceleration, SCENE, DURATION, OUTPUTS, setting)
+    version = _version(program.lower())
+    return (run, {"program": program, "version": version, "called": how}) if version else None
+
+
+def time_at(rows: pd.DataFrame, errors: ArrayLike) -> NDArray[np.float64]:
+    """Time in s that a method needs for given errors, of its rows in a chart.
+
+    Between those rows that no other one beats in both error and time, the logarithms are
+    interpolated. NaN for an error below that of every row.
+    """
+    ordered = rows.sort_values(["time", "rms_error"])
+    front = ordered[ordered.rms_error < ordered.rms_error.cummin().shift(fill_value=np.inf)][::-1]
+    known = np.log(front[["rms_error", "time"]].to_numpy()).T
+    return np.exp(np.interp(np.log(errors), *known, left=np.nan))
+
+
+def at_equal_error(steppers: pd.DataFrame, errors: Sequence[float] = ERRORS) -> pd.DataFrame:
+    """Time of every stepper at given errors, and its ratio to that of the study's own.
+
+    Columns method, called, error, time, ratio; without errors that a stepper does not come to.
+    """
+    parts = [
+        pd.DataFrame(
+            {"method": name[0], "called": name[1], "error": errors, "time": time_at(part, errors)}
+        )
+        for name, part in steppers.groupby(["method", "called"], sort=False)
+    ]
+    table = pd.concat(parts, ignore_index=True)
+    own = table[table.method == OURS].set_index("error").time
+    return table.assign(ratio=table.time / table.error.map(own)).dropna(ignore_index=True)
 
 
 def _ours(tolerance):
@@ -291,6 +339,7 @@ def _row(chart, method, setting, times, error, **others):
         "program": "ours",
         "version": _version("spherical-clearance-joint-study"),
         "method": method,
+        "called": COMPILED,
         "setting": setting,
         "time": middle,
         "time_low": low,

@@ -5,6 +5,7 @@ field of `Scene` knows its unit, its range and its source.
 """
 
 from collections import namedtuple
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from math import hypot, pi
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -272,6 +273,23 @@ class Scene:
             where = (source, "given by the paper") if "Table" in source else ("-", source)
             rows.append((each.name.replace("_", " "), text, unit, *where))
         return pd.DataFrame(rows, columns=["parameter", "value", "unit", "table", "source"])
+
+    @classmethod
+    def read(cls, texts: Mapping[str, str], **others: Any) -> "Scene":
+        """Scene of texts, as a command's options or the cells of a table hold them.
+
+        ``others`` are taken as they are where no text is given.
+        """
+        kinds = {each.name: type(each.default) for each in fields(cls)}
+        values = dict(others)
+        for name, text in texts.items():
+            if kinds[name] is tuple:
+                values[name] = checks.read_several(name, text)
+            elif kinds[name] is str or name in ("ball", "socket"):
+                values[name] = text
+            else:
+                values[name] = checks.read(name, text)
+        return cls(**values)
 
     def but(self, **changes: Any) -> "Scene":
         """Copy with some attributes changed."""

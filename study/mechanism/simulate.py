@@ -6,6 +6,8 @@ paper's finite particle method), links of beam elements. Which of them a scene n
 """
 
 from collections.abc import Callable
+from functools import partial
+from inspect import signature
 from math import sqrt
 from typing import Any, Literal, get_args
 
@@ -33,7 +35,6 @@ minutes: a crank that is far too short or light for its drive does nothing else.
 BLOCKS = 100  # after each the progress is told, and an interruption is heeded
 
 
-@one_thread
 def simulate(
     scene: Scene | None = None,
     *,
@@ -94,6 +95,30 @@ def simulate(
     MechanismError
         If the simulation cannot go on; says when, with which step, and what limit was passed.
     """
+    run = _checked(
+        scene, model, joint, law, duration, outputs, tolerance, step, elements, method, law_options
+    )
+    if progress is not None and not callable(progress):
+        raise ValueError(f"progress must be a function of the time, got {checks.shown(progress)}")
+    return run(progress)
+
+
+def ready(scene: Scene | None = None, **given: Any) -> Callable[..., Response]:
+    """`simulate` with checked arguments, as a function of ``progress`` that takes the steps.
+
+    Raises what `simulate` raises before its first step.
+    """
+    call = signature(simulate).bind(scene, **given)
+    call.apply_defaults()
+    del call.arguments["progress"]
+    return _checked(**call.arguments)
+
+
+@one_thread
+def _checked(
+    scene, model, joint, law, duration, outputs, tolerance, step, elements, method, law_options
+):
+    """A simulation that is ready to run, as a function of its progress."""
     scene = Scene() if scene is None else checks.instance("scene", scene, Scene)
     checks.choice("model", model, get_args(Model))
     checks.choice("joint", joint, get_args(JointKind))
@@ -106,8 +131,6 @@ def simulate(
     ):
         if value is not None and not used:
             raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
-    if progress is not None and not callable(progress):
-        raise ValueError(f"progress must be a function of the time, got {checks.shown(progress)}")
     _check_motion(scene, model, gapless, duration)
     outputs = checks.whole("outputs", outputs, least=1, most=10**6)
     gaps, law = (scene.clearance, scene.crank_clearance), find(law)
@@ -131,7 +154,7 @@ def simulate(
         checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
         blocks = events.blocks(scene, laws, times, tolerance)
     told = "none" if gapless else scene_law.in_words(scene, law, law_options)
-    return _gather(blocks, times, progress, scene, laws, told)
+    return partial(_gather, blocks, times, scene, laws, told)
 
 
 def _check_motion(scene, model, gapless, duration):
@@ -160,7 +183,8 @@ def _pack(law, scene, clearance, options):
     return packed
 
 
-def _gather(blocks, times, progress, scene, laws, told):
+@one_thread
+def _gather(blocks, times, scene, laws, told, progress=None):
     """Run a model to its end or to an interruption."""
     parts, complete = [], True
     try:

@@ -106,7 +106,7 @@ def build(
     backend = "loky" if workers > 1 else "none"
     os.environ[_RUNNER] = str(os.getpid())
     if dask_address is not None:
-        client = _dask_client(dask_address)
+        client = dask_client(dask_address)
         backend, workers = "dask", sum(client.nthreads().values())
     if not dry:
         if not os.access(paths.ROOT, os.W_OK):
@@ -156,7 +156,8 @@ def build(
     return Built(outcomes, failures)
 
 
-def _dask_client(address):
+def dask_client(address: str):
+    """Client of a Dask scheduler that answers and has workers, or raise `StudyError`."""
     try:
         from distributed import Client
     except ImportError:

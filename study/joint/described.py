@@ -1,0 +1,66 @@
+"""A joint from texts: the options of a command, or the cells of a table."""
+
+from typing import Any
+
+from study import checks
+from study.joint.joint import Joint, Layer, Material
+
+
+def described(
+    r2_star: float = 200.0,
+    *,
+    modulus_ratio: float | None = None,
+    socket_poisson: float | None = None,
+    layer: list[str] | None = None,
+    yield_stress: float | None = None,
+    **others: Any,
+) -> Joint:
+    """Joint whose materials are relative to the ball's, of Young's modulus 2e11 Pa.
+
+    Parameters
+    ----------
+    modulus_ratio
+        Young's modulus of the socket over that of the ball, > 0 [default: 1.0].
+    socket_poisson
+        Poisson's ratio of the socket; default that of the ball.
+    layer
+        Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer of the
+        socket: N,N,N; may be repeated, from the inside out. Instead of what tells of one material.
+    yield_stress
+        Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa.
+    **others
+        ``poisson`` of the ball, and attributes of `Joint`.
+
+    Raises
+    ------
+    ValueError
+        For a value out of its range, a text that is no three numbers, or both forms of socket.
+    """
+    poisson = {"poisson": others.pop("poisson")} if "poisson" in others else {}
+    ball = Material(**poisson, yield_stress=yield_stress)
+    unit, of_one = ball.youngs_modulus, {"modulus_ratio": modulus_ratio}
+    of_one |= {"socket_poisson": socket_poisson, "socket_ratio": others.get("socket_ratio")}
+    if layer:
+        for name, value in (of_one | {"yield_stress": yield_stress}).items():
+            if value is not None:
+                raise ValueError(f"{name} must be left out: layer tells what the socket is")
+        each = [checks.read_several("layer", text, 3) for text in layer]
+        moduli = [unit * checks.number("modulus of layer", e, above=0) for _, e, _ in each]
+        layers = zip(each, moduli, strict=True)
+        others["layers"] = tuple(Layer(q, Material(e, nu)) for (q, _, nu), e in layers)
+    else:
+        of_socket = ball.poisson if socket_poisson is None else socket_poisson
+        ratio = 1.0 if modulus_ratio is None else modulus_ratio
+        modulus = unit * checks.number("modulus_ratio", ratio, above=0)
+        others["socket"] = Material(modulus, of_socket, yield_stress)
+    return Joint(r2_star, ball=ball, **others)
+
+
+def liner(text: str) -> tuple[float, str]:
+    """Thickness in m and material of a liner's text, ``0.5e-3,PTFE``, or raise ``ValueError``."""
+    thickness, _, material = text.partition(",")
+    try:
+        return float(thickness), material.strip()
+    except ValueError:
+        wanted = "liner must be a thickness in m and a material, such as 0.5e-3,PTFE"
+        raise ValueError(f"{wanted}, got {text!r}") from None

@@ -1,0 +1,104 @@
+"""SUNDIALS' CVODE on the rigid links, called from C: equations, derivatives and roots compiled.
+
+`cvode.c` beside this module is built by ``gcc`` with SUNDIALS 6 where both are found (Debian's
+libsundials-dev), and called in this process, so that it is timed like the study's own stepper.
+"""
+
+import ctypes
+import hashlib
+import re
+import shutil
+import subprocess
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from study import checks, paths
+from study.measure import explicit
+from study.mechanism import Scene
+
+Coordinates = Literal["Cartesian", "contact"]
+SOURCE = Path(__file__).with_suffix(".c")
+FLAGS = ("-O3", "-march=native", "-fPIC", "-shared", "-Wl,-z,defs")
+LIBRARIES = ("-lsundials_cvode", "-lsundials_nvecserial", "-lm")
+SCALES = {  # absolute tolerances of (z, z') over the tolerance, in flight and in contact
+    "Cartesian": (1e-2, 5e-6, 5e-6, 1.0, 1e-3, 1e-3, 1e-2, 5e-6, 5e-6, 1.0, 1e-3, 1e-3),
+    "contact": (1e-1, 1e-5, 1e-5, 1.0, 1e-3, 1e-2, 1e-2, 1e-7, 1.0, 1.0, 1e-2, 1e3),
+}
+RELATIVE = 1e-2  # relative tolerance over the tolerance
+ORDER, NEWTON = 5, 0.03  # highest order, and coefficient of Newton's convergence
+"""These and `SCALES` are those with which CVODE was quickest at equal error, of those tried."""
+
+
+@cache
+def version() -> str | None:
+    """Version of the SUNDIALS that programs are built with here, or None without it or gcc."""
+    if shutil.which("gcc") is None:
+        return None
+    text = "#include <cvode/cvode.h>\nSUNDIALS_VERSION"
+    options = {"input": text, "capture_output": True, "text": True, "check": False}
+    said = subprocess.run(["gcc", "-E", "-P", "-"], **options).stdout
+    found = re.search(r'"(6\.[\d.]+)"\s*$', said)
+    return found and found.group(1)
+
+
+@cache
+def _library():
+    """The program, built anew when its source changed."""
+    if version() is None:
+        raise checks.StudyError("gcc or SUNDIALS 6 (Debian's libsundials-dev) is not installed")
+    digest = hashlib.sha256(SOURCE.read_bytes() + str((FLAGS, version())).encode()).hexdigest()
+    built = paths.BUILD / "peers" / f"cvode-{digest[:16]}.so"
+    if not built.exists():
+        with paths.whole(built) as temporary:
+            order = ["gcc", *FLAGS, "-o", str(temporary), str(SOURCE), *LIBRARIES]
+            done = subprocess.run(order, capture_output=True, text=True, check=False)
+            if done.returncode:
+                raise checks.StudyError(f"gcc failed: {done.stderr.strip()}")
+    run = ctypes.CDLL(str(built)).run
+    many, one, whole = np.ctypeslib.ndpointer(float), ctypes.c_double, ctypes.c_int
+    run.argtypes = [many, one, many, whole, one, whole, one, many, one, whole, many]
+    return run
+
+
+def slider_acceleration(
+    scene: Scene,
+    law: NDArray[np.float64],
+    duration: float,
+    outputs: int,
+    tolerance: float,
+    coordinates: Coordinates = "contact",
+) -> NDArray[np.float64]:
+    """Slider's acceleration at equally spaced times after the start, in m/s^2.
+
+    Parameters
+    ----------
+    law
+        Hertz's, from ``study.contact.forces.pack``.
+    duration
+        In s.
+    coordinates
+        Those of contact: ``Cartesian`` as in flight, or ``contact`` for depth and direction.
+
+    Raises
+    ------
+    ValueError
+        For another law, or a scene with a constant speed or a second clearance joint.
+    study.checks.StudyError
+        If gcc or SUNDIALS is missing, or CVODE fails.
+    """
+    checks.choice("coordinates", coordinates, get_args(Coordinates))
+    checks.number("tolerance", tolerance, above=0, scalar=True)
+    if law[0] != 0:
+        raise ValueError(f"law must be Hertz's, packed, got shape {law[0]:g}")
+    start, scales = explicit.start_of(scene), np.array(SCALES[coordinates])
+    how: list[Any] = [duration, outputs, RELATIVE * tolerance, tolerance * scales, NEWTON, ORDER]
+    constants, found = np.array(scene.constants()), np.empty(outputs)
+    run = _library()
+    status = run(constants, law[2], start, coordinates == "contact", *how, found)
+    if status < 0:
+        raise checks.StudyError(f"CVODE failed with status {status} (cvode.h) at {tolerance:g}")
+    return found

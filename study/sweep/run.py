@@ -1,0 +1,252 @@
+"""Solves the cases of a parameter study in processes or on Dask, and writes one table.
+
+Every result goes to a part file beside the table as soon as it is there, so that the memory stays
+flat and an interrupted study goes on where it stopped. The table is written from it at the end, in
+the order of the cases: the same bytes whatever the number of processes.
+"""
+
+import csv
+import hashlib
+import json
+import signal
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, wait
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from loky import ProcessPoolExecutor, cpu_count
+
+from study import checks, paths
+from study.checks import StudyError
+from study.sweep import cases as of_cases
+from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind, Rows
+
+_TASK = 16  # cases that a process is given at once, at most: neighbours share bodies
+_AHEAD = 2  # tasks for each process that are waiting or running
+_IDLE = 30  # s after which a process ends that waits for nothing, as after a kill of its runner
+_PACKAGES = ("numpy", "scipy", "numba", "scikit-fem")
+
+
+class Swept(NamedTuple):
+    """Numbers of cases and of rows in the table, and why cases failed, by number or name."""
+
+    cases: int
+    rows: int
+    failures: dict[str, str]
+
+
+def sweep(
+    cases: Path | Iterable[Mapping[str, Any]],
+    kind: Kind,
+    output: Path,
+    *,
+    jobs: int | None = None,
+    dask_address: str | None = None,
+    progress: Callable[[int, int, int], Any] | None = None,
+) -> Swept:
+    """Solve many joints, or simulate many scenes, and write one table.
+
+    A joint has a row for each of its depths or forces, or for each of some 50 depths of its whole
+    curve if none are given; a scene has one row. The columns are the case's number or name, what
+    is given of it, what is told of it (`COLUMNS`), and ``error``: a case that fails has one row
+    with its reason there.
+
+    Parameters
+    ----------
+    cases
+        CSV file with a row per case, or mappings of its columns: the options of study joint, or
+        those of study simulate and the parameters of the scene, and perhaps ``case``, a name.
+        Several depths, forces, layers or liners of a case are separated by semicolons.
+    kind
+        ``joints`` or ``scenes``.
+    output
+        CSV file to write. Until it is written, ``.part`` is beside it: cases that this holds are
+        not solved again, unless they or the code have changed.
+    jobs
+        Processes, by default one per core.
+    dask_address
+        Dask scheduler whose workers solve the cases instead.
+    progress
+        Called with the numbers of different cases that are done, of all, and of those that failed.
+
+    Raises
+    ------
+    ValueError
+        Before any work, for a column or value that is not possible; names row and column.
+    study.checks.StudyError
+        If the Dask scheduler does not answer, or a worker process ends.
+    KeyboardInterrupt
+        If interrupted; the next call goes on.
+    """
+    if jobs is not None:
+        checks.whole("jobs", jobs, least=1)
+    found = of_cases.load(cases)
+    form, bodies = of_cases.checked(kind, found)
+    code = _code()
+    keys = [_key(code, form, case) for case in found]
+    output.parent.mkdir(parents=True, exist_ok=True)
+    part = output.with_name(f"{output.name}.part")
+    with _Part(part, set(keys)) as done:
+        left = {key: row for row, key in enumerate(keys) if key not in done.places}
+        order = sorted(left, key=lambda key: (bodies[left[key]], left[key]))
+        todo = [(key, found[left[key]]) for key in order]
+        told = progress or (lambda *_: None)
+        told(len(done.places), len(done.keys), len(done.failures))
+        for key, rows in _solved(form, todo, jobs, dask_address):
+            done.add(key, rows)
+            told(len(done.places), len(done.keys), len(done.failures))
+        names = [case.get(NAME, str(row)) for row, case in enumerate(found, 1)]
+        count = _write(output, form, found, names, map(done.rows, keys))
+        failures = done.failures
+    part.unlink()
+    pairs = zip(names, keys, strict=True)
+    return Swept(len(found), count, {n: failures[key] for n, key in pairs if key in failures})
+
+
+def _code() -> str:
+    """Digest of all code, and versions of all packages, that decide a result."""
+    from study.dataset import provenance  # with pandas, which the processes need not load
+
+    files = provenance.inputs(Path(of_cases.__file__))
+    packages = {package: version(package) for package in _PACKAGES}
+    return json.dumps([provenance.digests(files), packages])
+
+
+def _key(code: str, form: str, case: Case) -> str:
+    """What a case is known by, whatever its number, name and the order of its columns."""
+    given = sorted((name, text) for name, text in case.items() if name != NAME)
+    return _digest(json.dumps([code, form, given]))
+
+
+def _digest(content: str) -> str:
+    return hashlib.sha256(content.encode()).hexdigest()[:32]
+
+
+class _Part:
+    """File of what is finished: a line for each case, with its checksum.
+
+    A line that is of other cases, of other code, half written or damaged is passed over. Only
+    places are kept in memory.
+    """
+
+    def __init__(self, path: Path, keys: set[str]):
+        self.keys, self.places, self.failures = keys, {}, {}
+        self._file = path.open("a+b")
+        self._file.seek(0)
+        place, line = 0, b"\n"
+        for line in self._file:
+            key, rows = self._read(line)
+            if key in keys:
+                self._note(key, rows, place)
+            place += len(line)
+        if not line.endswith(b"\n"):
+            self._file.write(b"\n")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._file.close()
+
+    def add(self, key: str, rows: Rows) -> None:
+        """Append a case, at once."""
+        content = json.dumps([key, rows])
+        line = f"{_digest(content)} {content}\n".encode()
+        self._file.write(line)
+        self._file.flush()
+        self._note(key, rows, self._file.tell() - len(line))
+
+    def rows(self, key: str) -> Rows:
+        """Rows of a case."""
+        self._file.seek(self.places[key])
+        return self._read(self._file.readline())[1]
+
+    def _note(self, key, rows, place):
+        self.places[key] = place
+        if rows[0][-1]:
+            self.failures[key] = rows[0][-1]
+
+    @staticmethod
+    def _read(line):
+        checksum, _, content = line.decode(errors="replace").rstrip("\n").partition(" ")
+        return json.loads(content) if _digest(content) == checksum else ("", [])
+
+
+def _write(output, form, found, names, rows):
+    """Write the table, and return the number of its rows."""
+    columns = dict.fromkeys(name for case in found for name in case)
+    given = [name for name in columns if name not in (NAME, *COLUMNS[form])]
+    count = 0
+    with paths.whole(output) as temporary, temporary.open("w", encoding="utf-8", newline="") as to:
+        table = csv.writer(to, lineterminator="\n")
+        table.writerow([NAME, *given, *COLUMNS[form], ERROR])
+        for name, case, told in zip(names, found, rows, strict=True):
+            table.writerows([name, *(case.get(one, "") for one in given), *row] for row in told)
+            count += len(told)
+    return count
+
+
+def _solved(form, todo, jobs, dask_address) -> Iterator[tuple[str, Rows]]:
+    """Keys and rows of cases, as they are finished; neighbours are solved by the same process."""
+    count = min(jobs or cpu_count(), len(todo))
+    if dask_address is None and count < 2:  # here, without the start of a process
+        for key, case in todo:
+            yield key, of_cases.rows(form, case)
+        return
+    with _workers(count, dask_address) as (executor, count):
+        size = max(1, min(_TASK, len(todo) // (4 * count)))
+        waiting = deque(todo[k : k + size] for k in range(0, len(todo), size))
+        running: dict = {}
+        while waiting or running:
+            while waiting and len(running) < _AHEAD * count:
+                task = waiting.popleft()
+                with _without_interrupts():
+                    future = executor.submit(of_cases.solve_some, form, [case for _, case in task])
+                running[future] = task
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                task = running.pop(future)
+                try:
+                    found = future.result()
+                except Exception as error:
+                    why = f"{type(error).__name__}: {error}"
+                    raise StudyError(
+                        f"a worker ended; what was finished is kept ({why})"
+                    ) from error
+                if left := task[len(found) :]:
+                    waiting.appendleft(left)
+                yield from zip((key for key, _ in task), found, strict=False)
+
+
+@contextmanager
+def _workers(count, dask_address) -> Iterator[tuple[Executor, int]]:
+    """What runs functions, and how many at once; stopped if the study is."""
+    if dask_address is not None:
+        from study.pages.tasks import dask_client
+
+        with dask_client(dask_address) as client:
+            yield client.get_executor(pure=False), sum(client.nthreads().values())
+        return
+    executor = ProcessPoolExecutor(count, timeout=_IDLE)
+    finished = False
+    try:
+        yield executor, count
+        finished = True
+    finally:
+        executor.shutdown(kill_workers=not finished)
+
+
+@contextmanager
+def _without_interrupts():
+    """Ignore Ctrl-C for a moment, and for ever in processes that start in it: these are stopped."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)

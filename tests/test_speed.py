@@ -1,0 +1,49 @@
+"""Times at equal error, from rows of a chart."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from study.measure import speed
+
+
+def rows_of(method, errors, times, called="compiled"):
+    columns = {"method": method, "called": called, "rms_error": errors, "time": times}
+    return pd.DataFrame(columns)
+
+
+def test_time_at_an_error_follows_a_power_of_it():
+    errors = np.array([1e-9, 1e-3, 1e-5, 1e-7])
+    rows = rows_of("any", errors, 2.0 * errors**-0.2)
+    assert speed.time_at(rows, [1e-4, 1e-8]) == pytest.approx(2.0 * np.array([1e-4, 1e-8]) ** -0.2)
+
+
+def test_a_row_that_is_beaten_does_not_count():
+    rows = rows_of("any", [1e-2, 1e-3, 1e-4, 1e-4], [1.0, 5.0, 4.0, 6.0])
+    assert speed.time_at(rows, [1e-2, 1e-3, 1e-4]) == pytest.approx([1.0, 2.0, 4.0])
+
+
+def test_beyond_the_rows_the_cheapest_serves_for_larger_errors_only():
+    found = speed.time_at(rows_of("any", [1e-3, 1e-5], [1.0, 3.0]), [1.0, 1e-6])
+    assert found[0] == 1.0
+    assert np.isnan(found[1])
+
+
+def test_ratios_are_to_our_stepper():
+    ours = rows_of(speed.OURS, [1e-3, 1e-9], [1.0, 8.0])
+    other = rows_of("other", [1e-2, 1e-5], [3.0, 12.0], "from Python")
+    table = speed.at_equal_error(pd.concat([ours, other]), [1e-5, 1e-7])
+    assert table.method.tolist() == [speed.OURS, speed.OURS, "other"]
+    assert table.ratio.tolist() == pytest.approx([1, 1, 12 / 2])
+    assert table.called.iloc[-1] == "from Python"
+
+
+def test_calls_by_turns_count_but_for_short_first_ones(monkeypatch):
+    order = []
+    functions = [lambda: order.append("a") or 1, lambda: order.append("b") or 2]
+    (first, one), (second, two) = speed.timed_by_turns(functions, 3)
+    assert order == ["a", "b"] * 4
+    assert (len(first), len(second), one, two) == (3, 3, 1, 2)
+    times = iter([0.0, 2.0, 2.0, 4.5])
+    monkeypatch.setattr(speed, "perf_counter", lambda: next(times))
+    assert speed.timed(lambda: 0, 5)[0].tolist() == [2.0, 2.5]

@@ -1,0 +1,381 @@
+"""Parameter studies: one table whatever the processes, resumed, and no bad case begun."""
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from study import cli
+from study.joint import Joint, Material, SizedJoint, force_curve, whole_curve
+from study.mechanism import Scene, simulate
+from study.sweep import COLUMNS, cases, random_cases, run, sweep
+
+JOINTS = {"r2_star": "20:2000:log", "socket_ratio": "1.1:2", "modulus_ratio": "0.3:3:log"}
+JOINTS |= {"kinematics": "small,linear"}
+SCENES = {"clearance": "2e-5:2e-4:log", "restitution": "0.2:0.95", "duration": "0.01"}
+SCENES |= {"law": "hertz,stiffened_hertz"}
+OF_SIZES = {"socket_radius": 12.5e-3, "clearance": 40e-6, "wall": 6e-3, "socket": "bronze"}
+
+
+def swept(given, kind, output, jobs=1, **more):
+    return sweep(given, kind, output, jobs=jobs, **more), pd.read_csv(output)
+
+
+@pytest.mark.parametrize(("kind", "ranges"), [("joints", JOINTS), ("scenes", SCENES)])
+def test_random_cases_give_the_same_bytes_with_one_process_and_two(tmp_path, kind, ranges):
+    given, progress = random_cases(12, ranges, seed=1), []
+    for jobs in (1, 2):
+        found, table = swept(
+            given, kind, tmp_path / f"{jobs}.csv", jobs, progress=lambda *n: progress.append(n)
+        )
+        assert found == (12, len(table), {})
+    assert (tmp_path / "1.csv").read_bytes() == (tmp_path / "2.csv").read_bytes()
+    assert sorted(os.listdir(tmp_path)) == ["1.csv", "2.csv"]
+    assert progress == 2 * [(k, 12, 0) for k in range(13)]
+    assert list(table.case.unique()) == list(range(1, 13))
+    assert list(table) == ["case", *ranges, *COLUMNS[kind], "error"]
+    assert table.error.isna().all()
+    assert table[list(COLUMNS[kind])].notna().all(axis=None)
+
+
+def test_joints_without_dimensions_are_those_of_the_solver(tmp_path):
+    given = [
+        {"case": "lined", "r2_star": 80, "layer": "1.125,0.0025,0.46;1.5,1,0.3"},
+        {"case": "deep", "r2_star": 75, "socket_poisson": 0.4, "depth_star": [0.5, 0.1]},
+    ]
+    _, table = swept(given, "joints", tmp_path / "table.csv")
+    lined, deep = (table[table.case == name] for name in ("lined", "deep"))
+    whole = whole_curve(cases.described(80, layer=["1.125,0.0025,0.46", "1.5,1,0.3"]))
+    socket = Material(2e11, 0.4)
+    curve = force_curve(Joint(75, socket=socket), [0.5, 0.1])
+    for rows, expected in ((lined, whole), (deep, curve)):
+        for name in set(COLUMNS["joints"]) - {"stiffness_star"}:
+            assert rows[name].to_numpy() == pytest.approx(getattr(expected, name), rel=1e-8)
+    slope = np.gradient(whole.force_star, whole.depth_star)[1:-1]
+    assert lined.stiffness_star[1:-1].to_numpy() == pytest.approx(slope, rel=0.03)
+    assert deep.stiffness_star.isna().all()
+
+
+def test_joints_with_dimensions_are_those_of_the_solver(tmp_path):
+    given = [
+        OF_SIZES | {"force": "3000; 8000"},
+        OF_SIZES | {"liner": "0.5e-3,PTFE", "depth": 5e-6},
+        OF_SIZES,
+    ]
+    _, table = swept(given, "joints", tmp_path / "table.csv")
+    forces, lined, whole = (table[table.case == case] for case in (1, 2, 3))
+    solved = SizedJoint(**OF_SIZES).solve(force=[3000, 8000])
+    for name in set(COLUMNS["joints with dimensions"]) - {"yield_factor"}:
+        assert forces[name].to_numpy() == pytest.approx(getattr(solved, name), rel=1e-8)
+    factors = np.minimum(solved.yield_factor["ball"], solved.yield_factor["socket"])
+    assert forces.yield_factor.to_numpy() == pytest.approx(factors, rel=1e-8)
+    joint = SizedJoint(**OF_SIZES, liner=((0.5e-3, "PTFE"),))
+    assert lined.force.to_numpy() == pytest.approx(joint.solve(depth=5e-6).force, rel=1e-8)
+    law = SizedJoint(**OF_SIZES).law()
+    assert whole.force.to_numpy() == pytest.approx(law.force(whole.depth), rel=1e-6)
+    assert whole.stiffness.to_numpy() == pytest.approx(law.stiffness(whole.depth), rel=1e-6)
+    at_3000 = np.interp(3000, whole.force, whole.yield_factor)
+    assert at_3000 == pytest.approx(forces.yield_factor[0], rel=0.02)
+
+
+def test_scenes_are_those_of_the_simulation(tmp_path):
+    given = [
+        {"restitution": 0.9, "duration": 0.02, "outputs": 200},
+        {"ball": "steel", "socket": "bronze", "law": "stiffened_hertz", "socket_ratio": 1.5}
+        | {"initial_eccentricity": "1e-5,0", "duration": 0.02},
+        {"joint": "ideal", "gravity": 9.81, "initial_crank_angle": 1.0, "duration": 0.02},
+    ]
+    _, table = swept(given, "scenes", tmp_path / "table.csv")
+    response = simulate(Scene(restitution=0.9), duration=0.02, outputs=200)
+    row, impacts = table.iloc[0], response.impacts
+    assert row.impacts == len(impacts) > 3
+    assert row.largest_force == pytest.approx(impacts.peak_force.max(), rel=1e-8)
+    assert row.largest_depth == pytest.approx(impacts.peak_depth.max(), rel=1e-8)
+    assert row.energy_lost == pytest.approx(impacts.lost.sum(), rel=1e-6)
+    clearance, ideal = Scene().clearance, table.iloc[2]
+    assert 0 < row.mean_slider_deviation < row.largest_slider_deviation < 1.05 * clearance
+    assert ideal.largest_slider_deviation < 1e-15
+    assert (ideal.impacts, ideal.largest_force) == (0, 0)
+    other = table.iloc[1]
+    assert other.impacts > 3
+    assert other.largest_force != row.largest_force
+
+
+def test_more_random_cases_begin_with_the_fewer(tmp_path):
+    few, many = (random_cases(count, JOINTS, seed=3) for count in (5, 200))
+    assert few == many[:5] != random_cases(5, JOINTS, seed=4)
+    drawn = pd.DataFrame(many).astype(float, errors="ignore")
+    r2_star = drawn.r2_star.astype(float)
+    assert 20 <= r2_star.min() < 25
+    assert 1600 < r2_star.max() <= 2000
+    assert r2_star.median() == pytest.approx(200, rel=0.4)
+    assert drawn.socket_ratio.astype(float).mean() == pytest.approx(1.55, abs=0.06)
+    assert set(drawn.kinematics) == {"small", "linear"}
+
+
+def stopped(given, output, after):
+    """A study that ends after some cases, and how many were known when it began."""
+    known = []
+
+    def progress(done, *_):
+        known.append(done)
+        if done >= after:
+            raise KeyboardInterrupt
+
+    with suppress(KeyboardInterrupt):
+        sweep(given, "scenes", output, jobs=1, progress=progress)
+    return known[0]
+
+
+def test_a_stopped_study_goes_on_and_passes_over_what_is_damaged(tmp_path, monkeypatch):
+    given, output = random_cases(9, SCENES), tmp_path / "table.csv"
+    sweep(given, "scenes", output, jobs=1)
+    whole = output.read_bytes()
+    output.unlink()
+    part = tmp_path / "table.csv.part"
+    assert stopped(given, output, 5) == 0
+    assert not output.exists()
+    kept = part.read_bytes()
+    first, second, *rest = kept.splitlines(keepends=True)
+    assert len(rest) >= 3
+
+    part.write_bytes(first + second.replace(b".", b"1", 1) + b"".join(rest)[:-7])
+    assert stopped(given, output, 4) == 3  # not the second, and not the last
+    assert len(part.read_bytes().splitlines()) >= 6
+    part.write_bytes(b"\n\xff\x00 no line of ours\n[]\n" + kept)
+    assert stopped(given, output, 6) == 5
+    with monkeypatch.context() as patched:
+        patched.setattr(run, "_code", lambda: "other")
+        assert stopped(given, output, 1) == 0  # other code: nothing of it counts
+    assert stopped(random_cases(4, SCENES), output, 5) == 4  # fewer cases, all known
+    assert output.read_bytes() == b"".join(whole.splitlines(keepends=True)[:5])
+    assert not part.exists()
+
+    assert stopped(given, output, 5) == 0
+    sweep(given, "scenes", output, jobs=1)
+    assert output.read_bytes() == whole
+
+
+def test_a_case_that_fails_is_a_row_with_its_reason(tmp_path, monkeypatch):
+    given = [{"r2_star": 50, "depth_star": depth} for depth in (0.1, 9.0, 0.1)]
+    found, table = swept(given, "joints", tmp_path / "table.csv")
+    assert (found.cases, found.rows, list(found.failures)) == (3, 3, ["2"])
+    assert found.failures["2"].startswith("depth_star must be < 8.9")
+    assert table.error.tolist()[1] == found.failures["2"]
+    assert table.force_star.isna().tolist() == [False, True, False]
+    assert table.force_star[0] == table.force_star[2]
+
+    def broken(*_):
+        raise KeyError("lost\nit")
+
+    monkeypatch.setattr(cases, "force_curve", broken)
+    (row,) = cases.rows("joints", {"r2_star": "50", "depth_star": "0.1"})
+    assert row[-1] == "KeyError: 'lost\\nit'"
+    monkeypatch.setattr(cases, "_solver", lambda *_: ("", lambda: {"depth_star": np.nan}))
+    (row,) = cases.rows("joints", {})
+    assert row[-1] == "depth_star must be finite, got nan"
+
+
+def test_cases_that_share_bodies_are_neighbours(tmp_path, monkeypatch):
+    ranges = {"r2_star": "20:2000:log", "socket_ratio": "1.2,1.3,1.4", "poisson": "0.28,0.3"}
+    given, order = random_cases(40, ranges), []
+
+    def solved(form, todo, *_):
+        order.extend(todo)
+        return ((key, cases.rows(form, {"r2_star": "0"})) for key, _ in todo)
+
+    monkeypatch.setattr(run, "_solved", solved)
+    sweep(given, "joints", tmp_path / "table.csv")
+    bodies = [(case["socket_ratio"], case["poisson"]) for _, case in order]
+    changes = sum(one != other for one, other in pairwise(bodies))
+    assert changes == 5
+
+
+def test_a_long_task_returns_what_it_has(monkeypatch):
+    monkeypatch.setattr(cases, "_LONG", 0.0)
+    assert len(cases.solve_some("joints", 3 * [{"r2_star": "50", "depth_star": "0.1"}])) == 1
+
+
+def test_on_a_dask_cluster(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    given = random_cases(10, SCENES)
+    sweep(given, "scenes", tmp_path / "processes.csv", jobs=1)
+    options = {"n_workers": 1, "threads_per_worker": 2, "processes": False}
+    with distributed.LocalCluster(**options, protocol="tcp://", dashboard_address=None) as cluster:
+        address = cluster.scheduler_address
+        found = sweep(given, "scenes", tmp_path / "dask.csv", dask_address=address)
+    assert found.cases == 10
+    assert (tmp_path / "dask.csv").read_bytes() == (tmp_path / "processes.csv").read_bytes()
+
+
+@pytest.fixture
+def command(monkeypatch, capsys, tmp_path):
+    """A study from a table of text by the command line: status, output, errors."""
+
+    def command(kind, text, *words, output=tmp_path / "table.csv"):
+        file = tmp_path / "cases.csv"
+        file.write_bytes(text if isinstance(text, bytes) else text.encode())
+        given = [] if text == "" else [file]
+        words = ["study", "sweep", kind, *given, "--output", output, "--jobs", "1", *words]
+        monkeypatch.setattr("sys.argv", list(map(str, words)))
+        with pytest.raises(SystemExit) as stop:
+            cli.main()
+        return stop.value.code, *capsys.readouterr()
+
+    return command
+
+
+SIZES = "socket_radius,clearance,wall"
+RANDOM = ("--random", 5)
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "words", "message"),
+    [
+        ("joints", f"{SIZES}\n1e-2,5e-5,2e-3\n1e-2,-1,2e-3", (), "row 2: clearance must be >= 1e-"),
+        ("joints", f"{SIZES},ball\n1e-2,5e-5,2e-3,stel", (), "row 1: ball: material must be one"),
+        ("joints", f"{SIZES},depth,force\n1e-2,5e-5,2e-3,1e-6,5", (), "row 1: either depth or fo"),
+        ("joints", f"{SIZES},force\n1e-2,5e-5,2e-3,1;-5", (), "row 1: force must be > 0 N, got -5"),
+        ("joints", f"{SIZES},liner\n1e-2,5e-5,2e-3,PTFE", (), "row 1: liner must be a thickness"),
+        (
+            "joints",
+            "clearance,wall\n5e-5,2e-3",
+            (),
+            "row 1: socket_radius must be given, or r2_star",
+        ),
+        ("joints", "r2_star,rim\n50,mirror\n,free", (), "row 2: r2_star must be given"),
+        ("joints", "r2_star\nabc", (), "row 1: r2_star must be a number, got 'abc'"),
+        ("joints", "r2_star,depth_star\n50,0.1;-1", (), "row 1: depth_star must be >= 0, got -1"),
+        ("joints", "r2_star,layer\n50,1.1", (), "row 1: layer must be three numbers"),
+        ("joints", "r2_star,socket_rato\n50,1.2", (), "did you mean socket_ratio?"),
+        ("joints", "r2_star,r2_star\n50,1.2", (), "each column must have a name of its own"),
+        ("joints", "case,r2_star\na,50\na,60", (), "row 2: case must be another name in each row"),
+        (
+            "joints",
+            "r2_star,rim\n50",
+            (),
+            "row 1 must have 2 cells, as the head of the file, got 1",
+        ),
+        ("joints", "r2_star\n", (), "cases must have a row or more, got none"),
+        ("joints", b"\xff\xfe\x00", (), "it is no text in UTF-8"),
+        ("scenes", "duration\n-1", (), "row 1: duration must be > 0 and <= 1e+09 s, got -1 s"),
+        ("scenes", "outputs\n2.5", (), "row 1: outputs must be a whole number, got '2.5'"),
+        ("scenes", "law\nhooke", (), "row 1: law must be one of"),
+        ("scenes", "law,socket_ratio\nhertz,1.5", (), "row 1: socket_ratio must be left out: law"),
+        ("scenes", "model,step\nrigid,1e-6", (), "row 1: step must be left out: model rigid"),
+        ("scenes", "crank_length\n-1", (), "row 1: crank length must be > 0 m, got -1 m"),
+        ("scenes", "socket\nstel", (), "row 1: socket: material must be one of"),
+        ("scenes", "friction", (*RANDOM, "--range", "friction=0:1"), "and not both"),
+        ("scenes", "friction\n0.1", ("--seed", 1), "--range and --seed must be left out"),
+        ("scenes", "", (), "a FILE of cases or --random must be given"),
+        ("scenes", "", (*RANDOM,), "ranges of the random cases must be given"),
+        ("scenes", "", (*RANDOM, "--range", "friction"), "--range must be NAME=RANGE"),
+        (
+            "scenes",
+            "",
+            (*RANDOM, "--range", "friction=0.2:0.1"),
+            "high end of the range of friction",
+        ),
+        (
+            "scenes",
+            "",
+            (*RANDOM, "--range", "friction=0:1:log"),
+            "low end of the range of friction",
+        ),
+        (
+            "scenes",
+            "",
+            (*RANDOM, "--range", "friction=0:1:lin"),
+            "range of friction must be low:high",
+        ),
+        ("scenes", "", (*RANDOM, "--range", "friction=a:1"), "range of friction must be a number"),
+        ("scenes", "", ("--random", 0, "--range", "friction=0:1"), "random cases must be >= 1"),
+        ("scenes", "friction\n0.1", ("--jobs", 0), "jobs must be >= 1, got 0"),
+    ],
+)
+def test_bad_input_is_one_line_before_any_work(command, tmp_path, kind, text, words, message):
+    status, out, err = command(kind, text, *words)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert message in err
+    assert sorted(os.listdir(tmp_path)) == ["cases.csv"]
+
+
+def test_a_file_that_is_not_there(command, tmp_path):
+    status, _, err = command("joints", "", tmp_path / "none.csv")
+    assert status == 2
+    assert err.startswith("study: cases must be a CSV file, got ")
+    assert "No such file" in err
+    assert command("joints", "r2_star\n50", output=tmp_path / "table.txt")[0] == 2
+
+
+def test_a_file_with_a_failing_case_by_the_command_line(command, tmp_path, monkeypatch):
+    monkeypatch.setattr("study.cli.sweep.PLAIN_EVERY", 0.0)
+    text = "\ufeffcase, r2_star ,depth_star\nfirst,50,0.1\n\nsecond,50,9\n"
+    status, out, err = command("joints", text)
+    assert status == 1
+    assert out.startswith("2 cases in ")
+    assert out.endswith(f"s, 2 rows in {tmp_path / 'table.csv'}\n")
+    *told, last = err.splitlines()
+    assert told[-1] == "2 of 2 cases, 1 failed"
+    assert last.startswith(
+        "failed: 1 of 2 cases failed, see the column error; the first is second: "
+    )
+    with (tmp_path / "table.csv").open(newline="") as file:
+        assert [row["case"] for row in csv.DictReader(file)] == ["first", "second"]
+
+
+def study(output, **how):
+    words = [sys.executable, "-m", "study.cli", "sweep", "scenes", "--random", "300", "--seed", "2"]
+    words += [f"--range={name}={text}" for name, text in SCENES.items()]
+    return subprocess.Popen(
+        [*words, "--output", output],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        **how,
+    )
+
+
+def until(part, lines):
+    deadline = time.monotonic() + 60
+    while not part.exists() or len(part.read_bytes().splitlines()) < lines:
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    return len(part.read_bytes().splitlines())
+
+
+def test_a_killed_and_an_interrupted_study_go_on(tmp_path):
+    output, part = tmp_path / "table.csv", tmp_path / "table.csv.part"
+    killed = study(output)
+    done = until(part, 5)
+    os.killpg(killed.pid, signal.SIGKILL)
+    killed.communicate()
+    interrupted = study(output)
+    more = until(part, done + 5)
+    os.killpg(interrupted.pid, signal.SIGINT)
+    _, err = interrupted.communicate(timeout=30)
+    assert interrupted.returncode == 130
+    kept, every = map(
+        int, err.removeprefix("study: interrupted; ").split(" cases")[0].split(" of ")
+    )
+    assert done <= more - 5 <= kept < every == 300
+    assert err.endswith(" cases are kept, the same command goes on\n")
+    assert err.count("\n") == 1
+    assert not output.exists()
+    resumed = study(output)
+    out, err = resumed.communicate(timeout=60)
+    assert (resumed.returncode, err) == (0, "")
+    assert out.startswith("300 cases in ")
+    sweep(random_cases(300, SCENES, seed=2), "scenes", tmp_path / "other.csv", jobs=2)
+    assert output.read_bytes() == (tmp_path / "other.csv").read_bytes()
+    assert sorted(os.listdir(tmp_path)) == ["other.csv", "table.csv"]
