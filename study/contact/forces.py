@@ -93,7 +93,7 @@ def _gauss(count):
     return (1 + nodes) / 2, weights / 2
 
 
-(NODES, WEIGHTS), (_FEW_NODES, _FEW_WEIGHTS) = _gauss(20), _gauss(4)
+(NODES, WEIGHTS), (_FEW_NODES, _FEW_WEIGHTS) = _gauss(12), _gauss(4)
 
 
 @compiled

@@ -34,24 +34,24 @@ def acceleration(y, contact, approach, p, law, work, out):
     ``contact`` says whether surfaces that overlap push, ``approach`` is the approach speed, inf
     for none. Returns depth, its rate and the slider's acceleration.
     """
-    f, unused, z = work
     r = norm(y[1], y[2])
     if not (contact and r > law.clearance):
-        z[:6] = y
-        rigid.motion(z, (False, 0, 1.0), p, law, False, f, unused)
-        out[:3] = f[:3]
-        return f[rigid.DEPTH], f[rigid.RATE], f[rigid.SLIDER]
+        found, _ = rigid.motion(y, (False, 0, 1.0), p, law)
+        out[0], out[1], out[2] = found.accelerations
+        return found.joints[0].depth, found.joints[0].rate, found.slider
     nx, ny = y[1] / r, y[2] / r
-    z[0], z[1], z[2], z[3] = y[0], r - law.clearance, angle_of(ny, nx), y[3]
-    z[4], z[5] = nx * y[4] + ny * y[5], (nx * y[5] - ny * y[4]) / r
+    work[0], work[1], work[2], work[3] = y[0], r - law.clearance, angle_of(ny, nx), y[3]
+    rate, spin = nx * y[4] + ny * y[5], (nx * y[5] - ny * y[4]) / r
+    work[4], work[5] = rate, spin
     st, ct = sine_cosine(y[0])
     sp = (y[2] - p.l1 * st) / p.l2
     psi = (y[5] - p.l1 * ct * y[3]) / (p.l2 * sqrt(1 - sp * sp))
-    branch = friction_branch(r * z[5] + p.r1 * psi, p.v0, p.v1)
-    rigid.motion(z, (True, branch, approach), p, law, False, f, unused)
-    outward, across = f[1] - r * z[5] * z[5], r * f[2] + 2 * z[4] * z[5]
-    out[0], out[1], out[2] = f[0], outward * nx - across * ny, outward * ny + across * nx
-    return f[rigid.DEPTH], f[rigid.RATE], f[rigid.SLIDER]
+    branch = friction_branch(r * spin + p.r1 * psi, p.v0, p.v1)
+    found, _ = rigid.motion(work, (True, branch, approach), p, law)
+    alpha, growth, turn = found.accelerations
+    outward, across = growth - r * spin * spin, r * turn + 2 * rate * spin
+    out[0], out[1], out[2] = alpha, outward * nx - across * ny, outward * ny + across * nx
+    return found.joints[0].depth, found.joints[0].rate, found.slider
 
 
 @compiled
@@ -82,10 +82,8 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest, gu
     Returns how many outputs were reached, fewer where it fails, and the limit of the step if
     that was passed, or 0 where the ball went too deep.
     """
-    f, k = rigid.new_slopes()
-    work = f, k, np.zeros(8)
     a, b, c, d = np.zeros((4, 3))
-    z, half = np.zeros(6), 0.5 * h
+    work, z, half = np.zeros(6), np.zeros(6), 0.5 * h
     depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
     if scheme in (LAGGED, CENTRED):  # velocities half a step before the places
         y[3:] -= half * a
@@ -168,7 +166,7 @@ def start_of(scene: Scene) -> NDArray[np.float64]:
 
 def integrate(
     scene: Scene,
-    law: NDArray[np.float64],
+    law: np.record,
     duration: float,
     outputs: int,
     step: float,
@@ -223,7 +221,7 @@ def integrate(
     if start is not None and np.shape(checks.number("start", start)) != (6,):
         raise ValueError(f"start must be 6 numbers, got {checks.shown(start)}")
     y = np.array(own if start is None else start, float)
-    strides, h = divide([duration * np.arange(2) / outputs], step)
+    strides, h = divide(duration * np.arange(2) / outputs, step)
     found = np.zeros((outputs + 1, 2))
     args = (scene.constants(), law, h, strides, outputs, found, scene.clearance, guarded)
     reached, limit = advance(SCHEMES.index(scheme), y, float(approach), *args)

@@ -436,8 +436,8 @@ def _solve_for(some, matrix, right):
 
 def blocks(
     scene: Scene,
-    law: NDArray[np.float64],
-    times: list[NDArray[np.float64]],
+    law: np.record,
+    times: NDArray[np.float64],
     ideal: bool,
     step: float,
     elements: tuple[int, int],

@@ -459,9 +459,9 @@ def stepper(
 
 
 def blocks(
-    scene: Scene, laws: Laws, times: list[NDArray[np.float64]], tolerance: float
+    scene: Scene, laws: Laws, times: NDArray[np.float64], tolerance: float
 ) -> Iterator[stepping.Block]:
     """Blocks of output rows at ``times`` of the scene with its clearance joints and packed laws."""
-    state, loop = stepper(scene, laws, times[-1][-1], tolerance)
+    state, loop = stepper(scene, laws, times[-1], tolerance)
     failure, columns = f"no step is small enough for tolerance {tolerance:g}", len(ALL_COLUMNS)
     return stepping.advance_in_blocks(loop, times, state, failure, columns)

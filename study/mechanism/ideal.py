@@ -14,8 +14,11 @@ from study.mechanism.response import ALL_COLUMNS
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import Block, MechanismError, new_impacts
 
+BLOCKS = 100
+"""Parts of a simulation, after each of which an interruption is heeded."""
 
-def blocks(scene: Scene, times: list[NDArray[np.float64]]) -> Iterator[Block]:
+
+def blocks(scene: Scene, times: NDArray[np.float64]) -> Iterator[Block]:
     """Blocks of output rows at ``times`` of the scene with an ideal joint; there are no impacts."""
     p = scene.constants()
     l1, l2, a11, a22, a12, m3, moment, g1, g2 = p[:9]
@@ -67,10 +70,10 @@ def blocks(scene: Scene, times: list[NDArray[np.float64]]) -> Iterator[Block]:
         columns += (zero, zero, zero, np.hypot(px, py), zero, px, py)
         return np.column_stack(columns)
 
-    fast = np.sqrt((abs(moment) + abs(g1) + abs(g2)) / a11) + 1 / times[-1][-1]  # of the drive
+    fast = np.sqrt((abs(moment) + abs(g1) + abs(g2)) / a11) + 1 / times[-1]  # of the drive
     atol = 1e-15 * a11 * fast**2 if p.steady else (1e-15, 1e-15 * fast)
     start, state = 0.0, (0.0,) if p.steady else (angle, speed)
-    for block in times:
+    for block in np.array_split(times, min(BLOCKS, len(times) // 2 + 1)):
         span = start, block[-1]
         solution = solve_ivp(slope, span, state, "DOP853", t_eval=block, rtol=3e-14, atol=atol)
         if not solution.success:

@@ -118,7 +118,7 @@ def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
 
 
-def usual_step(scene: Scene, law: NDArray[np.float64], elements: tuple[int, int]) -> float:
+def usual_step(scene: Scene, law: np.record, elements: tuple[int, int]) -> float:
     """Half the limit of stability with a clearance joint at a depth of one clearance, in s."""
     frame = Frame(scene, elements)
     ease = 1 / frame.masses[-1] + 1 / scene.slider_mass
@@ -362,8 +362,8 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
 
 def blocks(
     scene: Scene,
-    law: NDArray[np.float64],
-    times: list[NDArray[np.float64]],
+    law: np.record,
+    times: NDArray[np.float64],
     ideal: bool,
     step: float | None,
     elements: tuple[int, int],
@@ -378,7 +378,7 @@ def blocks(
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
     limit = 2 / frequency
-    checks.number("limit of stability", limit, "s", least=1e-10 * times[-1][-1])
+    checks.number("limit of stability", limit, "s", least=1e-10 * times[-1])
     if step is None:
         step = 1 / frequency if ideal else usual_step(scene, law, elements)
     strides, h = stepping.divide(times, step)

@@ -32,7 +32,6 @@ MOST_STEPS = 1e10
 MOST_TURNED = 1e6
 """Angle in rad that drive and gravity may turn the crank by itself, which takes rigid links some
 minutes: a crank that is far too short or light for its drive does nothing else."""
-BLOCKS = 100  # after each the progress is told, and an interruption is heeded
 
 
 def simulate(
@@ -77,7 +76,7 @@ def simulate(
         Particles: velocity in damping and friction at the joint, centred (default) or half a
         step old; ``unguarded`` is the latter without the checks of the limits of stability.
     progress
-        Called with the simulated time, in s, after each of 100 parts.
+        Called with the simulated time, in s, now and then.
     **law_options
         Of the law. Those that are the materials' (``modulus_ratio``, ``poisson`` and
         ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene.
@@ -136,8 +135,7 @@ def _checked(
     gaps, law = (scene.clearance, scene.crank_clearance), find(law)
     law_options = scene_law.options(scene, law, law_options)
     laws = tuple(_pack(law, scene, gap, law_options) for gap in gaps if gap is not None)
-    instants = duration * np.arange(outputs + 1) / outputs
-    times = np.array_split(instants, min(BLOCKS, outputs // 2 + 1))
+    times = duration * np.arange(outputs + 1) / outputs
     pair = particles.numbers_of_elements(ELEMENTS if elements is None else elements)
     if step is not None:
         checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
@@ -188,10 +186,10 @@ def _gather(blocks, times, scene, laws, told, progress=None):
     """Run a model to its end or to an interruption."""
     parts, complete = [], True
     try:
-        for at, (block, impacts, own) in zip(times, blocks, strict=True):  # noqa: B007
+        for block, impacts, own in blocks:  # noqa: B007
             parts.append(block)
             if progress is not None:
-                progress(at[-1])
+                progress(block[-1, 0])
     except KeyboardInterrupt:
         if not parts:
             raise

@@ -8,6 +8,7 @@ its end.
 
 from collections.abc import Callable, Iterator
 from math import ceil
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ LOST_DAMPING, LOST_FRICTION, CONTACT, APPROACH, IMPACTS, AT_HAND, STEPS, TIME, S
 """Places in every model's state; the first four are its own. `AT_HAND` is the number of the impact
 that is followed, `IMPACTS` how many there were."""
 STATE = 14  # numbers in it
+PATIENCE = 0.1  # s, that a compiled loop may take until an interruption is heeded
 # Columns of the impacts while they are computed, after time and approach speed
 PEAK_FORCE, PEAK_DEPTH, DURATION, SEPARATION_SPEED, LOST, LOST_BEFORE, JOINT = range(2, 9)
 START, PEAK, END = range(len(EVENTS))
@@ -119,33 +121,36 @@ def new_impacts(number: int, columns: int) -> tuple[NDArray[np.float64], NDArray
     return np.zeros((number, JOINT + 1)), np.full((number, len(EVENTS), columns), np.nan)
 
 
-def divide(times: list[NDArray[np.float64]], step: float) -> tuple[int, float]:
+def divide(times: NDArray[np.float64], step: float) -> tuple[int, float]:
     """Number and length of equal steps, at most ``step``, between equally spaced outputs."""
-    spacing = times[0][1] - times[0][0]
+    spacing = times[1] - times[0]
     strides = ceil(spacing / step * (1 - 1e-12))
     return strides, spacing / strides
 
 
 def advance_in_blocks(
     advance: Callable,
-    times: list[NDArray[np.float64]],
+    times: NDArray[np.float64],
     state: NDArray,
     failure: str,
     columns: int = len(COLUMNS),
 ) -> Iterator[Block]:
-    """Blocks of output rows at ``times``, themselves in blocks, from a model's compiled loop.
+    """Blocks of output rows at ``times`` from a model's compiled loop.
 
     ``advance`` is called with rows, impacts and the impacts' rows, and returns how many rows it
-    filled and how it ended. ``failure`` is the error's text if it failed, with ``{}`` for the
+    filled and how it ended. It is called for as many rows as take some `PATIENCE`, after which an
+    interruption is heeded. ``failure`` is the error's text if it failed, with ``{}`` for the
     state's `LIMIT`. Raises `MechanismError` then, and if a ball goes deeper than one clearance,
     which is then the limit. ``columns`` is the number of them in a row of output.
     """
     impacts, events = new_impacts(64, columns)
-    for block in times:
-        rows, done = np.zeros((len(block), columns)), 0
-        rows[:, 0] = block
-        while done < len(block):
-            filled, status = advance(rows[done:], impacts, events)
+    rows = np.zeros((len(times), columns))
+    rows[:, 0] = times
+    done, some = 0, 1 + len(rows) // 100
+    while done < len(rows):
+        first, start = done, perf_counter()
+        while done < min(first + some, len(rows)):
+            filled, status = advance(rows[done : first + some], impacts, events)
             done += filled
             if status == FULL:
                 more = zip((impacts, events), new_impacts(len(impacts), columns), strict=True)
@@ -157,5 +162,6 @@ def advance_in_blocks(
                 what = what.format(state[LIMIT])
                 at = f"time {state[TIME]:.9g} s, step {state[STEP]:.4g} s"
                 raise MechanismError(f"{what}; stopped at {at}")
+        some = 1 + int(some * min(10.0, PATIENCE / (perf_counter() - start)))
         number = int(state[IMPACTS])
-        yield rows, impacts[:number].copy(), events[:number].copy()
+        yield rows[first:done], impacts[:number].copy(), events[:number].copy()

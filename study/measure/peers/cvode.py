@@ -66,7 +66,7 @@ def _library():
 
 def slider_acceleration(
     scene: Scene,
-    law: NDArray[np.float64],
+    law: np.record,
     duration: float,
     outputs: int,
     tolerance: float,

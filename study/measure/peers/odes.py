@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from study import checks
 from study.measure import explicit
-from study.mechanism import Scene, rigid
+from study.mechanism import Scene
 
 SCIPY = ("LSODA", "Radau", "DOP853")
 METHODS = (*SCIPY, "CVODE")
@@ -24,7 +24,7 @@ DISARMED = 1e-9  # s after a start, in which the gap is rounding only
 def slider_acceleration(
     method: str,
     scene: Scene,
-    law: NDArray[np.float64],
+    law: np.record,
     duration: float,
     outputs: int,
     rtol: float,
@@ -54,7 +54,7 @@ def slider_acceleration(
     integrate = _sundials if method == "CVODE" else _scipy
     times = duration * np.arange(1, outputs + 1) / outputs
     p, y, t, approach, found = scene.constants(), explicit.start_of(scene), 0.0, 0.0, []
-    work, out = (*rigid.new_slopes(), np.zeros(8)), np.zeros(3)
+    work, out = np.zeros(6), np.zeros(3)
     while True:
         contact, speed = approach > 0, approach or inf
 
