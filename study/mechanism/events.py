@@ -39,9 +39,11 @@ from study.mechanism.free_impact import impact_depth
 from study.mechanism.response import ALL_COLUMNS
 from study.mechanism.scene import Scene
 
-REACH, BEGAN, LENGTH, SMOOTH = range(4)
+REACH, BEGAN, LENGTH, SIZE = range(4)
 """Places in the state, before those of all models: of the speed that the drive gives, of the last
-step's start and length, and whether that was in the piece at hand."""
+step's start and length, and the size of its error, 0 if that was in another piece."""
+GROWTH = 3.0
+"""Of one step over the last, at most: beyond it the guess from the last one is poor."""
 ITERATIONS = 10
 """Of Newton's method, at most."""
 EXACT_ENOUGH = 0.02
@@ -284,7 +286,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
     ``horizon``.
     """
     t, h, pieces = state[stepping.TIME], state[stepping.STEP], _pieces(work.joints, laws)
-    n, reach, idle, done = 1 + 2 * len(pieces), state[REACH], 0, 0
+    n, reach, idle, done, most = 1 + 2 * len(pieces), state[REACH], 0, 0, GROWTH
     found = motion(work, p, laws)
     while done < len(rows):
         if rows[done, 0] <= t:
@@ -298,19 +300,24 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
             return done, stepping.FULL
         landing = t + h * 1.000001 >= horizon
         length = horizon - t if landing else h
-        _begin(work, found, state[SMOOTH] > 0, length / state[LENGTH])
+        _begin(work, found, state[SIZE] > 0, length / state[LENGTH])
         state[stepping.STEPS] += 1
         size = inf
         if _collocate(work, length, pieces, found.joints, reach, tolerance, p, laws):
             estimate(work, length)
             size = _size(work, pieces, found.joints, reach, tolerance, p, laws)
         if not size <= 1.0:
-            h = length * (max(0.2, 0.9 / sixth_root(size)) if size < inf else 0.3)
+            h = length * (max(0.2, 0.9 / sixth_root(size)) if size < inf else 0.5)
+            most = 1.0
             if h > 1e-15 * t:
                 continue
             return done, stepping.FAILED
-        grown = length * min(4.0, 0.9 / sixth_root(max(size, 1e-9)))
-        h = max(h, grown) if landing else grown
+        size = max(size, 1e-6)
+        growth = 0.9 / sixth_root(size)
+        if state[SIZE] > 0:  # what the last two steps foretell (Hairer and Wanner, sec. IV.8)
+            foretold = length / state[LENGTH] * sixth_root(state[SIZE] / size)
+            growth = min(growth, growth * foretold)
+        h, most = length * min(growth, most), GROWTH
         event, of = -1, 0
         for again in range(3):  # the whole step, to near its first event, to the event
             finish(work, length)
@@ -340,7 +347,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
                 at = int(work.joints[j, NUMBER])
                 row, start = events[at, stepping.PEAK], found.joints[j]
                 _measure_peaks(j, impacts[at], row, work, t, length, start, pieces, p, laws)
-        state[BEGAN], state[LENGTH], state[SMOOTH] = t, length, 1.0 if event < 0 else 0.0
+        state[BEGAN], state[LENGTH], state[SIZE] = t, length, size if event < 0 else 0.0
         t = state[stepping.TIME] = horizon if landing else t + length
         for j in range(len(pieces)):
             if pieces[j][0]:
