@@ -52,6 +52,12 @@ def number(
     RangeError
         If any is outside the limits, larger than `LARGEST`, or, if > 0, below `SMALLEST`.
     """
+    if type(value) is float and SMALLEST <= abs(value) <= LARGEST:  # at once, without NumPy
+        low, high = value if least is None else least, value if most is None else most
+        if low <= value <= high and not (
+            (above is not None and value <= above) or (below is not None and value >= below)
+        ):
+            return value
     unit = f" {unit}" if unit else ""
     try:
         array = np.asarray(value)

@@ -117,7 +117,9 @@ def stored_energy(law, depth):
             if low >= root:
                 break
     elif depth > 0:
-        for node, weight in zip(NODES, WEIGHTS):  # noqa: B905 (compiled code has no strict)
+        simple = law.shape_index < 2  # Hertz's and Winkler's, for which few nodes are exact
+        rule = (_FEW_NODES, _FEW_WEIGHTS) if simple else (NODES, WEIGHTS)
+        for node, weight in zip(*rule):  # noqa: B905 (compiled code has no strict)
             energy += weight * 2 * node * depth * elastic_force(law, node * node * depth)[0]
     return energy
 

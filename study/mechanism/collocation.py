@@ -95,6 +95,7 @@ RATE, PLACE = np.array(_MATRIX, dtype=float), np.array(_SQUARE, dtype=float)
 """Weights of the accelerations at the points in the change of rates and places up to each point."""
 (REAL, REAL_VECTOR, REAL_INVERSE), (COMPLEX, COMPLEX_VECTORS, COMPLEX_INVERSES) = _eigenvectors(RATE)
 _WITH_START = _polynomials([Fraction(0), *_EXACT])
+SHARES = 1 / np.arange(1.0, STAGES + 3)
 MONOMIALS = np.array(list(zip(*_WITH_START, strict=True)), dtype=float)
 """Coefficients of the polynomial in a step's time from its values at the start and the points."""
 
@@ -298,9 +299,9 @@ def inside(work, h, x):
     for m in range(2 * n):
         speed = place = 0.0
         for i in range(STAGES, -1, -1):
-            share = work.polynomial[i, m] / (i + 1)
+            share = work.polynomial[i, m] * SHARES[i]
             speed = speed * x + share
-            place = place * x + share / (i + 2)
+            place = place * x + share * SHARES[i + 1]
         work.trial[n + m] = start[n + m] + h * x * speed
         if m < n:
             work.trial[m] = start[m] + h * x * (start[n + m] + h * x * place)

@@ -83,20 +83,18 @@ def _derive_compiled(y, pieces, p, found, parts, k):
     return lambda y, pieces, p, found, parts, k: two_joints.derive(y, pieces, p, found, parts, k)
 
 
-def _record(row, y, pieces, found, p, laws):
+def _record(row, y, pieces, found, parts, p):
     """Fill a row of output, which has its time already."""
     raise TypeError("in compiled code only")
 
 
 @overload(_record, inline="always")
-def _record_compiled(row, y, pieces, found, p, laws):
+def _record_compiled(row, y, pieces, found, parts, p):
     if len(pieces) == 1:
-        return lambda row, y, pieces, found, p, laws: rigid.record(
-            row, y, pieces[0][0], found, p, laws[0]
+        return lambda row, y, pieces, found, parts, p: rigid.record(
+            row, y, pieces[0][0], found, parts, p
         )
-    return lambda row, y, pieces, found, p, laws: two_joints.record(
-        row, y, pieces, found, p, laws
-    )
+    return lambda row, y, pieces, found, parts, p: two_joints.record(row, y, found, parts, p)
 
 
 def _pieces(joints, laws):
@@ -201,7 +199,7 @@ def _event(which, piece, depth, rate, sliding, normal_rate, p):
 def _look(work, h, x, pieces, p, laws):
     """What is found at the share ``x`` of a step, where ``trial`` is the state."""
     inside(work, h, x)
-    return _move(work.trial, pieces, p, laws)[0]
+    return _move(work.trial, pieces, p, laws)
 
 
 @compiled
@@ -213,7 +211,7 @@ def _locate(which, j, low, high, work, h, pieces, p, laws):
     before = after = 0.0
     middle, side, known = low, 0, 0
     while known < 2 or high - low > 1e-12 + 1e-9 * high:
-        joint = _look(work, h, middle, pieces, p, laws).joints[j]
+        joint = _look(work, h, middle, pieces, p, laws)[0].joints[j]
         value = _event(
             which, pieces[j], joint.depth, joint.rate, joint.sliding, joint.normal_rate, p
         )
@@ -268,13 +266,13 @@ def _measure_peaks(j, impact, row, work, t, h, start, pieces, p, laws):
         for i in range(STAGES):
             if rising and work.marks[i, j, mark] <= 0:
                 share = _locate(which, j, low, POINTS[i], work, h, pieces, p, laws)
-                found = _look(work, h, share, pieces, p, laws)
+                found, parts = _look(work, h, share, pieces, p, laws)
                 depth, normal = found.joints[j].depth, found.joints[j].normal
                 impact[stepping.PEAK_DEPTH] = max(impact[stepping.PEAK_DEPTH], depth)
                 if normal > impact[stepping.PEAK_FORCE]:
                     impact[stepping.PEAK_FORCE] = normal
                     row[0] = t + share * h
-                    _record(row, work.trial, pieces, found, p, laws)
+                    _record(row, work.trial, pieces, found, parts, p)
             low, rising = POINTS[i], work.marks[i, j, mark] > 0
 
 
@@ -292,8 +290,8 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
         if rows[done, 0] <= t:
             earlier, length = _pieces(work.was, laws), state[LENGTH]
             share = (rows[done, 0] - state[BEGAN]) / length
-            seen = _look(work, length, share, earlier, p, laws)
-            _record(rows[done], work.trial, earlier, seen, p, laws)
+            seen, parts = _look(work, length, share, earlier, p, laws)
+            _record(rows[done], work.trial, earlier, seen, parts, p)
             done += 1
             continue
         if int(state[stepping.IMPACTS]) == len(impacts):
@@ -355,12 +353,12 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
                 joint = seen.joints[j]
                 if stepping.follow_impact(impacts, state, joint.normal, joint.depth):
                     row = stepping.event_row(events, state, stepping.PEAK)
-                    _record(row, work.y, pieces, seen, p, laws)
+                    _record(row, work.y, pieces, seen, parts, p)
         if event < 0:
             _derive(work.y, pieces, p, seen, parts, work.k)
             found = seen
         else:
-            h = _turn(event, of, seen, state, work, h, p, laws, (impacts, events))
+            h = _turn(event, of, seen, parts, state, work, h, p, laws, (impacts, events))
             pieces = _pieces(work.joints, laws)
             found = motion(work, p, laws)
         state[stepping.STEP] = h
@@ -389,7 +387,7 @@ def _begin(work, found, smooth, ratio):
 @compiled
 def _nearer(which, j, work, h, pieces, p, laws):
     """Share of a step that ends close to an event at which it would end on it."""
-    at, end = _look(work, h, 0.999, pieces, p, laws).joints[j], work.marks[STAGES - 1, j]
+    at, end = _look(work, h, 0.999, pieces, p, laws)[0].joints[j], work.marks[STAGES - 1, j]
     before = _event(which, pieces[j], at.depth, at.rate, at.sliding, at.normal_rate, p)
     after = _event(which, pieces[j], end[0], end[1], end[2], end[3], p)
     share = 1 - 0.001 * after / (after - before)
@@ -405,7 +403,7 @@ def _attend(j, state, work):
 
 
 @compiled
-def _turn(event, j, seen, state, work, h, p, laws, table):
+def _turn(event, j, seen, parts, state, work, h, p, laws, table):
     """Begin the smooth piece that follows an event, in its coordinates; return its first step.
 
     ``table`` has the impacts and their rows of output.
@@ -420,7 +418,7 @@ def _turn(event, j, seen, state, work, h, p, laws, table):
     if one[CONTACT] > 0:
         stepping.end_impact(impacts, state, -rates[0])
         row = stepping.event_row(events, state, stepping.END)
-        _record(row, y, _pieces(work.joints, laws), seen, p, laws)
+        _record(row, y, _pieces(work.joints, laws), seen, parts, p)
         ny, nx = sine_cosine(z[1])
         rate, across = rates[0], law.clearance * rates[1]
         z[0], z[1] = law.clearance * nx, law.clearance * ny
@@ -438,7 +436,7 @@ def _turn(event, j, seen, state, work, h, p, laws, table):
     stepping.begin_impact(impacts, state, state[stepping.TIME], rates[0])
     impacts[int(one[NUMBER]), stepping.JOINT] = j
     row = stepping.event_row(events, state, stepping.START)
-    _record(row, y, _pieces(work.joints, laws), seen, p, laws)
+    _record(row, y, _pieces(work.joints, laws), seen, parts, p)
     (ny, nx), phi = sine_cosine(z[1]), (seen.coupler[0], seen.coupler[1])
     one[DEEP] = impact_depth(j, y[0], phi, nx, ny, rates[0], p, laws)
     return min(h, 0.1 * one[DEEP] / rates[0])

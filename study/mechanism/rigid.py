@@ -190,15 +190,11 @@ def compliance(theta, ey, dx, dy, arm, p):
 
 
 @compiled
-def record(row, y, contact, found, p, law):
+def record(row, y, contact, found, parts, p):
     """Fill a row of output from (z, z', energies lost) and what `motion` found there."""
-    st, ct = sine_cosine(y[0])
+    (st, ct, nx, ny), (r, _, wx), _, _, _ = parts
     (sp, cp, psi, beta), joint = found.coupler, found.joints[0]
-    ex, ey, wx, nx, ny = y[1], y[2], y[4], 0.0, 0.0
-    if contact:
-        ny, nx = sine_cosine(y[2])
-        r = law.clearance + y[1]
-        ex, ey, wx = r * nx, r * ny, y[4] * nx - y[5] * r * ny
+    ex, ey = (r * nx, r * ny) if contact else (y[1], y[2])
     alpha, omega = found.accelerations[0], y[3]
     crank = y[0], omega, alpha, found.moment
     speed = -p.l1 * st * omega - p.l2 * sp * psi - wx

@@ -152,7 +152,7 @@ def _checked(
         checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
         blocks = events.blocks(scene, laws, times, tolerance)
     told = "none" if gapless else scene_law.in_words(scene, law, law_options)
-    return partial(_gather, blocks, times, scene, laws, told)
+    return partial(_gather, blocks, scene, laws, told)
 
 
 def _check_motion(scene, model, gapless, duration):
@@ -182,19 +182,17 @@ def _pack(law, scene, clearance, options):
 
 
 @one_thread
-def _gather(blocks, times, scene, laws, told, progress=None):
+def _gather(blocks, scene, laws, told, progress=None):
     """Run a model to its end or to an interruption."""
-    parts, complete = [], True
+    rows, complete, work = None, True, list(COLUMNS).index("work")
     try:
-        for block, impacts, own in blocks:  # noqa: B007
-            parts.append(block)
+        for rows, impacts, own in blocks:  # noqa: B007
             if progress is not None:
-                progress(block[-1, 0])
+                progress(rows[-1, 0])
     except KeyboardInterrupt:
-        if not parts:
+        if rows is None:
             raise
         complete = False
-    rows, work = np.vstack(parts), list(COLUMNS).index("work")
     numbers = impacts[:, JOINT].astype(int)
     starts = own[:, EVENTS.index("start")]
     free = free_durations(starts, impacts, scene.constants(), laws)

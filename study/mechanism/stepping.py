@@ -34,7 +34,7 @@ DEPTH, ELASTIC, CRANK_DEPTH = (
     list(ALL_COLUMNS).index(name) for name in ("depth", "elastic", "crank_joint_depth")
 )
 Block = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
-"""Rows of output in the order of `COLUMNS`; the impacts so far, each with its numbers; their own
+"""Rows of output so far, in the order of `COLUMNS`; the impacts, each with its numbers; their own
 rows of output, shape (impacts, 3, columns), NaN where an end is still to come."""
 
 
@@ -135,7 +135,7 @@ def advance_in_blocks(
     failure: str,
     columns: int = len(COLUMNS),
 ) -> Iterator[Block]:
-    """Blocks of output rows at ``times`` from a model's compiled loop.
+    """Rows of output at ``times`` up to now, again and again, from a model's compiled loop.
 
     ``advance`` is called with rows, impacts and the impacts' rows, and returns how many rows it
     filled and how it ended. It is called for as many rows as take some `PATIENCE`, after which an
@@ -164,4 +164,4 @@ def advance_in_blocks(
                 raise MechanismError(f"{what}; stopped at {at}")
         some = 1 + int(some * min(10.0, PATIENCE / (perf_counter() - start)))
         number = int(state[IMPACTS])
-        yield rows[first:done], impacts[:number].copy(), events[:number].copy()
+        yield rows[:done], impacts[:number].copy(), events[:number].copy()

@@ -216,14 +216,10 @@ def compliance(j, theta, phi, dx, dy, p):
 
 
 @compiled
-def record(row, y, pieces, seen, p, laws):
+def record(row, y, seen, parts, p):
     """Fill a row of output from (z, z', energies lost) and what `motion` found there."""
-    (st, ct), omega = sine_cosine(y[0]), y[5]
+    (st, ct), omega, places = parts[0], y[5], parts[3]
     (sp, cp, psi, _), joints = seen.coupler, seen.joints
-    places = (
-        _place(y, 0, pieces[0][0], laws[0].clearance),
-        _place(y, 1, pieces[1][0], laws[1].clearance),
-    )
     x = p.l1 * ct - places[1][5], p.l1 * st - places[1][6]  # the coupler's socket
     wx, wy = -p.l1 * st * omega - places[1][7], p.l1 * ct * omega - places[1][8]
     speed = wx - p.l2 * sp * psi - places[0][7]
