@@ -42,7 +42,7 @@ from study.mechanism.scene import Scene
 REACH, BEGAN, LENGTH, SIZE = range(4)
 """Places in the state, before those of all models: of the speed that the drive gives, of the last
 step's start and length, and the size of its error, 0 if that was in another piece."""
-GROWTH = 3.0
+GROWTH, FAR = 3.0, 1.8
 """Of one step over the last, at most: beyond it the guess from the last one is poor."""
 ITERATIONS = 10
 """Of Newton's method, at most."""
@@ -298,7 +298,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
             return done, stepping.FULL
         landing = t + h * 1.000001 >= horizon
         length = horizon - t if landing else h
-        _begin(work, found, state[SIZE] > 0, length / state[LENGTH])
+        _begin(work, found, state[SIZE] > 0 and length < FAR * state[LENGTH], length / state[LENGTH])
         state[stepping.STEPS] += 1
         size = inf
         if _collocate(work, length, pieces, found.joints, reach, tolerance, p, laws):
