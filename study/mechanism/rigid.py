@@ -85,9 +85,9 @@ def motion(y, piece, p, law):
     cross, coupling = p.a12 * sd, p.a12 * cd
     q1 = p.moment - cross * psi * psi + l1 * (ct * fy - st * fx) - p.g1 * ct
     q2 = cross * omega * omega + l2 * (cp * fy - sp * fx) + p.r1 * tangential - p.g2 * cp
-    determinant = p.a11 * p.a22 - coupling * coupling
-    alpha = (p.a22 * q1 - coupling * q2) / determinant
-    beta = (p.a11 * q2 - coupling * q1) / determinant
+    inverse = 1 / (p.a11 * p.a22 - coupling * coupling)
+    alpha = (p.a22 * q1 - coupling * q2) * inverse
+    beta = (p.a11 * q2 - coupling * q1) * inverse
     moment = p.moment
     if p.steady > 0:
         alpha, beta = 0.0, q2 / p.a22
@@ -117,7 +117,8 @@ def derive(y, piece, p, found, parts, k):
     alpha, (sp, cp, psi, beta) = found.accelerations[0], found.coupler
     rate = found.joints[0].rate
     fx, fy = -normal * nx - tangential * ny, -normal * ny + tangential * nx
-    determinant = p.a11 * p.a22 - coupling * coupling
+    inverse, per_reach, per_mass = 1 / (p.a11 * p.a22 - coupling * coupling), 1 / (l2 * cp), 1 / p.m3
+    lean, per_radius = psi * l2 * sp * per_reach, 1 / r if contact else 0.0
     for j in range(2 * UNKNOWNS):
         dt, do = _UNIT[j, 0], _UNIT[j, 3]
         dr = db = drate = dspin = 0.0
@@ -127,8 +128,8 @@ def derive(y, piece, p, found, parts, k):
             dwy = drate * ny + (dr * spin + r * dspin) * nx + wx * db
         else:
             dey, dwy = _UNIT[j, 2], _UNIT[j, 5]
-        dp = (dey - l1 * ct * dt) / (l2 * cp)
-        dpsi = (dwy + l1 * (st * omega * dt - ct * do)) / (l2 * cp) + psi * sp / cp * dp
+        dp = (dey - l1 * ct * dt) * per_reach
+        dpsi = (dwy + l1 * (st * omega * dt - ct * do)) * per_reach + lean * dp
         dsliding = dr * spin + r * dspin + p.r1 * dpsi
         dnormal = normal_d * dr + normal_r * drate
         dtangential = tangential_n * dnormal + tangential_s * dsliding
@@ -150,14 +151,14 @@ def derive(y, piece, p, found, parts, k):
             + p.g2 * sp * dp
             - dcoupling * alpha
         )
-        dalpha = (p.a22 * dq1 - coupling * dq2) / determinant
-        dbeta = (p.a11 * dq2 - coupling * dq1) / determinant
+        dalpha = (p.a22 * dq1 - coupling * dq2) * inverse
+        dbeta = (p.a11 * dq2 - coupling * dq1) * inverse
         if p.steady > 0:
             dalpha, dbeta = 0.0, dq2 / p.a22
         dax = (
             -l1 * (st * dalpha + ct * (alpha * dt + 2 * omega * do) - st * omega * omega * dt)
             - l2 * (sp * dbeta + cp * (beta * dp + 2 * psi * dpsi) - sp * psi * psi * dp)
-            + dfx / p.m3
+            + dfx * per_mass
         )
         day = l1 * (ct * dalpha - st * (alpha * dt + 2 * omega * do) - ct * omega * omega * dt)
         day += l2 * (cp * dbeta - sp * (beta * dp + 2 * psi * dpsi) - cp * psi * psi * dp)
@@ -166,7 +167,8 @@ def derive(y, piece, p, found, parts, k):
             k[1, j] = (nx * ay - ny * ax) * db + nx * dax + ny * day
             k[1, j] += dr * spin * spin + 2 * r * spin * dspin
             turn = nx * day - ny * dax - (nx * ax + ny * ay) * db
-            k[2, j] = (turn - 2 * (drate * spin + rate * dspin) - found.accelerations[2] * dr) / r
+            turn -= 2 * (drate * spin + rate * dspin) + found.accelerations[2] * dr
+            k[2, j] = turn * per_radius
         else:
             k[1, j], k[2, j] = dax, day
 
