@@ -51,19 +51,19 @@ def record(row, crank, slider, coupler, place, forces, energies):
     ``forces`` normal, tangential, x and y; ``energies`` are work, kinetic energy, that in the
     links, and those lost to damping and friction.
     """
-    row[1:5] = crank[0], slider[0], crank[1], slider[1]
-    row[5:9] = crank[2], slider[2], coupler[0], coupler[1]
-    row[9:12] = place
-    row[12:16] = forces
-    row[16:21] = energies
-    row[21] = crank[3]
+    row[1], row[2], row[3], row[4] = crank[0], slider[0], crank[1], slider[1]
+    row[5], row[6], row[7], row[8] = crank[2], slider[2], coupler[0], coupler[1]
+    row[9], row[10], row[11] = place
+    row[12], row[13], row[14], row[15] = forces
+    row[16], row[17], row[18], row[19], row[20] = energies
+    row[21] = crank[3]  # place by place: compiled code for a slice takes seconds to make
 
 
 @compiled
 def record_crank_joint(row, place, forces):
     """Fill a row's columns of the joint of crank and coupler, as those of the other joint."""
-    row[22:25] = place
-    row[25:29] = forces
+    row[22], row[23], row[24] = place
+    row[25], row[26], row[27], row[28] = forces
 
 
 @compiled
@@ -79,7 +79,9 @@ def begin_impact(impacts, state, t, approach):
     """Begin a row of the impacts."""
     state[CONTACT], state[APPROACH] = 1.0, approach
     lost = state[LOST_DAMPING] + state[LOST_FRICTION]
-    impacts[int(state[IMPACTS])] = t, approach, 0.0, 0.0, 0.0, np.nan, 0.0, lost, 0.0
+    impact = impacts[int(state[IMPACTS])]
+    impact[:] = 0.0
+    impact[0], impact[1], impact[SEPARATION_SPEED], impact[LOST_BEFORE] = t, approach, np.nan, lost
     state[AT_HAND] = state[IMPACTS]
     state[IMPACTS] += 1
 
