@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study.mechanism.angles import LARGEST, arcsine, direction, fifth_root, norm, sine_cosine
+from study.mechanism.angles import LARGEST, arcsine, direction, sixth_root, norm, sine_cosine
 
 angles = st.floats(-LARGEST, LARGEST, exclude_min=True, exclude_max=True)
 
@@ -46,8 +46,8 @@ def test_directions_of_axes_and_diagonals(y, x):
 
 
 @given(st.floats(1e-12, 1e12))
-def test_fifth_roots(x):
-    assert fifth_root(x) == pytest.approx(float(mpmath.root(x, 5)), rel=2e-15)
+def test_sixth_roots(x):
+    assert sixth_root(x) == pytest.approx(float(mpmath.root(x, 6)), rel=2e-15)
 
 
 @given(st.floats(-1, 1))

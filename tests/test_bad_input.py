@@ -417,7 +417,7 @@ def mechanism_rows():
     yield from rows(
         explicit.integrate,
         scene=(SCENE, THING),
-        law=(PACKED, (None, 3, "hertz", [1], RAGGED, [nan] * 5)),
+        law=(PACKED, (None, 3, "hertz", [1], RAGGED)),
         duration=(1e-4, POSITIVE),
         outputs=(2, (*WHOLE, 0, 10**9)),
         step=(1e-6, (*POSITIVE, 1e-20)),

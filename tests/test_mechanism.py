@@ -15,7 +15,6 @@ from study.joint import Joint, force_curve
 from study.measure import explicit
 from study.mechanism import MechanismError, Scene, compare, events, rigid, simulate, stepping
 from study.mechanism.response import EVENTS
-from study.mechanism.rosenbrock import POWERS
 
 PAPER = Scene()
 HERTZ = pack("hertz", PAPER.ball_radius, PAPER.socket_radius, PAPER.composite_modulus)
@@ -264,47 +263,25 @@ def test_free_duration_is_that_of_hertz():
 @pytest.mark.parametrize("drive", [{}, {"crank_speed": 11.0}])
 def test_jacobian_is_the_derivative(drive):
     p = PAPER.but(gravity=9.81, **drive).constants()
-    kept = [0, 1, 2, POWERS, POWERS + 1, *([POWERS + 2] if drive else [])]
     cases = [
         (np.array([0.7, 1.3e-5, -2e-5, 11.0, 0.03, -0.05, 0, 0]), (False, 0, 1.0)),
         (np.array([0.7, 8e-7, 2.1, 11.0, 0.02, 900.0, 0, 0]), (True, 1, 0.06)),
         (np.array([4.0, 8e-7, -0.4, -30.0, -0.02, -900.0, 0, 0]), (True, -2, 0.06)),
     ]
     for y, piece in cases:
-        found, k = rigid.new_slopes()
-        rigid.motion(y, piece, p, HERTZ, True, found, k)
+        k = np.zeros((3, 6))
+        found, parts = rigid.motion(y, piece, p, HERTZ)
+        rigid.derive(y, piece, p, found, parts, k)
         for j in range(6):
             h = 1e-6 * max(abs(y[j]), 1e-5)
             ends = []
             for sign in (1, -1):
-                moved, (f, unused) = y.copy(), rigid.new_slopes()
+                moved = y.copy()
                 moved[j] += sign * h
-                rigid.motion(moved, piece, p, HERTZ, False, f, unused)
-                ends.append(f[kept])
-            by_difference = (ends[0] - ends[1]) / (2 * h)
-            size = np.abs(k[kept]).max(axis=1) * 1e-7 + np.abs(found[kept]) * 1e-8 / h
-            mine = k[kept, j]
-            assert (np.abs(mine - by_difference) <= size + 1e-4 * np.abs(mine)).all()
-
-
-def test_rosenbrock_step_has_order_5_in_contact():
-    p = PAPER.constants()
-    y0, piece = np.array([0.5, 8e-7, 2.1, 11.0, 0.0, 900.0, 0, 0]), (True, 2, 0.06)
-    scratch = np.zeros((8, 8)), np.zeros(8), np.zeros_like(rigid.new_slopes()[0])
-
-    def after(steps, h=2e-5):
-        y, new, slopes = y0.copy(), np.zeros(8), rigid.new_slopes()
-        for _ in range(steps):
-            rigid.motion(y, piece, p, HERTZ, True, *slopes)
-            smooth = y, (piece,), p, (HERTZ,), slopes, scratch, (0, 0)
-            events._step_one(smooth, h / steps, new)
-            y[:] = new
-        return y
-
-    truth = after(256)
-    errors = [np.abs(after(n)[1] - truth[1]) for n in (4, 8, 16)]
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert (np.abs(orders - 5) < 0.4).all()
+                ends.append(rigid.motion(moved, piece, p, HERTZ)[0].accelerations)
+            by_difference = np.subtract(*ends) / (2 * h)
+            size = np.abs(k).max(axis=1) * 1e-7 + np.abs(found.accelerations) * 1e-8 / h
+            assert (np.abs(k[:, j] - by_difference) <= size + 1e-4 * np.abs(k[:, j])).all()
 
 
 @pytest.mark.parametrize(
@@ -472,8 +449,8 @@ def test_mirrored_drive_gives_the_mirrored_motion():
 
 def test_results_do_not_depend_on_the_outputs():
     few, many = simulate(duration=0.02, outputs=10), simulate(duration=0.02, outputs=1000)
-    assert few.slider_position[-1] == pytest.approx(many.slider_position[-1], abs=1e-12)
-    assert few.impacts.peak_force.tolist() == pytest.approx(many.impacts.peak_force, rel=1e-4)
+    assert (few.rows == many.rows[::100]).all()
+    pd.testing.assert_frame_equal(few.impacts, many.impacts)
 
 
 def test_same_inputs_same_numbers(tmp_path):
@@ -488,7 +465,7 @@ def test_blocks_are_not_changed_by_the_next_ones():
         impacts[0], own[0] = impacts[0] + 1, rows[0, 0]
         return len(rows), stepping.FINE
 
-    state, times = np.zeros(stepping.STATE), [np.array([1.0, 2.0]), np.array([3.0, 4.0])]
+    state, times = np.zeros(stepping.STATE), np.arange(1.0, 5.0)
     blocks = stepping.advance_in_blocks(advance, times, state, "")
     first = next(blocks)
     kept = [part.copy() for part in first]

@@ -34,10 +34,10 @@ def test_oscillator_is_the_linearised_equation(pressed):
     numbers, p = stability.packed(SLIPPERY, "hertz"), SLIPPERY.constants()
     reach = np.hypot(state[1], state[2])
     y = np.array([state[0], contact_["depth"], np.arctan2(state[2], state[1]), state[3], 0, 0])
-    found, slopes = rigid.new_slopes()
-    rigid.motion(y, (True, 0, 1e-4), p, numbers, True, found, slopes)
+    slopes, piece = np.zeros((3, 6)), (True, 0, 1e-4)
+    rigid.derive(y, piece, p, *rigid.motion(y, piece, p, numbers), slopes)
     rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * 1e-4)
-    assert reach > numbers[1]
+    assert reach > numbers.clearance
     assert slopes[1, 1] == pytest.approx(-(contact_["frequency"] ** 2), rel=1e-4)
     assert slopes[1, 4] == pytest.approx(-rate, rel=1e-4)
 
@@ -129,9 +129,9 @@ def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
     state = stability.lasting_contact(scene, "hertz", 0.8 * SETTLED)
     rate = stability.friction_rate(scene, "hertz", state)
     numbers, p = stability.packed(scene, "hertz"), scene.constants()
-    (angle, ex, ey), (found, slopes) = state[:3], rigid.new_slopes()
-    still = np.array([angle, np.hypot(ex, ey) - numbers[1], np.arctan2(ey, ex), 0, 0, 0])
-    rigid.motion(still, (True, 1, np.inf), p, numbers, True, found, slopes)
+    (angle, ex, ey), slopes, piece = state[:3], np.zeros((3, 6)), (True, 1, np.inf)
+    still = np.array([angle, np.hypot(ex, ey) - numbers.clearance, np.arctan2(ey, ex), 0, 0, 0])
+    rigid.derive(still, piece, p, *rigid.motion(still, piece, p, numbers), slopes)
     assert rate == pytest.approx(np.abs(np.linalg.eigvals(slopes[:3, 3:])).max(), rel=1e-9)
     moving = np.array([*state[:3], 1.0, *(0.02 * state[1:3] / np.hypot(ex, ey))])
     assert stability.friction_rate(scene, "hertz", moving) == rate

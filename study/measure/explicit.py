@@ -208,9 +208,7 @@ def integrate(
         If the step is beyond its limit, or the ball goes deeper than one clearance.
     """
     own = start_of(scene)
-    numbers = checks.number("law", law)
-    if np.ndim(numbers) != 1 or np.size(numbers) < 3:
-        raise ValueError(f"law must be packed numbers of a law, got {checks.shown(law)}")
+    checks.instance("law", law, np.record)
     checks.choice("scheme", scheme, SCHEMES)
     checks.number("duration", duration, "s", above=0, scalar=True)
     checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)

@@ -46,8 +46,8 @@ GROWTH, FAR = 3.0, 1.8
 """Of one step over the last, at most: beyond it the guess from the last one is poor."""
 ITERATIONS = 10
 """Of Newton's method, at most."""
-EXACT_ENOUGH = 0.02
-"""Error that Newton's method may leave, over what the tolerance allows a step."""
+EXACT_ENOUGH = 0.001
+"""Error that Newton's method may leave, over what the tolerance allows a step (found by measuring)."""
 SURFACES, UPWARDS, DOWNWARDS, FORCE_PEAK, DEPTH_PEAK = range(5)
 """Events: the surfaces meet or part, the sliding speed leaves the friction branch, peaks."""
 CONTACT, BRANCH, APPROACH, DEEP, NUMBER = range(5)
@@ -284,7 +284,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
     ``horizon``.
     """
     t, h, pieces = state[stepping.TIME], state[stepping.STEP], _pieces(work.joints, laws)
-    n, reach, idle, done, most = 1 + 2 * len(pieces), state[REACH], 0, 0, GROWTH
+    n, reach, done = 1 + 2 * len(pieces), state[REACH], 0
     found = motion(work, p, laws)
     while done < len(rows):
         if rows[done, 0] <= t:
@@ -306,7 +306,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
             size = _size(work, pieces, found.joints, reach, tolerance, p, laws)
         if not size <= 1.0:
             h = length * (max(0.2, 0.9 / sixth_root(size)) if size < inf else 0.5)
-            most = 1.0
+            work.most = 1.0
             if h > 1e-15 * t:
                 continue
             return done, stepping.FAILED
@@ -315,7 +315,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
         if state[SIZE] > 0:  # what the last two steps foretell (Hairer and Wanner, sec. IV.8)
             foretold = length / state[LENGTH] * sixth_root(state[SIZE] / size)
             growth = min(growth, growth * foretold)
-        h, most = length * min(growth, most), GROWTH
+        h, work.most = length * min(growth, work.most), GROWTH
         event, of = -1, 0
         for again in range(3):  # the whole step, to near its first event, to the event
             finish(work, length)
@@ -334,8 +334,8 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
             _collocate(work, length, pieces, found.joints, reach, tolerance, p, laws)
         if event >= 0:
             landing = False
-            idle = idle + 1 if length <= 1e-14 * t else 0
-            if idle > 100:
+            work.idle = work.idle + 1 if length <= 1e-14 * t else 0.0
+            if work.idle > 100:
                 return done, stepping.FAILED
         for j in range(len(pieces)):
             if pieces[j][0]:
@@ -448,7 +448,7 @@ def stepper(
     """State at t = 0, and the loop that steps it, for ``advance_in_blocks``; ``horizon`` in s."""
     p, clearances = scene.constants(), (scene.clearance, scene.crank_clearance or 0.0)[: len(laws)]
     unknowns, state = 1 + 2 * len(laws), np.zeros(stepping.STATE)
-    own = ("joints", float, (len(laws), 5)), ("was", float, (len(laws), 5))
+    own = *((name, float, (len(laws), 5)) for name in ("joints", "was")), ("most", float), ("idle", float)
     marks = "marks", float, (STAGES, len(laws), 4)
     work = np.zeros(1, [*fields(unknowns), *own, marks]).view(np.recarray)[0]
     work.y[0], work.y[unknowns] = scene.initial_crank_angle, scene.starting_speed
@@ -459,7 +459,7 @@ def stepper(
         reach = sqrt(norm(*accelerations[1 + 2 * j : 3 + 2 * j]) * clearance)
         state[REACH] = max(state[REACH], reach, clearance / horizon)
     state[stepping.STEP] = min(1e-3 * scene.clearance / state[REACH], horizon)
-    work.start[:], work.was[:], state[LENGTH] = work.y, work.joints, 1.0
+    work.start[:], work.was[:], state[LENGTH], work.most = work.y, work.joints, 1.0, GROWTH
     return state, partial(advance, state, work, p, laws, tolerance, horizon)
 
 
