@@ -22,6 +22,8 @@ LIMITS, CHANGES = (
     [paths.BUILD / f"stiffening/{name}-{k}.txt" for k in range(counts["socket_poisson"])]
     for name, counts in (("limit", stiffening.LIMITS), ("change", stiffening.CHANGES))
 )
+SCENES, AT_ONCE = list(links.random_scenes(0)), 10
+LINKS = [paths.BUILD / f"links/scenes-{k:03d}.csv" for k in range(0, len(SCENES), AT_ONCE)]
 TABLES = paths.DATA / "published/tables.csv"
 DESCRIBED = tuple(paths.DATA / name for name in store.ORIGINS)
 
@@ -82,14 +84,25 @@ def task_stiffening_table(
     store.write_stiffening(stiffening.table(*found))
 
 
-def task_links(
-    coefficients: Path = COEFFICIENTS,
-    stiffening: Path = TABLE,
-    code: list[Path] = store.sources(store.LINKS),
-    table: Annotated[Path, Product] = store.LINKS,
-):
-    tasks.leave_interrupts_to_the_runner()
-    store.write_table(links.measure(), table)
+for k, part in enumerate(LINKS):
+    some = SCENES[AT_ONCE * k :][:AT_ONCE]
+
+    @mark.try_last  # meanwhile coefficients are fitted to the curves
+    @task(id=part.stem)
+    def task_scenes(
+        of: Annotated[str, PythonNode(value=repr(some), hash=True)],
+        scenes: list = some,
+        stiffening: Path = TABLE,
+        code: list[Path] = store.sources(store.LINKS),
+        part: Annotated[Path, Product] = part,
+    ):
+        tasks.leave_interrupts_to_the_runner()
+        with paths.whole(part) as temporary:
+            links.measure(scenes).to_csv(temporary, index=False)
+
+
+def task_links(parts: list[Path] = LINKS, table: Annotated[Path, Product] = store.LINKS):
+    store.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
 
 
 def task_description(

@@ -224,8 +224,8 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
     [
         (
             "joint/curve",
-            "_BESIDE = (0.97, 1.03)",
-            "_BESIDE = (0.98, 1.02)",
+            "_TIMES = (1.0, 0.97, 1.03)",
+            "_TIMES = (1.0, 0.98, 1.02)",
             ["data/force_curves.csv"],
         ),
         ("joint/series", '"""', '"""Another. ', ["data/force_curves.csv"]),
