@@ -23,7 +23,7 @@ help:
 	@echo "make setup       set up only: .venv with the packages of requirements.lock"
 	@echo "make lab         set up, open the notebooks in JupyterLab"
 	@echo "make data        set up, build the finite-element dataset from nothing"
-	@echo "make bench       set up, measure the speed of solver and steppers"
+	@echo "make bench       set up, measure the speed of solver, steppers and studies"
 	@echo "make lock        renew requirements.lock (needs uv)"
 	@echo "make clean       remove .venv, build/ and all caches"
 

@@ -2,18 +2,21 @@
 
 import csv
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
 from contextlib import suppress
+from io import StringIO
 from itertools import pairwise
 
 import numpy as np
 import pandas as pd
+import psutil
 import pytest
 
-from study import cli
+from study import cli, paths
 from study.joint import Joint, Material, SizedJoint, force_curve, whole_curve
 from study.mechanism import Scene, simulate
 from study.sweep import COLUMNS, cases, random_cases, run, sweep
@@ -36,7 +39,7 @@ def test_random_cases_give_the_same_bytes_with_one_process_and_two(tmp_path, kin
         found, table = swept(
             given, kind, tmp_path / f"{jobs}.csv", jobs, progress=lambda *n: progress.append(n)
         )
-        assert found == (12, len(table), {})
+        assert found == (12, len(table), COLUMNS[kind], {})
     assert (tmp_path / "1.csv").read_bytes() == (tmp_path / "2.csv").read_bytes()
     assert sorted(os.listdir(tmp_path)) == ["1.csv", "2.csv"]
     assert progress == 2 * [(k, 12, 0) for k in range(13)]
@@ -199,6 +202,15 @@ def test_cases_that_share_bodies_are_neighbours(tmp_path, monkeypatch):
     assert changes == 5
 
 
+def test_the_readmes_example(tmp_path):
+    readme = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+    (line,) = re.findall(r"^\.venv/bin/study sweep .+", readme, re.M)
+    ranges = dict(text.split("=", 1) for text in re.findall(r"--range (\S+)", line))
+    shown = re.search(r"^case,.+\n(?:\d.+\n)+", readme, re.M)[0]
+    _, table = swept(random_cases(2, ranges), "joints", tmp_path / "table.csv")
+    pd.testing.assert_frame_equal(table, pd.read_csv(StringIO(shown)), rtol=1e-3)
+
+
 def test_a_long_task_returns_what_it_has(monkeypatch):
     monkeypatch.setattr(cases, "_LONG", 0.0)
     assert len(cases.solve_some("joints", 3 * [{"r2_star": "50", "depth_star": "0.1"}])) == 1
@@ -322,7 +334,10 @@ def test_a_file_with_a_failing_case_by_the_command_line(command, tmp_path, monke
     status, out, err = command("joints", text)
     assert status == 1
     assert out.startswith("2 cases in ")
-    assert out.endswith(f"s, 2 rows in {tmp_path / 'table.csv'}\n")
+    first, *columns = out.splitlines()
+    assert first.endswith(f"s, 2 rows in {tmp_path / 'table.csv'}. Its results:")
+    assert len(columns) == len(COLUMNS["joints"])
+    assert "contact_half_angle_deg  Polar angle of the contact's edge, deg" in columns[3]
     *told, last = err.splitlines()
     assert told[-1] == "2 of 2 cases, 1 failed"
     assert last.startswith(
@@ -330,6 +345,13 @@ def test_a_file_with_a_failing_case_by_the_command_line(command, tmp_path, monke
     )
     with (tmp_path / "table.csv").open(newline="") as file:
         assert [row["case"] for row in csv.DictReader(file)] == ["first", "second"]
+
+
+def test_on_a_terminal_a_bar_shows_the_progress(command, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    status, _, err = command("joints", "r2_star\n50\n60")
+    assert status == 0
+    assert "2 of 2 cases" in err
 
 
 def study(output, **how):
@@ -358,8 +380,10 @@ def test_a_killed_and_an_interrupted_study_go_on(tmp_path):
     output, part = tmp_path / "table.csv", tmp_path / "table.csv.part"
     killed = study(output)
     done = until(part, 5)
-    os.killpg(killed.pid, signal.SIGKILL)
+    workers = psutil.Process(killed.pid).children(recursive=True)
+    killed.kill()
     killed.communicate()
+    assert not psutil.wait_procs(workers, timeout=10)[1]  # they end with it
     interrupted = study(output)
     more = until(part, done + 5)
     os.killpg(interrupted.pid, signal.SIGINT)

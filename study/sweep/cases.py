@@ -160,25 +160,26 @@ def checked(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
     """
     checks.choice("kind", kind, ("joints", "scenes"))
     columns = list(dict.fromkeys(name for case in cases for name in case))
-    form = kind
+    form: str = kind
     if kind == "joints" and "r2_star" not in columns:
         form = "joints with dimensions"
     reads, needed, _ = FORMS[form]
     for column in columns:
         checks.choice("column", column, [NAME, *reads])
-    bodies, names = [], {}
+    bodies: list[str] = []
+    names: dict[str, int] = {}
     for row, case in enumerate(cases, 1):
         try:
-            for name in needed:
-                if name not in case:
-                    other = ", or r2_star" if form == "joints with dimensions" else ""
-                    raise ValueError(f"{name} must be given{other}")
+            if missing := [column for column in needed if column not in case]:
+                other = ", or r2_star" if form == "joints with dimensions" else ""
+                raise ValueError(f"{missing[0]} must be given{other}")
             bodies.append(_solver(form, case)[0])
         except ValueError as error:
             raise ValueError(f"row {row}: {error}") from None
-        before = names.setdefault(case.get(NAME, row), row)
+        name = case.get(NAME, str(row))
+        before = names.setdefault(name, row)
         if before != row:
-            twice = f"got {case[NAME]!r} in row {before} too"
+            twice = f"got {name!r} in row {before} too"
             raise ValueError(f"row {row}: {NAME} must be another name in each row, {twice}")
     return form, bodies
 
