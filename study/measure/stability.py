@@ -26,6 +26,7 @@ from study.mechanism import (
     simulate,
     stepping,
 )
+from study.mechanism.frame import Frame
 from study.mechanism.response import ALL_COLUMNS
 
 Numbers = NDArray[np.float64]
@@ -211,7 +212,7 @@ def observed_frame_step(scene: Scene, elements: tuple[int, int], steps: int = 60
         except MechanismError:
             return True
 
-    limit = 2 / particles.Frame(scene, elements).highest_frequency(scene.slider_mass, True)
+    limit = 2 / Frame(scene, elements).highest_frequency(scene.slider_mass, True)
     return bisect(fails, limit / 2, 2 * limit, 14)
 
 
