@@ -3,9 +3,9 @@
 from time import perf_counter
 
 from study.mechanism.scene import Scene
-from study.mechanism.simulate import simulate
+from study.mechanism.simulate import Model, simulate
 
-KINDS = {
+KINDS: dict[str, tuple[Scene, Model]] = {
     "rigid links": (Scene(), "rigid"),
     "rigid links with two clearance joints": (Scene(crank_clearance=1e-4), "rigid"),
     "links of particles": (Scene(), "particles"),

@@ -45,9 +45,9 @@ class Swept(NamedTuple):
 
 
 def sweep(
-    cases: Path | Iterable[Mapping[str, Any]],
+    cases: str | Path | Iterable[Mapping[str, Any]],
     kind: Kind,
-    output: Path,
+    output: str | Path,
     *,
     jobs: int | None = None,
     dask_address: str | None = None,
@@ -63,9 +63,10 @@ def sweep(
     Parameters
     ----------
     cases
-        CSV file with a row per case, or mappings of its columns: the options of study joint, or
-        those of study simulate and the parameters of the scene, and perhaps ``case``, a name.
-        Several depths, forces, layers or liners of a case are separated by semicolons.
+        CSV file with a row per case, or mappings of its columns, as a table's
+        ``to_dict("records")``: the options of study joint, or those of study simulate and the
+        parameters of the scene, and perhaps ``case``, a name. Several depths, forces, layers or
+        liners of a case are separated by semicolons, or a list.
     kind
         ``joints`` or ``scenes``.
     output
@@ -89,6 +90,8 @@ def sweep(
     """
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
+    cases = Path(cases) if isinstance(cases, str) else cases
+    output = Path(output)
     found = of_cases.load(cases)
     form, bodies = of_cases.checked(kind, found)
     code = _code()
