@@ -11,7 +11,7 @@ import pytest
 
 from study.contact.forces import pack
 from study.measure import explicit, speed
-from study.measure.peers import odes
+from study.measure.peers import cvode, odes
 from study.mechanism import simulate
 
 LAW = pack(
@@ -32,6 +32,19 @@ def test_rigid_links_with_clearance(benchmark, name):
     benchmark.group = "0.3 s with clearance, rigid links"
     benchmark.name = name
     benchmark.pedantic(RUNS[name], rounds=7, warmup_rounds=1)
+
+
+def test_time_over_that_of_compiled_cvode(capsys):
+    """Prints ratios at equal error; all runs by turns in this process."""
+    if cvode.version() is None:
+        pytest.skip("gcc or SUNDIALS 6 (libsundials-dev) is not installed")
+    names = speed.OURS, "CVODE in C"
+    chosen = [row for row in speed.STEPPERS if row[0].startswith(names)]
+    table = speed.at_equal_error(speed.steppers(5, chosen, compile_times=False))
+    table = table.pivot(index="method", columns="error", values=["time", "ratio"])
+    with capsys.disabled():
+        print("\n0.3 s with clearance, rigid links, compiled: time in s, ratio to this study")
+        print(table.to_string(float_format="{:.3g}".format))
 
 
 @pytest.mark.parametrize("model", ["particles", "beams"])

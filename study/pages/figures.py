@@ -93,10 +93,12 @@ METHOD_LOOKS = {
     "centred": Look("central difference, centred", "#D55E00", "D"),
     "velocity Verlet": Look("velocity Verlet", "#CC79A7", "P"),
     "RK4": Look("RK4", "#0072B2", "s"),
-    "LSODA": Look("LSODA (SciPy)", "#56B4E9", "o", "--"),
-    "Radau": Look("Radau (SciPy)", "#56B4E9", "s", "-."),
-    "DOP853": Look("DOP853 (SciPy)", "#56B4E9", "^", ":"),
-    "CVODE": Look("CVODE (SUNDIALS)", "#009E73", "o", "--"),
+    "CVODE in C, contact coordinates": Look("CVODE in C, contact coordinates", "#009E73", "s"),
+    "CVODE in C, Cartesian coordinates": Look("CVODE in C, Cartesian", "#009E73", "D", "-."),
+    "CVODE": Look("CVODE, from Python", "#009E73", "o", ":"),
+    "LSODA": Look("LSODA (SciPy), from Python", "#56B4E9", "o", "--"),
+    "Radau": Look("Radau (SciPy), from Python", "#56B4E9", "s", "-."),
+    "DOP853": Look("DOP853 (SciPy), from Python", "#56B4E9", "^", ":"),
     "generalised alpha": Look("generalised alpha (Exudyn)", "0.5", "X"),
 }
 """Solvers of the joint and steppers of the mechanism, by `study.measure.speed`'s names."""
