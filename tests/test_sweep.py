@@ -144,6 +144,8 @@ def test_a_stopped_study_goes_on_and_passes_over_what_is_damaged(tmp_path, monke
     whole = output.read_bytes()
     output.unlink()
     part = tmp_path / "table.csv.part"
+    assert stopped(given, output, 0) == 0
+    assert not part.exists()  # nothing is kept
     assert stopped(given, output, 5) == 0
     assert not output.exists()
     kept = part.read_bytes()

@@ -143,7 +143,7 @@ class _Part:
     """
 
     def __init__(self, path: Path, keys: set[str]):
-        self.keys = keys
+        self.keys, self._path = keys, path
         self.places: dict[str, int] = {}
         self.failures: dict[str, str] = {}
         self._file = path.open("a+b")
@@ -162,6 +162,8 @@ class _Part:
 
     def __exit__(self, *_):
         self._file.close()
+        if not self.places:  # nothing to go on with
+            self._path.unlink(missing_ok=True)
 
     def add(self, key: str, rows: Rows) -> None:
         """Append a case, at once."""
