@@ -2,7 +2,8 @@
 
 Every shape returns its value and its derivative for depth_star > 0. The functions are written
 so that the same lines serve NumPy arrays and the compiled stepping loops (`study.contact.forces`).
-``constants`` is what a shape needs besides the depth; most need nothing.
+``constants`` is what a shape needs besides the depth, from its place ``first`` on, as compiled code
+counts references to slices; most need nothing.
 """
 
 from math import factorial, pi
@@ -10,47 +11,47 @@ from math import factorial, pi
 import numpy as np
 
 
-def hertz(depth_star, constants):
+def hertz(depth_star, constants, first=0):
     """ds^(3/2)."""
     root = np.sqrt(depth_star)
     return depth_star * root, 1.5 * root
 
 
-def winkler(depth_star, constants):
+def winkler(depth_star, constants, first=0):
     """ds^2."""
     return depth_star * depth_star, 2 * depth_star
 
 
-def power(depth_star, constants):
+def power(depth_star, constants, first=0):
     """ds^m, with the exponent m as the only constant."""
-    value = depth_star ** constants[0]
-    return value, constants[0] * value / depth_star
+    value = depth_star ** constants[first]
+    return value, constants[first] * value / depth_star
 
 
-def chord(depth_star, constants):
+def chord(depth_star, constants, first=0):
     """Steuermann's ds sin(eps), with cos(eps) = 1/(1 + ds)."""
     root = np.sqrt(depth_star * (2 + depth_star))
     sine = root / (1 + depth_star)
     return depth_star * sine, sine + depth_star / (root * (1 + depth_star) ** 2)
 
 
-def liu(depth_star, constants):
+def liu(depth_star, constants, first=0):
     """Liu's ds sin(eps) sin(eps/2), with cos(eps) = 1/(1 + ds)."""
     share = depth_star / (1 + depth_star)  # the whole never overflows on the way
     value = depth_star * share * np.sqrt(1 - share / 2)
     return value, value * (2 / depth_star + 0.5 / (2 + depth_star) - 1.5 / (1 + depth_star))
 
 
-def hyperbolic(depth_star, constants):
+def hyperbolic(depth_star, constants, first=0):
     """f2 of the hyperbolic Winkler law: ds times the bracket of Eq. 20, a power series in ds.
 
     ``constants`` are its coefficients, one of `BRACKETS`, from the highest power to 0: no
     cancellation as ds -> 0, and full accuracy up to a half-angle of 90 deg.
     """
     bracket = slope = 0.0 * depth_star
-    for coefficient in constants:
+    for k in range(first, len(constants)):
         slope = slope * depth_star + bracket
-        bracket = bracket * depth_star + coefficient
+        bracket = bracket * depth_star + constants[k]
     return depth_star * bracket, bracket + depth_star * slope
 
 
@@ -68,18 +69,24 @@ BRACKETS = {
 area element of the sphere, w(t) = t that of a flat disc with the arc as its radius."""
 
 
-def stiffened(depth_star, constants):
+def stiffened(depth_star, constants, first=0):
     """ds^(3/2) S, with S = 1 + c1 u + c2 u^2 + ... + c9 u^9, u = s/(1 + s) and s = sqrt(ds).
 
-    ``constants`` are the coefficients from c9 to c1.
+    ``constants`` are the coefficients from c9 to c1. The powers are summed in pairs, and pairs of
+    pairs (Estrin), as a step waits for the last of them.
     """
     root = np.sqrt(depth_star)
     u = root / (1 + root)
-    rise = steepness = 0.0 * depth_star
-    for coefficient in constants:
-        steepness = steepness * u + rise
-        rise = rise * u + coefficient
-    factor, steepness = 1 + u * rise, (rise + u * steepness) * (1 - u) ** 2
+    u2 = u * u
+    u4 = u2 * u2
+    c9, c8, c7 = constants[first], constants[first + 1], constants[first + 2]
+    c6, c5, c4 = constants[first + 3], constants[first + 4], constants[first + 5]
+    c3, c2, c1 = constants[first + 6], constants[first + 7], constants[first + 8]
+    rise = c5 + c6 * u + u2 * (c7 + c8 * u) + u4 * c9
+    factor = 1 + u * (c1 + c2 * u + u2 * (c3 + c4 * u) + u4 * rise)
+    slope = 5 * c5 + 6 * c6 * u + u2 * (7 * c7 + 8 * c8 * u) + u4 * (9 * c9)
+    slope = c1 + 2 * c2 * u + u2 * (3 * c3 + 4 * c4 * u) + u4 * slope
+    steepness = slope * (1 - u) ** 2
     return depth_star * root * factor, root * 1.5 * factor + depth_star * steepness / 2
 
 
@@ -93,33 +100,35 @@ def cubic(x, left, slope, right, next_slope):
     return left + x * (slope + x * (c2 + x * c3)), slope + x * (2 * c2 + x * 3 * c3)
 
 
-def tabulated(depth_star, constants):
+def tabulated(depth_star, constants, first=0):
     """ds^(3/2) S, with S a cubic Hermite spline on equal steps of s = sqrt(ds).
 
     ``constants`` are the steps per unit of s, then S and dS/ds in turn at every knot.
     """
     root = np.sqrt(depth_star)
-    place = root * constants[0]
-    knot = np.int64(np.minimum(place, (len(constants) - 1) // 2 - 2))
-    x, step = place - knot, 1 / constants[0]
-    left, slope = constants[1 + 2 * knot], constants[2 + 2 * knot] * step
-    right, next_slope = constants[3 + 2 * knot], constants[4 + 2 * knot] * step
+    place = root * constants[first]
+    knot = np.int64(np.minimum(place, (len(constants) - first - 1) // 2 - 2))
+    x, step, at = place - knot, 1 / constants[first], first + 1 + 2 * knot
+    left, slope = constants[at], constants[at + 1] * step
+    right, next_slope = constants[at + 2], constants[at + 3] * step
     factor, steepness = cubic(x, left, slope, right, next_slope)
-    steepness = steepness * constants[0]
+    steepness = steepness * constants[first]
     return depth_star * root * factor, root * 1.5 * factor + depth_star * steepness / 2
 
 
-def sampled(depth_star, constants):
+def sampled(depth_star, constants, first=0):
     """F ds, with F a cubic Hermite spline over s = sqrt(ds).
 
     ``constants`` are its knots, F there, and dF/ds there.
     """
-    root, count = np.sqrt(depth_star), len(constants) // 3
-    knot = np.minimum(np.searchsorted(constants[:count], root, "right") - 1, count - 2)
+    root, count = np.sqrt(depth_star), (len(constants) - first) // 3
+    knot = np.searchsorted(constants[first : first + count], root, "right") - 1
+    knot = first + np.minimum(knot, count - 2)
     step = constants[knot + 1] - constants[knot]
     x, value, end = (root - constants[knot]) / step, count + knot, 2 * count + knot
-    ends = constants[value], constants[end] * step, constants[value + 1], constants[end + 1] * step
-    factor, steepness = cubic(x, *ends)
+    left, slope = constants[value], constants[end] * step
+    right, next_slope = constants[value + 1], constants[end + 1] * step
+    factor, steepness = cubic(x, left, slope, right, next_slope)
     return depth_star * factor, factor + root * steepness / (2 * step)
 
 
