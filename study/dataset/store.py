@@ -188,7 +188,7 @@ def others() -> pd.DataFrame:
 
 
 def measured(chart: str | None = None) -> pd.DataFrame:
-    """Measured times and errors of all charts, or of ``laws``, ``solvers`` or ``steppers``.
+    """Measured times and errors, of all charts of ``study.measure.speed.CHARTS`` or of one.
 
     The columns are ``study.measure.speed.COLUMNS``.
     """

@@ -1,10 +1,10 @@
 """Speed against accuracy: every law, solver and stepper timed and judged in one process.
 
-Three charts. ``laws``: a call in a compiled loop, against the curve of the paper's joint.
+Four charts. ``laws``: a call in a compiled loop, against the curve of the paper's joint.
 ``solvers``: a curve of 20 depths from nothing, of a radially free ball, against the series.
 ``steppers``: 0.3 s of the paper's scene with clearance, against the study's stepper at its
-smallest tolerance. Times depend on the machine, so that those drawn are kept in
-``data/published/peers.csv``, made by `study measure`.
+smallest tolerance. ``flexible``: flexible links, as of `study.measure.flexible`. Times depend on
+the machine, so that those drawn are kept in ``data/published/peers.csv``, made by `study measure`.
 """
 
 import os
@@ -32,12 +32,12 @@ from study.contact import LAWS, tabulated
 from study.contact.forces import elastic_force, pack
 from study.joint import Joint, fem, force_curve, pairing, paper_joint, series, whole_curve
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
-from study.measure import explicit
+from study.measure import explicit, flexible
 from study.measure.peers import calculix, cvode, multibody, odes
 from study.mechanism import Scene, simulate
 
 COLUMNS = {
-    "chart": "laws, solvers or steppers",
+    "chart": "laws, solvers, steppers or flexible",
     "program": "ours, or the other program's name",
     "version": "Version of the program",
     "method": "Law, elements or stepper",
@@ -61,7 +61,7 @@ FREE = Joint(200, 1.3)  # of the solvers: a radially free ball, for which the se
 LAW_DEPTHS = np.linspace(0.025, 1, 40)
 CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
 SCENE, DURATION, OUTPUTS = Scene(), 0.3, 3000
-Chart = Literal["laws", "solvers", "steppers"]
+Chart = Literal["laws", "solvers", "steppers", "flexible"]
 CHARTS = get_args(Chart)
 COMPILED, PYTHON, PROGRAM = "compiled", "from Python", "as a program"
 """How a method is called: in a compiled loop, by a loop in Python, or as a process of its own."""
@@ -131,7 +131,7 @@ def measure(chart: list[Chart] | None = None, repeats: int = 5) -> Iterator[pd.D
     wanted = [checks.choice("chart", name, CHARTS) for name in chart or CHARTS]
     repeats = checks.whole("repeats", repeats, least=1)
     functions = {"laws": partial(laws, 3 * repeats), "solvers": partial(solvers, repeats)}
-    functions["steppers"] = partial(steppers, repeats)
+    functions |= {"steppers": partial(steppers, repeats), "flexible": partial(flexibles, repeats)}
     return (functions[name]() for name in wanted)
 
 
@@ -256,6 +256,21 @@ def _stepper(method, setting, law):
     return (run, {"program": program, "version": version, "called": how}) if version else None
 
 
+def flexibles(repeats: int = 3, chosen: Sequence[flexible.Run] | None = None) -> pd.DataFrame:
+    """Time and error of flexible links, some of `study.measure.flexible.runs` or all."""
+    found = list(flexible.runs() if chosen is None else chosen)
+    for joint in flexible.DURATIONS:  # compiles
+        flexible.truth(joint)
+        flexible.found("beams", joint, (2, 4), 4e-6)
+    rows, measured = [], timed_by_turns([run.call for run in found], repeats)
+    for run, (times, value) in zip(found, measured, strict=True):
+        cables = {"program": "Exudyn", "version": _version("exudyn")}
+        others = cables if run.method == "ANCF cables" else {}
+        row = "flexible", run.method, run.setting, times, run.error(value)
+        rows.append(_row(*row, **others))
+    return _frame(rows)
+
+
 def time_at(rows: pd.DataFrame, errors: ArrayLike) -> NDArray[np.float64]:
     """Time in s that a method needs for given errors, of its rows in a chart.
 
@@ -311,7 +326,7 @@ import numpy as np
 from study import paths
 paths.BUILD = pathlib.Path(sys.argv[1])
 from study.contact.forces import pack
-from study.measure import explicit
+from study.measure import explicit, flexible
 from study.mechanism import Scene, simulate
 law = pack("hertz", 9.95e-3, 1e-2, 1e11)
 {prepare}

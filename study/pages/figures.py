@@ -99,6 +99,9 @@ METHOD_LOOKS = {
     "LSODA": Look("LSODA (SciPy), from Python", "#56B4E9", "o", "--"),
     "Radau": Look("Radau (SciPy), from Python", "#56B4E9", "s", "-."),
     "DOP853": Look("DOP853 (SciPy), from Python", "#56B4E9", "^", ":"),
+    "particles": Look("particles, explicit", "#0072B2", "o"),
+    "beams": Look("finite elements, implicit", "#D55E00", "D", "--"),
+    "ANCF cables": Look("ANCF cables (Exudyn)", "0.5", "X", ":"),
     "generalised alpha": Look("generalised alpha (Exudyn)", "0.5", "X"),
 }
 """Solvers of the joint and steppers of the mechanism, by `study.measure.speed`'s names."""
