@@ -382,7 +382,7 @@ def study(output, **how):
 
 
 def until(part, lines):
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 120
     while not part.exists() or len(part.read_bytes().splitlines()) < lines:
         assert time.monotonic() < deadline
         time.sleep(0.02)
@@ -396,11 +396,11 @@ def test_a_killed_and_an_interrupted_study_go_on(tmp_path):
     workers = psutil.Process(killed.pid).children(recursive=True)
     killed.kill()
     killed.communicate()
-    assert not psutil.wait_procs(workers, timeout=10)[1]  # they end with it
+    assert not psutil.wait_procs(workers, timeout=30)[1]  # they end with it
     interrupted = study(output)
     more = until(part, done + 5)
     os.killpg(interrupted.pid, signal.SIGINT)
-    _, err = interrupted.communicate(timeout=30)
+    _, err = interrupted.communicate(timeout=60)
     assert interrupted.returncode == 130
     *progress, last = err.splitlines()  # progress: where ten seconds have passed
     pattern = r"study: interrupted; (\d+) of 150 cases are kept, the same command goes on"
@@ -408,7 +408,7 @@ def test_a_killed_and_an_interrupted_study_go_on(tmp_path):
     assert all(line.endswith(" of 150 cases, 0 failed") for line in progress)
     assert not output.exists()
     resumed = study(output)
-    out, err = resumed.communicate(timeout=60)
+    out, err = resumed.communicate(timeout=120)
     assert resumed.returncode == 0, err
     assert out.startswith("150 cases in ")
     sweep(random_cases(150, LONGER, seed=2), "scenes", tmp_path / "other.csv", jobs=1)
