@@ -1,12 +1,15 @@
 """``make setup``: the locked packages by uv or pip, by programs that only note their calls."""
 
 import os
+import re
 import shutil
 import subprocess
 
 import pytest
 
 from study import paths
+from study.compiled import CACHE
+from study.mechanism import simulate, warm
 
 LOCKED = "--no-deps --require-hashes --requirement requirements.lock"
 ITSELF = "--no-deps --no-index --no-build-isolation --editable ."
@@ -40,3 +43,15 @@ def test_the_lock_is_installed_by_uv_or_else_by_pip(tmp_path, status, installed)
     assert [line for line in called if " install " in line] == installed
     assert called[-1] == "python -m study.mechanism.warm"
     assert (tmp_path / ".venv/.ready").is_file()
+
+
+def test_simulations_of_every_kind_need_no_more_than_set_up_compiles(capsys):
+    warm.main()
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == len(warm.KINDS)
+    for line in lines:
+        assert re.fullmatch(r"Compiling [a-z ]+, once ... \d+\.\d s", line)
+    compiled = set(CACHE.rglob("*.nbc"))
+    for scene, model in warm.KINDS.values():
+        simulate(scene, model=model, law="stiffened_hertz", duration=2e-3, outputs=10)
+    assert set(CACHE.rglob("*.nbc")) == compiled
