@@ -65,7 +65,7 @@ Chart = Literal["laws", "solvers", "steppers", "flexible"]
 CHARTS = get_args(Chart)
 COMPILED, PYTHON, PROGRAM = "compiled", "from Python", "as a program"
 """How a method is called: in a compiled loop, by a loop in Python, or as a process of its own."""
-ENOUGH = 3.0  # s: after so much time in calls of a function there is no other
+ENOUGH = 2.0  # s: after so much time in calls of a function there is no other
 
 SOLVERS = (  # method and its resolution
     *(("series", n) for n in (320, 32, 64, 160, 640)),
