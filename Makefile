@@ -9,6 +9,12 @@ NEW_ENOUGH := import sys; sys.exit(sys.version_info < (3, 11))
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
 	"$$p" -c "$(NEW_ENOUGH)" 2>/dev/null && { echo "$$p"; break; }; done)
 
+# uv where it is found and reaches the packages, else pip: the same files by either
+define install
+uv pip install --quiet --python $(BIN)/python --no-deps $(1) 2>/dev/null || \
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps $(1)
+endef
+
 .PHONY: help reproduce test setup lab data bench lock clean
 
 help:
@@ -17,7 +23,7 @@ help:
 	@echo "make setup       set up only: .venv with the packages of requirements.lock"
 	@echo "make lab         set up, open the notebooks in JupyterLab"
 	@echo "make data        set up, build the finite-element dataset from nothing"
-	@echo "make bench       set up, measure the speed of solver and steppers"
+	@echo "make bench       set up, measure the speed of solver, steppers and studies"
 	@echo "make lock        renew requirements.lock (needs uv)"
 	@echo "make clean       remove .venv, build/ and all caches"
 
@@ -56,10 +62,9 @@ $(READY): requirements.lock pyproject.toml
 		echo "Missing: Python's venv module (on Debian and Ubuntu: python3-venv)" >&2; exit 1; }
 	@echo "Setting up $(VENV) with the packages of requirements.lock (a minute or two) ..."
 	@"$(PYTHON)" -m venv --clear $(VENV)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps \
-		--require-hashes --requirement requirements.lock || { \
+	@$(call install,--require-hashes --requirement requirements.lock) || { \
 		echo "Missing: packages of requirements.lock. Is the package index reachable?" >&2; \
 		exit 1; }
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-index \
-		--no-build-isolation --editable .
+	@$(call install,--no-index --no-build-isolation --editable .)
+	@$(BIN)/python -m study.mechanism.warm
 	@touch $@

@@ -16,29 +16,34 @@ from study.contact.stiffening import TABLE
 from study.dataset import design, fitting, stiffening, store
 from study.pages import tasks
 
-CASES = [(s.group, name, joint, s.depths) for s in design.DESIGN for name, joint in s.cases()]
-PARTS = [paths.BUILD / "curves" / f"{name}.csv" for _, name, _, _ in CASES]
+BATCHES = list(design.batches())
+PARTS = [paths.BUILD / f"curves/{cases[0][1]}.csv" for cases in BATCHES]
 LIMITS, CHANGES = (
     [paths.BUILD / f"stiffening/{name}-{k}.txt" for k in range(counts["socket_poisson"])]
     for name, counts in (("limit", stiffening.LIMITS), ("change", stiffening.CHANGES))
 )
+SCENES, AT_ONCE = list(links.random_scenes(0)), 10
+LINKS = [paths.BUILD / f"links/scenes-{k:03d}.csv" for k in range(0, len(SCENES), AT_ONCE)]
 TABLES = paths.DATA / "published/tables.csv"
 DESCRIBED = tuple(paths.DATA / name for name in store.ORIGINS)
 
-for case, part in zip(CASES, PARTS, strict=True):
+for cases, part in zip(BATCHES, PARTS, strict=True):
 
-    @task(id=case[1])
-    def task_curve(
-        resolved: Annotated[str, PythonNode(value=repr(case), hash=True)],
-        case: tuple = case,
+    @task(id=part.stem)
+    def task_curves(
+        resolved: Annotated[str, PythonNode(value=repr(cases), hash=True)],
+        cases: list[tuple] = cases,
         code: list[Path] = store.sources(store.CURVES),
         part: Annotated[Path, Product] = part,
     ):
         tasks.leave_interrupts_to_the_runner()
-        start = time.perf_counter()
-        curve = store.solve_case(*case)
+        curves = []
+        for case in cases:
+            start = time.perf_counter()
+            curve = store.solve_case(*case)
+            curves.append(curve.assign(seconds=time.perf_counter() - start))
         with paths.whole(part) as temporary:
-            curve.assign(seconds=time.perf_counter() - start).to_csv(temporary, index=False)
+            pd.concat(curves).to_csv(temporary, index=False)
 
 
 def task_table(parts: list[Path] = PARTS, table: Annotated[Path, Product] = store.CURVES):
@@ -82,14 +87,25 @@ def task_stiffening_table(
     store.write_stiffening(stiffening.table(*found))
 
 
-def task_links(
-    coefficients: Path = COEFFICIENTS,
-    stiffening: Path = TABLE,
-    code: list[Path] = store.sources(store.LINKS),
-    table: Annotated[Path, Product] = store.LINKS,
-):
-    tasks.leave_interrupts_to_the_runner()
-    store.write_table(links.measure(), table)
+for k, part in enumerate(LINKS):
+    some = SCENES[AT_ONCE * k :][:AT_ONCE]
+
+    @mark.try_last  # meanwhile coefficients are fitted to the curves
+    @task(id=part.stem)
+    def task_scenes(
+        of: Annotated[str, PythonNode(value=repr(some), hash=True)],
+        scenes: list = some,
+        stiffening: Path = TABLE,
+        code: list[Path] = store.sources(store.LINKS),
+        part: Annotated[Path, Product] = part,
+    ):
+        tasks.leave_interrupts_to_the_runner()
+        with paths.whole(part) as temporary:
+            links.measure(scenes).to_csv(temporary, index=False)
+
+
+def task_links(parts: list[Path] = LINKS, table: Annotated[Path, Product] = store.LINKS):
+    store.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
 
 
 def task_description(
@@ -100,4 +116,5 @@ def task_description(
     described: tuple[Path, ...] = DESCRIBED,
     description: Annotated[Path, Product] = store.PACKAGE,
 ):
-    store.write_package(sum(pd.read_csv(part).seconds[0] for part in parts))
+    times = pd.concat([pd.read_csv(part) for part in parts]).groupby("case").seconds.first()
+    store.write_package(times.sum())

@@ -7,6 +7,7 @@ from study import contact
 from study.compiled import compiled
 from study.contact import forces, stiffening
 from study.joint import Joint, fem, force_curve, series, whole_curve
+from study.measure import speed
 
 DEPTHS = np.linspace(0.025, 0.5, 20)
 
@@ -79,3 +80,8 @@ def test_compiled_law_with_stiffness_on_ten_thousand_depths(benchmark, law):
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     _sum(packed, depths)
     benchmark(_sum, packed, depths)
+
+
+def test_least_that_a_law_can_be_on_ten_thousand_depths(benchmark):
+    depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
+    benchmark.pedantic(speed.add_least, (depths, 2.0), rounds=100, warmup_rounds=1)

@@ -10,8 +10,8 @@ from functools import partial
 import pytest
 
 from study.contact.forces import pack
-from study.measure import explicit, speed
-from study.measure.peers import odes
+from study.measure import explicit, flexible, speed
+from study.measure.peers import cvode, odes
 from study.mechanism import simulate
 
 LAW = pack(
@@ -34,10 +34,34 @@ def test_rigid_links_with_clearance(benchmark, name):
     benchmark.pedantic(RUNS[name], rounds=7, warmup_rounds=1)
 
 
+def test_time_over_that_of_compiled_cvode(capsys):
+    """Prints ratios at equal error; all runs by turns in this process."""
+    if cvode.version() is None:
+        pytest.skip("gcc or SUNDIALS 6 (libsundials-dev) is not installed")
+    names = speed.OURS, "CVODE in C"
+    chosen = [row for row in speed.STEPPERS if row[0].startswith(names)]
+    table = speed.at_equal_error(speed.steppers(5, chosen, compile_times=False))
+    table = table.pivot(index="method", columns="error", values=["time", "ratio"])
+    with capsys.disabled():
+        print("\n0.3 s with clearance, rigid links, compiled: time in s, ratio to this study")
+        print(table.to_string(float_format="{:.3g}".format))
+
+
 @pytest.mark.parametrize("model", ["particles", "beams"])
 def test_flexible_links(benchmark, model):
     benchmark.group = "0.1 s with clearance, flexible links"
     benchmark.pedantic(simulate, kwargs={"model": model}, rounds=3, warmup_rounds=1)
+
+
+@pytest.mark.parametrize("method", flexible.METHODS)
+def test_first_impact_of_flexible_links(benchmark, method):
+    """Each with the mesh and step that are within 3 % in the least time."""
+    if method == "ANCF cables":
+        pytest.importorskip("exudyn", reason="Exudyn is not installed")
+    n, step = {"particles": (4, 1e-6), "beams": (4, 4e-6), "ANCF cables": (2, 4e-6)}[method]
+    run = flexible.call("first impact", method, (n, 2 * n), step)
+    benchmark.group, benchmark.name = "first impact within 3 %, flexible links", method
+    benchmark.pedantic(run, rounds=7, warmup_rounds=1)
 
 
 def test_start_of_stepping_in_a_new_process(benchmark):

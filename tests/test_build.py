@@ -46,7 +46,7 @@ def less_data(tmp_path):
 
 
 def start_build(project):
-    """Start a build of the data, and return once two cases are noted down as finished."""
+    """Start a build of the data, and return once two batches are noted down as finished."""
     command = [sys.executable, "-m", "study.cli", "data", "build"]
     process = subprocess.Popen(
         command,
@@ -67,8 +67,8 @@ def start_build(project):
 
 
 def finished(root):
-    """How many cases pytask has noted as finished, in its lock file or the journal beside it."""
-    return len(set(re.findall(r"task_curve\[.*?\]", "".join(p.read_text() for p in notes(root)))))
+    """How many batches of cases pytask has noted in its lock file or the journal beside it."""
+    return len(set(re.findall(r"task_curves\[.*?\]", "".join(p.read_text() for p in notes(root)))))
 
 
 def notes(root):

@@ -103,7 +103,7 @@ def test_a_missing_program_is_named(monkeypatch):
         ({"ball_drive": "point"}, {}, "ball_drive must be one of plane, clamped, got 'point'"),
         ({"socket_ratio": 1.01}, {}, "socket_ratio must be >= 1.02 and <= 1e"),
         ({}, {"nodes": 4}, "nodes must be 3 or 6, got 4"),
-        ({}, {"resolution": 16}, "resolution must be >= 32, got 16"),
+        ({}, {"resolution": 8}, "resolution must be >= 16"),
         ({}, {"resolution": 40}, "resolution must be a multiple of 16"),
         ({}, {"penalty": 0}, "penalty must be > 0, got 0"),
         ({}, {"contact": "mortar"}, "contact must be one of surface, node, got 'mortar'"),

@@ -138,7 +138,7 @@ def test_a_tolerance_that_nothing_meets_says_what_is_known():
 
 def test_bounds_of_rigid_links_hold_on_scenes_not_used_for_them():
     known = dataset.links()
-    rows = links.measure(5, count=8)
+    rows = links.measure(links.random_scenes(5, count=8))
     for quantity in links.QUANTITIES:
         ratio, most = (links.largest_ratio(table, quantity) for table in (rows, known))
         assert ratio <= 0.6 * links.SAFETY * most

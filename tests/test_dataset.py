@@ -114,7 +114,7 @@ def test_a_build_does_not_bless_damaged_published_numbers(copy):
 
 def test_measured_times_are_kept_with_their_hash(copy):
     frame = dataset.measured()
-    assert set(frame.chart) == {"laws", "solvers", "steppers"}
+    assert set(frame.chart) == {"laws", "solvers", "steppers", "flexible"}
     assert (frame.groupby("chart", sort=False).relative.first() == 1).all()
     before = dataset.measured("steppers")
     laws = frame[frame.chart == "laws"].assign(machine="another")
@@ -224,8 +224,8 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
     [
         (
             "joint/curve",
-            "_BESIDE = (0.97, 1.03)",
-            "_BESIDE = (0.98, 1.02)",
+            "_TIMES = (1.0, 0.97, 1.03)",
+            "_TIMES = (1.0, 0.98, 1.02)",
             ["data/force_curves.csv"],
         ),
         ("joint/series", '"""', '"""Another. ', ["data/force_curves.csv"]),

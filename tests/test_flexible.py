@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from study.contact.forces import pack
-from study.mechanism import MechanismError, Scene, beams, compare, particles, simulate, stable_step
+from study.mechanism import MechanismError, Scene, beams, compare, frame, simulate, stable_step
+from study.mechanism.frame import Frame
 from tests.test_mechanism import random_scenes
 
 PAPER = Scene()
@@ -17,7 +18,7 @@ TWO = {"elements": (2, 4)}
 @pytest.mark.parametrize("elements", [2, 3, 8])
 def test_particles_have_mass_and_inertia_of_their_link(elements):
     link = PAPER.but(coupler_inertia=4e-4).link("coupler")
-    masses, rotaries = particles.lump(link, elements)
+    masses, rotaries = frame.lump(link, elements)
     places = np.linspace(-0.06, 0.06, elements + 1)
     assert masses.sum() == pytest.approx(0.21, rel=1e-13)
     assert masses @ places**2 + rotaries.sum() == pytest.approx(4e-4, rel=1e-12)
@@ -25,7 +26,7 @@ def test_particles_have_mass_and_inertia_of_their_link(elements):
 
 
 def test_a_single_element_has_its_mass_at_its_ends():
-    masses, rotaries = particles.lump(PAPER.link("coupler"), 1)
+    masses, rotaries = frame.lump(PAPER.link("coupler"), 1)
     assert masses.tolist() == pytest.approx([0.105, 0.105])
     assert rotaries.sum() == pytest.approx(0.21 * 0.12**2 / 12)
 
@@ -124,9 +125,9 @@ def test_contact_tangent_of_finite_elements_is_the_derivative():
 
 
 def test_frequency_of_particles_bounds_the_step():
-    frame = particles.Frame(PAPER, (2, 4))
+    links = Frame(PAPER, (2, 4))
     limit = stable_step(PAPER, (2, 4))
-    assert limit == 2 / frame.highest_frequency(0.0, held=False)
+    assert limit == 2 / links.highest_frequency(0.0, held=False)
     assert 1e-6 < limit < 1e-5
     below = simulate(model="particles", joint="ideal", step=0.98 * limit, duration=0.02, **TWO)
     assert below.energy_error < 1e-4

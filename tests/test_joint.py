@@ -10,7 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from study import contact, paths
-from study.joint import Joint, Material, complementarity, fem, force_curve, pairing, series
+from study.joint import (
+    Joint,
+    Material,
+    complementarity,
+    fem,
+    force_curve,
+    pairing,
+    paper_joint,
+    series,
+)
 from study.joint.complementarity import ComplementarityError
 from study.joint.compliance import RIMS, HatFunctions
 
@@ -230,6 +239,13 @@ def test_error_estimate_covers_the_error_of_any_joint(seed):
     error = np.abs(curve.force_star / finest(joint, tuple(depth)) - 1)
     assert (error <= curve.error_estimate).all()
     assert np.median(curve.error_estimate / error) < 15
+
+
+def test_error_estimate_covers_the_error_at_large_displacements():
+    joint, depth = paper_joint(20, kinematics="finite"), np.linspace(0.1, 0.8, 12)
+    exact, curve = force_curve(joint, depth, 128).force_star, force_curve(joint, depth, 32)
+    error = np.abs(curve.force_star / exact - 1)
+    assert (error <= curve.error_estimate).all()
 
 
 @pytest.mark.parametrize("kinematics", ["small", "linear"])

@@ -13,6 +13,7 @@ from study.joint import Joint, Material, complementarity, force_curve, paper_joi
 from study.joint.compliance import surface_angles
 from study.measure import explicit, limits, stability
 from study.mechanism import MechanismError, Scene, particles, rigid, simulate
+from study.mechanism.frame import Frame
 
 PAPER = Scene()
 SLIPPERY = PAPER.but(friction=0.0)
@@ -139,7 +140,7 @@ def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
 
 @pytest.mark.parametrize("elements", [(2, 4), (8, 16)])
 def test_links_limit_the_step_as_predicted(elements):
-    frame = 2 / particles.Frame(PAPER, elements).highest_frequency(PAPER.slider_mass, True)
+    frame = 2 / Frame(PAPER, elements).highest_frequency(PAPER.slider_mass, True)
     assert min(stability.frame_limits(PAPER, elements).values()) == pytest.approx(frame, rel=0.01)
     assert stability.observed_frame_step(PAPER, elements) == pytest.approx(frame, rel=2e-3)
 
@@ -147,7 +148,7 @@ def test_links_limit_the_step_as_predicted(elements):
 def test_thin_links_are_limited_by_their_axial_waves():
     thin = PAPER.but(density=2e3 * PAPER.density, link_modulus=2e3 * PAPER.youngs_modulus)
     limits = stability.frame_limits(thin, (8, 16))
-    frame = 2 / particles.Frame(thin, (8, 16)).highest_frequency(thin.slider_mass, True)
+    frame = 2 / Frame(thin, (8, 16)).highest_frequency(thin.slider_mass, True)
     assert min(limits, key=limits.get)[1] == "axial"
     assert min(limits.values()) == pytest.approx(frame, rel=0.01)
 

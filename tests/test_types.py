@@ -8,7 +8,7 @@ import pytest
 
 from study import paths
 
-ROOMS = ("contact", "joint", "mechanism", "dataset", "choose")
+ROOMS = ("contact", "joint", "mechanism", "dataset", "choose", "sweep")
 BOTH = ("shapes",)
 """Modules whose functions are compiled elsewhere, for scalars, and called with arrays too."""
 

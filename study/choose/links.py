@@ -7,7 +7,7 @@ by more than a decade, with a heavy tail. So the bound is no more than the large
 ``data/links.csv`` times a large `SAFETY`, and is given within the range of those scenes only.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
 from functools import partial
 from math import pi, sqrt
@@ -144,13 +144,15 @@ def random_scenes(seed: int, count: int = COUNT) -> Iterator[tuple[Scene, float]
         yield Scene(**values), duration
 
 
-def measure(seed: int = 0, count: int = COUNT, law: LawName = "stiffened_hertz") -> pd.DataFrame:
+def measure(
+    scenes: Iterable[tuple[Scene, float]], law: LawName = "stiffened_hertz"
+) -> pd.DataFrame:
     """Errors of rigid links against particles on `random_scenes`, beside their estimates.
 
     Scenes that a model cannot go on with, or without an impact, are left out.
     """
     rows = []
-    for scene, duration in random_scenes(seed, count):
+    for scene, duration in scenes:
         run = partial(simulate, scene, law=law, duration=duration, outputs=1000)
         try:
             rigid = run(model="rigid")

@@ -11,7 +11,7 @@ the last digit by SciPy it takes longer here than the compiled clearance joint.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
+from functools import lru_cache, partial
 from math import inf
 from time import perf_counter
 
@@ -227,6 +227,15 @@ def _apart(one, other, quantity):
         return inf
 
 
+@lru_cache(maxsize=32)
+def _timed(scene, *given):
+    """Response of a model, and the time that it took in s: once for all tolerances."""
+    run = partial(simulate, scene, **dict(given))
+    run(duration=min(WARM_UP, dict(given)["duration"]), outputs=1)
+    start = perf_counter()
+    return run(), perf_counter() - start
+
+
 class _Run:
     """A model that was run: its description, its response, and the time that this took in s.
 
@@ -241,10 +250,7 @@ class _Run:
             settings["step"] = step_share * usual_step(scene, packed, settings["elements"])
         given = {"model": model, "law": name, "duration": duration, "outputs": outputs}
         self.simulate = partial(simulate, scene, **given, **settings, **options)
-        self.simulate(duration=min(WARM_UP, duration), outputs=1)
-        start = perf_counter()
-        self.response = self.simulate()
-        self.cost = perf_counter() - start
+        self.response, self.cost = _timed(scene, *{**given, **settings, **options}.items())
         joint = settings.pop("joint", "clearance")
         name, stepper = (name if isinstance(name, str) else "tabulated"), STEPPERS[model]
         if joint == "ideal":

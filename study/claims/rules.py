@@ -444,3 +444,10 @@ def restitution():
     first = result("impacts").query("model == 'rigid'").delivered_restitution.iloc[0]
     limits = result("stability_limits").set_index("what").observed
     return {"free impact": float(limits["restitution, lankarani-nikravesh"]), "first impact": first}
+
+
+@rule()
+def explicit_cost():
+    """Time of particles over that of the fastest implicit method, at equal errors of an impact."""
+    table = result("flexible_times").query("joint == 'first impact'")
+    return {f"within {row.error:g}": row.ratio for row in table.itertuples()}

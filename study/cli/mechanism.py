@@ -48,7 +48,7 @@ def simulate_mechanism(
     if "elements" in given:
         given["elements"] = checks.read_several("--elements", given["elements"], kind=int)
     if sys.stderr.isatty() and not any(CACHE.rglob("*.nbi")):
-        print("Compiling the stepping loops, once: some twenty seconds ...", file=sys.stderr)
+        print("Compiling the stepping loops, once ...", file=sys.stderr)
     auto = given.get("model") == "auto"
     options = signature(choose_model if auto else mechanism.simulate).parameters
     model = given.pop("model") if auto else given.get("model", options["model"].default)

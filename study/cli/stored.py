@@ -66,11 +66,11 @@ def build_data(**how):
 
 @command("measure", "study.measure.speed:measure chart repeats", keeps=True)
 def measure_speed(output: Path | None = None, **how):
-    """Time laws (a minute), solvers and steppers (ten minutes each) on this machine.
+    """Time laws (a minute), solvers and steppers (some minutes each) on this machine.
 
     The times are kept in data/published/peers.csv, where the charts and study choose take them
     from, if no other file is named. Charts that are not timed stay, and so do other programs that
-    are not found here (ccx, scikit-sundae, exudyn).
+    are not found here (ccx, gcc with SUNDIALS 6, scikit-sundae, exudyn).
     """
     import pandas as pd
 
@@ -80,7 +80,7 @@ def measure_speed(output: Path | None = None, **how):
     check_output(output, ".csv")
     charts, frames = speed.measure(**how), []
     if output is None:
-        store.verify_files()  # before ten minutes of timing
+        store.verify_files()  # before minutes of timing
     for chart in charts:
         print(f"timed {chart.chart.iloc[0]}", file=sys.stderr)
         frames.append(chart)

@@ -8,7 +8,7 @@ from typing import Literal
 import typer
 
 from study.cli.options import InterruptionError, check_output, command
-from study.cli.output import bar
+from study.cli.output import bar, paragraphs
 
 PLAIN_EVERY = 10.0  # s between lines of progress where the output is no terminal
 
@@ -42,12 +42,12 @@ def sweep_cases(
         raise ValueError("--range and --seed must be left out: a FILE tells the cases")
     started, done = time.monotonic(), [0, 0, 0]
     with bar("{task.completed:g} of {task.total:g} cases") as shown:
-        task, told = shown.add_task("", total=None), started
+        task, told = shown.add_task("", total=0, visible=False), started
 
         def progress(*numbers):
             nonlocal told
             done[:] = numbers
-            shown.update(task, completed=numbers[0], total=numbers[1])
+            shown.update(task, completed=numbers[0], total=numbers[1], visible=True)
             if shown.disable and time.monotonic() > told + PLAIN_EVERY:
                 told = time.monotonic()
                 print("{} of {} cases, {} failed".format(*numbers), file=sys.stderr, flush=True)
@@ -58,7 +58,10 @@ def sweep_cases(
             kept = f"; {done[0]} of {done[1]} cases are kept, the same command goes on"
             raise InterruptionError(kept if done[0] else "") from None
     seconds = time.monotonic() - started
-    print(f"{found.cases} cases in {seconds:.3g} s, {found.rows} rows in {output}")
+    print(f"{found.cases} cases in {seconds:.3g} s, {found.rows} rows in {output}. Its results:")
+    columns = found.columns.items()
+    units = {name: f"{text}{f', {unit}' * (unit != '1')}" for name, (unit, text) in columns}
+    print(paragraphs(units))
     if found.failures:
         (name, why), *_ = found.failures.items()
         what = f"{len(found.failures)} of {found.cases} cases failed, see the column error"

@@ -18,10 +18,8 @@ from study.contact.bodies import clearance_and_r2_star
 from study.contact.friction import friction_factor
 from study.contact.laws import AnyLaw, find
 
-register_jitable(shapes.cubic)  # two shapes call it
-_hertz, _winkler, _power, _chord, _liu, _hyperbolic, _stiffened, _tabulated, _sampled = (
-    compiled(shape) for shape in shapes.SHAPES
-)
+for _shape in (shapes.cubic, *shapes.SHAPES):  # a call takes as long as a law
+    register_jitable(inline="always")(_shape)
 _SAMPLED = len(shapes.SHAPES) - 1
 CAPACITIES = 4096, 65536
 """Rooms for a law's constants, the first of which holds those of all laws but large tables."""
@@ -65,25 +63,23 @@ def elastic_force(law, depth):
     """Force of a packed law in N, and its derivative in N/m, at a depth > 0 in m."""
     depth_star, shape, constants = depth / law.clearance, law.shape_index, law.constants
     if shape == 0:
-        value, slope = _hertz(depth_star, constants)
+        value, slope = shapes.hertz(depth_star, constants)
     elif shape == 1:
-        value, slope = _winkler(depth_star, constants)
+        value, slope = shapes.winkler(depth_star, constants)
     elif shape == 2:
-        value, slope = _power(depth_star, constants)
+        value, slope = shapes.power(depth_star, constants)
     elif shape == 3:
-        value, slope = _chord(depth_star, constants)
+        value, slope = shapes.chord(depth_star, constants)
     elif shape == 4:
-        value, slope = _liu(depth_star, constants)
+        value, slope = shapes.liu(depth_star, constants)
     elif shape == 5:
-        value, slope = _hyperbolic(depth_star, constants[: law.count])
+        value, slope = shapes.hyperbolic(depth_star, constants[: law.count])
     elif shape == 6:
-        c = constants
-        nine = c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8]
-        value, slope = _stiffened(depth_star, nine)
+        value, slope = shapes.stiffened(depth_star, constants)
     elif shape == 7:
-        value, slope = _tabulated(depth_star, constants[: law.count])
+        value, slope = shapes.tabulated(depth_star, constants[: law.count])
     else:
-        value, slope = _sampled(depth_star, constants[: law.count])
+        value, slope = shapes.sampled(depth_star, constants[: law.count])
     return law.scale * value, law.scale / law.clearance * slope
 
 

@@ -216,7 +216,9 @@ def stiffened_hertz(
     free = checks.choice("rim of stiffened_hertz", rim, ("mirror", "free"))
     share = stiffening.share_of_ball(modulus_ratio, poisson, socket_poisson)
     bodies = share, poisson, socket_poisson, socket_ratio
-    constants = stiffening.powers(r2_star, bodies, clamped == "clamped", free == "free")
+    of = np.asarray(r2_star)
+    one = of[:1] if of.ndim and (of == of[:1]).all() else of  # nearly always there is but one
+    constants = stiffening.powers(one, bodies, clamped == "clamped", free == "free")
     return hertz.parts(r2_star)[0], shapes.stiffened, constants
 
 

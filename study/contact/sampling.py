@@ -1,6 +1,7 @@
 """Tables over s = sqrt(ds), as cubic Hermite splines: what `study.contact.shapes` read.
 
-For the curve of a joint, and for a force that is a plain Python function.
+For the curve of a joint, and for a force that is a plain Python function. SciPy is imported where
+it is used: that takes as long as importing all else of the laws, most of which need no spline.
 """
 
 from collections.abc import Callable
@@ -9,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from study import checks
 
@@ -31,6 +31,8 @@ def monotone_slopes(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[n
     With them it is monotone where its points are (Hyman, SIAM J. Sci. Stat. Comput. 4 (1983)
     645-654).
     """
+    from scipy.interpolate import CubicSpline
+
     chords = np.diff(y) / np.diff(x)
     left, right = np.insert(chords, 0, chords[0]), np.append(chords, chords[-1])
     most = 3 * np.minimum(np.abs(left), np.abs(right)) * (left * right > 0)
@@ -43,6 +45,8 @@ def of_points(root: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArray
 
     Its constants are the steps per unit of s, then the factor and its slope in turn at every knot.
     """
+    from scipy.interpolate import CubicHermiteSpline
+
     spline = CubicHermiteSpline(root, factor, monotone_slopes(root, factor))
     knots = np.linspace(0, root[-1], int(np.ceil(STEPS * root[-1])) + 1)
     table = np.column_stack([spline(knots), spline(knots, 1)]).ravel()
@@ -125,6 +129,8 @@ def _check(name, depth, force):
 
 def _secant(knots, force):
     """Spline of P*/ds at the knots; at 0 as it comes out of the next ones, at least 0."""
+    from scipy.interpolate import CubicHermiteSpline, CubicSpline
+
     secant = force[1:] / (knots[1:] * knots[1:])
     at_0 = float(CubicSpline(knots[1:], secant)(0.0))
     secant = np.append(max(0.0, at_0), secant)

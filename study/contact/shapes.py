@@ -48,9 +48,9 @@ def hyperbolic(depth_star, constants):
     cancellation as ds -> 0, and full accuracy up to a half-angle of 90 deg.
     """
     bracket = slope = 0.0 * depth_star
-    for coefficient in constants:
+    for k in range(len(constants)):
         slope = slope * depth_star + bracket
-        bracket = bracket * depth_star + coefficient
+        bracket = bracket * depth_star + constants[k]
     return depth_star * bracket, bracket + depth_star * slope
 
 
@@ -71,15 +71,21 @@ area element of the sphere, w(t) = t that of a flat disc with the arc as its rad
 def stiffened(depth_star, constants):
     """ds^(3/2) S, with S = 1 + c1 u + c2 u^2 + ... + c9 u^9, u = s/(1 + s) and s = sqrt(ds).
 
-    ``constants`` are the coefficients from c9 to c1.
+    ``constants`` are the coefficients from c9 to c1. The powers are summed in pairs, and pairs of
+    pairs (Estrin), as a step waits for the last of them.
     """
     root = np.sqrt(depth_star)
     u = root / (1 + root)
-    rise = steepness = 0.0 * depth_star
-    for coefficient in constants:
-        steepness = steepness * u + rise
-        rise = rise * u + coefficient
-    factor, steepness = 1 + u * rise, (rise + u * steepness) * (1 - u) ** 2
+    u2 = u * u
+    u4 = u2 * u2
+    c9, c8, c7 = constants[0], constants[1], constants[2]
+    c6, c5, c4 = constants[3], constants[4], constants[5]
+    c3, c2, c1 = constants[6], constants[7], constants[8]
+    rise = c5 + c6 * u + u2 * (c7 + c8 * u) + u4 * c9
+    factor = 1 + u * (c1 + c2 * u + u2 * (c3 + c4 * u) + u4 * rise)
+    slope = 5 * c5 + 6 * c6 * u + u2 * (7 * c7 + 8 * c8 * u) + u4 * (9 * c9)
+    slope = c1 + 2 * c2 * u + u2 * (3 * c3 + 4 * c4 * u) + u4 * slope
+    steepness = slope * (1 - u) ** 2
     return depth_star * root * factor, root * 1.5 * factor + depth_star * steepness / 2
 
 
@@ -101,9 +107,9 @@ def tabulated(depth_star, constants):
     root = np.sqrt(depth_star)
     place = root * constants[0]
     knot = np.int64(np.minimum(place, (len(constants) - 1) // 2 - 2))
-    x, step = place - knot, 1 / constants[0]
-    left, slope = constants[1 + 2 * knot], constants[2 + 2 * knot] * step
-    right, next_slope = constants[3 + 2 * knot], constants[4 + 2 * knot] * step
+    x, step, at = place - knot, 1 / constants[0], 1 + 2 * knot
+    left, slope = constants[at], constants[at + 1] * step
+    right, next_slope = constants[at + 2], constants[at + 3] * step
     factor, steepness = cubic(x, left, slope, right, next_slope)
     steepness = steepness * constants[0]
     return depth_star * root * factor, root * 1.5 * factor + depth_star * steepness / 2
@@ -115,11 +121,13 @@ def sampled(depth_star, constants):
     ``constants`` are its knots, F there, and dF/ds there.
     """
     root, count = np.sqrt(depth_star), len(constants) // 3
-    knot = np.minimum(np.searchsorted(constants[:count], root, "right") - 1, count - 2)
+    knot = np.searchsorted(constants[:count], root, "right") - 1
+    knot = np.minimum(knot, count - 2)
     step = constants[knot + 1] - constants[knot]
     x, value, end = (root - constants[knot]) / step, count + knot, 2 * count + knot
-    ends = constants[value], constants[end] * step, constants[value + 1], constants[end + 1] * step
-    factor, steepness = cubic(x, *ends)
+    left, slope = constants[value], constants[end] * step
+    right, next_slope = constants[value + 1], constants[end + 1] * step
+    factor, steepness = cubic(x, left, slope, right, next_slope)
     return depth_star * factor, factor + root * steepness / (2 * step)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import groupby
 
 import numpy as np
 
@@ -165,3 +166,16 @@ DESIGN = (
     *_liners(),
     *_judges(),
 )
+
+
+def batches() -> Iterator[list[tuple[str, str, Joint, tuple[float, ...]]]]:
+    """Group, name, joint and depths of all cases, in lists that take seconds and share bodies."""
+    cases = [(s.group, name, joint, s.depths) for s in DESIGN for name, joint in s.cases()]
+    for (_, finite, by_series), alike in groupby(cases, _kind):
+        some, size = list(alike), 1 if finite else 12 if by_series else 36
+        for k in range(0, len(some), size):
+            yield some[k : k + size]
+
+
+def _kind(case):
+    return case[0], case[2].kinematics == "finite", case[2].series_applies

@@ -188,7 +188,7 @@ def others() -> pd.DataFrame:
 
 
 def measured(chart: str | None = None) -> pd.DataFrame:
-    """Measured times and errors of all charts, or of ``laws``, ``solvers`` or ``steppers``.
+    """Measured times and errors, of all charts of ``study.measure.speed.CHARTS`` or of one.
 
     The columns are ``study.measure.speed.COLUMNS``.
     """
@@ -391,7 +391,7 @@ def _made_by():
     """Generated file -> digest of every file that decides it."""
     read = {
         COEFFICIENTS: [CURVES, paths.DATA / "published/tables.csv"],
-        LINKS: [COEFFICIENTS, TABLE],
+        LINKS: [TABLE],
     }
     decide = {path: [*sources(path), *read.get(path, [])] for path in GENERATED}
     return {provenance.name(path): provenance.digests(files) for path, files in decide.items()}

@@ -24,7 +24,7 @@ LEAST_R2_STAR = 1.5
 _MADE = 3  # eccentricities at which the matrix is made; one where R2* is large
 _FIRST = 4  # elements of the coarser mesh in the smallest contact
 _COUNT = 48  # depths of a curve, about
-_FINITE = 40  # depths with large displacements, half a second each
+_FINITE = 40  # depths with large displacements, a sixth of a second each
 
 
 @one_thread

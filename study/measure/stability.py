@@ -26,6 +26,7 @@ from study.mechanism import (
     simulate,
     stepping,
 )
+from study.mechanism.frame import Frame
 from study.mechanism.response import ALL_COLUMNS
 
 Numbers = NDArray[np.float64]
@@ -76,9 +77,9 @@ def oscillator(scene: Scene, law: str, state: ArrayLike) -> dict[str, float]:
     reach = np.hypot(state[1], state[2])
     nx, ny = state[1:3] / reach
     mass = 1 / rigid.compliance(state[0], state[2], nx, ny, 0.0, p)
-    force, stiffness = elastic_force(numbers, reach - numbers[1])
+    force, stiffness = elastic_force(numbers, reach - numbers.clearance)
     frequency = sqrt(stiffness / mass)
-    return {"depth": reach - numbers[1], "force": force, "mass": mass, "frequency": frequency}
+    return {"depth": reach - numbers.clearance, "force": force, "mass": mass, "frequency": frequency}
 
 
 def _amplification(scheme, w, g):
@@ -127,7 +128,7 @@ def friction_rate(scene: Scene, law: str, state: ArrayLike) -> float:
     reach = np.hypot(state[1], state[2])
     nx, ny = state[1:3] / reach
     lightness = rigid.compliance(state[0], state[2], -ny, nx, p.r1, p)
-    force, _ = elastic_force(numbers, reach - numbers[1])
+    force, _ = elastic_force(numbers, reach - numbers.clearance)
     return scene.friction * force * lightness / (scene.full_speed - scene.slow_speed)
 
 
@@ -211,7 +212,7 @@ def observed_frame_step(scene: Scene, elements: tuple[int, int], steps: int = 60
         except MechanismError:
             return True
 
-    limit = 2 / particles.Frame(scene, elements).highest_frequency(scene.slider_mass, True)
+    limit = 2 / Frame(scene, elements).highest_frequency(scene.slider_mass, True)
     return bisect(fails, limit / 2, 2 * limit, 14)
 
 

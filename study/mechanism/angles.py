@@ -73,11 +73,11 @@ def angle_of(sine, cosine):
     left = s * near[1] - c * near[0]  # sine of what is left of the angle
     cube = left * left * left
     angle = guess + left + cube / 6 + 3 * cube * left * left / 40
-    if steep:
-        return pi / 2 - angle if sine > 0 else angle - pi / 2
-    if cosine > 0:
-        return angle
-    return pi - angle if sine >= 0 else -pi - angle
+    # conditional expressions, no branches: a loop over elements is then compiled to vectors
+    upright = pi / 2 - angle if sine > 0 else angle - pi / 2
+    backwards = pi - angle if sine >= 0 else -pi - angle
+    level = angle if cosine > 0 else backwards
+    return upright if steep else level
 
 
 @compiled

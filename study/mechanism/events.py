@@ -128,11 +128,11 @@ def _size(work, pieces, seen, reach, tolerance, p, laws):
     """Largest of the errors of z and z' over what ``tolerance`` allows.
 
     Places count by the clearance, a depth by the deepest that this impact's approach speed can
-    bring, speeds by a tenth of what the drive gives over the clearance (found by measuring).
+    bring, speeds by a fifth of what the drive gives over the clearance (found by measuring).
     """
     y, error, n = work.start, work.error, 1 + 2 * len(pieces)
     turned, turning = p.l1 * abs(error[0]), p.l1 * abs(error[n])
-    speed = 0.1 * tolerance * reach + ROUNDOFF * p.l1 * abs(y[n])
+    speed = 0.2 * tolerance * reach + ROUNDOFF * p.l1 * abs(y[n])
     size = turned / (tolerance * laws[0].clearance + ROUNDOFF * p.l1 * abs(y[0]))
     size = max(size, turning / speed)
     for j in range(len(pieces)):

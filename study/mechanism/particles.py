@@ -11,11 +11,10 @@ the centred one, which the forces of the step are solved for, or the one half a 
 from collections import namedtuple
 from collections.abc import Iterator
 from functools import partial
-from math import inf, pi, sqrt
+from math import ceil, inf, pi, sqrt
 from typing import Literal
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from study import checks
@@ -24,82 +23,28 @@ from study.contact.forces import elastic_force, joint_forces
 from study.contact.friction import friction_branch, friction_factor
 from study.mechanism import stepping
 from study.mechanism.angles import angle_of, direction, norm, sine_cosine
-from study.mechanism.scene import Link, Scene
+from study.mechanism.frame import Frame
+from study.mechanism.scene import Scene
 
 Method = Literal["centred", "lagged", "unguarded"]
 GAP, GAP_RATE, DRIVE_WORK, DRIVE_POWER = range(4)  # places in the state, before all models' own
 
 
-System = namedtuple("System", "elements masses rotaries pin frequency ideal lagged guarded")
-"""What does not change: elements and particles as in `Frame`, and how damping is stepped."""
-Motion = namedtuple("Motion", "places rates turns spins slide")
-"""Places (x, y) and turns at the current time, their rates half a step before it; ``slide`` is
-(x, x') of the slider."""
-
-
-def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Particles of one link: masses in kg, rotary inertias of the half elements at each in kg m^2.
-
-    With two or more elements a little of each end's mass goes to its neighbour, so that mass,
-    centre and moment of inertia of the link are exact: stiff links then move as the rigid ones
-    at any number of elements. A single element has its mass at its ends, and too much inertia.
-    """
-    length = link.length / elements
-    halves = np.full(elements + 1, 2.0)
-    halves[[0, -1]] = 1.0
-    masses = halves / 2
-    if elements > 1:
-        shift = elements / (8 * (elements - 1))
-        masses[[0, -1]] -= shift
-        masses[1] += shift
-        masses[-2] += shift
-    rotary = link.mass_per_length * length**3 / 24 + link.rotary_per_length * length / 2
-    return link.mass_per_length * length * masses, rotary * halves
-
-
-class Frame:
-    """Particles and elements of both links, laid out on +x.
-
-    Particle 0 is the crank's fixed end, ``pin`` the one that both links share, the last one
-    the ball. Rotations are counted per link, so that the pin has two. A row of ``elements`` has
-    length (m), axial stiffness (N/m), and the bending stiffnesses that tie the moment at an end
-    to the rotations of the near and the far end (N m).
-    """
-
-    def __init__(self, scene: Scene, elements: tuple[int, int]) -> None:
-        links, rows = (scene.link("crank"), scene.link("coupler")), []
-        for link, n in zip(links, elements, strict=True):
-            length = link.length / n
-            shear = 12 * link.bending / (link.shear * length**2)
-            bending = link.bending / (length * (1 + shear))
-            row = length, link.axial / length, (4 + shear) * bending, (2 - shear) * bending
-            rows += [row] * n
-        self.elements = np.array(rows)
-        (m1, j1), (m2, j2) = (lump(link, n) for link, n in zip(links, elements, strict=True))
-        self.pin = elements[0]
-        self.masses = np.concatenate([m1[:-1], [m1[-1] + m2[0]], m2[1:]])
-        self.rotaries = np.concatenate([j1, j2])
-
-    def highest_frequency(self, end_mass: float, held: bool) -> float:
-        """Highest natural frequency of the straight frame, in rad/s.
-
-        ``end_mass``, in kg, is added to the last particle along the slide, where it is ``held``.
-        """
-        turns, size = 2 * len(self.masses), 3 * len(self.masses) + 1
-        stiffness, mass = np.zeros((size, size)), np.zeros(size)
-        for e, (length, axial, near, far) in enumerate(self.elements):
-            along, turn = [2 * e, 2 * e + 2], turns + e + (e >= self.pin)
-            bent = [2 * e + 1, 2 * e + 3, turn, turn + 1]
-            strain = np.array([[1 / length, -1 / length, 1, 0], [1 / length, -1 / length, 0, 1]])
-            stiffness[np.ix_(along, along)] += axial * np.array([[1, -1], [-1, 1]])
-            stiffness[np.ix_(bent, bent)] += strain.T @ [[near, far], [far, near]] @ strain
-        mass[:turns] = np.repeat(self.masses, 2)
-        mass[turns:] = self.rotaries
-        mass[turns - 2] += end_mass
-        free = np.delete(np.arange(size), [0, 1, turns - 1] if held else [0, 1])
-        root = np.sqrt(mass[free])
-        scaled = stiffness[np.ix_(free, free)] / np.outer(root, root)
-        return sqrt(scipy.linalg.eigvalsh(scaled)[-1])
+LANES = 8
+"""Numbers in a processor's widest vector. Rows are filled up to whole vectors with elements and
+particles that never move, so that the loops over both are compiled to vectors."""
+System = namedtuple("System", "elements bodies pin last frequency ideal lagged guarded")
+"""What does not change: elements and particles as in `Frame`, a row a quantity; numbers of the pin
+and of the last particle; how damping is stepped. The rows of ``bodies`` are the masses that x, y
+and the turns have, an ideal joint's slider among them, and the weights, in N along y."""
+# Rows of the motion: places and turns at the current time, their rates half a step before it
+X, Y, TURN, U, V, SPIN = range(6)
+LENGTH0, AXIAL, NEAR, FAR = range(4)  # rows of the elements
+ROTARY, WEIGHT = 2, 3  # rows of the bodies, after two of masses
+# Rows of the room for what a step computes: directions and strains of the elements, their forces,
+# one place late; forces and moments on the particles, and their rates at the middle of the step
+COSINE, SINE, ANGLE, LENGTH, GROWTH, BENT1, BENT2, MOMENT1, MOMENT2, PULL, PUSH = range(11)
+FORCE_X, FORCE_Y, MOMENT, MIDDLE_U, MIDDLE_V, MIDDLE_SPIN = range(11, 17)
 
 
 def numbers_of_elements(pair: tuple[int, int]) -> tuple[int, int]:
@@ -118,7 +63,7 @@ def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
 
 
-def usual_step(scene: Scene, law: np.record, elements: tuple[int, int]) -> float:
+def usual_step(scene: Scene, law: NDArray[np.float64], elements: tuple[int, int]) -> float:
     """Half the limit of stability with a clearance joint at a depth of one clearance, in s."""
     frame = Frame(scene, elements)
     ease = 1 / frame.masses[-1] + 1 / scene.slider_mass
@@ -127,34 +72,71 @@ def usual_step(scene: Scene, law: np.record, elements: tuple[int, int]) -> float
 
 
 @compiled
-def _internal_forces(places, turns, elements, pin, forces, moments):
-    """Subtract the elements' forces on particles and return the strain energy."""
-    energy = 0.0
-    for e in range(len(elements)):
-        length0, axial, near, far = elements[e]
-        dx, dy = places[e + 1, 0] - places[e, 0], places[e + 1, 1] - places[e, 1]
+def _internal_forces(motion, elements, bodies, room, pin, last, drive):
+    """Fill in strains and forces of the elements, and forces and moments on the particles."""
+    m, w, size = motion, room, elements.shape[1]
+    for e in range(size):
+        w[COSINE, e], w[SINE, e] = m[X, e + 1] - m[X, e], m[Y, e + 1] - m[Y, e]
+    for e in range(size):
+        dx, dy, length0 = w[COSINE, e], w[SINE, e], elements[LENGTH0, e]
         length = norm(dx, dy)
-        c, s = dx / length, dy / length
-        rigid = angle_of(s, c)  # the element's rotation; what is left of the particles' bends it
-        j = e + (1 if e >= pin else 0)
-        bent1, bent2 = turns[j] - rigid, turns[j + 1] - rigid
-        whole = 2 * pi * round((bent1 + bent2) / (4 * pi))
-        bent1 -= whole
-        bent2 -= whole
         # (l^2 - l0^2) / (l + l0): no cancellation
-        stretch = ((dx - length0) * (dx + length0) + dy * dy) / (length + length0)
-        tension = axial * stretch
-        moment1, moment2 = near * bent1 + far * bent2, far * bent1 + near * bent2
-        shear = (moment1 + moment2) / length
-        fx, fy = tension * c + shear * s, tension * s - shear * c
-        forces[e, 0] += fx
-        forces[e, 1] += fy
-        forces[e + 1, 0] -= fx
-        forces[e + 1, 1] -= fy
-        moments[j] -= moment1
-        moments[j + 1] -= moment2
-        energy += 0.5 * (tension * stretch + moment1 * bent1 + moment2 * bent2)
-    return energy
+        w[GROWTH, e] = ((dx - length0) * (dx + length0) + dy * dy) / (length + length0)
+        w[LENGTH, e], w[COSINE, e], w[SINE, e] = length, dx / length, dy / length
+    for e in range(size):  # the element's rotation; what is left of the particles' bends it
+        w[ANGLE, e] = angle_of(w[SINE, e], w[COSINE, e])
+    for e in range(last):
+        j = e + (e >= pin)
+        w[BENT1, e], w[BENT2, e] = m[TURN, j] - w[ANGLE, e], m[TURN, j + 1] - w[ANGLE, e]
+    for e in range(size):
+        whole = 2 * pi * np.floor((w[BENT1, e] + w[BENT2, e]) / (4 * pi) + 0.5)
+        one, two = w[BENT1, e] - whole, w[BENT2, e] - whole
+        near, far = elements[NEAR, e], elements[FAR, e]
+        w[MOMENT1, e], w[MOMENT2, e] = near * one + far * two, far * one + near * two
+        w[BENT1, e], w[BENT2, e] = one, two
+    for e in range(size):
+        tension, shear = elements[AXIAL, e] * w[GROWTH, e], w[MOMENT1, e] + w[MOMENT2, e]
+        shear /= w[LENGTH, e]
+        w[PULL, e + 1] = tension * w[COSINE, e] + shear * w[SINE, e]
+        w[PUSH, e + 1] = tension * w[SINE, e] - shear * w[COSINE, e]
+    for i in range(bodies.shape[1]):
+        w[FORCE_X, i] = 0.0 - w[PULL, i] + w[PULL, i + 1]
+        w[FORCE_Y, i] = bodies[WEIGHT, i] - w[PUSH, i] + w[PUSH, i + 1]
+    w[FORCE_X, 0] = w[FORCE_Y, 0] = 0.0  # held
+    w[MOMENT, 0], w[MOMENT, pin + 1] = drive - w[MOMENT1, 0], -w[MOMENT1, pin]
+    for e in range(1, pin):
+        w[MOMENT, e] = -w[MOMENT2, e - 1] - w[MOMENT1, e]
+    for e in range(pin + 1, last):
+        w[MOMENT, e + 1] = -w[MOMENT2, e - 1] - w[MOMENT1, e]
+    w[MOMENT, pin], w[MOMENT, last + 1] = -w[MOMENT2, pin - 1], -w[MOMENT2, last - 1]
+
+
+@compiled
+def _accelerate(motion, bodies, room, steady, h):
+    """Step the rates and fill in those at the middle of the step; whether all are finite.
+
+    At constant crank speed, ``steady``, the crank's fixed end turns as it did.
+    """
+    wild, drive = 0, room[MOMENT, 0]
+    if steady:
+        room[MOMENT, 0] = 0.0
+    for k in range(3):
+        for i in range(bodies.shape[1]):
+            change = h * room[FORCE_X + k, i] / bodies[k, i]
+            middle = motion[U + k, i] + 0.5 * change
+            room[MIDDLE_U + k, i] = middle
+            motion[U + k, i] += change
+            wild += not abs(middle) < 1e150
+    room[MOMENT, 0] = drive
+    return wild == 0
+
+
+@compiled
+def _move(motion, size, h):
+    """Step places and turns by their rates."""
+    for k in range(3):
+        for i in range(size):
+            motion[X + k, i] += h * motion[U + k, i]
 
 
 @compiled
@@ -204,17 +186,17 @@ def _follow_gap(state, impacts, depth, h):
 
 
 @compiled
-def _joint(place, state, motion, system, acting, p, law, h):
+def _joint(place, state, motion, slide, system, room, p, law, h):
     """Normal and tangential force of the step, powers lost to each, and the limit of the step.
 
-    ``place`` is the ball's eccentricity and depth, > 0, ``acting`` the other forces and moments.
+    ``place`` is the ball's eccentricity and depth, > 0; ``room`` has the other forces and moments.
     """
-    (ex, ey, depth), (forces, moments) = place, acting
-    last, spin = len(system.masses) - 1, motion.spins[-1]
-    mass, rotary = system.masses[last], system.rotaries[-1]
+    (ex, ey, depth), last = place, system.last
+    spin, moment = motion[SPIN, last + 1], room[MOMENT, last + 1]
+    mass, rotary = system.bodies[0, last], system.bodies[ROTARY, last + 1]
     r = norm(ex, ey)
     nx, ny = ex / r, ey / r
-    wx, wy = motion.rates[last, 0] - motion.slide[1], motion.rates[last, 1]
+    wx, wy = motion[U, last] - slide[1], motion[V, last]
     rate, sliding = wx * nx + wy * ny, wy * nx - wx * ny + p.r1 * spin
     elastic, stiffness = elastic_force(law, depth)
     loss = elastic * p.damping / state[stepping.APPROACH]
@@ -228,9 +210,9 @@ def _joint(place, state, motion, system, acting, p, law, h):
         normal, tangential = found[0], found[5]
     else:  # with the forces of this step, which depend on it
         limit = 2 / sqrt(stiff)
-        fnx, fny = forces[last, 0] / mass, forces[last, 1] / mass
+        fnx, fny = room[FORCE_X, last] / mass, room[FORCE_Y, last] / mass
         rate += 0.5 * h * (fnx * nx + fny * ny)
-        sliding += 0.5 * h * (fny * nx - fnx * ny + p.r1 * moments[-1] / rotary)
+        sliding += 0.5 * h * (fny * nx - fnx * ny + p.r1 * moment / rotary)
         free_rate, free_sliding, both = rate, sliding, 0.5 * h * nx * ny / p.m3
         side = 1 / mass + ny * ny / p.m3 + p.r1**2 / rotary
         normal = tangential = 0.0
@@ -242,33 +224,12 @@ def _joint(place, state, motion, system, acting, p, law, h):
             factor, sliding = _resist(free_sliding + both * normal, grip, p.v0, p.v1)
             tangential = -p.friction * max(normal, 0.0) * factor
     fx, fy = normal * nx + tangential * ny, normal * ny - tangential * nx
-    forces[last, 0] -= fx
-    forces[last, 1] -= fy
-    moments[-1] += p.r1 * tangential
+    room[FORCE_X, last] -= fx
+    room[FORCE_Y, last] -= fy
+    room[MOMENT, last + 1] += p.r1 * tangential
     state[stepping.LOST_DAMPING] += h * (normal - elastic) * rate
     state[stepping.LOST_FRICTION] -= h * tangential * sliding
     return (normal, tangential, fx, fy), limit
-
-
-@compiled
-def _accelerate(motion, system, acting, end_mass, steady, h):
-    """Step the rates and return the kinetic energy at the middle of the step.
-
-    At constant crank speed, ``steady``, the crank's fixed end turns as it did.
-    """
-    masses, rotaries, (forces, moments) = system.masses, system.rotaries, acting
-    last, kinetic = len(masses) - 1, 0.0
-    for i in range(1, last + 1):
-        mass = end_mass if i == last else masses[i]
-        for n in range(1 if system.ideal and i == last else 2):
-            change = h * forces[i, n] / mass
-            kinetic += 0.5 * mass * (motion.rates[i, n] + 0.5 * change) ** 2
-            motion.rates[i, n] += change
-    for j in range(len(rotaries)):
-        change = 0.0 if steady and j == 0 else h * moments[j] / rotaries[j]
-        kinetic += 0.5 * rotaries[j] * (motion.spins[j] + 0.5 * change) ** 2
-        motion.spins[j] += change
-    return kinetic
 
 
 @compiled
@@ -280,90 +241,102 @@ def _drive(state, power, h):
 
 
 @compiled
-def _record(row, state, motion, system, acting, joint, p, h, strain, kinetic):
-    """Fill a row of output, after the step's rates and before its places."""
-    places, _, turns, spins, _ = motion
-    (_, moments), (place, forces, slider), pin = acting, joint, system.pin
-    last, turning, drive = len(places) - 1, moments[0] / system.rotaries[0], p.moment
-    if p.steady:
-        turning, drive = 0.0, -moments[0]
-    work = state[DRIVE_WORK] + p.moment * turns[0]
+def _energies(system, room):
+    """Kinetic energy of the links at the middle of the step, and their strain energy."""
+    w, last, kinetic, stored = room, system.last, 0.0, 0.0
     for i in range(1, last + 1):
-        work -= p.gravity * system.masses[i] * places[i, 1]
-    crank = turns[0], spins[0] - 0.5 * h * turning, turning, drive
-    along, across = places[last, 0] - places[pin, 0], places[last, 1] - places[pin, 1]
-    coupler = direction(across, along), spins[-1] - 0.5 * h * moments[-1] / system.rotaries[-1]
+        for k in range(2):
+            kinetic += 0.5 * system.bodies[k, i] * w[MIDDLE_U + k, i] ** 2
+    for j in range(last + 2):
+        kinetic += 0.5 * system.bodies[ROTARY, j] * w[MIDDLE_SPIN, j] ** 2
+    for e in range(last):
+        stretching = system.elements[AXIAL, e] * w[GROWTH, e] * w[GROWTH, e]
+        bending = w[MOMENT1, e] * w[BENT1, e], w[MOMENT2, e] * w[BENT2, e]
+        stored += 0.5 * (stretching + bending[0] + bending[1])
+    return kinetic, stored
+
+
+@compiled
+def _record(row, state, motion, system, room, joint, p, h):
+    """Fill a row of output, after the step's rates and before its places."""
+    m, (place, forces, slider), pin, last = motion, joint, system.pin, system.last
+    turning, drive = room[MOMENT, 0] / system.bodies[ROTARY, 0], p.moment
+    if p.steady:
+        turning, drive = 0.0, -room[MOMENT, 0]
+    kinetic, stored = _energies(system, room)
+    if not system.ideal:
+        kinetic += 0.5 * p.m3 * slider[1] * slider[1]
+    work = state[DRIVE_WORK] + p.moment * m[TURN, 0]
+    for i in range(1, last + 1):
+        work -= p.gravity * system.bodies[0, i] * m[Y, i]
+    crank = m[TURN, 0], m[SPIN, 0] - 0.5 * h * turning, turning, drive
+    change = 0.5 * h * room[MOMENT, last + 1] / system.bodies[ROTARY, last + 1]
+    angle = direction(m[Y, last] - m[Y, pin], m[X, last] - m[X, pin])
+    coupler = angle, m[SPIN, last + 1] - change
     lost = state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION]
-    energies = work, kinetic, strain, *lost
+    energies = work, kinetic, stored, *lost
     stepping.record(row, crank, slider, coupler, place, forces, energies)
 
 
 @compiled
-def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
-    """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending."""
-    places, rates, turns, spins, slide = motion
-    masses, ideal = system.masses, system.ideal
-    last, done = len(masses) - 1, 0
-    acting = forces, moments = np.zeros_like(places), np.zeros_like(turns)
-    end_mass = masses[last] + (p.m3 if ideal else 0.0)
+def advance(state, motion, slide, system, room, p, law, h, strides, rows, impacts, events):
+    """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending.
+
+    ``slide`` is (x, x') of the slider.
+    """
+    (elements, bodies, pin, last, _, ideal, _, _), done, m = system, 0, motion
     while done < len(rows):
         if int(state[stepping.IMPACTS]) == len(impacts):
             return done, stepping.FULL
         state[stepping.TIME] = state[stepping.STEPS] * h
-        forces[:, 0] = 0.0
-        forces[:, 1] = -p.gravity * masses
-        moments[:] = 0.0
-        moments[0] = p.moment
-        strain = _internal_forces(places, turns, system.elements, system.pin, forces, moments)
+        _internal_forces(m, elements, bodies, room, pin, last, p.moment)
         if p.steady:
-            _drive(state, -moments[0] * spins[0], h)
+            _drive(state, -room[MOMENT, 0] * m[SPIN, 0], h)
         place, found, event, largest = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), -1, False
         if ideal:
-            fx, fy = p.m3 / end_mass * forces[last, 0], forces[last, 1]
+            fx, fy = p.m3 / bodies[0, last] * room[FORCE_X, last], room[FORCE_Y, last]
             found = norm(fx, fy), 0.0, fx, fy
+            room[FORCE_Y, last] = 0.0
         else:
-            ex, ey = places[last, 0] - slide[0], places[last, 1]
+            ex, ey = m[X, last] - slide[0], m[Y, last]
             place = ex, ey, norm(ex, ey) - law.clearance
             if not place[2] <= p.clearance:
                 state[stepping.LIMIT] = p.clearance
                 return done, stepping.TOO_DEEP
             event = _follow_gap(state, impacts, place[2], h)
             if place[2] > 0:
-                found, limit = _joint(place, state, motion, system, acting, p, law, h)
+                found, limit = _joint(place, state, m, slide, system, room, p, law, h)
                 if h > limit and system.guarded:
                     state[stepping.LIMIT] = limit
                     return done, stepping.FAILED
                 largest = stepping.follow_impact(impacts, state, found[0], place[2])
         pull = found[2] / p.m3  # the slider's acceleration
-        kinetic = _accelerate(motion, system, acting, end_mass, p.steady > 0, h)
-        slide[1] = rates[last, 0] if ideal else slide[1] + h * pull
+        finite = _accelerate(m, bodies, room, p.steady > 0, h)
+        slide[1] = m[U, last] if ideal else slide[1] + h * pull
         speed = slide[1] - 0.5 * h * pull
-        if not ideal:
-            kinetic += 0.5 * p.m3 * speed * speed
-        if not kinetic < inf:
+        if not (finite and abs(speed) < inf):
             state[stepping.LIMIT] = 2 / system.frequency
             return done, stepping.FAILED
         joint = place, found, (slide[0], speed, pull)
         if event >= 0:
             row = stepping.event_row(events, state, event)
-            _record(row, state, motion, system, acting, joint, p, h, strain, kinetic)
+            _record(row, state, m, system, room, joint, p, h)
         if largest:
             row = stepping.event_row(events, state, stepping.PEAK)
-            _record(row, state, motion, system, acting, joint, p, h, strain, kinetic)
+            _record(row, state, m, system, room, joint, p, h)
         if int(state[stepping.STEPS]) % strides == 0:
-            _record(rows[done], state, motion, system, acting, joint, p, h, strain, kinetic)
+            _record(rows[done], state, m, system, room, joint, p, h)
             done += 1
-        places += h * rates
-        turns += h * spins
-        slide[0] = places[last, 0] if ideal else slide[0] + h * slide[1]
+        _move(m, bodies.shape[1], h)
+        slide[0] = m[X, last] if ideal else slide[0] + h * slide[1]
         state[stepping.STEPS] += 1
     return done, stepping.FINE
 
 
 def blocks(
     scene: Scene,
-    law: np.record,
-    times: NDArray[np.float64],
+    law: NDArray[np.float64],
+    times: list[NDArray[np.float64]],
     ideal: bool,
     step: float | None,
     elements: tuple[int, int],
@@ -378,25 +351,45 @@ def blocks(
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
     limit = 2 / frequency
-    checks.number("limit of stability", limit, "s", least=1e-10 * times[-1])
+    checks.number("limit of stability", limit, "s", least=1e-10 * times[-1][-1])
     if step is None:
         step = 1 / frequency if ideal else usual_step(scene, law, elements)
     strides, h = stepping.divide(times, step)
     if h > limit and method != "unguarded":
         raise ValueError(f"step must be <= {limit:.4g} s, the limit of stability, got {step:.4g} s")
-    how = {"lagged": method != "centred", "guarded": method != "unguarded"}
-    system = System(**vars(frame), frequency=frequency, ideal=ideal, **how)
-    motion, state, p = _start(scene, frame, ideal, h), np.zeros(stepping.STATE), scene.constants()
+    rows, bodies = _rows(scene, frame, ideal)
+    lagged, guarded, last = method != "centred", method != "unguarded", len(frame.elements)
+    system = System(rows, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
+    motion, slide = _start(scene, frame, ideal, h)
+    room, state, p = (
+        np.zeros((MIDDLE_SPIN + 1, motion.shape[1])),
+        np.zeros(stepping.STATE),
+        scene.constants(),
+    )
     state[stepping.STEP] = h
-    ball, slide = motion.places[-1], motion.slide
-    state[GAP] = norm(ball[0] - slide[0], ball[1]) - scene.clearance
-    loop = partial(advance, state, motion, system, p, law, h, strides)
+    state[GAP] = norm(motion[X, system.last] - slide[0], motion[Y, system.last]) - scene.clearance
+    loop = partial(advance, state, motion, slide, system, room, p, law, h, strides)
     failure = "the step must stay <= {:.4g} s, the limit of stability"
     return stepping.advance_in_blocks(loop, times, state, failure)
 
 
+def _filled(rows, values, more=0):
+    """Rows of numbers, with their values behind, to whole vectors and ``more`` numbers."""
+    size = LANES * ceil(max(map(len, rows)) / LANES) + more
+    pairs = zip(rows, values, strict=True)
+    return np.array([np.pad(row, (0, size - len(row)), constant_values=v) for row, v in pairs])
+
+
+def _rows(scene, frame, ideal):
+    """Elements and bodies of a `System`."""
+    masses, weights = frame.masses.copy(), -scene.gravity * frame.masses
+    masses[-1] += scene.slider_mass if ideal else 0.0
+    bodies = _filled([masses, masses, frame.rotaries, weights], (1.0, 1.0, 1.0, 0.0))
+    return _filled(frame.elements.T, (1.0, 0.0, 0.0, 0.0)), bodies
+
+
 def _start(scene, frame, ideal, h):
-    """Motion at t = 0, the joints at rest: rates of half a step earlier by the accelerations then.
+    """Motion and slide at t = 0, the joints at rest; rates are of half a step before it.
 
     The links are straight, so that only gravity and the drive's moment accelerate them. They are
     unstrained too: a link that turns then stretches, and rings axially at first.
@@ -416,4 +409,6 @@ def _start(scene, frame, ideal, h):
         spins[0] -= h / 2 * scene.driving_moment / frame.rotaries[0]
     rates[1:, 1] += h / 2 * scene.gravity
     rates[-1, 1] = 0.0 if ideal else h / 2 * scene.gravity  # the ball is at rest in its socket
-    return Motion(places, rates, turns, spins, slide)
+    motion = _filled([*places.T, turns, *rates.T, spins], [0.0] * 6, LANES)
+    motion[X, particles:] = 1 + np.arange(motion.shape[1] - particles)  # no two at one place
+    return motion, slide

@@ -27,6 +27,8 @@ class Notebook:
         Name of each figure -> what to conclude from it, in one sentence without numbers.
     reads
         Results of other notebooks whose numbers it reads.
+    long
+        Whether it takes longer than most, so that it is to begin first.
     """
 
     name: str
@@ -34,6 +36,7 @@ class Notebook:
     tables: dict[str, str] = field(default_factory=dict)
     tells: dict[str, str] = field(default_factory=dict)
     reads: list[str] = field(default_factory=list)
+    long: bool = False
 
     @property
     def path(self) -> Path:

@@ -1,18 +1,13 @@
 """Notebooks executed by papermill: their parameters checked, the stale ones as tasks, one alone.
 
-A notebook is executed in a process and with folders of its own, and nothing of the process that
-asks is changed, so that several threads may execute notebooks at the same time. As a program this
-module is that process.
+A notebook is executed in a kernel with folders of its own (`study.pages.kernel`), and nothing of
+the process that asks is changed, so that several threads may execute notebooks at the same time.
 """
 
 import ast
 import json
 import os
 import re
-import subprocess
-import sys
-import threading
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from study import checks, paths
@@ -37,11 +32,24 @@ def parameters(notebook: "Notebook") -> dict[str, tuple[Any, str]]:
 
     A comment ends with the values allowed: ``[20 to 10000]`` for a number or each of a list,
     ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``.
-    """
-    import papermill
 
-    found = papermill.inspect_notebook(str(notebook.path)).items()
-    return {name: (ast.literal_eval(entry["default"]), entry["help"]) for name, entry in found}
+    Raises
+    ------
+    NotebookError
+        For a file that is no notebook, or has anything but such lines in that cell.
+    """
+    found = {}
+    try:
+        cells = json.loads(notebook.path.read_text(encoding="utf-8"))["cells"]
+        (cell,) = (cell for cell in cells if "parameters" in cell["metadata"].get("tags", ()))
+        source = "".join(cell["source"])
+        for line in ast.parse(source).body:
+            after = source.splitlines()[line.end_lineno - 1].encode()[line.end_col_offset :]
+            comment = after.decode().strip(" #")
+            found[line.targets[0].id] = (ast.literal_eval(line.value), comment)
+    except (ValueError, KeyError, AttributeError, SyntaxError) as error:
+        raise NotebookError(f"{notebook.name}: its parameters cannot be read ({error})") from None
+    return found
 
 
 def explained(notebook: "Notebook") -> list[tuple[str, str, str, str]]:
@@ -137,6 +145,8 @@ def run(
         if not notebook.path.is_file():
             raise NotebookError(f"notebooks/{notebook.path.name} is missing")
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
+    if len(notebooks) == 1 and not notebooks[0].reads:
+        options["jobs"] = 1  # a worker would only have to start
     selected = "task_report" if report else " or ".join(f"[{nb.name}]" for nb in notebooks)
     built = tasks.build([paths.NOTEBOOKS, *([paths.PAPER] if report else [])], selected, **options)
     if built.outcomes:
@@ -187,7 +197,7 @@ def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
         results, executed = work / "results", work / notebook.path.name
         results.mkdir()
         try:
-            _execute_in_a_child(notebook, executed, settings, folder, results)
+            _execute(notebook, executed, settings, folder, results)
         finally:
             if executed.is_file():
                 paths.copy(executed, notebook.executed)
@@ -201,61 +211,25 @@ def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
         kept.place(results, notebook.files())
 
 
-def _execute_in_a_child(notebook, executed, settings, folder, results):
-    """Run this module as a program, which ends when this process does."""
-    command = [sys.executable, "-m", "study.pages.execute", str(notebook.path), str(executed)]
-    environment = os.environ | {
-        paths.RESULTS_VARIABLE: str(results),
-        "PYTHONPATH": os.pathsep.join([str(paths.ROOT), os.environ.get("PYTHONPATH", "")]),
-        "PYTHONUTF8": "1",
-        # kernels run side by side: with threads of their own they would wait for each other
-        "OMP_NUM_THREADS": "1",
-        "OPENBLAS_NUM_THREADS": "1",
-        # what a user keeps in the home folder does not change a result
-        "IPYTHONDIR": str(folder / "ipython"),
-        "JUPYTER_CONFIG_DIR": str(folder / "config"),
-        "JUPYTER_DATA_DIR": str(folder / "data"),
-        "JUPYTER_RUNTIME_DIR": str(folder / "runtime"),
-    }
-    ours, held = os.pipe()  # the child reads from it until this process closes it, or is killed
-    with open(ours), open(held, "w"):
-        command += [json.dumps(settings), str(folder)]
-        child = subprocess.run(
-            command, stdin=ours, capture_output=True, cwd=folder, env=environment
-        )
-    if child.returncode != 0:
-        out, err = (text.decode(errors="replace") for text in (child.stdout, child.stderr))
-        said = " ".join(err.split()[-40:]) or f"ended with status {child.returncode}"
-        raise NotebookError(notebook.name + (out or f": {said}"))
-
-
-def main(path: str, executed: str, settings: str, folder: str) -> int:
-    """Execute a notebook in this process; say what failed, and return the exit status."""
-    import nbformat
+def _execute(notebook, executed, settings, folder, results):
+    """Execute the notebook in a kernel of its own."""
     import papermill
-    from traitlets.config import Config
+    from nbformat.reader import NotJSONError
 
-    threading.Thread(target=_end_with_the_parent, daemon=True).start()
-    config = Config()
-    if os.name == "posix":  # not ports: kernels started at the same time may take the same ones
-        config.KernelManager.transport = "ipc"
-        config.KernelManager.ip = str(Path(folder, "socket"))
+    from study.pages.kernel import Kernel, configuration
+
     try:
-        options = {"kernel_name": "python3", "progress_bar": False, "config": config}
-        papermill.execute_notebook(path, executed, parameters=json.loads(settings), **options)
+        papermill.execute_notebook(
+            notebook.path,
+            executed,
+            parameters=settings,
+            kernel_name="python3",
+            progress_bar=False,
+            kernel_manager_class=Kernel,
+            config=configuration(folder, results),
+        )
     except papermill.PapermillExecutionError as error:
-        print(f", cell In[{error.exec_count}]: {error.ename}: {error.evalue}", end="")
-        return 1
-    except nbformat.reader.NotJSONError:
-        print(": the file is no notebook", end="")
-        return 1
-    return 0
-
-
-def _end_with_the_parent():
-    os.read(sys.stdin.fileno(), 1)  # returns when the parent closes its end, or has ended
-    os._exit(1)
-
-
-if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+        where = f"cell In[{error.exec_count}]: {error.ename}: {error.evalue}"
+        raise NotebookError(f"{notebook.name}, {where}") from None
+    except NotJSONError:
+        raise NotebookError(f"{notebook.name}: the file is no notebook") from None

@@ -15,6 +15,7 @@ from _pytask.pluginmanager import get_plugin_manager
 from loky import cpu_count, get_reusable_executor
 from pytask import TaskOutcome
 from pytask_parallel import backends
+from pytask_parallel import execute as parallel
 
 from study import checks, paths
 from study.checks import StudyError
@@ -42,6 +43,8 @@ pytask_build.get_plugin_manager = _plugins
 # loky ends idle workers after 10 s. A build was seen to wait for ever once all of them had ended,
 # though a task was left: so they stay.
 backends.get_reusable_executor = partial(get_reusable_executor, timeout=None)
+# It looks for finished tasks less and less often, once a second in the end: a core waits as long.
+parallel._Sleeper = partial(parallel._Sleeper, timings=[0.02])
 
 
 class Built(NamedTuple):

@@ -61,7 +61,6 @@ SCENES = {
 }
 COLUMNS = {"joints": CURVES, "joints with dimensions": SIZED, "scenes": SCENES}
 """What is told of a case, by what it is: column -> unit and meaning."""
-
 _LONG = 1.0  # s after which a process returns what it has; the rest is given out again
 
 
@@ -86,7 +85,7 @@ def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
         If there are none, for a file that is no CSV text, or a row of another length.
     """
     if not isinstance(cases, Path):
-        found = [{str(name): _text(value) for name, value in case.items()} for case in cases]
+        found = [_texts(case) for case in cases]
     else:
         try:
             lines = cases.read_text(encoding="utf-8-sig")
@@ -107,12 +106,18 @@ def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
     return [{name: text for name, text in case.items() if text} for case in found]
 
 
+def _texts(case):
+    if not isinstance(case, Mapping):
+        shown = checks.shown(case)
+        raise ValueError(f"each of cases must be a mapping of columns to values, got {shown}")
+    return {str(name): _text(value) for name, value in case.items()}
+
+
 def _text(value):
-    """A cell's text of a value in Python."""
-    if value is None or value != value:  # a missing value of pandas
-        return ""
-    several = isinstance(value, list | tuple | np.ndarray)
-    return ";".join(map(str, value)) if several else str(value)
+    """A cell's text of a value in Python; a list is of several values, a tuple is one."""
+    if isinstance(value, list | tuple | np.ndarray):
+        return ("," if isinstance(value, tuple) else ";").join(map(_text, value))
+    return "" if value is None or value != value else str(value)  # NaN: missing, in pandas
 
 
 def random_cases(count: int, ranges: Mapping[str, str], seed: int = 0) -> list[Case]:
@@ -160,25 +165,26 @@ def checked(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
     """
     checks.choice("kind", kind, ("joints", "scenes"))
     columns = list(dict.fromkeys(name for case in cases for name in case))
-    form = kind
+    form: str = kind
     if kind == "joints" and "r2_star" not in columns:
         form = "joints with dimensions"
     reads, needed, _ = FORMS[form]
     for column in columns:
         checks.choice("column", column, [NAME, *reads])
-    bodies, names = [], {}
+    bodies: list[str] = []
+    names: dict[str, int] = {}
     for row, case in enumerate(cases, 1):
         try:
-            for name in needed:
-                if name not in case:
-                    other = ", or r2_star" if form == "joints with dimensions" else ""
-                    raise ValueError(f"{name} must be given{other}")
+            if missing := [column for column in needed if column not in case]:
+                other = ", or r2_star" if form == "joints with dimensions" else ""
+                raise ValueError(f"{missing[0]} must be given{other}")
             bodies.append(_solver(form, case)[0])
         except ValueError as error:
             raise ValueError(f"row {row}: {error}") from None
-        before = names.setdefault(case.get(NAME, row), row)
+        name = case.get(NAME, str(row))
+        before = names.setdefault(name, row)
         if before != row:
-            twice = f"got {case[NAME]!r} in row {before} too"
+            twice = f"got {name!r} in row {before} too"
             raise ValueError(f"row {row}: {NAME} must be another name in each row, {twice}")
     return form, bodies
 
@@ -312,7 +318,7 @@ def _simulated(scene: Scene, run: Callable[[], Response]) -> Told:
     if not response.complete:
         raise KeyboardInterrupt
     impacts = dict(zip(IMPACT_COLUMNS, response.impact_rows.T, strict=True))
-    deviation = np.abs(response.slider_position - ideal_position(scene, response))
+    deviation = np.abs(response.slider_position - _ideal_position(scene, response))
     return {
         "impacts": len(response.impact_rows),
         "largest_depth": impacts["peak_depth"].max(initial=0.0),
@@ -325,7 +331,7 @@ def _simulated(scene: Scene, run: Callable[[], Response]) -> Told:
     }
 
 
-def ideal_position(scene: Scene, response: Response) -> np.ndarray:
+def _ideal_position(scene: Scene, response: Response) -> np.ndarray:
     """Where the slider is at each crank angle of a response with ideal joints, in m."""
     angle, crank, coupler = response.crank_angle, scene.crank_length, scene.coupler_length
     return crank * np.cos(angle) + np.sqrt(coupler**2 - (crank * np.sin(angle)) ** 2)

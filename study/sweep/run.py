@@ -8,8 +8,10 @@ the order of the cases: the same bytes whatever the number of processes.
 import csv
 import hashlib
 import json
+import os
 import signal
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, wait
@@ -27,22 +29,25 @@ from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind, Rows
 
 _TASK = 16  # cases that a process is given at once, at most: neighbours share bodies
 _AHEAD = 2  # tasks for each process that are waiting or running
-_IDLE = 30  # s after which a process ends that waits for nothing, as after a kill of its runner
 _PACKAGES = ("numpy", "scipy", "numba", "scikit-fem")
 
 
 class Swept(NamedTuple):
-    """Numbers of cases and of rows in the table, and why cases failed, by number or name."""
+    """Numbers of cases and of rows in the table, columns of results and why cases failed.
+
+    ``columns`` has the unit and the meaning of each, ``failures`` the cases by number or name.
+    """
 
     cases: int
     rows: int
+    columns: dict[str, tuple[str, str]]
     failures: dict[str, str]
 
 
 def sweep(
-    cases: Path | Iterable[Mapping[str, Any]],
+    cases: str | Path | Iterable[Mapping[str, Any]],
     kind: Kind,
-    output: Path,
+    output: str | Path,
     *,
     jobs: int | None = None,
     dask_address: str | None = None,
@@ -58,9 +63,10 @@ def sweep(
     Parameters
     ----------
     cases
-        CSV file with a row per case, or mappings of its columns: the options of study joint, or
-        those of study simulate and the parameters of the scene, and perhaps ``case``, a name.
-        Several depths, forces, layers or liners of a case are separated by semicolons.
+        CSV file with a row per case, or mappings of its columns, as a table's
+        ``to_dict("records")``: the options of study joint, or those of study simulate and the
+        parameters of the scene, and perhaps ``case``, a name. Several depths, forces, layers or
+        liners of a case are separated by semicolons, or a list.
     kind
         ``joints`` or ``scenes``.
     output
@@ -84,6 +90,8 @@ def sweep(
     """
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
+    cases = Path(cases) if isinstance(cases, str) else cases
+    output = Path(output)
     found = of_cases.load(cases)
     form, bodies = of_cases.checked(kind, found)
     code = _code()
@@ -102,9 +110,10 @@ def sweep(
         names = [case.get(NAME, str(row)) for row, case in enumerate(found, 1)]
         count = _write(output, form, found, names, map(done.rows, keys))
         failures = done.failures
-    part.unlink()
+    part.unlink(missing_ok=True)
     pairs = zip(names, keys, strict=True)
-    return Swept(len(found), count, {n: failures[key] for n, key in pairs if key in failures})
+    failed = {name: failures[key] for name, key in pairs if key in failures}
+    return Swept(len(found), count, COLUMNS[form], failed)
 
 
 def _code() -> str:
@@ -113,7 +122,7 @@ def _code() -> str:
 
     files = provenance.inputs(Path(of_cases.__file__))
     packages = {package: version(package) for package in _PACKAGES}
-    return json.dumps([provenance.digests(files), packages])
+    return _digest(json.dumps([provenance.digests(files), packages]))
 
 
 def _key(code: str, form: str, case: Case) -> str:
@@ -134,7 +143,9 @@ class _Part:
     """
 
     def __init__(self, path: Path, keys: set[str]):
-        self.keys, self.places, self.failures = keys, {}, {}
+        self.keys, self._path = keys, path
+        self.places: dict[str, int] = {}
+        self.failures: dict[str, str] = {}
         self._file = path.open("a+b")
         self._file.seek(0)
         place, line = 0, b"\n"
@@ -151,6 +162,8 @@ class _Part:
 
     def __exit__(self, *_):
         self._file.close()
+        if not self.places:  # nothing to go on with
+            self._path.unlink(missing_ok=True)
 
     def add(self, key: str, rows: Rows) -> None:
         """Append a case, at once."""
@@ -190,7 +203,9 @@ def _write(output, form, found, names, rows):
     return count
 
 
-def _solved(form, todo, jobs, dask_address) -> Iterator[tuple[str, Rows]]:
+def _solved(
+    form: str, todo: list[tuple[str, Case]], jobs: int | None, dask_address: str | None
+) -> Iterator[tuple[str, Rows]]:
     """Keys and rows of cases, as they are finished; neighbours are solved by the same process."""
     count = min(jobs or cpu_count(), len(todo))
     if dask_address is None and count < 2:  # here, without the start of a process
@@ -222,7 +237,7 @@ def _solved(form, todo, jobs, dask_address) -> Iterator[tuple[str, Rows]]:
 
 
 @contextmanager
-def _workers(count, dask_address) -> Iterator[tuple[Executor, int]]:
+def _workers(count: int, dask_address: str | None) -> Iterator[tuple[Executor, int]]:
     """What runs functions, and how many at once; stopped if the study is."""
     if dask_address is not None:
         from study.pages.tasks import dask_client
@@ -230,13 +245,24 @@ def _workers(count, dask_address) -> Iterator[tuple[Executor, int]]:
         with dask_client(dask_address) as client:
             yield client.get_executor(pure=False), sum(client.nthreads().values())
         return
-    executor = ProcessPoolExecutor(count, timeout=_IDLE)
+    executor = ProcessPoolExecutor(count, initializer=_end_with, initargs=(os.getpid(),))
     finished = False
     try:
         yield executor, count
         finished = True
     finally:
         executor.shutdown(kill_workers=not finished)
+
+
+def _end_with(runner):
+    """End this process soon after its runner, which may be killed: nobody else would."""
+
+    def watch():
+        while os.getppid() == runner:
+            time.sleep(1)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 @contextmanager

@@ -92,13 +92,13 @@ def slider_acceleration(
     """
     checks.choice("coordinates", coordinates, get_args(Coordinates))
     checks.number("tolerance", tolerance, above=0, scalar=True)
-    if law[0] != 0:
-        raise ValueError(f"law must be Hertz's, packed, got shape {law[0]:g}")
+    if law.shape_index != 0:
+        raise ValueError(f"law must be Hertz's, packed, got shape {law.shape_index}")
     start, scales = explicit.start_of(scene), np.array(SCALES[coordinates])
     how: list[Any] = [duration, outputs, RELATIVE * tolerance, tolerance * scales, NEWTON, ORDER]
     constants, found = np.array(scene.constants()), np.empty(outputs)
     run = _library()
-    status = run(constants, law[2], start, coordinates == "contact", *how, found)
+    status = run(constants, law.scale, start, coordinates == "contact", *how, found)
     if status < 0:
         raise checks.StudyError(f"CVODE failed with status {status} (cvode.h) at {tolerance:g}")
     return found

@@ -11,6 +11,51 @@ from study.contact.forces import pack
 from study.mechanism import Scene
 
 
+def check(scene: Scene) -> None:
+    """Raise ``ValueError`` for a scene that has what no system here has, or starts otherwise."""
+    scene.has_none_of("gravity", "initial_eccentricity", "initial_crank_angle")
+    scene.has_none_of("initial_crank_speed", "crank_speed", "crank_clearance")
+
+
+def slide(system: Any, node: int) -> None:
+    """Keep the slider's node on the slide, unturned."""
+    from exudyn import itemInterface as item  # noqa: N813
+
+    fixed = system.AddNode(item.NodePointGround())
+    fixed = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=fixed, coordinate=0))
+    for coordinate in (1, 2):
+        own = item.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate)
+        pair = [fixed, system.AddMarker(own)]
+        system.AddObject(item.ObjectConnectorCoordinate(markerNumbers=pair))
+
+
+def contact(system: Any, scene: Scene, ball: int, socket: int) -> int:
+    """Exudyn's own contact of a sphere in a sphere between two markers, with Hertz's law.
+
+    Its restitution is set so that its damping is that of Lankarani and Nikravesh.
+    """
+    from exudyn import itemInterface as item  # noqa: N813
+
+    s, law = scene, pack("hertz", scene.ball_radius, scene.socket_radius, scene.composite_modulus)
+    start = [s.clearance, 0, 0, 0]  # the gap must start positive, or the first impact is missed
+    data = item.NodeGenericData(initialCoordinates=start, numberOfDataCoordinates=4)
+    return system.AddObject(
+        item.ObjectContactSphereSphere(
+            markerNumbers=[ball, socket],
+            nodeNumber=system.AddNode(data),
+            spheresRadii=[s.ball_radius, s.socket_radius],
+            isHollowSphere1=True,
+            contactStiffness=law.scale / s.clearance**1.5,
+            contactStiffnessExponent=1.5,
+            impactModel=1,
+            restitutionCoefficient=1 - (1 - s.restitution**2) / 2,
+            contactDamping=0.0,
+            dynamicFriction=s.friction,
+            frictionProportionalZone=s.full_speed,
+        )
+    )
+
+
 def links(scene: Scene) -> tuple[Any, Callable[[str, float], int], int]:
     """Exudyn's system of crank, coupler and slider with its drive, all but the clearance joint.
 
@@ -22,8 +67,7 @@ def links(scene: Scene) -> tuple[Any, Callable[[str, float], int], int]:
     import exudyn as exu
     from exudyn import itemInterface as item  # noqa: N813
 
-    scene.has_none_of("gravity", "initial_eccentricity", "initial_crank_angle")
-    scene.has_none_of("initial_crank_speed", "crank_speed", "crank_clearance")
+    check(scene)
     s, system = scene, exu.SystemContainer().AddSystem()
     ground = system.AddObject(item.ObjectGround())
     bodies = {}
@@ -44,12 +88,7 @@ def links(scene: Scene) -> tuple[Any, Callable[[str, float], int], int]:
     for pair in (("ground", 0, "crank", -half[0]), ("crank", half[0], "coupler", -half[1])):
         markers = [at(*pair[:2]), at(*pair[2:])]
         system.AddObject(item.ObjectJointRevolute2D(markerNumbers=markers))
-    fixed = system.AddNode(item.NodePointGround())
-    fixed = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=fixed, coordinate=0))
-    for coordinate in (1, 2):
-        own = item.MarkerNodeCoordinate(nodeNumber=bodies["slider"][0], coordinate=coordinate)
-        pair = [fixed, system.AddMarker(own)]
-        system.AddObject(item.ObjectConnectorCoordinate(markerNumbers=pair))
+    slide(system, bodies["slider"][0])
     torque = [0, 0, s.driving_moment]
     system.AddLoad(item.LoadTorqueVector(markerNumber=at("crank", 0), loadVector=torque))
     return system, at, bodies["slider"][0]
@@ -106,30 +145,11 @@ def slider_acceleration(
 ) -> NDArray[np.float64]:
     """Slider's acceleration at equally spaced times after the start, in m/s^2.
 
-    With Exudyn's own contact of a sphere in a sphere and Hertz's law; its restitution is set so
-    that its damping is that of Lankarani and Nikravesh, which the scene must have. Duration and
+    With Exudyn's own `contact`, whose damping is that which the scene must have. Duration and
     step in s.
     """
-    from exudyn import itemInterface as item  # noqa: N813
-
-    s, (system, at, slider) = scene, links(scene)
-    law = pack("hertz", s.ball_radius, s.socket_radius, s.composite_modulus)
-    start = [s.clearance, 0, 0, 0]  # the gap must start positive, or the first impact is missed
-    data = item.NodeGenericData(initialCoordinates=start, numberOfDataCoordinates=4)
-    contact = item.ObjectContactSphereSphere(
-        markerNumbers=[at("coupler", s.coupler_length / 2), at("slider", 0)],
-        nodeNumber=system.AddNode(data),
-        spheresRadii=[s.ball_radius, s.socket_radius],
-        isHollowSphere1=True,
-        contactStiffness=law.scale / s.clearance**1.5,
-        contactStiffnessExponent=1.5,
-        impactModel=1,
-        restitutionCoefficient=1 - (1 - s.restitution**2) / 2,
-        contactDamping=0.0,
-        dynamicFriction=s.friction,
-        frictionProportionalZone=s.full_speed,
-    )
-    system.AddObject(contact)
+    system, at, slider = links(scene)
+    contact(system, scene, at("coupler", scene.coupler_length / 2), at("slider", 0))
     stored = sensor(system, slider, "Acceleration")
     system.Assemble()
     system.SolveDynamic(integration(duration, step, duration / outputs))

@@ -5,8 +5,10 @@ from types import GenericAlias
 
 import numpy as np
 from docutils import nodes
+from jinja2.sandbox import SandboxedEnvironment
 from latex2mathml.converter import convert
 from numpy.typing import ArrayLike, NDArray
+from numpydoc import docscrape_sphinx
 from sphinx.domains import Domain
 from sphinx.util.typing import stringify_annotation
 
@@ -42,6 +44,10 @@ class Places(Domain):
 
 def setup(app):
     """Register all of it."""
+    kept = {}  # numpydoc would compile its template anew for each docstring
+    docscrape_sphinx.SandboxedEnvironment = lambda loader: kept.setdefault(
+        "environment", SandboxedEnvironment(loader=loader)
+    )
     app.add_config_value("report_places", [], "env", list)
     app.add_domain(Places)
     app.add_html_math_renderer("mathml", (_formula("inline"), None), (_formula("block"), None))

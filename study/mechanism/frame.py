@@ -1,0 +1,78 @@
+"""The frame of crank and coupler as particles with frame elements between them, laid out on +x.
+
+How both links' mass is lumped, their elements' stiffness, and the highest natural frequency, which
+limits an explicit step. `particles` steps it.
+"""
+
+from math import sqrt
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from study.mechanism.scene import Link, Scene
+
+
+def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Particles of one link: masses in kg, rotary inertias of the half elements at each in kg m^2.
+
+    With two or more elements a little of each end's mass goes to its neighbour, so that mass,
+    centre and moment of inertia of the link are exact: stiff links then move as the rigid ones
+    at any number of elements. A single element has its mass at its ends, and too much inertia.
+    """
+    length = link.length / elements
+    halves = np.full(elements + 1, 2.0)
+    halves[[0, -1]] = 1.0
+    masses = halves / 2
+    if elements > 1:
+        shift = elements / (8 * (elements - 1))
+        masses[[0, -1]] -= shift
+        masses[1] += shift
+        masses[-2] += shift
+    rotary = link.mass_per_length * length**3 / 24 + link.rotary_per_length * length / 2
+    return link.mass_per_length * length * masses, rotary * halves
+
+
+class Frame:
+    """Particles and elements of both links, laid out on +x.
+
+    Particle 0 is the crank's fixed end, ``pin`` the one that both links share, the last one
+    the ball. Rotations are counted per link, so that the pin has two. A row of ``elements`` has
+    length (m), axial stiffness (N/m), and the bending stiffnesses that tie the moment at an end
+    to the rotations of the near and the far end (N m).
+    """
+
+    def __init__(self, scene: Scene, elements: tuple[int, int]) -> None:
+        links, rows = (scene.link("crank"), scene.link("coupler")), []
+        for link, n in zip(links, elements, strict=True):
+            length = link.length / n
+            shear = 12 * link.bending / (link.shear * length**2)
+            bending = link.bending / (length * (1 + shear))
+            row = length, link.axial / length, (4 + shear) * bending, (2 - shear) * bending
+            rows += [row] * n
+        self.elements = np.array(rows)
+        (m1, j1), (m2, j2) = (lump(link, n) for link, n in zip(links, elements, strict=True))
+        self.pin = elements[0]
+        self.masses = np.concatenate([m1[:-1], [m1[-1] + m2[0]], m2[1:]])
+        self.rotaries = np.concatenate([j1, j2])
+
+    def highest_frequency(self, end_mass: float, held: bool) -> float:
+        """Highest natural frequency of the straight frame, in rad/s.
+
+        ``end_mass``, in kg, is added to the last particle along the slide, where it is ``held``.
+        """
+        turns, size = 2 * len(self.masses), 3 * len(self.masses) + 1
+        stiffness, mass = np.zeros((size, size)), np.zeros(size)
+        for e, (length, axial, near, far) in enumerate(self.elements):
+            along, turn = [2 * e, 2 * e + 2], turns + e + (e >= self.pin)
+            bent = [2 * e + 1, 2 * e + 3, turn, turn + 1]
+            strain = np.array([[1 / length, -1 / length, 1, 0], [1 / length, -1 / length, 0, 1]])
+            stiffness[np.ix_(along, along)] += axial * np.array([[1, -1], [-1, 1]])
+            stiffness[np.ix_(bent, bent)] += strain.T @ [[near, far], [far, near]] @ strain
+        mass[:turns] = np.repeat(self.masses, 2)
+        mass[turns:] = self.rotaries
+        mass[turns - 2] += end_mass
+        free = np.delete(np.arange(size), [0, 1, turns - 1] if held else [0, 1])
+        root = np.sqrt(mass[free])
+        scaled = stiffness[np.ix_(free, free)] / np.outer(root, root)
+        return sqrt(scipy.linalg.eigvalsh(scaled)[-1])

@@ -1,0 +1,57 @@
+"""``make setup``: the locked packages by uv or pip, by programs that only note their calls."""
+
+import os
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from study import paths
+from study.compiled import CACHE
+from study.mechanism import simulate, warm
+
+LOCKED = "--no-deps --require-hashes --requirement requirements.lock"
+ITSELF = "--no-deps --no-index --no-build-isolation --editable ."
+UV = "uv pip install --quiet --python .venv/bin/python"
+PIP = "python -m pip install --quiet --disable-pip-version-check --no-compile"
+NOTED = '#!/bin/sh\necho "$(basename "$0") $*" >> called\n'
+MADE = 'case "$*" in *"-m venv"*) mkdir -p .venv/bin; cp "$0" .venv/bin/python;; esac\n'
+
+
+@pytest.mark.parametrize(
+    ("status", "installed"),
+    [
+        (0, [f"{UV} {LOCKED}", f"{UV} {ITSELF}"]),
+        (1, [f"{UV} {LOCKED}", f"{PIP} {LOCKED}", f"{UV} {ITSELF}", f"{PIP} {ITSELF}"]),
+    ],
+    ids=["uv", "pip"],
+)
+def test_the_lock_is_installed_by_uv_or_else_by_pip(tmp_path, status, installed):
+    for name in ("Makefile", "requirements.lock", "pyproject.toml"):
+        shutil.copy(paths.ROOT / name, tmp_path)
+    for name, does in (("python", MADE), ("uv", f"exit {status}\n")):
+        (tmp_path / name).write_text(NOTED + does)
+        (tmp_path / name).chmod(0o755)
+    path = os.pathsep.join([str(tmp_path), os.environ["PATH"]])
+    command = ["make", "setup", f"PYTHON={tmp_path / 'python'}"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env=os.environ | {"PATH": path}, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    called = (tmp_path / "called").read_text().splitlines()
+    assert [line for line in called if " install " in line] == installed
+    assert called[-1] == "python -m study.mechanism.warm"
+    assert (tmp_path / ".venv/.ready").is_file()
+
+
+def test_simulations_of_every_kind_need_no_more_than_set_up_compiles(capsys):
+    warm.main()
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == len(warm.KINDS)
+    for line in lines:
+        assert re.fullmatch(r"Compiling [a-z ]+, once ... \d+\.\d s", line)
+    compiled = set(CACHE.rglob("*.nbc"))
+    for scene, model in warm.KINDS.values():
+        simulate(scene, model=model, law="stiffened_hertz", duration=2e-3, outputs=10)
+    assert set(CACHE.rglob("*.nbc")) == compiled
