@@ -79,7 +79,12 @@ def oscillator(scene: Scene, law: str, state: ArrayLike) -> dict[str, float]:
     mass = 1 / rigid.compliance(state[0], state[2], nx, ny, 0.0, p)
     force, stiffness = elastic_force(numbers, reach - numbers.clearance)
     frequency = sqrt(stiffness / mass)
-    return {"depth": reach - numbers.clearance, "force": force, "mass": mass, "frequency": frequency}
+    return {
+        "depth": reach - numbers.clearance,
+        "force": force,
+        "mass": mass,
+        "frequency": frequency,
+    }
 
 
 def _amplification(scheme, w, g):

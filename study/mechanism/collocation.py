@@ -26,9 +26,7 @@ ORDER = STAGES + 1
 
 def _legendre(degree):
     """Coefficients of Legendre's polynomial on (0, 1), from the lowest power."""
-    return [
-        (-1) ** (degree + k) * comb(degree, k) * comb(degree + k, k) for k in range(degree + 1)
-    ]
+    return [(-1) ** (degree + k) * comb(degree, k) * comb(degree + k, k) for k in range(degree + 1)]
 
 
 def _value(coefficients, x):
@@ -89,11 +87,16 @@ def _eigenvectors(matrix):
 
 _EXACT = [Fraction(x) for x in _points()]
 _MATRIX = _integrals(_EXACT)
-_SQUARE = [[sum(a * b for a, b in zip(row, c, strict=True)) for c in zip(*_MATRIX, strict=True)] for row in _MATRIX]
+_SQUARE = [
+    [sum(a * b for a, b in zip(row, c, strict=True)) for c in zip(*_MATRIX, strict=True)]
+    for row in _MATRIX
+]
 POINTS = np.array([float(x) for x in _EXACT])
 RATE, PLACE = np.array(_MATRIX, dtype=float), np.array(_SQUARE, dtype=float)
 """Weights of the accelerations at the points in the change of rates and places up to each point."""
-(REAL, REAL_VECTOR, REAL_INVERSE), (COMPLEX, COMPLEX_VECTORS, COMPLEX_INVERSES) = _eigenvectors(RATE)
+(REAL, REAL_VECTOR, REAL_INVERSE), (COMPLEX, COMPLEX_VECTORS, COMPLEX_INVERSES) = _eigenvectors(
+    RATE
+)
 _WITH_START = _polynomials([Fraction(0), *_EXACT])
 SHARES = 1 / np.arange(1.0, STAGES + 3)
 MONOMIALS = np.array(list(zip(*_WITH_START, strict=True)), dtype=float)
@@ -105,8 +108,7 @@ def _lower_order():
     gamma = Fraction(REAL)
     # it integrates 1, x, x^2, ...: weights of Lagrange's polynomials on (0, 1), less gamma at 0
     weights = [
-        sum(c / (k + 1) for k, c in enumerate(one)) - gamma * one[0]
-        for one in _polynomials(_EXACT)
+        sum(c / (k + 1) for k, c in enumerate(one)) - gamma * one[0] for one in _polynomials(_EXACT)
     ]
     change = [a - b for a, b in zip(weights, _MATRIX[-1], strict=True)]
     of_places = [

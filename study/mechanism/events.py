@@ -128,11 +128,11 @@ def _size(work, pieces, seen, reach, tolerance, p, laws):
     """Largest of the errors of z and z' over what ``tolerance`` allows.
 
     Places count by the clearance, a depth by the deepest that this impact's approach speed can
-    bring, speeds by a fifth of what the drive gives over the clearance (found by measuring).
+    bring, speeds by a tenth of what the drive gives over the clearance (found by measuring).
     """
     y, error, n = work.start, work.error, 1 + 2 * len(pieces)
     turned, turning = p.l1 * abs(error[0]), p.l1 * abs(error[n])
-    speed = 0.2 * tolerance * reach + ROUNDOFF * p.l1 * abs(y[n])
+    speed = 0.1 * tolerance * reach + ROUNDOFF * p.l1 * abs(y[n])
     size = turned / (tolerance * laws[0].clearance + ROUNDOFF * p.l1 * abs(y[0]))
     size = max(size, turning / speed)
     for j in range(len(pieces)):
@@ -298,7 +298,9 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
             return done, stepping.FULL
         landing = t + h * 1.000001 >= horizon
         length = horizon - t if landing else h
-        _begin(work, found, state[SIZE] > 0 and length < FAR * state[LENGTH], length / state[LENGTH])
+        _begin(
+            work, found, state[SIZE] > 0 and length < FAR * state[LENGTH], length / state[LENGTH]
+        )
         state[stepping.STEPS] += 1
         size = inf
         if _collocate(work, length, pieces, found.joints, reach, tolerance, p, laws):
@@ -448,7 +450,11 @@ def stepper(
     """State at t = 0, and the loop that steps it, for ``advance_in_blocks``; ``horizon`` in s."""
     p, clearances = scene.constants(), (scene.clearance, scene.crank_clearance or 0.0)[: len(laws)]
     unknowns, state = 1 + 2 * len(laws), np.zeros(stepping.STATE)
-    own = *((name, float, (len(laws), 5)) for name in ("joints", "was")), ("most", float), ("idle", float)
+    own = (
+        *((name, float, (len(laws), 5)) for name in ("joints", "was")),
+        ("most", float),
+        ("idle", float),
+    )
     marks = "marks", float, (STAGES, len(laws), 4)
     work = np.zeros(1, [*fields(unknowns), *own, marks]).view(np.recarray)[0]
     work.y[0], work.y[unknowns] = scene.initial_crank_angle, scene.starting_speed

@@ -117,7 +117,11 @@ def derive(y, piece, p, found, parts, k):
     alpha, (sp, cp, psi, beta) = found.accelerations[0], found.coupler
     rate = found.joints[0].rate
     fx, fy = -normal * nx - tangential * ny, -normal * ny + tangential * nx
-    inverse, per_reach, per_mass = 1 / (p.a11 * p.a22 - coupling * coupling), 1 / (l2 * cp), 1 / p.m3
+    inverse, per_reach, per_mass = (
+        1 / (p.a11 * p.a22 - coupling * coupling),
+        1 / (l2 * cp),
+        1 / p.m3,
+    )
     lean, per_radius = psi * l2 * sp * per_reach, 1 / r if contact else 0.0
     for j in range(2 * UNKNOWNS):
         dt, do = _UNIT[j, 0], _UNIT[j, 3]
