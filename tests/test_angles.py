@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study.mechanism.angles import LARGEST, arcsine, direction, sixth_root, norm, sine_cosine
+from study.mechanism.angles import LARGEST, arcsine, direction, norm, sine_cosine, sixth_root
 
 angles = st.floats(-LARGEST, LARGEST, exclude_min=True, exclude_max=True)
 

@@ -13,7 +13,7 @@ from study.contact.damping import DAMPINGS
 from study.contact.forces import pack
 from study.joint import Joint, force_curve
 from study.measure import explicit
-from study.mechanism import MechanismError, Scene, compare, events, rigid, simulate, stepping
+from study.mechanism import MechanismError, Scene, compare, rigid, simulate, stepping
 from study.mechanism.response import EVENTS
 
 PAPER = Scene()

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from study.choose import choose_model
 from study.contact.forces import pack
-from study.mechanism import Scene, compare, rigid, simulate, two_joints
+from study.mechanism import Scene, compare, simulate, two_joints
 
 PAPER = Scene()
 BOTH = PAPER.but(crank_clearance=8e-5)

@@ -21,9 +21,8 @@ from numpy.typing import NDArray
 from study.compiled import compiled
 from study.contact.friction import friction_branch
 from study.mechanism import rigid, stepping, two_joints
-from study.mechanism.angles import angle_of, norm, sixth_root, sine_cosine
+from study.mechanism.angles import angle_of, norm, sine_cosine, sixth_root
 from study.mechanism.collocation import (
-    ORDER,
     POINTS,
     STAGES,
     estimate,
@@ -284,7 +283,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
     ``horizon``.
     """
     t, h, pieces = state[stepping.TIME], state[stepping.STEP], _pieces(work.joints, laws)
-    n, reach, done = 1 + 2 * len(pieces), state[REACH], 0
+    reach, done = state[REACH], 0
     found = motion(work, p, laws)
     while done < len(rows):
         if rows[done, 0] <= t:

@@ -351,7 +351,7 @@ def blocks(
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
     limit = 2 / frequency
-    checks.number("limit of stability", limit, "s", least=1e-10 * times[-1][-1])
+    checks.number("limit of stability", limit, "s", least=1e-10 * times[-1])
     if step is None:
         step = 1 / frequency if ideal else usual_step(scene, law, elements)
     strides, h = stepping.divide(times, step)

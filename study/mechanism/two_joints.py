@@ -106,7 +106,7 @@ def motion(y, pieces, p, laws):
     powers = *states[0][1], *states[1][1], moment * omega
     joints, coupler = (states[0][2], states[1][2]), (sp, cp, psi, beta)
     seen = Motion(accelerations, powers, joints, moment, coupler, slider + 0.0)
-    return seen, ((st, ct), (sx, sy), grown, places, slidings, found)
+    return seen, ((st, ct), (sx, sy), grown, places, found)
 
 
 @compiled
@@ -127,7 +127,7 @@ def _of_joint(j, y, contact, place, grown, sliding, force, law):
 @compiled
 def derive(y, pieces, p, seen, parts, k):
     """Fill ``k`` with the derivatives of z'', a column for each of (z, z')."""
-    (st, ct), (sx, sy), grown, places, slidings, found = parts
+    (st, ct), (sx, sy), grown, places, found = parts
     (sp, cp, psi, beta), alpha = seen.coupler, seen.accelerations[0]
     contacts = pieces[0][0], pieces[1][0]
     omega, half = y[5], 0.5 * p.l2
