@@ -120,7 +120,7 @@ def _lower_order():
 RATE_ERROR, PLACE_ERROR = _lower_order()
 
 
-def fields(unknowns):
+def fields(unknowns: int) -> list[tuple[str, type, tuple[int, ...]]]:
     """Names, types and shapes of what a step works on.
 
     ``start`` is the state at the step's start and ``y`` that at its end; ``rates`` has a row of

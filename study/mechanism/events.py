@@ -46,7 +46,7 @@ GROWTH, FAR = 3.0, 1.8
 ITERATIONS = 10
 """Of Newton's method, at most."""
 EXACT_ENOUGH = 0.001
-"""Error that Newton's method may leave, over what the tolerance allows a step (found by measuring)."""
+"""Error that Newton's method may leave, over what the tolerance allows (found by measuring)."""
 SURFACES, UPWARDS, DOWNWARDS, FORCE_PEAK, DEPTH_PEAK = range(5)
 """Events: the surfaces meet or part, the sliding speed leaves the friction branch, peaks."""
 CONTACT, BRANCH, APPROACH, DEEP, NUMBER = range(5)

@@ -72,9 +72,9 @@ def blocks(scene: Scene, times: NDArray[np.float64]) -> Iterator[Block]:
 
     fast = np.sqrt((abs(moment) + abs(g1) + abs(g2)) / a11) + 1 / times[-1]  # of the drive
     atol = 1e-15 * a11 * fast**2 if p.steady else (1e-15, 1e-15 * fast)
-    found, done = np.zeros((len(times), len(ALL_COLUMNS))), 0
+    table, done = np.zeros((len(times), len(ALL_COLUMNS))), 0
     start, state = 0.0, (0.0,) if p.steady else (angle, speed)
-    for block in np.array_split(times, min(BLOCKS, len(times) // 2 + 1)):
+    for block in np.array_split(times, min(BLOCKS, (len(times) + 1) // 2)):
         span = start, block[-1]
         solution = solve_ivp(slope, span, state, "DOP853", t_eval=block, rtol=3e-14, atol=atol)
         if not solution.success:
@@ -84,5 +84,6 @@ def blocks(scene: Scene, times: NDArray[np.float64]) -> Iterator[Block]:
             motion = angle + speed * block, np.full(len(block), speed), solution.y[0]
         else:
             motion = *solution.y, moment * solution.y[0]
-        found[done : done + len(block)], done = rows(block, *motion), done + len(block)
-        yield found[:done], *new_impacts(0, len(ALL_COLUMNS))
+        table[done : done + len(block)] = rows(block, *motion)
+        done += len(block)
+        yield table[:done], *new_impacts(0, len(ALL_COLUMNS))

@@ -336,7 +336,7 @@ def advance(state, motion, slide, system, room, p, law, h, strides, rows, impact
 def blocks(
     scene: Scene,
     law: NDArray[np.float64],
-    times: list[NDArray[np.float64]],
+    times: NDArray[np.float64],
     ideal: bool,
     step: float | None,
     elements: tuple[int, int],
