@@ -1,13 +1,12 @@
 """Stepping rigid links: smooth pieces between located events.
 
 Between impacts, separations and kinks of the friction law the equations of one clearance joint
-(`rigid`) or two (`two_joints`) are smooth. Such a piece is integrated by Rodas5P with the exact
-Jacobian; its end is located by repeating the last step with another length until the event
-function vanishes.
+(`rigid`) or two (`two_joints`) are smooth. Such a piece is integrated by `collocation` with the
+exact Jacobian. Its end is looked for on the last step's polynomial, and the step is then repeated
+with that length. Rows of output are read from the polynomial too, so that they change no step.
 
 A state is (theta, two coordinates of each joint), their rates, the energies lost to damping and
-friction in each joint, and at constant crank speed the drive's work. The slider's joint comes
-first, the crank's second.
+friction in each joint, and the drive's work. The slider's joint comes first, the crank's second.
 """
 
 from collections.abc import Callable, Iterator
