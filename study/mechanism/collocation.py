@@ -126,14 +126,15 @@ def fields(unknowns: int) -> list[tuple[str, type, tuple[int, ...]]]:
     ``start`` is the state at the step's start and ``y`` that at its end; ``rates`` has a row of
     accelerations and integrals' rates at the start and at each point, ``polynomial`` a row of their
     coefficients for each power of the step's time; ``k`` has the derivatives of f to (z, z') at the
-    start, ``error`` those of (z, z'); the others are for Newton's method.
+    start, ``error`` those of (z, z') and ``weights`` what they count; the others are for Newton's
+    method.
     """
     n = unknowns
     return [
         *((name, float, (3 * n,)) for name in ("y", "start", "trial")),
         *((name, float, (1 + STAGES, 2 * n)) for name in ("rates", "polynomial")),
         ("k", float, (n, 2 * n)),
-        ("error", float, (2 * n,)),
+        *((name, float, (2 * n,)) for name in ("error", "weights")),
         ("residuals", float, (STAGES, n)),
         ("real", float, (n, n)),
         ("pairs", complex, (PAIRS, n, n)),
@@ -277,6 +278,16 @@ def estimate(work, h):
     for m in range(n):
         error[n + m] = work.x[m]
         error[m] += g * work.x[m]
+
+
+@compiled
+def largest(work):
+    """Largest weighted ``error``; infinite where one is no number."""
+    size = total = 0.0
+    for m in range(len(work.error)):
+        one = abs(work.error[m]) * work.weights[m]
+        size, total = max(size, one), total + one
+    return size if total < np.inf else np.inf
 
 
 @compiled

@@ -31,6 +31,7 @@ from study.mechanism.collocation import (
     guess,
     improve,
     inside,
+    largest,
     stage,
 )
 from study.mechanism.free_impact import impact_depth
@@ -122,29 +123,28 @@ def motion(work, p, laws):
 
 
 @compiled
-def _size(work, pieces, seen, reach, tolerance, p, laws):
-    """Largest of the errors of z and z' over what ``tolerance`` allows.
+def _weigh(work, pieces, seen, reach, tolerance, p, laws):
+    """Fill ``weights`` with the inverses of the errors of z and z' that ``tolerance`` allows.
 
     Places count by the clearance, a depth by the deepest that this impact's approach speed can
     bring, speeds by a tenth of what the drive gives over the clearance (found by measuring).
     """
-    y, error, n = work.start, work.error, 1 + 2 * len(pieces)
-    turned, turning = p.l1 * abs(error[0]), p.l1 * abs(error[n])
-    speed = 0.1 * tolerance * reach + ROUNDOFF * p.l1 * abs(y[n])
-    size = turned / (tolerance * laws[0].clearance + ROUNDOFF * p.l1 * abs(y[0]))
-    size = max(size, turning / speed)
+    y, weights, n = work.start, work.weights, 1 + 2 * len(pieces)
+    speed = 1 / (0.1 * tolerance * reach + ROUNDOFF * p.l1 * abs(y[n]))
+    weights[0] = p.l1 / (tolerance * laws[0].clearance + ROUNDOFF * p.l1 * abs(y[0]))
+    weights[n] = p.l1 * speed
     for j in range(len(pieces)):
-        clearance, contact, at = laws[j].clearance, pieces[j][0], 1 + 2 * j
-        place = tolerance * clearance
-        deep = tolerance * max(work.joints[j, DEEP], seen[j].depth) if contact else place
-        across = clearance if contact else 1.0
-        size = max(size, abs(error[at]) / deep, abs(error[at + 1]) * across / place)
-        size = max(size, abs(error[n + at]) / speed, abs(error[n + at + 1]) * across / speed)
-    return size if size == size else inf
+        clearance, at = laws[j].clearance, 1 + 2 * j
+        place = 1 / (tolerance * clearance)
+        weights[at], weights[at + 1] = place, place
+        weights[n + at], weights[n + at + 1] = speed, speed
+        if pieces[j][0]:
+            weights[at] = 1 / (tolerance * max(work.joints[j, DEEP], seen[j].depth))
+            weights[at + 1], weights[n + at + 1] = 1 / tolerance, clearance * speed
 
 
 @compiled
-def _collocate(work, h, pieces, seen, reach, tolerance, p, laws):
+def _collocate(work, h, pieces, p, laws):
     """Find the accelerations at the points of a step by Newton's method; whether it converged."""
     n, before = 1 + 2 * len(pieces), inf
     factorise(work, h)
@@ -157,7 +157,7 @@ def _collocate(work, h, pieces, seen, reach, tolerance, p, laws):
                 work.rates[1 + i, n + m] = found.powers[m]
             _mark(i, found.joints, work)
         improve(work, h)
-        size = _size(work, pieces, seen, reach, tolerance, p, laws)
+        size = largest(work)
         if not size < before:
             return size < EXACT_ENOUGH
         left = size * size / (before - size) if before < inf else size
@@ -282,8 +282,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
     ``horizon``.
     """
     t, h, pieces = state[stepping.TIME], state[stepping.STEP], _pieces(work.joints, laws)
-    reach, done = state[REACH], 0
-    found = motion(work, p, laws)
+    found, done = motion(work, p, laws), 0
     while done < len(rows):
         if rows[done, 0] <= t:
             earlier, length = _pieces(work.was, laws), state[LENGTH]
@@ -299,11 +298,12 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
         _begin(
             work, found, state[SIZE] > 0 and length < FAR * state[LENGTH], length / state[LENGTH]
         )
+        _weigh(work, pieces, found.joints, state[REACH], tolerance, p, laws)
         state[stepping.STEPS] += 1
         size = inf
-        if _collocate(work, length, pieces, found.joints, reach, tolerance, p, laws):
+        if _collocate(work, length, pieces, p, laws):
             estimate(work, length)
-            size = _size(work, pieces, found.joints, reach, tolerance, p, laws)
+            size = largest(work)
         if not size <= 1.0:
             h = length * (max(0.2, 0.9 / sixth_root(size)) if size < inf else 0.5)
             work.most = 1.0
@@ -331,7 +331,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
                 break
             guess(work, 0.0, share)
             length *= share
-            _collocate(work, length, pieces, found.joints, reach, tolerance, p, laws)
+            _collocate(work, length, pieces, p, laws)
         if event >= 0:
             landing = False
             work.idle = work.idle + 1 if length <= 1e-14 * t else 0.0
