@@ -27,7 +27,7 @@ def sine_cosine(angle):
         return np.nan, np.nan
     quarters = np.floor(angle * (2 / pi) + 0.5)
     sine, cosine = _near_zero(((angle - quarters * PART1) - quarters * PART2) - quarters * PART3)
-    turn = int(quarters) % 4
+    turn = int(quarters) & 3
     if turn == 0:
         return sine, cosine
     if turn == 1:
@@ -39,13 +39,18 @@ def sine_cosine(angle):
 
 @compiled
 def _near_zero(x):
-    """Sine and cosine of an angle between -pi/4 and pi/4."""
-    square = x * x
-    sine, cosine = SINE[8], COSINE[9]
-    for k in range(7, -1, -1):
-        sine = sine * square + SINE[k]
-    for k in range(8, -1, -1):
-        cosine = cosine * square + COSINE[k]
+    """Sine and cosine of an angle between -pi/4 and pi/4.
+
+    The series are summed in pairs, and pairs of pairs (Estrin): equations wait for the result.
+    """
+    z = x * x
+    z2 = z * z
+    z4 = z2 * z2
+    a, b = SINE, COSINE
+    high = a[4] + a[5] * z + z2 * (a[6] + a[7] * z) + z4 * a[8]
+    sine = a[0] + (a[1] * z + z2 * (a[2] + a[3] * z) + z4 * high)
+    high = b[4] + b[5] * z + z2 * (b[6] + b[7] * z) + z4 * (b[8] + b[9] * z)
+    cosine = b[0] + (b[1] * z + z2 * (b[2] + b[3] * z) + z4 * high)
     return x * sine, cosine
 
 

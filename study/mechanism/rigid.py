@@ -57,7 +57,7 @@ def motion(y, piece, p, law):
     ``piece`` is (in contact?, friction branch, approach speed).
     """
     contact, branch, approach = piece
-    l1, l2 = p.l1, p.l2
+    l1, l2, per_l2, per_m3 = p.l1, p.l2, 1 / p.l2, 1 / p.m3  # at once: what follows waits for it
     (st, ct), omega = sine_cosine(y[0]), y[3]
     if contact:
         ny, nx = sine_cosine(y[2])
@@ -68,9 +68,9 @@ def motion(y, piece, p, law):
         r = sqrt(y[1] * y[1] + ey * ey)
         nx, ny = (y[1] / r, ey / r) if r > 0 else (1.0, 0.0)
         rate, spin = wx * nx + wy * ny, (wy * nx - wx * ny) / r if r > 0 else 0.0
-    sp = (ey - l1 * st) / l2
+    sp = (ey - l1 * st) * per_l2
     cp = sqrt(1 - sp * sp)
-    psi = (wy - l1 * ct * omega) / (l2 * cp)
+    psi = (wy - l1 * ct * omega) * per_l2 / cp
     sliding = r * spin + p.r1 * psi
 
     forces = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -92,13 +92,13 @@ def motion(y, piece, p, law):
     if p.steady > 0:
         alpha, beta = 0.0, q2 / p.a22
         moment = coupling * beta - q1
-    slider = -fx / p.m3
+    slider = -fx * per_m3
     ax = -l1 * (st * alpha + ct * omega * omega) - l2 * (sp * beta + cp * psi * psi) - slider
     ay = l1 * (ct * alpha - st * omega * omega) + l2 * (cp * beta - sp * psi * psi)
     growth = nx * ax + ny * ay + r * spin * spin
     accelerations = alpha, ax, ay
     if contact:
-        accelerations = alpha, growth, (nx * ay - ny * ax - 2 * rate * spin) / r
+        accelerations = alpha, growth, (nx * ay - ny * ax - 2 * rate * spin) * (1 / r)
     depth, grown = y[1] if contact else r - law.clearance, normal_d * rate + normal_r * growth
     joint = Contact(depth, rate, sliding, normal, tangential, grown)
     powers = (normal - elastic) * rate, -tangential * sliding, moment * omega
