@@ -39,7 +39,7 @@ STEP_SHARE = 0.1  # of the tolerance, for the error of the steps
 ELEMENTS = ((2, 4), links.ELEMENTS)
 SAFETY = 3.0
 """On the largest difference that mesh and step of flexible links make, for what others make."""
-STEPPERS = {"rigid": "Radau IIA, order 9", "particles": "central difference"}
+STEPPERS = {"rigid": "collocation of order 9", "particles": "central difference"}
 WARM_UP = 1e-5  # s, simulated once before a model is timed
 
 

@@ -79,7 +79,7 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
     return problem, joint.ball_radius**2 * HatFunctions(ball.angles).integrate(np.cos)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=64)  # 20 depths on two meshes, and more
 def _pairs(r2_star, depth, resolution):
     """Matrix that moves pressure to the socket's nodes, work it does not see there, and the gap.
 
@@ -136,7 +136,7 @@ def solve(
             matrix, parts = problem(depths[k])
             gaps = (1 + np.outer(times, depths[k])) ** np.arange(3) @ parts
             pressure[k], force[:, k] = _contact(matrix, gaps, axial, reach)
-            reach = min(int(np.count_nonzero(pressure[k])) + BEYOND, len(axial))
+            reach = min(int(1.02 * np.count_nonzero(pressure[k])) + BEYOND, len(axial))
     return pressure, joint.r2_star * force
 
 

@@ -81,7 +81,7 @@ LONGEST_STEPS = {"centred": 2e-6, "velocity Verlet": 1e-6, "RK4": 1e-6}
 LAST = {"LSODA": 10, "Radau": 8, "DOP853": 8, "CVODE": 10}
 """Of the smallest tolerances, minus their decimal logarithm: smaller ones take many seconds."""
 STEPPERS = (  # method and its tolerance or step
-    *(("Radau IIA, events", t) for t in (1e-8, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)),
+    *(("collocation, events", t) for t in (1e-8, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)),
     *((s, h) for s in explicit.SCHEMES for h in STEPS if h <= LONGEST_STEPS.get(s, STEPS[0])),
     *((f"CVODE in C, {c} coordinates", 10 ** -(n / 2)) for c in cvode.SCALES for n in range(6, 25)),
     *((method, 10.0**-n) for method, most in LAST.items() for n in range(4, most + 1)),
@@ -191,6 +191,7 @@ def _curve(method, n):
     """One solution of our own, bodies and all, at one resolution and without error estimate."""
     kept = [fem.ball, fem.socket, fem.ball_compliance, fem.socket_compliance]
     kept += [series.ball_compliance, series.socket_compliance, series.hat_coefficients]
+    kept.append(pairing._pairs)
     for function in kept:
         function.cache_clear()
     if method == "series":

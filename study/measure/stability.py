@@ -32,8 +32,8 @@ from study.mechanism.response import ALL_COLUMNS
 Numbers = NDArray[np.float64]
 
 
-def packed(scene: Scene, law: str) -> Numbers:
-    """Numbers of a law and a scene's joint for the compiled functions."""
+def packed(scene: Scene, law: str) -> np.record:
+    """A law in a scene's joint, for the compiled functions."""
     checks.instance("scene", scene, Scene).has_none_of("crank_clearance")
     options = scene_law.options(scene, find(law), {})
     radii = scene.ball_radius, scene.socket_radius

@@ -1,4 +1,4 @@
-"""Sine, angle and fifth root with the same bits on every processor, for compiled loops.
+"""Sine, angle and sixth root with the same bits on every processor, for compiled loops.
 
 Impacts are chaotic: after some of them the last bit of a sine decides what happens. Those of the
 system's mathematical library differ from processor to processor; additions, multiplications,

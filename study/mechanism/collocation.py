@@ -20,8 +20,7 @@ from study.compiled import compiled
 
 STAGES = 5
 PAIRS = STAGES // 2
-ORDER = STAGES + 1
-"""Power of the step that the error estimate grows with."""
+"""The error estimate grows with the power `STAGES` + 1 of the step, hence the sixth roots."""
 
 
 def _legendre(degree):
@@ -99,6 +98,7 @@ RATE, PLACE = np.array(_MATRIX, dtype=float), np.array(_SQUARE, dtype=float)
 )
 _WITH_START = _polynomials([Fraction(0), *_EXACT])
 SHARES = 1 / np.arange(1.0, STAGES + 3)
+"""Of the power x^i in its integral, whose power is one higher."""
 MONOMIALS = np.array(list(zip(*_WITH_START, strict=True)), dtype=float)
 """Coefficients of the polynomial in a step's time from its values at the start and the points."""
 

@@ -38,7 +38,7 @@ from study.mechanism.free_impact import impact_depth
 from study.mechanism.response import ALL_COLUMNS
 from study.mechanism.scene import Scene
 
-REACH, BEGAN, LENGTH, SIZE = range(4)
+DRIVEN, BEGAN, LENGTH, SIZE = range(4)
 """Places in the state, before those of all models: of the speed that the drive gives, of the last
 step's start and length, and the size of its error, 0 if that was in another piece."""
 GROWTH, FAR = 3.0, 1.8
@@ -48,12 +48,15 @@ ITERATIONS = 10
 EXACT_ENOUGH = 0.001
 """Error that Newton's method may leave, over what the tolerance allows (found by measuring)."""
 SURFACES, UPWARDS, DOWNWARDS, FORCE_PEAK, DEPTH_PEAK = range(5)
+UNSOLVED = -2
 """Events: the surfaces meet or part, the sliding speed leaves the friction branch, peaks."""
+OF_DEPTH, OF_RATE, OF_SLIDING, OF_NORMAL_RATE = range(4)
+"""Places of what tells events at a point of a step."""
 CONTACT, BRANCH, APPROACH, DEEP, NUMBER = range(5)
 """What is known of a joint: in contact or not, friction branch, approach speed, the depth that this
 can bring, and the number of the impact."""
 ROUNDOFF = 1e-16
-Laws = tuple[NDArray[np.float64], ...]
+Laws = tuple[np.record, ...]
 """A packed law for each clearance joint, slider's and crank's. How many there are is known to the
 compiler, so that each number has loops of its own."""
 
@@ -123,14 +126,14 @@ def motion(work, p, laws):
 
 
 @compiled
-def _weigh(work, pieces, seen, reach, tolerance, p, laws):
+def _weigh(work, pieces, seen, driven, tolerance, p, laws):
     """Fill ``weights`` with the inverses of the errors of z and z' that ``tolerance`` allows.
 
     Places count by the clearance, a depth by the deepest that this impact's approach speed can
     bring, speeds by a tenth of what the drive gives over the clearance (found by measuring).
     """
     y, weights, n = work.start, work.weights, 1 + 2 * len(pieces)
-    speed = 1 / (0.1 * tolerance * reach + ROUNDOFF * p.l1 * abs(y[n]))
+    speed = 1 / (0.1 * tolerance * driven + ROUNDOFF * p.l1 * abs(y[n]))
     weights[0] = p.l1 / (tolerance * laws[0].clearance + ROUNDOFF * p.l1 * abs(y[0]))
     weights[n] = p.l1 * speed
     for j in range(len(pieces)):
@@ -171,8 +174,9 @@ def _collocate(work, h, pieces, p, laws):
 def _mark(i, joints, work):
     """Keep what tells events at point ``i`` of a step."""
     for j in range(len(joints)):
-        work.marks[i, j, 0], work.marks[i, j, 1] = joints[j].depth, joints[j].rate
-        work.marks[i, j, 2], work.marks[i, j, 3] = joints[j].sliding, joints[j].normal_rate
+        one = work.marks[i, j]
+        one[OF_DEPTH], one[OF_RATE] = joints[j].depth, joints[j].rate
+        one[OF_SLIDING], one[OF_NORMAL_RATE] = joints[j].sliding, joints[j].normal_rate
 
 
 @compiled
@@ -191,6 +195,14 @@ def _event(which, piece, depth, rate, sliding, normal_rate, p):
     if which == UPWARDS:
         return sliding - bounds[branch + 3]
     return bounds[branch + 2] - sliding
+
+
+@compiled
+def _told(which, piece, mark, p):
+    """Event function at a point of a step."""
+    return _event(
+        which, piece, mark[OF_DEPTH], mark[OF_RATE], mark[OF_SLIDING], mark[OF_NORMAL_RATE], p
+    )
 
 
 @compiled
@@ -242,8 +254,7 @@ def _first_event(work, h, pieces, p, laws):
         for which in (SURFACES, UPWARDS, DOWNWARDS):
             low = 0.0
             for i in range(STAGES):
-                m = work.marks[i, j]
-                if low < share and _event(which, pieces[j], m[0], m[1], m[2], m[3], p) >= 0:
+                if low < share and _told(which, pieces[j], work.marks[i, j], p) >= 0:
                     at = _locate(which, j, low, POINTS[i], work, h, pieces, p, laws)
                     if at < share:
                         first, of, share = which, j, at
@@ -259,7 +270,9 @@ def _measure_peaks(j, impact, row, work, t, h, start, pieces, p, laws):
     ``row`` is that of output at the peak of the force.
     """
     for which in (FORCE_PEAK, DEPTH_PEAK):
-        mark, rate = (3, start.normal_rate) if which == FORCE_PEAK else (1, start.rate)
+        force = which == FORCE_PEAK
+        mark = OF_NORMAL_RATE if force else OF_RATE
+        rate = start.normal_rate if force else start.rate
         low, rising = 0.0, rate > 0
         for i in range(STAGES):
             if rising and work.marks[i, j, mark] <= 0:
@@ -298,7 +311,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
         _begin(
             work, found, state[SIZE] > 0 and length < FAR * state[LENGTH], length / state[LENGTH]
         )
-        _weigh(work, pieces, found.joints, state[REACH], tolerance, p, laws)
+        _weigh(work, pieces, found.joints, state[DRIVEN], tolerance, p, laws)
         state[stepping.STEPS] += 1
         size = inf
         if _collocate(work, length, pieces, p, laws):
@@ -307,6 +320,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
         if not size <= 1.0:
             h = length * (max(0.2, 0.9 / sixth_root(size)) if size < inf else 0.5)
             work.most = 1.0
+            state[stepping.STEP] = h
             if h > 1e-15 * t:
                 continue
             return done, stepping.FAILED
@@ -331,7 +345,17 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
                 break
             guess(work, 0.0, share)
             length *= share
-            _collocate(work, length, pieces, p, laws)
+            if not _collocate(work, length, pieces, p, laws):
+                event = UNSOLVED
+                break
+        if event == UNSOLVED:  # once more, by a step that ends before the event
+            for m in range(len(work.y)):
+                work.y[m] = work.start[m]
+            state[SIZE], h, work.most = 0.0, 0.5 * length, 1.0
+            state[stepping.STEP] = h
+            if h > 1e-15 * t:
+                continue
+            return done, stepping.FAILED
         if event >= 0:
             landing = False
             work.idle = work.idle + 1 if length <= 1e-14 * t else 0.0
@@ -339,12 +363,13 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
                 return done, stepping.FAILED
         for j in range(len(pieces)):
             if pieces[j][0]:
-                if seen.joints[j].depth > laws[j].clearance:
-                    state[stepping.LIMIT] = laws[j].clearance
-                    return done, stepping.TOO_DEEP
                 at = int(work.joints[j, NUMBER])
                 row, start = events[at, stepping.PEAK], found.joints[j]
                 _measure_peaks(j, impacts[at], row, work, t, length, start, pieces, p, laws)
+                deepest = max(seen.joints[j].depth, impacts[at, stepping.PEAK_DEPTH])
+                if deepest > laws[j].clearance:
+                    state[stepping.LIMIT] = laws[j].clearance
+                    return done, stepping.TOO_DEEP
         state[BEGAN], state[LENGTH], state[SIZE] = t, length, size if event < 0 else 0.0
         t = state[stepping.TIME] = horizon if landing else t + length
         for j in range(len(pieces)):
@@ -389,7 +414,7 @@ def _nearer(which, j, work, h, pieces, p, laws):
     """Share of a step that ends close to an event at which it would end on it."""
     at, end = _look(work, h, 0.999, pieces, p, laws)[0].joints[j], work.marks[STAGES - 1, j]
     before = _event(which, pieces[j], at.depth, at.rate, at.sliding, at.normal_rate, p)
-    after = _event(which, pieces[j], end[0], end[1], end[2], end[3], p)
+    after = _told(which, pieces[j], end, p)
     share = 1 - 0.001 * after / (after - before)
     return share if abs(share - 1) < 0.1 else 1.0
 
@@ -460,9 +485,9 @@ def stepper(
     accelerations = motion(work, p, laws).accelerations
     for j, clearance in enumerate(clearances):
         work.joints[j, DEEP] = clearance
-        reach = sqrt(norm(*accelerations[1 + 2 * j : 3 + 2 * j]) * clearance)
-        state[REACH] = max(state[REACH], reach, clearance / horizon)
-    state[stepping.STEP] = min(1e-3 * scene.clearance / state[REACH], horizon)
+        driven = sqrt(norm(*accelerations[1 + 2 * j : 3 + 2 * j]) * clearance)
+        state[DRIVEN] = max(state[DRIVEN], driven, clearance / horizon)
+    state[stepping.STEP] = min(1e-3 * scene.clearance / state[DRIVEN], horizon)
     work.start[:], work.was[:], state[LENGTH], work.most = work.y, work.joints, 1.0, GROWTH
     return state, partial(advance, state, work, p, laws, tolerance, horizon)
 

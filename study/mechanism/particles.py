@@ -63,7 +63,7 @@ def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
 
 
-def usual_step(scene: Scene, law: NDArray[np.float64], elements: tuple[int, int]) -> float:
+def usual_step(scene: Scene, law: np.record, elements: tuple[int, int]) -> float:
     """Half the limit of stability with a clearance joint at a depth of one clearance, in s."""
     frame = Frame(scene, elements)
     ease = 1 / frame.masses[-1] + 1 / scene.slider_mass
@@ -335,7 +335,7 @@ def advance(state, motion, slide, system, room, p, law, h, strides, rows, impact
 
 def blocks(
     scene: Scene,
-    law: NDArray[np.float64],
+    law: np.record,
     times: NDArray[np.float64],
     ideal: bool,
     step: float | None,

@@ -197,7 +197,7 @@ def compliance(theta, ey, dx, dy, arm, p):
 
 @compiled
 def record(row, y, contact, found, parts, p):
-    """Fill a row of output from (z, z', energies lost) and what `motion` found there."""
+    """Fill a row of output from (z, z', losses, work) and what `motion` found there."""
     (st, ct, nx, ny), (r, _, wx), _, _, _ = parts
     (sp, cp, psi, beta), joint = found.coupler, found.joints[0]
     ex, ey = (r * nx, r * ny) if contact else (y[1], y[2])

@@ -217,7 +217,7 @@ def compliance(j, theta, phi, dx, dy, p):
 
 @compiled
 def record(row, y, seen, parts, p):
-    """Fill a row of output from (z, z', energies lost) and what `motion` found there."""
+    """Fill a row of output from (z, z', losses, work) and what `motion` found there."""
     (st, ct), omega, places = parts[0], y[5], parts[3]
     (sp, cp, psi, _), joints = seen.coupler, seen.joints
     x = p.l1 * ct - places[1][5], p.l1 * st - places[1][6]  # the coupler's socket

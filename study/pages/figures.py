@@ -87,7 +87,7 @@ METHOD_LOOKS = {
     "CAX6": Look("CalculiX CAX6", "#D55E00", "D"),
     "CAX6, node to surface": Look("CalculiX CAX6, node to surface", "#D55E00", "D", ":"),
     "CAX3": Look("CalculiX CAX3", "#E69F00", "v"),
-    "Radau IIA, events": Look("this study (Radau IIA, events)", "#000000", "o"),
+    "collocation, events": Look("this study (collocation, order 9)", "#000000", "o"),
     "symplectic Euler": Look("symplectic Euler", "#E69F00", "v"),
     "lagged": Look("central difference, lagged", "#E69F00", "^", ":"),
     "centred": Look("central difference, centred", "#D55E00", "D"),

@@ -89,10 +89,10 @@ def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
     else:
         try:
             lines = cases.read_text(encoding="utf-8-sig")
-        except (OSError, UnicodeDecodeError) as error:
-            why = getattr(error, "strerror", None) or "it is no text in UTF-8"
+            head, *rows = [row for row in csv.reader(io.StringIO(lines)) if row] or [[]]
+        except (OSError, UnicodeDecodeError, csv.Error) as error:
+            why = getattr(error, "strerror", None) or "it is no CSV text in UTF-8"
             raise ValueError(f"cases must be a CSV file, got {cases}: {why}") from None
-        head, *rows = [row for row in csv.reader(io.StringIO(lines)) if row] or [[]]
         names = [name.strip() for name in head]
         if len(set(names)) < len(names):
             raise ValueError(f"each column must have a name of its own, got {', '.join(names)}")
@@ -117,7 +117,7 @@ def _text(value):
     """A cell's text of a value in Python; a list is of several values, a tuple is one."""
     if isinstance(value, list | tuple | np.ndarray):
         return ("," if isinstance(value, tuple) else ";").join(map(_text, value))
-    return "" if value is None or value != value else str(value)  # NaN: missing, in pandas
+    return "" if value is None or str(value) in ("nan", "<NA>", "NaT") else str(value)
 
 
 def random_cases(count: int, ranges: Mapping[str, str], seed: int = 0) -> list[Case]:
@@ -205,6 +205,8 @@ def rows(form: str, case: Case) -> Rows:
     try:
         told = _solver(form, case)[1]()
         cells = [_cells(name, told[name]) for name in columns]
+    except MemoryError:  # not the case's own
+        raise
     except Exception as error:  # told in the table, and counted: the other cases go on
         known = isinstance(error, ValueError | StudyError)
         text = str(error) if known else f"{type(error).__name__}: {error}"

@@ -13,9 +13,9 @@ import signal
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, wait
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -92,6 +92,8 @@ def sweep(
         checks.whole("jobs", jobs, least=1)
     cases = Path(cases) if isinstance(cases, str) else cases
     output = Path(output)
+    if isinstance(cases, Path) and cases.resolve() == output.resolve():
+        raise ValueError(f"output must be another file than the cases, got {output}")
     found = of_cases.load(cases)
     form, bodies = of_cases.checked(kind, found)
     code = _code()
@@ -104,9 +106,10 @@ def sweep(
         todo = [(key, found[left[key]]) for key in order]
         told = progress or (lambda *_: None)
         told(len(done.places), len(done.keys), len(done.failures))
-        for key, rows in _solved(form, todo, jobs, dask_address):
-            done.add(key, rows)
-            told(len(done.places), len(done.keys), len(done.failures))
+        with closing(_solved(form, todo, jobs, dask_address)) as results:
+            for key, rows in results:
+                done.add(key, rows)
+                told(len(done.places), len(done.keys), len(done.failures))
         names = [case.get(NAME, str(row)) for row, case in enumerate(found, 1)]
         count = _write(output, form, found, names, map(done.rows, keys))
         failures = done.failures
@@ -205,7 +208,7 @@ def _write(output, form, found, names, rows):
 
 def _solved(
     form: str, todo: list[tuple[str, Case]], jobs: int | None, dask_address: str | None
-) -> Iterator[tuple[str, Rows]]:
+) -> Generator[tuple[str, Rows], None, None]:
     """Keys and rows of cases, as they are finished; neighbours are solved by the same process."""
     count = min(jobs or cpu_count(), len(todo))
     if dask_address is None and count < 2:  # here, without the start of a process
