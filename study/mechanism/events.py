@@ -42,14 +42,15 @@ DRIVEN, BEGAN, LENGTH, SIZE = range(4)
 """Places in the state, before those of all models: of the speed that the drive gives, of the last
 step's start and length, and the size of its error, 0 if that was in another piece."""
 GROWTH, FAR = 3.0, 1.8
-"""Of one step over the last, at most: beyond it the guess from the last one is poor."""
+"""Of one step over the last, at most; and from where on the last one tells nothing of this one."""
 ITERATIONS = 10
 """Of Newton's method, at most."""
 EXACT_ENOUGH = 0.001
 """Error that Newton's method may leave, over what the tolerance allows (found by measuring)."""
 SURFACES, UPWARDS, DOWNWARDS, FORCE_PEAK, DEPTH_PEAK = range(5)
-UNSOLVED = -2
 """Events: the surfaces meet or part, the sliding speed leaves the friction branch, peaks."""
+UNSOLVED = -2
+"""An event that no step up to it was found for; -1 is none."""
 OF_DEPTH, OF_RATE, OF_SLIDING, OF_NORMAL_RATE = range(4)
 """Places of what tells events at a point of a step."""
 CONTACT, BRANCH, APPROACH, DEEP, NUMBER = range(5)
@@ -288,6 +289,32 @@ def _measure_peaks(j, impact, row, work, t, h, start, pieces, p, laws):
 
 
 @compiled
+def _end_step(work, h, pieces, p, laws):
+    """End a step of ``h`` at its first event, or as it is.
+
+    Returns which event it was (-1 for none, `UNSOLVED` if Newton's method found no shorter step)
+    and whose, the step's length, and what `_move` finds at its end.
+    """
+    event, of = -1, 0
+    for again in range(3):  # the whole step, to near its first event, to the event
+        finish(work, h)
+        seen, parts = _move(work.y, pieces, p, laws)
+        _mark(STAGES - 1, seen.joints, work)
+        if again == 0:
+            event, of, share = _first_event(work, h, pieces, p, laws)
+        elif again == 1:
+            share = _nearer(event, of, work, h, pieces, p, laws)
+        if event < 0 or again == 2:
+            break
+        guess(work, 0.0, share)
+        h *= share
+        if not _collocate(work, h, pieces, p, laws):
+            event = UNSOLVED
+            break
+    return event, of, h, seen, parts
+
+
+@compiled
 def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
     """Step to the time of each row and fill it; return the number of rows filled and the ending.
 
@@ -330,24 +357,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
             foretold = length / state[LENGTH] * sixth_root(state[SIZE] / size)
             growth = min(growth, growth * foretold)
         h, work.most = length * min(growth, work.most), GROWTH
-        event, of = -1, 0
-        for again in range(3):  # the whole step, to near its first event, to the event
-            finish(work, length)
-            seen, parts = _move(work.y, pieces, p, laws)
-            _mark(STAGES - 1, seen.joints, work)
-            if again == 0:
-                event, of, share = _first_event(work, length, pieces, p, laws)
-                if event < 0:
-                    break
-            elif again == 1:
-                share = _nearer(event, of, work, length, pieces, p, laws)
-            else:
-                break
-            guess(work, 0.0, share)
-            length *= share
-            if not _collocate(work, length, pieces, p, laws):
-                event = UNSOLVED
-                break
+        event, of, length, seen, parts = _end_step(work, length, pieces, p, laws)
         if event == UNSOLVED:  # once more, by a step that ends before the event
             for m in range(len(work.y)):
                 work.y[m] = work.start[m]
