@@ -25,6 +25,8 @@ SHALLOWEST = 0.005
 ESTIMATE = 3.0  # times a solution's error estimate, for depths between those solved
 RESOLUTIONS = {"series": (64, 160, 320, 640, 1280), "quadratic": (64, 160), "finite": (32, 64, 96)}
 DEPTHS = 40  # of a law's error
+SOLVED_FIRST = 1.1
+"""How many times its cost a table counts: its joint is solved first, and costs differ by noise."""
 FINITE_DEPTHS = 12  # solved for finite kinematics, which take a second for each
 TOLERANCES = (1e-5, 1.0)
 """Least and largest. No solution at the finest resolution is known to within 1e-5; to find that
@@ -131,7 +133,8 @@ def _candidates(joint, depths, force, found, uncertainty):
     is left out of its table, and tells how this interpolates.
     """
     costs, resolutions = relative_costs(), RESOLUTIONS[_kind(joint)]
-    for law in sorted([*found, "tabulated"], key=costs.__getitem__):
+    ahead = costs | {"tabulated": SOLVED_FIRST * costs["tabulated"]}
+    for law in sorted([*found, "tabulated"], key=ahead.__getitem__):
         if law != "tabulated":
             options, bound = law_options(law, joint), _bounded(found[law], uncertainty)
             yield law, options, found[law], bound, costs[law], partial(LAWS[law], **options)
