@@ -849,5 +849,5 @@ def test_interrupted_simulation_prints_and_writes_what_it_has(run, tmp_path, mon
     assert (status, err) == (130, "study: interrupted; what was finished is kept\n")
     found = json.loads(out)
     assert not found["complete"]
-    assert 0.02 < found["time"] < 0.03
+    assert 0.02 < found["time"] <= 0.1  # told now and then
     assert pd.read_csv(table).time.iloc[-1] == pytest.approx(found["time"])

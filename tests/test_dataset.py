@@ -128,7 +128,9 @@ def test_measured_times_are_kept_with_their_hash(copy):
         "ours": 3,
         **before[before.program != "ours"].program.value_counts().to_dict(),
     }
-    with pytest.raises(ValueError, match="chart must be one of laws, solvers, steppers, flexible, got 'x'"):
+    with pytest.raises(
+        ValueError, match="chart must be one of laws, solvers, steppers, flexible, got 'x'"
+    ):
         dataset.measured("x")
 
 

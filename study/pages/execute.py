@@ -145,7 +145,7 @@ def run(
         if not notebook.path.is_file():
             raise NotebookError(f"notebooks/{notebook.path.name} is missing")
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
-    if len(notebooks) == 1 and not notebooks[0].reads:
+    if options.get("jobs") is None and len(notebooks) == 1 and not notebooks[0].reads:
         options["jobs"] = 1  # a worker would only have to start
     selected = "task_report" if report else " or ".join(f"[{nb.name}]" for nb in notebooks)
     built = tasks.build([paths.NOTEBOOKS, *([paths.PAPER] if report else [])], selected, **options)
