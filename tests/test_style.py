@@ -1,8 +1,10 @@
 """The repository as text: ruff, and nothing that belongs to one machine only."""
 
+import itertools
 import re
 import subprocess
 import sys
+import tomllib
 
 import pytest
 
@@ -41,6 +43,16 @@ def test_no_path_of_a_machine():
         text = path.read_text(encoding="utf-8")
         assert root not in text, path
         assert not re.search(r"/(home|Users)/\w+/", text), path
+
+
+def test_contributing_names_every_room_and_package():
+    text = (paths.ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    project = tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    rooms = {path.parent.name for path in (paths.ROOT / "study").glob("*/__init__.py")}
+    assert not [room for room in rooms if f"`{room}" not in text]
+    optional = project["project"]["optional-dependencies"].values()
+    for package in itertools.chain(project["project"]["dependencies"], *optional):
+        assert re.search(rf"\b{package.split('>=')[0]}\b", text), package
 
 
 def test_make_help_names_every_target():

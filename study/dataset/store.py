@@ -72,7 +72,9 @@ COLUMNS = {
     "peak_pressure_star": ("1", "Largest pressure p R2/(E* dR)"),
     "error_estimate": ("1", "Relative discretisation error of the force, estimated"),
 }
-"""Column of the curves -> its unit, empty for text, and meaning."""
+"""Column of the curves -> its unit, empty for text, and meaning.
+
+A new column also needs `ForceCurve.columns` and a line in ``data/README.md``."""
 _CONSTRAINTS = {
     "group": {"enum": list(design.GROUPS)},
     "layers": {"required": False},

@@ -1,4 +1,18 @@
-"""The truth: a joint of two elastic bodies, and its force-depth curve."""
+"""A joint of two elastic bodies, and its exact force-depth curve.
+
+A body enters by its `compliance`, for unit radius and unit Young's modulus. A curve for another
+R2*, modulus or depth therefore takes milliseconds. A ball or a socket that is symmetric about
+the equator is solved exactly, order by order in Legendre polynomials (`series`). Other supports
+take quadratic finite elements (`fem`).
+
+Pressure is piecewise linear in the polar angle. Pressure and gap are complementary in the weak
+sense, so that the contact matrix is symmetric and positive definite. `pairing` says which points
+face each other, and `complementarity` which of them touch. The contact's edge lies between two
+nodes; the force therefore converges with order 2 by either solver.
+
+`curve` solves the depths that are given. `growth` solves a whole curve at once, in some 30 ms.
+`stress` finds the stresses inside the bodies, and first yield. `sized` is a joint in SI units.
+"""
 
 from study.joint.compliance import Drive, Rim
 from study.joint.curve import ForceCurve, Solver, UnresolvedError, force_curve

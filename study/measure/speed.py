@@ -5,6 +5,10 @@ Four charts. ``laws``: a call in a compiled loop, against the curve of the paper
 ``steppers``: 0.3 s of the paper's scene with clearance, against the study's stepper at its
 smallest tolerance. ``flexible``: flexible links, as of `study.measure.flexible`. Times depend on
 the machine, so that those drawn are kept in ``data/published/peers.csv``, made by `study measure`.
+
+A new method needs its entry in `SOLVERS` or `STEPPERS`, its run beside the others, and its look in
+`study.pages.figures.METHOD_LOOKS`. The kept times are one machine's: measure a whole chart there,
+with the other programs installed, or write elsewhere with ``--output``.
 """
 
 import os

@@ -1,4 +1,18 @@
-"""The crank-slider with a clearance joint: scene, models of its links, responses."""
+"""The crank-slider with a clearance joint: scene, models of its links, responses.
+
+`simulate` is one call for all models. Each model yields blocks of output rows around one compiled
+loop, ``advance``. A simulation can therefore show its progress, and keeps what it has when it is
+interrupted. Each impact has three output rows of its own: at its start, largest force and end.
+
+Rigid links (`rigid`, `two_joints`) are stepped by `events`: in contact the depth is a coordinate.
+Flexible links are `particles`, stepped explicitly, or finite elements (`beams`), stepped
+implicitly. They start straight, with the velocities of rigid links. At constant crank speed the
+crank's fixed end turns as given; the moment that this takes is an output. Its work is summed
+by the trapezoidal rule, so that the energy balance closes with order 2.
+
+A law is one record of numbers (`study.contact.forces`), because compiled code that is kept on disk
+cannot hold Python functions. `angles` gives the same bits on every processor.
+"""
 
 from study.mechanism.particles import stable_step
 from study.mechanism.response import Response

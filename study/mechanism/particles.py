@@ -3,9 +3,12 @@
 Each particle has a mass and, per link, a rotary inertia; plane frame elements between them
 give internal forces, found after the element's rigid motion is taken off (vector form
 intrinsic finite element; Ting, Shih & Wang, J. Mech. 20 (2004), 113-122). Time is stepped by
-explicit central differences (Eq. 29). In the damping and friction of the joint the velocity is
-the centred one, which the forces of the step are solved for, or the one half a step ago
-(``lagged``); ``unguarded`` is the latter without the checks of the limits of stability.
+explicit central differences (Eq. 29).
+
+The joint's damping and friction take the centred velocity, and the step's forces are solved for.
+``lagged`` takes the velocity half a step ago instead. Its step is also limited by the damping
+D P/v0, which grows without bound in a lasting contact that began slowly. ``unguarded`` is
+``lagged`` without checks of the limits of stability.
 """
 
 from collections import namedtuple

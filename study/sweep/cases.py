@@ -1,7 +1,10 @@
-"""Cases of a parameter study: what a row of their table means, and what is told of each.
+"""Cases of a parameter study: the columns of their table, and the results of each case.
 
-A case is texts by column, as a CSV file holds them. The columns are the options of `study joint`
-and `study simulate`. What may be repeated there has its values separated by semicolons here.
+A case is texts by column, as a CSV file holds them. Its columns are the options of `study joint`
+and `study simulate`. Semicolons separate the values of an option that may be repeated.
+
+A new column of results needs its unit and meaning in the table of its kind, such as `CURVES`, and
+its value in the function that solves this kind.
 """
 
 import csv
