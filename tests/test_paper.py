@@ -1,15 +1,13 @@
-"""The paper: every number read, nothing missing, the same bytes; REPRODUCING as computed."""
+"""The paper: every number read, nothing missing, the same bytes."""
 
 import re
 
-import pandas as pd
 import pytest
 import typst
 
 from study import paths
 from study.checks import StudyError
 from study.pages import typeset
-from study.pages.catalogue import CATALOGUE
 
 TEXT = typeset.SOURCE.read_text(encoding="utf-8")
 
@@ -69,28 +67,3 @@ def test_the_references_asked_of_such_a_paper_are_cited():
     without |= {"ciavarella2007", "mak2002", "jin1999", "rockerarm"}  # in what could be read
     for key, entry in zip(keys, re.split(r"^\w+:\n", entries, flags=re.MULTILINE)[1:], strict=True):
         assert ("doi:" in entry) != (key in without), key
-
-
-REPRODUCING = (paths.ROOT / "REPRODUCING.md").read_text(encoding="utf-8")
-ROW = re.compile(r"^\| (.*?) \| `(\w+)` \| (\S+) \| (\d+) \| `(.+?)`(?: at (.*))?: (\S+) \|$", re.M)
-EXPECTED = ROW.findall(REPRODUCING)
-
-
-def test_every_result_stands_in_reproducing():
-    notebooks = {name: notebook.name for notebook in CATALOGUE for name in notebook.results}
-    assert {name: notebook for _, name, notebook, *_ in EXPECTED} == notebooks
-    assert len(EXPECTED) == len(notebooks)
-
-
-@pytest.mark.parametrize("row", EXPECTED, ids=lambda row: row[1])
-def test_expected_number_is_the_computed_one(row):
-    _, name, _, _, column, where, value = row
-    table = pd.read_csv(paths.FIGURES / f"{name}.csv", dtype=str, keep_default_na=False)
-    if column == "rows":
-        assert len(table) == int(value)
-        return
-    keys = [key.split(" = ") for key in re.split(r", (?=\w+ = )", where)]
-    for key, wanted in keys:
-        table = table[table[key] == wanted]
-    assert len(table) == 1
-    assert f"{float(table[column].item()):.4g}" == value

@@ -25,6 +25,9 @@ class Notebook:
         Name of each figure and table -> what it shows.
     tells
         Name of each figure -> what to conclude from it, in one sentence without numbers.
+    expect
+        Name of a result -> the number of it to expect: ``column at key = value, ...``, with the
+        keys of one row. Without one it is the number of rows.
     reads
         Results of other notebooks whose numbers it reads.
     long
@@ -35,6 +38,7 @@ class Notebook:
     figures: dict[str, str] = field(default_factory=dict)
     tables: dict[str, str] = field(default_factory=dict)
     tells: dict[str, str] = field(default_factory=dict)
+    expect: dict[str, str] = field(default_factory=dict)
     reads: list[str] = field(default_factory=list)
     long: bool = False
 
