@@ -1,6 +1,55 @@
-"""Contact force laws for spherical clearance joints: the study's shared library.
+"""Contact force laws for spherical clearance joints: the study's library.
 
 Elastic bodies give a compliance, a compliance and a gap give a force-depth curve
 (`study.joint`), curves give the dataset (`study.dataset`), the dataset gives the laws
 their coefficients (`study.dataset.fitting`, `study.contact`), and notebooks only show it.
+
+Examples
+--------
+A joint with its dimensions, in SI units:
+
+>>> from study.joint import SizedJoint
+>>> bronze = SizedJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
+>>> print(f"{bronze.solve(force=3000).depth[0]:.4g} m")
+4.188e-06 m
+>>> law = bronze.law("stiffened_hertz")
+>>> print(f"{law.force(4.19e-6):.0f} N, {law.stiffness(4.19e-6):.3g} N/m")
+3002 N, 1.2e+09 N/m
+
+A dimensionless joint: depths over the clearance, forces over E* dR^2:
+
+>>> from study import choose, contact
+>>> from study.joint import Joint, Layer, Material, first_yield, force_curve, paper_joint
+>>> curve = force_curve(Joint(r2_star=75, socket=Material(7e10, 0.33)), [0.1, 0.5])
+>>> print(curve.force_star.round(2), curve.contact_half_angle_deg.round(1))
+[ 6.59 95.69] [21.1 45. ]
+>>> liner, housing = Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material(2e11, 0.3))
+>>> lined = force_curve(Joint(r2_star=80, layers=(liner, housing)), [0.1, 0.5])
+>>> first = first_yield(Joint(r2_star=50, ball=Material(yield_stress=5e8)), 0.3)
+>>> choice = choose.choose(Joint(75, socket_ratio=1.4), 0.5, tolerance=0.02)
+>>> print(choice.law)
+stiffened_hertz
+>>> print(f"{contact.stiffened_hertz(0.3, 200, ball_drive='clamped', rim='free'):.2f}")
+88.26
+
+The table of one joint's own curve, and the cached curves:
+
+>>> from study import dataset
+>>> from study.joint import whole_curve
+>>> table = contact.tabulated(whole_curve(paper_joint(200)))
+>>> print(f"{table(0.3):.2f}")
+88.26
+>>> len(dataset.load(r2_star=200, kinematics="linear"))
+1432
+
+The crank-slider, with a law by name or any function as a law:
+
+>>> from study.mechanism import Scene, simulate
+>>> response = simulate(Scene(restitution=0.9), law="hyperbolic_winkler", duration=0.02)
+>>> len(response.impacts)
+10
+>>> mine = simulate(Scene(), law=lambda depth, r2_star: 300 * depth**1.5, duration=0.002)
+>>> least = choose.choose_model(Scene(), tolerance=0.001)
+>>> print(least.model, least.law)
+rigid hertz
 """

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
-from io import StringIO
 from itertools import pairwise
 
 import numpy as np
@@ -16,7 +15,7 @@ import pandas as pd
 import psutil
 import pytest
 
-from study import cli, paths
+from study import cli
 from study.joint import Joint, Material, SizedJoint, force_curve, whole_curve
 from study.mechanism import Scene, simulate
 from study.sweep import COLUMNS, cases, random_cases, run, sweep
@@ -203,15 +202,6 @@ def test_cases_that_share_bodies_are_neighbours(tmp_path, monkeypatch):
     bodies = [(case["socket_ratio"], case["poisson"]) for _, case in order]
     changes = sum(one != other for one, other in pairwise(bodies))
     assert changes == 5
-
-
-def test_the_readmes_example(tmp_path):
-    readme = (paths.ROOT / "README.md").read_text(encoding="utf-8")
-    (line,) = re.findall(r"^\.venv/bin/study sweep .+", readme, re.M)
-    ranges = dict(text.split("=", 1) for text in re.findall(r"--range (\S+)", line))
-    shown = re.search(r"^case,.+\n(?:\d.+\n)+", readme, re.M)[0]
-    _, table = swept(random_cases(2, ranges), "joints", tmp_path / "table.csv")
-    pd.testing.assert_frame_equal(table, pd.read_csv(StringIO(shown)), rtol=1e-3)
 
 
 def test_a_long_task_returns_what_it_has(monkeypatch):
