@@ -1,8 +1,12 @@
 """The records of the study are what is made from the catalogue and the kept results."""
 
+import json
+import re
+import tomllib
 from dataclasses import replace
 
 import pytest
+import yaml
 
 from study import paths
 from study.checks import StudyError
@@ -32,3 +36,37 @@ def test_what_names_no_number_is_told(text):
     notebook = replace(RESULTS["table4"].notebook, expect={"table4": text})
     with pytest.raises(StudyError, match=r"catalogue\.toml: table4 must .*, got '" + text):
         records.expected(replace(RESULTS["table4"], notebook=notebook))
+
+
+GRAPH = json.loads(records.CRATE.read_text(encoding="utf-8"))["@graph"]
+ENTITIES = {entity["@id"]: entity for entity in GRAPH}
+
+
+def test_crate_is_what_is_made():
+    assert records.CRATE.read_text(encoding="utf-8") == records.crate()
+
+
+def test_what_the_crate_names_is_in_it():
+    named = set(re.findall(r'"@id": "(.+)"', records.CRATE.read_text(encoding="utf-8")))
+    assert named - ENTITIES.keys() == {"https://w3id.org/ro/crate/1.2"}
+    parts = {part["@id"] for part in ENTITIES["./"]["hasPart"]}
+    assert not [part for part in parts if not (paths.ROOT / part).exists()]
+    for pattern in ("data/**/*.csv", "figures/*", "notebooks/*.ipynb"):
+        assert {
+            path.relative_to(paths.ROOT).as_posix() for path in paths.ROOT.glob(pattern)
+        } <= parts
+
+
+def test_every_result_is_made_by_one_notebook():
+    actions = [entity for entity in GRAPH if entity["@type"] == "CreateAction"]
+    made = [file["@id"] for action in actions for file in action["result"]]
+    assert sorted(made) == sorted(part for part in ENTITIES if part.startswith("figures/"))
+
+
+def test_version_is_the_same_everywhere():
+    cited = yaml.safe_load((paths.ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    project = tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    changes = (paths.ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    newest = f"{cited['version']} ({cited['date-released']})"
+    assert f"\n## {newest}\n" in changes
+    assert project["version"] == cited["version"]

@@ -1,11 +1,13 @@
-"""REPRODUCING.md, made from the catalogue and the kept results.
+"""Records of the study, made from the catalogue: REPRODUCING.md and an RO-Crate for archives.
 
-``python -m study.pages.records`` writes it. Nothing is run: the seconds of a notebook are those
-of its executed copy, else those that the file has already.
+``python -m study.pages.records`` writes both. Nothing is run: the seconds of a notebook are those
+of its executed copy, else those that REPRODUCING.md has already.
 """
 
 import json
 import re
+import sys
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -20,6 +22,39 @@ from study.pages.report.results import Result, results
 
 REPRODUCING = paths.ROOT / "REPRODUCING.md"
 TEMPLATE = Path(__file__).with_name("reproducing.md")
+CRATE = paths.ROOT / "ro-crate-metadata.json"
+MIT, CC_BY = "https://spdx.org/licenses/MIT", "https://spdx.org/licenses/CC-BY-4.0"
+PYTHON = "https://www.python.org/"
+FILES = {
+    "README.md": "what was found, and how to use it",
+    "REPRODUCING.md": "every result with its notebook and the number to expect",
+    "CONTRIBUTING.md": "map of the code, and how to add to it",
+    "CHANGELOG.md": "what changed from version to version",
+    "CITATION.cff": "how to cite this study",
+    "LICENSE": "licence of the code",
+    "Makefile": "the commands make reproduce and make test",
+    "pyproject.toml": "the package and what it depends on",
+    "requirements.lock": "every package that is needed, pinned by version and hash",
+    "notebooks/catalogue.toml": "every notebook with its results",
+    "paper/paper.typ": "the article; Typst reads its numbers from the results",
+    "paper/references.yml": "the literature that the article cites",
+    "data/LICENSE": "licence of data, figures and article",
+    "data/README.md": "every file of data, its columns and its source",
+    "data/datapackage.json": "Frictionless data package: columns, units and hashes of the data",
+}
+"""What is in the crate besides data, notebooks and results: file -> what it is."""
+FOLDERS = {"study": "the Python package: the library and the study", "tests": "tests of all of it"}
+_FORMATS = {
+    ".cff": "application/yaml",
+    ".csv": "text/csv",
+    ".ipynb": "application/x-ipynb+json",
+    ".json": "application/json",
+    ".md": "text/markdown",
+    ".png": "image/png",
+    ".toml": "application/toml",
+    ".yml": "application/yaml",
+}
+_DATA = re.compile(r"^\| `([\w/]+\.csv)` \| (.+?) \| (.+?) \|$", re.MULTILINE)
 _SECONDS = re.compile(r"^\| \[(\d\d-[\w-]+)\]\(.+\) \| (\d+) \|$", re.MULTILINE)
 
 
@@ -95,13 +130,36 @@ def expected(result: Result) -> str:
         ) from None
 
 
+def crate() -> str:
+    """Metadata of the study as an RO-Crate, for archives: text of ``ro-crate-metadata.json``.
+
+    Title, authors, version, date and the paper come from ``CITATION.cff``, results from the
+    catalogue, the data from ``data/README.md``. Each notebook is the instrument of an action
+    that has its figures and tables as results.
+    """
+    from rocrate.rocrate import ROCrate  # of the extra "test"
+
+    paths.require_checkout(paths.NOTEBOOKS)
+    study = ROCrate(version="1.2")
+    _describe(study)
+    for name, text in FILES.items():
+        _file(study, name, text, CC_BY if name.startswith(("data/", "paper/")) else MIT)
+    for name, text, made in _DATA.findall((paths.DATA / "README.md").read_text(encoding="utf-8")):
+        _file(study, f"data/{name}", f"{text} ({made})".replace("`", ""), CC_BY)
+    for name, text in FOLDERS.items():
+        study.add_directory(dest_path=name, properties={"name": text, "license": {"@id": MIT}})
+    _runs(study)
+    return json.dumps(study.metadata.generate(), indent=1, ensure_ascii=False) + "\n"
+
+
 def main() -> None:
     """Write the records."""
     seconds = kept_seconds() | measured_seconds()
     if missing := ", ".join(n.name for n in CATALOGUE if n.name not in seconds):
         raise StudyError(f"no time is known of {missing}: `study run` it first")
-    with paths.whole(REPRODUCING) as temporary:
-        temporary.write_text(reproducing(seconds), encoding="utf-8")
+    for file, text in ((REPRODUCING, reproducing(seconds)), (CRATE, crate())):
+        with paths.whole(file) as temporary:
+            temporary.write_text(text, encoding="utf-8")
 
 
 def _row(result):
@@ -117,5 +175,113 @@ def _table(head, rows):
     return "\n".join([first, f"|{'---|' * len(head)}", *rest])
 
 
+def _describe(study):
+    """Say what the study is, whose, of when and under which licences, and what it reproduces."""
+    import yaml  # of the extra "test"
+
+    cited = yaml.safe_load((paths.ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    (paper,) = cited["references"]
+    where = f"{paper['journal']} {paper['volume']}({paper['issue']}), {paper['start']}"
+    reproduced = {
+        "name": paper["title"],
+        "author": _authors(study, paper),
+        "datePublished": str(paper["year"]),
+        "creditText": f"{', '.join(_name(author) for author in paper['authors'])}, {where}",
+    }
+    code = {"name": "MIT License", "description": "the code"}
+    rest = {"name": "Creative Commons Attribution 4.0", "description": "data, figures and article"}
+    described = {
+        "name": cited["title"],
+        "description": cited["abstract"],
+        "keywords": ", ".join(cited["keywords"]),
+        "version": cited["version"],
+        "datePublished": str(cited["date-released"]),
+        "author": _authors(study, cited),
+        "citation": _entity(study, paper["url"], "ScholarlyArticle", reproduced),
+        "license": [
+            _entity(study, MIT, "CreativeWork", code),
+            _entity(study, CC_BY, "CreativeWork", rest),
+        ],
+    }
+    _set(study.root_dataset, described)
+
+
+def _authors(study, work):
+    """Add the authors of a work in CITATION.cff that are named there."""
+    return [
+        _entity(
+            study,
+            f"#{_name(author).replace(' ', '-')}",
+            "Person" if "family-names" in author else "Organization",
+            {"name": _name(author)},
+        )
+        for author in work["authors"]
+        if _name(author) != "others"
+    ]
+
+
+def _name(author):
+    """Name of an author in CITATION.cff: of a person both, else the one there is."""
+    return author.get("name") or f"{author['given-names']} {author['family-names']}"
+
+
+def _runs(study):
+    """Add the results, and the notebooks with the action of each."""
+    files = {
+        result.name: [
+            _file(study, f"figures/{file.name}", f"{result.label}: {result.caption}", CC_BY)
+            for file in result.files
+        ]
+        for result in results(paths.FIGURES)
+    }
+    needed = tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    language = {"name": "Python", "url": PYTHON, "version": needed["requires-python"]}
+    python = _entity(study, PYTHON, "ComputerLanguage", language)
+    code = {"@type": ["File", "SoftwareSourceCode"], "programmingLanguage": {"@id": python.id}}
+    actions = []
+    for notebook in CATALOGUE:
+        file = f"notebooks/{notebook.path.name}"
+        run = {
+            "name": f"study run {notebook.name}",
+            "instrument": _file(study, file, _title(notebook.path), MIT, **code),
+            "object": [files[name][-1] for name in notebook.reads],
+            "result": [file for name in notebook.results for file in files[name]],
+        }
+        actions.append(_entity(study, f"#{notebook.name}", "CreateAction", run))
+    study.root_dataset["mentions"] = actions
+
+
+def _title(notebook):
+    """First line of a notebook."""
+    cell = json.loads(notebook.read_text(encoding="utf-8"))["cells"][0]
+    return "".join(cell["source"]).partition("\n")[0].removeprefix("# ")
+
+
+def _entity(study, identifier, kind, properties):
+    """Add to a crate something that is not a file of it."""
+    from rocrate.model.contextentity import ContextEntity
+
+    entity = study.add(ContextEntity(study, identifier, {"@type": kind}))
+    _set(entity, properties)
+    return entity
+
+
+def _set(entity, properties):
+    """Set properties of an entity that have a value; one alone is not a list."""
+    for name, value in properties.items():
+        if value:
+            entity[name] = value[0] if isinstance(value, list) and len(value) == 1 else value
+
+
+def _file(study, name, text, licence, **properties):
+    """Add a file to a crate."""
+    properties |= {"name": text, "license": {"@id": licence}}
+    properties["encodingFormat"] = _FORMATS.get(Path(name).suffix, "text/plain")
+    return study.add_file(paths.ROOT / name, name, properties=properties)
+
+
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except StudyError as error:
+        sys.exit(str(error))
