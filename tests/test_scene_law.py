@@ -146,7 +146,7 @@ def test_laws_without_materials_say_what_they_are():
 
 def test_a_law_with_options_inside_is_refused():
     inner = choose(Joint(200), 0.3, 0.01).evaluate
-    with pytest.raises(ValueError, match="law must be without its options, which stand beside it"):
+    with pytest.raises(ValueError, match="law must be without its options, which are given"):
         simulate(PAPER, law=inner, **BRIEF)
 
 

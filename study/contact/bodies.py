@@ -5,8 +5,8 @@ import numpy as np
 from study import checks
 
 SOCKET_RATIO = 1.298
-"""Outer over inner radius of the paper's socket, which the paper does not state: the value with
-which its Table 2 is met best on a fine mesh (notebook 13). It was perhaps drawn as 1.3."""
+"""Socket ratio, outer over inner radius, of the paper's socket. The paper does not state it: this
+value meets its Table 2 best on a fine mesh (notebook 13)."""
 
 
 def composite_modulus(
@@ -14,7 +14,7 @@ def composite_modulus(
 ) -> float:
     """Composite modulus E*, in Pa: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2.
 
-    Of Young's moduli > 0 in Pa and Poisson's ratios in (-1, 0.5); else ``ValueError``.
+    Young's moduli > 0 are in Pa, Poisson's ratios in (-1, 0.5); else a ``ValueError``.
     """
     bodies = {"ball": (ball_modulus, ball_poisson), "socket": (socket_modulus, socket_poisson)}
     compliance = 0.0
@@ -26,12 +26,12 @@ def composite_modulus(
 
 
 def clearance_and_r2_star(ball_radius: float, socket_radius: float) -> tuple[float, float]:
-    """Clearance dR = R2 - R1, in m, and R2/dR, of radii in m with 0 < R1 < R2 (``ValueError``)."""
+    """Clearance dR = R2 - R1, in m, and R2/dR; the radii, in m, must have 0 < R1 < R2."""
     r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
     r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
     return r2 - r1, r2 / (r2 - r1)
 
 
 def largest_depth(r2_star: float) -> float:
-    """Depth d/dR = sqrt(2 R2* - 1) - 1 at which the spheres' overlap is widest: their equator."""
+    """Depth d/dR = sqrt(2 R2* - 1) - 1 at which the spheres meet in the ball's equator."""
     return np.sqrt(2 * r2_star - 1) - 1

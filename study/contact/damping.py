@@ -1,7 +1,7 @@
 """Damping of the normal contact force: F_N = P(d) (1 + D d'/v0).
 
-v0 is the approach speed at the start of the impact, latched until the surfaces part, and
-D the damping factor; four rules choose it by the coefficient of restitution.
+v0 is the approach speed at the start of the impact, kept until the surfaces part. D is the damping
+factor; four rules give it from the coefficient of restitution cr.
 """
 
 from collections.abc import Callable
@@ -17,20 +17,20 @@ POWERS = range(2, 60)  # of a series that converges as 0.5^k
 
 
 def exact(restitution: float) -> float:
-    """The D that delivers cr in a free impact, whatever P: D (1 + cr) = ln((1+D)/(1-cr D)).
+    """Factor D with which a free impact has the restitution cr, whatever the force P(d).
 
-    Follows from dv/dd of the free impact, which separates for a force of this form (this study).
+    D (1 + cr) = ln((1+D)/(1-cr D)) follows from dv/dd of the free impact (this study).
     """
     if restitution == 1:
         return 0.0
-    if restitution > 0.8:  # the logarithms' series over D^2: nothing cancels as cr -> 1
+    if restitution > 0.8:  # series of the logarithms over D^2: no cancellation as cr -> 1
 
         def series(factor):
             return sum(((-1) ** (k + 1) + restitution**k) * factor ** (k - 2) / k for k in POWERS)
 
         return brentq(series, 0.0, 0.5, xtol=1e-15 * (1 - restitution))
 
-    def factor(w):  # in w = -ln(1 - cr D), which reaches D -> 1/cr without cancellation
+    def factor(w):  # w = -ln(1 - cr D) reaches D -> 1/cr without cancellation
         return -expm1(-w) / restitution
 
     def surplus(w):
@@ -41,7 +41,7 @@ def exact(restitution: float) -> float:
 
 
 DAMPINGS: dict[Damping, Callable[[float], float]] = {
-    "lankarani-nikravesh": lambda cr: 3 * (1 - cr**2) / 4,  # Eq. 31: of a nearly elastic impact
+    "lankarani-nikravesh": lambda cr: 3 * (1 - cr**2) / 4,  # Eq. 31: for nearly elastic impacts
     "hunt-crossley": lambda cr: 3 * (1 - cr) / 2,  # exact to first order in 1 - cr (1975)
     "flores": lambda cr: 8 * (1 - cr) / (5 * cr),  # Flores, Machado, Silva & Martins (2011)
     "exact": exact,
@@ -49,10 +49,10 @@ DAMPINGS: dict[Damping, Callable[[float], float]] = {
 
 
 def damping_factor(damping: Damping, restitution: float) -> float:
-    """Damping factor D >= 0 by one of `DAMPINGS`; ``ValueError`` for another rule.
+    """Damping factor D >= 0 by a rule of `DAMPINGS`; other rules are a ``ValueError``.
 
-    The restitution asked for is from 0 to 1; from 0.001 for ``flores`` and ``exact``, whose D
-    grows as 1/cr.
+    The restitution is from 0 to 1. It is at least 0.001 for ``flores`` and ``exact``, whose D grows
+    as 1/cr.
     """
     checks.choice("damping", damping, DAMPINGS)
     cr = checks.number("restitution", restitution, least=0, most=1, scalar=True)

@@ -1,8 +1,9 @@
 """Contact force at one point, compiled for the stepping loops of the mechanism.
 
 A law with its dimensions is packed into one record of numbers, because compiled code that is
-kept on disk cannot hold Python functions; every formula stays in `shapes` and `friction`. A record
-is passed on as a pointer: an array would be counted at every call, which takes as long as a law.
+kept on disk cannot hold Python functions. The formulas stay in `shapes` and `friction`. A record is
+passed as a pointer. References to an array would be counted at every call, which takes as long as a
+law.
 """
 
 from inspect import signature
@@ -22,16 +23,16 @@ for _shape in (shapes.cubic, *shapes.SHAPES):  # a call takes as long as a law
     register_jitable(inline="always")(_shape)
 _SAMPLED = len(shapes.SHAPES) - 1
 CAPACITIES = 4096, 65536
-"""Rooms for a law's constants, the first of which holds those of all laws but large tables."""
+"""How many constants a record may hold; the first is enough for all laws but large tables."""
 
 
 def pack(
     law: AnyLaw, ball_radius: float, socket_radius: float, composite: float, **options: Any
 ) -> np.record:
-    """Numbers that `elastic_force` needs; arguments and errors as of `contact.contact_force`.
+    """Record of a law for `elastic_force`; arguments and errors as for `contact.contact_force`.
 
-    The record has the shape's index, the clearance in m, the force scale in N, and the constants
-    with their number.
+    It has the shape's index, the clearance in m, the force scale in N, and the constants with their
+    number.
     """
     parts = find(law).parts
     clearance, r2_star = clearance_and_r2_star(ball_radius, socket_radius)
@@ -96,9 +97,9 @@ def _gauss(count):
 def stored_energy(law, depth):
     """Elastic energy at a depth, in J: the force integrated over the depth.
 
-    By Gauss's rule in the square root of the depth, in which all shapes but Steuermann's
-    profiles of n > 1 are analytic (those come to 1e-11). A sampled function may have kinks: it is
-    integrated from knot to knot, each interval exactly.
+    Gauss's rule is applied in the square root of the depth. All shapes are analytic in it but
+    Steuermann's profiles of n > 1, whose error is 1e-11. A sampled function may have kinks: each
+    interval between its knots is integrated exactly.
     """
     energy = 0.0
     if depth > 0 and law.shape_index == _SAMPLED:
@@ -124,10 +125,10 @@ def stored_energy(law, depth):
 def joint_forces(law, depth, rate, sliding, branch, approach, damping, friction, v0, v1):
     """Normal and tangential force at a depth > 0, with their derivatives (Eqs. 31-33).
 
-    The normal force and its derivatives to depth and rate, its elastic part and that part's to
-    depth, the tangential force and its derivatives to the normal force and to the sliding speed
-    on one ``branch`` of the friction law. Where the ball leaves faster than approach speed over
-    D, Eq. 31 pulls; it is kept as published, without friction while it pulls.
+    Returns the normal force and its derivatives by depth and rate; its elastic part and the
+    derivative of that by depth; the tangential force and its derivatives by the normal force and by
+    the sliding speed, on one ``branch`` of the friction law. Where the ball leaves faster than the
+    approach speed over D, Eq. 31 pulls. It is kept as published, without friction while it pulls.
     """
     elastic, slope = elastic_force(law, depth)
     loss = damping / approach

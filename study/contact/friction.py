@@ -17,7 +17,7 @@ def friction_branch(speed, v0, v1):
 
 @compiled
 def friction_factor(speed, branch, v0, v1):
-    """Signed factor c_d sign(v_T) of one linear piece, and its derivative to the speed."""
+    """Signed factor c_d sign(v_T) of one linear piece, and its derivative by the speed."""
     if branch == 0:
         return 0.0, 0.0
     sign = 1.0 if branch > 0 else -1.0

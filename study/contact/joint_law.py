@@ -1,7 +1,7 @@
 """A contact law of one joint in SI units: force, stiffness, and the depth of a force.
 
-Every law of `study.contact.laws` is dimensionless. `JointLaw` gives it the joint's dimensions, and
-inverts it.
+The laws of `study.contact.laws` are dimensionless. `JointLaw` adds the joint's dimensions, and the
+inverse.
 """
 
 from inspect import signature
@@ -18,7 +18,7 @@ from study.contact.laws import LIMIT_MARGIN, AnyLaw, Floats, find
 
 BODIES = ("socket_ratio", "modulus_ratio", "poisson", "socket_poisson")
 """Options of `study.contact.stiffened_hertz` that a joint in SI units must give."""
-_STEPS, _CLOSE = 200, 1e-8  # of Newton: at most, of some five; a last step, relative
+_STEPS, _CLOSE = 200, 1e-8  # of Newton's method: most steps (five are usual); last one, relative
 
 
 class JointLaw:
@@ -30,22 +30,22 @@ class JointLaw:
         Key of `study.contact.LAWS`, a law itself, such as ``tabulated(curve)``, or a function of
         (``depth_star``, ``r2_star``) that returns force_star (`study.contact.sampled`).
     ball_radius, socket_radius
-        In m, the ball smaller than the socket.
+        In m; the ball is smaller than the socket.
     composite_modulus
         E*, > 0, in Pa (`study.contact.composite_modulus`).
     **options
-        Of the law. ``stiffened_hertz`` must be given ``socket_ratio``, ``modulus_ratio``,
+        Options of the law. ``stiffened_hertz`` needs ``socket_ratio``, ``modulus_ratio``,
         ``poisson`` and ``socket_poisson``.
 
     Attributes
     ----------
     deepest
-        Largest depth that the law is for, in m; infinite for a law without a limit.
+        Largest depth of the law, in m; infinite for a law without a limit.
 
     Raises
     ------
     ValueError
-        For an unknown law or option, an option that is missing, or a value outside its range.
+        For an unknown law or option, a missing option, or a value outside its range.
     """
 
     def __init__(
@@ -88,12 +88,12 @@ class JointLaw:
     def depth(self, force: ArrayLike) -> Floats:
         """Depths in m of contact forces >= 0 in N, of their shape: the inverse of `force`.
 
-        Newton's method in ln(depth) and ln(force), between bounds: to rounding.
+        By Newton's method in ln(depth) and ln(force), between bounds; exact but for rounding.
 
         Raises
         ------
         ValueError
-            For a force that is larger than that of the law's largest depth.
+            For a force larger than the one at the law's largest depth.
         """
         most = None
         if self.deepest < inf:
@@ -107,7 +107,7 @@ class JointLaw:
         return float(depth) if depth.ndim == 0 else depth
 
     def _unit(self, derivative):
-        """What makes a dimensionless force, or stiffness, one in N, or N/m."""
+        """Unit of the dimensionless force, in N, or of its derivative, in N/m."""
         return self.composite_modulus * self.clearance ** (2 - derivative)
 
     def _evaluated(self, depth, derivative):
@@ -131,12 +131,12 @@ class JointLaw:
             off = np.log(value / wanted)
             least, most = np.where(off < 0, depth, least), np.where(off > 0, depth, most)
             before, depth = depth, depth * np.exp(-off * value / (slope * depth))
-            inside = (depth > least) & (depth < most)  # else it may go to and fro over a kink
+            inside = (depth > least) & (depth < most)  # else it may cross a kink for ever
             bound = np.clip(depth, least, most)
             depth = np.where(inside, depth, (before + bound) / 2)
             if np.all(np.abs(depth - before) <= _CLOSE * depth):
                 return depth
-        raise checks.StudyError(f"{self.name} found no depth for a force; does it increase?")
+        raise checks.StudyError(f"{self.name} found no depth for a force; does the force increase?")
 
 
 def contact_force(
@@ -149,7 +149,7 @@ def contact_force(
     derivative: bool = False,
     **options: Any,
 ) -> Floats:
-    """Contact force of a law in SI units, in N: `JointLaw`'s, with its arguments and errors.
+    """Contact force of a law, in N, with the arguments and errors of `JointLaw`.
 
     Parameters
     ----------
@@ -174,6 +174,6 @@ def contact_stiffness(
     composite: float,
     **options: Any,
 ) -> Floats:
-    """Contact stiffness dP/dd, in N/m: the derivative of `contact_force`, with its arguments."""
+    """Contact stiffness dP/dd of a law, in N/m, with the arguments of `contact_force`."""
     joint = ball_radius, socket_radius, composite
     return contact_force(law, depth, *joint, derivative=True, **options)

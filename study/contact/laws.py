@@ -3,11 +3,11 @@
 In dimensionless form depth_star = d/dR (ds), r2_star = R2/dR and force_star = P/(E* dR^2), with
 the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*. Every law takes
 ``depth_star`` and ``r2_star`` > 1 and returns the force in their broadcast shape, or with
-``derivative=True`` dP*/d(ds); it is zero for depths <= 0 and raises ``ValueError`` for a value
-outside its range. Damping and friction are not here.
+``derivative=True`` dP*/d(ds). The force is zero for depths <= 0. A value outside its range is a
+``ValueError``. Damping and friction are not here.
 
-Each docstring says how sure its formula is (given, derived, identified, reconstructed, fitted);
-"Eq." numbers are those of the paper the study reproduces.
+Each docstring says how sure its formula is: given, derived, identified, reconstructed or fitted.
+"Eq." numbers are those of the paper that the study reproduces.
 """
 
 import json
@@ -30,14 +30,14 @@ LawName = Literal[PaperLawName, "stiffened_hertz"]
 Area = Literal["flat", "sphere"]
 Floats = float | NDArray[np.float64]
 Parts = tuple[Any, Callable, Any]
-"""Of a law at some R2*: scale, shape, and the shape's constants."""
+"""A law at some R2*: scale, shape, and the shape's constants."""
 COEFFICIENTS = Path(__file__).with_name("coefficients.json")
 AREA_COEFFICIENTS: dict[Area, str] = {
     "flat": "hyperbolic_winkler",
     "sphere": "hyperbolic_winkler_sphere",
 }
 """Name of the fitted coefficient of `hyperbolic_winkler`, by the area element of its pressure."""
-LIMIT_MARGIN = 1e-9  # of the limits: d/dR and R2/dR of radii in m may exceed them by rounding
+LIMIT_MARGIN = 1e-9  # by rounding, d/dR and R2/dR from radii in m may exceed a limit
 
 
 class Law(Protocol):
@@ -46,8 +46,8 @@ class Law(Protocol):
     __name__: str
     __call__: Callable[..., Any]
     parts: Callable[..., Parts]
-    deepest: float | None  # depth_star, if its shape does not tell
-    joint: Any  # a `study.joint.Joint`, if the law is that of one
+    deepest: float | None  # largest depth_star, where the shape has no limit
+    joint: Any  # a `study.joint.Joint`, for the law of one joint
 
 
 AnyLaw = str | Law | Callable[[float, float], float]
@@ -60,7 +60,7 @@ def _law(
     deepest: float | None = None,
     joint: Any = None,
 ) -> Law:
-    """Make a law of its parts: it checks its arguments and sees penetrating depths only."""
+    """Make a law from its parts: check the arguments, evaluate depths > 0 only."""
 
     @wraps(parts)
     def law(depth_star, r2_star=usual_r2_star, *, derivative=False, **options):
@@ -70,7 +70,7 @@ def _law(
         try:
             depth, r2 = np.broadcast_arrays(depth, r2)
         except ValueError:
-            wanted = "depth_star and r2_star must be of shapes that fit"
+            wanted = "depth_star and r2_star must have shapes that broadcast"
             raise ValueError(f"{wanted}, got {depth.shape} and {r2.shape}") from None
         contact = depth > 0
         scale, shape, constants = parts(r2[contact], **options)
@@ -103,11 +103,11 @@ def steuermann(
 ) -> Parts:
     """Steuermann: P = (4n/(2n+1)) E* a d for a profile of order 2n (Eq. 7; Johnson, sec. 5.3).
 
-    The order's half ``n`` is from 1 to 50. ``radius="geometric"`` takes the contact radius
-    a = R2 sin(eps) with cos(eps) = dR/(dR + d); with n = 1 this is what Table 2 plots (identified:
-    RMSE within 0.5 %). ``radius="profile"`` is the textbook's: a from d = c_n A_n a^(2n), where
-    A_n is the Taylor coefficient of the gap between the spheres and
-    c_n = 2*4*..*2n / (1*3*..*(2n-1)); with n = 1 it is Hertz.
+    ``n`` is from 1 to 50. ``radius="geometric"`` takes the contact radius a = R2 sin(eps) with
+    cos(eps) = dR/(dR + d). With n = 1 this is the law of Table 2 (identified: RMSE within 0.5 %).
+    ``radius="profile"`` is the textbook's: a from d = c_n A_n a^(2n), where A_n is the Taylor
+    coefficient of the gap between the spheres and c_n = 2*4*..*2n / (1*3*..*(2n-1)). With n = 1 it
+    is Hertz's law.
     """
     checks.choice("radius", radius, ("geometric", "profile"))
     n = checks.whole("n", n, least=1, most=50)
@@ -129,10 +129,10 @@ def steuermann(
 def liu(r2_star: Floats) -> Parts:
     """Liu et al. 2006: P* = 4.57 R2* ds sin(eps) sin(eps/2) (Eq. 8 is lost; reconstructed).
 
-    Of Table 2 the coefficient of determination gives the factor, the RMSE the growth with depth
-    (notebook 13). The half-angle eps is Steuermann's, sin(eps/2) the factor of Liu's law for
-    cylinders. Another form that meets both numbers, a pressure 1 - theta^2/eps^2 on the socket's
-    sphere, differs from this one by less than 1 % of the force at a depth of 0.5.
+    The coefficient of determination in Table 2 gives the factor, the RMSE the growth with depth
+    (notebook 13). The half-angle eps is Steuermann's; sin(eps/2) is the factor of Liu's law for
+    cylinders. Another form also meets both numbers: a pressure 1 - theta^2/eps^2 on the socket's
+    sphere. At a depth of 0.5 it differs by less than 1 % of the force.
     """
     return _coefficient("liu", r2_star), shapes.liu, ()
 
@@ -141,7 +141,7 @@ def liu(r2_star: Floats) -> Parts:
 def winkler(r2_star: Floats, *, coefficient: float | None = None) -> Parts:
     """Winkler with fitted coefficient: P* = f1w(R2*) ds^2 (Eq. 28, derived; f1w fitted).
 
-    The ``coefficient`` f1w > 0 is by default this study's fit in the paper's joint
+    The default of the ``coefficient`` f1w > 0 is this study's fit in the paper's joint
     (`study.joint.paper_joint`), linear in R2*.
     """
     return _coefficient("winkler", r2_star, coefficient), shapes.winkler, ()
@@ -154,13 +154,15 @@ def hyperbolic_winkler(
     """The paper's law: P* = f1(R2*) f2(ds) (Eqs. 20-27, f2 derived; f1 fitted by this study).
 
     f2 = 2 ds [(6/a) sin(a) + (6/a^2 - 2) cos(a) - 1 - 6/a^2] with the contact half-angle
-    a = sqrt(2 ds), for the area element R2^2 theta dtheta dphi, that of a flat disc whose
-    radius is the arc. The paper's own formula is lost; its Table 2 identifies this element
-    (notebook 13). ``area="sphere"`` takes R2^2 sin(theta) dtheta dphi, the socket's own:
-    f2 = ds [1/2 - sin(2a)/(2a) + sin(a)^2/(2 a^2)], with a coefficient of its own; in the
-    paper's joint it is off by up to 29 % for ds from 0.1 to 0.5, this one by 32 %. Both are
-    evaluated as series, without cancellation (`study.contact.shapes.hyperbolic`). The largest
-    depth is pi^2/8, a half-angle of 90 deg; the ``coefficient`` f1 > 0 is by default as Winkler's.
+    a = sqrt(2 ds). Its area element is R2^2 theta dtheta dphi, that of a flat disc whose radius is
+    the arc. The paper's own formula is lost; its Table 2 identifies this element (notebook 13).
+
+    ``area="sphere"`` takes the socket's own element, R2^2 sin(theta) dtheta dphi:
+    f2 = ds [1/2 - sin(2a)/(2a) + sin(a)^2/(2 a^2)], with another coefficient. In the paper's joint
+    its error for ds from 0.1 to 0.5 is up to 29 %, that of the flat element up to 32 %.
+
+    Both are series, without cancellation (`study.contact.shapes.hyperbolic`). The largest depth is
+    pi^2/8, a half-angle of 90 deg. The default of the ``coefficient`` f1 > 0 is as for `winkler`.
     """
     checks.choice("area", area, tuple(shapes.BRACKETS))
     scale = _coefficient(AREA_COEFFICIENTS[area], r2_star, coefficient)
@@ -182,10 +184,10 @@ def stiffened_hertz(
 
     P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s) and
     s = sqrt(ds): Hertz's law as ds -> 0. The nine numbers of a joint are looked up once, in
-    ``stiffening.csv`` (`study.contact.stiffening`). For linear kinematics,
-    ds <= 1 and the ranges of `study.contact.stiffening.RANGES` its largest error is 0.18 % on 336
-    joints at random and 0.57 % at the worst corner of the ranges (notebook 15). Left-out options
-    are those of the paper's socket and of equal materials.
+    ``stiffening.csv`` (`study.contact.stiffening`). The law is for linear kinematics, ds <= 1 and
+    the ranges of `study.contact.stiffening.RANGES`. Its largest error is 0.18 % on 336 random
+    joints, and 0.57 % at the worst corner of the ranges (notebook 15). Defaults are the paper's
+    socket ratio and equal materials.
 
     Parameters
     ----------
@@ -196,7 +198,7 @@ def stiffened_hertz(
     poisson, socket_poisson
         Of the ball, and of the socket if it differs.
     ball_drive, rim
-        Supports, as of `study.joint.Joint`.
+        Supports, as for `study.joint.Joint`.
     """
     socket_poisson = poisson if socket_poisson is None else socket_poisson
     least_r2_star = stiffening.LEAST_R2_STAR * (1 - LIMIT_MARGIN)
@@ -217,7 +219,7 @@ def stiffened_hertz(
     share = stiffening.share_of_ball(modulus_ratio, poisson, socket_poisson)
     bodies = share, poisson, socket_poisson, socket_ratio
     of = np.asarray(r2_star)
-    one = of[:1] if of.ndim and (of == of[:1]).all() else of  # nearly always there is but one
+    one = of[:1] if of.ndim and (of == of[:1]).all() else of  # nearly always there is only one
     constants = stiffening.powers(one, bodies, clamped == "clamped", free == "free")
     return hertz.parts(r2_star)[0], shapes.stiffened, constants
 
@@ -225,20 +227,20 @@ def stiffened_hertz(
 def tabulated(curve: Any) -> Law:
     """Law of one joint, interpolated from its force-depth curve.
 
-    The stiffening S = P*/P*(Hertz) is interpolated over sqrt(ds), from S = 1 at ds = 0, by a
-    cubic spline whose slopes are limited so that it is monotone where the curve is (Hyman,
-    SIAM J. Sci. Stat. Comput. 4 (1983) 645-654), and tabulated on equal steps as a cubic
-    Hermite spline: continuously differentiable, at the cost of one square root.
+    The stiffening S = P*/P*(Hertz) is interpolated over sqrt(ds), from S = 1 at ds = 0. The cubic
+    spline has limited slopes, so that it is monotone where the curve is (Hyman, SIAM J. Sci. Stat.
+    Comput. 4 (1983) 645-654). The table is a cubic Hermite spline on equal steps: continuously
+    differentiable, at the cost of one square root.
 
-    The law's ``r2_star`` may be left out; its largest depth is the curve's.
+    The law's ``r2_star`` may be left out. Its largest depth is that of the curve.
 
     Parameters
     ----------
     curve
         A `study.joint.ForceCurve` of at least 4 different depths > 0, the shallowest at most a
-        tenth of the deepest. With 40 depths in equal steps of sqrt(ds) from 0.025 to 1 and a
-        resolution of 640 the law is within 1e-4 of the solver at all other depths from 0.001 on;
-        the usual resolution of 320 leaves noise of 3e-4 below 0.005 in the curve.
+        tenth of the deepest. Take 40 depths in equal steps of sqrt(ds) from 0.025 to 1, at a
+        resolution of 640: the law is then within 1e-4 of the solver from a depth of 0.001 on. The
+        usual resolution of 320 leaves noise of 3e-4 in the curve at depths below 0.005.
 
     Raises
     ------
@@ -274,29 +276,29 @@ def tabulated(curve: Any) -> Law:
 
 
 def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> Law:
-    """Law of a plain Python function: a table of it, which compiled code can read.
+    """Law from a plain Python function, as a table that compiled code can read.
 
-    The secant stiffness P*/ds is sampled on equal steps of sqrt(ds), and is a cubic Hermite spline
-    between them: exact for powers ds, ds^1.5, ds^2 and ds^2.5, continuously differentiable. The
-    steps are halved until the force is right between them within `sampling.TOLERANCE`, or within
-    `sampling.FLOOR` of the largest; this is done once for an R2*. A law is called with one R2* at a
-    time.
+    The secant stiffness P*/ds is sampled on equal steps of sqrt(ds), with a cubic Hermite spline
+    between them. It is continuously differentiable, and exact for ds, ds^1.5, ds^2 and ds^2.5.
+    Steps are halved until the force between them is within `sampling.TOLERANCE`, or within
+    `sampling.FLOOR` of the largest force. There is one table for each R2*, so that a call takes one
+    R2* only.
 
-    Wherever a law is taken, a function may be given instead: it is sampled up to one clearance.
+    A function may be given wherever a law is taken; it is then sampled up to one clearance.
 
     Parameters
     ----------
     function
         Of (``depth_star``, ``r2_star``), each one number, that returns force_star = P/(E* dR^2):
-        0 at depth 0, and increasing. The law has its name.
+        0 at depth 0, and increasing. The law takes its name.
     deepest
         Largest depth_star of the law, up to which the function is sampled.
 
     Raises
     ------
     ValueError
-        For a function of other arguments; and when the law is used, for a force that is no finite
-        number, not 0 at depth 0, does not increase with depth, or jumps.
+        For a function of other arguments. When the law is used: for a force that is not a finite
+        number, is not 0 at depth 0, does not increase with depth, or jumps.
     """
     if not callable(function) or isinstance(function, type):
         raise ValueError(f"law must be a name or a function, got {checks.shown(function)}")
@@ -323,16 +325,16 @@ LAWS: dict[str, Law] = {
     for law in (hertz, steuermann, liu, winkler, hyperbolic_winkler, stiffened_hertz)
 }
 PAPER_LAWS: tuple[PaperLawName, ...] = get_args(PaperLawName)
-"""Those that the paper compares."""
+"""The laws that the paper compares."""
 
 
 def find(law: AnyLaw) -> Law:
-    """The law of a name, the law itself, or that `sampled` from a function, or ``ValueError``."""
+    """Law by its name, a law itself, or one `sampled` from a function; else ``ValueError``."""
     if not isinstance(law, str) and callable(getattr(law, "parts", None)):
         return cast(Law, law)
     if isinstance(law, partial) and hasattr(law.func, "parts"):
         shown = checks.shown(law)
-        raise ValueError(f"law must be without its options, which stand beside it, got {shown}")
+        raise ValueError(f"law must be without its options, which are given beside it, got {shown}")
     if hasattr(law, "composite_modulus"):  # a JointLaw
         wanted = "a law without dimensions, such as tabulated(whole_curve(joint))"
         raise ValueError(f"law must be a name, a function, or {wanted}, got a JointLaw")
@@ -359,8 +361,7 @@ def _fitted(law):
 def fitted_coefficients() -> dict[str, Any]:
     """Coefficients of the fitted laws, from ``coefficients.json``, or `study.checks.StudyError`.
 
-    By name ``slope`` and ``intercept`` of a coefficient, slope R2* + intercept, for
-    20 <= R2* <= 300.
+    A coefficient is slope R2* + intercept, fitted for 20 <= R2* <= 300.
     """
     try:
         fits = json.loads(COEFFICIENTS.read_text(encoding="utf-8"))

@@ -1,8 +1,8 @@
 """Pressure and extent of the contact behind the laws' forces, and a thin liner's springs.
 
 Lengths are in socket radii R2 and pressures in E* dR/R2, so that force_star is R2* times the
-pressure's integral. Every depth_star is d/dR, every r2_star > 1 is R2/dR; a value outside its
-range is a ``ValueError``. The exact pressure comes from `study.joint.force_curve`.
+pressure's integral. ``depth_star`` is d/dR, and ``r2_star`` > 1 is R2/dR. A value outside its range
+is a ``ValueError``. The exact pressure comes from `study.joint.force_curve`.
 """
 
 from math import pi
@@ -39,9 +39,9 @@ def hertz_pressure(radius: ArrayLike, depth_star: float, r2_star: float) -> NDAr
 def contact_half_angle_deg(law: AngledLaw, depth_star: ArrayLike, r2_star: float) -> Floats:
     """Polar angle of the contact's edge by a law, in deg; at most 90.
 
-    ``hertz``: sin = a/R2 with his radius, which alone depends on R2*; ``steuermann``:
-    cos = dR/(dR + d), where rigid spheres of nearly equal radii would meet;
-    ``hyperbolic_winkler``: sqrt(2 ds) rad, where the arc is Winkler's radius sqrt(2 R d) (Eq. 21).
+    ``hertz``: sin = a/R2 with Hertz's radius; this angle alone depends on R2*. ``steuermann``:
+    cos = dR/(dR + d), where rigid spheres of nearly equal radii would meet. ``hyperbolic_winkler``:
+    sqrt(2 ds) rad, where the arc is Winkler's radius sqrt(2 R d) (Eq. 21).
     """
     checks.choice("law", law, ANGLED_LAWS)
     edge = contact_radius(depth_star, r2_star)
@@ -54,7 +54,7 @@ def contact_half_angle_deg(law: AngledLaw, depth_star: ArrayLike, r2_star: float
 
 
 def foundation_height(law: Literal["winkler", "hyperbolic_winkler"], r2_star: float) -> float:
-    """Height h/R2 of the foundation that a law's fitted coefficient implies with K = E*.
+    """Height h/R2 of the foundation that a law's fitted coefficient implies if K = E*.
 
     Flat: f1w = pi R/h with R = R1 R2/dR; along the socket's arc (Eq. 20): f1 = pi R2^2/(h dR).
     """
@@ -68,10 +68,10 @@ def thin_liner_force(
 ) -> Floats:
     """Force P/(E* dR^2) of a rigid ball on a thin liner with a rigid backing: Winkler's springs.
 
-    P = 2 pi R2^2 K [(dR + d)(1 - c^3)/3 - dR (1 - c^2)/2] with c = dR/(dR + d), where
-    K = (1 - nu) E/((1 + nu)(1 - 2 nu) h) is the stiffness of a layer that cannot spread and
-    E* = E/(1 - nu^2). Exact as the ``thickness`` h/R2 and 1/R2* go to zero, for a compressible
-    liner: its ``poisson`` nu is < 0.5 (Johnson, sec. 5.8, for the springs; this study).
+    P = 2 pi R2^2 K [(dR + d)(1 - c^3)/3 - dR (1 - c^2)/2] with c = dR/(dR + d) and
+    E* = E/(1 - nu^2). K = (1 - nu) E/((1 + nu)(1 - 2 nu) h) is the stiffness of a layer that cannot
+    spread. The force is exact as the ``thickness`` h/R2 and 1/R2* go to zero, for a compressible
+    liner: ``poisson`` nu < 0.5 (Johnson, sec. 5.8, for the springs; this study).
     """
     depth = checks.number("depth_star", depth_star, least=0)
     r2_star = checks.number("r2_star", r2_star, above=1, scalar=True)

@@ -1,11 +1,10 @@
 """A law on paper for any two materials: depth from force by 16 printed numbers.
 
-It is Hertz's law less the depth that finite bodies save. At equal force this adds up over ball and
-socket, nearly. It is for a ball driven by its equatorial plane and a socket with a mirror plane at
-its rim; other supports, thinner sockets and softer balls are outside of its ranges.
+It is Hertz's law with less depth, because finite bodies are stiffer. At equal force the parts of
+ball and socket nearly add up. The ball is radially free (drive ``plane``), the rim a mirror plane.
 
-With x the contact radius over R2 that Hertz gives, x^3 = (3/4) P*/sqrt(R2* (R2* - 1)), the share s
-of the ball in the compliance, (1 - nu1^2) E*/E1, and the socket ratio q:
+With Hertz's contact radius x over R2, x^3 = (3/4) P*/sqrt(R2* (R2* - 1)), the share s of the ball
+in the compliance, (1 - nu1^2) E*/E1, and the socket ratio q:
 
 - ds = y + (1 - 2 s) y^2/R2*, y = x^2 (1 - F), F = s b + (1 - s) t - s (1 - s) t (c1 b + c2 t);
 - the ball's part: b = x [b0 + (b1 + b2 nu1) x];
@@ -17,8 +16,8 @@ of the ball in the compliance, (1 - nu1^2) E*/E1, and the socket ratio q:
 
 Half-angle and peak pressure leave out terms of order 1/R2*.
 
-The numbers are fitted by this study (`study.dataset.printed`). That the load P*/R2*
-depends on depth alone for large R2* is Ciavarella, Strozzi, Baldini and Giacopini's observation.
+The numbers are fitted by this study (`study.dataset.printed`). Ciavarella, Strozzi, Baldini and
+Giacopini observed that for large R2* the load P*/R2* depends on the depth alone.
 """
 
 from typing import Any
@@ -36,8 +35,8 @@ PRINTED_RANGES = {
     "poisson": (0.2, 0.4),
     "socket_poisson": (0.2, 0.46),
 }
-"""Where the law on paper is fitted, beside depths from 0 to 1 and any ratio of moduli."""
-STEPS = 12  # of Newton's method; its last ones change nothing
+"""Where the law on paper is fitted, for depths from 0 to 1 and any ratio of moduli."""
+STEPS = 12  # of Newton's method; the last ones change nothing
 
 
 class PrintedLaw:
@@ -46,15 +45,14 @@ class PrintedLaw:
     Parameters
     ----------
     r2_star, socket_ratio, poisson, socket_poisson
-        Within `PRINTED_RANGES`: R2/dR, the socket's outer over inner radius, Poisson's ratios of
-        ball and socket.
+        R2/dR, the socket ratio, and Poisson's ratios of ball and socket, within `PRINTED_RANGES`.
     modulus_ratio
         Young's modulus of the socket over that of the ball, > 0.
 
     Raises
     ------
     ValueError
-        For a value outside its range, here and in every method.
+        For a value outside its range, also in the methods.
     """
 
     def __init__(
@@ -87,18 +85,18 @@ class PrintedLaw:
     def force(self, depth_star: ArrayLike) -> Floats:
         """Force P/(E* dR^2) of depths d/dR: the inverse of `depth`, within 3.5 % of the solution.
 
-        Newton's method in ln(x), from Hertz's x = sqrt(ds). By hand, seven steps of
-        x <- x (ds/ds(x))^0.6 leave 0.1 % of the force.
+        By Newton's method in ln(x), from Hertz's x = sqrt(ds). By hand, seven steps of
+        x <- x (ds/ds(x))^0.6 leave an error of 0.1 % of the force.
         """
         radius = self._hertz_radius(_depth(depth_star))
         return _plain(4 / 3 * np.sqrt(self.r2_star * (self.r2_star - 1)) * radius**3)
 
     def contact_half_angle_deg(self, depth_star: ArrayLike) -> Floats:
-        """Polar angle of the contact's edge, in deg, of depths d/dR: within 7 %."""
+        """Polar angle of the contact's edge, in deg, at depths d/dR: within 7 %."""
         return _plain(np.degrees(self._edge(_depth(depth_star))[0]))
 
     def peak_pressure_star(self, depth_star: ArrayLike) -> Floats:
-        """Largest pressure over E* dR/R2, of depths d/dR: within 12 %."""
+        """Largest pressure over E* dR/R2, at depths d/dR: within 12 %."""
         depth = _depth(depth_star)
         angle, lost = self._edge(depth)
         p1, p2 = self.numbers["p"]
@@ -107,18 +105,18 @@ class PrintedLaw:
         return _plain(over_mean * self.force(depth) / self.r2_star / area)
 
     def _edge(self, depth):
-        """Polar angle of the contact's edge, in rad, and the share of Hertz's depth lost."""
+        """Polar angle of the contact's edge, in rad, and the lost share of Hertz's depth."""
         lost = lost_depth(self._hertz_radius(depth), *self._of_bodies)
         return contact_edge(depth, lost, self.share), lost
 
     def _hertz_radius(self, depth):
-        """Hertz's contact radius x of the force: y(x) = depth less its term in 1/R2*."""
+        """Hertz's contact radius x of the force, from y(x) = depth less the term in 1/R2*."""
         first = (1 - 2 * self.share) / self.r2_star
         y = 2 * depth / (1 + np.sqrt(1 + 4 * first * depth))
         x = np.sqrt(y)
         wanted = np.where(y > 0, y, 1)
         for _ in range(STEPS):
-            turned = np.where(y > 0, x, 1) * np.exp(1e-20j)  # whose derivative is its angle
+            turned = np.where(y > 0, x, 1) * np.exp(1e-20j)  # complex: its angle is the derivative
             found = np.log(turned**2 * (1 - lost_depth(turned, *self._of_bodies)))
             x = x * np.exp((np.log(wanted) - found.real) / (found.imag / 1e-20))
         return x

@@ -1,7 +1,7 @@
-"""Tables over s = sqrt(ds), as cubic Hermite splines: what `study.contact.shapes` read.
+"""Tables over s = sqrt(ds), cubic Hermite splines, which `study.contact.shapes` evaluates.
 
-For the curve of a joint, and for a force that is a plain Python function. SciPy is imported where
-it is used: that takes as long as importing all else of the laws, most of which need no spline.
+They are made from the curve of a joint, or from a force that is a plain Python function. SciPy is
+imported where it is used, as most laws need no spline and this import takes as long as all others.
 """
 
 from collections.abc import Callable
@@ -14,21 +14,21 @@ from numpy.typing import NDArray
 from study import checks
 
 STEPS = 256
-"""Per unit of s; the table of a function begins with them."""
+"""Intervals per unit of s; the table of a function begins with them."""
 NARROWEST, MOST_KNOTS = 1e-10, 20_000
-"""Least interval of a function's table, as a share of it, and largest number of its knots."""
+"""Least interval of a function's table, as a share of its range, and most knots of it."""
 DEEPEST = 1000.0
 """Largest depth_star of a function's table."""
 TOLERANCE = 1e-7
 """Largest error of a function's table between its knots, relative to the force there."""
 FLOOR = 1e-9
-"""The same relative to the force at the largest depth, for depths at which that is more."""
+"""The same relative to the force at the largest depth, where this allows more."""
 
 
 def monotone_slopes(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Slopes of a cubic spline, within three times the lesser of the neighbouring chords'.
+    """Slopes of a cubic spline, limited to three times the smaller of the neighbouring chords'.
 
-    With them it is monotone where its points are (Hyman, SIAM J. Sci. Stat. Comput. 4 (1983)
+    The spline is then monotone where its points are (Hyman, SIAM J. Sci. Stat. Comput. 4 (1983)
     645-654).
     """
     from scipy.interpolate import CubicSpline
@@ -41,9 +41,9 @@ def monotone_slopes(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[n
 
 
 def of_points(root: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Table of a factor that is known at some s, the first of them 0: of `shapes.tabulated`.
+    """Constants of `shapes.tabulated`, from a factor that is known at some s, the first of them 0.
 
-    Its constants are the steps per unit of s, then the factor and its slope in turn at every knot.
+    They are the steps per unit of s, then the factor and its slope in turn at every knot.
     """
     from scipy.interpolate import CubicHermiteSpline
 
@@ -56,16 +56,16 @@ def of_points(root: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArray
 def of_function(
     function: Callable[..., Any], name: str, r2_star: float, deepest: float
 ) -> NDArray[np.float64]:
-    """Table of the secant stiffness P*/ds of a function: constants of `shapes.sampled`.
+    """Constants of `shapes.sampled`: a table of the secant stiffness P*/ds of a function.
 
-    ``function`` takes one depth_star and one r2_star, and gives one P*. Intervals are halved until
-    the table is within `TOLERANCE` of the function at three places in each, and rises there.
+    ``function`` takes one depth_star and one r2_star, and returns one P*. Intervals are halved
+    until the table rises and is within `TOLERANCE` of the function at three places in each.
 
     Raises
     ------
     ValueError
-        For a force that is no finite number, not 0 at depth 0, or does not increase with depth;
-        and for a function that no table follows, as one that jumps.
+        For a force that is not a finite number, is not 0 at depth 0, or does not increase with
+        depth; and for a function that no table follows, such as one that jumps.
     """
     root = np.sqrt(deepest)
     known = {0.0: _force(function, name, 0.0, r2_star)}
@@ -102,12 +102,12 @@ def check_arguments(function: Callable[..., Any], name: str) -> None:
     except TypeError:
         wanted = f"law {name} must be a function of (depth_star, r2_star)"
         raise ValueError(f"{wanted}, got {name}{signature(function)}") from None
-    except ValueError:  # a function in C, which does not tell
+    except ValueError:  # a function in C has no signature
         return
 
 
 def _force(function, name, depth_star, r2_star):
-    """Force of the function at one depth, a float."""
+    """Force of the function at one depth."""
     force = np.asarray(function(depth_star, r2_star))
     at = f"force_star of law {name} at depth_star {depth_star:.6g}"
     return checks.number(at, force.item() if force.size == 1 else force, scalar=True)
@@ -128,7 +128,7 @@ def _check(name, depth, force):
 
 
 def _secant(knots, force):
-    """Spline of P*/ds at the knots; at 0 as it comes out of the next ones, at least 0."""
+    """Spline of P*/ds at the knots; at 0 it is extrapolated from the others, and at least 0."""
     from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
     secant = force[1:] / (knots[1:] * knots[1:])

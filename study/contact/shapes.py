@@ -1,8 +1,8 @@
 """How each law's force grows with depth: force_star = scale(R2*) shape(depth_star).
 
-Every shape returns its value and its derivative for depth_star > 0. The functions are written
-so that the same lines serve NumPy arrays and the compiled stepping loops (`study.contact.forces`).
-``constants`` is what a shape needs besides the depth; most need nothing.
+Every shape returns its value and its derivative for depth_star > 0. The same lines serve NumPy
+arrays and the compiled stepping loops (`study.contact.forces`). ``constants`` is what a shape needs
+besides the depth; most need nothing.
 """
 
 from math import factorial, pi
@@ -44,8 +44,8 @@ def liu(depth_star, constants):
 def hyperbolic(depth_star, constants):
     """f2 of the hyperbolic Winkler law: ds times the bracket of Eq. 20, a power series in ds.
 
-    ``constants`` are its coefficients, one of `BRACKETS`, from the highest power to 0: no
-    cancellation as ds -> 0, and full accuracy up to a half-angle of 90 deg.
+    ``constants`` are its coefficients, one of `BRACKETS`, from the highest power to 0. Nothing
+    cancels as ds -> 0, and the series has full accuracy up to a half-angle of 90 deg.
     """
     bracket = slope = 0.0 * depth_star
     for k in range(len(constants)):
@@ -64,15 +64,15 @@ BRACKETS = {
         for k in range(19, -1, -1)
     ),
 }
-"""Series of 2 int_0^a (1 - t^2/a^2) w(t) cos(t) dt with a = sqrt(2 ds): w(t) = sin(t) is the
-area element of the sphere, w(t) = t that of a flat disc with the arc as its radius."""
+"""Series of 2 int_0^a (1 - t^2/a^2) w(t) cos(t) dt with a = sqrt(2 ds). The area element is that of
+the sphere, w(t) = sin(t), or of a flat disc with the arc as its radius, w(t) = t."""
 
 
 def stiffened(depth_star, constants):
     """ds^(3/2) S, with S = 1 + c1 u + c2 u^2 + ... + c9 u^9, u = s/(1 + s) and s = sqrt(ds).
 
-    ``constants`` are the coefficients from c9 to c1. The powers are summed in pairs, and pairs of
-    pairs (Estrin), as a step waits for the last of them.
+    ``constants`` are the coefficients from c9 to c1. Powers are summed in pairs, and pairs of pairs
+    (Estrin), which is faster than one after the other.
     """
     root = np.sqrt(depth_star)
     u = root / (1 + root)
@@ -132,5 +132,5 @@ def sampled(depth_star, constants):
 
 
 LIMITS = {hyperbolic: pi**2 / 8, stiffened: 1.0}
-"""Largest depth_star, of shapes that have one: a half-angle of 90 deg, the end of the fit."""
+"""Largest depth_star of shapes that have one: a half-angle of 90 deg, and the end of the fit."""
 SHAPES = (hertz, winkler, power, chord, liu, hyperbolic, stiffened, tabulated, sampled)

@@ -1,9 +1,9 @@
 """How much thickness, materials and supports stiffen a joint over Hertz's law.
 
-The table behind `study.contact.stiffened_hertz`: ln S at nine depths, as a Chebyshev series in
-five coordinates of the joint, with terms of their own for a clamped ball and a free rim. The table
-is made by `study.dataset.stiffening`; this module evaluates it, once a joint, to the same bits on
-every processor: impacts are chaotic, and a last digit decides what comes after some of them.
+The table behind `study.contact.stiffened_hertz` has ln S at nine depths, as a Chebyshev series in
+five coordinates of the joint. A clamped ball and a free rim have terms of their own. The table is
+made by `study.dataset.stiffening`. Here it is evaluated, once a joint, to the same bits on every
+processor: impacts are chaotic, and a last digit decides what follows some of them.
 """
 
 from functools import lru_cache
@@ -24,13 +24,13 @@ RANGES = {
     "socket_poisson": (0.2, 0.46),
     "modulus_ratio": (0, 1e9),
 }
-"""Where the table holds: least and largest value, and for all R2* from `LEAST_R2_STAR` on."""
+"""Least and largest values that the table is for; R2* is at least `LEAST_R2_STAR`."""
 PLACES = np.round((1 - np.cos(np.pi * np.arange(1, 10) / 9)) / 4, 12)
 """Values of u = s/(1 + s) with s = sqrt(ds), up to ds = 1, at which ln S is kept; shape (9,)."""
 DEGREES = ("share", "poisson", "socket_poisson", "socket_ratio", "r2_star")
 """Coordinates of the Chebyshev series, and columns of their degrees in the table."""
 SUPPORTS = ("clamped", "free")
-"""Columns of 0 and 1: terms that are added for a clamped ball, a free rim, or both."""
+"""Columns of 0 and 1, which mark terms for a clamped ball, a free rim, or both."""
 UNIT = 1e-5  # of ln S in the table, which holds whole numbers
 DIGITS = 10
 """Decimals to which S is rounded at `PLACES`: beyond them, processors differ."""
@@ -61,7 +61,7 @@ def share_of_ball(modulus_ratio: float, poisson: float, socket_poisson: float) -
 def coordinates(
     share: ArrayLike, poisson: ArrayLike, socket_poisson: ArrayLike, socket_ratio: ArrayLike
 ) -> list[NDArray[np.float64]]:
-    """Four coordinates of a joint, from -1 to 1, in which ln S is smooth; the fifth is 1/R2*."""
+    """Four coordinates of a joint, from -1 to 1, in which ln S is smooth; the fifth is in 1/R2*."""
 
     def scaled(value: Any, least: Any, most: Any) -> Any:
         return (2 * value - least - most) / (most - least)
