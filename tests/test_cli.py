@@ -234,7 +234,7 @@ def test_joint_takes_layers(run):
         status, _, err = run("joint", *words, *layers, more, 0.4)
         assert status == 2
         name = more.removeprefix("--").replace("-", "_")
-        assert err == f"study: {name} must be left out: layer tells what the socket is\n"
+        assert err == f"study: {name} must be left out: layer describes the socket\n"
 
 
 def test_joint_without_json_is_a_table(run):
@@ -750,7 +750,7 @@ def test_choose_warns_beyond_yield(run):
         assert "yields" not in run(*words, *more)[1]
     status, _, err = run(*words, "--layer", "1.3,1,0.3", "--yield-stress", 2e9)
     assert status == 2
-    assert err == "study: yield_stress must be left out: layer tells what the socket is\n"
+    assert err == "study: yield_stress must be left out: layer describes the socket\n"
 
 
 def test_choose_knows_two_materials(run):

@@ -1,7 +1,7 @@
 """Linear complementarity: find p >= 0 with w = A p + b >= 0 and p w = 0.
 
-Unilateral contact is this problem, p the pressure and w the gap. A is symmetric and positive
-definite here, so that there is exactly one solution and block principal pivoting ends.
+Unilateral contact is this problem, with the pressure p and the gap w. Here A is symmetric and
+positive definite: there is exactly one solution, and block principal pivoting ends.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ PATIENCE = 10
 
 
 class ComplementarityError(StudyError):
-    """The pivoting did not end; the message carries the residual."""
+    """The pivoting did not end; the message has the residual."""
 
 
 @one_thread
@@ -29,9 +29,9 @@ def solve(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Solve a linear complementarity problem by block principal pivoting.
 
-    All indices whose sign is wrong change sides at once as long as this makes progress; else
-    only the last of them does, which ends for every positive definite matrix (Murty). After
-    Judice and Pires, Computers & Operations Research 21 (1994) 587-596.
+    All indices whose sign is wrong change sides at once, as long as this makes progress. Else only
+    the last of them does, which ends for every positive definite matrix (Murty). After Judice and
+    Pires, Computers & Operations Research 21 (1994) 587-596.
 
     Parameters
     ----------
@@ -50,10 +50,10 @@ def solve(
     Raises
     ------
     ValueError
-        For an entry that is not finite, shapes that do not fit, or no step at all.
+        For an entry that is not finite, shapes that do not match, or ``max_pivots`` below 1.
     ComplementarityError
         At the limit of steps, with the residual ``max |min(p, w)|``; or for a matrix that is not
-        positive definite, as that of a socket much softer than its ball is not once rounded.
+        positive definite. The rounded matrix of a socket much softer than its ball is not.
     """
     a = np.asarray(checks.number("matrix", matrix))
     b = np.asarray(checks.number("vector", vector))

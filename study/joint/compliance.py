@@ -1,7 +1,7 @@
-"""How an elastic body's spherical surface gives way under normal pressure.
+"""Compliance of an elastic body: how its spherical surface deforms under normal pressure.
 
-A `Compliance` is all that contact needs to know of a body. It is computed once, for unit
-radius and unit Young's modulus, and serves every clearance, depth and modulus.
+Contact needs no more of a body than its `Compliance`. It is computed once, for unit radius and unit
+Young's modulus, and serves every clearance, depth and modulus.
 """
 
 from collections.abc import Callable
@@ -23,22 +23,22 @@ Rim = Literal["mirror", "free"]
 DRIVES: tuple[Drive, ...] = get_args(Drive)
 RIMS: tuple[Rim, ...] = get_args(Rim)
 Layered = float | tuple[float, ...]
-"""A number of a socket of one material, or of each of its layers, from the inside out."""
+"""One number for a socket of one material, or one for each layer, from the inside out."""
 RESOLUTION = {"series": 320, "quadratic": 160, "finite": 96}
-"""Usual elements along the quarter circle: by series, finite elements, with large displacements."""
+"""Default elements along the quarter circle: series, finite elements, large displacements."""
 FINEST_RESOLUTION = 1280
-"""Finer hats than these are too much alike for the series, and meshes take gigabytes."""
+"""Finer hat functions are too similar for the series, and finer meshes take gigabytes."""
 THINNEST_RATIO = 1.0001
-"""Least outer over inner radius of a socket, and of each of its layers: thinner ones cost digits of
-the series. At 1.0001 it is right to 1e-11 for a Poisson's ratio of 0.3, and to 2e-9 for 0.4999."""
+"""Least socket ratio, and least ratio of a layer's radii: thinner ones cost the series digits. At
+1.0001 its error is 1e-11 for a Poisson's ratio of 0.3, and 2e-9 for 0.4999."""
 THICKEST_RATIO = 1e6
-"""Largest ratio of the socket's radii: a thicker one changes the force by less than 1e-6, and
-takes meshes of ever more rings."""
+"""Largest socket ratio: a thicker socket changes the force by less than 1e-6, and takes more rings
+of elements."""
 _ANGLE_SCALE = 0.157  # rad: spacing of the surface's nodes grows from this polar angle on
 
 
 def remembered(maxsize: int) -> Callable[[Callable], Any]:
-    """`functools.lru_cache`, but that what cannot be hashed is left to the function to refuse."""
+    """`functools.lru_cache`; the function itself refuses arguments that cannot be hashed."""
 
     def make(function):
         known = lru_cache(maxsize)(function)
@@ -95,7 +95,7 @@ def layer_steps(ratios: NDArray[np.float64]) -> NDArray[np.float64]:
 def layered(ratio: Layered, poisson: Layered, modulus: Layered) -> NDArray[np.float64]:
     """Outer ratios, Poisson's ratios and Young's moduli of a socket's layers, checked.
 
-    Shape (3, layers); a single modulus is that of all. A value outside its range, or lists of
+    Shape (3, layers); a single modulus holds for all layers. A value outside its range, or lists of
     different lengths, are a ``ValueError``.
     """
     ratios = layer_ratios(ratio)
@@ -149,10 +149,10 @@ class Compliance:
 
 
 class HatFunctions:
-    """Hat functions of the polar angle on a unit hemisphere: where pressures live.
+    """Hat functions of the polar angle on a unit hemisphere, which interpolate pressures.
 
-    The n ``angles`` of the nodes increase, in rad; ``points`` are Gauss's, as polar angles, and
-    ``areas`` theirs, of shape (8 (n - 1),).
+    The n ``angles`` of the nodes increase, in rad. Gauss's points have the polar angles ``points``
+    and the ``areas``, of shape (8 (n - 1),).
     """
 
     _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)

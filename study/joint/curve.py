@@ -2,7 +2,7 @@
 
 For every depth the contact pressure solves a complementarity problem on the contact arc:
 pressure >= 0, gap >= 0, pressure * gap = 0, all in the weak (Galerkin) sense of the pressure's
-hat functions. Frictionless and elastic. Which points face each other: `study.joint.pairing`.
+hat functions. Frictionless and elastic. `study.joint.pairing` says which points face each other.
 
 Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 """
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 Solver = Literal["series", "quadratic", "linear"]
 SOLVERS: tuple[Solver, ...] = get_args(Solver)
-_TIMES = (1.0, 0.97, 1.03)  # a depth at which the error is estimated: its neighbours too
+_TIMES = (1.0, 0.97, 1.03)  # factors of a depth at which the error is estimated
 
 
 class UnresolvedError(checks.RangeError):
@@ -80,7 +80,7 @@ class ForceCurve:
         return stress.largest(self)
 
     def columns(self) -> dict[str, Any]:
-        """The curve as columns of a table, a row per depth: those of `study.dataset.load`."""
+        """The curve as columns of a table, a row per depth, as in `study.dataset.load`."""
         joint = self.joint
         return {
             "r2_star": joint.r2_star,
@@ -110,8 +110,8 @@ def force_curve(
 ) -> ForceCurve:
     """Force-depth curve of a joint, at two resolutions.
 
-    The bodies are cached: further curves with the same ones, whatever their R2*, moduli and
-    depths, cost milliseconds (``finite`` kinematics: a sixth of a second per depth).
+    The bodies are cached: further curves with the same ones cost milliseconds, whatever their R2*,
+    moduli and depths. With ``finite`` kinematics a depth takes a sixth of a second.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def force_curve(
         For contact that reaches the socket's rim or is too small for the elements to resolve, a
         solver that cannot solve this joint, or a value outside its range.
     study.joint.complementarity.ComplementarityError
-        If the contact does not converge; carries the residual.
+        If the contact does not converge; the message has the residual.
     """
     checks.instance("joint", joint, Joint)
     solver = chosen_solver(joint, solver)
@@ -168,7 +168,7 @@ def force_curve(
 
 
 def chosen_solver(joint: Joint, solver: Solver | None) -> Solver:
-    """The solver asked for, if it can solve this joint, or the best one that can."""
+    """The given solver, if it can solve this joint; by default the best one that can."""
     if solver is None:
         solver = "series" if joint.series_applies else "quadratic"
     checks.choice("solver", solver, SOLVERS)
@@ -184,7 +184,7 @@ def chosen_solver(joint: Joint, solver: Solver | None) -> Solver:
 
 
 def checked_resolution(joint: Joint, solver: Solver, resolution: int | None) -> int:
-    """Elements along the surface, as asked for or as usual, if this joint can be solved so."""
+    """Elements along the surface, as given or by default, checked for this joint."""
     least, most = 32, FINEST_RESOLUTION
     kind: str = solver
     if solver != "series":
@@ -220,7 +220,7 @@ def _solve(joint, solver, depths, resolution):
 def _solve_finite(joint, depths, resolution):
     """Pressures and forces by one mesh, as `_solve`.
 
-    What the mesh changes beside a depth is nearly the same as without large displacements.
+    Beside a depth the mesh changes the force nearly as it does without large displacements.
     """
     from study.joint import fem
 
@@ -236,9 +236,10 @@ def _solve_finite(joint, depths, resolution):
 def meshes(
     joint: Joint, solver: Solver | None, resolution: int
 ) -> Iterator[tuple[Compliance, Compliance]]:
-    """Ball and socket at a resolution, then at half of it, by a solver or each by its best.
+    """Ball and socket at a resolution, then at half of it.
 
-    Coarser elements are solved themselves; the series is seen by coarser hats.
+    Each is solved by its best solver if none is given. Coarser finite elements are solved anew; the
+    series is projected on coarser hats.
     """
     balls: tuple[Compliance, ...] = ()
     sockets: tuple[Compliance, ...] = ()

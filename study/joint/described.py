@@ -25,7 +25,8 @@ def described(
         Poisson's ratio of the socket; default that of the ball.
     layer
         Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer of the
-        socket: N,N,N; may be repeated, from the inside out. Instead of what tells of one material.
+        socket: N,N,N; may be repeated, from the inside out. It replaces the options of a socket of
+        one material.
     yield_stress
         Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa.
     **others
@@ -34,7 +35,7 @@ def described(
     Raises
     ------
     ValueError
-        For a value out of its range, a text that is no three numbers, or both forms of socket.
+        For a value outside its range, a text that is not three numbers, or both forms of socket.
     """
     poisson = {"poisson": others.pop("poisson")} if "poisson" in others else {}
     ball = Material(**poisson, yield_stress=yield_stress)
@@ -43,7 +44,7 @@ def described(
     if layer:
         for name, value in (of_one | {"yield_stress": yield_stress}).items():
             if value is not None:
-                raise ValueError(f"{name} must be left out: layer tells what the socket is")
+                raise ValueError(f"{name} must be left out: layer describes the socket")
         each = [checks.read_several("layer", text, 3) for text in layer]
         moduli = [unit * checks.number("modulus of layer", e, above=0) for _, e, _ in each]
         layers = zip(each, moduli, strict=True)

@@ -1,10 +1,10 @@
 """Ball and socket by axisymmetric finite elements.
 
-Six-node triangles (or three-node ones, as in the paper) on a structured mesh of rings, finest
-at the contact's pole and at the surface, halved in number where depth allows, that meet the
-interfaces of a socket's layers; one sparse factorisation per body. The mesh of resolution 2n
-halves every length of that of n, so that two meshes give an error estimate. Contact itself is not
-solved here: see `study.joint`.
+Triangles have six nodes, or three as in the paper. The mesh has structured rings, finest at the
+contact's pole and at the surface; deeper rings have half as many elements. Rings meet the
+interfaces of a socket's layers. A body takes one sparse factorisation. The mesh of resolution 2n
+halves every length of that of n, so that two meshes give an error estimate. The work of six-node
+triangles converges with order 3 to 4. Contact is solved by `study.joint.curve`.
 """
 
 from dataclasses import replace
@@ -48,11 +48,11 @@ from study.joint.compliance import (
 from study.threads import one_thread
 
 Nodes = Literal[6, 3]
-"""Of a triangle: quadratic ones follow the rings, linear ones have straight edges."""
+"""Nodes of a triangle: with six it follows the rings, with three it has straight edges."""
 FINEST_RESOLUTION = 320
-"""A curve takes 20 s and 2 GB there, and 80 s and 5 GB at one and a half times as fine."""
+"""A curve takes 20 s and 2 GB at this resolution; at 1.5 times it takes 80 s and 5 GB."""
 THINNEST_RATIO = 1.02
-"""Least ratio of the radii of socket and layers: thinner elements are too flat to be mapped."""
+"""Least ratio of the radii of a socket or layer: thinner elements are too flat to be mapped."""
 
 _DEPTH_SCALE = 0.1  # element size grows from this depth below the surface on, in radii
 _RADIAL_ELEMENTS = 0.1  # elements per unit of graded depth, as a share of the resolution
@@ -78,8 +78,8 @@ def socket_mesh(
 ) -> MeshTri:
     """Mesh of the socket's meridian: inner radius 1, outer radius ``ratio`` >= 1.02.
 
-    As `ball_mesh`, with the boundary ``outside`` besides. Rings meet every outer radius of several
-    layers, from the inside out.
+    As `ball_mesh`, with a boundary ``outside`` too. Rings meet the outer radius of every layer,
+    from the inside out.
     """
     resolution, ratios = _checked(resolution, nodes), layer_ratios(ratio, THINNEST_RATIO)
     if layer_steps(ratios).min() < 1.05 and resolution < 32:
@@ -110,9 +110,9 @@ class Body:
     """An elastic body of unit radius and unit Young's modulus, meshed and factorised.
 
     Its Lame parameters ``lame`` are numbers, or arrays of shape (elements, 1). ``held`` maps a
-    boundary of the mesh, or ``centre``, to the components (of ``rz``) of the displacement that
-    are zero there. ``size`` counts the unknowns, with the fixed ones; ``angles``
-    are the surface's nodes, in rad, and ``surface`` their unknowns, radial and axial.
+    boundary of the mesh, or ``centre``, to the components (of ``rz``) of the displacement that are
+    zero there. ``size`` counts all unknowns, fixed ones too. ``angles`` are those of the surface's
+    nodes, in rad, and ``surface`` their unknowns, radial and axial.
     """
 
     def __init__(self, mesh: MeshTri, lame: tuple[ArrayLike, ArrayLike], held: dict[str, str]):
@@ -204,10 +204,10 @@ class Body:
     def stresses(
         self, pressure: NDArray[np.float64], inner: float = 0.0, outer: float = np.inf
     ) -> NDArray[np.float64]:
-        """Radial, polar, azimuthal and shear stress at the nodes, means of the elements there.
+        """Radial, polar, azimuthal and shear stress at the nodes, means over the elements there.
 
-        Of linear elasticity; in the unit of the pressures (k, hats), shape (4, k, nodes). Of the
-        elements between two radii only, as a layer's: 0 at all other nodes.
+        Linear elasticity, in the unit of the pressures (k, hats); shape (4, k, nodes). Elements
+        between the two radii count alone, such as those of a layer; other nodes have 0.
         """
         middle = np.hypot(*self._mesh.p[:, self._mesh.t]).mean(axis=0)
         elements = np.flatnonzero((inner < middle) & (middle < outer))
@@ -221,7 +221,7 @@ class Body:
 
     @cached_property
     def _stress_rows(self):
-        """Stresses as for `stresses` at each element's own nodes, over the unknowns, sparse."""
+        """Stresses of `stresses` at each element's own nodes, as sparse rows over the unknowns."""
         corners = (ElementTriP2 if isinstance(self._mesh, MeshTri2) else ElementTriP1).doflocs.T
         basis = Basis(self._mesh, self._element, quadrature=(corners, np.ones(corners.shape[1])))
         r, z = basis.global_coordinates()
@@ -253,7 +253,7 @@ def ball(
 ) -> Body:
     """Half ball held at its equatorial plane; ``ValueError`` for a value outside its range.
 
-    The ``drive`` is as for `study.joint.Joint`; under a point load the force depends on the mesh.
+    The ``drive`` is as for `study.joint.Joint`. Under a point load the force depends on the mesh.
     """
     poisson = checks.poisson("poisson", poisson)
     held = {"plane": {"equator": "z"}, "clamped": {"equator": "rz"}, "point": {"centre": "z"}}
@@ -272,9 +272,9 @@ def socket(
     nodes: Nodes = 6,
     modulus: Layered = 1.0,
 ) -> Body:
-    """Hemispherical socket fixed on its outer sphere; as `ball`, with its ratio of radii.
+    """Hemispherical socket fixed on its outer sphere; other arguments are as for `ball`.
 
-    Several layers are as for `study.joint.series.socket_compliance`.
+    ``ratio`` is the socket ratio. Layers are as for `study.joint.series.socket_compliance`.
     """
     mirror = checks.choice("rim", rim, RIMS) == "mirror"
     held = {"axis": "r"} | ({"equator": "z"} if mirror else {}) | {"outside": "rz"}

@@ -2,8 +2,8 @@
 
 Contact regions are nested, so that one Cholesky factor serves all of them: its leading part is
 the factor of a smaller contact. Each node gives the depth at which the contact's edge is there.
-Errors are then smooth in depth, and two resolutions are extrapolated. Given depths, and large
-displacements, are for `study.joint.force_curve`.
+Errors are then smooth in depth, and two resolutions are extrapolated. `study.joint.force_curve`
+solves given depths, and large displacements.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ from study.threads import one_thread
 
 Floats = NDArray[np.float64]
 LEAST_R2_STAR = 1.5
-"""A smaller ball moves too far in its socket for few eccentricities."""
+"""Below, the ball moves too far for a matrix that is made at few eccentricities."""
 _MADE = 3  # eccentricities at which the matrix is made; one where R2* is large
 _FIRST = 4  # elements of the coarser mesh in the smallest contact
 _COUNT = 48  # depths of a curve, about
@@ -32,8 +32,8 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
     """Force-depth curve of a joint from about 0.0003 clearances to ``deepest``, or just beyond.
 
     Depths are those at which the contact's edge is a node, some 50 in about equal steps of their
-    square root. Force, depth and half-angle are extrapolated from two resolutions. Takes 30 ms,
-    and for new bodies 60 ms more by the series, some seconds by finite elements.
+    square root. Force, depth and half-angle are extrapolated from two resolutions. Takes 30 ms; new
+    bodies take 60 ms more by the series, or some seconds by finite elements.
 
     Parameters
     ----------
@@ -128,8 +128,8 @@ class _Growth:
         paired = pairing.small if joint.kinematics == "small" else pairing.linear
         problem, axial = paired(joint, ball, socket)
         self.angles = ball.angles
-        # the matrix and the gap's last factor hardly change with the eccentricity: at each of a
-        # few, all contacts are solved; then polynomials in the eccentricity meet a contact's own
+        # the matrix and the gap's last factor hardly change with the eccentricity: all contacts are
+        # solved at a few of them, and polynomials lead to the eccentricity of each contact
         count = 1 if joint.r2_star > 1e6 else _MADE
         made = 1 + deepest * (1 - np.cos(np.pi * np.arange(count) / max(count - 1, 1))) / 2
         made_problems = (problem(eccentricity - 1) for eccentricity in made)
@@ -146,7 +146,7 @@ class _Growth:
         met = self._polynomial(met)
         slopes = met[1:] * np.arange(1, len(met))[:, None]
         self._own = met[0]
-        for _ in range(6):  # Newton's steps to the eccentricity that a contact is met at
+        for _ in range(6):  # Newton's steps to the eccentricity of a contact
             off = polyval(self._own, met, tensor=False) - self._own
             slope = polyval(self._own, slopes, tensor=False) if len(slopes) else 0.0
             self._own = self._own - off / (slope - 1)

@@ -1,7 +1,7 @@
 """A spherical clearance joint: what its force-depth curve depends on.
 
-Materials, layers and `Joint` itself, dimensionless, with the paper's joint. Solving it is for
-`study.joint.curve`.
+`Joint` is dimensionless, with its materials and layers; `paper_joint` is the paper's. It is solved
+by `study.joint.curve`.
 """
 
 from dataclasses import dataclass, field
@@ -22,16 +22,16 @@ from study.joint.compliance import (
 Kinematics = Literal["small", "linear", "finite"]
 KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 LARGEST_MODULUS_RATIO = 1e9
-"""Of the bodies' Young's moduli, either way: a stiffer body is rigid, within 1e-9 of the force, and
-one much softer than its ball leaves a contact matrix that is not positive definite once rounded."""
+"""Largest ratio of the bodies' Young's moduli, either way. A stiffer body is rigid, within 1e-9 of
+the force. For a much softer socket, the rounded contact matrix is not positive definite."""
 
 
 @dataclass(frozen=True)
 class Material:
     """An isotropic, linear elastic material: Young's modulus > 0, in Pa, Poisson's ratio < 0.5.
 
-    Its yield stress, > 0, in Pa, is for `study.joint.first_yield`; materials that differ in it
-    alone are equal, as forces do not depend on it.
+    The yield stress, > 0, in Pa, is for `study.joint.first_yield`. Forces do not depend on it:
+    materials that differ only in it are equal.
     """
 
     youngs_modulus: float = 2e11
@@ -61,9 +61,9 @@ class Layer:
 class Joint:
     """A spherical clearance joint, as far as its force-depth curve depends on it.
 
-    Its default supports, which are solved exactly and are those of
-    `study.contact.stiffened_hertz`, are not the paper's (`paper_joint`). A value outside its range
-    is a ``ValueError``.
+    Its default supports are solved exactly, and are the defaults of
+    `study.contact.stiffened_hertz`. They are not the paper's (`paper_joint`). A value outside its
+    range is a ``ValueError``.
 
     Attributes
     ----------
@@ -72,26 +72,27 @@ class Joint:
     socket_ratio
         Outer over inner radius, from 1.0001 to 1e6; >= 1.02 for finite elements.
     ball, socket
-        Materials, Young's moduli within a factor of 1e9.
+        Materials; their Young's moduli are within a factor of 1e9.
     layers
-        Of a socket of several materials, bonded, from the inside out: a liner in its housing. Each
-        is at least 0.0001 of its inner radius thick, 0.02 for finite elements. They are given
-        instead of ``socket_ratio`` and ``socket``, which are then the outermost ratio and the
-        innermost material: the composite modulus E* is that of ball and innermost layer.
+        Bonded layers of a socket of several materials, from the inside out: a liner in its housing.
+        A layer is at least 0.0001 of its inner radius thick, or 0.02 for finite elements. Layers
+        replace ``socket_ratio`` and ``socket``, which are then the outermost ratio and the
+        innermost material. The composite modulus E* is that of ball and innermost layer.
     ball_drive
         The half ball's equatorial plane is displaced axially and is radially free (``plane``), or
         fixed (``clamped``); or its centre alone is displaced (``point``), as by a point load.
     rim
-        The socket's edge at the equator is a mirror plane, or traction-free. At Poisson's ratio
-        0.3 and R2* = 200 the force differs by less than 1e-5 up to a socket ratio of 1.25, by
-        0.7 % at 2 and 4 % at 3; at Poisson's ratio 0.45 by 0.4 % at 1.25 and 1.6 % at 1.5.
+        The socket's edge at the equator is a mirror plane, or traction-free. At R2* = 200 and
+        Poisson's ratio 0.3 the two forces differ by less than 1e-5 up to a socket ratio of 1.25,
+        by 0.7 % at 2, and by 4 % at 3. At Poisson's ratio 0.45 they differ by 0.4 % at a ratio of
+        1.25, and by 1.6 % at 1.5.
     kinematics
-        ``small``: points face each other at equal angles seen from the socket's centre, the
-        gap is the exact overlap of the rigid spheres, the force acts on the socket's area.
-        ``linear``: every point of the ball faces the point of the socket it has moved to, and
-        the force acts on the ball's area; as a small-strain analysis that searches contact on
-        the moved surfaces does. ``finite``: large displacements and rotations, with the
-        material of Saint Venant and Kirchhoff. They differ by terms of order 1/R2*.
+        ``small``: points at equal angles from the socket's centre face each other. The gap is the
+        exact overlap of the rigid spheres; the force acts on the socket's area. ``linear``: a point
+        of the ball faces the point of the socket that it has moved to, and the force acts on the
+        ball's area. So does a small-strain analysis that searches contact on the moved surfaces.
+        ``finite``: large displacements and rotations, with Saint Venant and Kirchhoff's material.
+        They differ by terms of order 1/R2*.
     """
 
     r2_star: float
@@ -188,7 +189,7 @@ class Joint:
         return composite / self.ball.youngs_modulus, composite / self.socket.youngs_modulus
 
     def stiffening_options(self) -> dict[str, Any]:
-        """Options of `study.contact.stiffened_hertz`; a joint it is not for is a ``ValueError``."""
+        """Options of `study.contact.stiffened_hertz`; ``ValueError`` if it is not for the joint."""
         if self.layers or self.ball_drive == "point":
             what = "a socket of layers" if self.layers else "ball_drive point"
             raise checks.RangeError(f"stiffened_hertz is not for {what}")
@@ -203,7 +204,7 @@ class Joint:
 
     @property
     def series_applies(self) -> bool:
-        """Whether the exact series does: symmetric about the equator, bodies that stay linear."""
+        """Whether the exact series applies: linear bodies that are symmetric about the equator."""
         supports = self.ball_drive == "plane" and self.rim == "mirror"
         return supports and self.kinematics != "finite"
 
@@ -215,9 +216,9 @@ PAPER_SUPPORTS: dict[str, Any] = {"ball_drive": "clamped", "rim": "free"}
 def paper_joint(r2_star: float = 200, **changes: Any) -> Joint:
     """The joint of the paper's figures and tables, as far as it can be known.
 
-    Clamped ball, free rim, socket ratio 1.298, linear kinematics, both bodies of Poisson's ratio
-    0.3: identified from Table 2 and Fig. 14 (notebook 13), but for the rim, which follows from
-    the text ("the entire external surface of the socket is fixed") and changes nothing there.
+    Clamped ball, free rim, socket ratio 1.298, linear kinematics and Poisson's ratio 0.3 of both
+    bodies. They are identified from Table 2 and Fig. 14 (notebook 13). The rim follows from the
+    text alone ("the entire external surface of the socket is fixed"), and changes nothing there.
     R2* = 200 is that of Fig. 10 and Table 2; ``changes`` are other attributes of `Joint`.
     """
     return Joint(r2_star, **(PAPER_SUPPORTS | changes))

@@ -1,7 +1,7 @@
 """Materials by name, in SI units: typical values with their sources, in ``materials.csv``.
 
-Castings, heat treatments and polymers differ by tens of percent: for a design, give the values
-of its own data sheets as a `study.joint.Material`.
+Castings, heat treatments and polymers differ by tens of percent. For a design, give the values of
+its own data sheets as a `study.joint.Material`.
 """
 
 import csv
@@ -16,19 +16,19 @@ MATERIALS = Path(__file__).with_name("materials.csv")
 
 
 def material(given: str | Material) -> Material:
-    """Material of a name, or of a text of its numbers; or a material itself, checked.
+    """Material from its name or its numbers, or a material itself, checked.
 
     Parameters
     ----------
     given
-        A name of `table`, whatever its case, hyphens and spaces; or Young's modulus in Pa,
+        A name of `table`, in which case, hyphens and spaces do not count; or Young's modulus in Pa,
         Poisson's ratio and perhaps a yield stress in Pa, ``210e9,0.3,5e8``; or a `Material`.
 
     Raises
     ------
     ValueError
-        For an unknown name, which lists those known, or a value outside its range. The least
-        Young's modulus is `study.checks.SOFTEST`.
+        For an unknown name, with the known ones, or a value outside its range. The least Young's
+        modulus is `study.checks.SOFTEST`.
     """
     text = isinstance(given, str)
     found = checks.instance("material", _of_text(given) if text else given, Material)
@@ -56,7 +56,7 @@ def _of_text(text):
 
 
 def _plain(name):
-    """A name without what people write in different ways."""
+    """A name without case, spaces and hyphens."""
     return "".join(c for c in name.lower() if c not in " -_")
 
 
@@ -64,8 +64,8 @@ def _plain(name):
 def table() -> tuple[dict[str, Any], ...]:
     """Rows of ``materials.csv``: name, constants in Pa, condition and source of each material.
 
-    ``yield_stress`` is None where none is usual. Raises `study.checks.StudyError` if the file is
-    missing or damaged.
+    ``yield_stress`` is None if the material has no usual one. Raises `study.checks.StudyError` if
+    the file is missing or damaged.
     """
     numbers = ("youngs_modulus", "poisson", "yield_stress")
     try:

@@ -1,7 +1,7 @@
 """Which points of ball and socket face each other, and along which normals pressure acts.
 
-One answer for each of the ``kinematics`` of `study.joint.Joint`, which tells them. Lengths are in
-socket radii R2, pressures in E* dR/R2 and depths in dR. Arguments are not checked here.
+There is one answer for each of the ``kinematics`` of `study.joint.Joint`. Lengths are in socket
+radii R2, pressures in E* dR/R2 and depths in dR. Arguments are not checked here.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
 Problem = Callable[[float], tuple[NDArray[np.float64], NDArray[np.float64]]]
 """Depth_star -> matrix (n, n), and gap (3, n): factors of 1, D and D^2, D = 1 + depth_star.
 
-Matrix and gap's last factor hardly change with the depth, by terms of order 1/R2*.
+The matrix and the gap's last factor depend on the depth by terms of order 1/R2* only.
 """
 Floats = NDArray[np.float64]
 
 RELAXATIONS = (0.8, 0.5, 0.25)  # of the pressure's step, tried in turn: they damp modes as
-# short as the elements, which are the stronger the softer the socket is against the ball
+# short as the elements, which are stronger for a softer socket
 TOLERANCE = 1e-7  # of the force between two steps
 MOST_STEPS = 60
-BEYOND = 8  # nodes that a contact may reach farther than that at a larger depth
+BEYOND = 8  # nodes by which the contact at a smaller depth may reach farther
 LARGEST_R2_STAR = 1e8  # beyond it the gap is lost in the rounding of the surfaces' places
 
 
@@ -54,7 +54,7 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
         e = (1 + depth) / r2_star
 
         def beyond(theta):
-            # no ball is left in directions beyond its tangent, where the root would end
+            # beyond the ball's tangent there is no ball, and the root would be imaginary
             side = np.minimum(np.sin(theta) ** 2, (r1 / e) ** 2)
             return side / (r1 + np.sqrt(np.maximum(r1**2 - e**2 * side, 0))) / r2_star
 
@@ -67,7 +67,7 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
     """Contact problem with each point of the ball facing the point it has moved to, as `small`."""
     of_ball, of_socket = joint.modulus_shares
     of_pressure = of_ball * joint.ball_radius * ball.flexibility
-    # ripples of pressure that the socket's hats do not see still give way, as on a half-space
+    # the socket's hats do not see ripples of the pressure; these act as on a half-space
     width = np.convolve(np.diff(ball.angles), [0.5, 0.5])
     local = np.sqrt(2 / np.pi * (1 - joint.socket.poisson**2) * width)
 
@@ -81,7 +81,7 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
 
 @lru_cache(maxsize=64)  # 20 depths on two meshes, and more
 def _pairs(r2_star, depth, resolution):
-    """Matrix that moves pressure to the socket's nodes, work it does not see there, and the gap.
+    """Matrix that moves pressure to the socket's nodes, the part lost by this, and the gap.
 
     They are the same for all bodies.
     """
@@ -108,7 +108,7 @@ def _faced(ball_radius, eccentricity, angles):
 
 
 def socket_pressure(joint: Joint, angles: Floats, depths: Floats, pressure: Floats) -> Floats:
-    """Pressure on the socket (k, n) under that on the ball: equal forces on areas that face."""
+    """Pressure on the socket (k, n) by that on the ball: facing areas carry equal forces."""
     if joint.kinematics == "small":
         return pressure
     r1, moved = joint.ball_radius, np.zeros_like(pressure)
@@ -124,10 +124,10 @@ def socket_pressure(joint: Joint, angles: Floats, depths: Floats, pressure: Floa
 def solve(
     joint: Joint, depths: Floats, problem: Problem, axial: Floats, times: Sequence[float] = (1.0,)
 ) -> tuple[Floats, Floats]:
-    """Pressures (k, n) at the depths, and forces (m, k) at these ``times`` m factors, the first 1.
+    """Pressures (k, n) at the depths, and forces (m, k) at them ``times`` m factors, the first 1.
 
-    Of `small` or `linear` pairing, whose bodies stay linear. The matrix is that of the depth
-    itself for all factors.
+    For `small` or `linear` pairing, with linear bodies. All factors have the matrix of the depth
+    itself.
     """
     pressure, force = np.zeros((len(depths), len(axial))), np.zeros((len(times), len(depths)))
     reach = len(axial)
@@ -143,9 +143,9 @@ def solve(
 def _contact(matrix, gaps, axial, reach):
     """Pressure under the first of the gaps, and the axial force under each.
 
-    Contact grows from the pole, node by node, so that the leading part of one Cholesky factor is
-    the factor of a smaller contact, which ends before the node that would be pulled. It is sought
-    among the nodes in ``reach``; where pressure or gap is negative after all, by pivoting.
+    Contact grows from the pole, node by node: the leading part of one Cholesky factor is the factor
+    of a smaller contact. It ends before the node that would be pulled, and is sought among the
+    nodes in ``reach``. If pressure or gap is negative after all, pivoting finds it.
     """
     known, solved = factor(matrix[:reach, :reach], np.vstack([gaps, axial])[:, :reach])
     pulled = np.column_stack([solved[:-1] >= 0, np.ones(len(gaps), dtype=bool)])
@@ -176,11 +176,11 @@ def factor(matrix: Floats, right: Floats) -> tuple[Floats, Floats]:
 def solve_finite(joint: Joint, depths: Floats, ball: Body, socket: Body) -> tuple[Floats, Floats]:
     """Pressures (k, n) and forces (k,) at large displacements.
 
-    At each depth the `linear` contact problem is solved again and again, with the gap of the
-    deformed surfaces and with what the bodies' internal forces, and the loads along deformed
-    normals, have beyond the linear ones. These are of order 1/R2*, so that some ten steps do,
-    and the linear factorisation serves all of them. Pressure is per area of the unloaded ball.
-    Steps that do not converge raise `study.joint.complementarity.ComplementarityError`.
+    At each depth the `linear` contact problem is solved some ten times, with the gap of the
+    deformed surfaces. Loads are what internal forces, and pressures along deformed normals, have
+    beyond the linear ones. They are of order 1/R2*, so that the linear factorisation serves all
+    steps. Pressure is per area of the unloaded ball. Steps that do not converge raise
+    `study.joint.complementarity.ComplementarityError`.
     """
     problem, _ = linear(joint, ball.compliance, socket.compliance)
     surfaces = _Surfaces(joint, ball, socket)

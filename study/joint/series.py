@@ -1,12 +1,11 @@
 """Compliance of the ball and of the socket by exact Legendre series.
 
-A ball pressed by two mirror-image sockets, each continued by mirror symmetry about the
-equator, is a whole sphere and a whole spherical shell under pressures of even Legendre order.
-Each order is solved by itself: two displacement modes that are regular at the centre, two
-that are singular there (Lur'e, Three-dimensional problems of the theory of elasticity, 1964),
-in each layer of the shell; layers are bonded, and joined by the flexibility of those outside.
-This is the half ball with ``plane`` drive and the socket with ``mirror`` rim of
-`study.joint.fem`; what is left of a mesh are the hat functions of the pressure.
+Mirrored about the equator, ball and socket are a whole sphere and a whole spherical shell under
+pressures of even Legendre order. Each order is solved alone. Two of its displacement modes are
+regular at the centre, and two are singular there (Lur'e, Three-dimensional problems of the theory
+of elasticity, 1964). The layers of a shell are bonded, and joined by the flexibility of those
+outside. The bodies are those of `study.joint.fem` with ``plane`` drive and ``mirror`` rim. Only the
+hat functions of the pressure are left of a mesh.
 """
 
 from functools import lru_cache, partial
@@ -28,7 +27,7 @@ from study.joint.compliance import (
 from study.threads import one_thread
 
 ORDERS = 16
-"""An element: more of them change the force by less than 1e-6, the peak pressure by 1e-5."""
+"""Orders per element: more change the force by less than 1e-6, the peak pressure by 1e-5."""
 MOST_ORDERS = 100_000
 
 
@@ -39,9 +38,9 @@ def ball_compliance(
 ) -> Compliance:
     """Compliance of a solid ball that is symmetric about its equatorial plane.
 
-    The ``resolution`` is the elements of pressure along the quarter circle, a multiple of 16; the
-    series ends at the even ``last_order``, by default at `ORDERS` an element. A value outside its
-    range is a ``ValueError``.
+    The ``resolution`` is the number of pressure elements along the quarter circle, a multiple of
+    16. The series ends at the even ``last_order``, by default at `ORDERS` per element. A value
+    outside its range is a ``ValueError``.
     """
     return _compliance(partial(ball_receptance, poisson=poisson), resolution, last_order)
 
@@ -57,9 +56,9 @@ def socket_compliance(
 ) -> Compliance:
     """Compliance of a shell fixed on its outer sphere, symmetric about the equator.
 
-    As `ball_compliance`; ``ratio`` is the outer over the inner radius, >= 1.0001. A shell of
-    several layers has a ratio to the innermost radius, a Poisson's ratio and a Young's ``modulus``
-    for each, from the inside out; the first modulus is the unit if it is 1.
+    As `ball_compliance`; ``ratio`` is the outer over the inner radius, >= 1.0001. Each layer, from
+    the inside out, has its ratio to the innermost radius, Poisson's ratio and Young's ``modulus``;
+    a first modulus of 1 makes it the unit.
     """
     receptance = partial(socket_receptance, ratio=ratio, poisson=poisson, modulus=modulus)
     return _compliance(receptance, resolution, last_order)
@@ -68,8 +67,8 @@ def socket_compliance(
 def ball_receptance(orders: ArrayLike, poisson: float) -> NDArray[np.float64]:
     """Inward displacement of a solid ball's surface under the pressure P_n(cos theta).
 
-    Factors of P_n(cos theta) for radius 1 and Young's modulus 1, by the orders n; these are not
-    1, whose pressure is not in balance.
+    Factors of P_n(cos theta) for radius 1 and Young's modulus 1, by the orders n. The pressure of
+    order 1 is not in balance: it must not be among them.
     """
     amplitudes = ball_amplitudes(orders, poisson)
     return -(modes(orders, poisson, 1.0)[0, :2] * amplitudes).sum(axis=0)
@@ -91,9 +90,9 @@ def socket_receptance(
 def ball_amplitudes(orders: ArrayLike, poisson: float) -> NDArray[np.float64]:
     """Amplitudes of the two regular `modes` in a ball under the pressure P_n(cos theta).
 
-    For radius 1 and Young's modulus 1; shape (2, m), by the orders, which are not 1. At the
-    radius r, ``modes(orders, poisson, r)[:, :2]`` times them, summed over the two, is the
-    displacement and the stress over 2 G.
+    For radius 1 and Young's modulus 1; shape (2, m), by the orders, without 1. At the radius r,
+    ``modes(orders, poisson, r)[:, :2]`` times them, summed over the two, is the displacement and
+    the stress over 2 G.
     """
     surface = modes(orders, checks.poisson("poisson", poisson), 1.0)
     pressure = np.array([[-(1 + poisson)], [0.0]])  # radial stress over 2 G, and shear
@@ -110,8 +109,9 @@ def socket_amplitudes(
     a = 1), with its Poisson's ratio nu and shear modulus G: ``modes(orders, nu, r/a, b/a)`` times
     them, summed over the four, is the displacement over a and the stress over 2 G.
 
-    From the outside in, the flexibility of a layer's inner sphere, a 2x2 matrix of displacement
-    over a per stress, follows from that of its outer sphere, where the fixed one has none.
+    The flexibility of a sphere is a 2x2 matrix of displacement over a per stress. From the outside
+    in, that of a layer's inner sphere follows from that of its outer one; the fixed sphere has
+    none.
     """
     ratios, poissons, moduli = layered(ratio, poisson, modulus)
     each = np.column_stack([layer_steps(ratios), poissons, moduli / (1 + poissons)])
@@ -134,10 +134,10 @@ def modes(
 ) -> NDArray[np.float64]:
     """Radial and polar displacement, normal and shear stress over 2 G of four modes at a radius.
 
-    Shape (4 quantities, 4 modes, m). The modes go like r^(n+1) and r^(n-1), which are regular, and
-    r^-n and r^-(n+2), which are singular. Radial quantities go with P_n(cos theta), the others
-    with its derivative to theta. Regular modes are scaled to the largest radius and singular ones
-    to radius 1, so that no power overflows.
+    Shape (4 quantities, 4 modes, m). The modes vary as r^(n+1) and r^(n-1), which are regular, and
+    r^-n and r^-(n+2), which are singular. Radial quantities are factors of P_n(cos theta), the
+    others of its derivative by theta. Regular modes are scaled to the largest radius and singular
+    ones to radius 1, so that no power overflows.
     """
     n, nu, r = np.asarray(orders, dtype=float), poisson, radius
     inner, outer = (r / largest_radius) ** n, r**-n
@@ -175,7 +175,7 @@ def _compliance(receptance, resolution, last_order):
 def hat_coefficients(resolution: int, last_order: int) -> NDArray[np.float64]:
     """Legendre coefficients of every hat, continued evenly about the equator: (orders, hats).
 
-    Of the even orders up to the last, for hats as many elements apart as `surface_angles` has.
+    For the even orders up to the last, and hats at the nodes of `surface_angles`.
 
     By parts, the integral of h P_n sin(theta) is that of h' (J_(n+1) - J_(n-1))' / (2n + 1),
     where J_n is the integral of P_n(cos theta) over theta from the pole. It obeys

@@ -1,8 +1,8 @@
 """A joint with its dimensions, as an engineer has it: SI units, and materials by name.
 
-`SizedJoint` is a `study.joint.Joint` in the user's words. Forces and depths are those of the
-table of its solved curve, each the other's inverse; pressures, half-angles and stresses are those
-of the joint solved anew at every depth.
+`SizedJoint` is a `study.joint.Joint` with dimensions. Forces and depths come from the table of its
+solved curve, each the inverse of the other. For pressures, half-angles and stresses the joint is
+solved anew at every depth.
 """
 
 from dataclasses import dataclass
@@ -24,13 +24,13 @@ from study.joint.materials import material
 Floats = NDArray[np.float64]
 Liner = tuple[tuple[float, str | Material], ...]
 LEAST_CLEARANCE = 1e-9
-"""Over the socket's radius: below, a clearance is lost in the rounding of the radii."""
+"""Over the socket's radius: a smaller clearance is lost in the rounding of the radii."""
 _USUAL, _STEP = 1.0, 1.2  # clearances that a table reaches; how much further the next one does
 
 
 @dataclass(frozen=True)
 class SizedSolution:
-    """What a joint does at some depths: arrays in the order asked for, shape (k,), in SI units.
+    """Results of a joint at some depths: arrays in the order asked for, shape (k,), in SI units.
 
     Attributes
     ----------
@@ -43,16 +43,16 @@ class SizedSolution:
     peak_pressure
         Largest contact pressure, in Pa.
     error_estimate
-        Estimated relative error of the force: that of the curve beside the depth, and the
+        Estimated relative error of the force: that of the curve beside the depth, plus the
         difference from the joint solved at the depth.
     von_mises
         Largest von Mises stress in each body, in Pa: ``ball``, ``liner 1`` and so on from the
         inside out, and ``socket``.
     von_mises_place
-        Where it is, k words a body (`study.joint.LargestStress`).
+        Where it is, k texts for each body (`study.joint.LargestStress`).
     yield_factor
-        Yield stress over largest von Mises stress of each body: it yields below 1. None for a
-        material without a yield stress. Beyond yield the other numbers are those of elastic bodies.
+        Yield stress over largest von Mises stress of each body, which yields below 1; None for a
+        material without a yield stress. Beyond yield the other numbers are for elastic bodies.
     """
 
     depth: Floats
@@ -88,7 +88,7 @@ class SizedJoint:
         Thickness in m and material of each liner, from the inside out; the socket's material
         makes up the rest of the wall.
     ball_drive, rim, kinematics
-        As of `study.joint.Joint`.
+        As for `study.joint.Joint`.
     """
 
     socket_radius: float
@@ -146,9 +146,9 @@ class SizedJoint:
         Parameters
         ----------
         law
-            Key of ``study.contact.LAWS``, or a law itself. ``stiffened_hertz`` knows of the joint
-            what it can; the paper's laws have the coefficients of the paper's own joint. The
-            default table reaches one clearance deep at least, if the joint can.
+            Key of ``study.contact.LAWS``, or a law itself. ``stiffened_hertz`` gets its options
+            from the joint; the paper's laws have the coefficients of the paper's own joint. The
+            default is a table to a depth of at least one clearance, if the joint can.
         """
         if law is None:
             return self._table(usual_depth(self.joint))[0]
@@ -166,8 +166,8 @@ class SizedJoint:
         Raises
         ------
         ValueError
-            For a depth or force that the joint cannot have, because contact would reach the
-            socket's rim; for a contact too small to be resolved; unless one of both is given.
+            For a depth or force at which contact would reach the socket's rim; for a contact too
+            small to be resolved; unless exactly one of the two is given.
         """
         if depth is None and force is None:
             raise ValueError("depth or force must be given")
@@ -187,7 +187,7 @@ class SizedJoint:
         return self._solution(law, depths, forces, solved, _error_beside(curve, depth_star) + off)
 
     def curve(self) -> SizedSolution:
-        """The whole curve, at some 50 depths to one clearance, or to what the joint can.
+        """The whole curve, at some 50 depths up to one clearance, if the joint can.
 
         Its errors are those of `study.joint.ForceCurve`.
         """
@@ -199,7 +199,7 @@ class SizedJoint:
         return self.joint.composite_modulus * self.clearance**2 * curve.force_star
 
     def _solution(self, law, depths, forces, solved, errors):
-        """What a law tells of depths, and of the rest the joint solved there."""
+        """Stiffness by a law at depths, and all else from the joint solved there."""
         largest = solved.largest_stress
         modulus, strengths = self.joint.composite_modulus, self.materials
         bodies = dict(zip(self.joint.materials, strengths, strict=True))
@@ -230,7 +230,7 @@ class SizedJoint:
                 law, curve = self._table(deepest)
             except checks.RangeError:
                 raise checks.RangeError(
-                    f"{name} must be <= {most:.6g} {unit}, got {asked.max():g} {unit}: somewhat "
+                    f"{name} must be <= {most:.6g} {unit}, got {asked.max():g} {unit}: just "
                     "beyond, the contact would reach the socket's rim"
                 ) from None
         return law, curve
@@ -268,12 +268,12 @@ class SizedJoint:
                 ) from None
         raise UnresolvedError(
             f"{name} must be so large that elements resolve the contact, got {asked.min():g} "
-            f"{unit}: that close to touching, Hertz's law holds"
+            f"{unit}: Hertz's law holds for such small contacts"
         )
 
 
 def usual_depth(joint: Joint) -> float:
-    """Depth_star to which a law of a joint reaches if none is asked for: 1, if the joint can."""
+    """Default largest depth_star of a joint's law: 1, if the joint can."""
     return float(min(_USUAL, 0.8 * largest_depth(joint.r2_star)))
 
 

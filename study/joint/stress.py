@@ -1,9 +1,9 @@
 """Stresses inside ball and socket, and where the elastic law ends: first yield by von Mises.
 
-A joint that the exact series solves has its stresses from the series' modes, at any point; other
-joints have theirs from the elements, at the nodes of the mesh. All are those of linear
-elasticity, under the pressure of a solved contact: beyond first yield they, and every law's
-error, are about bodies that do not yield. Stresses are in E* dR/R2, tension positive.
+The exact series gives stresses by its modes, at any point; finite elements give them at the nodes
+of the mesh. All are of linear elasticity, under the pressure of a solved contact. Beyond first
+yield they, and the errors of laws, are for bodies that do not yield. Stresses are in E* dR/R2,
+tension positive.
 """
 
 from dataclasses import dataclass
@@ -26,12 +26,12 @@ from study.threads import one_thread
 Floats = NDArray[np.float64]
 
 HEIGHT = 0.1
-"""Of the elements, in radii above the equator, below which no largest stress is sought: at the
-corner of a clamped and a free surface it has no bound."""
+"""Height above the equator, in radii, from which on elements are searched for the largest stress.
+It has no bound at the corner of a clamped and a free surface."""
 _THICKNESS = 3.0  # of a socket, in radii, beyond which no largest stress is sought
 _DEPTH_SCALE, _ANGLE_SCALE = 0.003, 0.01  # in radii and rad: the points' spacing grows from there
 _RADII, _ANGLES = 48, 32  # points
-_NEAR = 0.02  # of the contact's radius: depth that still is the surface
+_NEAR = 0.02  # of the contact's radius: depth that still counts as the surface
 _LEAST_ROOT = 0.06  # of a depth at which elements resolve the stresses
 _DEEP = 0.05  # a joint is solved to this depth even where less is asked for
 _FELT = 30.0  # a mode that has decayed by exp(-30) is not felt
@@ -48,7 +48,7 @@ class LargestStress:
     over_peak
         The same over the peak pressure, 0 without contact; shape (k,).
     radius
-        Where it is: distance from the body's centre over its surface's radius; shape (k,).
+        Where it is: distance from the body's centre over the radius of its surface; shape (k,).
     angle
         Where it is: polar angle from the contact's axis, in rad; shape (k,).
     place
@@ -153,10 +153,10 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
 def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     """First yield, by von Mises, of a joint whose materials have a yield stress; None if elastic.
 
-    A body yields where its largest von Mises stress over E* dR/R2 is R2* Y/E*. Between the depths
-    that are solved, and below them to Hertz's limit at depth 0, that stress over the root of the
-    depth is interpolated: right within 0.5 % of the stress for socket ratios from 1.05 on. In
-    thinner sockets it is right within 5 % at depths below 0.001.
+    A body of yield stress Y yields where its largest von Mises stress over E* dR/R2 is R2* Y/E*.
+    That stress over the root of the depth is interpolated between solved depths, and down to
+    Hertz's limit at depth 0. Its error is below 0.5 % for socket ratios from 1.05 on, and below 5 %
+    in thinner sockets at depths below 0.001.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def _socket_pressure(curve):
 
 @dataclass(frozen=True)
 class _Solid:
-    """A body as the series has it: radii in that of the pressed surface, and modes' amplitudes."""
+    """A body of the series: radii over that of the pressed surface, and amplitudes of the modes."""
 
     inner: float
     outer: float
@@ -269,11 +269,10 @@ def _sum(solid, waves, radii, table):
 
 
 def _parts(solid, orders, radius):
-    """What stresses are made of at one radius under the pressures P_n, four of shape (orders,).
+    """Parts of the stresses at one radius under the pressures P_n, four of shape (orders,).
 
-    Radial stress and half the sum of the hoop stresses, factors of P_n; between them the shear
-    stress, of the derivative P_n'; last half the difference of the hoop stresses, of
-    P_n'' - P_n' cot(theta).
+    They are the radial stress, a factor of P_n; the shear stress, of P_n'; half the sum of the hoop
+    stresses, of P_n; and half their difference, of P_n'' - P_n' cot(theta).
     """
     n, nu, r, inner = orders, solid.poisson, radius, solid.inner or 1.0
     amplitudes = solid.amplitudes[:, : len(n)]
