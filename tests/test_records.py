@@ -23,6 +23,16 @@ def test_reproducing_is_what_is_made():
     assert records.REPRODUCING.read_text(encoding="utf-8") == records.reproducing(seconds)
 
 
+def test_seconds_are_those_of_notebooks_as_they_are(tmp_path, monkeypatch):
+    monkeypatch.setattr(paths, "BUILD", tmp_path)
+    (tmp_path / "notebooks").mkdir()
+    runs = [(None, {}, 2.6), (True, {}, 1.0), (None, {"r2_star": 100.0}, 5.0)]
+    for notebook, (exception, parameters, duration) in zip(CATALOGUE, runs, strict=False):
+        run = {"exception": exception, "parameters": parameters, "duration": duration}
+        notebook.executed.write_text(json.dumps({"metadata": {"papermill": run}}))
+    assert records.measured_seconds() == {CATALOGUE[0].name: 3}
+
+
 def test_what_is_expected_is_one_number_of_the_result():
     assert records.expected(RESULTS["table4"]) == "`value` = 0.5 at parameter = restitution"
     assert records.expected(RESULTS["fig08"]) == "10160 rows"

@@ -96,12 +96,17 @@ def kept_seconds() -> dict[str, int]:
 
 
 def measured_seconds() -> dict[str, int]:
-    """Seconds of each notebook whose executed copy is there, as papermill measured them."""
+    """Seconds of each notebook whose executed copy is there, as papermill measured them.
+
+    A notebook that failed, or ran with other parameters, is left out.
+    """
     found = {}
     for notebook in CATALOGUE:
         if notebook.executed.is_file():
             content = json.loads(notebook.executed.read_text(encoding="utf-8"))
-            found[notebook.name] = round(content["metadata"]["papermill"]["duration"])
+            run = content["metadata"]["papermill"]
+            if not (run["exception"] or run["parameters"]):
+                found[notebook.name] = round(run["duration"])
     return found
 
 
