@@ -175,7 +175,7 @@ def changed(monkeypatch, tmp_path):
             "tolerance of table1_determination must be a number >= 0, in percent",
         ),
         ("tolerance", "-1", "tolerance of table1_determination must be a number >= 0, in percent"),
-        ("claim", "table1_rmse", "claim table1_rmse stands twice"),
+        ("claim", "table1_rmse", "claim table1_rmse occurs twice"),
         (
             "of",
             "R3",

@@ -357,7 +357,7 @@ def test_missing_files_are_named_with_what_makes_them(other):
     [
         ({"verdict": "good"}, "claim_1: verdict 'good' is not known; .*study run claims"),
         ({"evidence": "fig99"}, "claim_1: fig99 is not known"),
-        ({"claim": "claim_2"}, "claim claim_2 stands twice"),
+        ({"claim": "claim_2"}, "claim claim_2 occurs twice"),
     ],
 )
 def test_damaged_claims_are_refused(other, change, message):

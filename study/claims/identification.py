@@ -1,9 +1,8 @@
-"""What the paper leaves unsaid about its finite elements, inferred from its Table 2.
+"""The set-up of the paper's finite elements, inferred from its Table 2.
 
-A candidate is a socket ratio, a drive, kinematics, elements, depths at which the forces were
-sampled, and the area element of f2. For each one the coefficient of determination and the RMSE of
-the rows whose formulas are known are computed anew and compared with the published ones; what
-explains them best, and how much better than the rest, is the likelihood under a stated error.
+A candidate is a socket ratio, a drive, kinematics, elements, the depths of the sample, and the
+area element of f2. For each one the coefficient of determination and the RMSE of the rows with
+known formulas are compared with the published ones. A likelihood under a stated error ranks them.
 """
 
 from collections.abc import Sequence
@@ -23,7 +22,7 @@ from study.dataset.fitting import LARGEST_DEPTH, R2_STAR
 from study.joint import force_curve, paper_joint
 
 ROWS = ("hertz", "steuermann", "winkler", "hyperbolic_winkler")
-"""Rows of Table 2 that count: Liu's formula is reconstructed from its own row."""
+"""Rows of Table 2 that count; Liu's formula is reconstructed from its own row."""
 NUMBERS = tuple(f"{quantity} {law}" for law in ROWS for quantity in ("1 - determination", "RMSE"))
 """The eight numbers that are compared."""
 SAMPLINGS = {f"{n}, from 0": np.linspace(0, LARGEST_DEPTH, n) for n in (19, 20, 21, 22, 39)} | {
@@ -77,14 +76,14 @@ def deviations(
     lower: float = 0.0,
     factor: float = 1.0,
 ) -> dict[str, float]:
-    """How far the numbers of Table 2 are from the published ones: ln(found/published).
+    """Deviations of Table 2's numbers from the published ones: ln(found/published).
 
     Parameters
     ----------
     published
         `study.dataset.published_table_2`.
     factor
-        Times 1 - determination, by the paper's definition; all else is as for `table_2`.
+        Of 1 - determination, by the paper's definition; all else is as for `table_2`.
     """
     laws, found = table_2(sample, force, area, lower), {}
     for law in ROWS:

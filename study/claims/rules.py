@@ -1,8 +1,8 @@
 """The rules by which the paper's statements are judged: a number per reading, from results.
 
 A rule reads results from ``figures/`` and gives one number, or one per reading: a model,
-material, duration or socket radius that what is given in the paper allows. What a rule is about
-stands in the claim's column ``of``, as words that are the rule's arguments.
+material, duration or socket radius that the paper's text allows. Its arguments are the words in
+the claim's column ``of``.
 """
 
 import re
@@ -24,20 +24,20 @@ PAPER = "the paper's joint"
 LAWS = contact.PAPER_LAWS
 PROPOSED = "hyperbolic_winkler"
 EARLY = 10.0  # ms: the first impacts
-DURATIONS = (50, 100, 200)  # ms: the paper does not say how long it simulates
+DURATIONS = (50, 100, 200)  # ms: the paper states none
 FIT = 0.5  # largest depth of the fits
 FIRST = 0.025  # least depth of the dataset
-MODELS = ("rigid", "particles", "beams")
+MODELS = {"rigid": "rigid links", "particles": "particles", "beams": "finite elements"}
 MATERIALS = {
     "poisson": ("Poisson's ratio", 0.3, 0.2, 0.4),
     "modulus_ratio": ("moduli", 1.0, 1 / 3, 3),
 }
-"""Name, usual value, and the range that metals have; the ratio is the socket's over the ball's."""
+"""Name, usual value, and the range of metals; the ratio is the socket's modulus over the ball's."""
 RATIOS = "ratios 1.1 to 3"
 
-PER_MODEL = {model: (model,) for model in MODELS}
-PER_DURATION = {f"{model}, {end} ms": (model, end) for end in DURATIONS for model in MODELS}
-"""Readings: name -> what a rule's function gets after the words of ``of``."""
+PER_MODEL = {name: (model,) for model, name in MODELS.items()}
+PER_DURATION = {f"{name}, {end} ms": (m, end) for end in DURATIONS for m, name in MODELS.items()}
+"""Readings: name -> arguments of a rule's function after the words of ``of``."""
 
 LAW = f"({'|'.join(LAWS)})"
 SOME_LAWS = f"{LAW}( {LAW})*"
@@ -53,7 +53,7 @@ class ClaimError(checks.StudyError):
 def define(name: str, number: Callable[..., Any], of: str = "", readings: dict | None = None):
     """Add a rule: its name, function of the words of ``of``, their pattern, and its readings.
 
-    Without ``readings`` the function gives one number, or a dictionary of readings itself.
+    Without ``readings`` the function returns one number, or a dictionary of readings.
     """
     RULES[name] = partial(_apply, name, number, of, readings)
     return number
@@ -137,7 +137,7 @@ define(
     lambda *laws: dict(_table_2("correct").determination.abs()[[*laws]]),
     SOME_LAWS,
 )
-# How many of the five laws have the rank by RMSE that they have in Table 2
+# Number of the five laws with the rank by RMSE that they have in Table 2
 define("order", lambda: (_table_2("ours").RMSE.rank() == _table_2("published").RMSE.rank()).sum())
 # RMSE of the fitted Winkler law over that of the proposed one
 define("improvement", lambda: _table_2("ours").RMSE["winkler"] / _table_2("ours").RMSE[PROPOSED])
@@ -215,7 +215,7 @@ def overall_error(low, high):
 
 @rule()
 def start():
-    """How many of Hertz and Steuermann are closer than the proposed law as contact begins."""
+    """Number of Hertz's and Steuermann's laws that are closer as contact begins."""
     error = _errors(0.005).iloc[0].abs()
     return (error[["hertz", "steuermann"]] < error[PROPOSED]).sum()
 
@@ -256,7 +256,7 @@ define("solving_each_call", lambda: result("speed_laws").set_index("method").rel
 
 @rule()
 def thickness():
-    """By how much the force (R2* = 200, depth 0.5) falls from socket ratio 1.1 to 3, percent."""
+    """Fall of the force (R2* = 200, depth 0.5) from socket ratio 1.1 to 3, in percent."""
     table = result("assumptions").set_index("case").force_at_largest_depth
     return {RATIOS: 100 * (1 - table[case_name("ratio-3")] / table[case_name("ratio-1.1")])}
 
@@ -267,7 +267,7 @@ def material(of):
     table = result("reach_material").query("panel == @of and law == @PROPOSED")
     error = _at(table.pivot(index="depth_star", columns="parameter", values="value"), 0.5)
     error.index = error.index.astype(float)
-    force = 1 / (1 + error / 100)  # over that of the law, which knows neither
+    force = 1 / (1 + error / 100)  # over that of the law, which depends on neither
     name, usual, low, high = MATERIALS[of]
     change = (100 * (force / force[usual] - 1).abs()).loc[low - 1e-3 : high]
     least, most = change.index.min(), change.index.max()
@@ -283,7 +283,7 @@ def error_over_ratio(depth):
 
 @rule()
 def scale():
-    """By how much P/(E* dR^2) changes between clearances of 10 um, 0.1 mm and 1 mm, percent."""
+    """Change of P/(E* dR^2) between clearances of 10 µm, 0.1 mm and 1 mm, in percent."""
     depths, modulus, forces = result("fig10").depth_star.to_numpy(), 1e11, []
     for clearance in (1e-5, 1e-4, 1e-3):
         radii = 199 * clearance, 200 * clearance
@@ -300,7 +300,7 @@ define(
     ),
     readings={
         f"{name}, {size} elements": (method, f"resolution {size}")
-        for method, name in (("CAX3", "CalculiX CAX3"), ("three-node triangles", "this study's"))
+        for method, name in (("CAX3", "CalculiX CAX3"), ("three-node triangles", "this study"))
         for size in (32, 160)
     },
 )
@@ -344,7 +344,7 @@ define("deviation", lambda *run: _deviation(*_joints(*run)), "fig1[789]", PER_MO
 
 @rule(readings=PER_DURATION)
 def ahead(model, end):
-    """Share of the time in which the slider is ahead of the ideal one, in percent."""
+    """Share of the time for which the slider is ahead of the ideal one, in percent."""
     (place, ideal), (_, speed) = (_joints(figure, model, end) for figure in ("fig17", "fig18"))
     return 100 * ((place - ideal) * speed > 0).mean()
 
@@ -440,7 +440,7 @@ def law_in_mechanism():
 
 @rule()
 def restitution():
-    """Restitution that Lankarani and Nikravesh's damping delivers."""
+    """Restitution delivered by Lankarani and Nikravesh's damping."""
     first = result("impacts").query("model == 'rigid'").delivered_restitution.iloc[0]
     limits = result("stability_limits").set_index("what").observed
     return {"free impact": float(limits["restitution, lankarani-nikravesh"]), "first impact": first}
@@ -450,4 +450,4 @@ def restitution():
 def explicit_cost():
     """Time of particles over that of the fastest implicit method, at equal errors of an impact."""
     table = result("flexible_times").query("joint == 'first impact'")
-    return {f"within {row.error:g}": row.ratio for row in table.itertuples()}
+    return {f"within {100 * row.error:g} %": row.ratio for row in table.itertuples()}

@@ -28,8 +28,8 @@ def determination(truth: ArrayLike, prediction: ArrayLike) -> float:
 def determination_as_published(truth: ArrayLike, prediction: ArrayLike) -> float:
     """The same as in Table 2 and Fig. 14 of the paper: 1 - (sum of differences)^2/SST.
 
-    The sum is squared where its terms should be (identified, notebook 13): the result depends
-    on the number of values and on the mean difference only, and errors of opposite sign cancel.
+    The sum is squared instead of its terms (identified, notebook 13). The result depends only on
+    the number of values and the mean difference; errors of opposite sign cancel.
     """
     truth, prediction = _pair(truth, prediction)
     return float(1 - np.sum(truth - prediction) ** 2 / _total(truth))
@@ -45,8 +45,8 @@ def _total(truth):
 def adjusted(determination: float, size: int = 20, predictors: int = 1) -> float:
     """Adjusted coefficient 1 - (1 - c) (n - 1)/(n - p - 1) of n values, p predictors and c.
 
-    The default factor, 19/18, is that of all five rows of the paper's Table 2. Its errors
-    belong to 21 depths; the one at zero, where every law is exact, seems not to count here.
+    The default factor, 19/18, is that of all five rows of the paper's Table 2. The 21st depth is
+    zero, where every law is exact; it seems not to count here.
     """
     checks.number("determination", determination, scalar=True)
     size = checks.whole("size", size, least=2)
@@ -69,7 +69,7 @@ def relative_rmse(truth: ArrayLike, prediction: ArrayLike) -> float:
 
 
 def agreement(truth: ArrayLike, prediction: ArrayLike) -> dict[str, float]:
-    """All measures at once; those without ``_correct`` as `determination_as_published`."""
+    """All measures; those without ``_correct`` follow `determination_as_published`."""
     published, correct = (
         determination_as_published(truth, prediction),
         determination(truth, prediction),
@@ -93,7 +93,7 @@ def relative_error(truth: ArrayLike, prediction: ArrayLike) -> NDArray[np.float6
 
 
 def last_crossing(x: ArrayLike, lead: ArrayLike) -> float:
-    """Where a sampled lead turns positive for good, by linear interpolation.
+    """Place from which a sampled lead stays positive, by linear interpolation.
 
     The first x if the lead is positive throughout; ``ValueError`` if it is not at the end.
     """

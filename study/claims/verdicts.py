@@ -1,8 +1,8 @@
 """The paper's checkable statements, each judged by a number from this study's results.
 
-``data/published/claims.csv`` holds the statements in our own words, and for each what it is
-judged by: a rule of `rules`, what its number should be and how far off it may be. What a
-statement means is judged here; whether the results themselves are right is judged by the tests.
+``data/published/claims.csv`` holds the statements in our own words. Each names a rule of `rules`,
+what its number should be, and how far off it may be. The tests, not the verdicts, judge whether the
+results are right.
 """
 
 from collections.abc import Sequence
@@ -18,12 +18,12 @@ Verdict = Literal["contradicted", "cannot be decided", "reproduced"]
 Relation = Literal["=", "<", ">", "?"]
 VERDICTS, RELATIONS = get_args(Verdict), get_args(Relation)
 KINDS = ("stated", "implied only", "used to identify", "can hardly fail")
-"""What a statement's verdict says: only that of a stated one speaks for or against the paper. The
-others are not said in so many words, served to identify the set-up, or hold by construction."""
+"""Only the verdict on a stated statement speaks for or against the paper. The others are not said
+in so many words, served to identify the set-up, or hold by construction."""
 
 
 def load() -> pd.DataFrame:
-    """The claims as they are kept, without verdicts.
+    """Load the claims, without verdicts.
 
     Returns
     -------
@@ -31,8 +31,8 @@ def load() -> pd.DataFrame:
         Columns ``claim``, ``part``, ``kind`` (of `KINDS`), ``where`` (in the paper),
         ``statement`` (our words), ``measure`` (the number that judges it), ``rule`` and ``of``
         (how it is computed), ``relation``, ``expected`` (a number), ``tolerance`` (percent of
-        ``expected``), ``figure`` (a result that shows it) and ``evidence`` (the results that
-        it is computed from, separated by spaces).
+        ``expected``), ``figure`` (a result that shows it) and ``evidence`` (the results it is
+        computed from, separated by spaces).
 
     Raises
     ------
@@ -44,7 +44,7 @@ def load() -> pd.DataFrame:
     frame["tolerance"] = pd.to_numeric(frame["tolerance"], errors="coerce")
     for row in frame.itertuples():
         if row.claim in set(frame.claim[: row.Index]):
-            raise ClaimError(f"claim {row.claim} stands twice")
+            raise ClaimError(f"claim {row.claim} occurs twice")
         if not 0 <= row.tolerance < np.inf:
             raise ClaimError(f"tolerance of {row.claim} must be a number >= 0, in percent")
         if row.rule not in RULES:
@@ -103,7 +103,7 @@ def _judge(claim):
         raise ClaimError(f"claim {claim.claim}: {error}") from None
     except LookupError as error:  # results of other parameters than the catalogue's
         message = f"claim {claim.claim}: rule {claim.rule} finds no {error} in {claim.evidence}"
-        raise ClaimError(f"{message}; make them anew with: study run {claim.evidence}") from None
+        raise ClaimError(f"{message}; make it anew with: study run {claim.evidence}") from None
     values = list(found.values())
     if not found or not np.isfinite(values).all():
         raise ClaimError(f"claim {claim.claim} must be judged by finite numbers, got {found}")
@@ -121,13 +121,13 @@ def verdict(
     """Verdict on one claim from its numbers, one per reading.
 
     ``reproduced`` if every reading holds, ``contradicted`` if none does, and ``cannot be
-    decided`` if some do, so that the verdict hangs on what the paper does not say.
+    decided`` if some do: the verdict then depends on what the paper does not say.
 
     Parameters
     ----------
     relation
-        The number should equal ``expected``, which is not 0, not exceed it, or not be less; or
-        what is given in the paper cannot tell.
+        The number should equal ``expected`` (``=``), not exceed it (``<``), or not be less (``>``).
+        With ``?`` the paper's text cannot decide. ``expected`` is not 0.
     tolerance
         Deviation from ``expected``, in percent of it, up to which a reading holds.
     """

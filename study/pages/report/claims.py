@@ -46,6 +46,6 @@ def read_claims(path: Path, known: Collection[str]) -> list[dict]:
         row["group"] = GROUPS.get(row["kind"]) or f"Stated by the paper: {row['verdict']}"
         row["anchor"] = make_id(f"claim-{row['claim']}")
         if row["anchor"] in anchors:
-            raise StudyError(f"{path.name}: claim {row['claim']} stands twice; {MEND}")
+            raise StudyError(f"{path.name}: claim {row['claim']} occurs twice; {MEND}")
         anchors.add(row["anchor"])
     return rows
