@@ -186,7 +186,7 @@ def stiffened_hertz(
     s = sqrt(ds): Hertz's law as ds -> 0. The nine numbers of a joint are looked up once, in
     ``stiffening.csv`` (`study.contact.stiffening`). The law is for linear kinematics, ds <= 1 and
     the ranges of `study.contact.stiffening.RANGES`. Its largest error is 0.18 % on 336 random
-    joints, and 0.57 % at the worst corner of the ranges (notebook 15). Defaults are the paper's
+    joints, and 0.57 % at the ends of the ranges (notebook 15). Defaults are the paper's
     socket ratio and equal materials.
 
     Parameters
