@@ -130,7 +130,7 @@ def test_a_curve_of_the_scenes_materials_drives_it():
 
 @pytest.mark.parametrize("law", ["liu", "winkler", "hyperbolic_winkler"])
 def test_fitted_laws_say_that_their_joint_was_another(law):
-    note = "its coefficient is that of the paper's joint, of other materials than these"
+    note = "its coefficient is that of the paper's joint, which has other materials"
     assert note in simulate(MIXED, law=law, **BRIEF).law
     assert note in simulate(PAPER.but(poisson=0.4), law=law, **BRIEF).law
     assert note not in simulate(PAPER, law=law, **BRIEF).law

@@ -1,8 +1,8 @@
 """Sine, angle and sixth root with the same bits on every processor, for compiled loops.
 
-Impacts are chaotic: after some of them the last bit of a sine decides what happens. Those of the
-system's mathematical library differ from processor to processor; additions, multiplications,
-divisions and square roots do not, and from these everything here is made.
+Impacts are chaotic: after some of them the last bit of a sine decides what happens. The sines of
+the system's mathematical library differ between processors. Sums, products, quotients and square
+roots do not, and nothing else is used here.
 """
 
 from math import factorial, pi, sqrt
@@ -41,7 +41,7 @@ def sine_cosine(angle):
 def _near_zero(x):
     """Sine and cosine of an angle between -pi/4 and pi/4.
 
-    The series are summed in pairs, and pairs of pairs (Estrin): equations wait for the result.
+    The series are summed in pairs, and pairs of pairs (Estrin), which is faster.
     """
     z = x * x
     z2 = z * z
@@ -56,7 +56,7 @@ def _near_zero(x):
 
 @compiled
 def norm(x, y):
-    """Length of a vector of usual size: without care for over- and underflow."""
+    """Length of a vector, which must be neither very long nor very short (over- and underflow)."""
     return sqrt(x * x + y * y)
 
 

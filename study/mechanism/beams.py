@@ -1,10 +1,10 @@
 """Finite elements, the paper's comparison: geometrically exact beams, stepped implicitly.
 
-Two-node elements of Reissner's plane beam with one integration point, places and rotations
-interpolated linearly in the fixed frame: the consistent mass is constant and rigid motion is
-free of strain. The shear compliance holds the residual bending flexibility (MacNeal 1978),
-with which a straight element's nodal stiffness is exact. Time is stepped by the
-generalised-alpha method (Chung & Hulbert 1993) with Newton's method on a banded matrix.
+Elements are Reissner's plane beam with two nodes and one integration point. Places and rotations
+are interpolated linearly in the fixed frame, so that the consistent mass is constant and rigid
+motion is free of strain. The shear compliance includes the residual bending flexibility (MacNeal
+1978), with which the nodal stiffness of a straight element is exact. Time is stepped by the
+generalised-alpha method (Chung & Hulbert 1993), with Newton's method on a banded matrix.
 """
 
 from collections import namedtuple
@@ -24,14 +24,14 @@ from study.mechanism.angles import direction, norm, sine_cosine
 from study.mechanism.scene import Body, Scene
 
 SPECTRAL_RADIUS = 0.8
-"""At infinite frequency: what the steps leave of the motions that they cannot follow."""
+"""At infinite frequency: the share that a step leaves of motions that it cannot follow."""
 ALPHA_M = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)
 ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1)
 NEWTON_TOLERANCE = 1e-9
-"""Change of a Newton iteration, relative to the clearance, at which it stops."""
+"""Change at which Newton's method stops, relative to the clearance."""
 BAND = 6  # unknowns of neighbouring nodes are at most this far apart
 NO_TANGENT = (0.0, 0.0)
-ANY = 3  # friction branch: that of the sliding speed found
+ANY = 3  # friction branch: the one of the sliding speed that is found
 # Places in what `_contact` finds
 DEPTH, NORMAL, TANGENTIAL, ELASTIC, RATE, SLIDING, FORCE_X, FORCE_Y, EX, EY = range(10)
 DRIVE_WORK, DRIVE_MOMENT = range(2)  # places in the state, before those of all models
@@ -140,8 +140,8 @@ def _internal(q, sections, unknowns, force, matrix, factor):
 def _contact(q, v, ball, contact, approach, branch, p, law, found):
     """Fill ``found`` with the contact's forces on the slider.
 
-    Returns the derivatives of forces on the ball and moment on the coupler to eccentricity and
-    rotation, and to their rates: two 3x3 blocks.
+    Returns the derivatives of the forces on the ball and of the moment on the coupler, by
+    eccentricity and rotation and by their rates: two 3x3 blocks.
     """
     stiff, damp = np.zeros((3, 3)), np.zeros((3, 3))
     ex, ey = q[ball[0]] - q[ball[3]], q[ball[1]]
@@ -202,9 +202,9 @@ def _solve(matrix, right):
 
 @compiled
 def _forces(q, v, system, state, branch, p, law, found, force, matrix, tangent):
-    """Fill ``force`` with what resists (internal, contact, load) and return the strain energy.
+    """Fill ``force`` with internal, contact and load forces, and return the strain energy.
 
-    To ``matrix`` the derivatives to places and rates are added, times the factors ``tangent``.
+    Derivatives by places and rates, times the factors ``tangent``, are added to ``matrix``.
     """
     ball, (by_q, by_v) = system.ball, tangent
     force[:] = -system.load
@@ -261,8 +261,8 @@ def _meet(gap0, rate0, gap1, rate1, h):
 def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
     """Fill ``new`` with places, rates and accelerations after a step; False for no balance.
 
-    ``old`` are the forces before. An iteration takes one linear piece of the friction law, which
-    then moves by one: free to jump, it would go to and fro between the law's ends.
+    ``old`` are the forces before. An iteration takes one linear piece of the friction law, and the
+    next one that piece or a neighbour: free to jump, it would alternate between the law's ends.
     """
     (force, right, matrix, found), size, ball = work, motion.shape[1], system.ball
     q, v, a, q1, v1, a1 = motion[0], motion[1], motion[2], new[0], new[1], new[2]
@@ -327,7 +327,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
             _record(rows[done], state, motion, system, now, strain, p)
             done += 1
         begun = largest = ended = False
-        while True:  # a second time if the surfaces meet in this step
+        while True:  # twice if the surfaces meet in this step
             sliding = now[SLIDING]
             if not _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
                 return done, stepping.FAILED
@@ -374,7 +374,7 @@ def _true_acceleration(motion):
 
 @compiled
 def _drive(state, motion, system, resisted, h):
-    """Moment that holds the crank's speed against inertia and what else resists, and its work."""
+    """Moment that holds the crank's speed against inertia and other forces, and its work."""
     moment, a = resisted, _true_acceleration(motion)
     for j in range(BAND + 1):
         moment += system.mass[0, BAND + j] * a[j]
@@ -407,7 +407,7 @@ def _record(row, state, motion, system, now, strain, p):
 def _start(system, steady):
     """Places, rates and accelerations at t = 0, in the rows of ``advance``'s ``motion``.
 
-    Rotations without inertia follow the load at once, but for that of a crank of constant speed.
+    Rotations without inertia follow the load at once, except that of a crank of constant speed.
     """
     sections, unknowns, _, _, mass, load, initial, rates, _ = system
     motion = np.array([initial, rates, 0 * load, 0 * load])
@@ -442,7 +442,7 @@ def blocks(
     step: float,
     elements: tuple[int, int],
 ) -> Iterator[stepping.Block]:
-    """Blocks of output rows of the scene with links of beam elements, as those of particles."""
+    """Blocks of output rows of the scene with links of beam elements, as for particles."""
     system, p, state = assemble(scene, elements, ideal), scene.constants(), np.zeros(stepping.STATE)
     strides, h = stepping.divide(times, step)
     motion, state[stepping.STEP] = _start(system, scene.crank_speed is not None), h

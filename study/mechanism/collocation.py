@@ -1,14 +1,14 @@
 """One step of collocation at Radau's points, for compiled loops: of order 9, for stiff equations.
 
-For z'' = f(z, z') with n unknowns, beside which n integrals are carried whose rates depend on z
-and z' alone. A state is (z, z', integrals). All that a step works on is one record, of `fields`.
+It solves z'' = f(z, z') with n unknowns, and n integrals whose rates depend on z and z' alone. A
+state is (z, z', integrals). A step works on one record, of `fields`.
 
 A step's accelerations are a polynomial in time that meets the equations at the five points of
-Radau's right rule (Radau IIA), and tells the state at every time in the step. Newton's method finds
-the accelerations at the points, with the derivatives at the step's start; in the eigenvectors of
-Radau's matrix its system falls apart into a real one and two complex ones of the unknowns' number.
-The error is estimated against a method of order 5 with the same points and the step's start
-(Hairer and Wanner, Solving Ordinary Differential Equations II, secs. IV.5 and IV.8).
+Radau's right rule (Radau IIA). It gives the state at every time in the step. Newton's method finds
+the accelerations at the points, with the derivatives at the step's start. The eigenvectors of
+Radau's matrix split its system into one real and two complex systems of n unknowns. The error is
+estimated against a method of order 5 with the same points and the step's start (Hairer and Wanner,
+Solving Ordinary Differential Equations II, secs. IV.5 and IV.8).
 """
 
 from fractions import Fraction
@@ -33,7 +33,7 @@ def _value(coefficients, x):
 
 
 def _points():
-    """Radau's points in (0, 1]: exact but for rounding, so that they are the same everywhere."""
+    """Radau's points in (0, 1], exact but for rounding: the same on every processor."""
     low = [*_legendre(STAGES - 1), 0]
     radau = [a - b for a, b in zip(_legendre(STAGES), low, strict=True)]
     slope = [k * c for k, c in enumerate(radau)][1:]
@@ -67,10 +67,10 @@ def _integrals(points):
 
 
 def _eigenvectors(matrix):
-    """Eigenvalue and vectors of the real one, of one of each complex pair, and their inverses.
+    """Eigenvalues, vectors and inverse vectors: the real ones, and one of each complex pair.
 
-    Newton's method only converges by them; they are rounded, because their last bits differ
-    between processors.
+    They are rounded, because their last bits differ between processors. They affect the convergence
+    of Newton's method only, not its result.
     """
     values, vectors = np.linalg.eig(matrix)
     order = np.argsort(values.imag)
@@ -98,13 +98,13 @@ RATE, PLACE = np.array(_MATRIX, dtype=float), np.array(_SQUARE, dtype=float)
 )
 _WITH_START = _polynomials([Fraction(0), *_EXACT])
 SHARES = 1 / np.arange(1.0, STAGES + 3)
-"""Of the power x^i in its integral, whose power is one higher."""
+"""Factor of the power x^i in its integral, whose power is one higher."""
 MONOMIALS = np.array(list(zip(*_WITH_START, strict=True)), dtype=float)
 """Coefficients of the polynomial in a step's time from its values at the start and the points."""
 
 
 def _lower_order():
-    """Weights of the rates' difference to a method of order `STAGES`, which has `REAL` at 0."""
+    """Weights of the difference to a method of order `STAGES`, whose weight at 0 is `REAL`."""
     gamma = Fraction(REAL)
     # it integrates 1, x, x^2, ...: weights of Lagrange's polynomials on (0, 1), less gamma at 0
     weights = [
@@ -123,11 +123,10 @@ RATE_ERROR, PLACE_ERROR = _lower_order()
 def fields(unknowns: int) -> list[tuple[str, type, tuple[int, ...]]]:
     """Names, types and shapes of what a step works on.
 
-    ``start`` is the state at the step's start and ``y`` that at its end; ``rates`` has a row of
+    ``start`` and ``y`` are the states at the step's start and end. ``rates`` has a row of
     accelerations and integrals' rates at the start and at each point, ``polynomial`` a row of their
-    coefficients for each power of the step's time; ``k`` has the derivatives of f to (z, z') at the
-    start, ``error`` those of (z, z') and ``weights`` what they count; the others are for Newton's
-    method.
+    coefficients for each power of time. ``k`` has the derivatives of f by (z, z') at the start.
+    ``error`` has errors of (z, z'), and ``weights`` their weights. The rest is for Newton's method.
     """
     n = unknowns
     return [
@@ -147,7 +146,7 @@ def fields(unknowns: int) -> list[tuple[str, type, tuple[int, ...]]]:
 def factorise(work, h):
     """Triangular factors of Newton's systems I - h a df/dz' - (h a)^2 df/dz, for each eigenvalue a.
 
-    Without exchange of rows: the largest entries are those of the depths, on the diagonal.
+    Rows are not exchanged: the largest entries are those of the depths, on the diagonal.
     """
     k, real, pairs, n = work.k, work.real, work.pairs, len(work.x)
     a = h * REAL
@@ -206,8 +205,7 @@ def stage(i, work, h):
 def improve(work, h):
     """One step of Newton's method on the accelerations at the points.
 
-    ``residuals`` are replaced by the accelerations' changes, ``error`` by a bound of what they
-    change at the step's end.
+    ``error`` becomes a bound of what this changes at the step's end.
     """
     residuals, pairs, x, z, n = work.residuals, work.pairs, work.x, work.z, len(work.x)
     for m in range(n):
@@ -282,7 +280,7 @@ def estimate(work, h):
 
 @compiled
 def largest(work):
-    """Largest weighted ``error``; infinite where one is no number."""
+    """Largest weighted ``error``; infinite if one is not a number."""
     size = total = 0.0
     for m in range(len(work.error)):
         one = abs(work.error[m]) * work.weights[m]

@@ -8,7 +8,7 @@ from study.mechanism.response import COLUMNS, Response
 
 
 def difference(response: Response, truth: Response, column: str) -> float:
-    """RMS difference of a column of the motion, over the RMS of what ``truth`` changed since t = 0.
+    """RMS difference of a column, over the RMS of its change since t = 0 in ``truth``.
 
     Raises
     ------

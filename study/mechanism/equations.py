@@ -1,7 +1,6 @@
-"""Equations of motion by the number of clearance joints: of one (`rigid`) or two (`two_joints`).
+"""Equations of motion for one clearance joint (`rigid`) or two (`two_joints`).
 
-The compiler picks them, as it knows how many laws there are. Here is also what is known of a joint
-while it is stepped.
+The compiler picks them by the number of laws. The state of a joint while it is stepped is here too.
 """
 
 from typing import Any
@@ -13,11 +12,12 @@ from study.compiled import compiled
 from study.mechanism import rigid, two_joints
 
 CONTACT, BRANCH, APPROACH, DEEP, NUMBER = range(5)
-"""What is known of a joint: in contact or not, friction branch, approach speed, the depth that this
-can bring, and the number of the impact."""
+"""State of a joint: in contact or not, friction branch, approach speed, the depth to which this
+speed
+can lead, and the number of the impact."""
 Laws = tuple[np.record, ...]
-"""A packed law for each clearance joint, slider's and crank's. How many there are is known to the
-compiler, so that each number has loops of its own."""
+"""A packed law for each clearance joint, slider's and crank's. The compiler knows their number, and
+makes loops for each."""
 
 
 def move(y: Any, pieces: Any, p: Any, laws: Any) -> Any:

@@ -2,8 +2,9 @@
 
 Between impacts, separations and kinks of the friction law the equations of one clearance joint
 (`rigid`) or two (`two_joints`) are smooth. Such a piece is integrated by `collocation` with the
-exact Jacobian. Its end is looked for on the last step's polynomial, and the step is then repeated
-with that length. Rows of output are read from the polynomial too, so that they change no step.
+exact Jacobian. Its end is located on the last step's polynomial. The step is then repeated with
+that length, so that an event is as exact as the end of a step. Rows of output are read from the
+polynomial too, so that they change no step.
 
 A state is (theta, two coordinates of each joint), their rates, the energies lost to damping and
 friction in each joint, and the drive's work. The slider's joint comes first, the crank's second.
@@ -58,16 +59,17 @@ from study.mechanism.response import ALL_COLUMNS
 from study.mechanism.scene import Scene
 
 DRIVEN, BEGAN, LENGTH, SIZE = range(4)
-"""Places in the state, before those of all models: of the speed that the drive gives, of the last
-step's start and length, and the size of its error, 0 if that was in another piece."""
+"""Places in the state, before those of all models: the speed that the drive gives; the last step's
+start, its length, and the size of its error, 0 if it was in another piece."""
 GROWTH, FAR = 3.0, 1.8
-"""Of one step over the last, at most; and from where on the last one tells nothing of this one."""
+"""Largest ratio of a step to the last one, and largest ratio at which that one gives a guess."""
 ITERATIONS = 10
-"""Of Newton's method, at most."""
+"""Most iterations of Newton's method."""
 EXACT_ENOUGH = 0.001
-"""Error that Newton's method may leave, over what the tolerance allows (found by measuring)."""
+"""Error that Newton's method may leave, over what the tolerance allows: at 0.02 it was the largest
+error (found by measuring)."""
 UNSOLVED = -2
-"""An event that no step up to it was found for; -1 is none."""
+"""An event to which no step was found; -1 is no event."""
 ROUNDOFF = 1e-16
 
 
@@ -75,8 +77,9 @@ ROUNDOFF = 1e-16
 def _weigh(work, pieces, seen, driven, tolerance, p, laws):
     """Fill ``weights`` with the inverses of the errors of z and z' that ``tolerance`` allows.
 
-    Places count by the clearance, a depth by the deepest that this impact's approach speed can
-    bring, speeds by a tenth of what the drive gives over the clearance (found by measuring).
+    Places are compared with the clearance, a depth with the largest one that the approach speed can
+    lead to. Speeds are compared with a tenth of the drive's over the clearance (found by
+    measuring).
     """
     y, weights, n = work.start, work.weights, 1 + 2 * len(pieces)
     speed = 1 / (0.1 * tolerance * driven + ROUNDOFF * p.l1 * abs(y[n]))
@@ -94,7 +97,7 @@ def _weigh(work, pieces, seen, driven, tolerance, p, laws):
 
 @compiled
 def _collocate(work, h, pieces, p, laws):
-    """Find the accelerations at the points of a step by Newton's method; whether it converged."""
+    """Find the accelerations at the points of a step by Newton's method; say if it converged."""
     n, before = 1 + 2 * len(pieces), inf
     factorise(work, h)
     for _ in range(ITERATIONS):
@@ -120,8 +123,8 @@ def _collocate(work, h, pieces, p, laws):
 def _end_step(work, h, pieces, p, laws):
     """End a step of ``h`` at its first event, or as it is.
 
-    Returns which event it was (-1 for none, `UNSOLVED` if Newton's method found no shorter step)
-    and whose, the step's length, and what `move` finds at its end.
+    Returns the event (-1 for none, `UNSOLVED` if Newton's method found no shorter step) and its
+    joint, the step's length, and what `move` finds at its end.
     """
     event, of = -1, 0
     for again in range(3):  # the whole step, to near its first event, to the event
@@ -181,12 +184,12 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
             return done, stepping.FAILED
         size = max(size, 1e-6)
         growth = 0.9 / sixth_root(size)
-        if state[SIZE] > 0:  # what the last two steps foretell (Hairer and Wanner, sec. IV.8)
+        if state[SIZE] > 0:  # prediction by two steps (Hairer and Wanner, sec. IV.8)
             foretold = length / state[LENGTH] * sixth_root(state[SIZE] / size)
             growth = min(growth, growth * foretold)
         h, work.most = length * min(growth, work.most), GROWTH
         event, of, length, seen, parts = _end_step(work, length, pieces, p, laws)
-        if event == UNSOLVED:  # once more, by a step that ends before the event
+        if event == UNSOLVED:  # again, with a step that ends before the event
             for m in range(len(work.y)):
                 work.y[m] = work.start[m]
             state[SIZE], h, work.most = 0.0, 0.5 * length, 1.0
@@ -230,7 +233,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
 
 @compiled
 def _begin(work, found, smooth, ratio):
-    """Begin a step at the state at hand, with guesses of the accelerations at its points."""
+    """Begin a step at the current state, with guesses of the accelerations at its points."""
     n = len(work.x)
     for m in range(len(work.y)):
         work.start[m] = work.y[m]
@@ -249,7 +252,7 @@ def _begin(work, found, smooth, ratio):
 
 @compiled
 def _attend(j, state, work):
-    """Make a joint's impact the one at hand, with the energy lost in that joint."""
+    """Make a joint's impact the current one, with the energy lost in that joint."""
     y, lost = work.y, 2 * len(work.x) + 2 * j
     state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION] = y[lost], y[lost + 1]
     state[stepping.AT_HAND] = work.joints[j, NUMBER]

@@ -1,7 +1,7 @@
 """The frame of crank and coupler as particles with frame elements between them, laid out on +x.
 
-How both links' mass is lumped, their elements' stiffness, and the highest natural frequency, which
-limits an explicit step. `particles` steps it.
+It has the lumped masses of both links, the stiffnesses of their elements, and the highest natural
+frequency, which limits an explicit step. `particles` steps it.
 """
 
 from math import sqrt
@@ -16,9 +16,9 @@ from study.mechanism.scene import Link, Scene
 def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Particles of one link: masses in kg, rotary inertias of the half elements at each in kg m^2.
 
-    With two or more elements a little of each end's mass goes to its neighbour, so that mass,
-    centre and moment of inertia of the link are exact: stiff links then move as the rigid ones
-    at any number of elements. A single element has its mass at its ends, and too much inertia.
+    With two or more elements, a part of each end's mass goes to its neighbour. Mass, centre and
+    moment of inertia of the link are then exact: stiff links move as rigid ones, with any number of
+    elements. A single element has its mass at its ends, and too much inertia.
     """
     length = link.length / elements
     halves = np.full(elements + 1, 2.0)
@@ -36,10 +36,10 @@ def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.flo
 class Frame:
     """Particles and elements of both links, laid out on +x.
 
-    Particle 0 is the crank's fixed end, ``pin`` the one that both links share, the last one
-    the ball. Rotations are counted per link, so that the pin has two. A row of ``elements`` has
-    length (m), axial stiffness (N/m), and the bending stiffnesses that tie the moment at an end
-    to the rotations of the near and the far end (N m).
+    Particle 0 is the crank's fixed end, ``pin`` the one that both links share, the last one the
+    ball. The pin has two rotations, one for each link. A row of ``elements`` has length (m), axial
+    stiffness (N/m), and bending stiffnesses (N m): the moment at an end by the rotations of the
+    near and of the far end.
     """
 
     def __init__(self, scene: Scene, elements: tuple[int, int]) -> None:

@@ -1,6 +1,6 @@
-"""Free impacts of rigid links: how deep they go and how long they last without other forces.
+"""Free impacts of rigid links: their depth and their duration, without other forces.
 
-A stepper's tolerance needs the depth, and a contact that is much longer is no impact.
+A stepper's tolerance needs the depth. A contact that lasts much longer is not an impact.
 """
 
 from math import sqrt
@@ -15,7 +15,7 @@ from study.mechanism.angles import direction, sine_cosine
 
 
 def _lightness(j, theta, phi, nx, ny, p, laws):
-    """Inverse mass of a joint's ball against its socket along the normal; others do not push."""
+    """Inverse mass of a joint's ball against its socket along the normal; other joints are free."""
     raise TypeError("in compiled code only")
 
 
@@ -32,7 +32,8 @@ def _lightness_compiled(j, theta, phi, nx, ny, p, laws):
 def impact_depth(j, theta, phi, nx, ny, rate, p, laws):
     """Depth at which a joint's contact has stored the energy of an approach speed, in m.
 
-    The bodies meet along the normal (nx, ny); ``phi`` are sine and cosine of the coupler's angle.
+    The bodies meet along the normal (nx, ny); ``phi`` is the sine and cosine of the coupler's
+    angle.
     """
     law = laws[j]
     energy = rate * rate / (2 * _lightness(j, theta, phi, nx, ny, p, laws))

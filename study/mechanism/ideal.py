@@ -1,7 +1,7 @@
-"""Rigid links with ideal joints: the crank's angle alone, the truth for everything ideal.
+"""Rigid links with ideal joints, the reference for all that is ideal.
 
-One degree of freedom, integrated by SciPy's DOP853 at the smallest tolerance it takes; at constant
-crank speed, where the motion is known, the drive's work is.
+The crank's angle is the only degree of freedom. SciPy's DOP853 integrates it at its smallest
+tolerance. At constant crank speed the motion is known, and the drive's work is integrated.
 """
 
 from collections.abc import Iterator

@@ -1,7 +1,7 @@
 """Events and peaks of rigid links inside a step, located on the step's polynomial.
 
-The surfaces of a joint meet or part, its sliding speed leaves a branch of the friction law, its
-force and its depth have peaks. The step's points tell whether there is one.
+The surfaces of a joint meet or part; its sliding speed leaves a branch of the friction law; its
+force and its depth have peaks. The step's points show whether there is an event.
 """
 
 from math import inf
@@ -14,12 +14,12 @@ from study.mechanism.equations import move, record
 SURFACES, UPWARDS, DOWNWARDS, FORCE_PEAK, DEPTH_PEAK = range(5)
 """Events: the surfaces meet or part, the sliding speed leaves the friction branch, peaks."""
 OF_DEPTH, OF_RATE, OF_SLIDING, OF_NORMAL_RATE = range(4)
-"""Places of what tells events at a point of a step."""
+"""Places of the quantities that show events, at a point of a step."""
 
 
 @compiled
 def mark(i, joints, work):
-    """Keep what tells events at point ``i`` of a step."""
+    """Keep the quantities that show events at point ``i`` of a step."""
     for j in range(len(joints)):
         one = work.marks[i, j]
         one[OF_DEPTH], one[OF_RATE] = joints[j].depth, joints[j].rate
@@ -28,7 +28,7 @@ def mark(i, joints, work):
 
 @compiled
 def event_value(which, piece, depth, rate, sliding, normal_rate, p):
-    """Event functions of a joint, negative before and positive after."""
+    """Event function of a joint, negative before the event and positive after it."""
     contact, branch, _ = piece
     if which == SURFACES:
         return -depth if contact else depth
@@ -63,7 +63,7 @@ def look(work, h, x, pieces, p, laws):
 def _locate(which, j, low, high, work, h, pieces, p, laws):
     """Share of a step, between two, at which an event function turns positive.
 
-    By false position with halving of a value that stays (Illinois), on the step's polynomial.
+    By the Illinois form of false position, on the step's polynomial.
     """
     before = after = 0.0
     middle, side, known = low, 0, 0
@@ -77,7 +77,7 @@ def _locate(which, j, low, high, work, h, pieces, p, laws):
             continue
         if known == 1:
             after, known = value, 2
-            if before > -1e-9 * after:  # the piece begins on the event, and has left it at once
+            if before > -1e-9 * after:  # the piece begins on the event
                 before = -after
         elif value < 0:
             after = after / 2 if side < 0 else after
@@ -95,7 +95,7 @@ def _locate(which, j, low, high, work, h, pieces, p, laws):
 
 @compiled
 def first_event(work, h, pieces, p, laws):
-    """Which event of which joint comes first in a step, -1 for none, and at which share of it."""
+    """First event in a step, -1 for none, its joint, and the share of the step where it is."""
     first, of, share = -1, 0, inf
     for j in range(len(pieces)):
         for which in (SURFACES, UPWARDS, DOWNWARDS):
@@ -136,7 +136,7 @@ def measure_peaks(j, impact, row, work, t, h, start, pieces, p, laws):
 
 @compiled
 def nearer(which, j, work, h, pieces, p, laws):
-    """Share of a step that ends close to an event at which it would end on it."""
+    """Share of a step, which ends close to an event, at which it would end on the event."""
     at, end = look(work, h, 0.999, pieces, p, laws)[0].joints[j], work.marks[STAGES - 1, j]
     before = event_value(which, pieces[j], at.depth, at.rate, at.sliding, at.normal_rate, p)
     after = told(which, pieces[j], end, p)

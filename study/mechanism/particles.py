@@ -34,18 +34,20 @@ GAP, GAP_RATE, DRIVE_WORK, DRIVE_POWER = range(4)  # places in the state, before
 
 
 LANES = 8
-"""Numbers in a processor's widest vector. Rows are filled up to whole vectors with elements and
-particles that never move, so that the loops over both are compiled to vectors."""
+"""Numbers in a processor's widest vector. Rows are filled to whole vectors with elements and
+particles
+that never move, so that loops over both are compiled to vectors."""
 System = namedtuple("System", "elements bodies pin last frequency ideal lagged guarded")
-"""What does not change: elements and particles as in `Frame`, a row a quantity; numbers of the pin
-and of the last particle; how damping is stepped. The rows of ``bodies`` are the masses that x, y
-and the turns have, an ideal joint's slider among them, and the weights, in N along y."""
-# Rows of the motion: places and turns at the current time, their rates half a step before it
+"""What does not change: elements and particles as in `Frame`, a row for each quantity; numbers of
+the
+pin and of the last particle; how damping is stepped. The rows of ``bodies`` are the masses along x
+and y, with the slider of an ideal joint, the rotary inertias, and the weights along y, in N."""
+# Rows of the motion: places and turns at the current time, and their rates half a step before
 X, Y, TURN, U, V, SPIN = range(6)
 LENGTH0, AXIAL, NEAR, FAR = range(4)  # rows of the elements
 ROTARY, WEIGHT = 2, 3  # rows of the bodies, after two of masses
-# Rows of the room for what a step computes: directions and strains of the elements, their forces,
-# one place late; forces and moments on the particles, and their rates at the middle of the step
+# Rows that a step computes: directions, strains and forces of the elements, the forces one place
+# late; forces and moments on the particles, and their rates at the middle of the step
 COSINE, SINE, ANGLE, LENGTH, GROWTH, BENT1, BENT2, MOMENT1, MOMENT2, PULL, PUSH = range(11)
 FORCE_X, FORCE_Y, MOMENT, MIDDLE_U, MIDDLE_V, MIDDLE_SPIN = range(11, 17)
 
@@ -116,9 +118,9 @@ def _internal_forces(motion, elements, bodies, room, pin, last, drive):
 
 @compiled
 def _accelerate(motion, bodies, room, steady, h):
-    """Step the rates and fill in those at the middle of the step; whether all are finite.
+    """Step the rates and fill in those at the middle of the step; say if all are finite.
 
-    At constant crank speed, ``steady``, the crank's fixed end turns as it did.
+    At constant crank speed, ``steady``, the crank's fixed end keeps its rate.
     """
     wild, drive = 0, room[MOMENT, 0]
     if steady:
@@ -158,10 +160,10 @@ def _resist(speed, grip, v0, v1):
 
 @compiled
 def _meet(gap, rate, rate_before, h):
-    """When in a step, as part of it, a gap <= 0 closes, and the approach speed, > 0.
+    """Share of a step at which a gap <= 0 closes, and the approach speed, > 0.
 
-    ``rate`` is the mean one of the step, which ends above 0, ``rate_before`` that of the step
-    before: a parabola through the last three gaps.
+    They are those of a parabola through the last three gaps: ``rate`` is the mean rate of the step,
+    which ends above 0, and ``rate_before`` that of the step before.
     """
     growth = (rate - rate_before) / h
     start = rate - 0.5 * h * growth
@@ -175,7 +177,7 @@ def _meet(gap, rate, rate_before, h):
 
 @compiled
 def _follow_gap(state, impacts, depth, h):
-    """Begin or end an impact where the depth has changed its sign; which of them, -1 for none."""
+    """Begin or end an impact where the depth changes its sign; return the event, -1 for none."""
     rate, event = (depth - state[GAP]) / h, -1
     if depth <= 0 and state[stepping.CONTACT] > 0:
         stepping.end_impact(impacts, state, -rate)
@@ -190,7 +192,7 @@ def _follow_gap(state, impacts, depth, h):
 
 @compiled
 def _joint(place, state, motion, slide, system, room, p, law, h):
-    """Normal and tangential force of the step, powers lost to each, and the limit of the step.
+    """Forces of the joint (normal, tangential, x, y), and the limit of the step.
 
     ``place`` is the ball's eccentricity and depth, > 0; ``room`` has the other forces and moments.
     """
@@ -211,7 +213,7 @@ def _joint(place, state, motion, slide, system, room, p, law, h):
         given = rate, sliding, branch, state[stepping.APPROACH], p.damping, p.friction, p.v0, p.v1
         found = joint_forces(law, depth, *given)
         normal, tangential = found[0], found[5]
-    else:  # with the forces of this step, which depend on it
+    else:  # with the forces of this step, which depend on the velocity
         limit = 2 / sqrt(stiff)
         fnx, fny = room[FORCE_X, last] / mass, room[FORCE_Y, last] / mass
         rate += 0.5 * h * (fnx * nx + fny * ny)
@@ -237,7 +239,7 @@ def _joint(place, state, motion, slide, system, room, p, law, h):
 
 @compiled
 def _drive(state, power, h):
-    """Add the work of a drive since the step before, by the powers at both."""
+    """Add the work of a drive since the step before, by the mean of the powers at both."""
     if state[stepping.STEPS] > 0:
         state[DRIVE_WORK] += 0.5 * h * (state[DRIVE_POWER] + power)
     state[DRIVE_POWER] = power
@@ -347,9 +349,9 @@ def blocks(
 ) -> Iterator[stepping.Block]:
     """Blocks of output rows at equally spaced ``times`` of the scene with links of particles.
 
-    The law is packed, and ``ideal`` tells whether the ball is fixed to the slider. Equal steps of
-    at most ``step`` seconds divide the outputs' distance; `usual_step` is the default. Raises
-    ``ValueError`` for one above the limit of stability, unless ``unguarded``.
+    The law is packed; ``ideal`` fixes the ball to the slider. Equal steps of at most ``step``
+    seconds divide the time between outputs; `usual_step` is the default. A step above the limit of
+    stability is a ``ValueError``, unless ``unguarded``.
     """
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
@@ -377,7 +379,7 @@ def blocks(
 
 
 def _filled(rows, values, more=0):
-    """Rows of numbers, with their values behind, to whole vectors and ``more`` numbers."""
+    """Rows of numbers, padded with their values to whole vectors and ``more`` numbers."""
     size = LANES * ceil(max(map(len, rows)) / LANES) + more
     pairs = zip(rows, values, strict=True)
     return np.array([np.pad(row, (0, size - len(row)), constant_values=v) for row, v in pairs])
@@ -392,10 +394,10 @@ def _rows(scene, frame, ideal):
 
 
 def _start(scene, frame, ideal, h):
-    """Motion and slide at t = 0, the joints at rest; rates are of half a step before it.
+    """Motion and slide at t = 0, with the joints at rest; rates are those half a step before.
 
-    The links are straight, so that only gravity and the drive's moment accelerate them. They are
-    unstrained too: a link that turns then stretches, and rings axially at first.
+    The links are straight: only gravity and the drive's moment accelerate them. They are unstrained
+    too, so that a link that turns stretches, and oscillates axially at first.
     """
     particles, (e_x, e_y) = len(frame.masses), (0.0, 0.0) if ideal else scene.initial_eccentricity
     (theta, phi), (omega, psi) = scene.configuration(e_y)

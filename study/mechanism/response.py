@@ -1,7 +1,7 @@
-"""What a simulation gives: the motion, the joint, the impacts and the energies, by time.
+"""Results of a simulation over time: motion, joint, impacts and energies.
 
-Rows at equal times are for comparing; they hide impacts, which are short. So each impact adds
-rows at its start, its largest force and its end.
+Rows at equal times serve comparisons. They hide impacts, which are short: so each impact adds rows
+at its start, its largest force and its end.
 """
 
 from dataclasses import dataclass
@@ -50,7 +50,7 @@ CRANK_COLUMNS = {
     "crank_joint_force_x": "N",
     "crank_joint_force_y": "N",
 }
-"""Columns of rigid links only, of the joint between crank and coupler, which may be ideal."""
+"""Columns of rigid links only: the joint between crank and coupler, which may be ideal."""
 ALL_COLUMNS = COLUMNS | CRANK_COLUMNS
 EVENTS = ("start", "peak", "end")
 """Kinds of an impact's own rows: first contact, largest normal force, separation."""
@@ -67,7 +67,7 @@ IMPACT_COLUMNS = {
     "free_duration": "s",
 }
 LASTING = 10.0
-"""A contact this many times as long as a free impact of its approach speed is no impact."""
+"""A contact that lasts this many times a free impact of its approach speed is not an impact."""
 
 
 @dataclass(frozen=True)
@@ -109,18 +109,18 @@ class Response:
     def motion(self) -> "pd.DataFrame":
         """The `columns`, SI units, at equally spaced times and at each impact's events.
 
-        The last column, ``event``, is empty at equally spaced times, else one of `EVENTS`, as in
-        ``peak`` for the slider's joint and ``crank peak`` for the crank's. A contact that goes on
-        has no end. Links of particles and beams give the first step in
-        contact, the step of the largest force, and the first step out of contact.
+        The last column, ``event``, is empty at equally spaced times. Else it is one of `EVENTS`:
+        ``peak`` for the slider's joint, ``crank peak`` for the crank's. A contact that goes on has
+        no end. Links of particles and beams give the first step in contact, the step of the largest
+        force, and the first step out of contact.
 
-        Places of slider and crank count from the crank's axis; the eccentricity is the ball's
-        centre from the socket's; ``depth`` is negative in flight; ``force_x``, ``force_y`` act
-        on the body with the socket, slider or coupler; for an ideal joint ``normal_force`` is the
-        size of that force. ``driving_moment`` acts on the crank. ``work`` is that of drive and
-        gravity since t = 0. ``elastic`` and losses are those of all joints and links. In contact
-        ``normal_force`` may fall below 0, see
-        ``study.contact.forces.joint_forces``.
+        Places of slider and crank are measured from the crank's axis. The eccentricity is the
+        vector from the socket's centre to the ball's. ``depth`` is negative in flight. ``force_x``
+        and ``force_y`` act on the body with the socket, slider or coupler. For an ideal joint
+        ``normal_force`` is the size of that force. ``driving_moment`` acts on the crank. ``work``
+        is that of drive and gravity since t = 0. ``elastic`` and losses are sums over all joints
+        and links. In contact ``normal_force`` may fall below 0
+        (``study.contact.forces.joint_forces``).
         """
         import pandas as pd
 
@@ -131,13 +131,13 @@ class Response:
 
     @cached_property
     def impacts(self) -> "pd.DataFrame":
-        """Columns ``joint``, ``kind`` and `IMPACT_COLUMNS`, a row per contact.
+        """Columns ``joint``, ``kind`` and `IMPACT_COLUMNS`, a row for each contact.
 
         For one that has not ended, ``separation_speed`` is missing (NaN), and ``duration`` and
-        ``lost`` are those so far. ``free_duration`` is that of an impact of the same approach
-        speed between the same rigid links, elastic and without other forces. A contact more than
-        `LASTING` times as long has the kind ``lasting``, any other ``impact`` (this study): by
-        then its start is forgotten, and the mechanism's forces press the bodies together.
+        ``lost`` are those so far. ``free_duration`` is that of an elastic impact of the same
+        approach speed between the same rigid links, without other forces. A contact more than
+        `LASTING` times as long has the kind ``lasting``: the mechanism's forces then press the
+        bodies together. Any other is an ``impact`` (this study).
         """
         import pandas as pd
 
@@ -154,7 +154,7 @@ class Response:
 
     @property
     def energy_error(self) -> float:
-        """Largest change of work - kinetic - elastic - lost, over the largest of these energies."""
+        """Largest change of work - kinetic - elastic - lost, over the largest of these."""
         first = list(COLUMNS).index("work")
         energies = self.rows[:, first : first + 5]
         rest = energies[:, 0] - energies[:, 1:].sum(axis=1)

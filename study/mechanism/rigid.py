@@ -1,11 +1,11 @@
 """Rigid links with a clearance joint between coupler and slider: equations of motion.
 
-Three degrees of freedom: the crank's angle theta and the place of the ball's centre in the
-socket, in flight as (e_x, e_y), in contact as (depth, direction). The depth is then a variable
-of its own: nothing cancels, and the stiff direction is a coordinate, which lets steps grow.
-Coupler and slider follow from the geometry, the coupler pointing to +x.
+Three degrees of freedom: the crank's angle theta, and the place of the ball's centre in the socket,
+(e_x, e_y) in flight and (depth, direction) in contact. With the depth as a variable nothing
+cancels, and the stiff direction is a coordinate, which allows longer steps. Coupler and slider
+follow from the geometry; the coupler points to +x.
 
-They are stepped in `study.mechanism.events`; those of two clearance joints are in `two_joints`.
+`study.mechanism.events` steps the equations; those of two clearance joints are in `two_joints`.
 """
 
 from math import sqrt
@@ -23,7 +23,7 @@ _UNIT = np.eye(2 * UNKNOWNS)
 
 
 class Contact(NamedTuple):
-    """What is found of a joint: where and how fast the surfaces are, and what pushes them."""
+    """State of a joint: depth, its rate, sliding speed, and forces."""
 
     depth: float
     rate: float
@@ -35,29 +35,29 @@ class Contact(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What is found of a mechanism at a state (z, z', ...)."""
+    """Motion and forces of a mechanism at a state (z, z', ...)."""
 
     accelerations: tuple[float, ...]
     """z''."""
     powers: tuple[float, ...]
-    """Lost to damping and friction, joint by joint, and that of the drive."""
+    """Powers lost to damping and friction, joint by joint, and the power of the drive."""
     joints: tuple[Contact, ...]
     moment: float
-    """Of the drive."""
+    """Moment of the drive."""
     coupler: tuple[float, float, float, float]
-    """Sine and cosine of the coupler's angle, its speed and acceleration."""
+    """Sine and cosine of the coupler's angle, its rate and its acceleration."""
     slider: float
-    """Its acceleration."""
+    """Acceleration of the slider."""
 
 
 @compiled
 def motion(y, piece, p, law):
-    """Accelerations, powers and forces at y = (z, z', ...); and what `derive` needs of them.
+    """Accelerations, powers and forces at y = (z, z', ...), and what `derive` needs.
 
     ``piece`` is (in contact?, friction branch, approach speed).
     """
     contact, branch, approach = piece
-    l1, l2, per_l2, per_m3 = p.l1, p.l2, 1 / p.l2, 1 / p.m3  # at once: what follows waits for it
+    l1, l2, per_l2, per_m3 = p.l1, p.l2, 1 / p.l2, 1 / p.m3  # first: all else waits for them
     (st, ct), omega = sine_cosine(y[0]), y[3]
     if contact:
         ny, nx = sine_cosine(y[2])
@@ -181,7 +181,7 @@ def derive(y, piece, p, found, parts, k):
 def compliance(theta, ey, dx, dy, arm, p):
     """Inverse mass of the ball against the socket along (dx, dy), in 1/kg.
 
-    ``arm`` is that of the force about the ball's centre, which turns the coupler.
+    ``arm`` is the lever arm of the force about the ball's centre, which turns the coupler.
     """
     st, ct = sine_cosine(theta)
     sp = (ey - p.l1 * st) / p.l2

@@ -1,7 +1,7 @@
 """The crank-slider of the paper's section 4.3: what the paper states, and what this study assumes.
 
 Tables 3 and 4 state lengths, masses, clearance, material, restitution, friction and drive. Every
-field of `Scene` knows its unit, its range and its source.
+field of `Scene` has its unit, its range and its source.
 """
 
 from collections import namedtuple
@@ -26,9 +26,10 @@ Constants = namedtuple(
     "l1 l2 a11 a22 a12 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1 steady "
     "j1 own_g1 m2 i2 crank_r1",
 )
-"""What compiled functions know of a scene, all SI; rigid links as a double pendulum. ``steady`` is
-1 for a crank of constant speed. Of free links: the crank's inertia about its axis and moment of its
-own weight, the coupler's mass and inertia, and the radius of the ball on the crank."""
+"""What compiled functions know of a scene, in SI units, with rigid links as a double pendulum.
+``steady`` is 1 for a crank of constant speed. For free links: the crank's inertia about its axis
+and the moment of its own weight, the coupler's mass and inertia, and the radius of the crank's
+ball."""
 Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear bending")
 """Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
 
@@ -40,12 +41,13 @@ def _quantity(default: Any, unit: str, source: str, **limits: float) -> Any:
 
 @dataclass(frozen=True)
 class Scene:
-    """A crank-slider in a plane, its slide along +x through the crank's axis.
+    """A crank-slider in a plane, with its slide along +x through the crank's axis.
 
-    The joint is between coupler and slider: the ball on the coupler's end, the socket in the
-    slider, which does not turn. There may be clearance between crank and coupler as well: the ball
-    on the crank's end, the socket in the coupler's. At t = 0 balls are at rest in their sockets;
-    by default nothing moves, and both links lie on +x. All in SI units, see `parameters`.
+    The clearance joint is between coupler and slider. The ball is on the coupler's end, the socket
+    in the slider, which does not turn. There may be a second one between crank and coupler, with
+    the ball on the crank's end and the socket in the coupler. At t = 0 the balls are at rest in
+    their sockets; by default nothing moves, and both links lie on +x. All is in SI units, see
+    `parameters`.
 
     Attributes
     ----------
@@ -56,7 +58,7 @@ class Scene:
     youngs_modulus, poisson
         Of ball, socket and links.
     ball, socket
-        Materials of their own, or what `study.joint.material` makes one of, as a name; None:
+        Materials of their own, or the name or numbers of one (`study.joint.material`); None:
         ``youngs_modulus`` and ``poisson``.
     link_modulus
         Young's modulus of the links alone; None: that of the material.
@@ -67,20 +69,20 @@ class Scene:
     gravity
         Acceleration along -y.
     crank_speed
-        Constant speed at which the crank is driven, whatever moment that needs. ``driving_moment``
-        and ``initial_crank_speed`` are then to be left out. None: driven by ``driving_moment``.
+        Constant speed at which the crank is driven, whatever moment this takes. Leave out
+        ``driving_moment`` and ``initial_crank_speed`` then. None: driven by ``driving_moment``.
     initial_crank_angle, initial_crank_speed
         At t = 0, the angle from +x.
     crank_clearance
-        Clearance of a second joint, between crank and coupler, for rigid links; its socket's
-        radius, materials, damping and friction are those of the other joint. None: an ideal joint.
+        Clearance of a second joint, between crank and coupler, for rigid links. Its socket radius,
+        materials, damping and friction are those of the other joint. None: an ideal joint.
     initial_eccentricity
-        Ball's centre from the socket's at t = 0, inside the clearance, between coupler and slider.
+        Place of the ball's centre in the slider's socket at t = 0, inside the clearance.
 
     Raises
     ------
     ValueError
-        For a value out of range.
+        For a value outside its range.
     """
 
     crank_length: float = _quantity(0.05, "m", "Table 3", above=0)
@@ -152,7 +154,7 @@ class Scene:
             raise ValueError(f"initial eccentricity must be two numbers, in m, got {shown}")
         for axis, value in zip("xy", pair, strict=True):
             checks.number(f"{axis} of initial eccentricity", value, "m", scalar=True)
-        inside = self.clearance - 4e-16 * self.socket_radius  # R2 - R1 is known to no more
+        inside = self.clearance - 4e-16 * self.socket_radius  # R2 - R1 is known no better
         checks.number("initial eccentricity", hypot(*pair), "m", below=inside)
 
     @property
@@ -197,7 +199,7 @@ class Scene:
     def configuration(self, eccentricity: float) -> tuple[tuple[float, float], ...]:
         """Angles of crank and coupler at t = 0, in rad, and their rates, in rad/s.
 
-        ``eccentricity`` is the ball's along y, in m; it is at rest in its socket.
+        ``eccentricity`` is that of the ball along y, in m; the ball is at rest in its socket.
         """
         theta, omega = self.initial_crank_angle, self.starting_speed
         st, ct = sine_cosine(theta)
@@ -212,12 +214,12 @@ class Scene:
                 raise ValueError(f"{name.replace('_', ' ')} must be left out: this model has none")
 
     def link(self, body: Body) -> Link:
-        """Beam that stands for a flexible link.
+        """Beam of a flexible link.
 
         Raises
         ------
         ValueError
-            If the link's moment of inertia is below that of a thin rod, which a beam has at least.
+            If the link's moment of inertia is below that of a thin rod, the least of a beam.
         """
         checks.choice("body", body, get_args(Body))
         length, mass = getattr(self, f"{body}_length"), getattr(self, f"{body}_mass")
@@ -252,7 +254,7 @@ class Scene:
         """Every parameter: where the paper states it, or what this study assumes instead.
 
         Columns parameter, value (as text), unit, table, source. What the scene does not have is
-        left out: a second clearance joint, a constant speed, or the moment instead of it.
+        left out: a second clearance joint, a constant speed, or the moment that this replaces.
         """
         import pandas as pd
 
@@ -276,9 +278,9 @@ class Scene:
 
     @classmethod
     def read(cls, texts: Mapping[str, str], **others: Any) -> "Scene":
-        """Scene of texts, as a command's options or the cells of a table hold them.
+        """Scene from texts, such as a command's options or the cells of a table.
 
-        ``others`` are taken as they are where no text is given.
+        ``others`` are values for parameters without a text.
         """
         kinds = {each.name: type(each.default) for each in fields(cls)}
         values = dict(others)

@@ -1,6 +1,6 @@
-"""A contact law in a scene: its materials are the scene's, and a response says which law it was.
+"""A contact law in a scene: with the scene's materials, and described in words.
 
-The socket's thickness and supports are not in the scene, but options of a law.
+The socket's thickness and supports are not in the scene: they are options of a law.
 """
 
 from inspect import signature
@@ -11,14 +11,14 @@ from study import checks
 from study.contact.laws import Law
 from study.mechanism.scene import Scene
 
-SAME = 1e-6  # relative: materials of a law and of a scene
+SAME = 1e-6  # relative difference of the materials of a law and of a scene
 FITTED = ("liu", "winkler", "hyperbolic_winkler")
 """Laws of the paper whose coefficients were fitted in a joint of `PAPER_MATERIALS`."""
 PAPER_MATERIALS = {"modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
 
 
 def materials(scene: Scene) -> dict[str, float]:
-    """What a law may know of the materials: modulus ratio, Poisson's ratios of ball and socket."""
+    """Materials as options of a law: modulus ratio, Poisson's ratios of ball and socket."""
     ball, socket = scene.materials
     values = socket.youngs_modulus / ball.youngs_modulus, ball.poisson, socket.poisson
     return dict(zip(PAPER_MATERIALS, values, strict=True))
@@ -47,7 +47,7 @@ def options(scene: Scene, law: Law, given: dict[str, Any]) -> dict[str, Any]:
 
 
 def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
-    """A law with all of its options, and whether its numbers are those of another joint."""
+    """A law with all of its options, and a remark if its coefficient is that of another joint."""
     own, joint = materials(scene), law.joint
     if joint is not None:
         of_joint = ("r2_star", "socket_ratio", "ball_drive", "rim", "kinematics")
@@ -65,5 +65,5 @@ def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
             told.append(f"{name} {text}{usual}")
     other = any(not isclose(own[name], PAPER_MATERIALS[name], rel_tol=SAME) for name in own)
     if other and law.__name__ in FITTED and given.get("coefficient") is None:
-        told.append("its coefficient is that of the paper's joint, of other materials than these")
+        told.append("its coefficient is that of the paper's joint, which has other materials")
     return f"{law.__name__}: {', '.join(told)}" if told else law.__name__

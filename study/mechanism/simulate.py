@@ -1,8 +1,8 @@
 """One call for every model of the crank-slider, with checked arguments.
 
-Three models with a clearance joint or an ideal one: rigid links, links of particles (the
-paper's finite particle method), links of beam elements. Which of them a scene needs is chosen in
-`study.choose.model`.
+The three models have rigid links, links of particles (the paper's finite particle method), or links
+of beam elements, with a clearance joint or an ideal one. `study.choose.model` chooses the one that
+a scene needs.
 """
 
 from collections.abc import Callable
@@ -30,8 +30,8 @@ BEAM_STEP = 1e-6
 ELEMENTS = (4, 8)
 MOST_STEPS = 1e10
 MOST_TURNED = 1e6
-"""Angle in rad that drive and gravity may turn the crank by itself, which takes rigid links some
-minutes: a crank that is far too short or light for its drive does nothing else."""
+"""Largest angle in rad by which drive and gravity alone would turn the crank: rigid links take some
+minutes for it. A crank that is far too short or light for its drive does nothing but turn."""
 
 
 def simulate(
@@ -56,10 +56,11 @@ def simulate(
     scene
         By default the paper's.
     joint
-        Joint between coupler and slider; that of crank and coupler is the scene's.
+        Joint between coupler and slider; the scene has that of crank and coupler.
     law
-        Contact law. A key of ``study.contact.LAWS``, a law itself as ``tabulated(curve)``, or a
-        function of (``depth_star``, ``r2_star``) that returns force_star (`study.contact.sampled`).
+        Contact law. A key of ``study.contact.LAWS``, a law itself such as ``tabulated(curve)``, or
+        a function of (``depth_star``, ``r2_star``) that returns force_star
+        (`study.contact.sampled`).
     duration
         In s.
     outputs
@@ -73,26 +74,26 @@ def simulate(
     elements
         Flexible links: number of elements of crank and coupler; default (4, 8).
     method
-        Particles: velocity in damping and friction at the joint, centred (default) or half a
-        step old; ``unguarded`` is the latter without the checks of the limits of stability.
+        Particles: velocity in the joint's damping and friction, ``centred`` (default) or half a
+        step old (``lagged``); ``unguarded`` is ``lagged`` without checks of stability.
     progress
-        Called with the simulated time, in s, now and then.
+        Called with the simulated time, in s, every tenth of a second or so.
     **law_options
-        Of the law. Those that are the materials' (``modulus_ratio``, ``poisson`` and
+        Options of the law. Those of materials (``modulus_ratio``, ``poisson`` and
         ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene.
 
     Returns
     -------
     Response
-        What was computed so far, and ``complete=False``, if interrupted by Ctrl-C.
+        After Ctrl-C it has what was computed so far, and ``complete=False``.
 
     Raises
     ------
     ValueError
-        For an unknown name, a value out of range, what the model does not have, or a law of
-        another socket radius or of other materials than the scene's.
+        For an unknown name, a value outside its range, an argument that the model does not have, or
+        a law of another socket radius or of other materials than the scene's.
     MechanismError
-        If the simulation cannot go on; says when, with which step, and what limit was passed.
+        If the simulation cannot go on; says when, with which step, and which limit was passed.
     """
     run = _checked(
         scene, model, joint, law, duration, outputs, tolerance, step, elements, method, law_options
@@ -105,7 +106,7 @@ def simulate(
 def ready(scene: Scene | None = None, **given: Any) -> Callable[..., Response]:
     """`simulate` with checked arguments, as a function of ``progress`` that takes the steps.
 
-    Raises what `simulate` raises before its first step.
+    Raises the errors that `simulate` raises before its first step.
     """
     call = signature(simulate).bind(scene, **given)
     call.apply_defaults()
@@ -117,7 +118,7 @@ def ready(scene: Scene | None = None, **given: Any) -> Callable[..., Response]:
 def _checked(
     scene, model, joint, law, duration, outputs, tolerance, step, elements, method, law_options
 ):
-    """A simulation that is ready to run, as a function of its progress."""
+    """A simulation that is ready to run, as a function of ``progress``."""
     scene = Scene() if scene is None else checks.instance("scene", scene, Scene)
     checks.choice("model", model, get_args(Model))
     checks.choice("joint", joint, get_args(JointKind))
@@ -156,7 +157,7 @@ def _checked(
 
 
 def _check_motion(scene, model, gapless, duration):
-    """Refuse what a model does not have, and a crank that does nothing but turn."""
+    """Refuse a second joint that a model does not have, and a crank that does nothing but turn."""
     checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
     if scene.crank_clearance is not None and (model != "rigid" or gapless):
         raise ValueError(
@@ -171,7 +172,7 @@ def _check_motion(scene, model, gapless, duration):
 
 
 def _pack(law, scene, clearance, options):
-    """Numbers of a law in a joint of the scene, which must reach a depth of one clearance."""
+    """Packed law in a joint of the scene; it must reach a depth of one clearance."""
     radius = scene.socket_radius
     packed = pack(law, radius - clearance, radius, scene.composite_modulus, **options)
     try:

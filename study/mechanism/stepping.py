@@ -1,9 +1,8 @@
 """What the compiled loops of all models share: a state, rows of output, impacts, and their blocks.
 
-A loop fills rows, whose first column has the times, until all are filled, the table of impacts is
-full, or it fails; the state lets the next call go on from there. Output at equal times hides
-impacts, so each of them has three rows of output of its own: at its start, its largest force and
-its end.
+A loop fills rows, whose first column has the times. It ends when all are filled, when the table of
+impacts is full, or when it fails; the next call goes on from the state. Each impact has three rows
+of output of its own, as output at equal times hides impacts.
 """
 
 from collections.abc import Callable, Iterator
@@ -22,10 +21,10 @@ FINE, FULL, TOO_DEEP, FAILED = range(4)
 LOST_DAMPING, LOST_FRICTION, CONTACT, APPROACH, IMPACTS, AT_HAND, STEPS, TIME, STEP, LIMIT = range(
     4, 14
 )
-"""Places in every model's state; the first four are its own. `AT_HAND` is the number of the impact
-that is followed, `IMPACTS` how many there were."""
+"""Places in every model's state; the first four are the model's own. `AT_HAND` is the number of the
+impact that is followed, `IMPACTS` the number of impacts so far."""
 STATE = 14  # numbers in it
-PATIENCE = 0.1  # s, that a compiled loop may take until an interruption is heeded
+PATIENCE = 0.1  # s, after which a compiled loop returns, so that an interruption is noticed
 # Columns of the impacts while they are computed, after time and approach speed
 PEAK_FORCE, PEAK_DEPTH, DURATION, SEPARATION_SPEED, LOST, LOST_BEFORE, JOINT = range(2, 9)
 START, PEAK, END = range(len(EVENTS))
@@ -34,29 +33,29 @@ DEPTH, ELASTIC, CRANK_DEPTH = (
     list(ALL_COLUMNS).index(name) for name in ("depth", "elastic", "crank_joint_depth")
 )
 Block = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
-"""Rows of output so far, in the order of `COLUMNS`; the impacts, each with its numbers; their own
-rows of output, shape (impacts, 3, columns), NaN where an end is still to come."""
+"""Rows of output so far, in the order of `COLUMNS`; the impacts' numbers; and their own rows of
+output, shape (impacts, 3, columns), NaN for an end that is still to come."""
 
 
 class MechanismError(StudyError):
-    """A simulation that cannot go on; says at which time, and what limit was passed."""
+    """A simulation that cannot go on; says when, and which limit was passed."""
 
 
 @compiled
 def record(row, crank, slider, coupler, place, forces, energies):
     """Fill a row of output, which has its time already.
 
-    ``crank`` and ``slider`` have places, rates and accelerations, after which ``crank`` has the
-    driving moment; ``coupler`` has an angle and its rate, ``place`` eccentricity and depth,
-    ``forces`` normal, tangential, x and y; ``energies`` are work, kinetic energy, that in the
-    links, and those lost to damping and friction.
+    ``crank`` and ``slider`` are place, rate and acceleration, and for the crank the driving moment.
+    ``coupler`` is its angle and rate, ``place`` the eccentricity and depth, ``forces`` the normal
+    and tangential force and the components along x and y. ``energies`` are the work, the kinetic
+    energy, the elastic energy of the links, and the losses to damping and friction.
     """
     row[1], row[2], row[3], row[4] = crank[0], slider[0], crank[1], slider[1]
     row[5], row[6], row[7], row[8] = crank[2], slider[2], coupler[0], coupler[1]
     row[9], row[10], row[11] = place
     row[12], row[13], row[14], row[15] = forces
     row[16], row[17], row[18], row[19], row[20] = energies
-    row[21] = crank[3]  # place by place: compiled code for a slice takes seconds to make
+    row[21] = crank[3]  # one by one: a slice takes seconds to compile
 
 
 @compiled
@@ -88,7 +87,7 @@ def begin_impact(impacts, state, t, approach):
 
 @compiled
 def follow_impact(impacts, state, force, depth):
-    """Bring the impact at hand up to date; whether the force is its largest so far."""
+    """Bring the current impact up to date; say if the force is its largest so far."""
     impact = impacts[int(state[AT_HAND])]
     largest = force > impact[PEAK_FORCE]
     impact[PEAK_FORCE] = max(impact[PEAK_FORCE], force)
@@ -100,7 +99,7 @@ def follow_impact(impacts, state, force, depth):
 
 @compiled
 def end_impact(impacts, state, speed):
-    """Note when and how fast the surfaces part."""
+    """Keep when and how fast the surfaces part."""
     impact = impacts[int(state[AT_HAND])]
     impact[DURATION], impact[SEPARATION_SPEED] = state[TIME] - impact[0], speed
     state[CONTACT] = 0.0
@@ -108,7 +107,7 @@ def end_impact(impacts, state, speed):
 
 @compiled
 def add_stored_energy(rows, laws):
-    """Add what the joints store to the elastic energy in rows of output: not in the loops.
+    """Add the joints' elastic energy to rows of output, after the loops.
 
     The laws are those of the clearance joints, slider's and crank's.
     """
@@ -119,7 +118,7 @@ def add_stored_energy(rows, laws):
 
 
 def new_impacts(number: int, columns: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Room for a number of impacts, and for their rows of output, NaN where there is none yet."""
+    """Empty tables for a number of impacts, and for their rows of output (NaN)."""
     return np.zeros((number, JOINT + 1)), np.full((number, len(EVENTS), columns), np.nan)
 
 
@@ -137,13 +136,13 @@ def advance_in_blocks(
     failure: str,
     columns: int = len(COLUMNS),
 ) -> Iterator[Block]:
-    """Rows of output at ``times`` up to now, again and again, from a model's compiled loop.
+    """Growing blocks of the rows of output at ``times``, from a model's compiled loop.
 
-    ``advance`` is called with rows, impacts and the impacts' rows, and returns how many rows it
-    filled and how it ended. It is called for as many rows as take some `PATIENCE`, after which an
-    interruption is heeded. ``failure`` is the error's text if it failed, with ``{}`` for the
-    state's `LIMIT`. Raises `MechanismError` then, and if a ball goes deeper than one clearance,
-    which is then the limit. ``columns`` is the number of them in a row of output.
+    ``advance`` takes rows, impacts and the impacts' rows, and returns how many rows it filled and
+    how it ended. It is called for as many rows as take about `PATIENCE`, so that an interruption is
+    noticed. ``columns`` is their number in a row. Raises `MechanismError` with the text
+    ``failure``, in which ``{}`` stands for the state's `LIMIT`, if ``advance`` failed; and with
+    another text if a ball goes deeper than one clearance.
     """
     impacts, events = new_impacts(64, columns)
     rows = np.zeros((len(times), columns))

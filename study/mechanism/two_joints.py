@@ -2,8 +2,8 @@
 
 Five degrees of freedom: the crank's angle theta, and in each joint the place of the ball's centre
 in the socket, as in `study.mechanism.rigid`. The ball of the crank's joint is on the crank's end,
-its socket in the coupler, which turns. Crank, coupler and slider are free bodies, pushed by the
-joints' forces; eccentricities are differences of their places, so that no mass matrix is solved.
+its socket in the coupler, which turns. Crank, coupler and slider are free bodies under the joints'
+forces. Eccentricities are differences of their places, so that no mass matrix is solved.
 
 The slider's joint comes first (index 0), the crank's second.
 """
@@ -24,7 +24,7 @@ _UNIT = np.eye(2 * UNKNOWNS)
 
 @compiled
 def _place(y, j, contact, clearance):
-    """Normal, reach, its rate, the normal's spin, and eccentricity with its rates, of a joint."""
+    """Normal, reach, its rate, the normal's spin, and eccentricity with its rate, of a joint."""
     a, b, va, vb = y[1 + 2 * j], y[2 + 2 * j], y[6 + 2 * j], y[7 + 2 * j]
     if contact:
         ny, nx = sine_cosine(b)
@@ -59,7 +59,7 @@ def _force(j, y, place, sliding, piece, p, law):
 
 @compiled
 def motion(y, pieces, p, laws):
-    """Accelerations, powers and forces at y = (z, z', ...); and what `derive` needs of them.
+    """Accelerations, powers and forces at y = (z, z', ...), and what `derive` needs.
 
     As `study.mechanism.rigid.motion`, with a piece and a law for each joint.
     """
@@ -111,7 +111,7 @@ def motion(y, pieces, p, laws):
 
 @compiled
 def _of_joint(j, y, contact, place, grown, sliding, force, law):
-    """Accelerations of a joint's two coordinates, its powers lost, and what is found of it."""
+    """Accelerations of a joint's two coordinates, its lost powers, and its state."""
     (nx, ny, r, rate, spin, _, _, _, _), (ax, ay) = place, grown
     normal, by_depth, by_rate, elastic, _, tangential, _, _ = force
     growth = nx * ax + ny * ay + r * spin * spin
@@ -200,9 +200,9 @@ def _push_change(place, found, change, dsliding):
 
 @compiled
 def compliance(j, theta, phi, dx, dy, p):
-    """Inverse mass of a joint's ball against its socket along (dx, dy), in 1/kg, the other free.
+    """Inverse mass of a joint's ball against its socket along (dx, dy), in 1/kg.
 
-    ``phi`` are sine and cosine of the coupler's angle.
+    The other joint is free. ``phi`` is the sine and cosine of the coupler's angle.
     """
     (st, ct), (sp, cp) = sine_cosine(theta), phi
     turn = 0.5 * p.l2 * (cp * dy - sp * dx)

@@ -1,4 +1,4 @@
-"""Compile the stepping loops once, before anybody waits: ``python -m study.mechanism.warm``."""
+"""Compile the stepping loops once, in set-up: ``python -m study.mechanism.warm``."""
 
 from time import perf_counter
 
