@@ -1,7 +1,7 @@
 """Boundary checks: bad input becomes one clear error before any work starts.
 
-Every message has the form ``name must be <range>, got <value> <unit>``. Nothing is
-clamped and nothing is guessed.
+Every message has the form ``name must be <range>, got <value> <unit>``. No value is clamped or
+guessed.
 """
 
 import math
@@ -14,20 +14,20 @@ from numpy.typing import ArrayLike, NDArray
 T = TypeVar("T")
 
 LARGEST, SMALLEST = 1e40, 1e-40
-"""Size of any number, and least size of a positive one. A law's force in SI units is a product of
-six such numbers and of a clearance of 1e-16 radii: it neither overflows nor underflows."""
+"""Largest size of a number, and least size of one that must be > 0. A law's force in SI units is a
+product of six such numbers and a clearance of 1e-16 radii: it neither overflows nor underflows."""
 
 SOFTEST = 1e6
-"""Least Young's modulus of a body with dimensions, in Pa: that of soft rubber. A number that is
-meant in GPa is below it, and one in MPa too, but for diamond's."""
+"""Least Young's modulus of a body with dimensions, in Pa: that of soft rubber. A number in GPa is
+below it, and so is one in MPa, except diamond's."""
 
 
 class StudyError(RuntimeError):
-    """A failure that is nobody's wrong input; the message says what failed and what mends it."""
+    """A failure that is not wrong input; the message says what failed and how to repair it."""
 
 
 class RangeError(ValueError):
-    """A value that is possible, but outside the range of what it is given to."""
+    """A value that is possible, but outside the range that is allowed here."""
 
 
 def number(
@@ -41,14 +41,14 @@ def number(
     most: float | None = None,
     scalar: bool = False,
 ) -> Any:
-    """Return ``value``, in ``unit``, as a float or as an array of floats, if not ``scalar``.
+    """Return ``value``, in ``unit``, as a float, or as an array of floats unless ``scalar``.
 
     The limits ``above`` and ``below`` are open, ``least`` and ``most`` closed.
 
     Raises
     ------
     ValueError
-        If any element is no finite number, or masked.
+        If any element is not a finite number, or is masked.
     RangeError
         If any is outside the limits, larger than `LARGEST`, or, if > 0, below `SMALLEST`.
     """
@@ -109,9 +109,9 @@ def poisson(name: str, value: Any) -> float:
 
 
 def youngs_modulus(name: str, value: Any) -> float:
-    """Return a Young's modulus in Pa, of a solid from soft rubber on, or raise ``ValueError``.
+    """Return a Young's modulus in Pa, at least `SOFTEST`, or raise ``ValueError``.
 
-    One below `SOFTEST` is likely to be meant in GPa or MPa, as the message says.
+    A smaller one is probably in GPa or MPa, as the message says.
     """
     try:
         return number(name, value, "Pa", least=SOFTEST, scalar=True)
@@ -193,7 +193,7 @@ def read_several(
 
 
 def shown(value: object) -> str:
-    """A value as an error message shows it: one line, not too long."""
+    """A value for an error message: one line, not too long."""
     try:
         text = " ".join(repr(value).split())
     except ValueError:  # a whole number of thousands of digits

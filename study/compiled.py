@@ -1,10 +1,9 @@
-"""Compiled loops: numba, with a cache on disk that knows the sources of all of them.
+"""Compiled loops: numba, with a cache on disk that depends on the sources of all loops.
 
-numba's own cache looks at the file of a function only, not at those of the functions that it
-calls; here the cache's folder is named by a hash of every source that is compiled, so that a
-change of any of them compiles all anew, and an unchanged study starts at once. A checkout has
-the cache in ``build/``, an installed package in the user's cache folder; where neither can be
-written, every process compiles anew.
+numba's own cache checks the file of a function, but not those of the functions that it calls. Here
+the cache's folder is named by a hash of every compiled source: a change of one compiles all again,
+and an unchanged study starts at once. A checkout has the cache in ``build/``, an installed package
+in the user's cache folder. If the folder cannot be written to, every process compiles again.
 """
 
 import hashlib

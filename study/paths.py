@@ -16,10 +16,10 @@ FIGURES = ROOT / "figures"
 NOTEBOOKS = ROOT / "notebooks"
 PAPER = ROOT / "paper"
 BUILD = ROOT / "build"
-IS_CHECKOUT = (ROOT / "pyproject.toml").is_file()  # and not installed without all these
+IS_CHECKOUT = (ROOT / "pyproject.toml").is_file()  # else installed, without these folders
 _TEXTS = ("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "data/README.md", "CHANGELOG.md")
 DOCUMENTS = tuple(ROOT / name for name in _TEXTS)
-"""What the report shows besides results: texts for readers."""
+"""Texts that the report shows beside results."""
 
 RESULTS_VARIABLE = "STUDY_RESULTS"  # folder for results while a notebook runs as a task
 _PART = f".part-{socket.gethostname()}-"  # ignored by git
@@ -52,7 +52,7 @@ def whole(path: Path) -> Iterator[Path]:
     except OSError as error:
         names = (error.filename, error.filename2)
         if names == (None, None) or any(_PART in str(name) for name in names):
-            raise OSError(error.errno, error.strerror, str(path)) from None  # what the user knows
+            raise OSError(error.errno, error.strerror, str(path)) from None  # the user's path
         raise
 
 
@@ -78,8 +78,8 @@ def sweep() -> None:
         process = path.name.removeprefix(_PART).split("-")[0]
         if process.isdecimal():
             try:
-                os.kill(int(process), 0)  # only asks whether it lives
+                os.kill(int(process), 0)  # asks only if it lives
             except ProcessLookupError:
                 shutil.rmtree(path, ignore_errors=True)
             except PermissionError:
-                pass  # it lives, and is somebody else's
+                pass  # it lives, and belongs to another user

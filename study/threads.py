@@ -1,7 +1,7 @@
 """One BLAS thread inside every solve, wherever it is called from.
 
-The matrices here are small: more threads wait for each other longer than they compute, ten times
-as long where other processes are busy. What a user's own code does outside is left alone.
+The matrices are small: several threads wait for each other longer than they compute, and ten times
+as long if other processes are busy. A user's own code outside is not limited.
 """
 
 from collections.abc import Callable

@@ -132,7 +132,7 @@ def test_bad_input_is_refused(deepest, tolerance, message):
 
 
 def test_a_tolerance_that_nothing_meets_says_what_is_known():
-    with pytest.raises(StudyError, match="no model is known to be within the tolerance 0.0001"):
+    with pytest.raises(StudyError, match="no law is known to be within the tolerance 0.0001"):
         choose.choose(joint(ball_drive="clamped"), 0.3, 1e-4)
 
 

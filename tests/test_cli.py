@@ -154,7 +154,7 @@ def test_joint_with_dimensions_takes_liners_supports_and_a_tolerance(run):
     assert found["export"].count("--layer ") == 3
     status, out, _ = run(*BRONZE, "--force", 500, "--tolerance", 1e-5)
     assert status == 0
-    assert "No law is told: no model is known to be within the tolerance 1e-05" in out
+    assert "No law is chosen: no law is known to be within the tolerance 1e-05" in out
 
 
 def test_joint_with_dimensions_compares_laws_no_shallower_than_elements_resolve(run):
@@ -172,7 +172,7 @@ def test_joint_with_dimensions_in_mm_is_asked_whether_they_are_in_m(run):
     millimetres = ("--socket-radius", 16, "--clearance", 0.1, "--wall", 8, "--force", 500)
     status, out, err = run("joint", *millimetres)
     assert (status, err) == (0, "")
-    small = "No law is told: the contact is too small for laws to be compared: there Hertz's law"
+    small = "No law is chosen: the contact is too small for laws to be compared: there Hertz's law"
     assert re.search(rf"^{small} holds within 0\.\d+ %$", out, re.M)
     assert out.endswith("The socket's radius is 16 m: are the sizes in m?\n")
     clamped = ("--socket-radius", 16e-3, "--clearance", 1e-4, "--wall", 8e-3, "--drive", "clamped")
@@ -533,7 +533,7 @@ def test_a_failure_is_one_line_and_status_1(run, monkeypatch, tmp_path):
     monkeypatch.setattr(store, "PACKAGE", paths.ROOT / "missing.json")
     status, _, err = run("data", "show")
     assert status == 1
-    assert err.startswith("study: missing.json is missing; mend it with: git checkout -- missing.j")
+    assert err.startswith("study: missing.json is missing; restore it with: git checkout")
     assert err.count("\n") == 1
 
 
@@ -767,7 +767,7 @@ def test_choose_knows_two_materials(run):
         (["--tolerance", 0], 2, "tolerance must be >= 1e-05 and <= 1, got 0"),
         (["--tolerance", 0.1, "--modulus-ratio", 0], 2, "modulus_ratio must be > 0, got 0"),
         (["--tolerance", 0.1, "--poisson", 0.5], 2, "Poisson's ratio must be > -1 and < 0.5"),
-        (["--tolerance", 1e-5, "--drive", "clamped"], 1, "no model is known to be within"),
+        (["--tolerance", 1e-5, "--drive", "clamped"], 1, "no law is known to be within"),
         ([], 2, "Missing option '--tolerance'"),
     ],
 )
@@ -814,7 +814,7 @@ def test_simulate_auto_tells_what_it_chose(run):
     assert choice["evidence"]
     words += ["--quantity", "slider_velocity", "--tolerance", 0.1, "--socket-ratio", 1.5]
     _, out, _ = run("simulate", *words)
-    assert "The least model whose slider velocity is known well enough over 0.05 s" in out
+    assert "The simplest model whose slider velocity is known well enough over 0.05 s" in out
 
 
 def test_simulate_fails_in_one_line(run):

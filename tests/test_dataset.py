@@ -79,7 +79,7 @@ def test_every_check_passes():
         "force is convex",
         "slope as Hertz",
         "error estimate",
-        "solved anew",
+        "solved again",
     }
 
 
@@ -140,7 +140,7 @@ def test_damaged_and_missing_files_are_named_with_a_remedy(copy, name):
     path.write_text(path.read_text().replace("2", "3", 1))
     remedy = f"git checkout -- data/{name} data/datapackage.json"
     if name in ("force_curves.csv", "links.csv"):  # the rebuild is the second remedy
-        remedy += ", or make it anew with: study data build"
+        remedy += ", or rebuild it with: study data build"
     with pytest.raises(dataset.DatasetError, match=rf"data/{name} is damaged.*{remedy}$"):
         dataset.load()
     path.unlink()
@@ -191,7 +191,7 @@ def to(value, *keys):
         (to(None, "resources"), "is damaged"),
         (to("text", "resources"), "is damaged"),
         (without("resources", 1), "does not describe links.csv"),
-        (without("resources", 0, "schema"), "is damaged: the schema of force_curves.csv is anoth"),
+        (without("resources", 0, "schema"), "is damaged: the schema of force_curves.csv differs"),
         (to("x", "resources", 0, "schema"), "is damaged: the schema"),
         (to("integer", "resources", 0, "schema", "fields", 3, "type"), "is damaged: the schema"),
         (without("resources", 0, "hash"), "is damaged"),
@@ -208,7 +208,7 @@ def test_a_wrong_description_is_one_error_with_a_remedy(copy, change, message):
     for check in (dataset.load, quality.check):
         with pytest.raises(dataset.DatasetError, match=f"datapackage.json {message}") as caught:
             check()
-        assert "git checkout -- data/datapackage.json, or make it anew" in str(caught.value)
+        assert "git checkout -- data/datapackage.json, or rebuild it" in str(caught.value)
 
 
 def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
@@ -320,7 +320,7 @@ def test_a_curve_unlike_the_solver_fails_the_check(copy):
         frame.loc[frame.case == design.case_name("ratio-1.05"), "force_star"] *= 1.00001
 
     rewrite(copy, change)
-    with pytest.raises(dataset.DatasetError, match=r"ratio-1.05-linear-200 solved anew"):
+    with pytest.raises(dataset.DatasetError, match=r"ratio-1.05-linear-200 solved again"):
         quality.check()
 
 

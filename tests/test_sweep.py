@@ -270,7 +270,7 @@ RANDOM = ("--random", 5)
             "row 1 must have 2 cells, as the head of the file, got 1",
         ),
         ("joints", "r2_star\n", (), "cases must have a row or more, got none"),
-        ("joints", b"\xff\xfe\x00", (), "it is no CSV text in UTF-8"),
+        ("joints", b"\xff\xfe\x00", (), "it is not CSV text in UTF-8"),
         ("scenes", "duration\n-1", (), "row 1: duration must be > 0 and <= 1e+09 s, got -1 s"),
         ("scenes", "outputs\n2.5", (), "row 1: outputs must be a whole number, got '2.5'"),
         ("scenes", "law\nhooke", (), "row 1: law must be one of"),

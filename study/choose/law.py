@@ -1,8 +1,8 @@
-"""The cheapest law that is accurate enough for a joint, and how one knows.
+"""The cheapest law that is accurate enough for a joint, with the evidence.
 
 A law's error is the largest relative error of its force over all depths from `SHALLOWEST`
 clearances to the scene's largest, against the solved joint. Costs are those of
-``data/published/peers.csv``. The choice of a whole mechanism's model is in `study.choose.model`.
+``data/published/peers.csv``. `study.choose.model` chooses the model of a whole mechanism.
 """
 
 from collections.abc import Callable, Iterable
@@ -26,11 +26,11 @@ ESTIMATE = 3.0  # times a solution's error estimate, for depths between those so
 RESOLUTIONS = {"series": (64, 160, 320, 640, 1280), "quadratic": (64, 160), "finite": (32, 64, 96)}
 DEPTHS = 40  # of a law's error
 SOLVED_FIRST = 1.1
-"""How many times its cost a table counts: its joint is solved first, and costs differ by noise."""
-FINITE_DEPTHS = 12  # solved for finite kinematics, which take a second for each
+"""Factor on the cost of a table, as its joint is solved first, and measured costs are noisy."""
+FINITE_DEPTHS = 12  # solved with finite kinematics, which take a second for each depth
 TOLERANCES = (1e-5, 1.0)
-"""Least and largest. No solution at the finest resolution is known to within 1e-5; to find that
-out for a joint takes a minute."""
+"""Least and largest. The finest solution is not known to within 1e-5, and it takes a minute to find
+this out."""
 
 
 @dataclass(frozen=True)
@@ -47,21 +47,21 @@ class Choice:
     error_bound
         No relative error of the force is larger at any of the `depths`.
     relative_cost
-        Time of a call in a compiled loop over that of Hertz's law. The time to solve the joint
-        once, for ``tabulated``, is not in it.
+        Time of a call in a compiled loop over that of Hertz's law, without the time to solve the
+        joint once for ``tabulated``.
     depths
-        Least and largest depth_star that the bound holds for.
+        Least and largest depth_star for which the bound holds.
     rejected
         Laws that cost less and whose bound misses the tolerance, the most expensive first:
         ``law``, ``options``, ``error``, ``error_bound``, ``relative_cost``.
     errors
-        Every closed law that the joint can have -> largest relative error found.
+        Every closed law that is for the joint -> largest relative error found.
     first_yield
         `study.joint.FirstYield` by its names, if materials have a yield stress and the joint yields
-        within the depths. Beyond it, errors and bounds are those of joints that do not yield.
+        within the depths. Beyond it, errors and bounds are for joints that do not yield.
     evaluate
-        The law, of (``depth_star``, ``r2_star``); None for ``solver``. It is known to be good
-        enough between ``depths`` only.
+        The law, of (``depth_star``, ``r2_star``); None for ``solver``. Its bound is known between
+        ``depths`` only.
     """
 
     law: str
@@ -91,7 +91,7 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     ValueError
         For a value outside its range, or a depth that the joint cannot have.
     study.checks.StudyError
-        If not even the finest solution is known to be within the tolerance; says what is.
+        If even the finest solution is not known to be within the tolerance; says its bound.
     """
     checks.instance("joint", joint, Joint)
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
@@ -110,8 +110,8 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
         rejected.append({name: candidate[name] for name in names if name != "evaluate"})
     else:
         raise checks.StudyError(
-            f"no model is known to be within the tolerance {tolerance:g}: the finest solution, of "
-            f"resolution {candidate['options']['resolution']}, is known to "
+            f"no law is known to be within the tolerance {tolerance:g}: the finest solution, of "
+            f"resolution {candidate['options']['resolution']}, is known to within "
             f"{candidate['error_bound']:.2g}"
         )
     del candidate["error"]
@@ -129,8 +129,8 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
 def _candidates(joint, depths, force, found, uncertainty):
     """Closed laws and tables by their cost, tables from the coarsest on; the solution is last.
 
-    Each is its law, options, error, bound, cost and function. Every second depth of a solution
-    is left out of its table, and tells how this interpolates.
+    Each is its law, options, error, bound, cost and function. Every second depth of a solution is
+    left out of its table, and shows the error of interpolation.
     """
     costs, resolutions = relative_costs(), RESOLUTIONS[_kind(joint)]
     ahead = costs | {"tabulated": SOLVED_FIRST * costs["tabulated"]}
@@ -180,7 +180,7 @@ def _some(curve: ForceCurve, chosen: NDArray[np.bool_]) -> ForceCurve:
 
 
 def _exact(joint, depths, resolution=None):
-    """Exact forces at depths, and how sure: relative, one number."""
+    """Exact forces at depths, and their relative uncertainty, one number."""
     finer = [n for n in RESOLUTIONS[_kind(joint)] if n > 320]  # for very shallow depths
     for elements in (resolution, *finer):
         try:
@@ -193,7 +193,7 @@ def _exact(joint, depths, resolution=None):
 
 
 def _bounded(error, uncertainty):
-    """Bound of a relative error that was found against a force of some uncertainty."""
+    """Bound of a relative error that was found against an uncertain force."""
     return error * (1 + uncertainty) + uncertainty
 
 
@@ -202,7 +202,7 @@ def errors(
 ) -> dict[str, NDArray[np.float64]]:
     """Relative errors, against exact forces, of every law whose cost is known.
 
-    Left out are those whose formula or fit does not hold the joint.
+    Laws whose formula or fit is not for the joint are left out.
     """
     found: dict[str, NDArray[np.float64]] = {}
     for law in filter(relative_costs().__contains__, LAWS):
@@ -251,21 +251,21 @@ def cheapest(
 
 
 def law_options(law: str, joint: Joint) -> dict[str, object]:
-    """Options with which a law knows of the joint what it can; `RangeError` if it cannot."""
+    """Options of a law for a joint; `RangeError` if the law is not for it."""
     return joint.stiffening_options() if law == "stiffened_hertz" else {}
 
 
 def relative_costs() -> dict[str, float]:
     """Law -> time of a call in a compiled loop over that of Hertz's, as measured.
 
-    A law that `study measure` has not yet timed is not among them, and not chosen.
+    A law that `study measure` has not timed is left out, and not chosen.
     """
     rows = dataset.measured("laws")
     costs = dict(zip(rows["method"], rows["relative"].astype(float), strict=True))
     for law in ("hertz", "tabulated", "solver"):
         if law not in costs:
             raise dataset.DatasetError(
-                f"data/published/peers.csv lacks {law}; mend it with: git checkout -- data"
+                f"data/published/peers.csv lacks {law}; restore it with: git checkout -- data"
             )
     return costs
 

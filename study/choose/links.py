@@ -1,10 +1,10 @@
-"""How far rigid links are from flexible ones, as random scenes show, and what bounds it.
+"""How far rigid links are from flexible ones: an estimate, and a bound from random scenes.
 
-The change of the slider's motion grows with the links' compliance times the largest contact
-force, with their frequencies for its rates, and with the crank's turns, as other impacts leave
-it with another speed. The rest is chance: the error of rigid links over that estimate scatters
-by more than a decade, with a heavy tail. So the bound is no more than the largest ratio of
-``data/links.csv`` times a large `SAFETY`, and is given within the range of those scenes only.
+The slider's motion changes with the links' compliance times the largest contact force, and its
+rates with the links' frequencies too. The change grows as the crank turns, because other impacts
+leave it with another speed. The rest is chance: the ratio of the error of rigid links to this
+estimate scatters by more than a decade, with a heavy tail. The bound is therefore the largest ratio
+of ``data/links.csv`` times a large `SAFETY`, and holds within the range of those scenes only.
 """
 
 from collections.abc import Iterable, Iterator
@@ -29,7 +29,7 @@ Quantity = Literal["slider_position", "slider_velocity", "slider_acceleration"]
 QUANTITIES = get_args(Quantity)
 ELEMENTS = (4, 8)
 SAFETY = 10.0
-"""On the largest ratio seen; other scenes exceed that by a factor of up to 5."""
+"""Factor on the largest ratio; other scenes exceed that ratio by a factor of up to 5."""
 COUNT = 160
 RANGES = {
     "link_modulus": (5e9, 2e12),
@@ -44,17 +44,17 @@ RANGES = {
 }
 """Drawn evenly in the logarithm."""
 EVEN_RANGES = {"restitution": (0.1, 0.95), "friction": (0.0, 0.2)}
-"""Drawn evenly. All else is as in the paper's scene."""
+"""Drawn evenly. All other parameters are as in the paper's scene."""
 
 
 @dataclass(frozen=True)
 class Stiffness:
     """Links beside the contact, at the largest depth of a response.
 
-    ``compliance`` is of both links along their axes, in m/N. The frequencies are the lowest of the
-    crank, simply supported and with one end held, in rad/s. The ratios are of the links'
-    compliance to the contact's, and of the slider's frequency on the contact to the crank's axial
-    one: 0 without contact.
+    ``compliance`` is that of both links along their axes, in m/N. The frequencies are the lowest of
+    the crank, in rad/s: simply supported, and with one end held. ``compliance_ratio`` is the links'
+    compliance over the contact's; ``frequency_ratio`` is the slider's frequency on the contact over
+    the crank's axial one. Both are 0 without contact.
     """
 
     compliance: float
@@ -82,12 +82,12 @@ def stiffness(scene: Scene, depth: float) -> Stiffness:
 
 
 def estimates(scene: Scene, response: Response) -> dict[Quantity, float]:
-    """What flexible links may change, as a share of each quantity of `QUANTITIES`.
+    """Estimated change by flexible links, as a share of each quantity of `QUANTITIES`.
 
-    The largest contact force times the links' compliance for the position, times the crank's
-    bending frequency for the velocity, times its axial frequency squared for the acceleration;
-    the former two times one plus the crank's angle, as they drift. The response is of rigid links
-    and clearance; without contact it is 0.
+    For the position it is the largest contact force times the links' compliance. For the velocity
+    the crank's bending frequency is a factor too, for the acceleration its axial frequency squared.
+    Position and velocity drift: one plus the crank's angle is another factor of theirs. The
+    response is of rigid links with clearance; without contact the estimate is 0.
     """
     if len(response.impacts) == 0:
         return dict.fromkeys(QUANTITIES, 0.0)
@@ -117,7 +117,7 @@ def largest_ratio(seen: pd.DataFrame, quantity: Quantity) -> float:
 
 
 def outside(scene: Scene, duration: float) -> str:
-    """Why the random scenes do not speak for a scene and a duration in s, or an empty text."""
+    """Why a scene and a duration, in s, are outside the random scenes; empty if they are not."""
     given = {field.name: getattr(scene, field.name) for field in fields(scene)}
     given |= {"link_modulus": scene.link_modulus or scene.youngs_modulus, "duration": duration}
     usual = {field.name: field.default for field in fields(scene)}
@@ -127,7 +127,7 @@ def outside(scene: Scene, duration: float) -> str:
             what = "material" if isinstance(value, Material) else value
             return f"{name.replace('_', ' ')} {what} is not that of the random scenes"
         if low is not None and not low <= value <= high:
-            return f"{name.replace('_', ' ')} {value:g} is outside the random scenes'"
+            return f"{name.replace('_', ' ')} {value:g} is outside the range of the random scenes"
     return ""
 
 
@@ -149,7 +149,7 @@ def measure(
 ) -> pd.DataFrame:
     """Errors of rigid links against particles on `random_scenes`, beside their estimates.
 
-    Scenes that a model cannot go on with, or without an impact, are left out.
+    Scenes that a model cannot finish, and those without an impact, are left out.
     """
     rows = []
     for scene, duration in scenes:

@@ -1,12 +1,11 @@
-"""The least model of the crank-slider that is accurate enough, and how one knows.
+"""The simplest model of the crank-slider that is accurate enough, with the evidence.
 
-Models in order of detail: an ideal joint, rigid links with Hertz's contact, with a law that
-knows the joint, links of particles. The rigid ones take milliseconds, so that they are run and
-compared. What flexible links would change is first bounded from their compliance and frequency
-(`study.choose.links`). Only if that bound is too large are particles run and compared, on two
-meshes and with two steps: what these change tells how far they can be trusted.
-The ideal joint comes first because it asks for nothing about the contact, though integrated to
-the last digit by SciPy it takes longer here than the compiled clearance joint.
+Models in order of detail are an ideal joint, rigid links with Hertz's law, rigid links with a law
+for the joint, and links of particles. Rigid ones take milliseconds: they are run and compared. What
+flexible links would change is first bounded from their compliance and frequencies
+(`study.choose.links`). Only if that bound is too large, particles are run, on two meshes and with
+two steps; the differences show how far they can be trusted. The ideal joint comes first because it
+needs no data of the contact, though SciPy takes longer for it than compiled code for a clearance.
 """
 
 from collections.abc import Callable
@@ -30,15 +29,15 @@ from study.mechanism.compare import difference
 from study.mechanism.particles import usual_step
 from study.mechanism.scene import Scene
 
-LEAST_R2_STAR = 3  # of less, a ball cannot go one clearance deep
+LEAST_R2_STAR = 3  # below, a ball cannot go one clearance deep
 LAW_TOLERANCE = 0.01
-"""Of the force of the law that stands for the exact one."""
+"""Largest error of the force of the law that stands for the exact one."""
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 FINEST_TOLERANCE = 1e-10
 STEP_SHARE = 0.1  # of the tolerance, for the error of the steps
 ELEMENTS = ((2, 4), links.ELEMENTS)
 SAFETY = 3.0
-"""On the largest difference that mesh and step of flexible links make, for what others make."""
+"""Factor on the largest difference by mesh and step of flexible links, for all other errors."""
 STEPPERS = {"rigid": "collocation of order 9", "particles": "central difference"}
 WARM_UP = 1e-5  # s, simulated once before a model is timed
 
@@ -62,9 +61,9 @@ class ModelChoice:
     settings
         Stepper, and its tolerance, or its step (s) and elements.
     error_bound
-        Of the NRMS error of the slider's motion, over the duration chosen for. Not proven: an
-        estimate with a margin (`SAFETY` here and in `links`), as impacts of flexible links are
-        chaotic.
+        Of the NRMS error of the slider's motion, over the duration. It is not proven: impacts of
+        flexible links are chaotic, so that it is an estimate with a margin (`SAFETY` here and in
+        `links`).
     relative_cost
         Time over that of rigid links with Hertz's law, measured while choosing.
     links
@@ -74,12 +73,12 @@ class ModelChoice:
     depth_star
         Largest depth of rigid links with Hertz's law, in clearances.
     note
-        Why the random scenes behind ``bounded`` do not speak for this one; empty if they do.
+        Why this scene is outside the random scenes behind ``bounded``; empty if it is not.
     evidence
-        The same attributes, from ``model`` to ``links``, of every model that was looked at, in
-        order of detail.
+        The same attributes, from ``model`` to ``links``, of every model that was compared, in order
+        of detail.
     simulate
-        Simulates the scene chosen for; takes ``progress`` as `study.mechanism.simulate` does.
+        Simulates the scene; takes ``progress`` as `study.mechanism.simulate` does.
     """
 
     model: str
@@ -106,7 +105,7 @@ def choose_model(
     quantity: Quantity = "slider_position",
     socket_ratio: float = SOCKET_RATIO,
 ) -> ModelChoice:
-    """Least model whose motion of the slider is known to be within a tolerance.
+    """Simplest model whose motion of the slider is known to be within a tolerance.
 
     Parameters
     ----------
@@ -119,7 +118,7 @@ def choose_model(
     quantity
         What the tolerance is for.
     socket_ratio
-        Outer over inner radius of the socket, for laws that know it. Its supports are the defaults
+        Outer over inner radius of the socket, for laws that depend on it. Supports are the defaults
         of `study.joint.Joint`.
 
     Raises
@@ -127,9 +126,9 @@ def choose_model(
     ValueError
         For a value outside its range.
     ModelError
-        If no model is known to be within the tolerance; says what is.
+        If no model is known to be within the tolerance; says the least bound.
     study.checks.StudyError
-        If the contact force is not known by any law within `LAW_TOLERANCE`.
+        If no law is known to give the contact force within `LAW_TOLERANCE`.
     study.mechanism.MechanismError
         If a simulation cannot go on.
     """
@@ -206,7 +205,7 @@ def _law(scene, depth, socket_ratio):
 
 
 def _loosest(run, finest, allowed, quantity):
-    """Rigid links with the largest tolerance whose steps change the motion by what is allowed."""
+    """Rigid links with the largest tolerance whose steps change the motion little enough."""
     looser = (run("rigid", finest.law, tolerance=tolerance) for tolerance in TOLERANCES)
     return next((one for one in looser if _apart(one, finest, quantity) <= allowed), finest)
 
@@ -237,9 +236,10 @@ def _timed(scene, *given):
 
 
 class _Run:
-    """A model that was run: its description, its response, and the time that this took in s.
+    """A model that was run: its description, its response, and its time in s.
 
-    ``law`` is a law or its name, and its options; ``step_share`` is of the particles' usual step.
+    ``law`` is a law or its name, with its options; ``step_share`` is a share of the particles'
+    usual step.
     """
 
     def __init__(self, scene, duration, outputs, model, law, step_share=1.0, **settings):

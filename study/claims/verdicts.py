@@ -103,7 +103,7 @@ def _judge(claim):
         raise ClaimError(f"claim {claim.claim}: {error}") from None
     except LookupError as error:  # results of other parameters than the catalogue's
         message = f"claim {claim.claim}: rule {claim.rule} finds no {error} in {claim.evidence}"
-        raise ClaimError(f"{message}; make it anew with: study run {claim.evidence}") from None
+        raise ClaimError(f"{message}; rebuild it with: study run {claim.evidence}") from None
     values = list(found.values())
     if not found or not np.isfinite(values).all():
         raise ClaimError(f"claim {claim.claim} must be judged by finite numbers, got {found}")

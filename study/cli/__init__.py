@@ -21,7 +21,7 @@ UsageError = typer.BadParameter.__base__  # of every wrong option or argument
 def main():
     """Run the command line and exit with its status."""
     for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors="replace")  # a line of "?" is better than none
+        stream.reconfigure(errors="replace")  # a line with "?" is better than none
     try:
         status = app(standalone_mode=False)
     except (UsageError, ValueError) as error:
@@ -40,7 +40,7 @@ def main():
 
 
 def _hinted(text):
-    """What is wrong with a name, and the nearest one of those that the text lists."""
+    """A message with the nearest of the names that it lists."""
     found = _LISTED.search(text) or _LISTED_BY_TYPER.search(text)
     if found is None:
         return text

@@ -13,7 +13,7 @@ from study.cli.output import fail, paragraphs, prose, show_csv
 def run_notebooks(names: list[str] = (), settings: list[str] = (), **how):
     """Run the stale notebooks and compare their figures and tables with those in figures/.
 
-    What agrees stays as it is; what differs is written anew and named, with exit status 1.
+    A result that agrees stays as it is. One that differs is replaced and named, with exit status 1.
     """
     from study.pages import catalogue, execute
 
@@ -26,7 +26,7 @@ def run_notebooks(names: list[str] = (), settings: list[str] = (), **how):
 
 @command("verify")
 def verify_results(names: list[str] = (), keep: bool = False):
-    """Say which results, as made here last, are the kept ones; run nothing."""
+    """Say which results that were last made here agree with the kept ones; run nothing."""
     from study.pages import catalogue, kept
 
     selected = catalogue.select(names)
@@ -37,7 +37,7 @@ def verify_results(names: list[str] = (), keep: bool = False):
 
 
 def _compare(selected):
-    """Say how many results are the kept ones, and which are not; fail if one differs."""
+    """Say how many results agree with the kept ones; name those that differ, and fail then."""
     from study.pages import execute, kept
 
     found = execute.compare(selected)
@@ -83,7 +83,7 @@ def write_report(**how):
 
 
 def _make(selected, parameters, **how):
-    """Run notebooks and tell what was made; return those asked for and those that ran."""
+    """Run notebooks and print what was made; return those selected and those that ran."""
     from study import dataset
     from study.pages import catalogue, execute
 
@@ -112,8 +112,8 @@ def _make(selected, parameters, **how):
 def list_results(names: list[str] = ()):
     """List every figure and table by notebook: what it shows, fresh or stale.
 
-    One by name: with the parameters of its notebook, their defaults and ranges. Without a name,
-    plain CSV where the output is no terminal.
+    With a NAME also the parameters of its notebook, with defaults and ranges. Without one plain
+    CSV, if the output is not a terminal.
     """
     import pandas as pd
 

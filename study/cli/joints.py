@@ -26,8 +26,8 @@ def evaluate_law(
 ):
     """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths.
 
-    stiffened_hertz alone has options: it is for any two materials and four supports. The laws of
-    the paper are those of its own joint.
+    Only stiffened_hertz has options: it is for any two materials and four supports. The paper's
+    laws have the coefficients of its own joint.
     """
     unknown = sorted(of_law.keys() - signature(LAWS[name]).parameters)
     left_out(unknown, of_law, f"{name} does not depend on it")
@@ -36,7 +36,7 @@ def evaluate_law(
 
 
 SIZES = ("socket_radius", "clearance", "wall")
-"""Options of study joint that a joint with its dimensions must have."""
+"""Options of study joint that a joint with its dimensions needs."""
 OF_SIZED = (*SIZES, "force", "depth", "ball", "socket", "liner", "tolerance")
 OF_BOTH = ("ball_drive", "rim", "kinematics")
 
@@ -57,9 +57,9 @@ def solve_joint(
 ):
     """Solve one joint: force, depth, stiffness, pressure, half-angle, error, and stresses.
 
-    With its dimensions: --socket-radius, --clearance, --wall and --force or --depth, in SI units,
-    with materials by name. Or without: --r2-star and --depth-star; stresses are then in E* dR/R2,
-    their radius is over that of the body's surface.
+    With dimensions: --socket-radius, --clearance, --wall and --force or --depth, in SI units, with
+    materials by name. Without: --r2-star and --depth-star. Stresses are then in E* dR/R2, and their
+    radius is relative to that of the body's surface.
     """
     given = {"socket_radius": socket_radius, "clearance": clearance, "wall": wall}
     given |= {"force": force, "depth": depth, "liner": liner, "tolerance": tolerance}
@@ -67,7 +67,7 @@ def solve_joint(
     given = {name: value for name, value in given.items() if value not in (None, ())} | joint
     if sized := [name for name in OF_SIZED if name in given]:
         others = [name for name in given if name not in (*OF_SIZED, *OF_BOTH)]
-        left_out(others, given, f"{flag(sized[0])} is of a joint with its dimensions")
+        left_out(others, given, f"{flag(sized[0])} is for a joint with its dimensions")
         _solve_sized(as_json, **given)
     else:
         _needed(("r2_star", "depth_star"), given, " or, with dimensions, --socket-radius, ...")

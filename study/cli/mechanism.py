@@ -35,8 +35,8 @@ def simulate_mechanism(
 ):
     """Simulate the crank-slider: where it is at the end, and every impact (SI units).
 
-    --model auto takes no more than is needed for --tolerance, which is then the largest error of
-    the --quantity: its RMS over that of the change since t = 0.
+    --model auto takes the simplest model within --tolerance. This is then the largest error of the
+    --quantity: its RMS over that of the change since t = 0.
     """
     from study import mechanism
     from study.choose import choose_model
@@ -89,17 +89,17 @@ def simulate_mechanism(
         {f"{name} {IMPACT_COLUMNS.get(name, '')}": impacts[name].head(SHOWN) for name in columns},
         *([f"{rest} more contacts: --json prints all."] if rest > 0 else []),
     )
-    if output is not None:  # last: what was computed is printed even if the disk is full
+    if output is not None:  # last, so that the results are printed even if the disk is full
         response.save(output)
     if not response.complete:
         raise InterruptionError(KEPT)
 
 
 def _told(choice, duration):
-    """What model was chosen, in words, and everything that was looked at."""
+    """The chosen model in words, and all models that were compared."""
     names = ("model", "joint", "law", "settings", "error_bound", "relative_cost", "links")
     return [
-        f"The least model whose {choice.quantity.replace('_', ' ')} is known well enough over "
+        f"The simplest model whose {choice.quantity.replace('_', ' ')} is known well enough over "
         f"{duration:g} s:\n{choice.model} links, {choice.joint} joint, law {choice.law}, within "
         f"{choice.error_bound:.2g}. In order of detail (costs: times here):",
         {name: [row[name] for row in choice.evidence] for name in names},

@@ -1,6 +1,6 @@
-"""Commands and their options: one that is a parameter of the library is explained there.
+"""Commands and their options. The library's docstrings explain options that are its parameters.
 
-Here are also the refusals that several commands share.
+Checks that several commands share are here too.
 """
 
 import os
@@ -33,18 +33,19 @@ ARGUMENTS = {"name": "NAME", "names": "NAME", "kind": "KIND", "cases": "[FILE]"}
 HELP = {
     "as_json": "Print one JSON object.",
     "cases": "CSV file with a row per case; or --random.",
-    "case": "One case, every depth of it.",
-    "clearance": "Radius of the socket less that of the ball, in m.",
+    "case": "One case, with all of its depths.",
+    "clearance": "Radius of the socket minus that of the ball, in m.",
     "depth": "Penetration depth in m; may be repeated.",
     "depth_star": "Penetration depth in clearances, d/dR; may be repeated.",
     "force": "Contact force in N; may be repeated.",
     "group": "Group of cases: paper, ratio, poisson, modulus, support, liner or judge.",
-    "inertia": "Of crank and coupler about their centres, in kg m^2: I1,I2 [default: rods].",
+    "inertia": "Inertias of crank and coupler about their centres, in kg m^2: I1,I2 "
+    "[default: rods].",
     "kind": "What the cases are: joints or scenes.",
-    "keep": "Take what differs as the kept results from now on.",
+    "keep": "Keep the results that differ, instead of those kept before.",
     "liner": "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be "
     "repeated, from the inside out.",
-    "model": "Links; auto: as little as it needs.",
+    "model": "Links; auto: the simplest that is accurate enough.",
     "name": f"One of {', '.join(LAWS)}.",
     "names": "Figures, tables or notebooks; default all.",
     "output": "File to write.",
@@ -53,43 +54,43 @@ HELP = {
     "range": "Range of a column: NAME=LOW:HIGH, drawn evenly, NAME=LOW:HIGH:log, or the values to "
     "choose from, NAME=A,B,C; may be repeated.",
     "scene": "KEY=VALUE of the scene; may be repeated.",
-    "seed": "Of the random numbers [default: 0]; the same cases for the same seed.",
+    "seed": "Seed of the random numbers [default: 0]; the same seed gives the same cases.",
     "settings": "KEY=VALUE of a notebook's parameter; may be repeated.",
     "socket_radius": "Inner radius of the socket, in m.",
     "socket_ratio": "Outer over inner radius of the socket.",
-    "tolerance": "For a joint with dimensions: largest relative error of the law that is named "
+    "tolerance": "For a joint with dimensions: largest relative error of the law that is chosen "
     "[default: 0.01].",
     "wall": "Thickness of the socket beyond its inner radius, liners included, in m.",
 }
-"""Of what the library's docstrings do not explain."""
+"""Help of options that the library's docstrings do not explain."""
 PLAIN = {
-    "ball_drive": "Equatorial plane of the half ball: moved along the axis and free to widen "
-    "(plane), moved as on a rigid plate (clamped), or moved at its centre alone (point).",
+    "ball_drive": "Equatorial plane of the half ball: moved along the axis and radially free "
+    "(plane), clamped to a rigid plate (clamped), or moved at its centre alone (point).",
     "duration": "Simulated time, in s.",
     "kinematics": "Which points of the surfaces face each other. small: those at equal angles "
     "from the socket's centre; linear: those that the ball's points have moved to, as in a "
-    "small-strain analysis with contact on moved surfaces; finite: with large displacements.",
-    "poisson": "Poisson's ratio of the ball, and of the socket if it has no other (no unit).",
-    "quantity": "Of which part of the slider's motion --tolerance is the error.",
-    "repeats": "How often each call is timed, after one that is not counted.",
-    "rim": "Edge of the socket at its equator: on a mirror plane, or free of traction.",
-    "socket_poisson": "Poisson's ratio of the socket, if not that of the ball (no unit).",
+    "small-strain analysis with contact on moved surfaces; finite: large displacements.",
+    "poisson": "Poisson's ratio of the ball, and of the socket unless it differs (no unit).",
+    "quantity": "Part of the slider's motion that --tolerance is for.",
+    "repeats": "Number of timed calls, after one that does not count.",
+    "rim": "Edge of the socket at its equator: a mirror plane, or free of traction.",
+    "socket_poisson": "Poisson's ratio of the socket, if it differs (no unit).",
 }
-"""Instead of what the library's docstrings say, which is longer or takes more for granted."""
+"""Help that replaces the library's docstrings, which are longer or assume more."""
 METAVARS = {bool: None, float: "NUMBER", int: "COUNT", str: "TEXT", Path: "FILE"}
 
 
 class InterruptionError(Exception):
-    """Ctrl-C in a command; says what is kept, if something is."""
+    """Ctrl-C in a command; says what is kept, if anything."""
 
 
 def command(name, *library, group=app, defaults=True, keeps=False):
     """Decorate a function as a command: its annotated parameters become options.
 
-    So do parameters of the library, as "module:function parameter parameter ...". Those that are
-    given reach the function. They are looked up as the command is called, so that ``study
-    --help`` imports no room. One that ``keeps`` what was finished when it is interrupted does so
-    unless --output is given.
+    So do parameters of the library, as "module:function parameter parameter ...". The function gets
+    those that are given. They are looked up when the command is called, so that ``study --help``
+    imports no room. A command that ``keeps`` finished work when it is interrupted does so unless
+    --output is given.
     """
 
     def decorate(function):
@@ -121,7 +122,7 @@ def command(name, *library, group=app, defaults=True, keeps=False):
 
 
 def _help(name):
-    """What an option is; that of a scene has its keys, with their units."""
+    """Help of an option; that of a scene has its keys, with their units."""
     if name != "scene":
         return HELP[name]
     from study.mechanism import Scene
@@ -140,7 +141,7 @@ def _options(source, names, defaults):
 
 
 def _option(parameter, text, defaults=False):
-    """Typer's parameter: None unless given, with the first sentence of a text for its help."""
+    """Typer's parameter: None unless given; its help is the first sentence of a text."""
     text = re.split(r"(?<=\.) (?=[A-Z])", " ".join(text.split()))[0]
     text = re.sub(r"`+|study\.[\w.]+\.", "", text)
     name, default, kind = parameter.name, parameter.default, parameter.annotation
@@ -175,7 +176,7 @@ def flag(name):
 
 
 def left_out(names, given, why):
-    """Refuse what was given though it means nothing here."""
+    """Refuse options that mean nothing here."""
     for name in names:
         if name in given:
             raise ValueError(f"{flag(name)} must be left out: {why}")

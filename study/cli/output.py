@@ -1,4 +1,4 @@
-"""What the commands print: JSON, CSV, tables, lines, and a bar while something is simulated."""
+"""Output of the commands: JSON, CSV, tables, lines, and a bar during a simulation."""
 
 import json
 import sys
@@ -21,13 +21,13 @@ UNITS = {
     "peak_pressure_star": "p R2/(E* dR)",
     "von_mises_star": "E* dR/R2",
 }
-"""Of columns that have none in their head."""
+"""Units of columns that have none in their head."""
 
 
 def show(told, as_json=False, *parts):
     """Print one JSON object, or its parts as text: lines, and tables of columns by head.
 
-    Below a head stands its unit: its words after the first, or that of `UNITS`.
+    The unit is below the head: the head's words after the first, or that of `UNITS`.
     """
     if as_json:
         print(json.dumps(told, allow_nan=False))
@@ -64,12 +64,11 @@ def split_constant(table):
 
 
 def _lines(table, width):
-    """A table as lines, of which none breaks a number or a name.
+    """A table as lines that break no number and no name.
 
-    On a terminal, ``width`` characters wide, one that is too wide is turned if it has one row.
-    Else what is the same in all rows is said above, and the other columns stand in blocks below
-    each other, each of which begins with the first column. A column that is still too wide is
-    wrapped at words.
+    On a terminal, ``width`` characters wide, a table that is too wide is transposed if it has one
+    row. Else a line above says what is the same in all rows. The other columns are in blocks below
+    each other; each begins with the first column. A column that is still too wide is wrapped.
     """
     columns = [_column(head, table[head]) for head in table]
     if width is None or _wide(columns) <= width:
@@ -96,7 +95,7 @@ def paragraphs(texts):
 
 
 def _terminal():
-    """Width of the terminal, or None where the output is none."""
+    """Width of the terminal, or None if the output is not one."""
     return get_terminal_size().columns if sys.stdout.isatty() else None
 
 
@@ -112,7 +111,7 @@ def _wide(columns):
 
 
 def _wrapped(block, width):
-    """A block in which no line is too wide: the cells of its last column may take several."""
+    """A block in which no line is too wide: cells of its last column may take several lines."""
     *others, last = block
     room = max(width - _wide(others) - len(GAP), max(map(len, " ".join(last).split())))
     if _wide(block) <= width or not others:
@@ -127,7 +126,7 @@ def _wrapped(block, width):
 
 
 def _block(columns):
-    """Columns beside each other; no line of units where none has one."""
+    """Columns beside each other; without a line of units if no column has one."""
     heads, units, *rows = (GAP.join(cells).rstrip() for cells in zip(*columns, strict=True))
     return [heads, *([units] if units else []), "─" * _wide(columns), *rows]
 
@@ -141,7 +140,7 @@ def _text(value):
 
 
 def named_fields(choice):
-    """What a choice knows by name, without the function that it gives."""
+    """Attributes of a choice by name, without its function."""
     given = ("evaluate", "simulate")
     return {name: value for name, value in vars(choice).items() if name not in given}
 
@@ -160,7 +159,7 @@ def waiting(what):
 
 
 def bar(text):
-    """Bar of something done on standard error, gone at the end; none off the terminal."""
+    """Progress bar on standard error, removed at the end; hidden if this is not a terminal."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 

@@ -1,4 +1,4 @@
-"""What study joint tells of a joint with its dimensions: in readable units, and as JSON in SI."""
+"""Output of study joint for a joint with its dimensions: in readable units, and as JSON in SI."""
 
 from dataclasses import replace
 
@@ -9,9 +9,10 @@ from study.joint.sized import usual_depth
 
 MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
 DEEPER = (1, 4, 12)
-"""Times the depth asked for: laws are compared up to the least that elements resolve. The range
-compared begins at a twelfth of its end at most, so that the depth asked for is within it."""
-LARGE = 1.0  # m: a socket's radius that was hardly meant
+"""Factors of the depth: laws are compared up to the least of these depths that elements resolve.
+The
+range begins at a twelfth of its end at most, so that the depth itself is within it."""
+LARGE = 1.0  # m: a socket's radius that is probably in mm
 
 
 def told(joint: SizedJoint, solution: SizedSolution, tolerance: float) -> tuple[dict, list]:
@@ -68,12 +69,13 @@ def _digits(value):
 
 
 def _law(joint, largest, tolerance):
-    """The cheapest law that will do up to a depth, as JSON and in words."""
+    """The cheapest law within the tolerance up to a depth, as JSON and in words."""
     plain = joint.joint
     try:
         choice = _choice(plain, largest / joint.clearance, tolerance)
-    except (checks.StudyError, ValueError) as error:  # no checkout, or none is known well enough
-        return {"law": None, "law_error_bound": None, "export": None}, [f"No law is told: {error}"]
+    except (checks.StudyError, ValueError) as error:  # no checkout, or no law is known well enough
+        none = {"law": None, "law_error_bound": None, "export": None}
+        return none, [f"No law is chosen: {error}"]
     least, most = (_digits(joint.clearance * depth / MICRO) for depth in choice.depths)
     bound, allowed = (f"{x / PERCENT:.2g} %" for x in (choice.error_bound, tolerance))
     named = (
@@ -91,7 +93,7 @@ def _law(joint, largest, tolerance):
     best = min(choice.errors, key=choice.errors.__getitem__)
     if choice.errors[best] > tolerance:
         off = f"{choice.errors[best] / PERCENT:.2g} %"
-        lines[0] += f" No closed law is: {best} comes closest, up to {off} off."
+        lines[0] += f" No closed law is within it: {best} is the best, with an error up to {off}."
     line = None
     if choice.law != "solver":
         line = f"study export --law {choice.law} --format c {_options(plain, choice.depths[1])}"
@@ -109,7 +111,7 @@ def _law(joint, largest, tolerance):
 
 
 def _choice(joint, depth_star, tolerance):
-    """What is chosen for a joint up to a depth, or up to a deeper one that elements resolve."""
+    """Choice for a joint up to a depth, or up to a deeper one that elements resolve."""
     from study.choose import choose
     from study.choose.law import errors
 
@@ -127,7 +129,7 @@ def _choice(joint, depth_star, tolerance):
 
 
 def _without_yield(joint: Joint) -> Joint:
-    """A joint of materials without a yield stress: how far it is from yield is told already."""
+    """A joint of materials without a yield stress: its factors to yield are shown already."""
 
     def elastic(material):
         return Material(material.youngs_modulus, material.poisson)

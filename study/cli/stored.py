@@ -12,9 +12,9 @@ from study.cli.output import fail, show, show_csv, split_constant, waiting
 def show_data(
     r2_star: list[float] = (), socket_ratio: list[float] = (), group: str = "", case: str = "", **of
 ):
-    """Show a summary of the cases with the values asked for, or every depth of one case.
+    """Show a summary of the cases with the given values, or every depth of one case.
 
-    Plain CSV where the output is no terminal.
+    Plain CSV if the output is not a terminal.
     """
     from study import dataset
 
@@ -32,7 +32,7 @@ def show_data(
 def list_materials():
     """List the materials that study joint knows by name: typical values, and sources.
 
-    Plain CSV where the output is no terminal.
+    Plain CSV if the output is not a terminal.
     """
     import pandas as pd
 
@@ -47,10 +47,10 @@ def list_materials():
 
 @command("check", group=data_app)
 def check_data():
-    """Check files, schema and physics of the dataset, and solve one case anew."""
+    """Check files, schema and physics of the dataset, and solve one case again."""
     from study.dataset import quality
 
-    with waiting("Checking the data, and solving one case anew"):
+    with waiting("Checking the data, and solving one case again"):
         checked, found = zip(*quality.check(), strict=True)
     show({"checked": checked, "found": found})
 
@@ -68,9 +68,9 @@ def build_data(**how):
 def measure_speed(output: Path | None = None, **how):
     """Time laws (a minute), solvers and steppers (some minutes each) on this machine.
 
-    The times are kept in data/published/peers.csv, where the charts and study choose take them
-    from, if no other file is named. Charts that are not timed stay, and so do other programs that
-    are not found here (ccx, gcc with SUNDIALS 6, scikit-sundae, exudyn).
+    Without --output the times are kept in data/published/peers.csv, which the charts and study
+    choose read. Charts that are not timed stay as they are, and so do programs that are not found
+    here (ccx, gcc with SUNDIALS 6, scikit-sundae, exudyn).
     """
     import pandas as pd
 

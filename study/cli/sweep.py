@@ -25,10 +25,10 @@ def sweep_cases(
 ):
     """Solve many joints, or simulate many scenes, from a CSV file of cases or at random.
 
-    A file has a row per case; its columns are the options of study joint, or those of study
-    simulate and the parameters of the scene, as in socket_radius or ball_drive. Depths, forces,
-    layers and liners of a case are separated by semicolons; without depths the whole curve is
-    solved. When it is interrupted, the same command goes on.
+    A file has a row for each case. Its columns are the options of study joint, such as
+    socket_radius or ball_drive, or those of study simulate and the parameters of the scene. Several
+    depths, forces, layers or liners of a case are separated by semicolons. Without depths or forces
+    the whole curve is solved. After an interruption the same command goes on.
     """
     from study.sweep import random_cases, sweep
 
@@ -39,7 +39,7 @@ def sweep_cases(
     if (cases is None) == (random is None):
         raise ValueError("a FILE of cases or --random must be given, and not both")
     if cases is not None and (range or seed is not None):
-        raise ValueError("--range and --seed must be left out: a FILE tells the cases")
+        raise ValueError("--range and --seed must be left out: a FILE has the cases")
     started, done = time.monotonic(), [0, 0, 0]
     with bar("{task.completed:g} of {task.total:g} cases") as shown:
         task, told = shown.add_task("", total=0, visible=False), started

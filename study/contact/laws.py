@@ -375,4 +375,4 @@ def fitted_coefficients() -> dict[str, Any]:
 
 def _unusable(why):
     file = f"study/contact/{COEFFICIENTS.name}"
-    return checks.StudyError(f"{file} {why}; make it anew with: study data build")
+    return checks.StudyError(f"{file} {why}; rebuild it with: study data build")

@@ -112,6 +112,6 @@ def table() -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
             raise ValueError
     except (OSError, ValueError):
         raise checks.StudyError(
-            f"study/contact/{TABLE.name} is missing or damaged; make it anew with: study data build"
+            f"study/contact/{TABLE.name} is missing or damaged; rebuild it with: study data build"
         ) from None
     return supports, degrees, np.array(UNIT * values, dtype=np.float64)

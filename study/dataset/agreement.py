@@ -8,7 +8,7 @@ import pandas as pd
 TOLERANCE = 1e-6
 """Largest difference of two numbers that agree, relative to the larger."""
 OF_DIFFERENCES = 1e-12
-"""Added to it: what rounding leaves of differences between numbers of size 1."""
+"""Added to it, for rounding errors of differences between numbers of size 1."""
 CHAOTIC = (
     *("fig17", "fig18", "fig19", "fig20", "fig21", "first_impacts", "impacts", "persistence"),
     *("variants", "durations", "agreement", "convergence", "choice_mechanism"),
@@ -16,18 +16,18 @@ CHAOTIC = (
 )
 """Results of simulated impacts, each of which enlarges the rounding of the one before."""
 CHAOTIC_TOLERANCE = 1e-3
-"""Instead of `TOLERANCE` there, and as share of the column's largest number times 1/1000."""
+"""Used there instead of `TOLERANCE`, relative to the number plus 1/1000 of the column's largest."""
 DIGITS = {
     "stability_steps": {"y": 3},
     "stability_impacts": {"y": 3},
     "stability_contact": {"y": 3},
     "force_curves": {"error_estimate": 3, "contact_half_angle_deg": 5},
 }
-"""Columns that are written with fewer digits: one unit of the last agrees."""
+"""Columns with fewer digits, in which a difference of one unit in the last digit agrees."""
 
 
 def table_differs(kept: Path, made: Path) -> str | None:
-    """Where two CSV files differ by more than agrees, or None; the name of ``kept`` decides."""
+    """Where two CSV files differ by more than results of the name of ``kept`` may, or None."""
     old, new = (pd.read_csv(path, dtype=str, keep_default_na=False) for path in (kept, made))
     if list(old) != list(new):
         return f"columns: kept {', '.join(old)}; now {', '.join(new)}"
@@ -44,7 +44,7 @@ def table_differs(kept: Path, made: Path) -> str | None:
 
 
 def _excess(old, new, result, column):
-    """Differences of two columns in units of what agrees; infinite where text differs."""
+    """Differences of two columns in units of the tolerance; infinite where text differs."""
     changed = (old != new).to_numpy()
     excess = np.where(changed, np.inf, 0.0)
     numbers = [pd.to_numeric(values, errors="coerce").to_numpy(float) for values in (old, new)]

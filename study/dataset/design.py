@@ -16,10 +16,11 @@ ROOT_DEPTHS = tuple(np.round(np.linspace(0.005**0.5, 1, 32) ** 2, 6).tolist())
 PAPER_R2_STARS = tuple(range(20, 301, 20))
 WIDER_R2_STARS = (400, 600, 1000, 2000, 5000, 10_000)
 R2_STAR = 200
-"""Of the paper's comparison of laws, Fig. 10 and Table 2, and of what is changed in its joint."""
+"""Of the paper's comparison of laws, Fig. 10 and Table 2, and of the changes to its joint."""
 PAPER_KINEMATICS: Kinematics = "linear"
-"""Of the paper's finite elements: identified from Table 2 (notebook 13), and the only ones of ours
-with which the relative RMSE of Fig. 14 rises with R2* and R2 falls (notebooks 06, 12)."""
+"""Of the paper's finite elements, identified from Table 2 (notebook 13). Only with these, the
+relative
+RMSE of Fig. 14 rises and its coefficient of determination falls with R2* (notebooks 06, 12)."""
 
 
 def case_name(
@@ -33,9 +34,9 @@ def case_name(
 class SetUp:
     """Joints that share their elastic bodies; its cases are all R2* with all kinematics.
 
-    ``group`` is a key of `GROUPS`, ``joint`` holds arguments of `study.joint.Joint`, ``poisson``
-    is Poisson's ratio of both bodies, ``modulus_ratio`` Young's modulus of the socket over that of
-    the ball, and ``depths`` are values of ``depth_star``. Of a joint with layers, ball alone.
+    ``group`` is a key of `GROUPS`, ``joint`` has arguments of `study.joint.Joint`, ``depths`` are
+    values of ``depth_star``. ``poisson`` is Poisson's ratio of both bodies, or of the ball alone
+    beside layers. ``modulus_ratio`` is Young's modulus of the socket over that of the ball.
     """
 
     group: str
@@ -84,7 +85,7 @@ REAL_LINERS = {
     "hip-8mm": (100, (1.5, 1e9, 0.4), (1.6875, 1.1e11, 0.3)),
 }
 """Liners in their housings: R2*, then outer radius over R2, Young's modulus in Pa and Poisson's
-ratio of liner and housing; the ball is of steel. Where the numbers are from: notebook 22."""
+ratio of liner and housing. The ball is of steel. Notebook 22 has the sources."""
 
 
 def _liners():
@@ -101,10 +102,10 @@ def _liners():
 
 
 def _judges():
-    """Joints at random in the range of stiffened_hertz, always the same.
+    """Random joints in the range of stiffened_hertz, always the same.
 
-    `HELD_JUDGES` have other supports; as these take finite elements, they share few balls and
-    sockets. One socket in ten is as good as infinitely thick.
+    `HELD_JUDGES` of them have other supports. These take finite elements, so that they share a few
+    balls and sockets. One socket in ten is practically infinitely thick.
     """
     draw = np.random.default_rng(2024)
     (low, high), thin = stiffening.RANGES["poisson"], stiffening.RANGES["socket_ratio"][0]

@@ -1,9 +1,9 @@
 """Coefficients of laws from force-depth curves, by least squares.
 
-The paper's two steps: one coefficient f1 per case, then a surrogate of f1 over R2*. The
-surrogate is a straight line, because P* -> R2* F(ds) as R2* grows, with an intercept for the
-next order in 1/R2*; its coefficients are ours, the paper's are lost. Liu's coefficient follows
-from a published number. The table of `stiffened_hertz` is made in `study.dataset.stiffening`.
+As in the paper, there is one coefficient f1 for each case, and then a surrogate of f1 over R2*. The
+surrogate is a straight line, because P* -> R2* F(ds) as R2* grows. Its intercept is the next order
+in 1/R2*. The paper's coefficients are lost; these are ours. Liu's coefficient follows from a
+published number. `study.dataset.stiffening` makes the table of `stiffened_hertz`.
 """
 
 import numpy as np
@@ -51,7 +51,7 @@ def shape(law: str, depth_star: ArrayLike) -> NDArray[np.float64]:
 
 
 def sampled(curve: pd.DataFrame) -> NDArray[np.float64]:
-    """Forces of one case of the dataset at the depths of `SAMPLE`: 0 at no depth, shape (21,)."""
+    """Forces of one case of the dataset at the depths of `SAMPLE`, 0 at depth 0; shape (21,)."""
     checks.frame("curve", curve, ("depth_star", "force_star"))
     inside = curve[curve.depth_star <= LARGEST_DEPTH]
     if len(inside) != len(SAMPLE) - 1 or not np.allclose(inside.depth_star, SAMPLE[1:]):
@@ -94,10 +94,10 @@ def _rounded(value):
 def liu_coefficient(
     force_star: ArrayLike, published_determination: float, unit: ArrayLike
 ) -> float:
-    """Coefficient of Liu's law, P* = c R2* (...), that gives it the R2 of the paper's Table 2.
+    """Coefficient c of Liu's law, P* = c R2* (...), by its determination in the paper's Table 2.
 
-    That coefficient depends on the mean difference of law and finite elements only
-    (`study.claims.statistics.determination_as_published`), and Liu's law is the smaller of the two.
+    The published coefficient of determination depends only on the mean difference of law and finite
+    elements (`study.claims.statistics.determination_as_published`). Liu's law is the smaller one.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def fit_all(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict]:
 
 
 def fit_laws(curves: pd.DataFrame, liu_determination: float) -> dict[str, dict[str, float]]:
-    """``slope`` and ``intercept`` by law of the paper that has them, over its 20 <= R2* <= 300.
+    """``slope`` and ``intercept`` of the paper's fitted laws, over its range 20 <= R2* <= 300.
 
     The curves are those of one set-up; ``liu_determination`` is Liu's published one, with its sign.
     """

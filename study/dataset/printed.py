@@ -1,6 +1,6 @@
 """The numbers of the printed law (`study.contact.printed`), from joints solved for them.
 
-The force's largest relative error is made as small as can be, step by step by linear programmes.
+A linear programme in each step reduces the force's largest relative error to the least.
 """
 
 from itertools import product
@@ -32,15 +32,15 @@ PRINTED_START = {
 }
 """Names and first guesses of the numbers, in the order of the unknowns."""
 PRINTED_DIGITS = 4
-FAR = 1e9  # R2* at which terms in 1/R2* are nothing
+FAR = 1e9  # R2* at which terms in 1/R2* vanish
 
 
 @one_thread
 def fit_printed() -> dict[str, list[float]]:
-    """Numbers of `study.contact.printed`, so that the force's largest relative error is least.
+    """Numbers of `study.contact.printed` with the least largest relative error of the force.
 
-    The joints are solved in the limit of large R2*. Those of the peak pressure, ``p``, are by
-    least squares. Takes some 20 s.
+    The joints are solved in the limit of large R2*. The numbers ``p`` of the peak pressure are
+    fitted by least squares. Takes some 20 s.
     """
     joints = [joint for joint in product(*PRINTED_JOINTS) if _is_first(*joint)]
     radii = np.array([_hertz_radii(*joint) for joint in joints])
@@ -57,7 +57,7 @@ def fit_printed() -> dict[str, list[float]]:
 
 
 def _is_first(share, socket_ratio, poisson, socket_poisson):
-    """A ball without a share, or a socket, need not vary."""
+    """Whether a joint is the first of those that differ in a rigid body only: these are equal."""
     _, ratios, poissons, socket_poissons = PRINTED_JOINTS
     if share == 0:
         return poisson == poissons[0]
@@ -108,7 +108,7 @@ def _printed(values):
 
 
 def _minimax(error, start):
-    """Unknowns whose largest error is least: a linear programme a step, in a growing range."""
+    """Unknowns with the least largest error, by a linear programme per step in a growing range."""
     found, reach = np.asarray(start), 0.1
     for _ in range(12):
         now, each = error(found), np.diag(1e-6 * found)

@@ -1,4 +1,4 @@
-"""Is the cached dataset what it claims to be? Files, schema, physics, and one case solved anew."""
+"""Checks of the cached dataset: files, schema, physics, and one case solved again."""
 
 import numpy as np
 
@@ -8,11 +8,11 @@ from study.joint import force_curve
 ERROR_LIMIT = 5e-3  # largest discretisation error estimate that a row may have
 HERTZ_SLOPE = (1.45, 3.0)
 """d ln P / d ln d at the smallest depths: 1.5 Hertz, 2 a thin layer, 3 an incompressible one."""
-AGREEMENT = 1e-6  # relative, of forces solved anew
+AGREEMENT = 1e-6  # relative, of forces solved again
 
 
 def check() -> list[tuple[str, str]]:
-    """What was checked of the dataset, and the number found: files, schema, physics, one case.
+    """Checks of the dataset, with the number that each found: files, schema, physics, one case.
 
     Raises
     ------
@@ -26,16 +26,16 @@ def check() -> list[tuple[str, str]]:
         ("schema", schema),
         ("cases", _check_cases(frame)),
         *_check_physics(frame),
-        ("solved anew", _check_anew(frame)),
+        ("solved again", _check_anew(frame)),
     ]
 
 
 def _fail(what, path=store.CURVES):
-    raise store.DatasetError(f"data/{path.name}: {what}; make it anew with: {store.MEND}")
+    raise store.DatasetError(f"data/{path.name}: {what}; rebuild it with: {store.MEND}")
 
 
 def _check_schema():
-    from frictionless import Package  # takes a second to import, and only this needs it
+    from frictionless import Package  # only this needs it, and it takes a second to import
 
     report = Package(store.PACKAGE).validate()
     for note, row, column in report.flatten(["note", "rowNumber", "fieldName"]):
@@ -83,5 +83,5 @@ def _check_anew(frame):
     cached = frame[(frame.case == name) & frame.depth_star.isin(depths)].force_star.to_numpy()
     difference = float(np.abs(anew / cached - 1).max())
     if difference > AGREEMENT:
-        _fail(f"case {name} solved anew must agree to {AGREEMENT:g}, got {difference:.2g}")
+        _fail(f"case {name} solved again must agree to {AGREEMENT:g}, got {difference:.2g}")
     return f"{name} agrees to {difference:.1g}"

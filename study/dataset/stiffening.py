@@ -1,8 +1,8 @@
 """The table behind `study.contact.stiffened_hertz`: joints solved at Chebyshev's places.
 
-Bodies are solved once for many joints. In the limit of large R2* the grid is fine; what a smaller
-R2* changes is smooth and takes few places. How the table is evaluated is in
-`study.contact.stiffening`, how right it is on other joints in notebook 15.
+Bodies are solved once for many joints: some 10,000 joints take two minutes. In the limit of large
+R2* the grid is fine. The changes with a smaller R2* are smooth and take few places.
+`study.contact.stiffening` evaluates the table; notebook 15 has its errors on other joints.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,12 +19,12 @@ from study.threads import one_thread
 
 LIMITS = {"share": 9, "poisson": 5, "socket_poisson": 6, "socket_ratio": 10, "r2_star": 1}
 CHANGES = {"share": 9, "poisson": 5, "socket_poisson": 4, "socket_ratio": 6, "r2_star": 3}
-"""Places of the joint's coordinates in the table: for R2* without end, and for what R2* changes."""
+"""Places of the joint's coordinates in the table: for infinite R2*, and for changes with R2*."""
 _ORDER = ("socket_poisson", "socket_ratio", "share", "poisson", "r2_star")
 RESOLUTION = 128  # of the table's joints
-FINER = 320  # of those that supports change, of which they are all changes
+FINER = 320  # of those with the default supports, on which the changes by supports build
 COARSER = 96  # for the changes with R2*, which are at large depths
-LARGEST = 1e9  # R2*, as good as without end
+LARGEST = 1e9  # R2*, practically infinite
 THICK = 1e4  # ratio of the thickest socket solved: 1e-4 of the coordinate from the limit
 DEEPEST = 1.15  # depth_star of the curves, as fits are poor at their ends
 SMALLEST = 8e-5  # coefficient of the table
@@ -34,8 +34,8 @@ SMALLEST = 8e-5  # coefficient of the table
 def logarithms(socket_poisson: float, counts: dict[str, int]) -> NDArray[np.float64]:
     """Logarithms of S at `stiffening.PLACES`, of the joints with one socket's Poisson's ratio.
 
-    By socket ratio, share, Poisson's ratio of the ball and R2* of `grid`, then clamped ball and
-    free rim, no or yes, and place.
+    Axes: socket ratio, share, Poisson's ratio of the ball and R2* of `grid`; clamped ball, no or
+    yes; free rim, no or yes; place.
     """
     places = grid(counts)
     shares = np.clip(places["share"], 2e-9, 1 - 2e-9)  # nearly rigid
@@ -77,7 +77,7 @@ def grid(counts: dict[str, int]) -> dict[str, NDArray[np.float64]]:
 
 
 def _at_places(joint, depth, force):
-    """Ln S at `stiffening.PLACES` of the best polynomial in u, as S - 1 starts with it."""
+    """Ln S at `stiffening.PLACES`, from the best polynomial in u for S - 1, which is 0 at u = 0."""
     factor, root = force / hertz(depth, joint.r2_star), np.sqrt(depth)
     powers = np.arange(1, len(stiffening.PLACES) + 1)
     terms = (root / (1 + root))[:, None] ** powers / factor[:, None]
@@ -90,8 +90,8 @@ def table(
 ) -> pd.DataFrame:
     """Table of `study.contact.stiffening`: Chebyshev coefficients, without those that are small.
 
-    Of `logarithms` by the socket's Poisson's ratio: with `LIMITS` of the grid, for R2* without
-    end, and with `CHANGES`, of which only the changes with R2* are taken.
+    Both arguments are `logarithms` for each Poisson's ratio of the socket: on the grid of `LIMITS`,
+    for infinite R2*, and on that of `CHANGES`, of which only the changes with R2* are used.
     """
     values = np.zeros((*(max(LIMITS[n], CHANGES[n]) for n in stiffening.DEGREES), 2, 2, 9))
     for part, counts in ((limits, LIMITS), (changes, CHANGES)):

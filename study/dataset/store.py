@@ -1,7 +1,7 @@
 """The cached force-depth curves: how they are loaded, checked and described.
 
 The numbers are in ``data/force_curves.csv``, one row per case and depth, and their description is
-``data/datapackage.json`` (Frictionless Data Package). Which joints there are: `design`.
+``data/datapackage.json`` (Frictionless Data Package). `design` has the joints.
 """
 
 import json
@@ -48,7 +48,7 @@ GENERATED = {
 }
 """Generated file -> module whose imports lead to all code that decides it."""
 LIBRARY = (COEFFICIENTS, TABLE, MATERIALS)
-"""Files of numbers that the library carries beside its modules."""
+"""Files of numbers beside the library's modules."""
 COLUMNS = {
     "group": ("", "What the study needs the case for"),
     "case": ("", "Name of the case: set-up, kinematics and R2*"),
@@ -185,7 +185,7 @@ def reference_forces() -> pd.DataFrame:
 
 
 def others() -> pd.DataFrame:
-    """What others printed of a ball in a socket, and the joint it is of: ``data/README.md``."""
+    """Numbers that others printed for a ball in a socket, and their joint: ``data/README.md``."""
     return _read(paths.DATA / "published/others.csv", dtype={"unit": str})
 
 
@@ -204,7 +204,7 @@ def measured(chart: str | None = None) -> pd.DataFrame:
 def keep_measured(frame: pd.DataFrame) -> None:
     """Write charts to ``data/published/peers.csv``, and its hash to the description.
 
-    Charts that the frame does not hold are kept, and so are other programs in those that it does.
+    Charts, and programs in a chart, that the frame does not have are kept.
     """
     kept, by = measured(), ["chart", "program"]
     others = ~kept.set_index(by).index.isin(frame.set_index(by).index)
@@ -236,8 +236,8 @@ def solve_case(group: str, name: str, joint: Joint, depths: tuple[float, ...]) -
 def write_table(frame: pd.DataFrame, path: Path) -> None:
     """Write a table as CSV, whole or not at all, if it does not agree with the kept one.
 
-    Numbers have 9 significant digits, or fewer where `agreement.DIGITS` says so. On another
-    processor the last ones differ: a kept file that agrees stays as it is.
+    Numbers have 9 significant digits, or fewer by `agreement.DIGITS`. On another processor the last
+    ones differ: a kept file that agrees stays as it is.
     """
     frame = frame.copy()
     for column, digits in agreement.DIGITS.get(path.stem, {}).items():
@@ -252,7 +252,7 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
 def write_stiffening(table: pd.DataFrame) -> None:
     """Write the table of `study.contact.stiffening`, if it does not agree with the kept one.
 
-    On another processor a number differs by one, and one at the limit of being left out by two.
+    On another processor a number may differ by one, and one at the limit of being left out by two.
     """
     if TABLE.is_file():
         keys = list(table.columns[: -len(stiffening.PLACES)])
@@ -266,7 +266,7 @@ def write_stiffening(table: pd.DataFrame) -> None:
 def write_package(wall_time: float) -> None:
     """Describe the dataset in ``datapackage.json``: schema, units, hashes and provenance.
 
-    ``wall_time`` is what the cases took together, in s.
+    ``wall_time`` is that of all cases, in s.
     """
     _refuse_damaged_published_files()
     _write_description(
@@ -323,7 +323,7 @@ def _resource(name):
 
 
 def _refuse_damaged_published_files():
-    """Files from elsewhere keep the hash they have: a build does not bless a damaged one."""
+    """Refuse damaged files that no build makes: a new hash would hide the damage."""
     try:
         stated = {r["path"]: r["hash"] for r in _read_package()["resources"]}
     except DatasetError:
@@ -334,10 +334,10 @@ def _refuse_damaged_published_files():
 
 
 def _read_package():
-    """Content of the description, with everything in it that is used here."""
+    """Content of the description, checked for all that is used here."""
     paths.require_checkout(paths.DATA)
     name = provenance.name(PACKAGE)
-    remedy = f"mend it with: git checkout -- {name}, or make it anew with: {MEND}"
+    remedy = f"restore it with: git checkout -- {name}, or rebuild it with: {MEND}"
     try:
         package = json.loads(PACKAGE.read_text(encoding="utf-8"))
         for key in ("library_sha256", "design", "made_by"):
@@ -352,20 +352,20 @@ def _read_package():
     if missing := set(ORIGINS) - set(described):
         raise DatasetError(f"{name} does not describe {', '.join(sorted(missing))}; {remedy}")
     if described[CURVES.name].get("schema") != _schema():
-        raise DatasetError(f"{name} is damaged: the schema of {CURVES.name} is another; {remedy}")
+        raise DatasetError(f"{name} is damaged: the schema of {CURVES.name} differs; {remedy}")
     return package
 
 
 def _verify(path, stated, generated):
     """Compare one file with the hash stated for it.
 
-    By hashlib: frictionless, which `quality` asks, takes a second to import at every load.
+    By hashlib: frictionless (`quality`) would take a second to import at every load.
     """
     name, description = provenance.name(path), f"data/{PACKAGE.name}"
     # the description too: its hash may be the one that is wrong
-    remedy = f"mend it with: git checkout -- {name} {description}"
+    remedy = f"restore it with: git checkout -- {name} {description}"
     if generated:
-        remedy += f", or make it anew with: {MEND}"
+        remedy += f", or rebuild it with: {MEND}"
     if not path.is_file():
         raise DatasetError(f"{name} is missing; {remedy}")
     if stated.removeprefix("sha256:") != provenance.sha256(path.read_bytes()):
@@ -374,7 +374,7 @@ def _verify(path, stated, generated):
 
 
 def _design():
-    """Which cases there are and why; the hash is of all parameters as they are resolved."""
+    """Which cases there are and why; the hash is that of all parameters, defaults included."""
     cases = [(s.group, name, joint, s.depths) for s in design.DESIGN for name, joint in s.cases()]
     count = Counter(group for group, *_ in cases)
     return {
@@ -416,13 +416,13 @@ def verify_files() -> None:
     if stated["design"] != _design():
         raise DatasetError(
             f"data/{CURVES.name} is out of date: the design (study/dataset/design.py), a default "
-            f"of the joint or a resolution has changed since it was made; make it anew with: {MEND}"
+            f"of the joint or a resolution has changed since it was made; rebuild it with: {MEND}"
         )
     for name, digests in _made_by().items():
         before = stated["made_by"].get(name, {})
         changed = [file for file in digests | before if digests.get(file) != before.get(file)]
         if changed:
-            why = f"{', '.join(changed)} changed since it was made; make it anew with: {MEND}"
+            why = f"{', '.join(changed)} changed since it was made; rebuild it with: {MEND}"
             raise DatasetError(f"{name} is out of date: {why}")
 
 

@@ -1,8 +1,8 @@
 """Laws as text that other programs can use: C, MATLAB, JSON or CSV.
 
-Each text is for one joint and says so, with the range of depths, the units, and the law's largest
-error there against the solved joint. The functions take SI units and check their arguments. The C
-function is C89 and needs its standard library alone; the MATLAB one runs in GNU Octave too.
+Each text is for one joint. It states the joint, the range of depths, the units, and the law's
+largest error there against the solved joint. The functions take SI units and check their arguments.
+The C function is C89 and needs the standard library only; the MATLAB one runs in GNU Octave too.
 """
 
 import json
@@ -23,7 +23,7 @@ SUFFIXES: dict[Format, str] = {"c": ".c", "matlab": ".m", "json": ".json", "csv"
 SHALLOWEST = 0.005
 """Least depth_star of the stated error: below, the force is less than 1/1000 of that at 0.5."""
 ROWS = 400  # of a CSV beside its first, in equal steps of sqrt(depth_star)
-_BETWEEN = 8  # places between rows at which an interpolation is judged
+_BETWEEN = 8  # places between rows at which interpolation is checked
 _SOURCE = "Spherical clearance joint study; see CITATION.cff there."
 _UNITS = {
     "depth_star": "depth/dR, dR = R2 - R1 the clearance",
@@ -44,13 +44,13 @@ def export(law: Exported, form: Format, joint: Joint, depth_star: float | None =
     joint
         The one joint that the text is for.
     depth_star
-        Largest depth of the text, in clearances; by default 1, if the joint can be pressed so far.
+        Largest depth of the text, in clearances; by default 1, if the joint can go so deep.
 
     Raises
     ------
     ValueError
-        For an unknown law or format, a joint that ``stiffened_hertz`` is not for, or a depth
-        beyond what the law or the joint can have.
+        For an unknown law or format, a joint that ``stiffened_hertz`` is not for, or a depth beyond
+        the range of the law or the joint.
     """
     checks.choice("law", law, [*LAWS, "tabulated"])
     checks.choice("format", form, SUFFIXES)
@@ -68,13 +68,13 @@ def export(law: Exported, form: Format, joint: Joint, depth_star: float | None =
 
 
 class _Content:
-    """What every format says of a law: its parts for the joint, its range, its error."""
+    """What every format has of a law: its parts for the joint, its range, its error."""
 
     def __init__(self, law, joint, deepest):
         self.name, self.joint, self.deepest = law, joint, deepest
         options = joint.stiffening_options() if law == "stiffened_hertz" else {}
         if law != "tabulated":
-            LAWS[law](deepest, joint.r2_star, **options)  # refuses what it cannot
+            LAWS[law](deepest, joint.r2_star, **options)  # refuses a depth beyond its range
         curve = curve_to(joint, deepest)
         exact = contact.tabulated(curve)
         self.law = exact if law == "tabulated" else LAWS[law]
@@ -148,7 +148,7 @@ class _Content:
         return "\n".join([*lines, ",".join(_UNITS), *numbers, ""])
 
     def _interpolations(self, depth):
-        """What interpolation between rows adds to the error, measured."""
+        """Measured errors of interpolation between rows, in words."""
         root = np.sqrt(depth)
         steps = (np.arange(1, _BETWEEN) / _BETWEEN)[:, None]
         between = (root[:-1] + steps * np.diff(root)) ** 2

@@ -1,8 +1,8 @@
-"""Each shape of force over depth as text that is C and MATLAB at once, but for the dots.
+"""Each shape of force over depth as text for C and MATLAB.
 
-A formula is lines ``name = expression`` from ``ds`` = depth/dR > 0 to ``value`` and ``slope``, as
-`study.contact.shapes` has them. It is written for MATLAB's arrays; C takes it without the dots
-before * and /. The templates around it are ``law.c`` and ``law.m``.
+A formula has lines ``name = expression``, from ``ds`` = depth/dR > 0 to the ``value`` and ``slope``
+of `study.contact.shapes`. It is written for MATLAB's arrays; C gets it without the dots before *
+and /. The templates around it are ``law.c`` and ``law.m``.
 """
 
 import re
@@ -37,7 +37,7 @@ def words(shape: Callable) -> str:
 
 
 def text(language: Language, shape: Callable, constants: Any, about: str, **values: Any) -> str:
-    """Source of one function: ``about`` is what its comment says, ``values`` fill the template."""
+    """Source of one function: ``about`` is its comment, ``values`` fill the template."""
     lines, tables = _FORMULAS[shape](constants)
     if language == "c":
         lines = [re.sub(r" \.([*/])", r" \1", line) for line in lines]
@@ -110,7 +110,7 @@ def _tabulated(constants):
 
 
 def _tables(language: Language, table: Any) -> str:
-    """The table of a spline, and how the formula looks into it: from 0 on, as in C."""
+    """The table of a spline, and how the formula reads it, with indices from 0 on."""
     if table is None:
         return ""
     last = len(table) - 2
@@ -156,4 +156,4 @@ _FORMULAS: dict[Callable, Callable] = {
     shapes.stiffened: _stiffened,
     shapes.tabulated: _tabulated,
 }
-"""Shape -> function of its constants: lines, and the table that they look into."""
+"""Shape -> function of its constants, which gives the lines and the table that they read."""

@@ -78,6 +78,6 @@ def table() -> tuple[dict[str, Any], ...]:
             raise ValueError
     except (OSError, ValueError, KeyError, TypeError):
         file = f"study/joint/{MATERIALS.name}"
-        remedy = f"in a checkout git checkout -- {file}, else install the study anew"
-        raise checks.StudyError(f"{file} is missing or damaged; mend it: {remedy}") from None
+        remedy = f"in a checkout with git checkout -- {file}, else install the study again"
+        raise checks.StudyError(f"{file} is missing or damaged; restore it {remedy}") from None
     return tuple(rows)

@@ -33,8 +33,7 @@ Case = dict[str, str]
 Told = dict[str, Any]
 Rows = list[list[str]]
 NAME, ERROR = "case", "error"
-"""First column of every table, which names a case, if it has a name, or numbers it; and the last
-one, why it failed, or empty."""
+"""First column of every table, the case's name or number, and the last, the reason of a failure."""
 CURVES = {
     "depth_star": ("1", "Penetration depth d/dR"),
     "force_star": ("1", "Force P/(E* dR^2)"),
@@ -63,15 +62,16 @@ SCENES = {
     "energy_error": ("1", "Largest error of the energy balance, over the largest energy"),
 }
 COLUMNS = {"joints": CURVES, "joints with dimensions": SIZED, "scenes": SCENES}
-"""What is told of a case, by what it is: column -> unit and meaning."""
-_LONG = 1.0  # s after which a process returns what it has; the rest is given out again
+"""Results of a case, by the form of the cases: column -> unit and meaning."""
+_LONG = 1.0  # s after which a process returns its results; the other cases are handed out again
 
 
 class Form(NamedTuple):
-    """What cases of one form are given by, and how they are solved.
+    """How cases of one form are read and solved.
 
-    ``read`` gives the value of a column's name and text. ``solver`` makes of these values a key,
-    which is the same for cases that share elastic bodies, and a function that solves the case.
+    ``read`` has a function for each column, of its name and text, that gives its value. ``solver``
+    takes these values. It gives a key, the same for cases that share elastic bodies, and a function
+    that solves the case.
     """
 
     read: Mapping[str, Callable[[str, str], Any]]
@@ -80,12 +80,12 @@ class Form(NamedTuple):
 
 
 def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
-    """Cases of a CSV file, or of mappings, as texts; an empty text is left out.
+    """Cases from a CSV file, or from mappings, as texts; empty texts are left out.
 
     Raises
     ------
     ValueError
-        If there are none, for a file that is no CSV text, or a row of another length.
+        If there are none, for a file that is not CSV text, or a row of another length.
     """
     if not isinstance(cases, Path):
         found = [_texts(case) for case in cases]
@@ -94,7 +94,7 @@ def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
             lines = cases.read_text(encoding="utf-8-sig")
             head, *rows = [row for row in csv.reader(io.StringIO(lines)) if row] or [[]]
         except (OSError, UnicodeDecodeError, csv.Error) as error:
-            why = getattr(error, "strerror", None) or "it is no CSV text in UTF-8"
+            why = getattr(error, "strerror", None) or "it is not CSV text in UTF-8"
             raise ValueError(f"cases must be a CSV file, got {cases}: {why}") from None
         names = [name.strip() for name in head]
         if len(set(names)) < len(names):
@@ -117,20 +117,20 @@ def _texts(case):
 
 
 def _text(value):
-    """A cell's text of a value in Python; a list is of several values, a tuple is one."""
+    """Text of a cell from a Python value; a list has several values, a tuple is one value."""
     if isinstance(value, list | tuple | np.ndarray):
         return ("," if isinstance(value, tuple) else ";").join(map(_text, value))
     return "" if value is None or str(value) in ("nan", "<NA>", "NaT") else str(value)
 
 
 def random_cases(count: int, ranges: Mapping[str, str], seed: int = 0) -> list[Case]:
-    """Random cases, the same ones for the same seed; more of them begin with these.
+    """Random cases, the same for the same seed; a larger ``count`` begins with the same ones.
 
     Parameters
     ----------
     ranges
-        By column ``low:high``, drawn evenly, ``low:high:log``, drawn evenly in the logarithm, or
-        the values to choose from, ``a,b,c``. Numbers are drawn with 6 digits.
+        Range of each column: ``low:high``, drawn evenly; ``low:high:log``, drawn evenly in the
+        logarithm; or values to choose from, ``a,b,c``. Numbers are drawn with 6 digits.
     """
     count = checks.whole("number of random cases", count, least=1)
     seed = checks.whole("seed", seed, least=0)
@@ -159,7 +159,7 @@ def _range(name, text):
 
 
 def checked(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
-    """Form of the cases, one of `COLUMNS`, and of each the key of its elastic bodies.
+    """Form of the cases, one of `COLUMNS`, and for each case the key of its elastic bodies.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def checked(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
 
 
 def solve_some(form: str, some: list[Case]) -> list[Rows]:
-    """Rows of the first cases of a list: of as many as take a second."""
+    """Rows of the first cases of a list, as many as take a second."""
     end, found = time.monotonic() + _LONG, []
     for case in some:
         found.append(rows(form, case))
@@ -210,7 +210,7 @@ def rows(form: str, case: Case) -> Rows:
         cells = [_cells(name, told[name]) for name in columns]
     except MemoryError:  # not the case's own
         raise
-    except Exception as error:  # told in the table, and counted: the other cases go on
+    except Exception as error:  # written to the table, and counted: the other cases go on
         known = isinstance(error, ValueError | StudyError)
         text = str(error) if known else f"{type(error).__name__}: {error}"
         return [[""] * len(columns) + [" ".join(text.split())]]
@@ -263,7 +263,7 @@ def _liners(name, text):
 
 
 def _bodies(joint: Joint) -> str:
-    """What decides the compliances of a joint's bodies."""
+    """Key of the compliances of a joint's bodies."""
     supports = joint.ball_drive, joint.rim, joint.kinematics
     return repr((supports, joint.socket_layers, joint.ball.poisson))
 
@@ -337,7 +337,7 @@ def _simulated(scene: Scene, run: Callable[[], Response]) -> Told:
 
 
 def _ideal_position(scene: Scene, response: Response) -> np.ndarray:
-    """Where the slider is at each crank angle of a response with ideal joints, in m."""
+    """Slider's position with ideal joints at each crank angle of a response, in m."""
     angle, crank, coupler = response.crank_angle, scene.crank_length, scene.coupler_length
     return crank * np.cos(angle) + np.sqrt(coupler**2 - (crank * np.sin(angle)) ** 2)
 

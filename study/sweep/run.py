@@ -1,8 +1,8 @@
 """Solves the cases of a parameter study in processes or on Dask, and writes one table.
 
-Every result goes to a part file beside the table as soon as it is there, so that the memory stays
-flat and an interrupted study goes on where it stopped. The table is written from it at the end, in
-the order of the cases: the same bytes whatever the number of processes.
+Every result goes at once to a part file beside the table. Memory use therefore stays small, and an
+interrupted study goes on where it stopped. The table is written from this file at the end, in the
+order of the cases, with the same bytes for any number of processes.
 """
 
 import csv
@@ -27,15 +27,15 @@ from study.checks import StudyError
 from study.sweep import cases as of_cases
 from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind, Rows
 
-_TASK = 16  # cases that a process is given at once, at most: neighbours share bodies
+_TASK = 16  # most cases that a process gets at once: neighbours share bodies
 _AHEAD = 2  # tasks for each process that are waiting or running
 _PACKAGES = ("numpy", "scipy", "numba", "scikit-fem")
 
 
 class Swept(NamedTuple):
-    """Numbers of cases and of rows in the table, columns of results and why cases failed.
+    """Numbers of cases and of rows in the table, columns of results, and why cases failed.
 
-    ``columns`` has the unit and the meaning of each, ``failures`` the cases by number or name.
+    ``columns`` has the unit and the meaning of each, ``failures`` the reasons by number or name.
     """
 
     cases: int
@@ -55,34 +55,33 @@ def sweep(
 ) -> Swept:
     """Solve many joints, or simulate many scenes, and write one table.
 
-    A joint has a row for each of its depths or forces, or for each of some 50 depths of its whole
-    curve if none are given; a scene has one row. The columns are the case's number or name, what
-    is given of it, what is told of it (`COLUMNS`), and ``error``: a case that fails has one row
-    with its reason there.
+    A joint has a row for each of its depths or forces. If none are given, it has some 50 rows of
+    its whole curve. A scene has one row. The columns are the case's number or name, what is given,
+    its results (`COLUMNS`), and ``error``: a case that fails has one row with its reason there.
 
     Parameters
     ----------
     cases
-        CSV file with a row per case, or mappings of its columns, as a table's
-        ``to_dict("records")``: the options of study joint, or those of study simulate and the
-        parameters of the scene, and perhaps ``case``, a name. Several depths, forces, layers or
-        liners of a case are separated by semicolons, or a list.
+        CSV file with a row for each case, or mappings of its columns, such as a table's
+        ``to_dict("records")``. Columns are the options of study joint, or those of study simulate
+        and the parameters of the scene, and perhaps ``case``, a name. Several depths, forces,
+        layers or liners are separated by semicolons, or are a list.
     kind
         ``joints`` or ``scenes``.
     output
-        CSV file to write. Until it is written, ``.part`` is beside it: cases that this holds are
-        not solved again, unless they or the code have changed.
+        CSV file to write. Until it is written, a file ``.part`` is beside it. Cases in this file
+        are not solved again, unless they or the code have changed.
     jobs
         Processes, by default one per core.
     dask_address
         Dask scheduler whose workers solve the cases instead.
     progress
-        Called with the numbers of different cases that are done, of all, and of those that failed.
+        Called with the numbers of different cases: done, all, and failed.
 
     Raises
     ------
     ValueError
-        Before any work, for a column or value that is not possible; names row and column.
+        For a column or value that is not possible, before any work; names row and column.
     study.checks.StudyError
         If the Dask scheduler does not answer, or a worker process ends.
     KeyboardInterrupt
@@ -120,8 +119,8 @@ def sweep(
 
 
 def _code() -> str:
-    """Digest of all code, and versions of all packages, that decide a result."""
-    from study.dataset import provenance  # with pandas, which the processes need not load
+    """Digest of the code and of the versions of the packages that decide a result."""
+    from study.dataset import provenance  # loads pandas, which the processes do not need
 
     files = provenance.inputs(Path(of_cases.__file__))
     packages = {package: version(package) for package in _PACKAGES}
@@ -129,7 +128,7 @@ def _code() -> str:
 
 
 def _key(code: str, form: str, case: Case) -> str:
-    """What a case is known by, whatever its number, name and the order of its columns."""
+    """Key of a case, whatever its number, its name and the order of its columns."""
     given = sorted((name, text) for name, text in case.items() if name != NAME)
     return _digest(json.dumps([code, form, given]))
 
@@ -139,10 +138,10 @@ def _digest(content: str) -> str:
 
 
 class _Part:
-    """File of what is finished: a line for each case, with its checksum.
+    """File of finished cases: a line for each, with its checksum.
 
-    A line that is of other cases, of other code, half written or damaged is passed over. Only
-    places are kept in memory.
+    A line of other cases or other code, or one that is incomplete or damaged, is passed over. Only
+    the places of lines are kept in memory.
     """
 
     def __init__(self, path: Path, keys: set[str]):
@@ -241,7 +240,7 @@ def _solved(
 
 @contextmanager
 def _workers(count: int, dask_address: str | None) -> Iterator[tuple[Executor, int]]:
-    """What runs functions, and how many at once; stopped if the study is."""
+    """Executor of functions, and how many it runs at once; it is stopped with the study."""
     if dask_address is not None:
         from study.pages.tasks import dask_client
 
@@ -258,7 +257,7 @@ def _workers(count: int, dask_address: str | None) -> Iterator[tuple[Executor, i
 
 
 def _end_with(runner):
-    """End this process soon after its runner, which may be killed: nobody else would."""
+    """End this process soon after its runner, which may be killed without ending it."""
 
     def watch():
         while os.getppid() == runner:
@@ -270,7 +269,7 @@ def _end_with(runner):
 
 @contextmanager
 def _without_interrupts():
-    """Ignore Ctrl-C for a moment, and for ever in processes that start in it: these are stopped."""
+    """Ignore Ctrl-C for a moment, and always in processes that start then: these are stopped."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

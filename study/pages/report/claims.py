@@ -20,7 +20,7 @@ GROUPS = {
     "can hardly fail": "What can hardly fail",
 }
 """Kinds of claims whose verdicts do not speak for or against the paper, in words."""
-MEND = "make it anew with: study run claims"
+MEND = "rebuild it with: study run claims"
 
 
 def read_claims(path: Path, known: Collection[str]) -> list[dict]:

@@ -45,7 +45,7 @@ def curves() -> dict:
                 case["undefined"][law] = str(error)
         cases.append(case)
     if len(cases) != len(frames):
-        raise checks.StudyError(f"the design and the dataset differ; mend it with: {store.MEND}")
+        raise checks.StudyError(f"the design and the dataset differ; rebuild it with: {store.MEND}")
     looks = {name: vars(LOOKS[name]) for name in ("exact", *LAWS)}
     found = {"parameters": PARAMETERS, "groups": design.GROUPS, "looks": looks}
     return found | {"depths": list(depths), "cases": cases}
