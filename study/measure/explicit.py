@@ -1,9 +1,8 @@
-"""Rigid links by explicit steps of one length: what the study's own stepper is measured against.
+"""Rigid links by explicit steps of one length, to compare the study's own stepper with.
 
 The equations are those of `study.mechanism.rigid`, in (theta, e_x, e_y) throughout. Impacts are
-not located: a step that ends with the surfaces overlapping begins a contact, with the rate of
-its depth for the approach speed. If they no longer approach by then, there is no such speed,
-and the contact is not damped, which is safe: dividing by nearly nothing is not.
+not located: a contact begins with a step that ends in overlap, and its approach speed is the rate
+of the depth there. If the surfaces no longer approach by then, the contact is not damped.
 """
 
 from math import inf, sqrt
@@ -21,18 +20,18 @@ from study.mechanism.scene import Scene
 from study.mechanism.stepping import MechanismError, divide
 
 SCHEMES = ("symplectic Euler", "lagged", "centred", "velocity Verlet", "RK4")
-"""``lagged`` and ``centred`` are central differences, by the velocity in damping and friction."""
+"""``lagged`` and ``centred``: central differences with two velocities for damping and friction."""
 EULER, LAGGED, CENTRED, VERLET, RK4 = range(5)
 MOST_STEPS = 1e10
-MOST_DAMPING = 100.0  # h D P c/v0, for which `_centre` still finds the velocity
+MOST_DAMPING = 100.0  # largest h D P c/v0 at which `_centre` still finds the velocity
 
 
 @compiled
 def acceleration(y, contact, approach, p, law, work, out):
     """Fill ``out`` with (theta'', e_x'', e_y'') at ``y`` = (theta, e, theta', e').
 
-    ``contact`` says whether surfaces that overlap push, ``approach`` is the approach speed, inf
-    for none. Returns depth, its rate and the slider's acceleration.
+    ``contact``: whether overlapping surfaces press; ``approach``: approach speed, inf for none.
+    Returns depth, its rate and the slider's acceleration.
     """
     r = norm(y[1], y[2])
     if not (contact and r > law.clearance):
@@ -59,8 +58,8 @@ def _limit(scheme, y, depth, approach, p, law):
     """Longest stable step in a contact, in s.
 
     h^2 P' c + 2 h D P c/v0 < 4 and h mu P s/(v1 - v0) < 2, with the inverse masses c along the
-    normal and s along the tangent; right for ``lagged``, and safe for the others. The centred
-    velocity has no limit of damping, but `_centre` one of its own.
+    normal and s along the tangent. It is exact for ``lagged`` and safe for the others. The centred
+    velocity has no damping limit, but `_centre` has one.
     """
     r = law.clearance + depth
     nx, ny = y[1] / r, y[2] / r
@@ -79,13 +78,13 @@ def _limit(scheme, y, depth, approach, p, law):
 def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest, guarded):
     """Step ``outputs`` times ``strides`` steps; fill ``found`` with slider's x'' and depth.
 
-    Returns how many outputs were reached, fewer where it fails, and the limit of the step if
-    that was passed, or 0 where the ball went too deep.
+    Returns the number of outputs reached, fewer after a failure, and the step's limit if it was
+    passed, or 0 if the ball went too deep.
     """
     a, b, c, d = np.zeros((4, 3))
     work, z, half = np.zeros(6), np.zeros(6), 0.5 * h
     depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
-    if scheme in (LAGGED, CENTRED):  # velocities half a step before the places
+    if scheme in (LAGGED, CENTRED):  # velocities half a step before the positions
         y[3:] -= half * a
     limit = _limit(scheme, y, depth, approach, p, law) if guarded and depth > 0 else inf
     if h > limit:
@@ -194,8 +193,8 @@ def integrate(
     approach
         Approach speed of the contact that the start is in, in m/s; inf for none.
     guarded
-        Whether to stop where the step is beyond its limit in the contact. Without that the
-        result is wrong there, and only a ball that goes too deep tells.
+        Whether to stop where the step is beyond its limit in the contact. Otherwise a wrong run
+        stops only if the ball goes too deep.
 
     Returns
     -------

@@ -1,10 +1,10 @@
 """Flexible links: error against time of particles, of finite elements, and of Exudyn's ANCF cables.
 
-With an ideal joint the slider's position over 0.1 s is judged, and not its acceleration: the moment
-is applied at once and nothing damps the links, so that they ring, and over so many periods no mesh
-keeps the phase. With clearance it is the first impact's time and largest force; later impacts are
-chaotic. Particles of a fine mesh are the reference. Cables have no shear, so that theirs
-are particles whose shear stiffness is a thousand times as large.
+With an ideal joint the slider's position over 0.1 s is judged. Its acceleration would not do: the
+sudden moment makes undamped links ring, and no mesh keeps the phase over so many periods. With
+clearance the first impact's time and largest force are judged; later impacts are chaotic. The
+reference is particles of a fine mesh. Cables have no shear: theirs has a shear stiffness a
+thousand times as large.
 """
 
 from collections.abc import Callable, Iterator
@@ -27,14 +27,14 @@ DURATIONS = {"ideal joint": 0.1, "first impact": 2e-3}  # s
 OUTPUTS = 100  # of the ideal joint
 FINEST = {"ideal joint": (8, 16), "first impact": (32, 64)}
 MESHES = {"ideal joint": (1, 2, 4), "first impact": (2, 4, 8, 16)}
-"""Elements of the crank; the coupler has twice as many. Particles have two at least: one has too
-much inertia."""
+"""Elements of the crank; the coupler has twice as many. Particles need two: one has too much
+inertia."""
 STEPS = {
     "ideal joint": (1e-3, 2e-4, 5e-5, 1e-5),
     "first impact": (1e-5, 4e-6, 1e-6, 2.5e-7),
 }
-"""Of the implicit methods, in s."""
-LONGEST_OF_CABLES = 2e-4  # s; with longer ones Newton's method fails on some meshes
+"""Steps of the implicit methods, in s."""
+LONGEST_OF_CABLES = 2e-4  # s; with longer steps Newton's method fails on some meshes
 SHARES = (0.95, 0.5)  # of the explicit step's limit
 
 
@@ -92,7 +92,7 @@ def longest_step(joint: Joint, elements: Elements, scene: Scene | None = None) -
 
 @cache
 def truth(joint: Joint, shear: bool = True) -> NDArray[np.float64]:
-    """What `found` gives in the limit: particles of a fine mesh, with or without shear."""
+    """Limit of `found`: particles of a fine mesh, with or without shear."""
     scene = Scene() if shear else shear_stiff(Scene())
     step = SHARES[1] * longest_step(joint, FINEST[joint], scene)
     return found("particles", joint, FINEST[joint], step, scene)
@@ -128,7 +128,7 @@ def runs() -> Iterator[Run]:
 def call(
     joint: Joint, method: str, elements: Elements, step: float
 ) -> Callable[[], NDArray[np.float64]]:
-    """A call without arguments that steps one of `METHODS`; cables are assembled before it."""
+    """A function without arguments that steps one of `METHODS`; cables are assembled here."""
     if method != "ANCF cables":
         return partial(found, method, joint, elements, step)
     if joint == "ideal joint":

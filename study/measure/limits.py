@@ -1,4 +1,4 @@
-"""Limits of methods: where something begins to fail, found by trying both sides of it."""
+"""Limits of methods: where something begins to fail, found from both sides."""
 
 from collections.abc import Callable, Iterable
 from math import sqrt
@@ -11,7 +11,7 @@ from study.joint import Joint, force_curve
 
 
 def table(rows: Iterable[tuple]) -> pd.DataFrame:
-    """Table of limits, numbers as text: what fails, when, predicted, observed, unit, told by."""
+    """Table of limits: what fails, condition, predicted, observed (as text), unit, told by."""
     columns = ["what", "condition", "predicted", "observed", "unit", "told_by"]
     limits, numbers = pd.DataFrame(rows, columns=columns), ["predicted", "observed"]
     limits[numbers] = limits[numbers].map(lambda x: x if isinstance(x, str) else f"{x:.3g}")

@@ -4,7 +4,7 @@ Four charts. ``laws``: a call in a compiled loop, against the curve of the paper
 ``solvers``: a curve of 20 depths from nothing, of a radially free ball, against the series.
 ``steppers``: 0.3 s of the paper's scene with clearance, against the study's stepper at its
 smallest tolerance. ``flexible``: flexible links, as of `study.measure.flexible`. Times depend on
-the machine, so that those drawn are kept in ``data/published/peers.csv``, made by `study measure`.
+the machine: those drawn are kept in ``data/published/peers.csv``, which `study measure` writes.
 
 A new method needs its entry in `SOLVERS` or `STEPPERS`, its run beside the others, and its look in
 `study.pages.figures.METHOD_LOOKS`. The kept times are one machine's: measure a whole chart there,
@@ -69,7 +69,7 @@ Chart = Literal["laws", "solvers", "steppers", "flexible"]
 CHARTS = get_args(Chart)
 COMPILED, PYTHON, PROGRAM = "compiled", "from Python", "as a program"
 """How a method is called: in a compiled loop, by a loop in Python, or as a process of its own."""
-ENOUGH = 2.0  # s: after so much time in calls of a function there is no other
+ENOUGH = 2.0  # s in calls of a function, after which it is not called again
 
 SOLVERS = (  # method and its resolution
     *(("series", n) for n in (320, 32, 64, 160, 640)),
@@ -81,9 +81,9 @@ SOLVERS = (  # method and its resolution
 )
 STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7)
 LONGEST_STEPS = {"centred": 2e-6, "velocity Verlet": 1e-6, "RK4": 1e-6}
-"""Of the explicit steppers with which the ball goes too deep by longer ones (notebook 17)."""
+"""In s: with longer ones the ball goes too deep (notebook 17)."""
 LAST = {"LSODA": 10, "Radau": 8, "DOP853": 8, "CVODE": 10}
-"""Of the smallest tolerances, minus their decimal logarithm: smaller ones take many seconds."""
+"""Minus the decimal logarithm of the smallest tolerance: smaller ones take many seconds."""
 STEPPERS = (  # method and its tolerance or step
     *(("collocation, events", t) for t in (1e-8, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)),
     *((s, h) for s in explicit.SCHEMES for h in STEPS if h <= LONGEST_STEPS.get(s, STEPS[0])),
@@ -97,17 +97,17 @@ ERRORS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
 
 
 def timed(function: Callable[[], Any], repeats: int) -> tuple[NDArray[np.float64], Any]:
-    """Times of a call in s, and what it returned, as of `timed_by_turns`."""
+    """Times of a call in s, and its result, as of `timed_by_turns`."""
     return timed_by_turns([function], repeats)[0]
 
 
 def timed_by_turns(
     functions: Sequence[Callable[[], Any]], repeats: int
 ) -> list[tuple[NDArray[np.float64], Any]]:
-    """Times of calls in s, on one thread, by turns, and what each function returned.
+    """Times of calls in s, on one thread and in turns, with each function's result.
 
-    A function is called no more once its calls took `ENOUGH`. Its first call is counted only if
-    it is the only one.
+    A function is not called again once its calls took `ENOUGH`. Its first call counts only if it
+    is the only one.
     """
     times: list[list[float]] = [[] for _ in functions]
     results = [None] * len(functions)
@@ -241,7 +241,7 @@ def steppers(
 
 
 def _stepper(method, setting, law):
-    """A run of one of `STEPPERS`, and how it is called; None if its program is not installed."""
+    """A run of one of `STEPPERS`, and how it is called; None without its program."""
     if method == OURS:
         return partial(_ours, setting), {}
     if method in explicit.SCHEMES:
@@ -278,10 +278,10 @@ def flexibles(repeats: int = 3, chosen: Sequence[flexible.Run] | None = None) ->
 
 
 def time_at(rows: pd.DataFrame, errors: ArrayLike) -> NDArray[np.float64]:
-    """Time in s that a method needs for given errors, of its rows in a chart.
+    """Time in s that a method needs for given errors, from its rows in a chart.
 
-    Between those rows that no other one beats in both error and time, the logarithms are
-    interpolated. NaN for an error below that of every row.
+    Logarithms are interpolated between the rows that no other one beats in both error and time.
+    NaN for an error below that of every row.
     """
     ordered = rows.sort_values(["time", "rms_error"])
     front = ordered[ordered.rms_error < ordered.rms_error.cummin().shift(fill_value=np.inf)][::-1]
@@ -292,7 +292,7 @@ def time_at(rows: pd.DataFrame, errors: ArrayLike) -> NDArray[np.float64]:
 def at_equal_error(steppers: pd.DataFrame, errors: Sequence[float] = ERRORS) -> pd.DataFrame:
     """Time of every stepper at given errors, and its ratio to that of the study's own.
 
-    Columns method, called, error, time, ratio; without errors that a stepper does not come to.
+    Columns method, called, error, time, ratio; without errors that a stepper does not reach.
     """
     parts = [
         pd.DataFrame(
@@ -325,9 +325,9 @@ def _add(law, depths):
 
 
 def least(repeats: int = 15) -> float:
-    """Time in s of the least that a law can be, in the loop of the chart of laws.
+    """Time in s of the cheapest possible law, in the loop of the chart of laws.
 
-    Force and stiffness of Hertz's law with nothing to look up: a square root and four products.
+    It has force and stiffness of Hertz's law: a square root and four products.
     """
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     add_least(depths[:2], 2.0)  # compiled here
@@ -336,7 +336,7 @@ def least(repeats: int = 15) -> float:
 
 @compiled
 def add_least(depths, scale):
-    """Sum of what `least` times."""
+    """Sum of the forces and stiffnesses that `least` times."""
     total = 0.0
     for depth in depths:
         root = np.sqrt(depth)

@@ -1,7 +1,7 @@
 """Where explicit steps and impacts fail, predicted and observed.
 
-Most limits have a prediction in closed form, or from the linearised equations, and an observed
-value, found by running the method itself on both sides of it.
+Most limits have a prediction, in closed form or from the linearised equations, and an observed
+value, found by running the method on both sides of it.
 """
 
 from math import inf, sqrt
@@ -48,7 +48,7 @@ def _checked(state):
 
 
 def lasting_contact(scene: Scene, law: str, duration: float) -> Numbers:
-    """State of rigid links at the end of a simulation, in contact by then.
+    """State of rigid links at the end of a simulation that ends in contact.
 
     Returns
     -------
@@ -145,16 +145,16 @@ def observed_step(
     approach: float = inf,
     steps: int = 40,
 ) -> float:
-    """Step from which on the accelerations of two runs that start side by side part, in s.
+    """Smallest step at which two runs that start side by side diverge, in s.
 
     Parameters
     ----------
     scheme
         One of `study.measure.explicit.SCHEMES`.
     approach
-        Approach speed that the contact remembers, in m/s; inf: not damped.
+        Approach speed of the contact, in m/s; inf: not damped.
     steps
-        Of each run, in which a difference of a millionth grows tenfold.
+        Of each run. Runs diverge if the first difference of their accelerations grows tenfold.
     """
     checks.choice("scheme", scheme, explicit.SCHEMES)
     steps, state = checks.whole("steps", steps, least=2), _checked(state)
@@ -186,9 +186,9 @@ def observed_step(
 def frame_limits(scene: Scene, elements: tuple[int, int]) -> dict[tuple[str, str], float]:
     """Limits 2/frequency of the explicit step for long chains of particles, in closed form.
 
-    Neighbours that move oppositely along have the frequency (2/l) sqrt(EA/m'). With the rotary
-    inertia m' l^3/12 all particles turn alike, against shear s = 12 EI/(k GA l^2), at
-    (12/l^2) sqrt(EI/(m' (1 + s))), and neighbours oppositely, in bending, at sqrt(48 EI/m')/l^2.
+    Neighbours that move oppositely along the link have the frequency (2/l) sqrt(EA/m'). The rotary
+    inertia is m' l^3/12. Particles that all turn alike, against shear s = 12 EI/(k GA l^2), have
+    (12/l^2) sqrt(EI/(m' (1 + s))); neighbours that turn oppositely, in bending, sqrt(48 EI/m')/l^2.
     Limits by link and ``axial``, ``shear`` or ``bending``, in s.
     """
     checks.instance("scene", scene, Scene)
@@ -205,7 +205,7 @@ def frame_limits(scene: Scene, elements: tuple[int, int]) -> dict[tuple[str, str
 
 
 def observed_frame_step(scene: Scene, elements: tuple[int, int], steps: int = 600) -> float:
-    """Step from which on links of particles with an ideal joint lose their energy, in s."""
+    """Smallest step at which particles with an ideal joint do not keep their energy, in s."""
     checks.instance("scene", scene, Scene)
     elements, steps = particles.numbers_of_elements(elements), checks.whole("steps", steps, least=2)
     options = {"model": "particles", "joint": "ideal", "method": "unguarded", "outputs": 2}
@@ -224,7 +224,7 @@ def observed_frame_step(scene: Scene, elements: tuple[int, int], steps: int = 60
 def rigid_steps(
     scene: Scene, law: str, duration: float, tolerance: float = 1e-8
 ) -> tuple[int, float]:
-    """Steps that rigid links try in a time, in s, and the energy that friction takes, in J."""
+    """Number of steps that rigid links try in a duration (s), and the loss to friction (J)."""
     checks.number("duration", duration, "s", above=0, scalar=True)
     checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
     numbers = packed(scene, law)
@@ -238,7 +238,7 @@ def rigid_steps(
 def free_impact(
     factor: float, pull: float = 0.0, depth: float = 0.0, speed: float = 1.0, power: float = 1.5
 ) -> tuple[float, float]:
-    """Contact of a mass by x'' = -x^p (1 + D x') - pull, until the surfaces part.
+    """Contact of a mass, x'' = -x^p (1 + D x') - pull, until the surfaces part.
 
     Parameters
     ----------
@@ -281,7 +281,7 @@ def free_impact(
 def event_differences(
     scene: Scene, law: str, change: float, duration: float, share: float = 0.05
 ) -> pd.DataFrame:
-    """How far apart the same impacts of two runs are, whose balls start ``change`` apart, in m.
+    """Time differences of the same impacts in two runs whose balls start ``change`` (m) apart.
 
     Returns
     -------

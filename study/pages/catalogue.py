@@ -1,4 +1,4 @@
-"""The catalogue of the notebooks, ``notebooks/catalogue.toml``: what each makes, and selecting."""
+"""The catalogue of the notebooks, ``notebooks/catalogue.toml``: what each makes; selection."""
 
 import re
 import tomllib
@@ -24,14 +24,14 @@ class Notebook:
     figures, tables
         Name of each figure and table -> what it shows.
     tells
-        Name of each figure -> what to conclude from it, in one sentence without numbers.
+        Name of each figure -> its conclusion, in one sentence without numbers.
     expect
         Name of a result -> the number of it to expect: ``column at key = value, ...``, with the
         keys of one row. Without one it is the number of rows.
     reads
         Results of other notebooks whose numbers it reads.
     long
-        Whether it takes longer than most, so that it is to begin first.
+        Whether it takes longer than most, so that it begins first.
     """
 
     name: str
@@ -82,7 +82,7 @@ def select(names: Sequence[str]) -> list[Notebook]:
     Raises
     ------
     ValueError
-        For an unknown name; tells the nearest known ones.
+        For an unknown name; the message has the nearest known one.
     """
     paths.require_checkout(paths.NOTEBOOKS)
     known = [name for nb in CATALOGUE for name in (nb.name, *nb.results)]

@@ -1,7 +1,7 @@
-"""Notebooks executed by papermill: their parameters checked, the stale ones as tasks, one alone.
+"""Check the parameters of notebooks, run stale ones as tasks, execute one by papermill.
 
-A notebook is executed in a kernel with folders of its own (`study.pages.kernel`), and nothing of
-the process that asks is changed, so that several threads may execute notebooks at the same time.
+A notebook is executed in a kernel with folders of its own (`study.pages.kernel`). Nothing in the
+calling process changes, so that several threads may execute notebooks at the same time.
 """
 
 import ast
@@ -53,7 +53,7 @@ def parameters(notebook: "Notebook") -> dict[str, tuple[Any, str]]:
 
 
 def explained(notebook: "Notebook") -> list[tuple[str, str, str, str]]:
-    """Parameters of a notebook for a reader: name, default, values allowed if told, meaning."""
+    """Parameters of a notebook for a reader: name, default, values allowed if given, meaning."""
     rows = []
     for name, (default, comment) in parameters(notebook).items():
         allowed = _ALLOWED.search(comment)
@@ -63,10 +63,10 @@ def explained(notebook: "Notebook") -> list[tuple[str, str, str, str]]:
 
 
 def check_parameters(notebooks: "list[Notebook]", settings: list[str]) -> dict[str, dict[str, Any]]:
-    """Turn settings ``key=value`` into parameters per notebook, each of which gets those it has.
+    """Turn settings ``key=value`` into parameters; each notebook gets those it has.
 
     Papermill itself only warns of an unknown parameter and runs the default. A value is a Python
-    literal or a bare word; one that is the default is left out.
+    literal or a bare word. The default is left out.
 
     Raises
     ------
@@ -128,10 +128,10 @@ def _check_range(key, value, comment):
 def run(
     notebooks: "list[Notebook]", settings: dict[str, dict], *, report: bool = False, **options: Any
 ) -> "Built":
-    """Run the stale ones of some notebooks, and of those that they read from, as pytask tasks.
+    """Run stale notebooks, and the stale ones that they read from, as pytask tasks.
 
     The settings are those of `check_parameters`, the options those of `study.pages.tasks.build`.
-    For paper and report all notebooks are run.
+    Paper and report need all notebooks.
     """
     from study.pages import tasks
 
@@ -156,7 +156,7 @@ def run(
 
 
 def compare(notebooks: "list[Notebook]") -> list[kept.Comparison]:
-    """Compare the results of some notebooks, as made last, with the kept ones."""
+    """Compare the results of notebooks, as made last, with the kept ones."""
     found = []
     for notebook in notebooks:
         other = bool(_made_with(notebook))

@@ -1,9 +1,8 @@
 """Results as made here beside the kept ones: identical, agreeing, or different.
 
 The kept results are the files in ``figures/``. Where every number agrees
-(`study.dataset.agreement`) the kept file stays as it is, and where one does not the new file
-takes its place. What was made last lies in ``build/made``, and a kept file that has been replaced
-in ``build/kept``.
+(`study.dataset.agreement`) the kept file stays as it is; otherwise the new file replaces it. The
+last files made are in ``build/made``, and replaced kept files in ``build/kept``.
 """
 
 import filecmp
@@ -28,7 +27,7 @@ _PLURAL = {"agrees": "agree", "differs": "differ"}
 
 @dataclass(frozen=True)
 class Comparison:
-    """A result as made here beside the kept one; ``where`` it differs, if it does."""
+    """A result as made here beside the kept one, and ``where`` they differ."""
 
     name: str
     state: State
@@ -41,7 +40,7 @@ def files(name: str, is_figure: bool) -> list[str]:
 
 
 def place(folder: Path, names: Iterable[str]) -> None:
-    """Take over files made in a folder: those that differ from the kept ones replace them.
+    """Take over files made in a folder; those that differ replace the kept ones.
 
     The CSV of a figure is named before its image.
     """
@@ -61,7 +60,7 @@ def place(folder: Path, names: Iterable[str]) -> None:
 
 
 def accept(names: Iterable[str]) -> None:
-    """Take what was made as the kept files from now on."""
+    """Keep the files as made last from now on."""
     for name in names:
         (KEPT / name).unlink(missing_ok=True)
 
@@ -82,7 +81,7 @@ def is_as_made(name: str) -> bool:
 
 
 def summary(comparisons: list[Comparison]) -> str:
-    """One line: how many results are identical, agree and differ, and more if there are others."""
+    """One line: number of results that are identical, agree, differ, or have another state."""
     counts = Counter(comparison.state for comparison in comparisons)
     shown = [state for state in STATES if counts[state] or state in STATES[:3]]
     told = [f"{counts[state]} {_PLURAL.get(state, state)}" for state in shown]
@@ -108,10 +107,10 @@ def _compare(name, kept, made):
 
 
 def _pixels(name, kept, made):
-    """Where two images differ by more than agrees, or None.
+    """Where two images differ too much to agree, or None.
 
-    If the numbers beside them are the same, every pixel must be; if they only agree, a line may
-    have moved by less than a pixel, so that a pixel must be within the range of its neighbours.
+    With the same numbers, every pixel must be the same. If the numbers only agree, a line may have
+    moved by less than a pixel: a pixel must be within the range of its neighbours.
     """
     from matplotlib.image import imread
     from scipy.ndimage import maximum_filter, minimum_filter
@@ -122,7 +121,7 @@ def _pixels(name, kept, made):
     table = f"{name.removesuffix('.png')}.csv"
     numbers, _ = _compare(table, _kept(table), MADE / table)
     if numbers == "differs":
-        return "for its numbers do"
+        return "because its numbers differ"
     around = (1, 1, 1) if numbers == "identical" else (3, 3, 1)
     outside = [
         off

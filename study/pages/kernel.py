@@ -31,17 +31,17 @@ def configuration(folder: Path, results: Path) -> Config:
     config = Config()
     config.Kernel.folder = str(folder)
     config.Kernel.connection_file = str(folder / "kernel.json")
-    if os.name == "posix":  # not ports: kernels started at the same time may take the same ones
+    if os.name == "posix":  # not ports, which kernels started at the same time may share
         config.Kernel.transport = "ipc"
         config.Kernel.ip = str(folder / "socket")
     config.Kernel.environment = os.environ | {
         paths.RESULTS_VARIABLE: str(results),
         "PYTHONPATH": os.pathsep.join([str(paths.ROOT), os.environ.get("PYTHONPATH", "")]),
         "PYTHONUTF8": "1",
-        # kernels run side by side: with threads of their own they would wait for each other
+        # kernels run side by side: their own threads would wait for each other
         "OMP_NUM_THREADS": "1",
         "OPENBLAS_NUM_THREADS": "1",
-        # what a user keeps in the home folder does not change a result
+        # settings in the user's home folder must not change a result
         "IPYTHONDIR": str(folder / "ipython"),
     }
     return config

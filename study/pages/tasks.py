@@ -40,15 +40,15 @@ def _plugins():
 
 
 pytask_build.get_plugin_manager = _plugins
-# loky ends idle workers after 10 s. A build was seen to wait for ever once all of them had ended,
-# though a task was left: so they stay.
+# loky ends idle workers after 10 s. A build waited for ever when all of them had ended with a task
+# left: so they stay.
 backends.get_reusable_executor = partial(get_reusable_executor, timeout=None)
-# It looks for finished tasks less and less often, once a second in the end: a core waits as long.
+# It polls for finished tasks ever less often, down to once a second, while a core waits.
 parallel._Sleeper = partial(parallel._Sleeper, timings=[0.02])
 
 
 class Built(NamedTuple):
-    """Outcome of each task by its name, in order, and what is to say of those that failed."""
+    """Outcome of each task by its name, in order, and a message for each that failed."""
 
     outcomes: dict[str, TaskOutcome]
     failures: list[str]
@@ -64,7 +64,7 @@ class Built(NamedTuple):
 
 
 def leave_interrupts_to_the_runner() -> None:
-    """Ignore Ctrl-C in a worker process: the runner stops it, and says so once."""
+    """Ignore Ctrl-C in a worker process: the runner stops it and reports it once."""
     in_main_thread = threading.current_thread() is threading.main_thread()
     if in_main_thread and os.environ.get(_RUNNER) == str(os.getppid()):
         signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -84,13 +84,13 @@ def build(
     Parameters
     ----------
     expression
-        Which tasks, as for ``pytask -k``, with those that they need; all by default.
+        Tasks, as for ``pytask -k``, with those that they need; all by default.
     jobs
         Processes, by default one per core.
     force
         Run fresh ones too.
     dask_address
-        Dask scheduler whose workers run the tasks instead.
+        Dask scheduler whose workers run the tasks.
     dry
         Run nothing and print nothing, only find what is stale.
 
@@ -153,8 +153,8 @@ def build(
         failures.append("the tasks could not be collected, as said above")
     elif not session.tasks:
         raise StudyError(
-            f"no task was found in {', '.join(map(str, folders))}: pytask passes over everything "
-            "in a folder named build or dist, so give the project's folder another name"
+            f"no task was found in {', '.join(map(str, folders))}: pytask skips every folder "
+            "named build or dist, so rename the project's folder"
         )
     return Built(outcomes, failures)
 

@@ -20,7 +20,7 @@ def typeset(source: Path = SOURCE, output: Path = PDF) -> None:
     Raises
     ------
     study.checks.StudyError
-        If a number, figure or reference is missing, or Typst warns; tells which.
+        If a number, figure or reference is missing, or Typst warns; the message names it.
     """
     paths.require_checkout(paths.PAPER)
     try:

@@ -1,8 +1,8 @@
-"""Exudyn's ANCF cables as flexible links: thin beams by absolute places and slopes of their nodes.
+"""Exudyn's ANCF cables as flexible links: thin beams with absolute positions and slopes of nodes.
 
-They bend and stretch by any amount, and neither shear nor resist turning by their sections: the
-limit of `study.mechanism`'s flexible links for a very large shear stiffness. Stepped by Exudyn's
-generalised alpha method.
+They bend and stretch by any amount, without shear and without rotary inertia of their sections:
+the limit of `study.mechanism`'s flexible links for a very large shear stiffness. Exudyn's
+generalised alpha method steps them.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from study.measure.peers import multibody
 from study.mechanism import Scene
 
 TOLERANCE = 1e-6
-"""Of Newton's method. With Exudyn's own, 1e-8, rounding errors of stiff links make steps fail."""
+"""Of Newton's method. With Exudyn's default, 1e-8, rounding in stiff links makes steps fail."""
 
 
 def links(scene: Scene, elements: tuple[int, int], ideal: bool) -> tuple[Any, int, int]:
@@ -81,7 +81,7 @@ def _settings(duration, step, period):
 def ideal_joint(
     scene: Scene, elements: tuple[int, int], duration: float, outputs: int, step: float
 ) -> Callable[[], NDArray[np.float64]]:
-    """A function that steps the system with an ideal joint, assembled here, once per call.
+    """Assemble the system with an ideal joint; the function returned steps it.
 
     It returns the slider's positions at equally spaced times after the start, in m.
     """
@@ -100,10 +100,10 @@ def ideal_joint(
 def first_impact(
     scene: Scene, elements: tuple[int, int], duration: float, step: float
 ) -> Callable[[], NDArray[np.float64]]:
-    """A function that steps the system with clearance, assembled here, once per call.
+    """Assemble the system with clearance; the function returned steps it.
 
-    It returns when the first impact begins, in s, between steps where the gap closes by linear
-    interpolation, and its largest normal force, in N.
+    It returns the start of the first impact, in s, by linear interpolation of the gap, and its
+    largest normal force, in N.
     """
     import exudyn as exu
     from exudyn.utilities import SensorObject

@@ -4,9 +4,9 @@ Bodies and meshes are those of `study.joint.fem`; the search, integration and so
 contact are CalculiX's, on moved surfaces. Lengths are in socket radii R2 and stresses in E*;
 the deck's x is r and its y is z.
 
-Tried as well, and hardly quicker at equal error: quadrilaterals of four and of eight nodes, with
-full and reduced integration; other gradings of the mesh; contact surfaces that end at 60 deg;
-all depths as increments of one step.
+Hardly quicker at equal error were quadrilaterals of four and of eight nodes, with full and reduced
+integration; other gradings of the mesh; contact surfaces that end at 60 deg; all depths as
+increments of one step.
 """
 
 import os
@@ -65,7 +65,7 @@ def force_curve(
     penalty
         Pressure per overclosure, in E*/R2. At R2* = 200 with CAX6 it costs 0.2 % of the force at
         1000, 0.06 % at 3000 and 0.03 % at 6000; from about 15,000 on some depths end 0.2 to
-        2.8 % too low although CalculiX calls them converged.
+        2.8 % too low although CalculiX reports convergence.
     contact
         From ``surface`` to surface, which CalculiX's manual recommends for six nodes; or from
         ``node`` to surface, which takes a sixth of the time and scatters by up to 0.8 %.

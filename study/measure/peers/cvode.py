@@ -1,7 +1,7 @@
 """SUNDIALS' CVODE on the rigid links, called from C: equations, derivatives and roots compiled.
 
-`cvode.c` beside this module is built by ``gcc`` with SUNDIALS 6 where both are found (Debian's
-libsundials-dev), and called in this process, so that it is timed like the study's own stepper.
+``gcc`` builds `cvode.c`, beside this module, with SUNDIALS 6 where both are found (Debian's
+libsundials-dev). It is called in this process, and so timed like the study's own stepper.
 """
 
 import ctypes
@@ -30,7 +30,7 @@ SCALES = {  # absolute tolerances of (z, z') over the tolerance, in flight and i
 }
 RELATIVE = 1e-2  # relative tolerance over the tolerance
 ORDER, NEWTON = 5, 0.03  # highest order, and coefficient of Newton's convergence
-"""These and `SCALES` are those with which CVODE was quickest at equal error, of those tried."""
+"""With these and `SCALES` CVODE was the quickest at equal error, of the values tried."""
 
 
 @cache

@@ -12,7 +12,7 @@ from study.mechanism import Scene
 
 
 def check(scene: Scene) -> None:
-    """Raise ``ValueError`` for a scene that has what no system here has, or starts otherwise."""
+    """Raise ``ValueError`` for a scene with features or a start that no system here has."""
     scene.has_none_of("gravity", "initial_eccentricity", "initial_crank_angle")
     scene.has_none_of("initial_crank_speed", "crank_speed", "crank_clearance")
 
@@ -60,9 +60,9 @@ def links(scene: Scene) -> tuple[Any, Callable[[str, float], int], int]:
     """Exudyn's system of crank, coupler and slider with its drive, all but the clearance joint.
 
     Returns the system, a function that makes a marker on a body ("ground", "crank", "coupler" or
-    "slider") at a place in m along it from its centre, and the slider's node. A scene that does
-    not start at rest with concentric ball and links on +x, or has what this system has not, is a
-    ``ValueError``.
+    "slider") at a place in m along it from its centre, and the slider's node. A scene must start
+    at rest, with concentric ball and links on +x, and have only what this system has; else it is
+    a ``ValueError``.
     """
     import exudyn as exu
     from exudyn import itemInterface as item  # noqa: N813
@@ -108,8 +108,7 @@ def sensor(system: Any, node: int, quantity: str) -> int:
 def integration(duration: float, step: float, period: float) -> Any:
     """Exudyn's settings for steps of a fixed length, with output every ``period``, all in s.
 
-    A step that does not divide the duration becomes the one that does in the nearest whole number
-    of steps, which may be longer.
+    The step is changed so that the nearest whole number of steps makes the duration.
     """
     import exudyn as exu
 
@@ -128,9 +127,9 @@ def integration(duration: float, step: float, period: float) -> Any:
 
 
 def solve(system: Any, settings: Any, **options: Any) -> None:
-    """Step an assembled system; a `study.checks.StudyError` in a user function comes out as it is.
+    """Step an assembled system, and pass on a `study.checks.StudyError` of a user function.
 
-    Exudyn makes it the cause of an error of its own, with all calls in its message.
+    Exudyn raises an error of its own from it, with all calls in the message.
     """
     try:
         system.SolveDynamic(settings, **options)
@@ -145,8 +144,8 @@ def slider_acceleration(
 ) -> NDArray[np.float64]:
     """Slider's acceleration at equally spaced times after the start, in m/s^2.
 
-    With Exudyn's own `contact`, whose damping is that which the scene must have. Duration and
-    step in s.
+    The contact is Exudyn's own (`contact`), and the scene must have its damping. Duration and step
+    in s.
     """
     system, at, slider = links(scene)
     contact(system, scene, at("coupler", scene.coupler_length / 2), at("slider", 0))

@@ -1,7 +1,7 @@
 """SciPy's and SUNDIALS' integrators on the rigid links' equations, with located impacts.
 
-They get the compiled equations of `study.measure.explicit` and end each flight and each
-contact at their own event. The kinks of the friction law are left to their error control.
+They step the compiled equations of `study.measure.explicit`, and locate the end of each flight and
+contact by their own events. The kinks of the friction law are left to their error control.
 """
 
 from math import hypot, inf
@@ -16,8 +16,10 @@ from study.mechanism import Scene
 
 SCIPY = ("LSODA", "Radau", "DOP853")
 METHODS = (*SCIPY, "CVODE")
-ABSOLUTE = np.array([1e-2, 1e-6, 1e-6, 1.0, 1e-2, 1e-2])  # of the state's parts, times rtol
-LONGEST_FLIGHT_STEP = 2e-4  # s: a longer one may fly over a short contact
+ABSOLUTE = np.array(
+    [1e-2, 1e-6, 1e-6, 1.0, 1e-2, 1e-2]
+)  # absolute tolerances of the state, over rtol
+LONGEST_FLIGHT_STEP = 2e-4  # s: a longer one may miss a short contact
 DISARMED = 1e-9  # s after a start, in which the gap is rounding only
 
 

@@ -27,11 +27,11 @@ Vector = NDArray[np.float64]
 
 
 class ClearanceJoint:
-    """A ball in a socket with clearance: the forces on them, and what became of the energy.
+    """A ball in a socket with clearance: the forces on them, and the energy lost.
 
     The connector acts at both centres. For a socket that turns, its friction leaves out terms of
-    the order of clearance over radius; the normal force is exact. A contact that begins without
-    approach, by its first evaluation, has no approach speed, and is not damped.
+    the order of clearance over radius; the normal force is exact. A contact without approach at its
+    first evaluation is not damped.
 
     Parameters
     ----------
@@ -93,8 +93,8 @@ class ClearanceJoint:
         """Force and torque on the ball in N and N m, normal force, powers lost to each in W.
 
         ``place`` and ``velocity`` are those of the ball's centre from the socket's, ``spin`` its
-        angular velocity; SI units. Raises `study.checks.StudyError` for a depth that the law is
-        not for.
+        angular velocity; SI units. Raises `study.checks.StudyError` for a depth outside
+        the law's range.
         """
         distance = np.sqrt(place @ place)
         depth = distance - self.clearance
@@ -152,7 +152,7 @@ class ClearanceJoint:
         system.SetPostStepUserFunction(after_a_step)
 
     def _note(self, time, place, velocity, spin):
-        """Add a row for the state that a step ended with, or that the first one begins with."""
+        """Add a row for the state at the end of a step, or at the start."""
         depth = np.sqrt(place @ place) - self.clearance
         if depth <= 0:
             self.approach = None
@@ -188,7 +188,7 @@ def pendulum(
     duration: float = 0.02,
     step: float = 2e-6,
 ) -> pd.DataFrame:
-    """A rod in space, hung by the ball at its end in a fixed socket: its motion, step by step.
+    """Motion, step by step, of a rod in space that hangs by the ball at its end in a fixed socket.
 
     It starts with the ball in the middle of its socket, tilted from the vertical by ``tilt`` (rad),
     turning about the vertical axis z by ``precession`` (rad/s). Exudyn steps it by the classical
@@ -205,7 +205,7 @@ def pendulum(
     ValueError
         For a value out of range.
     study.checks.StudyError
-        If the ball goes deeper than the law is for.
+        If the depth leaves the law's range.
     """
     checks.instance("joint", joint, ClearanceJoint)
     checks.number("length", length, "m", above=0, scalar=True)
@@ -269,7 +269,7 @@ def crank_slider(
     Beside the joint's `history` a column ``slider_position``, in m, as of
     `study.mechanism.simulate`. The materials of ``stiffened_hertz`` are the scene's; its
     ``socket_ratio`` must be given. Duration and step in s. Raises `study.checks.StudyError` if the
-    ball goes deeper than the law is for.
+    depth leaves the law's range.
     """
     settings = multibody.integration(duration, step, step)
     s, (system, at, slider) = scene, multibody.links(scene)

@@ -1,8 +1,8 @@
 """The study as a set of pages to browse: claims, figures, notebooks, data, library, documents.
 
-Sphinx makes the pages. They open from disk: no server, no network, nothing is loaded from
-outside the folder. They show what is already there (results, executed notebooks, data,
-documents) and compute nothing but the laws at the depths of the dataset.
+Sphinx makes the pages. They open from disk, without a server, and load nothing from outside the
+folder. They show what is already there (results, executed notebooks, data, documents) and compute
+only the laws at the depths of the dataset.
 """
 
 import io

@@ -1,4 +1,4 @@
-"""The table of claims: what the paper says, how it is judged, what was found."""
+"""The table of claims: the paper's statement, its rule, the number found."""
 
 import csv
 from collections.abc import Collection
@@ -13,13 +13,13 @@ COLUMNS = (
     *("found", "lowest", "highest", "verdict", "figure", "evidence"),
 )
 VERDICTS = {"contradicted": "✗", "cannot be decided": "?", "reproduced": "✓"}
-"""Verdict -> sign, so that no verdict is told by its colour alone."""
+"""Verdict -> sign, as colour alone must not distinguish verdicts."""
 GROUPS = {
     "implied only": "Only implied by the paper",
-    "used to identify": "What the set-up was identified by",
-    "can hardly fail": "What can hardly fail",
+    "used to identify": "Used to identify the set-up",
+    "can hardly fail": "Can hardly fail",
 }
-"""Kinds of claims whose verdicts do not speak for or against the paper, in words."""
+"""Kinds of claims that do not speak for or against the paper, in words."""
 MEND = "rebuild it with: study run claims"
 
 

@@ -22,8 +22,8 @@ PARAMETERS = {
 def curves() -> dict:
     """Cases, laws and their looks, as ``plot.js`` takes them, with 5 digits.
 
-    ``depths`` are the lists of depths that occur, of which a case names one by its number;
-    ``undefined`` says of a law that does not apply why.
+    ``depths`` are lists of depths, of which a case names one by its number; ``undefined`` says
+    why a law does not apply.
     """
     frames = dict(iter(dataset.load().sort_values("depth_star").groupby("case")))
     depths, cases = {}, []

@@ -1,4 +1,4 @@
-"""What Sphinx lacks: formulas as MathML, places that its search finds, short annotations."""
+"""Additions to Sphinx: formulas as MathML, places that its search finds, short annotations."""
 
 import re
 from types import GenericAlias

@@ -1,4 +1,4 @@
-"""What Sphinx reads: Markdown pages, executed notebooks, documents, and a file per module."""
+"""Sphinx's sources: Markdown pages, executed notebooks, documents, and a file per module."""
 
 import ast
 import json
@@ -22,6 +22,8 @@ from study.pages.report.results import Result
 
 DOCUMENTS = [path.relative_to(paths.ROOT).as_posix() for path in paths.DOCUMENTS]
 _LINK = re.compile(r"(!?)\[([^]]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
+_UNIT = re.compile(r"(?<=\d) (?=(?:%|[µnm]?[ms]|[GM]?Pa|N)(?!\w))")
+"""Space between a number and its unit, at which no line may break."""
 _SIGNS = str.maketrans({"'": "\N{RIGHT SINGLE QUOTATION MARK}"} | dict.fromkeys('"<>&', " "))
 """Sphinx's search would show these signs escaped."""
 
@@ -29,7 +31,7 @@ _SIGNS = str.maketrans({"'": "\N{RIGHT SINGLE QUOTATION MARK}"} | dict.fromkeys(
 class Sources:
     """Sources of the report's pages in one folder, and files beside the pages in another.
 
-    ``places`` are what the search finds besides pages, as `sphinx.domains.Domain` has objects.
+    ``places`` are found by the search besides pages: objects as of `sphinx.domains.Domain`.
     """
 
     def __init__(self, folder: Path, pages: Path, results: list[Result]):
@@ -132,7 +134,10 @@ class Sources:
                     title, rest = head[1], cell["source"][head.end() :]
                     cell["source"] = f"{head[0]}\n\n{self._macros.note(notebook)}\n{rest}"
             for output in cell.get("outputs", ()):
-                image = b64decode(output.get("data", {}).get("image/png", ""))
+                data = output.get("data", {})
+                if text := "".join(data.get("text/markdown", "")):
+                    data["text/markdown"] = _UNIT.sub("\N{NO-BREAK SPACE}", text)
+                image = b64decode(data.get("image/png", ""))
                 if result := self._images.get(sha256(image).digest()):
                     output["data"] = {"text/html": self._macros.figure(result, "../")}
         _write(self._folder / f"notebooks/{notebook.name}.ipynb", json.dumps(content))
