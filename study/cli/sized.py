@@ -10,8 +10,7 @@ from study.joint.sized import usual_depth
 MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
 DEEPER = (1, 4, 12)
 """Factors of the depth: laws are compared up to the least of these depths that elements resolve.
-The
-range begins at a twelfth of its end at most, so that the depth itself is within it."""
+The range begins at a twelfth of its end at most, so that the depth itself is within it."""
 LARGE = 1.0  # m: a socket's radius that is probably in mm
 
 

@@ -10,7 +10,7 @@ import typer
 from study.cli.options import InterruptionError, check_output, command
 from study.cli.output import bar, paragraphs
 
-PLAIN_EVERY = 10.0  # s between lines of progress where the output is no terminal
+PLAIN_EVERY = 10.0  # s between lines of progress if the output is not a terminal
 
 
 @command("sweep", "study.sweep:sweep jobs dask_address")

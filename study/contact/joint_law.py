@@ -88,7 +88,7 @@ class JointLaw:
     def depth(self, force: ArrayLike) -> Floats:
         """Depths in m of contact forces >= 0 in N, of their shape: the inverse of `force`.
 
-        By Newton's method in ln(depth) and ln(force), between bounds; exact but for rounding.
+        By Newton's method in ln(depth) and ln(force), between bounds; exact except for rounding.
 
         Raises
         ------

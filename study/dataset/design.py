@@ -85,7 +85,7 @@ REAL_LINERS = {
     "hip-8mm": (100, (1.5, 1e9, 0.4), (1.6875, 1.1e11, 0.3)),
 }
 """Liners in their housings: R2*, then outer radius over R2, Young's modulus in Pa and Poisson's
-ratio of liner and housing. The ball is of steel. Notebook 22 has the sources."""
+ratio of liner and housing. The ball is steel. Notebook 22 has the sources."""
 
 
 def _liners():

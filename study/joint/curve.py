@@ -238,7 +238,7 @@ def meshes(
 ) -> Iterator[tuple[Compliance, Compliance]]:
     """Ball and socket at a resolution, then at half of it.
 
-    Each is solved by its best solver if none is given. Coarser finite elements are solved anew; the
+    Each is solved by its best solver if none is given. Coarser finite elements are solved too; the
     series is projected on coarser hats.
     """
     balls: tuple[Compliance, ...] = ()

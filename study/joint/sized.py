@@ -2,7 +2,7 @@
 
 `SizedJoint` is a `study.joint.Joint` with dimensions. Forces and depths come from the table of its
 solved curve, each the inverse of the other. For pressures, half-angles and stresses the joint is
-solved anew at every depth.
+solved at every depth.
 """
 
 from dataclasses import dataclass

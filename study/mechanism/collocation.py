@@ -33,7 +33,7 @@ def _value(coefficients, x):
 
 
 def _points():
-    """Radau's points in (0, 1], exact but for rounding: the same on every processor."""
+    """Radau's points in (0, 1], exact except for rounding: the same on every processor."""
     low = [*_legendre(STAGES - 1), 0]
     radau = [a - b for a, b in zip(_legendre(STAGES), low, strict=True)]
     slope = [k * c for k, c in enumerate(radau)][1:]
@@ -190,7 +190,7 @@ def _solve(work):
 
 @compiled
 def stage(i, work, h):
-    """Fill ``trial`` with the state at point ``i`` of a step, but for the integrals."""
+    """Fill ``trial`` with the state at point ``i`` of a step, without the integrals."""
     start, rates, n = work.start, work.rates, len(work.x)
     for m in range(n):
         place = speed = 0.0

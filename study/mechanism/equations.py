@@ -13,8 +13,7 @@ from study.mechanism import rigid, two_joints
 
 CONTACT, BRANCH, APPROACH, DEEP, NUMBER = range(5)
 """State of a joint: in contact or not, friction branch, approach speed, the depth to which this
-speed
-can lead, and the number of the impact."""
+speed can lead, and the number of the impact."""
 Laws = tuple[np.record, ...]
 """A packed law for each clearance joint, slider's and crank's. The compiler knows their number, and
 makes loops for each."""
@@ -77,7 +76,7 @@ def _pieces_compiled(joints, laws):
 
 @compiled
 def motion(work, p, laws):
-    """Accelerations, powers and forces at the state at hand, with the derivatives in ``k``."""
+    """Accelerations, powers and forces at the current state, with the derivatives in ``k``."""
     pieces = pieces_of(work.joints, laws)
     found, parts = move(work.y, pieces, p, laws)
     derive(work.y, pieces, p, found, parts, work.k)

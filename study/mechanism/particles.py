@@ -35,8 +35,7 @@ GAP, GAP_RATE, DRIVE_WORK, DRIVE_POWER = range(4)  # places in the state, before
 
 LANES = 8
 """Numbers in a processor's widest vector. Rows are filled to whole vectors with elements and
-particles
-that never move, so that loops over both are compiled to vectors."""
+particles that never move, so that loops over both are compiled to vectors."""
 System = namedtuple("System", "elements bodies pin last frequency ideal lagged guarded")
 """What does not change: elements and particles as in `Frame`, a row for each quantity; numbers of
 the
