@@ -4,6 +4,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.image import imread
 
 from study import paths
 from study.contact import SOCKET_RATIO, hyperbolic_winkler, pressure, winkler
@@ -75,3 +76,29 @@ def test_a_figure_leaves_the_settings_of_the_session(tmp_path, monkeypatch):
         figures.save(figure, "fig", pd.DataFrame({"x": [0.0, -0.0]}))
         assert dict(mpl.rcParams) == before
     assert (tmp_path / "fig.csv").read_text() == "x\n0\n0\n"
+
+
+def test_a_figure_too_wide_for_print_is_refused():
+    figures.new(columns=3, width=figures.WIDEST / 3)
+    with pytest.raises(ValueError, match=r"width of the figure must be .*8\.4 in, got 8\.7"):
+        figures.new(columns=3, width=2.9)
+
+
+@pytest.mark.parametrize("place", ["legend", "ticks", "text"])
+def test_text_too_small_for_print_is_refused(place, tmp_path, monkeypatch):
+    monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
+    figure, axes = figures.new()
+    axes.plot([0, 1], label="law $R_2^*$")
+    axes.legend(fontsize=8 if place == "legend" else None)
+    axes.tick_params(labelsize=8 if place == "ticks" else 9)
+    axes.text(0, 0, "here", fontsize=8 if place == "text" else 9)
+    with pytest.raises(ValueError, match=r"size of the text .* in fig must be .* 9 pt, got 8"):
+        figures.save(figure, "fig", pd.DataFrame({"x": [1.0]}))
+    assert not list(tmp_path.iterdir())
+
+
+def test_every_kept_figure_is_readable_in_print():
+    widths = {path.stem: imread(path).shape[1] for path in paths.FIGURES.glob("*.png")}
+    widest = figures.WIDEST * figures.STYLE["savefig.dpi"]
+    assert widths
+    assert not {name for name, width in widths.items() if width > widest}

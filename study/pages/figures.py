@@ -2,6 +2,11 @@
 
 A figure is written as PNG together with a CSV of what it shows; both have the same bytes
 whenever their content is the same.
+
+Every figure is readable in print. The article is A4 with a text width of 6.61 in, to which a wider
+figure is scaled down. No text may be smaller than 7 pt there, so a figure is at most `WIDEST`
+and its text at least `SMALLEST`: 9 pt * 6.61 / 8.4 = 7.08 pt. Sub- and superscripts are not
+counted.
 """
 
 from collections.abc import Mapping
@@ -17,17 +22,23 @@ from cycler import cycler
 from IPython.display import Image, display
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from numpy.typing import ArrayLike, NDArray
 
-from study import paths
+from study import checks, paths
 from study.contact import LAWS
+
+WIDEST = 8.4
+"""Largest width of a figure, in inches."""
+SMALLEST = 9.0
+"""Smallest size of its text, in points."""
 
 STYLE = {
     "figure.dpi": 100,
     "savefig.dpi": 200,
     "figure.constrained_layout.use": True,
-    "font.size": 9,
-    "axes.titlesize": 9,
+    "font.size": SMALLEST,
+    "axes.titlesize": SMALLEST,
     "axes.titlelocation": "left",
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -125,7 +136,13 @@ def new(
         Size of one panel, in inches.
     **options
         Passed to ``matplotlib.figure.Figure.subplots``.
+
+    Raises
+    ------
+    ValueError
+        If the panels together are wider than `WIDEST`.
     """
+    checks.number("width of the figure", columns * width, "in", above=0, most=WIDEST)
     _style.close()
     _style.enter_context(mpl.rc_context())
     mpl.rcdefaults()
@@ -179,7 +196,16 @@ def draw_models(
 
 
 def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
-    """Write ``figures/name.png`` and what it draws to ``figures/name.csv``, and show the image."""
+    """Write ``figures/name.png`` and what it draws to ``figures/name.csv``, and show the image.
+
+    Raises
+    ------
+    ValueError
+        If a text is smaller than `SMALLEST`, or a number of the table is not finite.
+    """
+    least = min(figure.findobj(Text), key=Text.get_fontsize)
+    what = f"size of the text {least.get_text()!r} in {name}"
+    checks.number(what, least.get_fontsize(), "pt", least=SMALLEST)
     path = paths.results() / f"{name}.png"
     with _style:
         save_table(numbers, name)
