@@ -134,7 +134,7 @@ define(
 # Absolute coefficient of determination of some laws by its definition
 define(
     "correct_determination",
-    lambda *laws: dict(_table_2("correct").determination.abs()[[*laws]]),
+    lambda *laws: dict(_table_2("correct").determination.abs()[[*laws]].rename(str.capitalize)),
     SOME_LAWS,
 )
 # Number of the five laws with the rank by RMSE that they have in Table 2
@@ -151,7 +151,8 @@ def crossing(*laws):
     """Depth beyond which the proposed law is closer than some others."""
     error = _inside(_errors().abs())
     depth = error.index.to_numpy()
-    return {law: statistics.last_crossing(depth, error[law] - error[PROPOSED]) for law in laws}
+    leads = {law.capitalize(): error[law] - error[PROPOSED] for law in laws}
+    return {law: statistics.last_crossing(depth, lead) for law, lead in leads.items()}
 
 
 @rule(f"{RANGE}( {LAW})+")

@@ -24,6 +24,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import ArrayLike, NDArray
+from pandas.io.formats.style import Styler
 
 from study import checks, paths
 from study.contact import LAWS
@@ -230,6 +231,12 @@ def save_table(table: pd.DataFrame, name: str) -> None:
     with paths.whole(paths.results() / f"{name}.csv") as temporary:
         positive = table.map(lambda value: 0.0 if isinstance(value, float) and not value else value)
         positive.to_csv(temporary, index=False, float_format="%.9g", lineterminator="\n")
+
+
+def shown(table: pd.DataFrame, precision: int = 4) -> Styler:
+    """Table for a reader: headings without underscores, and no index."""
+    styled = table.style.format(precision=precision).hide()
+    return styled.format_index(lambda name: str(name).replace("_", " "), axis=1)
 
 
 def tidy(*curves: tuple[str, pd.DataFrame, str, str, str | None]) -> pd.DataFrame:
