@@ -66,6 +66,19 @@ def test_vertical_arrows_are_components_of_the_radial_ones(letter, depth):
     assert edge == pytest.approx(np.sqrt(2 * DRAWN[depth]), abs=3e-6)
 
 
+def test_supports_are_drawn_at_first_contact_and_moved_by_the_depth():
+    (notebook,) = catalogue.select(["supports"])
+    drawn = {name: value for name, (value, _) in execute.parameters(notebook).items()}
+    parts, clearance = panel("supports", "a"), 1 / drawn["sketched_r2_star"]
+    socket = np.hypot(*parts["socket"])
+    assert (socket.min(), socket.max()) == pytest.approx((1, drawn["socket_ratio"]), abs=2e-6)
+    assert parts["ball"][1].min() == pytest.approx(-1, abs=2e-6)
+    assert np.ptp(parts["ball"], axis=1) == pytest.approx([1 - clearance] * 2, abs=2e-6)
+    assert parts["plane"][1] == pytest.approx([-clearance] * 2, abs=2e-6)
+    moved = parts["plane"][1] - parts["plane moved"][1]
+    assert moved == pytest.approx([drawn["sketched_depth"] * clearance] * 2, abs=2e-6)
+
+
 def test_a_figure_leaves_the_settings_of_the_session(tmp_path, monkeypatch):
     monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
     figures._style.close()  # of figures that other tests have not saved
