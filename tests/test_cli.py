@@ -741,7 +741,7 @@ def test_choose_warns_beyond_yield(run):
     words = ("choose", "--r2-star", 200, "--depth-star", 0.4, "--tolerance", 0.5)
     text = run(*words, "--yield-stress", 2.5e8)[1]
     assert re.search(r"The socket yields, at the surface, from 0\.25\d* clearances on", text)
-    assert "errors are those of joints that do not yield" in text
+    assert "errors are for joints that do not yield" in text
     found = json.loads(run(*words, "--yield-stress", 2.5e8, "--json")[1])["first_yield"]
     steel = Material(yield_stress=2.5e8)
     assert found == pytest.approx(vars(first_yield(Joint(200, ball=steel, socket=steel), 0.4)))

@@ -102,7 +102,7 @@ def test_pipeline_from_nothing_to_fresh_and_stale(project):
     paper = study(project, "paper")
     assert (paper.returncode, paper.stdout) == (1, "")
     assert "fig10, trend (r2_star=100.0)" in paper.stderr
-    assert paper.stderr.endswith(f"make them as the paper has them with: study run {TWO[1]}\n")
+    assert paper.stderr.endswith(f"restore them with: study run {TWO[1]}\n")
     assert not (project / "build/paper.pdf").exists()
     back = study(project, "run", "fig10")
     assert ran(back) == [TWO[1]]

@@ -65,7 +65,7 @@ def typeset_paper():
         remedy = f"study run {' '.join(notebook.name for notebook in others)}"
         raise StudyError(
             f"the paper cannot show results made with other parameters, {'; '.join(told)}; "
-            f"make them as the paper has them with: {remedy}"
+            f"restore them with: {remedy}"
         )
     typeset()
     print("made  build/paper.pdf")

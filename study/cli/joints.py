@@ -143,7 +143,7 @@ def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **j
     depths, first = "{:g} to {:g}".format(*choice.depths), choice.first_yield
     yields = (
         "The {body} yields, {place}, from {depth_star:.4g} clearances on (force_star "
-        "{force_star:.4g}): all errors are those of joints that do not yield."
+        "{force_star:.4g}). All errors are for joints that do not yield."
     )
     show(
         {"next_cheaper": next(iter(choice.rejected), None)} | named_fields(choice),

@@ -103,9 +103,9 @@ def _told(choice, duration):
         f"{duration:g} s:\n{choice.model} links, {choice.joint} joint, law {choice.law}, within "
         f"{choice.error_bound:.2g}. In order of detail (costs: times here):",
         {name: [row[name] for row in choice.evidence] for name in names},
-        f"Links over contact: {choice.compliance_ratio:.2g} times its compliance, "
-        f"{choice.frequency_ratio:.2g} of the crank's axial frequency, at a depth of "
-        f"{choice.depth_star:.2g} clearances.",
+        f"At a depth of {choice.depth_star:.2g} clearances the links have "
+        f"{choice.compliance_ratio:.2g} times the contact's compliance. The slider's frequency on "
+        f"the contact is {choice.frequency_ratio:.2g} times the crank's axial one.",
         *([f"Particles were run, as {choice.note}."] if choice.note else []),
     ]
 

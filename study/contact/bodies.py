@@ -1,4 +1,4 @@
-"""What the two bodies give to a law: composite modulus, clearance, largest depth."""
+"""What a law needs of the two bodies: composite modulus, clearance, largest depth."""
 
 import numpy as np
 
