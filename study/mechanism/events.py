@@ -78,8 +78,8 @@ def _weigh(work, pieces, seen, driven, tolerance, p, laws):
     """Fill ``weights`` with the inverses of the errors of z and z' that ``tolerance`` allows.
 
     Places are compared with the clearance, a depth with the largest one that the approach speed can
-    lead to. Speeds are compared with a tenth of the drive's over the clearance (found by
-    measuring).
+    lead to. Speeds are compared with a tenth of the speed that the drive gives over the clearance
+    (found by measuring).
     """
     y, weights, n = work.start, work.weights, 1 + 2 * len(pieces)
     speed = 1 / (0.1 * tolerance * driven + ROUNDOFF * p.l1 * abs(y[n]))
