@@ -63,13 +63,13 @@ class SetUp:
 
 
 GROUPS = {
-    "paper": "the paper's joint and design, R2* = 20..300, and the wider sweep of Figs. 13-15",
-    "ratio": "how much the socket ratio matters in the paper's joint",
-    "poisson": "how much Poisson's ratio matters in it",
-    "modulus": "how much unequal moduli matter in it",
-    "support": "how much drive and rim matter in it",
+    "paper": "the paper's joint, R2* from 20 to 300, and the wider range of Figs. 13 to 15",
+    "ratio": "the effect of the socket ratio in the paper's joint",
+    "poisson": "the effect of Poisson's ratio in it",
+    "modulus": "the effect of unequal moduli in it",
+    "support": "the effect of the supports in it",
     "liner": "thin liners: a rigid ball on a rigid backing, and real ones in their housings",
-    "judge": "what stiffened_hertz is judged by: joints drawn at random in its range",
+    "judge": "random joints in the range of stiffened_hertz, to judge it",
 }
 
 

@@ -2,7 +2,13 @@
 
 `ClearanceJoint` is any law of this study as Exudyn's user function, with Eqs. 30-33 of the paper in
 three dimensions. `pendulum` hangs a body on it, `crank_slider` is the mechanism of
-`study.mechanism` in Exudyn. For another program the force alone is enough: `study export`.
+`study.mechanism` in Exudyn.
+
+Another program takes the force P(d) from `study export`. With the ball's centre at e from that of
+the socket, n = e/|e|, the depth is d = |e| - dR and its rate d' = n . e'. The normal force on the
+ball is -N n, N = P(d) [1 + D d'/d'(-)], where d'(-) is the rate at the start of this contact. The
+sliding velocity v is that of the ball's surface at R1 n, spin included. Friction on the ball is
+T = -mu c(|v|) N v/|v|, with the moment R1 n x T.
 """
 
 from math import inf, nan, pi
