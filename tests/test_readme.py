@@ -13,6 +13,7 @@ import pytest
 
 import study
 from study import cli, contact, dataset, paths
+from study.joint import SizedJoint
 from study.pages import catalogue
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
@@ -51,10 +52,16 @@ def test_how_good_its_law_is():
 
 
 def test_which_law_is_right():
-    most, joints, cost = claimed(r"is within (\S+) % on (\d+) joints .*? costs (\S+) times")
+    most, joints, cost = claimed(r"is within (\S+) % on (\d+) joints .*? takes (\S+) times")
     judged = kept("judged").query("group.str.startswith('judge')")
     assert judged.largest_percent.max() == pytest.approx(most, abs=0.005)
     assert judged.cases.sum() == joints
+    ends, finite = claimed(
+        r"these ranges it is within (\S+) %\. .*? by up to (\d+) % at R2\\\* = 20"
+    )
+    largest = kept("judged", "group").largest_percent
+    assert largest["ends of the ranges"] == pytest.approx(ends, abs=0.05)
+    assert largest["paper finite"] == pytest.approx(finite, abs=0.5)
     relative = kept("speed_laws", "method").relative["stiffened_hertz"]
     assert relative == pytest.approx(cost, abs=0.05)
 
@@ -93,6 +100,16 @@ def test_the_command_prints_what_is_shown(monkeypatch, capsys):
     printed = capsys.readouterr().out.split()
     shown = re.search(r"```text\n(.*?)```", README[at.end() :], re.DOTALL)[1].split()
     assert [word for word in printed if "─" not in word] == shown
+
+
+def test_the_other_support_is_as_much_stiffer():
+    (percent,) = claimed(r"`--drive clamped`, here (\d+) % stiffer")
+    sizes = {"socket_radius": 12.5e-3, "clearance": 40e-6, "wall": 6e-3, "socket": "bronze"}
+    free, clamped = (
+        SizedJoint(**sizes, ball_drive=drive).solve(force=3000).stiffness[0]
+        for drive in ("plane", "clamped")
+    )
+    assert 100 * (clamped / free - 1) == pytest.approx(percent, abs=0.5)
 
 
 def test_the_example_runs():
