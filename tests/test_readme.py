@@ -57,7 +57,7 @@ def test_which_law_is_right():
     assert judged.largest_percent.max() == pytest.approx(most, abs=0.005)
     assert judged.cases.sum() == joints
     ends, finite = claimed(
-        r"these ranges it is within (\S+) %\. .*? by up to (\d+) % at R2\\\* = 20"
+        r"the ranges it is within (\S+) %\. .*? by up to (\d+) % at R2\\\* = 20"
     )
     largest = kept("judged", "group").largest_percent
     assert largest["ends of the ranges"] == pytest.approx(ends, abs=0.05)

@@ -4,11 +4,11 @@
 three dimensions. `pendulum` hangs a body on it, `crank_slider` is the mechanism of
 `study.mechanism` in Exudyn.
 
-Another program takes the force P(d) from `study export`. With the ball's centre at e from that of
-the socket, n = e/|e|, the depth is d = |e| - dR and its rate d' = n . e'. The normal force on the
-ball is -N n, N = P(d) [1 + D d'/d'(-)], where d'(-) is the rate at the start of this contact. The
-sliding velocity v is that of the ball's surface at R1 n, spin included. Friction on the ball is
-T = -mu c(|v|) N v/|v|, with the moment R1 n x T.
+Another program takes the force P(d) from `study export`. Let e point from the socket's centre to
+the ball's, with n = e/abs(e). The depth is d = abs(e) - dR and its rate d' = n . e'. The normal
+force on the ball is -N n with N = P(d) (1 + D d'/d0'), where d0' is the rate at the start of this
+contact. The sliding velocity v is that of the ball's surface at R1 n, spin included. Friction on
+the ball is T = -mu c(abs(v)) N v/abs(v), with the moment R1 n x T.
 """
 
 from math import inf, nan, pi
