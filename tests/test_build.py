@@ -119,4 +119,4 @@ def test_a_project_in_which_no_task_is_found_is_an_error(tmp_path):
     done = study(copy_project(tmp_path / "build"), "data", "build")
     assert done.returncode == 1
     assert done.stderr.count("\n") == 1
-    assert "give the project's folder another name" in done.stderr
+    assert "rename the project's folder" in done.stderr

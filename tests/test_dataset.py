@@ -245,7 +245,7 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
         ("dataset/fitting", "DIGITS = 7", "DIGITS = 6", ["study/contact/coefficients.json"]),
         ("dataset/stiffening", "FINER = 320", "FINER = 352", ["study/contact/stiffening.csv"]),
         ("choose/links", "COUNT = 160", "COUNT = 161", ["data/links.csv"]),
-        ("pages/figures", '"font.size": 9', '"font.size": 8', []),
+        ("pages/figures", '"lines.linewidth": 1.5', '"lines.linewidth": 2', []),
         ("choose/model", '"""', '"""Another. ', []),
     ],
 )
