@@ -65,7 +65,7 @@ def test_which_law_is_right():
 
 
 def test_which_statements_hold():
-    counts = claimed(r"Of (\d+) statements of the paper (\d+) are reproduced and (\d+) contra")
+    counts = claimed(r"Of (\d+) statements (\d+) are reproduced and (\d+) contra")
     verdicts = kept("claims").query("kind == 'stated'").verdict.value_counts()
     assert [verdicts.sum(), verdicts["reproduced"], verdicts["contradicted"]] == counts
 
