@@ -93,7 +93,6 @@ MODEL_LOOKS = {
 
 METHOD_LOOKS = {
     "series": Look("series", "#000000", "o"),
-    "series of few orders": Look("series, fewest orders", "#000000", "o", ":"),
     "six-node triangles": Look("six-node triangles", "#0072B2", "s"),
     "three-node triangles": Look("three-node triangles", "#56B4E9", "^"),
     "CAX6": Look("CalculiX CAX6", "#D55E00", "D"),

@@ -37,6 +37,7 @@ FILES = {
     "requirements.lock": "every package that is needed, pinned by version and hash",
     "notebooks/catalogue.toml": "every notebook with its results",
     "paper/paper.typ": "the article; Typst reads its numbers from the results",
+    "paper/results.typ": "the results that the article names, read from files",
     "paper/references.yml": "the literature that the article cites",
     "data/LICENSE": "licence of data, figures and article",
     "data/README.md": "every file of data, its columns and its source",
