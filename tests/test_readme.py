@@ -56,7 +56,9 @@ def test_which_law_is_right():
     judged = kept("judged").query("group.str.startswith('judge')")
     assert judged.largest_percent.max() == pytest.approx(most, abs=0.005)
     assert judged.cases.sum() == joints
-    ends, finite = claimed(r"the ranges it is within (\S+) %\. .*? by up to (\d+) % at R2\\\* = 20")
+    ends, finite = claimed(
+        r"the ranges it is within (\S+) %\. .*? matter by (\d+) % at R2\\\* = 20"
+    )
     largest = kept("judged", "group").largest_percent
     assert largest["ends of the ranges"] == pytest.approx(ends, abs=0.05)
     assert largest["paper finite"] == pytest.approx(finite, abs=0.5)
