@@ -10,7 +10,7 @@ import yaml
 
 from study import paths
 from study.checks import StudyError
-from study.pages import records
+from study.pages import catalogue, records
 from study.pages.catalogue import CATALOGUE
 from study.pages.report.results import results
 
@@ -80,3 +80,17 @@ def test_version_is_the_same_everywhere():
     newest = f"{cited['version']} ({cited['date-released']})"
     assert f"\n## {newest}\n" in changes
     assert project["version"] == cited["version"]
+
+
+@pytest.mark.parametrize("entry", [{"expects": {}}, {"expect": {"fig99": "rows"}}])
+def test_a_slip_in_the_catalogue_is_told(entry):
+    with pytest.raises(StudyError, match=r"^catalogue\.toml: 00-mine .*'(expects|fig99)'$"):
+        catalogue.notebook("00-mine", entry)
+
+
+def test_records_without_what_they_are_made_from(tmp_path, monkeypatch):
+    monkeypatch.setattr(records, "REPRODUCING", tmp_path / "REPRODUCING.md")
+    assert records.kept_seconds() == {}
+    monkeypatch.setattr(yaml, "safe_load", lambda text: {"title": ""})
+    with pytest.raises(StudyError, match=r"^CITATION\.cff must have the key 'references'$"):
+        records.crate()

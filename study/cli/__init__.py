@@ -30,8 +30,10 @@ def main():
             print(text, file=sys.stderr)
             sys.exit(2)
         _complain(_hinted(text), 2)
-    except (checks.StudyError, OSError) as error:
+    except checks.StudyError as error:
         _complain(str(error), 1)
+    except OSError as error:  # its own text begins with a number
+        _complain(f"{error.filename}: {error.strerror}" if error.filename else str(error), 1)
     except InterruptionError as kept:
         _complain(f"interrupted{kept}", INTERRUPTED)
     if status == INTERRUPTED:  # before a command began

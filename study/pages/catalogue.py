@@ -3,11 +3,13 @@
 import re
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
 from study import paths
+from study.checks import StudyError
 from study.claims import verdicts
 from study.dataset import provenance
 from study.pages import kept
@@ -73,7 +75,29 @@ class Notebook:
 
 FILE = paths.NOTEBOOKS / "catalogue.toml"
 _ENTRIES = tomllib.loads(FILE.read_text(encoding="utf-8")) if paths.IS_CHECKOUT else {}
-CATALOGUE = tuple(Notebook(name, **entry) for name, entry in _ENTRIES.items())
+
+
+def notebook(name: str, entry: dict[str, Any]) -> Notebook:
+    """A notebook from its entry in the catalogue.
+
+    Raises
+    ------
+    study.checks.StudyError
+        For an unknown key, or what is said of a result that the notebook does not make.
+    """
+    known = [one.name for one in fields(Notebook)[1:]]
+    for key in entry:
+        if key not in known:
+            listed = ", ".join(known)
+            raise StudyError(f"catalogue.toml: {name} must have keys of {listed}, got {key!r}")
+    found = Notebook(name, **entry)
+    for result in (*found.tells, *found.expect):
+        if result not in found.results:
+            raise StudyError(f"catalogue.toml: {name} makes no result {result!r}")
+    return found
+
+
+CATALOGUE = tuple(notebook(name, entry) for name, entry in _ENTRIES.items())
 
 
 def select(names: Sequence[str]) -> list[Notebook]:

@@ -91,8 +91,8 @@ def reproducing(seconds: Mapping[str, int]) -> str:
 
 
 def kept_seconds() -> dict[str, int]:
-    """Seconds of each notebook that ``REPRODUCING.md`` has."""
-    text = REPRODUCING.read_text(encoding="utf-8")
+    """Seconds of each notebook that ``REPRODUCING.md`` has; none without that file."""
+    text = REPRODUCING.read_text(encoding="utf-8") if REPRODUCING.is_file() else ""
     return {name: int(seconds) for name, seconds in _SECONDS.findall(text)}
 
 
@@ -142,12 +142,20 @@ def crate() -> str:
     Title, authors, version, date and the paper come from ``CITATION.cff``, results from the
     catalogue, the data from ``data/README.md``. Each notebook is the instrument of an action
     that has its figures and tables as results.
+
+    Raises
+    ------
+    study.checks.StudyError
+        If ``CITATION.cff`` lacks a key.
     """
     from rocrate.rocrate import ROCrate  # of the extra "test"
 
     paths.require_checkout(paths.NOTEBOOKS)
     study = ROCrate(version="1.2")
-    _describe(study)
+    try:
+        _describe(study)
+    except KeyError as missing:
+        raise StudyError(f"CITATION.cff must have the key {missing}") from None
     for name, text in FILES.items():
         _file(study, name, text, CC_BY if name.startswith(("data/", "paper/")) else MIT)
     for name, text, made in _DATA.findall((paths.DATA / "README.md").read_text(encoding="utf-8")):
