@@ -11,16 +11,16 @@ from pytask import Product, PythonNode, mark, task
 
 from study import paths
 from study.choose import links
+from study.contact.hertz_correction import TABLE
 from study.contact.laws import COEFFICIENTS
-from study.contact.stiffening import TABLE
-from study.dataset import design, fitting, stiffening, store
+from study.dataset import design, fitting, hertz_correction, store
 from study.pages import tasks
 
 BATCHES = list(design.batches())
 PARTS = [paths.BUILD / f"curves/{cases[0][1]}.csv" for cases in BATCHES]
 LIMITS, CHANGES = (
-    [paths.BUILD / f"stiffening/{name}-{k}.txt" for k in range(counts["socket_poisson"])]
-    for name, counts in (("limit", stiffening.LIMITS), ("change", stiffening.CHANGES))
+    [paths.BUILD / f"hertz_correction/{name}-{k}.txt" for k in range(counts["socket_poisson"])]
+    for name, counts in (("limit", hertz_correction.LIMITS), ("change", hertz_correction.CHANGES))
 )
 SCENES, AT_ONCE = list(links.random_scenes(0)), 10
 LINKS = [paths.BUILD / f"links/scenes-{k:03d}.csv" for k in range(0, len(SCENES), AT_ONCE)]
@@ -62,29 +62,31 @@ def task_coefficients(
         temporary.write_text(json.dumps(fits, indent=2) + "\n", encoding="utf-8")
 
 
-for counts, parts in ((stiffening.LIMITS, LIMITS), (stiffening.CHANGES, CHANGES)):
-    for nu, part in zip(stiffening.grid(counts)["socket_poisson"], parts, strict=True):
+for counts, parts in ((hertz_correction.LIMITS, LIMITS), (hertz_correction.CHANGES, CHANGES)):
+    for nu, part in zip(hertz_correction.grid(counts)["socket_poisson"], parts, strict=True):
 
         @mark.try_first  # they take the longest
         @task(id=part.stem)
-        def task_stiffening(
+        def task_hertz_correction(
             of: Annotated[tuple, PythonNode(value=(float(nu), (*counts.items(),)), hash=True)],
             code: list[Path] = store.sources(TABLE),
             part: Annotated[Path, Product] = part,
         ):
             tasks.leave_interrupts_to_the_runner()
             with paths.whole(part) as temporary:
-                np.savetxt(temporary, stiffening.logarithms(of[0], dict(of[1])).reshape(-1, 9))
+                np.savetxt(
+                    temporary, hertz_correction.logarithms(of[0], dict(of[1])).reshape(-1, 9)
+                )
 
 
-def task_stiffening_table(
+def task_hertz_correction_table(
     limits: list[Path] = LIMITS,
     changes: list[Path] = CHANGES,
     code: list[Path] = store.sources(TABLE),
     table: Annotated[Path, Product] = TABLE,
 ):
     found = [[np.loadtxt(part) for part in parts] for parts in (limits, changes)]
-    store.write_stiffening(stiffening.table(*found))
+    store.write_hertz_correction(hertz_correction.table(*found))
 
 
 for k, part in enumerate(LINKS):

@@ -8,8 +8,8 @@ Examples
 --------
 A joint with its dimensions, in SI units:
 
->>> from study.joint import SizedJoint
->>> bronze = SizedJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
+>>> from study.joint import DimensionalJoint
+>>> bronze = DimensionalJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
 >>> print(f"{bronze.solve(force=3000).depth[0]:.4g} m")
 4.188e-06 m
 >>> law = bronze.law("stiffened_hertz")

@@ -5,7 +5,7 @@ import pytest
 
 from study import contact
 from study.compiled import compiled
-from study.contact import forces, stiffening
+from study.contact import forces, hertz_correction
 from study.joint import Joint, fem, force_curve, series, whole_curve
 from study.measure import speed
 
@@ -52,7 +52,7 @@ def test_table_of_a_joint_from_its_whole_curve(benchmark, bodies):
 
 def test_look_up_of_a_joint(benchmark):
     def look_up():
-        stiffening._in_r2_star.cache_clear()
+        hertz_correction._in_r2_star.cache_clear()
         return contact.stiffened_hertz.parts(200.0)
 
     benchmark(look_up)

@@ -22,9 +22,9 @@ from study.claims import rules, statistics, verdicts
 from study.contact import damping, forces, pressure, printed
 from study.dataset import fitting
 from study.joint import (
+    DimensionalJoint,
     Joint,
     Material,
-    SizedJoint,
     complementarity,
     fem,
     first_yield,
@@ -212,7 +212,7 @@ def joint_rows():
     yield from rows(paper_joint, colour=("red", ("red",)))
     yield from rows(material, given=("steel", (*NAME, "1e9", "1,2,3,4")))
     yield from rows(
-        SizedJoint,
+        DimensionalJoint,
         socket_radius=(0.01, POSITIVE),
         clearance=(1e-4, (*POSITIVE, 0.01, 1e-13)),
         wall=(3e-3, (*POSITIVE, 1e-9)),
@@ -223,7 +223,7 @@ def joint_rows():
         rim=("mirror", NAME),
         kinematics=("linear", NAME),
     )
-    sized = SizedJoint(0.01, 1e-4, 3e-3)
+    sized = DimensionalJoint(0.01, 1e-4, 3e-3)
     wrong = (*set_without(LIST, None), 0, -1, [], np.eye(2), 1e-30, 1e9)
     yield from rows(sized.solve, depth=(1e-5, wrong))
     yield from rows(sized.solve, force=(100.0, wrong))

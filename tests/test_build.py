@@ -38,7 +38,7 @@ def less_data(tmp_path):
     project = copy_project(tmp_path / "project")
     module = project / "study/dataset/design.py"
     module.write_text(module.read_text() + LESS)
-    module = project / "study/dataset/stiffening.py"
+    module = project / "study/dataset/hertz_correction.py"
     module.write_text(module.read_text() + "\n\nfor _counts in (LIMITS, CHANGES):\n" + COARSER)
     module = project / "study/choose/links.py"
     module.write_text(module.read_text().replace("COUNT = 160", "COUNT = 3"))

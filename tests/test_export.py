@@ -33,7 +33,7 @@ JOINTS = (
 def in_python(law, joint, deepest=1.0):
     """Dimensionless force and stiffness, of depths."""
     function = LAWS.get(law) or contact.tabulated(whole_curve(joint, deepest))
-    options = joint.stiffening_options() if law == "stiffened_hertz" else {}
+    options = joint.correction_options() if law == "stiffened_hertz" else {}
     return [
         lambda ds, derivative=derivative: function(
             ds, joint.r2_star, derivative=derivative, **options
@@ -139,7 +139,7 @@ def test_json_holds_coefficients_and_formula(joint):
     ds = 0.37
     u = ds**0.5 / (1 + ds**0.5)
     stiffening = sum(c * u**k for k, c in enumerate([1, *content["coefficients"]]))
-    expected = contact.stiffened_hertz(ds, joint.r2_star, **joint.stiffening_options())
+    expected = contact.stiffened_hertz(ds, joint.r2_star, **joint.correction_options())
     assert content["scale"] * ds**1.5 * stiffening == pytest.approx(expected, rel=1e-12)
 
 

@@ -17,7 +17,7 @@ TWO = {"elements": (2, 4)}
 
 @pytest.mark.parametrize("elements", [2, 3, 8])
 def test_particles_have_mass_and_inertia_of_their_link(elements):
-    link = PAPER.but(coupler_inertia=4e-4).link("coupler")
+    link = PAPER.replace(coupler_inertia=4e-4).link("coupler")
     masses, rotaries = frame.lump(link, elements)
     places = np.linspace(-0.06, 0.06, elements + 1)
     assert masses.sum() == pytest.approx(0.21, rel=1e-13)
@@ -33,7 +33,7 @@ def test_a_single_element_has_its_mass_at_its_ends():
 
 def test_flexible_links_need_the_inertia_of_a_rod():
     with pytest.raises(ValueError, match=r"coupler inertia of a flexible link must be >= 0.000252"):
-        PAPER.but(coupler_inertia=1e-4).link("coupler")
+        PAPER.replace(coupler_inertia=1e-4).link("coupler")
 
 
 def straight(elements):
@@ -150,7 +150,7 @@ def test_stiff_links_move_as_rigid_ones(model):
     rigid, apart, factors = simulate(**options), [], [10, 100, 1000]
     step = {"step": 2.5e-7} if model == "beams" else {}
     for factor in factors:
-        stiff = PAPER.but(link_modulus=factor * PAPER.youngs_modulus)
+        stiff = PAPER.replace(link_modulus=factor * PAPER.youngs_modulus)
         apart.append(distance(simulate(stiff, model=model, **options, **step, **TWO), rigid))
     assert order(factors, apart) == pytest.approx(-1, abs=0.1)
     assert apart[-1] < 1e-4
@@ -181,7 +181,7 @@ def test_flexible_links_with_an_ideal_joint(model):
 
 @pytest.mark.parametrize("model", FLEXIBLE)
 def test_flexible_links_with_clearance(model):
-    scene = PAPER.but(gravity=9.81)
+    scene = PAPER.replace(gravity=9.81)
     options = {"duration": 0.03, "outputs": 300}
     rigid, r = simulate(scene, **options), simulate(scene, model=model, **options)
     assert len(r.impacts) > len(rigid.impacts)
@@ -196,7 +196,7 @@ def test_flexible_links_with_clearance(model):
 
 @pytest.mark.parametrize("model", FLEXIBLE)
 def test_nearly_rigid_links_impact_as_rigid_ones(model):
-    stiff = PAPER.but(link_modulus=1000 * PAPER.youngs_modulus)
+    stiff = PAPER.replace(link_modulus=1000 * PAPER.youngs_modulus)
     options = {"duration": 0.002, "outputs": 10}
     truth = simulate(**options).impacts.iloc[0]
     own = {} if model == "particles" else {"step": 1e-7}
@@ -209,11 +209,11 @@ def test_nearly_rigid_links_impact_as_rigid_ones(model):
 
 @pytest.mark.parametrize("model", FLEXIBLE)
 def test_initial_eccentricity_and_mirrored_drive(model):
-    scene = PAPER.but(initial_eccentricity=(1e-5, -3e-5))
+    scene = PAPER.replace(initial_eccentricity=(1e-5, -3e-5))
     r = simulate(scene, model=model, duration=0.005, outputs=50, **TWO)
     assert r.eccentricity_x[0] == pytest.approx(1e-5, rel=1e-9)
     assert r.eccentricity_y[0] == pytest.approx(-3e-5, rel=1e-9)
-    other = scene.but(initial_eccentricity=(1e-5, 3e-5), driving_moment=-0.5)
+    other = scene.replace(initial_eccentricity=(1e-5, 3e-5), driving_moment=-0.5)
     mirrored = simulate(other, model=model, duration=0.005, outputs=50, **TWO)
     assert mirrored.slider_position == pytest.approx(r.slider_position, abs=1e-9)
     assert mirrored.impacts.time[0] == pytest.approx(r.impacts.time[0], rel=1e-6)
@@ -246,12 +246,12 @@ def test_too_deep_a_contact_says_when(model):
     with pytest.raises(
         MechanismError, match=r"the depth must stay <= .*; stopped at time 0.0\d+ s, step "
     ):
-        soft = PAPER.but(youngs_modulus=1e6, driving_moment=25.0, link_modulus=2e11)
+        soft = PAPER.replace(youngs_modulus=1e6, driving_moment=25.0, link_modulus=2e11)
         simulate(soft, model=model, **TWO)
 
 
 def test_many_impacts_fit_in_the_table():
-    scene = PAPER.but(restitution=1.0, friction=0.0)
+    scene = PAPER.replace(restitution=1.0, friction=0.0)
     for model in ("rigid", *FLEXIBLE):
         r = simulate(scene, model=model, duration=0.1, **({} if model == "rigid" else TWO))
         assert len(r.impacts) > 64
@@ -263,7 +263,7 @@ def test_many_impacts_fit_in_the_table():
 def test_flexible_links_of_random_scenes(model):
     ended = 0
     for scene in random_scenes(20):
-        eased = scene.but(friction=0.5 * scene.friction)  # Newton's method may fail beyond 0.5
+        eased = scene.replace(friction=0.5 * scene.friction)  # Newton's method may fail beyond 0.5
         try:
             r = simulate(eased, model=model, duration=0.02, outputs=20, **TWO)
         except MechanismError as error:
@@ -279,7 +279,7 @@ def test_flexible_links_of_random_scenes(model):
 @pytest.mark.parametrize("model", FLEXIBLE)
 def test_weight_rests_on_the_slide(model):
     """Stiff links in strong gravity: the ideal joint's force is that of rigid links."""
-    scene = PAPER.but(gravity=1000.0, link_modulus=1e3 * PAPER.youngs_modulus)
+    scene = PAPER.replace(gravity=1000.0, link_modulus=1e3 * PAPER.youngs_modulus)
     options = {"joint": "ideal", "duration": 0.002, "outputs": 2000}
     rigid, r = simulate(scene, **options), simulate(scene, model=model, **TWO, **options)
     assert r.force_y.mean() == pytest.approx(rigid.force_y.mean(), rel=0.03)
@@ -287,7 +287,7 @@ def test_weight_rests_on_the_slide(model):
 
 @pytest.mark.parametrize("model", FLEXIBLE)
 def test_outputs_at_every_step_lose_none_when_the_table_of_impacts_grows(model):
-    scene = PAPER.but(restitution=1.0, friction=0.0)
+    scene = PAPER.replace(restitution=1.0, friction=0.0)
     options = {"model": model, "duration": 0.1, "step": 2e-6, "outputs": 50_000, **TWO}
     response = simulate(scene, **options)
     assert len(response.impacts) > 64

@@ -7,7 +7,7 @@ from study.mechanism import Scene, beams, particles, simulate
 
 FLEXIBLE = ["particles", "beams"]
 PAPER = Scene()
-STIFF = PAPER.but(link_modulus=100 * PAPER.youngs_modulus)
+STIFF = PAPER.replace(link_modulus=100 * PAPER.youngs_modulus)
 STARTS = [
     {"crank_speed": 30.0},
     {"crank_speed": -30.0, "initial_crank_angle": -4.0, "gravity": 9.81},
@@ -22,7 +22,7 @@ every_start = pytest.mark.parametrize("start", STARTS)
 @every_start
 @pytest.mark.parametrize("joint", ["ideal", "clearance"])
 def test_first_row_is_that_of_rigid_links(model, start, joint):
-    scene = STIFF.but(**start)
+    scene = STIFF.replace(**start)
     rigid, flexible = (
         simulate(scene, model=kind, joint=joint, duration=1e-5, outputs=1).rows[0]
         for kind in ("rigid", model)
@@ -36,7 +36,7 @@ def test_first_row_is_that_of_rigid_links(model, start, joint):
 @every_model
 @every_start
 def test_stiff_links_with_an_ideal_joint_move_as_rigid_ones(model, start):
-    scene, options = STIFF.but(**start), {"joint": "ideal", "duration": 0.02, "outputs": 200}
+    scene, options = STIFF.replace(**start), {"joint": "ideal", "duration": 0.02, "outputs": 200}
     rigid = simulate(scene, **options)
     flexible = simulate(scene, model=model, elements=(2, 3), **options)
     assert flexible.crank_angle == pytest.approx(rigid.crank_angle, abs=2e-5)
@@ -53,7 +53,7 @@ def test_stiff_links_with_an_ideal_joint_move_as_rigid_ones(model, start):
 @every_model
 @pytest.mark.parametrize("speed", [40.0, -40.0])
 def test_moment_that_holds_the_speed_is_that_of_rigid_links_but_for_ringing(model, speed):
-    scene = STIFF.but(crank_speed=speed, initial_crank_angle=1.0, gravity=9.81)
+    scene = STIFF.replace(crank_speed=speed, initial_crank_angle=1.0, gravity=9.81)
     options = {"joint": "ideal", "duration": 0.02, "outputs": 20000}
     rigid, flexible = (
         np.convolve(simulate(scene, model=kind, **options).driving_moment, np.full(1000, 1e-3))
@@ -65,7 +65,7 @@ def test_moment_that_holds_the_speed_is_that_of_rigid_links_but_for_ringing(mode
 @every_model
 @every_start
 def test_energy_balance_follows_the_step(model, start):
-    scene, errors = PAPER.but(restitution=0.9, **start), []
+    scene, errors = PAPER.replace(restitution=0.9, **start), []
     for parts in (1, 4):
         step = 1e-6 if model == "beams" else particles.stable_step(scene, (2, 3)) / 4
         options = {"duration": 5e-3, "outputs": 200, "elements": (2, 3), "step": step / parts}

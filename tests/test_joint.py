@@ -14,9 +14,9 @@ from study.joint import (
     Joint,
     Material,
     complementarity,
+    contact_kinematics,
     fem,
     force_curve,
-    pairing,
     paper_joint,
     series,
 )
@@ -142,8 +142,8 @@ def test_large_displacements_of_unequal_bodies(stiffer):
 def test_large_displacements_do_not_depend_on_the_path():
     joint = Joint(10, 1.3, kinematics="finite")
     bodies = fem.ball(0.3, "plane", 64), fem.socket(1.3, 0.3, "mirror", 64)
-    _, steps = pairing.solve_finite(joint, np.linspace(0, 0.8, 9), *bodies)
-    _, jump = pairing.solve_finite(joint, np.array([0.8, 0.4]), *bodies)
+    _, steps = contact_kinematics.solve_finite(joint, np.linspace(0, 0.8, 9), *bodies)
+    _, jump = contact_kinematics.solve_finite(joint, np.array([0.8, 0.4]), *bodies)
     assert jump == pytest.approx(steps[[8, 4]], rel=1e-6)
 
 
@@ -255,9 +255,9 @@ def test_error_estimate_covers_the_error_at_large_displacements():
 def test_contact_grown_from_the_pole_is_that_found_by_pivoting(kinematics, socket, ratio):
     joint = Joint(30, ratio, socket=socket, kinematics=kinematics)
     bodies = series.ball_compliance(0.3, 64), series.socket_compliance(ratio, socket.poisson, 64)
-    problem, axial = getattr(pairing, kinematics)(joint, *bodies)
+    problem, axial = getattr(contact_kinematics, kinematics)(joint, *bodies)
     depths = np.array([0.02, 0.5, 0.0, 0.2])
-    pressure, force = pairing.solve(joint, depths, problem, axial, (1.0, 0.9))
+    pressure, force = contact_kinematics.solve(joint, depths, problem, axial, (1.0, 0.9))
     for k, depth in enumerate(depths):
         matrix, parts = problem(depth)
         for times, found in zip((1.0, 0.9), force[:, k], strict=True):
@@ -275,7 +275,7 @@ def test_contact_in_two_parts_is_found_by_pivoting():
     def problem(_):
         return np.eye(size), np.array([gap, np.zeros(size), np.zeros(size)])
 
-    pressure, force = pairing.solve(joint, np.array([0.5]), problem, np.ones(size))
+    pressure, force = contact_kinematics.solve(joint, np.array([0.5]), problem, np.ones(size))
     assert pressure[0] == pytest.approx(np.maximum(-gap, 0))
     assert force[0, 0] == pytest.approx(200 * 4)
 

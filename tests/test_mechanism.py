@@ -18,7 +18,7 @@ from study.mechanism.response import EVENTS
 
 PAPER = Scene()
 HERTZ = pack("hertz", PAPER.ball_radius, PAPER.socket_radius, PAPER.composite_modulus)
-LOSSLESS = PAPER.but(restitution=1.0, friction=0.0)
+LOSSLESS = PAPER.replace(restitution=1.0, friction=0.0)
 KNOWN = pd.read_csv(paths.DATA / "published/mechanism.csv").set_index(["model", "quantity"]).value
 
 
@@ -73,7 +73,7 @@ def test_tables_3_and_4_hold_the_scene():
 )
 def test_bad_scene_is_one_clear_error(changes, message):
     with pytest.raises(ValueError, match=re.escape(message)):
-        PAPER.but(**changes)
+        PAPER.replace(**changes)
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_a_joints_own_curve_drives_the_mechanism():
 
 
 def test_ideal_joint_force_moves_slider_and_coupler():
-    scene = PAPER.but(gravity=9.81, coupler_inertia=4e-4)
+    scene = PAPER.replace(gravity=9.81, coupler_inertia=4e-4)
     r = simulate(scene, joint="ideal", duration=0.05, outputs=2000)
     assert r.force_x == pytest.approx(scene.slider_mass * r.slider_acceleration, rel=1e-12)
     # the coupler's centre and its turning, by differences of the simulated motion
@@ -193,7 +193,7 @@ def test_energy_is_kept_without_losses():
 @pytest.mark.parametrize("damping", DAMPINGS)
 @pytest.mark.parametrize("law", LAWS)
 def test_energy_balance_closes_with_losses(law, damping):
-    scene = PAPER.but(damping=damping, gravity=9.81)
+    scene = PAPER.replace(damping=damping, gravity=9.81)
     response = simulate(scene, law=law, duration=0.03, outputs=300)
     assert response.energy_error < 1e-8
     assert response.lost_damping[-1] > 0
@@ -251,7 +251,7 @@ def test_a_contact_is_lasting_if_ten_times_as_long_as_a_free_impact():
 
 
 def test_free_duration_is_that_of_hertz():
-    scene = LOSSLESS.but(driving_moment=1e-3)
+    scene = LOSSLESS.replace(driving_moment=1e-3)
     first = simulate(scene, duration=0.1, outputs=10).impacts.iloc[0]
     hertz = 2.943275  # T v / depth, Johnson, Contact Mechanics, Eq. 11.24
     assert first.free_duration == pytest.approx(
@@ -262,7 +262,7 @@ def test_free_duration_is_that_of_hertz():
 
 @pytest.mark.parametrize("drive", [{}, {"crank_speed": 11.0}])
 def test_jacobian_is_the_derivative(drive):
-    p = PAPER.but(gravity=9.81, **drive).constants()
+    p = PAPER.replace(gravity=9.81, **drive).constants()
     cases = [
         (np.array([0.7, 1.3e-5, -2e-5, 11.0, 0.03, -0.05, 0, 0]), (False, 0, 1.0)),
         (np.array([0.7, 8e-7, 2.1, 11.0, 0.02, 900.0, 0, 0]), (True, 1, 0.06)),
@@ -294,7 +294,7 @@ def test_jacobian_is_the_derivative(drive):
 )
 def test_rigid_links_agree_with_another_integrator(start):
     """Other coordinates (theta, phi, x), SciPy's integrator, sections between located events."""
-    s, r1 = PAPER.but(**start), PAPER.ball_radius
+    s, r1 = PAPER.replace(**start), PAPER.ball_radius
     i1, i2 = s.inertias
     l1, l2, m2 = s.crank_length, s.coupler_length, s.coupler_mass
     a11, a22 = i1 + s.crank_mass * l1**2 / 4 + m2 * l1**2, i2 + m2 * l2**2 / 4
@@ -358,7 +358,7 @@ def test_rigid_links_agree_with_another_integrator(start):
 
 
 def test_slow_scene_down_to_approach_speeds_of_a_nanometre_per_second():
-    scene = PAPER.but(driving_moment=1e-16)
+    scene = PAPER.replace(driving_moment=1e-16)
     response = simulate(scene, duration=1e6, outputs=500)
     assert response.impacts.approach_speed[0] < 1e-9
     assert len(response.impacts) > 3
@@ -368,7 +368,7 @@ def test_slow_scene_down_to_approach_speeds_of_a_nanometre_per_second():
 @pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
 @pytest.mark.parametrize("joint", ["ideal", "clearance"])
 def test_no_drive_no_motion(model, joint):
-    scene = PAPER.but(driving_moment=0.0)
+    scene = PAPER.replace(driving_moment=0.0)
     response = simulate(scene, model=model, joint=joint, duration=0.001, outputs=10)
     assert np.abs(response.crank_angle).max() < 1e-15
     assert response.impacts.empty
@@ -385,7 +385,7 @@ def test_few_outputs_let_steps_be_long(tolerance, outputs):
 
 @pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
 def test_energy_counts_from_the_start(model):
-    scene = PAPER.but(gravity=9.81, initial_eccentricity=(0.0, -4.9e-5))
+    scene = PAPER.replace(gravity=9.81, initial_eccentricity=(0.0, -4.9e-5))
     response = simulate(scene, model=model, duration=0.01)
     assert response.work[0] == 0
     assert response.energy_error < (1e-8 if model == "rigid" else 2e-5)
@@ -432,7 +432,7 @@ def test_random_scenes_end_well(tolerance):
 
 
 def test_too_deep_a_contact_says_when():
-    soft = PAPER.but(youngs_modulus=1e6, driving_moment=25.0)
+    soft = PAPER.replace(youngs_modulus=1e6, driving_moment=25.0)
     with pytest.raises(
         MechanismError,
         match=r"the depth must stay <= one clearance \(5e-05 m\); stopped at time 0.00\d+ s, ",
@@ -441,7 +441,7 @@ def test_too_deep_a_contact_says_when():
 
 
 def test_mirrored_drive_gives_the_mirrored_motion():
-    up, down = (simulate(PAPER.but(driving_moment=m), duration=0.02) for m in (0.5, -0.5))
+    up, down = (simulate(PAPER.replace(driving_moment=m), duration=0.02) for m in (0.5, -0.5))
     assert down.slider_position == pytest.approx(up.slider_position, abs=1e-12)
     assert down.crank_angle == pytest.approx(-up.crank_angle, abs=1e-10)
     assert down.eccentricity_y == pytest.approx(-up.eccentricity_y, abs=1e-12)

@@ -13,7 +13,7 @@ import pytest
 from copied import copy_project, environment, study
 
 from study import paths
-from study.dataset.agreement import table_differs
+from study.dataset.tolerance import table_differs
 from study.pages import catalogue
 
 TWO = ("02-coefficient-over-socket-radius", "03-force-against-depth")

@@ -4,8 +4,7 @@ import json
 
 import pytest
 
-from study import paths
-from study.dataset import provenance
+from study import paths, provenance
 from study.pages import catalogue
 
 
@@ -19,10 +18,10 @@ def test_imports_are_followed_to_the_modules_that_define_the_names():
     assert reached("joint/curve.py") == {
         *("checks.py", "contact/bodies.py", "joint/complementarity.py", "joint/compliance.py"),
         *("joint/curve.py", "joint/fem.py", "joint/growth.py", "joint/joint.py"),
-        *("joint/pairing.py", "joint/series.py", "joint/stress.py", "threads.py"),
+        *("joint/contact_kinematics.py", "joint/series.py", "joint/stress.py", "threads.py"),
     }
     assert "contact/laws.py" in reached("dataset/fitting.py")
-    assert reached("dataset/agreement.py") == {"dataset/agreement.py"}
+    assert reached("dataset/tolerance.py") == {"dataset/tolerance.py"}
 
 
 def test_a_name_is_not_a_module_that_differs_in_case(monkeypatch):

@@ -13,7 +13,7 @@ import pytest
 
 import study
 from study import cli, contact, dataset, paths
-from study.joint import SizedJoint
+from study.joint import DimensionalJoint
 from study.pages import catalogue
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
@@ -108,7 +108,7 @@ def test_the_other_support_is_as_much_stiffer():
     (percent,) = claimed(r"`--drive clamped`: it may not, here (\d+) % stiffer")
     sizes = {"socket_radius": 12.5e-3, "clearance": 40e-6, "wall": 6e-3, "socket": "bronze"}
     free, clamped = (
-        SizedJoint(**sizes, ball_drive=drive).solve(force=3000).stiffness[0]
+        DimensionalJoint(**sizes, ball_drive=drive).solve(force=3000).stiffness[0]
         for drive in ("plane", "clamped")
     )
     assert 100 * (clamped / free - 1) == pytest.approx(percent, abs=0.5)

@@ -25,10 +25,10 @@ def table(**joint):
 def test_materials_are_those_of_all_bodies_or_a_bodys_own():
     assert PAPER.materials == (STEEL, STEEL)
     assert MIXED.materials == (STEEL, BRONZE)
-    assert PAPER.but(ball=BRONZE, poisson=0.25).materials == (BRONZE, Material(2.07e11, 0.25))
+    assert PAPER.replace(ball=BRONZE, poisson=0.25).materials == (BRONZE, Material(2.07e11, 0.25))
     expected = contact.composite_modulus(2.07e11, 0.3, 1.1e11, 0.34)
     assert MIXED.composite_modulus == expected
-    assert PAPER.but(ball=STEEL, socket=STEEL).composite_modulus == PAPER.composite_modulus
+    assert PAPER.replace(ball=STEEL, socket=STEEL).composite_modulus == PAPER.composite_modulus
     assert MIXED.link("crank") == PAPER.link("crank")
 
 
@@ -132,7 +132,7 @@ def test_a_curve_of_the_scenes_materials_drives_it():
 def test_fitted_laws_say_that_their_joint_was_another(law):
     note = "its coefficient is that of the paper's joint, which has other materials"
     assert note in simulate(MIXED, law=law, **BRIEF).law
-    assert note in simulate(PAPER.but(poisson=0.4), law=law, **BRIEF).law
+    assert note in simulate(PAPER.replace(poisson=0.4), law=law, **BRIEF).law
     assert note not in simulate(PAPER, law=law, **BRIEF).law
     if law != "liu":
         assert simulate(MIXED, law=law, coefficient=3.0, **BRIEF).law.endswith("coefficient 3")
@@ -162,15 +162,17 @@ def test_models_that_measure_refuse_what_they_do_not_have():
     options = {"duration": 1e-4, "outputs": 10, "step": 1e-6, "scheme": "RK4"}
     for name, value in (("crank_speed", 10.0), ("crank_clearance", 1e-5)):
         with pytest.raises(ValueError, match=f"{name.replace('_', ' ')} must be left out: this"):
-            explicit.integrate(PAPER.but(**{name: value}), numbers, **options)
+            explicit.integrate(PAPER.replace(**{name: value}), numbers, **options)
         with pytest.raises(ValueError, match=f"{name.replace('_', ' ')} must be left out: this"):
-            odes.slider_acceleration("LSODA", PAPER.but(**{name: value}), numbers, 1e-4, 10, 1e-6)
+            odes.slider_acceleration(
+                "LSODA", PAPER.replace(**{name: value}), numbers, 1e-4, 10, 1e-6
+            )
     with pytest.raises(ValueError, match="crank clearance must be left out: this model has none"):
-        stability.packed(PAPER.but(crank_clearance=1e-5), "hertz")
+        stability.packed(PAPER.replace(crank_clearance=1e-5), "hertz")
 
 
 def test_explicit_steps_begin_where_the_scene_does():
-    scene = PAPER.but(initial_crank_angle=1.0, initial_crank_speed=30.0)
+    scene = PAPER.replace(initial_crank_angle=1.0, initial_crank_speed=30.0)
     numbers = stability.packed(scene, "hertz")
     _, depth = explicit.integrate(scene, numbers, 3e-3, 30, 1e-6, "RK4")
     ours = simulate(scene, duration=3e-3, outputs=30)
@@ -180,7 +182,7 @@ def test_explicit_steps_begin_where_the_scene_does():
 
 
 def test_other_integrators_begin_where_the_scene_does():
-    scene = PAPER.but(initial_crank_angle=1.0, initial_crank_speed=30.0)
+    scene = PAPER.replace(initial_crank_angle=1.0, initial_crank_speed=30.0)
     numbers = stability.packed(scene, "hertz")
     found = odes.slider_acceleration("DOP853", scene, numbers, 3e-3, 300, 1e-8)
     ours = simulate(scene, duration=3e-3, outputs=300, tolerance=1e-8).slider_acceleration

@@ -16,7 +16,7 @@ from study.mechanism import MechanismError, Scene, particles, rigid, simulate
 from study.mechanism.frame import Frame
 
 PAPER = Scene()
-SLIPPERY = PAPER.but(friction=0.0)
+SLIPPERY = PAPER.replace(friction=0.0)
 SETTLED = 0.03  # s
 
 
@@ -62,10 +62,10 @@ def test_limits_of_the_linear_oscillator(scheme, rate, expected):
 @pytest.mark.parametrize("scheme", explicit.SCHEMES)
 @pytest.mark.parametrize(("law", "moment"), [("hertz", 0.5), ("hyperbolic_winkler", 0.05)])
 def test_stiffness_limits_the_step_as_predicted(law, moment, scheme):
-    scene = SLIPPERY.but(driving_moment=moment)
+    scene = SLIPPERY.replace(driving_moment=moment)
     state = stability.lasting_contact(scene, law, SETTLED * (0.5 / moment) ** 0.5)
     limit = stability.step_limit(scheme, stability.oscillator(scene, law, state)["frequency"])
-    seen = stability.observed_step(scene.but(restitution=1.0), law, state, scheme)
+    seen = stability.observed_step(scene.replace(restitution=1.0), law, state, scheme)
     assert seen == pytest.approx(limit, rel=0.03)
 
 
@@ -121,7 +121,7 @@ def test_friction_that_sticks_limits_the_step_as_predicted(scheme, band):
     scene = Scene(friction=3.0, slow_speed=0.0, full_speed=band)
     state = stability.lasting_contact(scene, "hertz", 0.8 * SETTLED)
     limit = 2 / stability.friction_rate(scene, "hertz", state)
-    seen = stability.observed_step(scene.but(restitution=1.0), "hertz", state, scheme)
+    seen = stability.observed_step(scene.replace(restitution=1.0), "hertz", state, scheme)
     assert seen == pytest.approx(limit, rel=0.15)
 
 
@@ -146,7 +146,7 @@ def test_links_limit_the_step_as_predicted(elements):
 
 
 def test_thin_links_are_limited_by_their_axial_waves():
-    thin = PAPER.but(density=2e3 * PAPER.density, link_modulus=2e3 * PAPER.youngs_modulus)
+    thin = PAPER.replace(density=2e3 * PAPER.density, link_modulus=2e3 * PAPER.youngs_modulus)
     limits = stability.frame_limits(thin, (8, 16))
     frame = 2 / Frame(thin, (8, 16)).highest_frequency(thin.slider_mass, True)
     assert min(limits, key=limits.get)[1] == "axial"
@@ -201,7 +201,7 @@ def test_a_slow_contact_that_is_driven_apart_pulls_and_the_response_tells():
     onset = limits.bisect(pulls, 0.05, 50, 20)
     assert onset == pytest.approx(1 / np.sqrt(2 * (0.4 + 10)), rel=0.03)  # undamped
     start = (-PAPER.clearance * (1 - 1e-8), 0.0)
-    scene = PAPER.but(initial_eccentricity=start)
+    scene = PAPER.replace(initial_eccentricity=start)
     r = simulate(scene, model="beams", duration=0.003, outputs=3000)
     assert r.normal_force.min() < -0.5
     assert (r.tangential_force[r.normal_force < 0] == 0).all()
@@ -225,7 +225,7 @@ def test_approach_speeds_go_with_the_root_of_the_moment_down_to_nothing():
 def test_a_ball_that_starts_almost_in_touch_rests_there(model):
     truth = simulate(duration=0.003, outputs=30)
     for gap in (1e-6, 1e-10, 1e-13):
-        scene = PAPER.but(initial_eccentricity=(-PAPER.clearance * (1 - gap), 0.0))
+        scene = PAPER.replace(initial_eccentricity=(-PAPER.clearance * (1 - gap), 0.0))
         r = simulate(scene, model=model, duration=0.003, outputs=30)
         assert 0 < r.impacts.approach_speed[0] < 1e-5
         assert r.impacts.peak_force.max() < 12
@@ -236,7 +236,7 @@ def test_a_ball_that_starts_almost_in_touch_rests_there(model):
 def test_grazing_approach_speed_goes_with_the_gap_to_three_quarters():
     speeds = []
     for gap in (1e-6, 1e-10):
-        scene = PAPER.but(initial_eccentricity=(-PAPER.clearance * (1 - gap), 0.0))
+        scene = PAPER.replace(initial_eccentricity=(-PAPER.clearance * (1 - gap), 0.0))
         speeds.append(simulate(scene, duration=0.001, outputs=2).impacts.approach_speed[0])
     assert speeds[0] / speeds[1] == pytest.approx(1e4**0.75, rel=1e-3)
 
@@ -246,8 +246,8 @@ def test_a_gap_lost_in_rounding_is_refused():
         Scene(initial_eccentricity=(PAPER.clearance, 0.0))
     for share in (1 - 1e-16, 1 - 1e-14):
         with pytest.raises(ValueError, match="initial eccentricity must be < 5e-05 m"):
-            PAPER.but(initial_eccentricity=(-PAPER.clearance * share, 0.0))
-    near = PAPER.but(initial_eccentricity=(-PAPER.clearance * (1 - 1e-13), 0.0))
+            PAPER.replace(initial_eccentricity=(-PAPER.clearance * share, 0.0))
+    near = PAPER.replace(initial_eccentricity=(-PAPER.clearance * (1 - 1e-13), 0.0))
     assert simulate(near, duration=1e-3).complete
 
 
@@ -300,7 +300,7 @@ def test_friction_that_turns_into_a_jump_costs_steps_but_keeps_the_answer():
 def test_runs_with_loss_can_be_repeated_and_those_without_cannot():
     calm = stability.event_differences(PAPER, "hertz", 1e-9, 0.05)
     assert calm.difference.max() < 1e-7
-    scene = PAPER.but(restitution=0.99)
+    scene = PAPER.replace(restitution=0.99)
     near, far = (stability.event_differences(scene, "hertz", x, 0.06) for x in (1e-11, 1e-9))
     largest = near.difference.cummax()
     factor = np.exp(np.polyfit(near.impact, np.log(largest), 1)[0])

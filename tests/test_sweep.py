@@ -16,7 +16,7 @@ import psutil
 import pytest
 
 from study import cli
-from study.joint import Joint, Material, SizedJoint, force_curve, whole_curve
+from study.joint import DimensionalJoint, Joint, Material, force_curve, whole_curve
 from study.mechanism import Scene, simulate
 from study.sweep import COLUMNS, cases, random_cases, run, sweep
 
@@ -75,14 +75,14 @@ def test_joints_with_dimensions_are_those_of_the_solver(tmp_path):
     ]
     _, table = swept(given, "joints", tmp_path / "table.csv")
     forces, lined, whole = (table[table.case == case] for case in (1, 2, 3))
-    solved = SizedJoint(**OF_SIZES).solve(force=[3000, 8000])
+    solved = DimensionalJoint(**OF_SIZES).solve(force=[3000, 8000])
     for name in set(COLUMNS["joints with dimensions"]) - {"yield_factor"}:
         assert forces[name].to_numpy() == pytest.approx(getattr(solved, name), rel=1e-8)
     factors = np.minimum(solved.yield_factor["ball"], solved.yield_factor["socket"])
     assert forces.yield_factor.to_numpy() == pytest.approx(factors, rel=1e-8)
-    joint = SizedJoint(**OF_SIZES, liner=((0.5e-3, "PTFE"),))
+    joint = DimensionalJoint(**OF_SIZES, liner=((0.5e-3, "PTFE"),))
     assert lined.force.to_numpy() == pytest.approx(joint.solve(depth=5e-6).force, rel=1e-8)
-    law = SizedJoint(**OF_SIZES).law()
+    law = DimensionalJoint(**OF_SIZES).law()
     assert whole.force.to_numpy() == pytest.approx(law.force(whole.depth), rel=1e-6)
     assert whole.stiffness.to_numpy() == pytest.approx(law.stiffness(whole.depth), rel=1e-6)
     at_3000 = np.interp(3000, whole.force, whole.yield_factor)

@@ -11,7 +11,7 @@ from study.contact.forces import pack
 from study.mechanism import Scene, compare, simulate, two_joints
 
 PAPER = Scene()
-BOTH = PAPER.but(crank_clearance=8e-5)
+BOTH = PAPER.replace(crank_clearance=8e-5)
 STARTS = {
     "moment": {},
     "speed": {"crank_speed": 60.0, "gravity": 9.81},
@@ -26,7 +26,7 @@ def laws(scene, law="hertz"):
 
 @pytest.mark.parametrize("start", STARTS)
 def test_jacobian_is_the_derivative(start):
-    scene = BOTH.but(**STARTS[start])
+    scene = BOTH.replace(**STARTS[start])
     p, packed = scene.constants(), laws(scene)
     states = [  # (theta, slider's joint, crank's joint) and rates, flight or contact
         ((0.7, 1.3e-5, -2e-5, 8e-7, 0.4, 11.0, 0.03, -0.05, 0.02, 700.0), (False, True)),
@@ -142,7 +142,7 @@ class Bodies:
 @pytest.mark.parametrize("start", STARTS)
 def test_two_joints_agree_with_another_integrator(start):
     """Absolute coordinates of free bodies, SciPy's integrator, sections between located events."""
-    scene = BOTH.but(**STARTS[start])
+    scene = BOTH.replace(**STARTS[start])
     found = Bodies(scene).meetings(6, 0.01)
     impacts = simulate(scene, duration=found[-1][0] + 1e-6, outputs=20, tolerance=1e-10).impacts
     mine = [(row.time, row.joint) for row in impacts.itertuples()]
@@ -155,7 +155,7 @@ def test_two_joints_agree_with_another_integrator(start):
 @pytest.mark.parametrize("start", STARTS)
 @pytest.mark.parametrize("law", ["hertz", "hyperbolic_winkler"])
 def test_energy_balance_closes_with_two_joints(start, law):
-    response = simulate(BOTH.but(**STARTS[start]), law=law, duration=0.05, outputs=300)
+    response = simulate(BOTH.replace(**STARTS[start]), law=law, duration=0.05, outputs=300)
     assert response.energy_error < 1e-8
     assert set(response.impacts.joint) == {"slider", "crank"}
     lost = response.lost_damping[-1] + response.lost_friction[-1]
@@ -165,7 +165,9 @@ def test_energy_balance_closes_with_two_joints(start, law):
     assert peaks.crank_joint_normal_force.to_numpy() == pytest.approx(crank.peak_force, rel=1e-12)
 
 
-@pytest.mark.parametrize("scene", [BOTH, BOTH.but(crank_speed=60.0), PAPER.but(crank_speed=60.0)])
+@pytest.mark.parametrize(
+    "scene", [BOTH, BOTH.replace(crank_speed=60.0), PAPER.replace(crank_speed=60.0)]
+)
 def test_accuracy_follows_the_tolerance(scene):
     truth = simulate(scene, duration=0.02, outputs=300, tolerance=1e-11)
     errors = [
@@ -183,10 +185,10 @@ def test_accuracy_follows_the_tolerance(scene):
 
 @pytest.mark.parametrize("start", STARTS)
 def test_tiny_clearances_of_stiff_bodies_are_ideal_joints(start):
-    scene = PAPER.but(**STARTS[start], youngs_modulus=1e13)
+    scene = PAPER.replace(**STARTS[start], youngs_modulus=1e13)
     ideal, away = simulate(scene, joint="ideal", duration=0.01, outputs=50), []
     for gap in (2e-5, 2e-6):
-        two = simulate(scene.but(clearance=gap, crank_clearance=gap), duration=0.01, outputs=50)
+        two = simulate(scene.replace(clearance=gap, crank_clearance=gap), duration=0.01, outputs=50)
         away.append(np.abs(two.slider_position - ideal.slider_position).max())
     assert away[0] < 4 * 2e-5
     assert away[1] < 0.35 * away[0]
@@ -194,7 +196,7 @@ def test_tiny_clearances_of_stiff_bodies_are_ideal_joints(start):
 
 @pytest.mark.parametrize("joint", ["ideal", "clearance"])
 def test_force_in_the_ideal_joint_of_the_crank_turns_it(joint):
-    scene = PAPER.but(gravity=9.81, initial_crank_angle=0.3, initial_crank_speed=20.0)
+    scene = PAPER.replace(gravity=9.81, initial_crank_angle=0.3, initial_crank_speed=20.0)
     r = simulate(scene, joint=joint, duration=0.02, outputs=100)
     inertia = scene.inertias[0] + scene.crank_mass * scene.crank_length**2 / 4
     st, ct = np.sin(r.crank_angle), np.cos(r.crank_angle)
@@ -207,7 +209,7 @@ def test_force_in_the_ideal_joint_of_the_crank_turns_it(joint):
 
 def test_constant_speed_is_the_crank_slider_of_the_textbook():
     speed, angle = 50.0, 0.4
-    scene = PAPER.but(crank_speed=speed, initial_crank_angle=angle, gravity=9.81)
+    scene = PAPER.replace(crank_speed=speed, initial_crank_angle=angle, gravity=9.81)
     r = simulate(scene, joint="ideal", duration=0.1, outputs=4000)
     theta, l1, l2 = angle + speed * r.time, scene.crank_length, scene.coupler_length
     root = np.sqrt(l2**2 - (l1 * np.sin(theta)) ** 2)
@@ -225,7 +227,7 @@ def test_constant_speed_is_the_crank_slider_of_the_textbook():
 
 
 def test_clearance_at_constant_speed_needs_the_same_moment_in_the_mean():
-    scene = PAPER.but(crank_speed=50.0, clearance=5e-6)
+    scene = PAPER.replace(crank_speed=50.0, clearance=5e-6)
     ideal, rigid_links = (
         simulate(scene, joint=joint, duration=0.1, outputs=2000) for joint in ("ideal", "clearance")
     )
@@ -251,7 +253,7 @@ def test_clearance_at_constant_speed_needs_the_same_moment_in_the_mean():
 )
 def test_bad_scene_is_one_clear_error(changes, message):
     with pytest.raises(ValueError, match=re.escape(message)):
-        PAPER.but(**changes)
+        PAPER.replace(**changes)
 
 
 @pytest.mark.parametrize(

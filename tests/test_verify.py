@@ -7,16 +7,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study import paths
-from study.dataset.agreement import table_differs
-from study.pages import figures, kept
+from study.dataset.tolerance import table_differs
+from study.pages import baseline, figures
 
 
 @pytest.fixture
 def folders(tmp_path, monkeypatch):
     """Empty folders that the module takes for the project's."""
     monkeypatch.setattr(paths, "FIGURES", tmp_path / "figures")
-    monkeypatch.setattr(kept, "MADE", tmp_path / "build/made")
-    monkeypatch.setattr(kept, "KEPT", tmp_path / "build/kept")
+    monkeypatch.setattr(baseline, "MADE", tmp_path / "build/made")
+    monkeypatch.setattr(baseline, "KEPT", tmp_path / "build/kept")
     monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path / "work"))
     return tmp_path
 
@@ -29,16 +29,16 @@ def make(folders, scale=1.0, label="force", name="fig"):
     axes.plot(table.x, table.force)
     axes.set_ylabel(label)
     figures.save(figure, name, table)
-    kept.place(folders / "work", kept.files(name, True))
-    return kept.compare(name, True)
+    baseline.place(folders / "work", baseline.files(name, True))
+    return baseline.compare(name, True)
 
 
 def kept_bytes(folders, name="fig"):
-    return [(folders / "figures" / file).read_bytes() for file in kept.files(name, True)]
+    return [(folders / "figures" / file).read_bytes() for file in baseline.files(name, True)]
 
 
 def test_a_result_is_new_then_identical(folders):
-    assert kept.compare("fig", True).state == "not made here"
+    assert baseline.compare("fig", True).state == "not made here"
     assert make(folders).state == "identical"  # there was none: what was made is kept
     first = kept_bytes(folders)
     assert make(folders).state == "identical"
@@ -63,8 +63,8 @@ def test_numbers_that_differ_are_written_and_named(folders):
     assert make(folders, 1 + 5e-7).state == "agrees"  # with those that were kept
     assert kept_bytes(folders) == first
     make(folders, 1.004)
-    kept.accept(kept.files("fig", True))
-    assert kept.compare("fig", True).state == "identical"
+    baseline.accept(baseline.files("fig", True))
+    assert baseline.compare("fig", True).state == "identical"
 
 
 def test_a_label_that_differs_is_written(folders):
@@ -86,7 +86,7 @@ def test_a_file_put_back_by_hand_counts_as_kept_bytes(folders):
     make(folders)
     first = kept_bytes(folders)
     make(folders, 1.004)
-    for file, content in zip(kept.files("fig", True), first, strict=True):
+    for file, content in zip(baseline.files("fig", True), first, strict=True):
         (folders / "figures" / file).write_bytes(content)
     assert make(folders).state == "identical"
     assert not any((folders / "build/kept").iterdir())
@@ -144,7 +144,7 @@ def test_any_change_within_the_tolerance_agrees_and_twice_it_does_not(tmp_path_f
 
 
 def test_the_summary_counts(folders):
-    found = [kept.Comparison("a", "identical")] * 60 + [kept.Comparison("b", "agrees")] * 4
-    assert kept.summary(found) == "64 results: 60 identical, 4 agree, 0 differ"
-    found[0] = kept.Comparison("c", "not made here")
-    assert kept.summary(found).endswith("59 identical, 4 agree, 0 differ, 1 not made here")
+    found = [baseline.Comparison("a", "identical")] * 60 + [baseline.Comparison("b", "agrees")] * 4
+    assert baseline.summary(found) == "64 results: 60 identical, 4 agree, 0 differ"
+    found[0] = baseline.Comparison("c", "not made here")
+    assert baseline.summary(found).endswith("59 identical, 4 agree, 0 differ, 1 not made here")

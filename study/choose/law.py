@@ -252,7 +252,7 @@ def cheapest(
 
 def law_options(law: str, joint: Joint) -> dict[str, object]:
     """Options of a law for a joint; `RangeError` if the law is not for it."""
-    return joint.stiffening_options() if law == "stiffened_hertz" else {}
+    return joint.correction_options() if law == "stiffened_hertz" else {}
 
 
 def relative_costs() -> dict[str, float]:

@@ -27,24 +27,24 @@ def run_notebooks(names: list[str] = (), settings: list[str] = (), **how):
 @command("verify")
 def verify_results(names: list[str] = (), keep: bool = False):
     """Say which results that were last made here agree with the kept ones; run nothing."""
-    from study.pages import catalogue, kept
+    from study.pages import baseline, catalogue
 
     selected = catalogue.select(names)
     if keep:
         for notebook in selected:
-            kept.accept(notebook.files())
+            baseline.accept(notebook.files())
     _compare(selected)
 
 
 def _compare(selected):
     """Say how many results agree with the kept ones; name those that differ, and fail then."""
-    from study.pages import execute, kept
+    from study.pages import baseline, execute
 
     found = execute.compare(selected)
     differing = [comparison.where for comparison in found if comparison.state == "differs"]
     for where in differing:
         print(f"differs  {where}", file=sys.stderr)
-    print(kept.summary(found))
+    print(baseline.summary(found))
     if differing:
         raise typer.Exit(1)
 

@@ -41,7 +41,9 @@ OF_SIZED = (*SIZES, "force", "depth", "ball", "socket", "liner", "tolerance")
 OF_BOTH = ("ball_drive", "rim", "kinematics")
 
 
-@command("joint", "study.joint:SizedJoint ball socket", *JOINT, "study.joint:force_curve solver")
+@command(
+    "joint", "study.joint:DimensionalJoint ball socket", *JOINT, "study.joint:force_curve solver"
+)
 def solve_joint(
     socket_radius: float | None = None,
     clearance: float | None = None,
@@ -82,15 +84,15 @@ def _needed(names, given, more=""):
 
 def _solve_sized(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of_joint):
     from study.choose.law import TOLERANCES
-    from study.cli import sized
-    from study.joint import SizedJoint
+    from study.cli import dimensional
+    from study.joint import DimensionalJoint
     from study.joint.described import liner as read_liner
 
     _needed(SIZES, of_joint)
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
-    joint = SizedJoint(**of_joint, liner=tuple(map(read_liner, liner)))
+    joint = DimensionalJoint(**of_joint, liner=tuple(map(read_liner, liner)))
     with waiting("Solving the joint"):
-        told, parts = sized.told(joint, joint.solve(force=force, depth=depth), tolerance)
+        told, parts = dimensional.told(joint, joint.solve(force=force, depth=depth), tolerance)
     show(told, as_json, *parts)
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact import sampling, shapes, stiffening
+from study.contact import hertz_correction, sampling, shapes
 from study.contact.bodies import SOCKET_RATIO
 
 PaperLawName = Literal["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler"]
@@ -184,10 +184,10 @@ def stiffened_hertz(
 
     P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s) and
     s = sqrt(ds): Hertz's law as ds -> 0. The nine numbers of a joint are looked up once, in
-    ``stiffening.csv`` (`study.contact.stiffening`). The law is for linear kinematics, ds <= 1 and
-    the ranges of `study.contact.stiffening.RANGES`. Its largest error is 0.18 % on 336 random
-    joints, and 0.57 % at the ends of the ranges (notebook 15). Defaults are the paper's
-    socket ratio and equal materials.
+    ``hertz_correction.csv`` (`study.contact.hertz_correction`). The law is for linear kinematics,
+    ds <= 1 and the ranges of `study.contact.hertz_correction.RANGES`. Its largest error is 0.18 %
+    on 336 random joints, and 0.57 % at the ends of the ranges (notebook 15). Defaults are the
+    paper's socket ratio and equal materials.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def stiffened_hertz(
         Supports, as for `study.joint.Joint`.
     """
     socket_poisson = poisson if socket_poisson is None else socket_poisson
-    least_r2_star = stiffening.LEAST_R2_STAR * (1 - LIMIT_MARGIN)
+    least_r2_star = hertz_correction.LEAST_R2_STAR * (1 - LIMIT_MARGIN)
     checks.number("r2_star of stiffened_hertz", r2_star, least=least_r2_star)
     given = {
         "socket_ratio": socket_ratio,
@@ -209,18 +209,18 @@ def stiffened_hertz(
         "poisson": poisson,
         "socket_poisson": socket_poisson,
     }
-    for name, (least, most) in stiffening.RANGES.items():
+    for name, (least, most) in hertz_correction.RANGES.items():
         least *= 1 - LIMIT_MARGIN
         checks.number(
             f"{name} of stiffened_hertz", given[name], least=least, most=most, scalar=True
         )
     clamped = checks.choice("ball_drive of stiffened_hertz", ball_drive, ("plane", "clamped"))
     free = checks.choice("rim of stiffened_hertz", rim, ("mirror", "free"))
-    share = stiffening.share_of_ball(modulus_ratio, poisson, socket_poisson)
+    share = hertz_correction.share_of_ball(modulus_ratio, poisson, socket_poisson)
     bodies = share, poisson, socket_poisson, socket_ratio
     of = np.asarray(r2_star)
     one = of[:1] if of.ndim and (of == of[:1]).all() else of  # nearly always there is only one
-    constants = stiffening.powers(one, bodies, clamped == "clamped", free == "free")
+    constants = hertz_correction.powers(one, bodies, clamped == "clamped", free == "free")
     return hertz.parts(r2_star)[0], shapes.stiffened, constants
 
 

@@ -26,8 +26,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
+from study.contact.hertz_correction import share_of_ball
 from study.contact.laws import LIMIT_MARGIN, Floats, fitted_coefficients
-from study.contact.stiffening import share_of_ball
 
 PRINTED_RANGES = {
     "r2_star": (50, None),

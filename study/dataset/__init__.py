@@ -12,6 +12,7 @@ from study.dataset.store import (
     reference_forces,
     summary,
     verify_files,
+    verify_made_by,
 )
 
 __all__ = [
@@ -26,4 +27,5 @@ __all__ = [
     "reference_forces",
     "summary",
     "verify_files",
+    "verify_made_by",
 ]

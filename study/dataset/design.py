@@ -6,7 +6,7 @@ from itertools import groupby
 
 import numpy as np
 
-from study.contact import stiffening
+from study.contact import hertz_correction
 from study.joint import Joint, Kinematics, Layer, Material
 from study.joint.joint import PAPER_SUPPORTS
 
@@ -108,7 +108,10 @@ def _judges():
     balls and sockets. One socket in ten is practically infinitely thick.
     """
     draw = np.random.default_rng(2024)
-    (low, high), thin = stiffening.RANGES["poisson"], stiffening.RANGES["socket_ratio"][0]
+    (low, high), thin = (
+        hertz_correction.RANGES["poisson"],
+        hertz_correction.RANGES["socket_ratio"][0],
+    )
 
     def ball():
         return round(draw.uniform(low, high), 3)

@@ -20,6 +20,7 @@ def check() -> list[tuple[str, str]]:
         At the first check that fails; names the file, the case and the remedy.
     """
     store.verify_files()
+    store.verify_made_by()
     schema, frame = _check_schema(), store.load()
     return [
         ("files", "every hash as stated, made by this code and design"),

@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from study import checks, contact, paths
-from study.contact import stiffening
+from study import checks, contact, paths, provenance
+from study.contact import hertz_correction
+from study.contact.hertz_correction import TABLE
 from study.contact.laws import COEFFICIENTS
-from study.contact.stiffening import TABLE
-from study.dataset import agreement, design, provenance
+from study.dataset import design, tolerance
 from study.joint import Joint, Kinematics, force_curve
 from study.joint.compliance import DRIVES, RESOLUTION, RIMS
 from study.joint.curve import SOLVERS
@@ -43,7 +43,7 @@ ORIGINS = {
 GENERATED = {
     CURVES: "joint/curve",
     COEFFICIENTS: "dataset/fitting",
-    TABLE: "dataset/stiffening",
+    TABLE: "dataset/hertz_correction",
     LINKS: "choose/links",
 }
 """Generated file -> module whose imports lead to all code that decides it."""
@@ -224,7 +224,9 @@ def links() -> pd.DataFrame:
 
 
 def _read(path, **options):
-    verify_files()
+    """A table of the dataset, whose hash is compared with the description's."""
+    described = {paths.DATA / r["path"]: r for r in _read_package()["resources"]}
+    _verify(path, described[path]["hash"], described[path]["origin"] == "generated")
     return pd.read_csv(path, **options)
 
 
@@ -236,26 +238,26 @@ def solve_case(group: str, name: str, joint: Joint, depths: tuple[float, ...]) -
 def write_table(frame: pd.DataFrame, path: Path) -> None:
     """Write a table as CSV, whole or not at all, if it does not agree with the kept one.
 
-    Numbers have 9 significant digits, or fewer by `agreement.DIGITS`. On another processor the last
+    Numbers have 9 significant digits, or fewer by `tolerance.DIGITS`. On another processor the last
     ones differ: a kept file that agrees stays as it is.
     """
     frame = frame.copy()
-    for column, digits in agreement.DIGITS.get(path.stem, {}).items():
+    for column, digits in tolerance.DIGITS.get(path.stem, {}).items():
         frame[column] = [float(f"{value:.{digits}g}") for value in frame[column]]
     with paths.scratch(path.parent) as folder:
         made = folder / path.name
         frame.to_csv(made, index=False, float_format="%.9g", lineterminator="\n")
-        if not path.is_file() or agreement.table_differs(path, made):
+        if not path.is_file() or tolerance.table_differs(path, made):
             paths.copy(made, path)
 
 
-def write_stiffening(table: pd.DataFrame) -> None:
-    """Write the table of `study.contact.stiffening`, if it does not agree with the kept one.
+def write_hertz_correction(table: pd.DataFrame) -> None:
+    """Write the table of `study.contact.hertz_correction`, if it does not agree with the kept one.
 
     On another processor a number may differ by one, and one at the limit of being left out by two.
     """
     if TABLE.is_file():
-        keys = list(table.columns[: -len(stiffening.PLACES)])
+        keys = list(table.columns[: -len(hertz_correction.PLACES)])
         kept = pd.read_csv(TABLE).set_index(keys)
         if kept.sub(table.set_index(keys), fill_value=0).abs().to_numpy().max() <= 2:
             return
@@ -400,12 +402,12 @@ def _made_by():
 
 
 def verify_files() -> None:
-    """Compare every data file with its description.
+    """Compare the hash of every data file with that in its description.
 
     Raises
     ------
     DatasetError
-        If a file is missing, damaged, or made by other code, data or design; names the remedy.
+        If a file is missing or damaged; names the remedy.
     """
     package = _read_package()
     stated = package["provenance"]
@@ -413,6 +415,17 @@ def verify_files() -> None:
         _verify(paths.DATA / resource["path"], resource["hash"], resource["origin"] == "generated")
     for path in LIBRARY:
         _verify(path, stated["library_sha256"][provenance.name(path)], path in GENERATED)
+
+
+def verify_made_by() -> None:
+    """Compare code, data and design that decide a generated file with those that made it.
+
+    Raises
+    ------
+    DatasetError
+        If a file was made by others, and is out of date; names the remedy.
+    """
+    stated = _read_package()["provenance"]
     if stated["design"] != _design():
         raise DatasetError(
             f"data/{CURVES.name} is out of date: the design (study/dataset/design.py), a default "

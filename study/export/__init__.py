@@ -15,7 +15,7 @@ from study import checks, contact
 from study.contact import LAWS, LawName, laws, shapes
 from study.export import formulas
 from study.joint import Joint, curve_to
-from study.joint.sized import usual_depth
+from study.joint.dimensional import usual_depth
 
 Exported = Literal[LawName, "tabulated"]
 Format = Literal["c", "matlab", "json", "csv"]
@@ -57,7 +57,7 @@ def export(law: Exported, form: Format, joint: Joint, depth_star: float | None =
     checks.instance("joint", joint, Joint)
     if law == "stiffened_hertz":
         checks.choice("kinematics of stiffened_hertz", joint.kinematics, ("linear",))
-        joint.stiffening_options()  # refused before the joint is solved
+        joint.correction_options()  # refused before the joint is solved
     deepest = usual_depth(joint)
     if depth_star is not None:
         deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
@@ -72,7 +72,7 @@ class _Content:
 
     def __init__(self, law, joint, deepest):
         self.name, self.joint, self.deepest = law, joint, deepest
-        options = joint.stiffening_options() if law == "stiffened_hertz" else {}
+        options = joint.correction_options() if law == "stiffened_hertz" else {}
         if law != "tabulated":
             LAWS[law](deepest, joint.r2_star, **options)  # refuses a depth beyond its range
         curve = curve_to(joint, deepest)

@@ -6,23 +6,26 @@ the equator is solved exactly, order by order in Legendre polynomials (`series`)
 take quadratic finite elements (`fem`).
 
 Pressure is piecewise linear in the polar angle. Pressure and gap are complementary in the weak
-sense, so that the contact matrix is symmetric and positive definite. `pairing` says which points
-face each other, and `complementarity` which of them touch. The contact's edge lies between two
-nodes; the force therefore converges with order 2 by either solver.
+sense, so that the contact matrix is symmetric and positive definite. `contact_kinematics` says
+which points face each other, and `complementarity` which of them touch. The contact's edge lies
+between two nodes; the force therefore converges with order 2 by either solver.
 
 `curve` solves the depths that are given. `growth` solves a whole curve at once, in some 30 ms.
-`stress` finds the stresses inside the bodies, and first yield. `sized` is a joint in SI units.
+`stress` finds the stresses inside the bodies, and first yield. `dimensional` is a joint in SI
+units.
 """
 
 from study.joint.compliance import Drive, Rim
 from study.joint.curve import ForceCurve, Solver, UnresolvedError, force_curve
+from study.joint.dimensional import DimensionalJoint, DimensionalSolution
 from study.joint.growth import curve_to, whole_curve
 from study.joint.joint import Joint, Kinematics, Layer, Material, paper_joint
 from study.joint.materials import material
-from study.joint.sized import SizedJoint, SizedSolution
 from study.joint.stress import FirstYield, LargestStress, first_yield
 
 __all__ = [
+    "DimensionalJoint",
+    "DimensionalSolution",
     "Drive",
     "FirstYield",
     "ForceCurve",
@@ -32,8 +35,6 @@ __all__ = [
     "Layer",
     "Material",
     "Rim",
-    "SizedJoint",
-    "SizedSolution",
     "Solver",
     "UnresolvedError",
     "curve_to",

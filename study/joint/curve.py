@@ -2,7 +2,8 @@
 
 For every depth the contact pressure solves a complementarity problem on the contact arc:
 pressure >= 0, gap >= 0, pressure * gap = 0, all in the weak (Galerkin) sense of the pressure's
-hat functions. Frictionless and elastic. `study.joint.pairing` says which points face each other.
+hat functions. Frictionless and elastic. `study.joint.contact_kinematics` says which points face
+each other.
 
 Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 """
@@ -17,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.contact import largest_depth
-from study.joint import pairing, series
+from study.joint import contact_kinematics, series
 from study.joint.compliance import (
     FINEST_RESOLUTION,
     RESOLUTION,
@@ -194,7 +195,7 @@ def checked_resolution(joint: Joint, solver: Solver, resolution: int | None) -> 
         least, most = 64 if layer_steps(ratios).min() < 1.05 else 32, fem.FINEST_RESOLUTION
         kind = "quadratic"
     if joint.kinematics == "finite":
-        checks.number("r2_star", joint.r2_star, most=pairing.LARGEST_R2_STAR)
+        checks.number("r2_star", joint.r2_star, most=contact_kinematics.LARGEST_R2_STAR)
         kind = "finite"
     resolution = RESOLUTION[kind] if resolution is None else resolution
     resolution = checks.whole("resolution", resolution, least=least, most=most)
@@ -210,9 +211,11 @@ def _solve(joint, solver, depths, resolution):
         for n in (resolution, resolution // 2):
             found.append(_solve_finite(joint, depths, n))
     else:
-        paired = pairing.small if joint.kinematics == "small" else pairing.linear
+        paired = (
+            contact_kinematics.small if joint.kinematics == "small" else contact_kinematics.linear
+        )
         for bodies in meshes(joint, solver, resolution):
-            found.append(pairing.solve(joint, depths, *paired(joint, *bodies), _TIMES))
+            found.append(contact_kinematics.solve(joint, depths, *paired(joint, *bodies), _TIMES))
     (pressure, fine), (_, coarse) = found
     return surface_angles(resolution), pressure, fine, coarse
 
@@ -226,9 +229,9 @@ def _solve_finite(joint, depths, resolution):
 
     of_ball, of_socket = meshed(joint, resolution)
     ball, socket = fem.ball(*of_ball), fem.socket(*of_socket)
-    pressure, force = pairing.solve_finite(joint, depths, ball, socket)
-    linear = pairing.linear(joint, ball.compliance, socket.compliance)
-    _, beside = pairing.solve(joint, depths, *linear, _TIMES)
+    pressure, force = contact_kinematics.solve_finite(joint, depths, ball, socket)
+    linear = contact_kinematics.linear(joint, ball.compliance, socket.compliance)
+    _, beside = contact_kinematics.solve(joint, depths, *linear, _TIMES)
     alone = np.where(beside[0] > 0, beside[0], 1.0)
     return pressure, force * (beside / alone)
 

@@ -13,7 +13,7 @@ from scipy.linalg import solve_triangular
 
 from study import checks
 from study.contact import largest_depth
-from study.joint import curve, pairing
+from study.joint import contact_kinematics, curve
 from study.joint.curve import ForceCurve, UnresolvedError
 from study.joint.joint import Joint
 from study.threads import one_thread
@@ -125,7 +125,9 @@ class _Growth:
     """Contacts up to each node of one mesh: their depths, forces and pressures."""
 
     def __init__(self, joint, ball, socket, deepest):
-        paired = pairing.small if joint.kinematics == "small" else pairing.linear
+        paired = (
+            contact_kinematics.small if joint.kinematics == "small" else contact_kinematics.linear
+        )
         problem, axial = paired(joint, ball, socket)
         self.angles = ball.angles
         # the matrix and the gap's last factor hardly change with the eccentricity: all contacts are
@@ -133,7 +135,10 @@ class _Growth:
         count = 1 if joint.r2_star > 1e6 else _MADE
         made = 1 + deepest * (1 - np.cos(np.pi * np.arange(count) / max(count - 1, 1))) / 2
         made_problems = (problem(eccentricity - 1) for eccentricity in made)
-        solved = [pairing.factor(matrix, np.vstack([gap, axial])) for matrix, gap in made_problems]
+        solved = [
+            contact_kinematics.factor(matrix, np.vstack([gap, axial]))
+            for matrix, gap in made_problems
+        ]
         self._made, self._factors = made, [factor for factor, _ in solved]
         *self._gaps, load = np.array([of for _, of in solved]).swapaxes(0, 1)
         one, first, second = self._gaps

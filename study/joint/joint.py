@@ -188,7 +188,7 @@ class Joint:
         composite = self.composite_modulus
         return composite / self.ball.youngs_modulus, composite / self.socket.youngs_modulus
 
-    def stiffening_options(self) -> dict[str, Any]:
+    def correction_options(self) -> dict[str, Any]:
         """Options of `study.contact.stiffened_hertz`; ``ValueError`` if it is not for the joint."""
         if self.layers or self.ball_drive == "point":
             what = "a socket of layers" if self.layers else "ball_drive point"

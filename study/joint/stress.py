@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from study import checks
 from study.contact import largest_depth
-from study.joint import pairing, series
+from study.joint import contact_kinematics, series
 from study.joint.compliance import graded
 from study.joint.curve import ForceCurve, force_curve, meshed
 from study.joint.growth import whole_curve
@@ -221,7 +221,9 @@ def hertz_von_mises(poisson: float) -> float:
 
 def _socket_pressure(curve):
     """Pressure on the socket, (k, hats); that on the ball is the curve's."""
-    return pairing.socket_pressure(curve.joint, curve.angles, curve.depth_star, curve.pressure)
+    return contact_kinematics.socket_pressure(
+        curve.joint, curve.angles, curve.depth_star, curve.pressure
+    )
 
 
 @dataclass(frozen=True)

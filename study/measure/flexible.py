@@ -63,7 +63,7 @@ def shear_stiff(scene: Scene) -> Scene:
     """Scene with the same joint and links whose shear stiffness is a thousand times as large."""
     ball, socket = scene.materials
     poisson = (1 + scene.poisson) / 1000 - 1
-    return scene.but(poisson=poisson, ball=ball, socket=socket)
+    return scene.replace(poisson=poisson, ball=ball, socket=socket)
 
 
 def found(

@@ -34,7 +34,15 @@ from study.choose.law import law_options
 from study.compiled import compiled
 from study.contact import LAWS, tabulated
 from study.contact.forces import elastic_force, pack
-from study.joint import Joint, fem, force_curve, pairing, paper_joint, series, whole_curve
+from study.joint import (
+    Joint,
+    contact_kinematics,
+    fem,
+    force_curve,
+    paper_joint,
+    series,
+    whole_curve,
+)
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
 from study.measure import explicit, flexible
 from study.measure.peers import calculix, cvode, multibody, odes
@@ -195,7 +203,7 @@ def _curve(method, n):
     """One solution of our own, bodies and all, at one resolution and without error estimate."""
     kept = [fem.ball, fem.socket, fem.ball_compliance, fem.socket_compliance]
     kept += [series.ball_compliance, series.socket_compliance, series.hat_coefficients]
-    kept.append(pairing._pairs)
+    kept.append(contact_kinematics._pairs)
     for function in kept:
         function.cache_clear()
     if method == "series":
@@ -205,7 +213,9 @@ def _curve(method, n):
         mesh = n, 6 if method.startswith("six") else 3
         ball = fem.ball_compliance(0.3, "plane", *mesh)
         socket = fem.socket_compliance(FREE.socket_ratio, 0.3, "mirror", *mesh)
-    return pairing.solve(FREE, CURVE_DEPTHS, *pairing.linear(FREE, ball, socket))[1][0]
+    return contact_kinematics.solve(
+        FREE, CURVE_DEPTHS, *contact_kinematics.linear(FREE, ball, socket)
+    )[1][0]
 
 
 def steppers(

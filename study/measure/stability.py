@@ -293,7 +293,7 @@ def event_differences(
     checks.number("share", share, above=0, scalar=True)
     times = []
     for x in (0.0, change):
-        moved = scene.but(initial_eccentricity=(x, 0.0))
+        moved = scene.replace(initial_eccentricity=(x, 0.0))
         run = simulate(moved, law=law, duration=duration, outputs=2, tolerance=1e-12)
         times.append(run.impacts.time.to_numpy())
     both = min(map(len, times))

@@ -293,6 +293,6 @@ class Scene:
                 values[name] = checks.read(name, text)
         return cls(**values)
 
-    def but(self, **changes: Any) -> "Scene":
+    def replace(self, **changes: Any) -> "Scene":
         """Copy with some attributes changed."""
         return replace(self, **changes)

@@ -8,11 +8,10 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from study import paths
+from study import paths, provenance
 from study.checks import StudyError
 from study.claims import verdicts
-from study.dataset import provenance
-from study.pages import kept
+from study.pages import baseline
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,9 @@ class Notebook:
 
     def files(self) -> list[str]:
         """File names of its results: a CSV each, and a PNG for a figure."""
-        return [file for name in self.results for file in kept.files(name, name in self.figures)]
+        return [
+            file for name in self.results for file in baseline.files(name, name in self.figures)
+        ]
 
     def products(self) -> list[Path]:
         """Files it makes: those of its results, and its executed copy."""

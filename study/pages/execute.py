@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from study import checks, paths
 from study.contact import LAWS
-from study.pages import kept
+from study.pages import baseline
 
 if TYPE_CHECKING:  # not in the process that executes one notebook
     from study.pages.catalogue import Notebook
@@ -155,20 +155,20 @@ def run(
     return built
 
 
-def compare(notebooks: "list[Notebook]") -> list[kept.Comparison]:
+def compare(notebooks: "list[Notebook]") -> list[baseline.Comparison]:
     """Compare the results of notebooks, as made last, with the kept ones."""
     found = []
     for notebook in notebooks:
         other = bool(_made_with(notebook))
         for name in notebook.results:
-            found.append(kept.compare(name, name in notebook.figures, other))
+            found.append(baseline.compare(name, name in notebook.figures, other))
     return found
 
 
 def shown_with(notebook: "Notebook") -> str:
     """Parameters, other than the defaults, with which its results in ``figures/`` were made."""
     given = _made_with(notebook)
-    shown = any(kept.is_as_made(name) for name in notebook.files())
+    shown = any(baseline.is_as_made(name) for name in notebook.files())
     return ", ".join(f"{key}={value}" for key, value in given.items()) if shown else ""
 
 
@@ -179,13 +179,13 @@ def _made_with(notebook):
 
 
 def _record(notebook):
-    return kept.MADE / f"{notebook.name}.json"
+    return baseline.MADE / f"{notebook.name}.json"
 
 
 def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
     """Execute one notebook; its executed copy lands in ``build/notebooks``.
 
-    Its results are compared with the kept ones (`kept.place`) if every cell succeeds.
+    Its results are compared with the kept ones (`baseline.place`) if every cell succeeds.
 
     Raises
     ------
@@ -208,7 +208,7 @@ def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
             raise NotebookError(f"{notebook.name} saved {extra}, which the catalogue does not name")
         with paths.whole(_record(notebook)) as record:
             record.write_text(json.dumps(settings), encoding="utf-8")
-        kept.place(results, notebook.files())
+        baseline.place(results, notebook.files())
 
 
 def _execute(notebook, executed, settings, folder, results):

@@ -15,8 +15,8 @@ import pandas as pd
 
 from study import paths
 from study.checks import StudyError
-from study.dataset import agreement
-from study.pages import kept
+from study.dataset import tolerance
+from study.pages import baseline
 from study.pages.catalogue import CATALOGUE
 from study.pages.report.results import Result, results
 
@@ -69,12 +69,12 @@ def reproducing(seconds: Mapping[str, int]) -> str:
     """
     paths.require_checkout(paths.NOTEBOOKS)
     found = results(paths.FIGURES)
-    chaotic = [f"`{result.name}`" for result in found if result.name in agreement.CHAOTIC]
+    chaotic = [f"`{result.name}`" for result in found if result.name in tolerance.CHAOTIC]
     return TEMPLATE.read_text(encoding="utf-8").format(
-        tolerance=f"{agreement.TOLERANCE:g}".replace("e-0", "e-"),
-        chaotic_tolerance=f"{agreement.CHAOTIC_TOLERANCE:g}",
+        tolerance=f"{tolerance.TOLERANCE:g}".replace("e-0", "e-"),
+        chaotic_tolerance=f"{tolerance.CHAOTIC_TOLERANCE:g}",
         chaotic=f"{', '.join(chaotic[:-1])} and {chaotic[-1]}",
-        levels=kept.LEVELS,
+        levels=baseline.LEVELS,
         of_the_paper=_table(
             ("paper", "name", "what it shows", "notebook", "expected"),
             [(result.label, *_row(result)) for result in found if result.place < (2,)],

@@ -21,9 +21,9 @@ import numpy as np
 from study import checks
 from study.checks import StudyError
 from study.contact import tabulated
-from study.joint import Joint, SizedJoint, curve_to, force_curve, material
+from study.joint import DimensionalJoint, Joint, curve_to, force_curve, material
 from study.joint.described import described, liner
-from study.joint.sized import usual_depth
+from study.joint.dimensional import usual_depth
 from study.mechanism import Response, Scene
 from study.mechanism.response import IMPACT_COLUMNS
 from study.mechanism.simulate import ready
@@ -293,11 +293,11 @@ def _of_sized(given):
         checks.number(name, values, SIZED[name][0], above=0)
     if len(wanted) > 1:
         raise ValueError("either depth or force must be given, not both")
-    joint = SizedJoint(**given)
+    joint = DimensionalJoint(**given)
     return _bodies(joint.joint), partial(_sized, joint, wanted)
 
 
-def _sized(joint: SizedJoint, wanted: dict[str, list[float]]) -> Told:
+def _sized(joint: DimensionalJoint, wanted: dict[str, list[float]]) -> Told:
     solved = joint.solve(**wanted) if wanted else joint.curve()
     told = {name: getattr(solved, name) for name in SIZED if name != "yield_factor"}
     factors = [factor for factor in solved.yield_factor.values() if factor is not None]

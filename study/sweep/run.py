@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 from loky import ProcessPoolExecutor, cpu_count
 
-from study import checks, paths
+from study import checks, paths, provenance
 from study.checks import StudyError
 from study.sweep import cases as of_cases
 from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind, Rows
@@ -120,8 +120,6 @@ def sweep(
 
 def _code() -> str:
     """Digest of the code and of the versions of the packages that decide a result."""
-    from study.dataset import provenance  # loads pandas, which the processes do not need
-
     files = provenance.inputs(Path(of_cases.__file__))
     packages = {package: version(package) for package in _PACKAGES}
     return _digest(json.dumps([provenance.digests(files), packages]))

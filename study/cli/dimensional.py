@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from study import checks
 from study.contact import LAWS
-from study.joint import Joint, Layer, Material, SizedJoint, SizedSolution
-from study.joint.sized import usual_depth
+from study.joint import DimensionalJoint, DimensionalSolution, Joint, Layer, Material
+from study.joint.dimensional import usual_depth
 
 MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
 DEEPER = (1, 4, 12)
@@ -14,7 +14,9 @@ The range begins at a twelfth of its end at most, so that the depth itself is wi
 LARGE = 1.0  # m: a socket's radius that is probably in mm
 
 
-def told(joint: SizedJoint, solution: SizedSolution, tolerance: float) -> tuple[dict, list]:
+def told(
+    joint: DimensionalJoint, solution: DimensionalSolution, tolerance: float
+) -> tuple[dict, list]:
     """One JSON object of a solved joint, and its parts as text."""
     plain, largest = joint.joint, float(solution.depth.max())
     columns = ("depth", "force", "stiffness", "contact_half_angle_deg", "peak_pressure")

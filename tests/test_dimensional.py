@@ -10,11 +10,13 @@ from hypothesis import strategies as st
 
 from study import contact
 from study.contact import LAWS
-from study.joint import Joint, Layer, Material, SizedJoint, first_yield, force_curve
+from study.joint import DimensionalJoint, Joint, Layer, Material, first_yield, force_curve
 
-BRONZE = SizedJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
-CUP = SizedJoint(16e-3, 0.1e-3, 8e-3, Material(230e9, 0.3), Material(0.8e9, 0.46))
-LINED = SizedJoint(20e-3, 0.1e-3, 8e-3, "steel", "steel", ((0.5e-3, "PTFE"), (1e-3, "bronze")))
+BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
+CUP = DimensionalJoint(16e-3, 0.1e-3, 8e-3, Material(230e9, 0.3), Material(0.8e9, 0.46))
+LINED = DimensionalJoint(
+    20e-3, 0.1e-3, 8e-3, "steel", "steel", ((0.5e-3, "PTFE"), (1e-3, "bronze"))
+)
 JOINTS = pytest.mark.parametrize("joint", [BRONZE, CUP, LINED], ids=["bronze", "cup", "lined"])
 
 
@@ -45,7 +47,9 @@ def test_the_joint_without_its_dimensions():
     ratios = [layer.outer_ratio for layer in layers]
     assert [layer.outer_ratio for layer in held.layers] == pytest.approx(ratios, rel=1e-14)
     assert held.r2_star == pytest.approx(200)
-    supported = SizedJoint(0.01, 1e-4, 3e-3, ball_drive="clamped", rim="free", kinematics="small")
+    supported = DimensionalJoint(
+        0.01, 1e-4, 3e-3, ball_drive="clamped", rim="free", kinematics="small"
+    )
     wanted = Joint(100, 1.3, steel, steel, "clamped", "free", "small")
     assert supported.joint == wanted
 
@@ -87,7 +91,7 @@ def test_stiffness_is_the_slope_of_the_force(joint):
 
 def test_limit_is_hertz():
     """A small load on big bodies: Johnson, Contact Mechanics, 1985, Eqs. 4.22 to 4.24."""
-    joint, force = SizedJoint(0.05, 5e-3, 5.0, "steel", "aluminium"), 20.0
+    joint, force = DimensionalJoint(0.05, 5e-3, 5.0, "steel", "aluminium"), 20.0
     found, modulus = joint.solve(force=force), joint.joint.composite_modulus
     radius = 1 / (1 / 0.045 - 1 / 0.05)
     depth = (9 * force**2 / (16 * radius * modulus**2)) ** (1 / 3)
@@ -104,7 +108,7 @@ def test_limit_is_hertz():
 def test_error_estimate_covers_the_error(ratio, liner):
     wall = 0.02 * (ratio - 1)
     liners = ((wall * liner[0], liner[1]),) if liner else ()
-    joint = SizedJoint(0.02, 1e-4, wall, "CoCr", "brass", liners)
+    joint = DimensionalJoint(0.02, 1e-4, wall, "CoCr", "brass", liners)
     depth_star = np.array([5e-4, 0.003, 0.02, 0.2, 0.9])
     found = joint.solve(depth=1e-4 * depth_star)
     finest = force_curve(joint.joint, depth_star, 1280).force_star
@@ -115,7 +119,7 @@ def test_error_estimate_covers_the_error(ratio, liner):
 
 def test_factor_to_yield():
     ball, socket = Material(2.1e11, 0.3, 1e9), Material(1.1e11, 0.34, 2e8)
-    joint = SizedJoint(12.5e-3, 40e-6, 6e-3, ball, socket)
+    joint = DimensionalJoint(12.5e-3, 40e-6, 6e-3, ball, socket)
     first = first_yield(joint.joint)
     found = joint.solve(depth=40e-6 * first.depth_star)
     assert first.body == "socket"
@@ -152,7 +156,7 @@ def test_a_contact_too_small_to_resolve():
 
 
 def test_other_supports():
-    clamped = SizedJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze", (), "clamped", "free")
+    clamped = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze", (), "clamped", "free")
     found, free = clamped.solve(force=3e3), BRONZE.solve(force=3e3)
     assert 0.8 * free.depth[0] < found.depth[0] < 0.999 * free.depth[0]
 
@@ -179,7 +183,7 @@ GOOD = {"socket_radius": 0.01, "clearance": 1e-4, "wall": 3e-3}
 )
 def test_wrong_joints(changes, message):
     with pytest.raises(ValueError, match=re.escape(message)):
-        SizedJoint(**(GOOD | changes))
+        DimensionalJoint(**(GOOD | changes))
 
 
 @pytest.mark.parametrize(
@@ -196,7 +200,7 @@ def test_wrong_joints(changes, message):
 )
 def test_wrong_depths_and_forces(given, message):
     with pytest.raises(ValueError, match=re.escape(message)):
-        SizedJoint(**GOOD).solve(**given)
+        DimensionalJoint(**GOOD).solve(**given)
 
 
 @pytest.mark.parametrize("law", ["stiffened_hertz", contact.stiffened_hertz])

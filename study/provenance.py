@@ -12,7 +12,7 @@ from study import paths
 
 READS = {
     "contact/laws.py": ("study/contact/coefficients.json",),
-    "contact/stiffening.py": ("study/contact/stiffening.csv",),
+    "contact/hertz_correction.py": ("study/contact/hertz_correction.csv",),
     "joint/materials.py": ("study/joint/materials.csv",),
     "dataset/store.py": (
         *("data/force_curves.csv", "data/links.csv", "data/published/tables.csv"),

@@ -1,8 +1,8 @@
 """A joint with its dimensions, as an engineer has it: SI units, and materials by name.
 
-`SizedJoint` is a `study.joint.Joint` with dimensions. Forces and depths come from the table of its
-solved curve, each the inverse of the other. For pressures, half-angles and stresses the joint is
-solved at every depth.
+`DimensionalJoint` is a `study.joint.Joint` with dimensions. Forces and depths come from the table
+of its solved curve, each the inverse of the other. For pressures, half-angles and stresses the
+joint is solved at every depth.
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ _USUAL, _STEP = 1.0, 1.2  # clearances that a table reaches; how much further th
 
 
 @dataclass(frozen=True)
-class SizedSolution:
+class DimensionalSolution:
     """Results of a joint at some depths: arrays in the order asked for, shape (k,), in SI units.
 
     Attributes
@@ -67,7 +67,7 @@ class SizedSolution:
 
 
 @dataclass(frozen=True)
-class SizedJoint:
+class DimensionalJoint:
     """A spherical clearance joint with its dimensions, in SI units.
 
     A value outside its range is a ``ValueError``.
@@ -155,12 +155,12 @@ class SizedJoint:
         options = {}
         if find(law) is LAWS["stiffened_hertz"]:
             checks.choice("kinematics of stiffened_hertz", self.kinematics, ("linear",))
-            options = self.joint.stiffening_options()
+            options = self.joint.correction_options()
         return self._in_si_units(law, **options)
 
     def solve(
         self, *, depth: ArrayLike | None = None, force: ArrayLike | None = None
-    ) -> SizedSolution:
+    ) -> DimensionalSolution:
         """Solve the joint at given depths, in m, or under given forces, in N; both > 0.
 
         Raises
@@ -186,7 +186,7 @@ class SizedJoint:
         off = np.abs(forces / self._force(solved) - 1)
         return self._solution(law, depths, forces, solved, _error_beside(curve, depth_star) + off)
 
-    def curve(self) -> SizedSolution:
+    def curve(self) -> DimensionalSolution:
         """The whole curve, at some 50 depths up to one clearance, if the joint can.
 
         Its errors are those of `study.joint.ForceCurve`.
@@ -205,7 +205,7 @@ class SizedJoint:
         bodies = dict(zip(self.joint.materials, strengths, strict=True))
         pressure = modulus * self.clearance / self.socket_radius
         stresses = {bodies[name]: pressure * one.von_mises for name, one in largest.items()}
-        return SizedSolution(
+        return DimensionalSolution(
             depth=depths,
             force=forces,
             stiffness=np.asarray(law.stiffness(depths)),

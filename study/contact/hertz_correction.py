@@ -2,8 +2,8 @@
 
 The table behind `study.contact.stiffened_hertz` has ln S at nine depths, as a Chebyshev series in
 five coordinates of the joint. A clamped ball and a free rim have terms of their own. The table is
-made by `study.dataset.stiffening`. Here it is evaluated, once a joint, to the same bits on every
-processor: impacts are chaotic, and a last digit decides what follows some of them.
+made by `study.dataset.hertz_correction`. Here it is evaluated, once a joint, to the same bits on
+every processor: impacts are chaotic, and a last digit decides what follows some of them.
 """
 
 from functools import lru_cache
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 
-TABLE = Path(__file__).with_name("stiffening.csv")
+TABLE = Path(__file__).with_name("hertz_correction.csv")
 LEAST_R2_STAR = 20.0
 RANGES = {
     "socket_ratio": (1.1, 1e6),

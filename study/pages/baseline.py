@@ -1,7 +1,7 @@
 """Results as made here beside the kept ones: identical, agreeing, or different.
 
 The kept results are the files in ``figures/``. Where every number agrees
-(`study.dataset.agreement`) the kept file stays as it is; otherwise the new file replaces it. The
+(`study.dataset.tolerance`) the kept file stays as it is; otherwise the new file replaces it. The
 last files made are in ``build/made``, and replaced kept files in ``build/kept``.
 """
 
@@ -15,7 +15,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from study import paths
-from study.dataset.agreement import table_differs
+from study.dataset.tolerance import table_differs
 
 MADE, KEPT = paths.BUILD / "made", paths.BUILD / "kept"
 LEVELS = 8  # of 255: largest difference of two pixels that agree

@@ -2,7 +2,7 @@
 
 Bodies are solved once for many joints: some 10,000 joints take two minutes. In the limit of large
 R2* the grid is fine. The changes with a smaller R2* are smooth and take few places.
-`study.contact.stiffening` evaluates the table; notebook 15 has its errors on other joints.
+`study.contact.hertz_correction` evaluates the table; notebook 15 has its errors on other joints.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.contact import hertz, stiffening
+from study.contact import hertz, hertz_correction
 from study.joint import Joint, Material
 from study.joint.compliance import DRIVES, RIMS
 from study.joint.growth import depths_and_forces
@@ -32,7 +32,7 @@ SMALLEST = 8e-5  # coefficient of the table
 
 @one_thread
 def logarithms(socket_poisson: float, counts: dict[str, int]) -> NDArray[np.float64]:
-    """Logarithms of S at `stiffening.PLACES`, of the joints with one socket's Poisson's ratio.
+    """Logarithms of S at `PLACES`, of the joints with one socket's Poisson's ratio.
 
     Axes: socket ratio, share, Poisson's ratio of the ball and R2* of `grid`; clamped ball, no or
     yes; free rim, no or yes; place.
@@ -40,7 +40,7 @@ def logarithms(socket_poisson: float, counts: dict[str, int]) -> NDArray[np.floa
     places = grid(counts)
     shares = np.clip(places["share"], 2e-9, 1 - 2e-9)  # nearly rigid
     axes = places["socket_ratio"], shares, places["poisson"], places["r2_star"]
-    found = np.empty((*(len(axis) for axis in axes), 2, 2, len(stiffening.PLACES)))
+    found = np.empty((*(len(axis) for axis in axes), 2, 2, len(hertz_correction.PLACES)))
     for *at, drive, rim in np.ndindex(found.shape[:-1]):
         ratio, share, poisson, r2_star = (axis[k] for axis, k in zip(axes, at, strict=True))
         ball = Material((1 - poisson**2) / share, poisson)
@@ -54,12 +54,12 @@ def logarithms(socket_poisson: float, counts: dict[str, int]) -> NDArray[np.floa
 
 def grid(counts: dict[str, int]) -> dict[str, NDArray[np.float64]]:
     """Values of the joint's coordinates in the table, at Chebyshev's places, by their names."""
-    low, high = stiffening.RANGES["poisson"]
+    low, high = hertz_correction.RANGES["poisson"]
     limits: dict[str, tuple[float, float]] = {
         "share": (0, 1),
         "poisson": (np.log(1 - 1.8 * low), np.log(1 - 1.8 * high)),
-        "socket_ratio": (np.log(1 - 1 / stiffening.RANGES["socket_ratio"][0]), -1 / THICK),
-        "r2_star": (1 / LARGEST, 1 / stiffening.LEAST_R2_STAR),
+        "socket_ratio": (np.log(1 - 1 / hertz_correction.RANGES["socket_ratio"][0]), -1 / THICK),
+        "r2_star": (1 / LARGEST, 1 / hertz_correction.LEAST_R2_STAR),
     }
     limits["socket_poisson"] = limits["poisson"]
     values: dict[str, Callable] = {
@@ -77,28 +77,28 @@ def grid(counts: dict[str, int]) -> dict[str, NDArray[np.float64]]:
 
 
 def _at_places(joint, depth, force):
-    """Ln S at `stiffening.PLACES`, from the best polynomial in u for S - 1, which is 0 at u = 0."""
+    """Ln S at `PLACES`, from the best polynomial in u for S - 1, which is 0 at u = 0."""
     factor, root = force / hertz(depth, joint.r2_star), np.sqrt(depth)
-    powers = np.arange(1, len(stiffening.PLACES) + 1)
+    powers = np.arange(1, len(hertz_correction.PLACES) + 1)
     terms = (root / (1 + root))[:, None] ** powers / factor[:, None]
     found = np.linalg.lstsq(terms, 1 - 1 / factor, rcond=None)[0]
-    return np.log1p(stiffening.PLACES[:, None] ** powers @ found)
+    return np.log1p(hertz_correction.PLACES[:, None] ** powers @ found)
 
 
 def table(
     limits: Sequence[NDArray[np.float64]], changes: Sequence[NDArray[np.float64]]
 ) -> pd.DataFrame:
-    """Table of `study.contact.stiffening`: Chebyshev coefficients, without those that are small.
+    """Table of `study.contact.hertz_correction`: Chebyshev coefficients, without small ones.
 
     Both arguments are `logarithms` for each Poisson's ratio of the socket: on the grid of `LIMITS`,
     for infinite R2*, and on that of `CHANGES`, of which only the changes with R2* are used.
     """
-    values = np.zeros((*(max(LIMITS[n], CHANGES[n]) for n in stiffening.DEGREES), 2, 2, 9))
+    values = np.zeros((*(max(LIMITS[n], CHANGES[n]) for n in hertz_correction.DEGREES), 2, 2, 9))
     for part, counts in ((limits, LIMITS), (changes, CHANGES)):
         shape = [counts[name] for name in _ORDER]
         found = np.reshape(part, (*shape, 2, 2, 9)).transpose(2, 3, 0, 1, 4, 5, 6, 7)
         found = found - found[:, :, :, :, :1] if counts is CHANGES else found
-        for axis, name in enumerate(stiffening.DEGREES):
+        for axis, name in enumerate(hertz_correction.DEGREES):
             orders = np.arange(counts[name])
             at = np.cos(np.pi * np.outer(orders[::-1], orders) / max(orders[-1], 1))
             found = np.moveaxis(np.tensordot(np.linalg.inv(at), found, (1, axis)), 0, axis)
@@ -107,8 +107,12 @@ def table(
     values[..., 1, 0, :] -= values[..., 0, 0, :]
     values[..., 0, 1, :] -= values[..., 0, 0, :]
     kept = np.argwhere(np.abs(values).max(axis=-1) >= SMALLEST)
-    names = [*stiffening.DEGREES, *stiffening.SUPPORTS, *(f"at_{k}" for k in range(1, 10))]
-    whole = np.rint(values[tuple(kept.T)] / stiffening.UNIT).astype(int)
+    names = [
+        *hertz_correction.DEGREES,
+        *hertz_correction.SUPPORTS,
+        *(f"at_{k}" for k in range(1, 10)),
+    ]
+    whole = np.rint(values[tuple(kept.T)] / hertz_correction.UNIT).astype(int)
     rows = pd.DataFrame(np.hstack([kept, whole]), columns=names)
-    first = [*stiffening.SUPPORTS, *stiffening.DEGREES]
+    first = [*hertz_correction.SUPPORTS, *hertz_correction.DEGREES]
     return rows.sort_values(first)[first + names[7:]]
