@@ -13,7 +13,7 @@ from study import paths
 READS = {
     "contact/laws.py": ("study/contact/coefficients.json",),
     "contact/hertz_correction.py": ("study/contact/hertz_correction.csv",),
-    "joint/materials.py": ("study/joint/materials.csv",),
+    "contact/materials.py": ("study/contact/materials.csv",),
     "dataset/store.py": (
         *("data/force_curves.csv", "data/links.csv", "data/published/tables.csv"),
         *("data/published/joint.csv", "data/published/others.csv", "data/published/peers.csv"),

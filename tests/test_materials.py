@@ -5,7 +5,7 @@ import re
 import pytest
 
 from study import checks
-from study.joint import Material, material, materials
+from study.contact import Material, material, materials
 
 WANTED = "steel stainless bronze brass cast_iron aluminium titanium CoCr alumina UHMWPE PTFE POM"
 
@@ -70,7 +70,7 @@ def test_a_damaged_table_is_one_clear_error(content, tmp_path, monkeypatch):
     materials.table.cache_clear()
     with pytest.raises(
         checks.StudyError,
-        match=r"materials.csv is missing or damaged.* git checkout -- study/joint/materials.csv, ",
+        match=r"is missing or damaged.* git checkout -- study/contact/materials.csv, ",
     ):
         materials.table()
     materials.table.cache_clear()

@@ -16,9 +16,8 @@ from typing import Any, Literal, get_args
 import numpy as np
 import pandas as pd
 
-from study.contact import LawName
+from study.contact import LawName, Material
 from study.contact.forces import elastic_force, pack
-from study.joint import Material
 from study.mechanism.compare import difference
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene

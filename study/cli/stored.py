@@ -36,7 +36,7 @@ def list_materials():
     """
     import pandas as pd
 
-    from study.joint import materials
+    from study.contact import materials
 
     rows, units = materials.table(), {"youngs_modulus": " Pa", "yield_stress": " Pa"}
     if not sys.stdout.isatty():

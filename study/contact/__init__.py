@@ -15,6 +15,7 @@ from study.contact.laws import (
     tabulated,
     winkler,
 )
+from study.contact.materials import Material, material
 
 __all__ = [
     "LAWS",
@@ -22,6 +23,7 @@ __all__ = [
     "SOCKET_RATIO",
     "JointLaw",
     "LawName",
+    "Material",
     "composite_modulus",
     "contact_force",
     "contact_stiffness",
@@ -29,6 +31,7 @@ __all__ = [
     "hyperbolic_winkler",
     "largest_depth",
     "liu",
+    "material",
     "sampled",
     "steuermann",
     "stiffened_hertz",

@@ -15,12 +15,12 @@ between two nodes; the force therefore converges with order 2 by either solver.
 units.
 """
 
+from study.contact import Material, material
 from study.joint.compliance import Drive, Rim
 from study.joint.curve import ForceCurve, Solver, UnresolvedError, force_curve
 from study.joint.dimensional import DimensionalJoint, DimensionalSolution
 from study.joint.growth import curve_to, whole_curve
-from study.joint.joint import Joint, Kinematics, Layer, Material, paper_joint
-from study.joint.materials import material
+from study.joint.joint import Joint, Kinematics, Layer, paper_joint
 from study.joint.stress import FirstYield, LargestStress, first_yield
 
 __all__ = [

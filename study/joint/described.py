@@ -3,7 +3,8 @@
 from typing import Any
 
 from study import checks
-from study.joint.joint import Joint, Layer, Material
+from study.contact import Material
+from study.joint.joint import Joint, Layer
 
 
 def described(

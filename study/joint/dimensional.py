@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact import JointLaw, largest_depth, tabulated
+from study.contact import JointLaw, Material, largest_depth, material, tabulated
 from study.contact.laws import LAWS, AnyLaw, find
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO, Drive, Rim
 from study.joint.curve import ForceCurve, UnresolvedError, force_curve
 from study.joint.growth import curve_to
-from study.joint.joint import Joint, Kinematics, Layer, Material
-from study.joint.materials import material
+from study.joint.joint import Joint, Kinematics, Layer
 
 Floats = NDArray[np.float64]
 Liner = tuple[tuple[float, str | Material], ...]

@@ -1,6 +1,6 @@
 """A spherical clearance joint: what its force-depth curve depends on.
 
-`Joint` is dimensionless, with its materials and layers; `paper_joint` is the paper's. It is solved
+`Joint` is dimensionless, with its materials and layers. `paper_joint` is the paper's. It is solved
 by `study.joint.curve`.
 """
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 from study import checks
-from study.contact import SOCKET_RATIO, composite_modulus
+from study.contact import SOCKET_RATIO, Material, composite_modulus
 from study.joint.compliance import (
     DRIVES,
     RIMS,
@@ -24,25 +24,6 @@ KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 LARGEST_MODULUS_RATIO = 1e9
 """Largest ratio of the bodies' Young's moduli, either way. A stiffer body is rigid, within 1e-9 of
 the force. For a much softer socket, the rounded contact matrix is not positive definite."""
-
-
-@dataclass(frozen=True)
-class Material:
-    """An isotropic, linear elastic material: Young's modulus > 0, in Pa, Poisson's ratio < 0.5.
-
-    The yield stress, > 0, in Pa, is for `study.joint.first_yield`. Forces do not depend on it:
-    materials that differ only in it are equal.
-    """
-
-    youngs_modulus: float = 2e11
-    poisson: float = 0.3
-    yield_stress: float | None = field(default=None, compare=False)
-
-    def __post_init__(self):
-        checks.number("Young's modulus", self.youngs_modulus, "Pa", above=0, scalar=True)
-        checks.poisson("Poisson's ratio", self.poisson)
-        if self.yield_stress is not None:
-            checks.number("yield stress", self.yield_stress, "Pa", above=0, scalar=True)
 
 
 @dataclass(frozen=True)

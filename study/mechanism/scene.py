@@ -11,9 +11,8 @@ from math import hypot, pi
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from study import checks
-from study.contact import composite_modulus
+from study.contact import Material, composite_modulus, material
 from study.contact.damping import Damping, damping_factor
-from study.joint import Material, material
 from study.mechanism.angles import arcsine, sine_cosine
 
 if TYPE_CHECKING:

@@ -1,18 +1,37 @@
 """Materials by name, in SI units: typical values with their sources, in ``materials.csv``.
 
 Castings, heat treatments and polymers differ by tens of percent. For a design, give the values of
-its own data sheets as a `study.joint.Material`.
+its own data sheets as a `Material`.
 """
 
 import csv
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from study import checks
-from study.joint.joint import Material
 
 MATERIALS = Path(__file__).with_name("materials.csv")
+
+
+@dataclass(frozen=True)
+class Material:
+    """An isotropic, linear elastic material: Young's modulus > 0, in Pa, Poisson's ratio < 0.5.
+
+    The yield stress, > 0, in Pa, is for `study.joint.first_yield`. Forces do not depend on it:
+    materials that differ only in it are equal.
+    """
+
+    youngs_modulus: float = 2e11
+    poisson: float = 0.3
+    yield_stress: float | None = field(default=None, compare=False)
+
+    def __post_init__(self):
+        checks.number("Young's modulus", self.youngs_modulus, "Pa", above=0, scalar=True)
+        checks.poisson("Poisson's ratio", self.poisson)
+        if self.yield_stress is not None:
+            checks.number("yield stress", self.yield_stress, "Pa", above=0, scalar=True)
 
 
 def material(given: str | Material) -> Material:
@@ -77,7 +96,7 @@ def table() -> tuple[dict[str, Any], ...]:
         if not rows:
             raise ValueError
     except (OSError, ValueError, KeyError, TypeError):
-        file = f"study/joint/{MATERIALS.name}"
+        file = f"study/contact/{MATERIALS.name}"
         remedy = f"in a checkout with git checkout -- {file}, else install the study again"
         raise checks.StudyError(f"{file} is missing or damaged; restore it {remedy}") from None
     return tuple(rows)
