@@ -16,7 +16,7 @@ READS = {
     "contact/materials.py": ("study/contact/materials.csv",),
     "dataset/store.py": (
         *("data/force_curves.csv", "data/links.csv", "data/published/tables.csv"),
-        *("data/published/joint.csv", "data/published/others.csv", "data/published/peers.csv"),
+        *("data/published/joint.csv", "data/published/others.csv", "data/published/speed.csv"),
     ),
     "claims/verdicts.py": ("data/published/claims.csv",),
 }

@@ -8,21 +8,22 @@ import sys
 from functools import partial
 
 import pytest
+from benchmarks import charts, flexible_links
+from other_programs import cvode, odes
 
 from study.contact.forces import pack
-from study.measure import explicit, flexible, speed
-from study.measure.peers import cvode, odes
+from study.measure import explicit, speed
 from study.mechanism import simulate
 
 LAW = pack(
-    "hertz", speed.SCENE.ball_radius, speed.SCENE.socket_radius, speed.SCENE.composite_modulus
+    "hertz", charts.SCENE.ball_radius, charts.SCENE.socket_radius, charts.SCENE.composite_modulus
 )
-SPAN = (speed.DURATION, speed.OUTPUTS)
+SPAN = (charts.DURATION, charts.OUTPUTS)
 RUNS = {
-    "this study, 1e-8": partial(simulate, speed.SCENE, duration=SPAN[0], outputs=SPAN[1]),
-    "LSODA, 1e-7": partial(odes.slider_acceleration, "LSODA", speed.SCENE, LAW, *SPAN, 1e-7),
+    "this study, 1e-8": partial(simulate, charts.SCENE, duration=SPAN[0], outputs=SPAN[1]),
+    "LSODA, 1e-7": partial(odes.slider_acceleration, "LSODA", charts.SCENE, LAW, *SPAN, 1e-7),
     "velocity Verlet, 1e-6 s": partial(
-        explicit.integrate, speed.SCENE, LAW, *SPAN, 1e-6, "velocity Verlet", guarded=False
+        explicit.integrate, charts.SCENE, LAW, *SPAN, 1e-6, "velocity Verlet", guarded=False
     ),
 }
 
@@ -39,8 +40,8 @@ def test_time_over_that_of_compiled_cvode(capsys):
     if cvode.version() is None:
         pytest.skip("gcc or SUNDIALS 6 (libsundials-dev) is not installed")
     names = speed.OURS, "CVODE in C"
-    chosen = [row for row in speed.STEPPERS if row[0].startswith(names)]
-    table = speed.at_equal_error(speed.steppers(5, chosen, compile_times=False))
+    chosen = [row for row in charts.STEPPERS if row[0].startswith(names)]
+    table = speed.at_equal_error(charts.steppers(5, chosen, compile_times=False))
     table = table.pivot(index="method", columns="error", values=["time", "ratio"])
     with capsys.disabled():
         print("\n0.3 s with clearance, rigid links, compiled: time in s, ratio to this study")
@@ -53,13 +54,13 @@ def test_flexible_links(benchmark, model):
     benchmark.pedantic(simulate, kwargs={"model": model}, rounds=3, warmup_rounds=1)
 
 
-@pytest.mark.parametrize("method", flexible.METHODS)
+@pytest.mark.parametrize("method", flexible_links.METHODS)
 def test_first_impact_of_flexible_links(benchmark, method):
     """Each with the mesh and step that are within 3 % in the least time."""
     if method == "ANCF cables":
         pytest.importorskip("exudyn", reason="Exudyn is not installed")
     n, step = {"particles": (4, 1e-6), "beams": (4, 4e-6), "ANCF cables": (2, 4e-6)}[method]
-    run = flexible.call("first impact", method, (n, 2 * n), step)
+    run = flexible_links.call("first impact", method, (n, 2 * n), step)
     benchmark.group, benchmark.name = "first impact within 3 %, flexible links", method
     benchmark.pedantic(run, rounds=7, warmup_rounds=1)
 

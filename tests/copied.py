@@ -12,8 +12,8 @@ from study.compiled import CACHE
 
 
 def copy_project(root):
-    """Copy what a run needs: no environment, no builds, no tests; but what is compiled."""
-    ignored = shutil.ignore_patterns(".*", "build", "__pycache__", "pytask.lock", "tests")
+    """Copy what a run needs: no environment, no builds; but what is compiled."""
+    ignored = shutil.ignore_patterns(".*", "build", "__pycache__", "pytask.lock")
     shutil.copytree(paths.ROOT, root, ignore=ignored)
     share_compiled(root, root / "build/compiled")
     return root

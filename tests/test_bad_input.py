@@ -13,6 +13,7 @@ from time import perf_counter
 import numpy as np
 import pandas as pd
 import pytest
+from benchmarks import charts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -35,7 +36,7 @@ from study.joint import (
     stress,
 )
 from study.joint.compliance import surface_angles
-from study.measure import explicit, limits, speed, stability
+from study.measure import explicit, limits, stability
 from study.mechanism import MechanismError, Scene, compare, simulate, stable_step
 
 LONGEST = 5.0  # s, of a refusal
@@ -708,7 +709,7 @@ def test_a_stepper_that_fails_is_not_dropped_from_its_chart(monkeypatch):
     def too_deep(*arguments):
         raise MechanismError("too deep")
 
-    monkeypatch.setattr(speed, "_ours", lambda _: np.ones(3))
-    monkeypatch.setattr(speed, "_explicit", too_deep)
+    monkeypatch.setattr(charts, "_ours", lambda _: np.ones(3))
+    monkeypatch.setattr(charts, "_explicit", too_deep)
     with pytest.raises(MechanismError, match="too deep"):
-        speed.steppers(1, [("RK4", 4e-6)], compile_times=False)
+        charts.steppers(1, [("RK4", 4e-6)], compile_times=False)

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from other_programs import calculix
 
 from study import checks
 from study.joint import Joint, Material, fem
 from study.joint import force_curve as own
-from study.measure.peers import calculix
 
 installed = pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
 

@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import typer
+from benchmarks import timing
 
 from study import cli, contact, dataset, export, paths
 from study.choose import links
@@ -779,16 +780,16 @@ def test_choose_refuses_in_one_line(run, words, status, message):
 
 
 def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(speed, "_compile_time", lambda *_: 1.0)  # it takes some seconds
+    monkeypatch.setattr(timing, "compile_time", lambda *_: 1.0)  # it takes some seconds
     table = tmp_path / "laws.csv"
-    kept = store.PEERS.read_bytes()
+    kept = store.SPEED.read_bytes()
     status, out, _ = run("measure", "--chart", "laws", "--repeats", 1, "--output", table)
     assert status == 0
     assert "rows, on" in out
     rows = pd.read_csv(table)
     assert set(rows.method) == {*contact.LAWS, "tabulated", "solver"}
     assert (rows.time > 0).all()
-    assert store.PEERS.read_bytes() == kept
+    assert store.SPEED.read_bytes() == kept
     status, _, err = run("measure", "--output", tmp_path / "laws.txt")
     assert (status, err.count("\n")) == (2, 1)
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from other_programs import cvode
 
 from study import checks
 from study.contact.forces import pack
-from study.measure.peers import cvode
 from study.mechanism import Scene, simulate
 
 pytestmark = pytest.mark.skipif(

@@ -26,7 +26,7 @@ def copy(tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "DATA", root / "data")
     files = {
         name: root / getattr(store, name).relative_to(ROOT)
-        for name in ("CURVES", "LINKS", "PEERS", "PACKAGE", "COEFFICIENTS", "TABLE", "MATERIALS")
+        for name in ("CURVES", "LINKS", "SPEED", "PACKAGE", "COEFFICIENTS", "TABLE", "MATERIALS")
     }
     makers = {ROOT.joinpath(path.relative_to(root)): path for path in files.values()}
     generated = {makers[path]: module for path, module in store.GENERATED.items()}

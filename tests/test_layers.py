@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from other_programs import calculix
 
 from study.contact.pressure import thin_liner_force
 from study.joint import Joint, Layer, Material, fem, force_curve, series
-from study.measure.peers import calculix
 
 EVEN = np.arange(0, 10_001, 2)
 STEEL, PTFE = Material(2e11, 0.3), Material(5e8, 0.46)

@@ -4,12 +4,12 @@ import re
 from dataclasses import replace
 
 import pytest
+from other_programs import odes
 
 from study import contact
 from study.choose import choose, choose_model
 from study.joint import Joint, Layer, Material, material, whole_curve
 from study.measure import explicit, stability
-from study.measure.peers import odes
 from study.mechanism import Scene, simulate
 
 BRONZE, STEEL = Material(1.1e11, 0.34), Material(2.07e11, 0.3)

@@ -5,14 +5,15 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 import pytest
+from other_programs.multibody import crank_slider, integration
+from other_programs.pendulum import pendulum
 
 from study import contact
 from study.checks import StudyError
 from study.contact import forces
 from study.contact.friction import friction_branch
-from study.measure.peers import multibody
-from study.measure.peers.spatial import ClearanceJoint, crank_slider, pendulum
 from study.mechanism import Scene, simulate
+from study.mechanism.spatial import ClearanceJoint, solve
 
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.137e11
 LOSSES = {"restitution": 0.5, "friction": 0.05}
@@ -117,7 +118,7 @@ def test_pendulum_with_losses_balances_with_order_2(exudyn):
     tables = [pendulum(clearance_joint(**LOSSES), step=step) for step in (4e-6, 2e-6, 1e-6)]
     errors = [balance(table) for table in tables]
     assert errors[-1] < 2e-5
-    assert all(3 < one / other < 5 for one, other in pairwise(errors))
+    assert all(3 < coarse / fine < 5 for coarse, fine in pairwise(errors))
     last = tables[-1].iloc[-1]
     assert min(last.lost_damping, last.lost_friction) > 1e-6
     assert (np.diff(tables[-1].lost_damping) > -1e-12).all()
@@ -202,8 +203,8 @@ def test_two_joints_of_one_system_are_both_noted(exudyn):
     with pytest.raises(ValueError, match="joint must be connected once, got it twice"):
         joints[0].connect(system, *pair)
     system.Assemble()
-    settings = multibody.integration(1e-5, 1e-6, 1e-6)
-    multibody.solve(system, settings, solverType=exudyn.DynamicSolverType.RK44)
+    settings = integration(1e-5, 1e-6, 1e-6)
+    solve(system, settings, solverType=exudyn.DynamicSolverType.RK44)
     for joint, depth in zip(joints, depths, strict=True):
         assert joint.history().depth[0] == pytest.approx(depth, rel=1e-9)
         assert len(joint.rows) == 11

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from benchmarks import timing
 
 from study.measure import speed
 
@@ -41,10 +42,10 @@ def test_ratios_are_to_our_stepper():
 def test_calls_by_turns_count_but_for_the_first(monkeypatch):
     order = []
     functions = [lambda: order.append("a") or 1, lambda: order.append("b") or 2]
-    (first, one), (second, two) = speed.timed_by_turns(functions, 3)
+    (first, one), (second, two) = timing.timed_by_turns(functions, 3)
     assert order == ["a", "b"] * 4
     assert (len(first), len(second), one, two) == (3, 3, 1, 2)
     for clock, counted in ([0, 1.5, 1.5, 4], [2.5]), ([0, 4], [4]):  # 2 s are enough
         times = iter(clock)
-        monkeypatch.setattr(speed, "perf_counter", lambda times=times: next(times))
-        assert speed.timed(lambda: 0, 5)[0].tolist() == counted
+        monkeypatch.setattr(timing, "perf_counter", lambda times=times: next(times))
+        assert timing.timed(lambda: 0, 5)[0].tolist() == counted

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from other_programs import calculix
 
 from study.contact import hertz
 from study.joint import Joint, Layer, Material, fem, first_yield, force_curve, stress
 from study.joint.compliance import HatFunctions
-from study.measure.peers import calculix
 
 SMALL = Joint(200, kinematics="small")
 BODIES = {"ball": (0.5, 0.97), "socket": (1.02, 1.25)}

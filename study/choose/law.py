@@ -2,7 +2,7 @@
 
 A law's error is the largest relative error of its force over all depths from `SHALLOWEST`
 clearances to the scene's largest, against the solved joint. Costs are those of
-``data/published/peers.csv``. `study.choose.model` chooses the model of a whole mechanism.
+``data/published/speed.csv``. `study.choose.model` chooses the model of a whole mechanism.
 """
 
 from collections.abc import Callable, Iterable
@@ -265,7 +265,7 @@ def relative_costs() -> dict[str, float]:
     for law in ("hertz", "tabulated", "solver"):
         if law not in costs:
             raise dataset.DatasetError(
-                f"data/published/peers.csv lacks {law}; restore it with: git checkout -- data"
+                f"data/published/speed.csv lacks {law}; restore it with: git checkout -- data"
             )
     return costs
 

@@ -68,7 +68,7 @@ def build_data(**how):
 def measure_speed(output: Path | None = None, **how):
     """Time laws (a minute), solvers and steppers (some minutes each) on this machine.
 
-    Without --output the times are kept in data/published/peers.csv, which the charts and study
+    Without --output the times are kept in data/published/speed.csv, which the charts and study
     choose read. Charts that are not timed stay as they are, and so do programs that are not found
     here (ccx, gcc with SUNDIALS 6, scikit-sundae, exudyn).
     """
@@ -90,4 +90,4 @@ def measure_speed(output: Path | None = None, **how):
     if output is not None:
         with paths.whole(output) as temporary:
             frame.to_csv(temporary, index=False)
-    print(f"{len(frame)} rows, on {speed.machine()}")
+    print(f"{len(frame)} rows, on {frame.machine.iloc[0]}")

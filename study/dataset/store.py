@@ -25,7 +25,7 @@ from study.joint.joint import KINEMATICS
 
 CURVES = paths.DATA / "force_curves.csv"
 LINKS = paths.DATA / "links.csv"
-PEERS = paths.DATA / "published/peers.csv"
+SPEED = paths.DATA / "published/speed.csv"
 PACKAGE = paths.DATA / "datapackage.json"
 MATERIALS = paths.ROOT / "study/contact/materials.csv"  # no import: no curve depends on it
 MEND = "study data build"
@@ -37,7 +37,7 @@ ORIGINS = {
     "published/joint.csv": "reference",
     "published/mechanism.csv": "reference",
     "published/others.csv": "published",
-    "published/peers.csv": "measured",
+    "published/speed.csv": "measured",
 }
 """Data files whose hash is kept -> where their numbers come from."""
 GENERATED = {
@@ -194,7 +194,7 @@ def measured(chart: str | None = None) -> pd.DataFrame:
 
     The columns are ``study.measure.speed.COLUMNS``.
     """
-    frame = _read(PEERS, dtype={"version": str, "setting": str}).fillna({"setting": ""})
+    frame = _read(SPEED, dtype={"version": str, "setting": str}).fillna({"setting": ""})
     if chart is None:
         return frame
     checks.choice("chart", chart, tuple(frame["chart"].unique()))
@@ -202,7 +202,7 @@ def measured(chart: str | None = None) -> pd.DataFrame:
 
 
 def keep_measured(frame: pd.DataFrame) -> None:
-    """Write charts to ``data/published/peers.csv``, and its hash to the description.
+    """Write charts to ``data/published/speed.csv``, and its hash to the description.
 
     Charts, and programs in a chart, that the frame does not have are kept.
     """
@@ -211,8 +211,8 @@ def keep_measured(frame: pd.DataFrame) -> None:
     order = {chart: n for n, chart in enumerate(kept["chart"].unique())}
     frame = pd.concat([frame, kept[others]], ignore_index=True)
     frame = frame.sort_values("chart", key=lambda names: names.map(order), kind="stable")
-    package, name = _read_package(), PEERS.relative_to(paths.DATA).as_posix()
-    with paths.whole(PEERS) as temporary:
+    package, name = _read_package(), SPEED.relative_to(paths.DATA).as_posix()
+    with paths.whole(SPEED) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")
     resources = [_resource(name) if r["path"] == name else r for r in package["resources"]]
     _write_description(package | {"resources": resources})

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from study.measure.peers import multibody
+from other_programs import multibody
 from study.mechanism import Scene
 
 TOLERANCE = 1e-6

@@ -15,8 +15,8 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from other_programs import cables
 
-from study.measure.peers import cables
 from study.mechanism import Scene, simulate
 from study.mechanism.frame import Frame
 
@@ -66,7 +66,7 @@ def shear_stiff(scene: Scene) -> Scene:
     return scene.replace(poisson=poisson, ball=ball, socket=socket)
 
 
-def found(
+def judged(
     model: Literal["particles", "beams"],
     joint: Joint,
     elements: Elements,
@@ -92,10 +92,10 @@ def longest_step(joint: Joint, elements: Elements, scene: Scene | None = None) -
 
 @cache
 def truth(joint: Joint, shear: bool = True) -> NDArray[np.float64]:
-    """Limit of `found`: particles of a fine mesh, with or without shear."""
+    """Limit of `judged`: particles of a fine mesh, with or without shear."""
     scene = Scene() if shear else shear_stiff(Scene())
     step = SHARES[1] * longest_step(joint, FINEST[joint], scene)
-    return found("particles", joint, FINEST[joint], step, scene)
+    return judged("particles", joint, FINEST[joint], step, scene)
 
 
 def error(joint: Joint, shear: bool, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -130,7 +130,7 @@ def call(
 ) -> Callable[[], NDArray[np.float64]]:
     """A function without arguments that steps one of `METHODS`; cables are assembled here."""
     if method != "ANCF cables":
-        return partial(found, method, joint, elements, step)
+        return partial(judged, method, joint, elements, step)
     if joint == "ideal joint":
         return cables.ideal_joint(Scene(), elements, DURATIONS[joint], OUTPUTS, step)
     return cables.first_impact(Scene(), elements, DURATIONS[joint], step)

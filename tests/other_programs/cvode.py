@@ -51,7 +51,7 @@ def _library():
     if version() is None:
         raise checks.StudyError("gcc or SUNDIALS 6 (Debian's libsundials-dev) is not installed")
     digest = hashlib.sha256(SOURCE.read_bytes() + str((FLAGS, version())).encode()).hexdigest()
-    built = paths.BUILD / "peers" / f"cvode-{digest[:16]}.so"
+    built = paths.BUILD / "other_programs" / f"cvode-{digest[:16]}.so"
     if not built.exists():
         with paths.whole(built) as temporary:
             order = ["gcc", *FLAGS, "-o", str(temporary), str(SOURCE), *LIBRARIES]

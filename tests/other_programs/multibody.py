@@ -1,14 +1,20 @@
-"""Exudyn, a program for multibody dynamics, on the rigid links with their clearance joint."""
+"""Exudyn, a program for multibody dynamics, on the rigid links with their clearance joint.
+
+The joint is Exudyn's own contact of two spheres, or this study's for any law.
+"""
 
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from study import checks
 from study.contact.forces import pack
-from study.mechanism import Scene
+from study.contact.laws import AnyLaw, find
+from study.mechanism import Scene, scene_law
+from study.mechanism.spatial import ClearanceJoint, solve
 
 
 def check(scene: Scene) -> None:
@@ -126,19 +132,6 @@ def integration(duration: float, step: float, period: float) -> Any:
     return settings
 
 
-def solve(system: Any, settings: Any, **options: Any) -> None:
-    """Step an assembled system, and pass on a `study.checks.StudyError` of a user function.
-
-    Exudyn raises an error of its own from it, with all calls in the message.
-    """
-    try:
-        system.SolveDynamic(settings, **options)
-    except Exception as error:
-        if isinstance(error.__cause__, checks.StudyError):
-            raise error.__cause__ from None
-        raise
-
-
 def slider_acceleration(
     scene: Scene, duration: float, outputs: int, step: float
 ) -> NDArray[np.float64]:
@@ -153,3 +146,38 @@ def slider_acceleration(
     system.Assemble()
     system.SolveDynamic(integration(duration, step, duration / outputs))
     return system.GetSensorStoredData(stored)[1:, 1]
+
+
+def crank_slider(
+    scene: Scene, law: AnyLaw = "hertz", *, duration: float, step: float = 1e-6, **options: Any
+) -> pd.DataFrame:
+    """The crank-slider of rigid links in Exudyn, by its generalised alpha method.
+
+    Beside the joint's `history` a column ``slider_position``, in m, as of
+    `study.mechanism.simulate`. The materials of ``stiffened_hertz`` are the scene's; its
+    ``socket_ratio`` must be given. Duration and step in s. Raises `study.checks.StudyError` if the
+    depth leaves the law's range.
+    """
+    settings = integration(duration, step, step)
+    s, (system, at, slider) = scene, links(scene)
+    law = find(law)
+    options = scene_law.options(scene, law, options)
+    joint = ClearanceJoint(
+        s.ball_radius,
+        s.socket_radius,
+        s.composite_modulus,
+        law,
+        restitution=s.restitution,
+        damping=s.damping,
+        friction=s.friction,
+        slow_speed=s.slow_speed,
+        full_speed=s.full_speed,
+        **options,
+    )
+    joint.connect(system, at("slider", 0), at("coupler", s.coupler_length / 2))
+    stored = sensor(system, slider, "Position")
+    system.Assemble()
+    solve(system, settings)
+    table = joint.history()
+    table["slider_position"] = system.GetSensorStoredData(stored)[:, 1]
+    return table
