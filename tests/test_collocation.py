@@ -1,10 +1,13 @@
 """The step of collocation: Radau's rule, its order, and what it tells inside a step."""
 
+from fractions import Fraction
+from math import comb
+
 import numpy as np
 import pytest
 
 from study.contact.forces import pack
-from study.mechanism import Scene, collocation, rigid
+from study.mechanism import Scene, collocation, radau, rigid
 
 SCENE = Scene()
 HERTZ = pack("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
@@ -40,23 +43,94 @@ def after(steps, h=2e-5):
     return y
 
 
+def legendre(degree):
+    """Coefficients of Legendre's polynomial on (0, 1), from the lowest power."""
+    return [(-1) ** (degree + k) * comb(degree, k) * comb(degree + k, k) for k in range(degree + 1)]
+
+
+def value(coefficients, x):
+    return sum(c * x**k for k, c in enumerate(coefficients))
+
+
+def lagrange(points):
+    """Coefficients of Lagrange's polynomials of some points, each from the lowest power."""
+    polynomials = []
+    for j, own in enumerate(points):
+        polynomial = [Fraction(1)]
+        for point in points[:j] + points[j + 1 :]:
+            pairs = zip([0, *polynomial], [*polynomial, 0], strict=True)
+            polynomial = [(low - point * high) / (own - point) for low, high in pairs]
+        polynomials.append(polynomial)
+    return polynomials
+
+
+def integrals(points):
+    """Radau's matrix: Lagrange's polynomials integrated from 0 to each point."""
+    return [
+        [value([0, *(c / (k + 1) for k, c in enumerate(p))], x) for p in lagrange(points)]
+        for x in points
+    ]
+
+
+def same(kept, exact):
+    """Is each kept number the one closest to the exact fraction?"""
+    return np.array_equal(kept, np.array(exact, dtype=float))
+
+
+POINTS = [Fraction(x) for x in radau.POINTS]
+
+
+def test_points_are_those_of_radaus_rule():
+    difference = [a - b for a, b in zip(legendre(5), [*legendre(4), 0], strict=True)]
+    slope = [k * c for k, c in enumerate(difference)][1:]
+    roots = [x - value(difference, x) / value(slope, x) for x in POINTS]
+    assert same(radau.POINTS, roots)
+
+
+def test_weights_are_integrals_of_lagranges_polynomials():
+    matrix = integrals(POINTS)
+    square = [
+        [sum(map(Fraction.__mul__, row, c)) for c in zip(*matrix, strict=True)] for row in matrix
+    ]
+    assert same(radau.RATE, matrix)
+    assert same(radau.PLACE, square)
+    assert same(radau.MONOMIALS, list(zip(*lagrange([Fraction(0), *POINTS]), strict=True)))
+
+
+def test_weights_of_the_error_are_those_to_a_method_of_lower_order():
+    """That method integrates 1, x, ... x^4 with the weight `REAL` at 0."""
+    matrix, gamma = integrals(POINTS), Fraction(radau.REAL)
+    change = [
+        sum(c / (k + 1) for k, c in enumerate(p)) - gamma * p[0] - last
+        for p, last in zip(lagrange(POINTS), matrix[-1], strict=True)
+    ]
+    assert same(radau.RATE_ERROR, change)
+    of_places = [sum(map(Fraction.__mul__, change, c)) for c in zip(*matrix, strict=True)]
+    assert same(radau.PLACE_ERROR, of_places)
+
+
 def test_points_integrate_polynomials_up_to_twice_their_number():
-    weights = collocation.RATE[-1]
-    for power in range(2 * collocation.STAGES - 1):
-        assert weights @ collocation.POINTS**power == pytest.approx(1 / (power + 1), rel=1e-14)
-    beyond = weights @ collocation.POINTS ** (2 * collocation.STAGES - 1)
+    weights = radau.RATE[-1]
+    for power in range(2 * radau.STAGES - 1):
+        assert weights @ radau.POINTS**power == pytest.approx(1 / (power + 1), rel=1e-14)
+    beyond = weights @ radau.POINTS ** (2 * radau.STAGES - 1)
     assert abs(beyond - 0.1) > 1e-6
 
 
 def test_eigenvectors_are_those_of_the_matrix():
-    def product(values, vectors, inverses):
-        return np.real(vectors * values) @ np.real(inverses) - np.imag(vectors * values) @ np.imag(
-            inverses
-        )
-
-    real = np.outer(collocation.REAL * collocation.REAL_VECTOR, collocation.REAL_INVERSE)
-    pairs = collocation.COMPLEX, collocation.COMPLEX_VECTORS, collocation.COMPLEX_INVERSES
-    assert real + product(*pairs) == pytest.approx(collocation.RATE, abs=1e-8)
+    """To ten digits, so that the rest is the same on every processor."""
+    real, pairs = np.atleast_1d(radau.REAL), radau.COMPLEX
+    values = np.concatenate([real, pairs, pairs.conj()])
+    halves = radau.COMPLEX_VECTORS / 2
+    vectors = np.column_stack([radau.REAL_VECTOR, halves, halves.conj()])
+    rows = radau.COMPLEX_INVERSES
+    inverses = np.vstack([radau.REAL_INVERSE, rows, rows.conj()])
+    assert np.sort_complex(np.linalg.eigvals(radau.RATE)) == pytest.approx(
+        np.sort_complex(values), abs=1e-10
+    )
+    assert radau.RATE @ vectors == pytest.approx(vectors * values, abs=1e-9)
+    assert vectors[-1] == pytest.approx(1)
+    assert inverses @ vectors == pytest.approx(np.eye(5), abs=1e-8)
 
 
 def test_a_step_has_order_9_in_contact():

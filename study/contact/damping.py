@@ -8,8 +8,6 @@ from collections.abc import Callable
 from math import expm1, log1p
 from typing import Literal
 
-from scipy.optimize import brentq
-
 from study import checks
 
 Damping = Literal["lankarani-nikravesh", "hunt-crossley", "flores", "exact"]
@@ -21,6 +19,8 @@ def exact(restitution: float) -> float:
 
     D (1 + cr) = ln((1+D)/(1-cr D)) follows from dv/dd of the free impact (this study).
     """
+    from scipy.optimize import brentq  # its import takes a third of a second
+
     if restitution == 1:
         return 0.0
     if restitution > 0.8:  # series of the logarithms over D^2: no cancellation as cr -> 1

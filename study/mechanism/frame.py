@@ -7,10 +7,10 @@ frequency, which limits an explicit step. `particles` steps it.
 from math import sqrt
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from study.mechanism.scene import Link, Scene
+from study.threads import one_thread
 
 
 def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -56,11 +56,14 @@ class Frame:
         self.masses = np.concatenate([m1[:-1], [m1[-1] + m2[0]], m2[1:]])
         self.rotaries = np.concatenate([j1, j2])
 
+    @one_thread
     def highest_frequency(self, end_mass: float, held: bool) -> float:
         """Highest natural frequency of the straight frame, in rad/s.
 
         ``end_mass``, in kg, is added to the last particle along the slide, where it is ``held``.
         """
+        from scipy.linalg import eigvalsh  # rigid links need no SciPy
+
         turns, size = 2 * len(self.masses), 3 * len(self.masses) + 1
         stiffness, mass = np.zeros((size, size)), np.zeros(size)
         for e, (length, axial, near, far) in enumerate(self.elements):
@@ -75,4 +78,4 @@ class Frame:
         free = np.delete(np.arange(size), [0, 1, turns - 1] if held else [0, 1])
         root = np.sqrt(mass[free])
         scaled = stiffness[np.ix_(free, free)] / np.outer(root, root)
-        return sqrt(scipy.linalg.eigvalsh(scaled)[-1])
+        return sqrt(eigvalsh(scaled)[-1])

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 from study.mechanism.response import ALL_COLUMNS
 from study.mechanism.scene import Scene
@@ -20,6 +19,8 @@ BLOCKS = 100
 
 def blocks(scene: Scene, times: NDArray[np.float64]) -> Iterator[Block]:
     """Blocks of output rows at ``times`` of the scene with an ideal joint; there are no impacts."""
+    from scipy.integrate import solve_ivp  # rigid links with clearance need no SciPy
+
     p = scene.constants()
     l1, l2, a11, a22, a12, m3, moment, g1, g2 = p[:9]
     angle, speed = scene.initial_crank_angle, scene.starting_speed

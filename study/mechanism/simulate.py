@@ -21,7 +21,6 @@ from study.mechanism.free_impact import free_durations
 from study.mechanism.response import COLUMNS, EVENTS, JOINTS, Response
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import JOINT, LOST_BEFORE, add_stored_energy
-from study.threads import one_thread
 
 Model = Literal["rigid", "particles", "beams"]
 JointKind = Literal["clearance", "ideal"]
@@ -114,7 +113,6 @@ def ready(scene: Scene | None = None, **given: Any) -> Callable[..., Response]:
     return _checked(**call.arguments)
 
 
-@one_thread
 def _checked(
     scene, model, joint, law, duration, outputs, tolerance, step, elements, method, law_options
 ):
@@ -182,7 +180,6 @@ def _pack(law, scene, clearance, options):
     return packed
 
 
-@one_thread
 def _gather(blocks, scene, laws, told, progress=None):
     """Run a model to its end or to an interruption."""
     rows, complete, work = None, True, list(COLUMNS).index("work")
