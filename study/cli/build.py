@@ -5,12 +5,20 @@ import sys
 import typer
 
 from study.checks import StudyError
-from study.cli.options import command
+from study.cli.options import JOBS, NAMES, command, option, words
 from study.cli.output import fail, paragraphs, prose, show_csv
 
 
-@command("run", "study.pages.tasks:build jobs force dask_address", keeps=True)
-def run_notebooks(names: list[str] = (), settings: list[str] = (), **how):
+@command("run", keeps=True)
+def run_notebooks(
+    names: list[str] = NAMES,
+    settings: list[str] = words(
+        "KEY=VALUE of a notebook's parameter; may be repeated.", "-p", default=()
+    ),
+    jobs: int = JOBS,
+    force: bool = option("Run fresh ones too.", "--force", default=False),
+    dask_address: str = words("Dask scheduler whose workers run the tasks.", "--dask"),
+):
     """Run the stale notebooks and compare their figures and tables with those in figures/.
 
     A result that agrees stays as it is. One that differs is replaced and named, with exit status 1.
@@ -21,11 +29,17 @@ def run_notebooks(names: list[str] = (), settings: list[str] = (), **how):
         raise ValueError(f"-p must be given with a NAME, as in: study run fig10 -p {settings[0]}")
     selected = catalogue.select(names)
     parameters = execute.check_parameters(selected, settings)
+    how = {"jobs": jobs, "force": force, "dask_address": dask_address}
     _compare(_make(selected, parameters, **how))
 
 
 @command("verify")
-def verify_results(names: list[str] = (), keep: bool = False):
+def verify_results(
+    names: list[str] = NAMES,
+    keep: bool = option(
+        "Keep the results that differ, instead of those kept before.", "--keep", default=False
+    ),
+):
     """Say which results that were last made here agree with the kept ones; run nothing."""
     from study.pages import baseline, catalogue
 
@@ -71,12 +85,12 @@ def typeset_paper():
     print("made  build/paper.pdf")
 
 
-@command("report", "study.pages.tasks:build jobs", keeps=True)
-def write_report(**how):
+@command("report", keeps=True)
+def write_report(jobs: int = JOBS):
     """Bring everything up to date: figures, tables, paper, and the report, build/report/."""
     from study.pages.catalogue import CATALOGUE
 
-    selected = _make(CATALOGUE, {}, report=True, **how)
+    selected = _make(CATALOGUE, {}, report=True, jobs=jobs)
     print("Figures and tables are in figures/, the paper is build/paper.pdf.")
     print("The report to browse: build/report/index.html")
     _compare(selected)
@@ -109,14 +123,12 @@ def _make(selected, parameters, **how):
 
 
 @command("list")
-def list_results(names: list[str] = ()):
+def list_results(names: list[str] = NAMES):
     """List every figure and table by notebook: what it shows, fresh or stale.
 
     With a NAME also the parameters of its notebook, with defaults and ranges. Without one plain
     CSV, if the output is not a terminal.
     """
-    import pandas as pd
-
     from study.pages import catalogue, execute
 
     selected = catalogue.select(names)
@@ -140,7 +152,9 @@ def list_results(names: list[str] = ()):
         for notebook in selected
         for name, shows in notebook.results.items()
     ]
-    show_csv(pd.DataFrame(rows, columns=["name", "state", "notebook", "shows"]))
+    show_csv(
+        dict(zip(("name", "state", "notebook", "shows"), zip(*rows, strict=True), strict=True))
+    )
 
 
 def _show_parameters(notebook):

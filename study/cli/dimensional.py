@@ -12,16 +12,19 @@ DEEPER = (1, 4, 12)
 """Factors of the depth: laws are compared up to the least of these depths that elements resolve.
 The range begins at a twelfth of its end at most, so that the depth itself is within it."""
 LARGE = 1.0  # m: a socket's radius that is probably in mm
+NO_LAW = {
+    "tabulated": "tabulated, the table of this joint's own curve",
+    "solver": "none: the joint has to be solved at every depth",
+}
 
 
-def told(
+def described(
     joint: DimensionalJoint, solution: DimensionalSolution, tolerance: float
 ) -> tuple[dict, list]:
     """One JSON object of a solved joint, and its parts as text."""
-    plain, largest = joint.joint, float(solution.depth.max())
+    plain = joint.joint
     columns = ("depth", "force", "stiffness", "contact_half_angle_deg", "peak_pressure")
-    columns = (*columns, "error_estimate")
-    values = {name: getattr(solution, name).tolist() for name in columns}
+    values = {name: getattr(solution, name).tolist() for name in (*columns, "error_estimate")}
     for body, stress in solution.von_mises.items():
         name, factor = body.replace(" ", "_"), solution.yield_factor[body]
         values[f"von_mises_{name}"] = stress.tolist()
@@ -32,7 +35,7 @@ def told(
     without = ("r2_star", "socket_ratio", "modulus_ratio", "composite_modulus")
     values |= {name: getattr(plain, name) for name in without}
     values["depth_star"] = (solution.depth / joint.clearance).tolist()
-    law, sentences = _law(joint, largest, tolerance)
+    law, sentences = _law(joint, float(solution.depth.max()), tolerance)
     if joint.socket_radius >= LARGE:
         sentences.append(f"The socket's radius is {joint.socket_radius:g} m: are the sizes in m?")
     return values | law, [_contact(solution), _stresses(joint, solution), *sentences]
@@ -46,9 +49,9 @@ def _contact(solution):
         "half_angle deg": solution.contact_half_angle_deg,
         "peak_pressure MPa": solution.peak_pressure / MEGA,
     }
-    errors = [float(f"{error / PERCENT:.2g}") for error in solution.error_estimate]
-    told = {head: [_digits(x) for x in column] for head, column in columns.items()}
-    return told | {"error %": errors}
+    errors = [_digits(error / PERCENT, 2) for error in solution.error_estimate]
+    table = {head: [_digits(value) for value in column] for head, column in columns.items()}
+    return table | {"error %": errors}
 
 
 def _stresses(joint, solution):
@@ -56,17 +59,24 @@ def _stresses(joint, solution):
     for k, depth in enumerate(solution.depth):
         for body, stress in solution.von_mises.items():
             strength, factor = joint.materials[body].yield_stress, solution.yield_factor[body]
-            row = {"depth um": _digits(depth / MICRO), "body": body}
-            row["von_mises MPa"] = _digits(stress[k] / MEGA)
-            row["place"] = solution.von_mises_place[body][k]
-            row["yield_stress MPa"] = None if strength is None else _digits(strength / MEGA)
-            row["factor_to_yield"] = None if factor is None else _digits(factor[k])
+            row = {
+                "depth um": _digits(depth / MICRO),
+                "body": body,
+                "von_mises MPa": _digits(stress[k] / MEGA),
+                "place": solution.von_mises_place[body][k],
+                "yield_stress MPa": None if strength is None else _digits(strength / MEGA),
+                "factor_to_yield": None if factor is None else _digits(factor[k]),
+            }
             rows.append(row)
     return {head: [row[head] for row in rows] for head in rows[0]}
 
 
-def _digits(value):
-    return float(f"{value:.4g}")
+def _digits(value, count=4):
+    return float(f"{value:.{count}g}")
+
+
+def _percent(error):
+    return f"{error / PERCENT:.2g} %"
 
 
 def _law(joint, largest, tolerance):
@@ -78,27 +88,21 @@ def _law(joint, largest, tolerance):
         none = {"law": None, "law_error_bound": None, "export": None}
         return none, [f"No law is chosen: {error}"]
     least, most = (_digits(joint.clearance * depth / MICRO) for depth in choice.depths)
-    bound, allowed = (f"{x / PERCENT:.2g} %" for x in (choice.error_bound, tolerance))
-    named = (
-        choice.law
-        if choice.law in LAWS
-        else {
-            "tabulated": "tabulated, the table of this joint's own curve",
-            "solver": "none: the joint has to be solved at every depth",
-        }[choice.law]
-    )
-    lines = [
-        f"The cheapest law that is within {allowed} from {least:g} to {most:g} um: {named}. Its "
-        f"error is at most {bound}."
+    sentences = [
+        f"The cheapest law that is within {_percent(tolerance)} from {least:g} to {most:g} um: "
+        f"{NO_LAW.get(choice.law, choice.law)}. Its error is at most "
+        f"{_percent(choice.error_bound)}."
     ]
     best = min(choice.errors, key=choice.errors.__getitem__)
     if choice.errors[best] > tolerance:
-        off = f"{choice.errors[best] / PERCENT:.2g} %"
-        lines[0] += f" No closed law is within it: {best} is the best, with an error up to {off}."
+        sentences[0] += (
+            f" No closed law is within it: {best} is the best, with an error up to "
+            f"{_percent(choice.errors[best])}."
+        )
     line = None
     if choice.law != "solver":
         line = f"study export --law {choice.law} --format c {_options(plain, choice.depths[1])}"
-        lines.append(
+        sentences.append(
             f"To take it into another program, with the clearance {joint.clearance:g} m and the "
             f"composite modulus {plain.composite_modulus:.9g} Pa:\n{line}"
         )
@@ -108,7 +112,7 @@ def _law(joint, largest, tolerance):
         "law_depths": [joint.clearance * depth for depth in choice.depths],
         "law_errors": choice.errors,
         "export": line,
-    }, lines
+    }, sentences
 
 
 def _choice(joint, depth_star, tolerance):
@@ -123,9 +127,9 @@ def _choice(joint, depth_star, tolerance):
         except checks.RangeError:
             if not is_small:
                 raise
-    off = errors(joint, depth_star, LAWS["hertz"](depth_star, joint.r2_star))
-    known = off.get("stiffened_hertz")  # which begins as Hertz's law
-    hertz = "" if known is None else f": there Hertz's law holds within {known / PERCENT:.2g} %"
+    errors_of_laws = errors(joint, depth_star, LAWS["hertz"](depth_star, joint.r2_star))
+    known = errors_of_laws.get("stiffened_hertz")  # which begins as Hertz's law
+    hertz = "" if known is None else f": there Hertz's law holds within {_percent(known)}"
     raise checks.RangeError(f"the contact is too small for laws to be compared{hertz}")
 
 
@@ -135,7 +139,7 @@ def _without_yield(joint: Joint) -> Joint:
     def elastic(material):
         return Material(material.youngs_modulus, material.poisson)
 
-    layers = tuple(Layer(one.outer_ratio, elastic(one.material)) for one in joint.layers)
+    layers = tuple(Layer(layer.outer_ratio, elastic(layer.material)) for layer in joint.layers)
     ball, socket = elastic(joint.ball), elastic(joint.socket)
     return replace(joint, ball=ball, socket=socket, layers=layers)
 
@@ -148,10 +152,14 @@ def _options(joint: Joint, deepest: float) -> str:
         numbers |= {"socket-poisson": joint.socket.poisson}
     if deepest > usual_depth(joint):
         numbers["depth-star"] = deepest
-    texts = {name: f"{value:.9g}" for name, value in numbers.items()}
-    usual = {"drive": joint.ball_drive, "rim": joint.rim, "kinematics": joint.kinematics}
-    defaults = Joint(joint.r2_star)
-    known = {"drive": defaults.ball_drive, "rim": defaults.rim, "kinematics": defaults.kinematics}
-    texts |= {name: value for name, value in usual.items() if value != known[name]}
-    layers = [("layer", each.replace(":", ",")) for each in joint.layers_text.split(";") if each]
-    return " ".join(f"--{name} {text}" for name, text in [*texts.items(), *layers])
+    supports = {"drive": "ball_drive", "rim": "rim", "kinematics": "kinematics"}
+    usual = Joint(joint.r2_star)
+    options = [(name, f"{value:.9g}") for name, value in numbers.items()]
+    options += [
+        (name, getattr(joint, attribute))
+        for name, attribute in supports.items()
+        if getattr(joint, attribute) != getattr(usual, attribute)
+    ]
+    layers = filter(None, joint.layers_text.split(";"))
+    options += [("layer", layer.replace(":", ",")) for layer in layers]
+    return " ".join(f"--{name} {text}" for name, text in options)

@@ -3,86 +3,124 @@
 import math
 from inspect import signature
 from pathlib import Path
+from typing import Literal
+
+import typer
 
 from study import checks, paths
-from study.cli.options import check_output, command, flag, left_out
+from study.cli.options import (
+    DEPTHS,
+    DRIVE,
+    JSON,
+    NEEDED,
+    OUTPUT,
+    R2_STAR,
+    RIM,
+    JointOptions,
+    MaterialOptions,
+    Rim,
+    check_output,
+    command,
+    flag,
+    left_out,
+    number,
+    option,
+    words,
+)
 from study.cli.output import named_fields, show, waiting
 from study.contact import LAWS, LawName
 
-MATERIALS = (
-    "study.joint:Material poisson",
-    "study.joint.described:described modulus_ratio socket_poisson layer",
-)
-JOINT = ("study.joint:Joint socket_ratio ball_drive rim kinematics", *MATERIALS)
+
+class LawOptions(MaterialOptions):
+    """What stiffened_hertz depends on."""
+
+    ball_drive: Literal["plane", "clamped"] = DRIVE
+    rim: Rim = RIM
 
 
-@command(
-    "law",
-    "study.contact:stiffened_hertz socket_ratio modulus_ratio poisson socket_poisson",
-    "study.contact:stiffened_hertz ball_drive rim",
-)
+@command("law", LawOptions)
 def evaluate_law(
-    name: LawName, r2_star: float, depth_star: list[float], as_json: bool = False, **of_law
+    name: LawName = typer.Argument(help=f"One of {', '.join(LAWS)}.", metavar="NAME"),
+    r2_star: float = number(R2_STAR, default=NEEDED),
+    depth_star: list[float] = number(DEPTHS, default=NEEDED),
+    as_json: bool = JSON,
+    **options,
 ):
     """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths.
 
     Only stiffened_hertz has options: it is for any two materials and four supports. The paper's
     laws have the coefficients of its own joint.
     """
-    unknown = sorted(of_law.keys() - signature(LAWS[name]).parameters)
-    left_out(unknown, of_law, f"{name} does not depend on it")
-    force = LAWS[name](depth_star, r2_star, **of_law)
+    unknown = sorted(options.keys() - signature(LAWS[name]).parameters)
+    left_out(unknown, options, f"{name} does not depend on it")
+    force = LAWS[name](depth_star, r2_star, **options)
     show({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
 
 
+MATERIAL = (
+    "Material by its name (listed by study data materials), or by Young's modulus in Pa, Poisson's "
+    "ratio and perhaps yield stress in Pa: 210e9,0.3,5e8. [default: steel]"
+)
+
+
+class DimensionOptions:
+    """A joint with dimensions."""
+
+    socket_radius: float = number("Inner radius of the socket, in m.")
+    clearance: float = number("Radius of the socket minus that of the ball, in m.")
+    wall: float = number("Thickness of the socket beyond its inner radius, liners included, in m.")
+    force: list[float] = number("Contact force in N; may be repeated.")
+    depth: list[float] = number("Penetration depth in m; may be repeated.")
+    ball: str = words(MATERIAL)
+    socket: str = words(MATERIAL)
+    liner: list[str] = words(
+        "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be repeated, "
+        "from the inside out."
+    )
+    tolerance: float = number("Largest relative error of the law that is chosen. [default: 0.01]")
+
+
+class EitherOptions(JointOptions, DimensionOptions):
+    """A joint with dimensions, or without."""
+
+    r2_star: float = number(R2_STAR)
+    depth_star: list[float] = number(DEPTHS)
+    solver: Literal["series", "quadratic", "linear"] = option(
+        "Exact Legendre series of both bodies, or finite elements: six-node (quadratic) or "
+        "three-node (linear) triangles."
+    )
+
+
+DIMENSIONS = tuple(DimensionOptions.__annotations__)
 SIZES = ("socket_radius", "clearance", "wall")
-"""Options of study joint that a joint with its dimensions needs."""
-OF_SIZED = (*SIZES, "force", "depth", "ball", "socket", "liner", "tolerance")
+"""Options that a joint with dimensions needs."""
 OF_BOTH = ("ball_drive", "rim", "kinematics")
 
 
-@command(
-    "joint", "study.joint:DimensionalJoint ball socket", *JOINT, "study.joint:force_curve solver"
-)
-def solve_joint(
-    socket_radius: float | None = None,
-    clearance: float | None = None,
-    wall: float | None = None,
-    force: list[float] = (),
-    depth: list[float] = (),
-    liner: list[str] = (),
-    tolerance: float | None = None,
-    r2_star: float | None = None,
-    depth_star: list[float] = (),
-    as_json: bool = False,
-    **joint,
-):
+@command("joint", EitherOptions)
+def solve_joint(as_json: bool = JSON, **options):
     """Solve one joint: force, depth, stiffness, pressure, half-angle, error, and stresses.
 
     With dimensions: --socket-radius, --clearance, --wall and --force or --depth, in SI units, with
     materials by name. Without: --r2-star and --depth-star. Stresses are then in E* dR/R2, and their
     radius is relative to that of the body's surface.
     """
-    given = {"socket_radius": socket_radius, "clearance": clearance, "wall": wall}
-    given |= {"force": force, "depth": depth, "liner": liner, "tolerance": tolerance}
-    given |= {"r2_star": r2_star, "depth_star": depth_star}
-    given = {name: value for name, value in given.items() if value not in (None, ())} | joint
-    if sized := [name for name in OF_SIZED if name in given]:
-        others = [name for name in given if name not in (*OF_SIZED, *OF_BOTH)]
-        left_out(others, given, f"{flag(sized[0])} is for a joint with its dimensions")
-        _solve_sized(as_json, **given)
+    if dimensions := [name for name in DIMENSIONS if name in options]:
+        others = [name for name in options if name not in (*DIMENSIONS, *OF_BOTH)]
+        left_out(others, options, f"{flag(dimensions[0])} is for a joint with its dimensions")
+        _solve_dimensional(as_json, **options)
     else:
-        _needed(("r2_star", "depth_star"), given, " or, with dimensions, --socket-radius, ...")
-        _solve_dimensionless(as_json, **given)
+        _needed(("r2_star", "depth_star"), options, " or, with dimensions, --socket-radius, ...")
+        _solve_dimensionless(as_json, **options)
 
 
-def _needed(names, given, more=""):
-    missing = [flag(name) for name in names if name not in given]
+def _needed(names, options, more=""):
+    missing = [flag(name) for name in names if name not in options]
     if missing:
         raise ValueError(f"{' and '.join(missing)} must be given{more}")
 
 
-def _solve_sized(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of_joint):
+def _solve_dimensional(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of_joint):
     from study.choose.law import TOLERANCES
     from study.cli import dimensional
     from study.joint import DimensionalJoint
@@ -92,8 +130,9 @@ def _solve_sized(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
     joint = DimensionalJoint(**of_joint, liner=tuple(map(read_liner, liner)))
     with waiting("Solving the joint"):
-        told, parts = dimensional.told(joint, joint.solve(force=force, depth=depth), tolerance)
-    show(told, as_json, *parts)
+        solution = joint.solve(force=force, depth=depth)
+        values, parts = dimensional.described(joint, solution, tolerance)
+    show(values, as_json, *parts)
 
 
 def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, **joint):
@@ -104,40 +143,46 @@ def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, **joint):
     with waiting("Solving the joint"):
         curve = force_curve(solved_joint, depth_star, solver=solver)
         stresses = curve.largest_stress
-    found = curve.columns()
+    columns = curve.columns()
     names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
-    solved = {"depth_star": depth_star} | {name: found[name].tolist() for name in names}
-    named, parts = solved, [solved]
+    values = {"depth_star": depth_star} | {name: columns[name].tolist() for name in names}
+    parts = [values]
     for body, largest in stresses.items():
         stress = {
             "von_mises_star": largest.von_mises.tolist(),
             "over_peak": largest.over_peak.tolist(),
+            "radius": largest.radius.tolist(),
+            "place": list(largest.place),
+            "angle_deg": [math.degrees(angle) for angle in largest.angle],
         }
-        stress |= {"radius": largest.radius.tolist(), "place": list(largest.place)}
-        stress |= {"angle_deg": [math.degrees(angle) for angle in largest.angle]}
         parts += [f"Largest von Mises stress in the {body}:", {"depth_star": depth_star} | stress]
-        body = f"von_mises_{body.replace(' ', '_')}"
-        stress = {name.removeprefix("von_mises_"): column for name, column in stress.items()}
-        named = named | {f"{body}_{name}": column for name, column in stress.items()}
-    show(named, as_json, *parts)
+        prefix = f"von_mises_{body.replace(' ', '_')}_"
+        named = {name.removeprefix("von_mises_"): column for name, column in stress.items()}
+        values = values | {prefix + name: column for name, column in named.items()}
+    show(values, as_json, *parts)
 
 
-@command(
-    "choose",
-    *JOINT,
-    "study.joint.described:described yield_stress",
-    "study.choose:choose depth_star tolerance",
-)
-def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **joint):
+@command("choose", JointOptions)
+def choose_law(
+    r2_star: float = number(R2_STAR, default=NEEDED),
+    depth_star: float = number("Largest depth of the scene, in clearances.", default=NEEDED),
+    tolerance: float = number(
+        "Largest relative error of the force, from 1e-5 to 1.", default=NEEDED
+    ),
+    yield_stress: float = number(
+        "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa."
+    ),
+    as_json: bool = JSON,
+    **joint,
+):
     """Choose the cheapest law that is accurate enough for a joint, with the evidence.
 
     For a whole mechanism: study simulate --model auto --tolerance ... .
     """
-    from study.choose import choose
-    from study.choose.law import relative_costs
+    from study.choose import choose, relative_costs
     from study.joint.described import described
 
-    asked, costs = described(r2_star, **joint), relative_costs()
+    asked, costs = described(r2_star, yield_stress=yield_stress, **joint), relative_costs()
     with waiting("Solving the joint"):
         choice = choose(asked, depth_star, tolerance)
     laws = sorted(choice.errors, key=costs.get)
@@ -162,21 +207,33 @@ def choose_law(r2_star: float, depth_star, tolerance, as_json: bool = False, **j
     )
 
 
-@command("export", "study.export:export law form depth_star", *JOINT)
+@command("export", JointOptions)
 def export_law(
-    law, form, depth_star=None, output: Path | None = None, r2_star: float | None = None, **joint
+    law: Literal[LawName, "tabulated"] = option(
+        "Name of a law, or tabulated: the force-depth curve of the joint.", default=NEEDED
+    ),
+    form: Literal["c", "matlab", "json", "csv"] = option(
+        "Function (C; MATLAB and Octave), formula and numbers (JSON), or force over depth (CSV).",
+        "--format",
+        default=NEEDED,
+    ),
+    depth_star: float = number(
+        "Largest depth of the text, in clearances; by default 1, if the joint can go so deep."
+    ),
+    output: Path = OUTPUT,
+    r2_star: float = number(R2_STAR, default=200.0),
+    **joint,
 ):
     """Export a law, for one joint, to another program: to standard output or a file.
 
-    R2/dR is 200 by default. The text states joint, range, units, and the law's largest error
+    The text states joint, range, units, and the law's largest error
     against the solved joint.
     """
     from study.export import SUFFIXES, export
     from study.joint.described import described
 
-    joint |= {} if r2_star is None else {"r2_star": r2_star}
     check_output(output, SUFFIXES[form])
-    asked = described(**joint)
+    asked = described(r2_star, **joint)
     with waiting("Solving the joint, and its error"):
         text = export(law, form, asked, depth_star)
     if output is None:

@@ -5,33 +5,87 @@ from dataclasses import fields
 from functools import partial
 from inspect import signature
 from pathlib import Path
+from typing import Literal
 
 from study import checks
-from study.cli.options import KEPT, InterruptionError, check_output, command, left_out
+from study.cli.options import (
+    JSON,
+    KEPT,
+    OUTPUT,
+    InterruptionError,
+    check_output,
+    command,
+    count,
+    left_out,
+    number,
+    option,
+    words,
+)
 from study.cli.output import bar, named_fields, show, waiting
+from study.contact import LawName
 
 SHOWN = 20  # impacts in a printed table
-END_UNITS = {
-    "time": "s",
-    "theta": "rad",
-    "x_slider": "m",
-    "v_slider": "m/s",
-    "a_slider": "m/s^2",
-    "last_separation": "s",
+END = {
+    "time s": "time",
+    "theta rad": "crank_angle",
+    "x_slider m": "slider_position",
+    "v_slider m/s": "slider_velocity",
+    "a_slider m/s^2": "slider_acceleration",
 }
-
-
-@command(
-    "simulate",
-    "study.mechanism:simulate model joint law duration outputs tolerance step elements method",
-    "study.choose:choose_model quantity socket_ratio",
+"""What is printed of the end -> the response's column."""
+SCENE = (
+    "KEY=VALUE of the scene; may be repeated; KEY (unit): crank_length (m), crank_mass (kg), "
+    "coupler_length (m), coupler_mass (kg), slider_mass (kg), clearance (m), youngs_modulus (Pa), "
+    "poisson (-), restitution (-), friction (-), slow_speed (m/s), full_speed (m/s), "
+    "driving_moment (N m), socket_radius (m), crank_inertia (kg m^2), coupler_inertia (kg m^2), "
+    "ball (Pa, -), socket (Pa, -), link_modulus (Pa), density (kg/m^3), damping, gravity (m/s^2), "
+    "initial_eccentricity (m), initial_crank_angle (rad), initial_crank_speed (rad/s), "
+    "crank_speed (rad/s), crank_clearance (m)."
 )
+
+
+class SimulationOptions:
+    """A simulation, and the choice of its model."""
+
+    model: Literal["rigid", "particles", "beams", "auto"] = option(
+        "Links; auto: the simplest that is accurate enough. [default: rigid]"
+    )
+    joint: Literal["clearance", "ideal"] = option(
+        "Joint between coupler and slider; the scene has that of crank and coupler. "
+        "[default: clearance]"
+    )
+    law: LawName = option("Contact law. [default: hertz]")
+    duration: float = number("Simulated time, in s. [default: 0.1]")
+    outputs: int = count("Number of equal intervals between the times of output. [default: 1000]")
+    tolerance: float = number(
+        "Rigid links with clearance: largest local error of places and speeds, relative to the "
+        "clearance, the depth of the impact and the speed that the drive gives. [default: 1e-8]"
+    )
+    step: float = number("Flexible links: largest time step, in s.")
+    elements: str = words(
+        "Flexible links: number of elements of crank and coupler, N,N. [default: 4,8]"
+    )
+    method: Literal["centred", "lagged", "unguarded"] = option(
+        "Particles: velocity in the joint's damping and friction, centred (default) or half a step "
+        "old (lagged); unguarded is lagged without checks of stability."
+    )
+    quantity: Literal["slider_position", "slider_velocity", "slider_acceleration"] = option(
+        "Part of the slider's motion that --tolerance is for. [default: slider_position]"
+    )
+    socket_ratio: float = number(
+        "Outer over inner radius of the socket, for laws that depend on it. [default: 1.298]"
+    )
+
+
+@command("simulate", SimulationOptions)
 def simulate_mechanism(
-    scene: list[str] = (),
-    inertia: str = "rods",
-    output: Path | None = None,
-    as_json: bool = False,
-    **given,
+    scene: list[str] = words(SCENE, default=()),
+    inertia: str = words(
+        "Inertias of crank and coupler about their centres, in kg m^2: I1,I2. [default: rods]"
+    ),
+    output: Path = OUTPUT,
+    as_json: bool = JSON,
+    **options,
 ):
     """Simulate the crank-slider: where it is at the end, and every impact (SI units).
 
@@ -39,63 +93,72 @@ def simulate_mechanism(
     --quantity: its RMS over that of the change since t = 0.
     """
     from study import mechanism
-    from study.choose import choose_model
     from study.compiled import CACHE
-    from study.mechanism.response import IMPACT_COLUMNS
 
     changed = _scene(scene, inertia)
     check_output(output, ".csv")
-    if "elements" in given:
-        given["elements"] = checks.read_several("--elements", given["elements"], kind=int)
+    if "elements" in options:
+        options["elements"] = checks.read_several("--elements", options["elements"], kind=int)
     if sys.stderr.isatty() and not any(CACHE.rglob("*.nbi")):
         print("Compiling the stepping loops, once ...", file=sys.stderr)
-    auto = given.get("model") == "auto"
-    options = signature(choose_model if auto else mechanism.simulate).parameters
-    model = given.pop("model") if auto else given.get("model", options["model"].default)
-    why = f"model {model} {'chooses it' if auto else 'has none'}"
-    of_law = {"socket_ratio"} if given.get("law") == "stiffened_hertz" else set()
-    left_out(sorted(given.keys() - options - of_law), given, why)
-    if auto and "tolerance" not in given:
-        raise ValueError("tolerance must be given: the largest error that model auto may make")
-    with waiting("Choosing the model"):
-        choice = choose_model(changed, **given) if auto else None
-    run = choice.simulate if auto else partial(mechanism.simulate, changed, **given)
+    if options.get("model") == "auto":
+        choice = _choice(changed, **options)
+        run = choice.simulate
+    else:
+        parameters, choice = signature(mechanism.simulate).parameters, None
+        of_law = {"socket_ratio"} if options.get("law") == "stiffened_hertz" else set()
+        why = f"model {options.get('model', parameters['model'].default)} has none"
+        left_out(sorted(options.keys() - parameters - of_law), options, why)
+        run = partial(mechanism.simulate, changed, **options)
     with bar("simulated {task.completed:.4g} of {task.total:g} s") as shown:
-        task = shown.add_task("", total=given.get("duration", options["duration"].default))
+        task = shown.add_task("", total=options.get("duration", 0.1))
         response = run(progress=lambda time: shown.update(task, completed=time))
-    last = response.motion.iloc[-1]
-    end = {
-        "time": last.time,
-        "theta": last.crank_angle,
-        "x_slider": last.slider_position,
-        "v_slider": last.slider_velocity,
-        "a_slider": last.slider_acceleration,
+    end = {head: float(getattr(response, name)[-1]) for head, name in END.items()}
+    end |= {
         "contacts": len(response.impacts),
-        "last_separation": response.last_separation,
+        "last_separation s": response.last_separation,
         "energy_error": response.energy_error,
         "complete": response.complete,
     }
-    impacts = response.impacts.astype(object).where(response.impacts.notna(), None)
-    columns, rest = sorted(impacts, key=lambda name: name != "time"), len(impacts) - SHOWN
-    show(
-        end
-        | {"law": response.law}
-        | ({"choice": named_fields(choice)} if choice else {})
-        | {"impacts": impacts.to_dict("records")},
-        as_json,
-        *(_told(choice, last.time) if choice else []),
-        f"Law {response.law}.",
-        {f"{name} {END_UNITS.get(name, '')}": [value] for name, value in end.items()},
-        {f"{name} {IMPACT_COLUMNS.get(name, '')}": impacts[name].head(SHOWN) for name in columns},
-        *([f"{rest} more contacts: --json prints all."] if rest > 0 else []),
-    )
+    _show(end, response, choice, as_json)
     if output is not None:  # last, so that the results are printed even if the disk is full
         response.save(output)
     if not response.complete:
         raise InterruptionError(KEPT)
 
 
-def _told(choice, duration):
+def _choice(scene, model, **options):
+    """The simplest model that is accurate enough for a scene."""
+    from study.choose import choose_model
+
+    refused = sorted(options.keys() - signature(choose_model).parameters)
+    left_out(refused, options, f"model {model} chooses it")
+    if "tolerance" not in options:
+        raise ValueError("tolerance must be given: the largest error that model auto may make")
+    with waiting("Choosing the model"):
+        return choose_model(scene, **options)
+
+
+def _show(end, response, choice, as_json):
+    from study.mechanism.response import IMPACT_COLUMNS
+
+    impacts = response.impacts.astype(object).where(response.impacts.notna(), None)
+    columns, rest = sorted(impacts, key=lambda name: name != "time"), len(impacts) - SHOWN
+    show(
+        {head.split()[0]: value for head, value in end.items()}
+        | {"law": response.law}
+        | ({"choice": named_fields(choice)} if choice else {})
+        | {"impacts": impacts.to_dict("records")},
+        as_json,
+        *(_in_words(choice, end["time s"]) if choice else []),
+        f"Law {response.law}.",
+        {head: [value] for head, value in end.items()},
+        {f"{name} {IMPACT_COLUMNS.get(name, '')}": impacts[name].head(SHOWN) for name in columns},
+        *([f"{rest} more contacts: --json prints all."] if rest > 0 else []),
+    )
+
+
+def _in_words(choice, duration):
     """The chosen model in words, and all models that were compared."""
     names = ("model", "joint", "law", "settings", "error_bound", "relative_cost", "links")
     return [
@@ -122,6 +185,6 @@ def _scene(settings, inertia):
             raise ValueError(f"--scene must be KEY=VALUE with KEY one of {names}, got {setting!r}")
         texts[key] = text
     rods = {"crank_inertia": None, "coupler_inertia": None}
-    if inertia != "rods":
+    if inertia not in (None, "rods"):
         rods = dict(zip(rods, checks.read_several("--inertia", inertia), strict=True))
     return Scene.read(texts, **rods)

@@ -1,10 +1,11 @@
 """Output of the commands: JSON, CSV, tables, lines, and a bar during a simulation."""
 
+import csv
 import json
 import sys
 from contextlib import contextmanager
 from shutil import get_terminal_size
-from textwrap import fill, wrap
+from textwrap import fill
 from threading import Timer
 
 import typer
@@ -24,33 +25,36 @@ UNITS = {
 """Units of columns that have none in their head."""
 
 
-def show(told, as_json=False, *parts):
+def show(values, as_json=False, *parts):
     """Print one JSON object, or its parts as text: lines, and tables of columns by head.
 
     The unit is below the head: the head's words after the first, or that of `UNITS`.
     """
     if as_json:
-        print(json.dumps(told, allow_nan=False))
+        print(json.dumps(values, allow_nan=False))
         return
-    width = _terminal()
-    lines = [
-        prose(part) if isinstance(part, str) else "\n".join(_lines(part, width))
-        for part in parts or [told]
-    ]
-    print("\n\n".join(lines))
+    parts = parts or [values]
+    print("\n\n".join(prose(part) if isinstance(part, str) else _table(part) for part in parts))
 
 
 def prose(text):
     """Sentences, on a terminal wrapped at words; a command to copy stays one line."""
     width, lines = _terminal(), text.splitlines()
-    if width is None:
-        return text
     return "\n".join(x if x.startswith("study ") else fill(x, width, **WHOLE) for x in lines)
 
 
-def show_csv(frame):
-    """Print a frame as plain CSV."""
-    frame.to_csv(sys.stdout, index=False, float_format="%.9g", lineterminator="\n")
+def show_csv(table):
+    """Print a table of columns by head as plain CSV."""
+    writer = csv.writer(sys.stdout, lineterminator="\n")
+    writer.writerow(table)
+    for row in zip(*table.values(), strict=True):
+        writer.writerow(_cell(value) for value in row)
+
+
+def _cell(value):
+    if not isinstance(value, float):
+        return value
+    return "" if value != value else f"{value:.9g}"  # a number that is missing is NaN
 
 
 def split_constant(table):
@@ -59,44 +63,51 @@ def split_constant(table):
     same = {head: cells[0] for head, cells in columns.items() if len({*cells}) < 2 <= len(cells)}
     if not same or len(same) == len(columns):
         return "", table
-    said = ", ".join(f"{head} {text}" for head, text in same.items())
-    return f"In all rows: {said}.", {head: table[head] for head in table if head not in same}
+    constants = ", ".join(f"{head} {text}" for head, text in same.items())
+    return f"In all rows: {constants}.", {head: table[head] for head in table if head not in same}
 
 
-def _lines(table, width):
-    """A table as lines that break no number and no name.
+def _table(table):
+    """A table as text that breaks no number and no name.
 
-    On a terminal, ``width`` characters wide, a table that is too wide is transposed if it has one
-    row. Else a line above says what is the same in all rows. The other columns are in blocks below
-    each other; each begins with the first column. A column that is still too wide is wrapped.
+    On a terminal that is too narrow, a table of one row is transposed. Else a line above says what
+    is the same in all rows. The other columns are in blocks below each other; each begins with the
+    first column. A text beside it that is still too wide is wrapped.
     """
-    columns = [_column(head, table[head]) for head in table]
-    if width is None or _wide(columns) <= width:
+    width, columns = _terminal(), [_column(head, table[head]) for head in table]
+    if _wide(columns) <= width:
         return _block(columns)
     if all(len(table[head]) == 1 for head in table):
-        return [paragraphs({head: _text(table[head][0]) for head in table})]
-    said, table = split_constant(table)
-    first, *rest = [_column(head, table[head]) for head in table]
+        return paragraphs({head: _text(table[head][0]) for head in table})
+    constants, table = split_constant(table)
+    first, *others = [_column(head, table[head]) for head in table]
     blocks = [[first]]
-    for column in rest:
+    for column in others:
         if len(blocks[-1]) > 1 and _wide([*blocks[-1], column]) > width:
             blocks.append([first])
         blocks[-1].append(column)
-    lines = [line for block in blocks for line in ["", *_block(_wrapped(block, width))]]
-    return [*wrap(said, width, **WHOLE), *lines] if said else lines[1:]
+    texts = [_block(b) if _wide(b) <= width else _hanging(zip(*b, strict=True)) for b in blocks]
+    return "\n\n".join([prose(constants), *texts] if constants else texts)
 
 
 def paragraphs(texts):
     """Texts beside their names, wrapped at words on a terminal."""
-    wide = max(map(len, texts)) + 2 * len(GAP)
-    place = {"initial_indent": GAP, "subsequent_indent": " " * wide, **WHOLE}
-    lines = [f"{name:<{wide - len(GAP)}}{text}" for name, text in texts.items()]
-    return "\n".join(fill(line, _terminal() or sys.maxsize, **place) for line in lines)
+    return _hanging([(GAP + name, text) for name, text in texts.items()])
+
+
+def _hanging(rows):
+    """Rows of a name and a text; the text is wrapped at words, its lines below each other."""
+    rows = [(name, text.split()) for name, text in rows if name.strip() or text.strip()]
+    start = max(len(name) for name, _ in rows) + len(GAP)
+    longest = max(len(word) for _, text in rows for word in text)
+    width = max(_terminal(), start + longest)
+    lines = (f"{name:<{start}}{' '.join(text)}" for name, text in rows)
+    return "\n".join(fill(line, width, subsequent_indent=" " * start, **WHOLE) for line in lines)
 
 
 def _terminal():
-    """Width of the terminal, or None if the output is not one."""
-    return get_terminal_size().columns if sys.stdout.isatty() else None
+    """Width of the terminal; without one no line is too wide."""
+    return get_terminal_size().columns if sys.stdout.isatty() else sys.maxsize
 
 
 def _column(head, values):
@@ -110,25 +121,10 @@ def _wide(columns):
     return sum(len(column[0]) + len(GAP) for column in columns) - len(GAP)
 
 
-def _wrapped(block, width):
-    """A block in which no line is too wide: cells of its last column may take several lines."""
-    *others, last = block
-    room = max(width - _wide(others) - len(GAP), max(map(len, " ".join(last).split())))
-    if _wide(block) <= width or not others:
-        return block
-    rows = []
-    for *cells, text in zip(*block, strict=True):
-        first, *more = wrap(text, room, **WHOLE) or [""]
-        blank = [" " * len(cell) for cell in cells]
-        rows += [[*cells, first], *([*blank, part] for part in more)]
-    *others, last = map(list, zip(*rows, strict=True))
-    return [*others, [cell.ljust(max(map(len, last))) for cell in last]]
-
-
 def _block(columns):
     """Columns beside each other; without a line of units if no column has one."""
     heads, units, *rows = (GAP.join(cells).rstrip() for cells in zip(*columns, strict=True))
-    return [heads, *([units] if units else []), "─" * _wide(columns), *rows]
+    return "\n".join([heads, *([units] if units else []), "─" * _wide(columns), *rows])
 
 
 def _text(value):
@@ -141,8 +137,8 @@ def _text(value):
 
 def named_fields(choice):
     """Attributes of a choice by name, without its function."""
-    given = ("evaluate", "simulate")
-    return {name: value for name, value in vars(choice).items() if name not in given}
+    functions = ("evaluate", "simulate")
+    return {name: value for name, value in vars(choice).items() if name not in functions}
 
 
 @contextmanager

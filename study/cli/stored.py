@@ -4,28 +4,51 @@ import sys
 from pathlib import Path
 
 from study import paths
-from study.cli.options import check_output, command, data_app
+from study.cli.options import (
+    JOBS,
+    OUTPUT,
+    Drive,
+    Kinematics,
+    Rim,
+    check_output,
+    command,
+    count,
+    data_app,
+    number,
+    option,
+    words,
+)
 from study.cli.output import fail, show, show_csv, split_constant, waiting
 
 
-@command("show", "study.joint:Joint ball_drive rim kinematics", group=data_app, defaults=False)
-def show_data(
-    r2_star: list[float] = (), socket_ratio: list[float] = (), group: str = "", case: str = "", **of
-):
+class CaseOptions:
+    """Values that cases have."""
+
+    r2_star: list[float] = number("Radius of the socket in clearances, R2/dR; may be repeated.")
+    socket_ratio: list[float] = number("Outer over inner radius of the socket; may be repeated.")
+    group: str = words("Group of cases: paper, ratio, poisson, modulus, support, liner or judge.")
+    case: str = words("One case, with all of its depths.")
+    ball_drive: Drive = option("Equatorial plane of the half ball, as for study joint.", "--drive")
+    rim: Rim = option("Edge of the socket at its equator, as for study joint.")
+    kinematics: Kinematics = option("Which points face each other, as for study joint.")
+
+
+@command("show", CaseOptions, group=data_app)
+def show_data(**values):
     """Show a summary of the cases with the given values, or every depth of one case.
 
     Plain CSV if the output is not a terminal.
     """
     from study import dataset
 
-    own = {"r2_star": r2_star, "socket_ratio": socket_ratio, "group": group, "case": case}
-    frame = dataset.load(**{key: value for key, value in own.items() if value}, **of)
-    found = frame.loc[:, "depth_star":] if case else dataset.summary(frame)
+    cases, case = dataset.load(**values), "case" in values
+    rows = cases.loc[:, "depth_star":] if case else dataset.summary(cases)
+    table = rows.to_dict("list")
     if not sys.stdout.isatty():
-        show_csv(found)
+        show_csv(table)
         return
-    said, table = split_constant(found)
-    show(None, False, f"{len(found)} {'depths' if case else 'cases'}. {said}", table)
+    constants, table = split_constant(table)
+    show(None, False, f"{len(rows)} {'depths' if case else 'cases'}. {constants}", table)
 
 
 @command("materials", group=data_app)
@@ -34,15 +57,14 @@ def list_materials():
 
     Plain CSV if the output is not a terminal.
     """
-    import pandas as pd
-
     from study.contact import materials
 
     rows, units = materials.table(), {"youngs_modulus": " Pa", "yield_stress": " Pa"}
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
     if not sys.stdout.isatty():
-        show_csv(pd.DataFrame(rows))
+        show_csv(columns)
         return
-    show({name + units.get(name, ""): [row[name] for row in rows] for name in rows[0]})
+    show({name + units.get(name, ""): column for name, column in columns.items()})
 
 
 @command("check", group=data_app)
@@ -51,21 +73,27 @@ def check_data():
     from study.dataset import quality
 
     with waiting("Checking the data, and solving one case again"):
-        checked, found = zip(*quality.check(), strict=True)
-    show({"checked": checked, "found": found})
+        checked, results = zip(*quality.check(), strict=True)
+    show({"checked": checked, "found": results})
 
 
-@command("build", "study.pages.tasks:build jobs", group=data_app, keeps=True)
-def build_data(**how):
+@command("build", group=data_app, keeps=True)
+def build_data(jobs: int = JOBS):
     """Build the dataset from nothing; an interrupted build resumes."""
     from study.pages import tasks
 
-    fail(tasks.build([paths.DATA], **how).failures)
+    fail(tasks.build([paths.DATA], jobs=jobs).failures)
     print("The dataset is up to date: data/force_curves.csv, links.csv and datapackage.json.")
 
 
-@command("measure", "study.measure.speed:measure chart repeats", keeps=True)
-def measure_speed(output: Path | None = None, **how):
+@command("measure", keeps=True)
+def measure_speed(
+    output: Path = OUTPUT,
+    chart: list[str] = words(
+        "What to time: laws, solvers, steppers or flexible; may be repeated. [default: all]"
+    ),
+    repeats: int = count("Number of timed calls, after one that does not count.", default=5),
+):
     """Time laws (a minute), solvers and steppers (some minutes each) on this machine.
 
     Without --output the times are kept in data/published/speed.csv, which the charts and study
@@ -78,14 +106,14 @@ def measure_speed(output: Path | None = None, **how):
     from study.measure import speed
 
     check_output(output, ".csv")
-    charts, frames = speed.measure(**how), []
+    charts, frames = speed.measure(chart, repeats), []
     if output is None:
         store.verify_files()  # before minutes of timing
-    for chart in charts:
-        print(f"timed {chart.chart.iloc[0]}", file=sys.stderr)
-        frames.append(chart)
+    for timed in charts:
+        print(f"timed {timed.chart.iloc[0]}", file=sys.stderr)
+        frames.append(timed)
         if output is None:
-            store.keep_measured(chart)
+            store.keep_measured(timed)
     frame = pd.concat(frames)
     if output is not None:
         with paths.whole(output) as temporary:

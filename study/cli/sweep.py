@@ -7,21 +7,42 @@ from typing import Literal
 
 import typer
 
-from study.cli.options import InterruptionError, check_output, command
+from study.cli.options import (
+    JOBS,
+    NEEDED,
+    InterruptionError,
+    check_output,
+    command,
+    count,
+    option,
+    words,
+)
 from study.cli.output import bar, paragraphs
 
 PLAIN_EVERY = 10.0  # s between lines of progress if the output is not a terminal
 
 
-@command("sweep", "study.sweep:sweep jobs dask_address")
+@command("sweep")
 def sweep_cases(
-    kind: Literal["joints", "scenes"],
-    output: Path,
-    cases: Path | None = None,
-    random: int | None = None,
-    seed: int | None = None,
-    range: list[str] = (),  # noqa: A002  (the option's name)
-    **how,
+    kind: Literal["joints", "scenes"] = typer.Argument(
+        help="What the cases are: joints or scenes.", metavar="KIND"
+    ),
+    output: Path = option("File to write.", default=NEEDED, metavar="FILE"),
+    cases: Path = typer.Argument(
+        None, help="CSV file with a row per case; or --random.", metavar="[FILE]"
+    ),
+    random: int = count("Number of cases drawn at random from every --range."),
+    seed: int = count(
+        "Seed of the random numbers; the same seed gives the same cases. [default: 0]"
+    ),
+    ranges: list[str] = words(
+        "Range of a column: NAME=LOW:HIGH, drawn evenly, NAME=LOW:HIGH:log, or the values to "
+        "choose from, NAME=A,B,C; may be repeated.",
+        "--range",
+        default=(),
+    ),
+    jobs: int = JOBS,
+    dask_address: str = words("Dask scheduler whose workers solve the cases instead.", "--dask"),
 ):
     """Solve many joints, or simulate many scenes, from a CSV file of cases or at random.
 
@@ -33,38 +54,40 @@ def sweep_cases(
     from study.sweep import random_cases, sweep
 
     check_output(output, ".csv")
-    given = cases
     if random is not None:
-        given = random_cases(random, _ranges(range), 0 if seed is None else seed)
+        drawn = random_cases(random, _ranges(ranges), seed or 0)
     if (cases is None) == (random is None):
         raise ValueError("a FILE of cases or --random must be given, and not both")
-    if cases is not None and (range or seed is not None):
+    if cases is not None and (ranges or seed is not None):
         raise ValueError("--range and --seed must be left out: a FILE has the cases")
+    source = drawn if cases is None else cases
     started, done = time.monotonic(), [0, 0, 0]
     with bar("{task.completed:g} of {task.total:g} cases") as shown:
-        task, told = shown.add_task("", total=0, visible=False), started
+        task, printed = shown.add_task("", total=0, visible=False), started
 
         def progress(*numbers):
-            nonlocal told
+            nonlocal printed
             done[:] = numbers
             shown.update(task, completed=numbers[0], total=numbers[1], visible=True)
-            if shown.disable and time.monotonic() > told + PLAIN_EVERY:
-                told = time.monotonic()
+            if shown.disable and time.monotonic() > printed + PLAIN_EVERY:
+                printed = time.monotonic()
                 print("{} of {} cases, {} failed".format(*numbers), file=sys.stderr, flush=True)
 
         try:
-            found = sweep(given, kind, output, progress=progress, **how)
+            swept = sweep(
+                source, kind, output, jobs=jobs, dask_address=dask_address, progress=progress
+            )
         except KeyboardInterrupt:
             kept = f"; {done[0]} of {done[1]} cases are kept, the same command goes on"
             raise InterruptionError(kept if done[0] else "") from None
     seconds = time.monotonic() - started
-    print(f"{found.cases} cases in {seconds:.3g} s, {found.rows} rows in {output}. Its results:")
-    columns = found.columns.items()
+    print(f"{swept.cases} cases in {seconds:.3g} s, {swept.rows} rows in {output}. Its results:")
+    columns = swept.columns.items()
     units = {name: f"{text}{f', {unit}' * (unit != '1')}" for name, (unit, text) in columns}
     print(paragraphs(units))
-    if found.failures:
-        (name, why), *_ = found.failures.items()
-        what = f"{len(found.failures)} of {found.cases} cases failed, see the column error"
+    if swept.failures:
+        (name, why), *_ = swept.failures.items()
+        what = f"{len(swept.failures)} of {swept.cases} cases failed, see the column error"
         print(f"failed: {what}; the first is {name}: {why}", file=sys.stderr)
         raise typer.Exit(1)
 
@@ -73,8 +96,8 @@ def _ranges(texts):
     """Ranges by column, of ``NAME=RANGE``."""
     ranges = {}
     for text in texts:
-        name, equals, of = text.partition("=")
+        name, equals, limits = text.partition("=")
         if not equals or name in ranges:
             raise ValueError(f"--range must be NAME=RANGE, once for each name, got {text!r}")
-        ranges[name.strip()] = of
+        ranges[name.strip()] = limits
     return ranges
