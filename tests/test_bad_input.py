@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from study import checks, choose, cli, contact, dataset, export
 from study.choose import choose_model, model
 from study.claims import rules, statistics, verdicts
-from study.contact import damping, forces, pressure, printed
+from study.contact import damping, forces, pressure
 from study.dataset import fitting
 from study.joint import (
     DimensionalJoint,
@@ -124,14 +124,6 @@ def law_rows():
     yield from rows(law.force, depth=(1e-5, (*LIST, 1e-60, 1e-4)))
     yield from rows(law.stiffness, depth=(1e-5, (*LIST, 1e-60, 1e-4)))
     yield from rows(law.depth, force=(10.0, (*LIST, -1.0, 1e9)))
-    yield from rows(
-        printed.PrintedLaw,
-        r2_star=(200, (*NUMBER, 49)),
-        socket_ratio=(1.5, (*NUMBER, 1.2)),
-        modulus_ratio=(1.0, POSITIVE),
-        poisson=(0.3, (*NUMBER, 0.5)),
-        socket_poisson=(0.3, (*NUMBER, 0.1)),
-    )
     yield from rows(
         contact.composite_modulus,
         ball_modulus=(2e11, POSITIVE),

@@ -17,8 +17,8 @@ def test_imports_are_followed_to_the_modules_that_define_the_names():
     # joint asks the package contact for two names of bodies.py, not for the laws
     assert reached("joint/curve.py") == {
         *("checks.py", "contact/bodies.py", "joint/complementarity.py", "joint/compliance.py"),
-        *("joint/curve.py", "joint/fem.py", "joint/growth.py", "joint/joint.py"),
-        *("joint/contact_kinematics.py", "joint/series.py", "joint/stress.py", "threads.py"),
+        *("joint/curve.py", "joint/fem.py", "contact/materials.py", "joint/joint.py"),
+        *("joint/contact_kinematics.py", "joint/series.py", "threads.py"),
     }
     assert "contact/laws.py" in reached("dataset/fitting.py")
     assert reached("dataset/tolerance.py") == {"dataset/tolerance.py"}

@@ -56,7 +56,7 @@ def test_joints_without_dimensions_are_those_of_the_solver(tmp_path):
     ]
     _, table = swept(given, "joints", tmp_path / "table.csv")
     lined, deep = (table[table.case == name] for name in ("lined", "deep"))
-    whole = whole_curve(cases.described(80, layer=["1.125,0.0025,0.46", "1.5,1,0.3"]))
+    whole = whole_curve(cases.joint_of_texts(80, layer=["1.125,0.0025,0.46", "1.5,1,0.3"]))
     socket = Material(2e11, 0.4)
     curve = force_curve(Joint(75, socket=socket), [0.5, 0.1])
     for rows, expected in ((lined, whole), (deep, curve)):

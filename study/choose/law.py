@@ -17,7 +17,7 @@ from study import checks, dataset
 from study.contact import LAWS, largest_depth, tabulated
 from study.joint import Joint, UnresolvedError, first_yield, force_curve, whole_curve
 from study.joint.curve import ForceCurve
-from study.joint.growth import LEAST_R2_STAR
+from study.joint.nested_contact import LEAST_R2_STAR
 from study.threads import one_thread
 
 SHALLOWEST = 0.005

@@ -123,12 +123,11 @@ def _needed(names, options, more=""):
 def _solve_dimensional(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of_joint):
     from study.choose.law import TOLERANCES
     from study.cli import dimensional
-    from study.joint import DimensionalJoint
-    from study.joint.described import liner as read_liner
+    from study.joint import DimensionalJoint, parsing
 
     _needed(SIZES, of_joint)
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
-    joint = DimensionalJoint(**of_joint, liner=tuple(map(read_liner, liner)))
+    joint = DimensionalJoint(**of_joint, liner=tuple(map(parsing.liner, liner)))
     with waiting("Solving the joint"):
         solution = joint.solve(force=force, depth=depth)
         values, parts = dimensional.described(joint, solution, tolerance)
@@ -136,13 +135,13 @@ def _solve_dimensional(as_json, force=None, depth=None, liner=(), tolerance=0.01
 
 
 def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, **joint):
-    from study.joint import force_curve
-    from study.joint.described import described
+    from study.joint import force_curve, parsing
+    from study.joint.stress import largest as largest_stress
 
-    solved_joint = described(r2_star, **joint)
+    solved_joint = parsing.joint(r2_star, **joint)
     with waiting("Solving the joint"):
         curve = force_curve(solved_joint, depth_star, solver=solver)
-        stresses = curve.largest_stress
+        stresses = largest_stress(curve)
     columns = curve.columns()
     names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
     values = {"depth_star": depth_star} | {name: columns[name].tolist() for name in names}
@@ -180,9 +179,9 @@ def choose_law(
     For a whole mechanism: study simulate --model auto --tolerance ... .
     """
     from study.choose import choose, relative_costs
-    from study.joint.described import described
+    from study.joint import parsing
 
-    asked, costs = described(r2_star, yield_stress=yield_stress, **joint), relative_costs()
+    asked, costs = parsing.joint(r2_star, yield_stress=yield_stress, **joint), relative_costs()
     with waiting("Solving the joint"):
         choice = choose(asked, depth_star, tolerance)
     laws = sorted(choice.errors, key=costs.get)
@@ -230,10 +229,10 @@ def export_law(
     against the solved joint.
     """
     from study.export import SUFFIXES, export
-    from study.joint.described import described
+    from study.joint import parsing
 
     check_output(output, SUFFIXES[form])
-    asked = described(r2_star, **joint)
+    asked = parsing.joint(r2_star, **joint)
     with waiting("Solving the joint, and its error"):
         text = export(law, form, asked, depth_star)
     if output is None:

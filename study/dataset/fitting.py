@@ -14,7 +14,6 @@ from study import checks
 from study.contact import LAWS, LawName, shapes
 from study.contact.laws import AREA_COEFFICIENTS
 from study.dataset.design import PAPER_KINEMATICS, R2_STAR
-from study.dataset.printed import fit_printed
 
 FITTED_LAWS: dict[str, tuple[LawName, dict]] = {
     name: ("hyperbolic_winkler", {"area": area}) for area, name in AREA_COEFFICIENTS.items()
@@ -124,8 +123,7 @@ def fit_all(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict]:
     """
     paper = curves[(curves.group == "paper") & (curves.kinematics == PAPER_KINEMATICS)]
     stated = published.set_index(["where", "row", "quantity"]).value
-    fits = fit_laws(paper, -stated["Table 2", "liu", "determination"])  # printed without its sign
-    return fits | {"printed_hertz": fit_printed()}
+    return fit_laws(paper, -stated["Table 2", "liu", "determination"])  # published without sign
 
 
 def fit_laws(curves: pd.DataFrame, liu_determination: float) -> dict[str, dict[str, float]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from study.contact import hertz, hertz_correction
 from study.joint import Joint, Material
 from study.joint.compliance import DRIVES, RIMS
-from study.joint.growth import depths_and_forces
+from study.joint.nested_contact import depths_and_forces
 from study.threads import one_thread
 
 LIMITS = {"share": 9, "poisson": 5, "socket_poisson": 6, "socket_ratio": 10, "r2_star": 1}

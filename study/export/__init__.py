@@ -14,7 +14,7 @@ from scipy.interpolate import CubicHermiteSpline
 from study import checks, contact
 from study.contact import LAWS, LawName, laws, shapes
 from study.export import formulas
-from study.joint import Joint, curve_to
+from study.joint import Joint, whole_curve
 from study.joint.dimensional import usual_depth
 
 Exported = Literal[LawName, "tabulated"]
@@ -75,7 +75,7 @@ class _Content:
         options = joint.correction_options() if law == "stiffened_hertz" else {}
         if law != "tabulated":
             LAWS[law](deepest, joint.r2_star, **options)  # refuses a depth beyond its range
-        curve = curve_to(joint, deepest)
+        curve = whole_curve(joint, deepest)
         exact = contact.tabulated(curve)
         self.law = exact if law == "tabulated" else LAWS[law]
         self.scale, self.shape, self.constants = self.law.parts(joint.r2_star, **options)

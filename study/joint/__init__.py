@@ -10,17 +10,17 @@ sense, so that the contact matrix is symmetric and positive definite. `contact_k
 which points face each other, and `complementarity` which of them touch. The contact's edge lies
 between two nodes; the force therefore converges with order 2 by either solver.
 
-`curve` solves the depths that are given. `growth` solves a whole curve at once, in some 30 ms.
-`stress` finds the stresses inside the bodies, and first yield. `dimensional` is a joint in SI
-units.
+`curve` solves the depths that are given. `nested_contact` solves a whole curve at once, in some
+30 ms. `stress` finds the stresses inside the bodies, and first yield. `dimensional` is a joint in
+SI units, and `parsing` reads a joint from texts.
 """
 
 from study.contact import Material, material
 from study.joint.compliance import Drive, Rim
 from study.joint.curve import ForceCurve, Solver, UnresolvedError, force_curve
 from study.joint.dimensional import DimensionalJoint, DimensionalSolution
-from study.joint.growth import curve_to, whole_curve
 from study.joint.joint import Joint, Kinematics, Layer, paper_joint
+from study.joint.nested_contact import whole_curve
 from study.joint.stress import FirstYield, LargestStress, first_yield
 
 __all__ = [
@@ -37,7 +37,6 @@ __all__ = [
     "Rim",
     "Solver",
     "UnresolvedError",
-    "curve_to",
     "first_yield",
     "force_curve",
     "material",

@@ -79,6 +79,10 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
     return problem, joint.ball_radius**2 * HatFunctions(ball.angles).integrate(np.cos)
 
 
+PROBLEMS = {"small": small, "linear": linear}
+"""Contact problems of linear bodies, by the joint's ``kinematics``."""
+
+
 @lru_cache(maxsize=64)  # 20 depths on two meshes, and more
 def _pairs(r2_star, depth, resolution):
     """Matrix that moves pressure to the socket's nodes, the part lost by this, and the gap.

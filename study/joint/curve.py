@@ -10,8 +10,7 @@ Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,9 +28,6 @@ from study.joint.compliance import (
 )
 from study.joint.joint import Joint
 from study.threads import one_thread
-
-if TYPE_CHECKING:
-    from study.joint.stress import LargestStress
 
 Solver = Literal["series", "quadratic", "linear"]
 SOLVERS: tuple[Solver, ...] = get_args(Solver)
@@ -72,13 +68,6 @@ class ForceCurve:
     error_estimate: NDArray[np.float64]
     angles: NDArray[np.float64]
     pressure: NDArray[np.float64]
-
-    @cached_property
-    def largest_stress(self) -> "dict[str, LargestStress]":
-        """`study.joint.stress.LargestStress` of each body, by its name; computed when asked for."""
-        from study.joint import stress
-
-        return stress.largest(self)
 
     def columns(self) -> dict[str, Any]:
         """The curve as columns of a table, a row per depth, as in `study.dataset.load`."""
@@ -211,11 +200,9 @@ def _solve(joint, solver, depths, resolution):
         for n in (resolution, resolution // 2):
             found.append(_solve_finite(joint, depths, n))
     else:
-        paired = (
-            contact_kinematics.small if joint.kinematics == "small" else contact_kinematics.linear
-        )
+        problem = contact_kinematics.PROBLEMS[joint.kinematics]
         for bodies in meshes(joint, solver, resolution):
-            found.append(contact_kinematics.solve(joint, depths, *paired(joint, *bodies), _TIMES))
+            found.append(contact_kinematics.solve(joint, depths, *problem(joint, *bodies), _TIMES))
     (pressure, fine), (_, coarse) = found
     return surface_angles(resolution), pressure, fine, coarse
 

@@ -17,8 +17,9 @@ from study.contact import JointLaw, Material, largest_depth, material, tabulated
 from study.contact.laws import LAWS, AnyLaw, find
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO, Drive, Rim
 from study.joint.curve import ForceCurve, UnresolvedError, force_curve
-from study.joint.growth import curve_to
 from study.joint.joint import Joint, Kinematics, Layer
+from study.joint.nested_contact import whole_curve
+from study.joint.stress import largest as largest_stress
 
 Floats = NDArray[np.float64]
 Liner = tuple[tuple[float, str | Material], ...]
@@ -199,11 +200,11 @@ class DimensionalJoint:
 
     def _solution(self, law, depths, forces, solved, errors):
         """Stiffness by a law at depths, and all else from the joint solved there."""
-        largest = solved.largest_stress
+        largest = largest_stress(solved)
         modulus, strengths = self.joint.composite_modulus, self.materials
         bodies = dict(zip(self.joint.materials, strengths, strict=True))
         pressure = modulus * self.clearance / self.socket_radius
-        stresses = {bodies[name]: pressure * one.von_mises for name, one in largest.items()}
+        stresses = {bodies[name]: pressure * stress.von_mises for name, stress in largest.items()}
         return DimensionalSolution(
             depth=depths,
             force=forces,
@@ -212,7 +213,7 @@ class DimensionalJoint:
             peak_pressure=pressure * solved.peak_pressure_star,
             error_estimate=errors,
             von_mises=stresses,
-            von_mises_place={bodies[name]: one.place for name, one in largest.items()},
+            von_mises_place={bodies[name]: stress.place for name, stress in largest.items()},
             yield_factor={
                 body: strength / stress if (strength := strengths[body].yield_stress) else None
                 for body, stress in stresses.items()
@@ -287,4 +288,4 @@ def _error_beside(curve, depth_star):
 @lru_cache(maxsize=16)
 def _curve(joint: Joint, deepest: float) -> ForceCurve:
     """Curve of a joint: the same one for every yield stress and size."""
-    return curve_to(joint, deepest)
+    return whole_curve(joint, deepest)

@@ -19,8 +19,8 @@ from study.contact import largest_depth
 from study.joint import contact_kinematics, series
 from study.joint.compliance import graded
 from study.joint.curve import ForceCurve, force_curve, meshed
-from study.joint.growth import whole_curve
 from study.joint.joint import Joint
+from study.joint.nested_contact import whole_curve
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
@@ -174,17 +174,19 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     if not any(material.yield_stress for material in joint.materials.values()):
         raise ValueError("joint must have a material with a yield_stress, got none")
-    curve = _solved(joint, max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2)))
+    curve, largest_stresses = _solved(
+        joint, max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2))
+    )
     solved = np.sqrt(curve.depth_star)
     used = solved >= (0 if curve.solver == "series" else _LEAST_ROOT)
     root, found = np.append(0, solved[used]), []
     hertz = 4 / 3 * np.sqrt(joint.r2_star * (joint.r2_star - 1))  # times the cube of the root
     stiffening = np.append(1, (curve.force_star / (hertz * solved**3))[used])
     for body, material in joint.materials.items():
-        one, touches = curve.largest_stress[body], body in ("ball", "socket", "layer 1")
+        stress, touches = largest_stresses[body], body in ("ball", "socket", "layer 1")
         limit = touches * hertz_von_mises(material.poisson)
         slope = np.append(
-            2 / np.pi / np.sqrt(joint.ball_radius) * limit, (one.von_mises / solved)[used]
+            2 / np.pi / np.sqrt(joint.ball_radius) * limit, (stress.von_mises / solved)[used]
         )
         yield_star = joint.r2_star * (material.yield_stress or np.inf) / joint.composite_modulus
         beyond = np.flatnonzero(root * slope >= yield_star)
@@ -192,18 +194,20 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
             between, ends = PchipInterpolator(root, slope), root[beyond[0] - 1 :][:2]
             x = brentq(lambda x, of, value: x * of(x) - value, *ends, args=(between, yield_star))
             force = hertz * x**3 * PchipInterpolator(root, stiffening)(x)
-            place = one.place[np.abs(solved - x).argmin()]
+            place = stress.place[np.abs(solved - x).argmin()]
             found.append(FirstYield(body, place, x**2, float(force)))
-    first = min(found, key=lambda one: one.depth_star, default=None)
+    first = min(found, key=lambda first: first.depth_star, default=None)
     return first if first and first.depth_star <= deepest else None
 
 
 @lru_cache(maxsize=8)
 def _solved(joint, deepest):
-    """Curve of a joint to a depth, or somewhat beyond: the same one for every yield stress."""
-    if joint.kinematics != "finite":
-        return whole_curve(joint, deepest)
-    return force_curve(joint, np.linspace(_LEAST_ROOT, np.sqrt(deepest), 12) ** 2)
+    """Curve to a depth, or somewhat beyond, and its `largest`: the same for every yield stress."""
+    if joint.kinematics == "finite":
+        curve = force_curve(joint, np.linspace(_LEAST_ROOT, np.sqrt(deepest), 12) ** 2)
+    else:
+        curve = whole_curve(joint, deepest)
+    return curve, largest(curve)
 
 
 def hertz_von_mises(poisson: float) -> float:

@@ -21,9 +21,10 @@ import numpy as np
 from study import checks
 from study.checks import StudyError
 from study.contact import tabulated
-from study.joint import DimensionalJoint, Joint, curve_to, force_curve, material
-from study.joint.described import described, liner
+from study.joint import DimensionalJoint, Joint, force_curve, material, whole_curve
 from study.joint.dimensional import usual_depth
+from study.joint.parsing import joint as joint_of_texts
+from study.joint.parsing import liner
 from study.mechanism import Response, Scene
 from study.mechanism.response import IMPACT_COLUMNS
 from study.mechanism.simulate import ready
@@ -272,14 +273,14 @@ def _of_joint(given):
     depths = given.pop("depth_star", None)
     if depths is not None:
         checks.number("depth_star", depths, least=0)
-    joint = described(**given)
+    joint = joint_of_texts(**given)
     return _bodies(joint), partial(_curve, joint, depths)
 
 
 def _curve(joint: Joint, depths: list[float] | None) -> Told:
     told: Told = {"stiffness_star": ""}
     if depths is None:
-        curve = curve_to(joint, usual_depth(joint))
+        curve = whole_curve(joint, usual_depth(joint))
         law, r2_star = tabulated(curve), joint.r2_star
         told["stiffness_star"] = law(curve.depth_star, r2_star, derivative=True)
     else:

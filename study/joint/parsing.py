@@ -7,7 +7,7 @@ from study.contact import Material
 from study.joint.joint import Joint, Layer
 
 
-def described(
+def joint(
     r2_star: float = 200.0,
     *,
     modulus_ratio: float | None = None,
@@ -40,22 +40,31 @@ def described(
     """
     poisson = {"poisson": others.pop("poisson")} if "poisson" in others else {}
     ball = Material(**poisson, yield_stress=yield_stress)
-    unit, of_one = ball.youngs_modulus, {"modulus_ratio": modulus_ratio}
-    of_one |= {"socket_poisson": socket_poisson, "socket_ratio": others.get("socket_ratio")}
+    unit = ball.youngs_modulus
     if layer:
-        for name, value in (of_one | {"yield_stress": yield_stress}).items():
+        of_one_material = {
+            "modulus_ratio": modulus_ratio,
+            "socket_poisson": socket_poisson,
+            "socket_ratio": others.get("socket_ratio"),
+            "yield_stress": yield_stress,
+        }
+        for name, value in of_one_material.items():
             if value is not None:
                 raise ValueError(f"{name} must be left out: layer describes the socket")
-        each = [checks.read_several("layer", text, 3) for text in layer]
-        moduli = [unit * checks.number("modulus of layer", e, above=0) for _, e, _ in each]
-        layers = zip(each, moduli, strict=True)
-        others["layers"] = tuple(Layer(q, Material(e, nu)) for (q, _, nu), e in layers)
+        others["layers"] = tuple(_layer(text, unit) for text in layer)
     else:
         of_socket = ball.poisson if socket_poisson is None else socket_poisson
         ratio = 1.0 if modulus_ratio is None else modulus_ratio
         modulus = unit * checks.number("modulus_ratio", ratio, above=0)
         others["socket"] = Material(modulus, of_socket, yield_stress)
     return Joint(r2_star, ball=ball, **others)
+
+
+def _layer(text, unit):
+    """Layer of a text, ``1.125,0.0025,0.46``, with its modulus in a unit."""
+    ratio, modulus, poisson = checks.read_several("layer", text, 3)
+    modulus = unit * checks.number("modulus of layer", modulus, above=0)
+    return Layer(ratio, Material(modulus, poisson))
 
 
 def liner(text: str) -> tuple[float, str]:
