@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 from study import checks, choose, cli, contact, dataset, export
 from study.choose import choose_model, model
-from study.claims import rules, statistics, verdicts
+from study.claims import statistics, verdicts
 from study.contact import damping, forces, pressure
 from study.dataset import fitting
 from study.joint import (
@@ -280,11 +280,6 @@ def study_rows():
         predictors=(1, (*WHOLE, 19)),
     )
     yield from rows(statistics.last_crossing, x=(FORCES, LIST), lead=(FORCES, (*LIST, [1, 1, -1])))
-    table = pd.DataFrame({"a": FORCES}, index=[1.0, 2.0, 3.0])
-    yield from rows(
-        statistics.local_exponent,
-        table=(table, (*TABLE[:-1], -table, table[:1], table[::-1], table * nan)),
-    )
     curve = pd.DataFrame({"r2_star": 200, "depth_star": [0.1, 0.2], "force_star": [1, 2]})
     yield from rows(
         fitting.coefficient,
@@ -332,9 +327,7 @@ def study_rows():
         expected=(1.0, (*NUMBER, 0)),
         tolerance=(1.0, (*NUMBER, -1)),
     )
-    yield from rows(rules.result, name=("table2", (345, None)))
-    for name in rules.RULES:
-        yield from rows(rules.RULES[name], of=("", ("x y z w", None, 3, ["hertz"])))
+    yield from rows(verdicts.result, name=("table2", (345, None)))
 
 
 def mechanism_rows():
@@ -401,10 +394,15 @@ def mechanism_rows():
         quantity=("slider_position", (*NAME, "depth")),
     )
     yield from rows(
-        compare.difference,
-        response=(RESPONSE, THING),
+        compare.motion_nrms,
         truth=(RESPONSE, THING),
+        response=(RESPONSE, THING),
         column=("slider_position", (*NAME, "motion")),
+    )
+    yield from rows(
+        compare.normalised_rms,
+        truth=(FORCES, (*LIST, [2, 2, 2])),
+        values=(FORCES, (*LIST, [1, 2])),
     )
     yield from rows(compare.lead, response=(RESPONSE, THING), ideal=(RESPONSE, THING))
     yield from rows(
@@ -689,10 +687,10 @@ def test_an_error_of_the_program_is_not_taken_for_a_law_out_of_range(monkeypatch
 
 
 def test_an_error_of_the_program_is_not_taken_for_a_wrong_claim(monkeypatch):
-    def broken(of):
+    def broken(*arguments):
         raise ValueError("a slip")
 
-    monkeypatch.setitem(rules.RULES, "order", broken)
+    monkeypatch.setattr(verdicts, "verdict", broken)
     with pytest.raises(ValueError, match="a slip"):
         verdicts.judge()
 

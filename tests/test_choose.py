@@ -169,7 +169,7 @@ def test_chosen_model_is_within_tolerance_of_finer_particles(seed):
                 kinds.add("none" if error.known > tolerance else "known, but refused")
                 continue
             kinds.add(choice.joint)
-            assert compare.difference(choice.simulate(), finer, quantity) <= tolerance
+            assert compare.motion_nrms(finer, choice.simulate(), quantity) <= tolerance
     assert {"none", "ideal"} <= kinds <= {"none", "ideal", "clearance"}
 
 

@@ -47,7 +47,7 @@ def test_imports_inside_functions_count(tmp_path):
     [
         ("study/measure/stability.py", ["17", "18"]),
         ("study/measure/speed.py", ["16", "26"]),
-        ("study/claims/rules.py", ["21"]),
+        ("study/claims/verdicts.py", ["21"]),
         ("study/claims/identification.py", ["04", "13"]),
         ("study/mechanism/beams.py", ["08", "09", "10", "11", "16", "17", "18", "26"]),
         ("study/mechanism/scene.py", ["07", "08", "09", "10", "11", "16", "17", "18", "26"]),

@@ -18,7 +18,7 @@ import pandas as pd
 
 from study.contact import LawName, Material
 from study.contact.forces import elastic_force, pack
-from study.mechanism.compare import difference
+from study.mechanism.compare import motion_nrms
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
 from study.mechanism.simulate import simulate
@@ -167,6 +167,6 @@ def measure(
         row["frequency_ratio"] = links.frequency_ratio
         for quantity, estimate in estimates(scene, rigid).items():
             row[f"{quantity}_estimate"] = estimate
-            row[f"{quantity}_error"] = difference(rigid, flexible, quantity)
+            row[f"{quantity}_error"] = motion_nrms(flexible, rigid, quantity)
         rows.append(row)
     return pd.DataFrame(rows)

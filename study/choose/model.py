@@ -25,7 +25,7 @@ from study.contact import SOCKET_RATIO, hertz
 from study.contact.forces import pack
 from study.joint import Joint
 from study.mechanism import simulate
-from study.mechanism.compare import difference
+from study.mechanism.compare import motion_nrms
 from study.mechanism.particles import usual_step
 from study.mechanism.scene import Scene
 
@@ -221,7 +221,7 @@ def _particles(run, law, quantity):
 def _apart(one, other, quantity):
     """NRMS difference of two runs' responses; inf where the other one does not move."""
     try:
-        return difference(one.response, other.response, quantity)
+        return motion_nrms(other.response, one.response, quantity)
     except checks.RangeError:
         return inf
 

@@ -5,7 +5,6 @@ All raise ``ValueError`` for lists of different lengths or fewer than two values
 """
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
@@ -70,18 +69,14 @@ def relative_rmse(truth: ArrayLike, prediction: ArrayLike) -> float:
 
 def agreement(truth: ArrayLike, prediction: ArrayLike) -> dict[str, float]:
     """All measures; those without ``_correct`` follow `determination_as_published`."""
-    published, correct = (
-        determination_as_published(truth, prediction),
-        determination(truth, prediction),
-    )
-    return {
-        "determination": published,
-        "determination_adjusted": adjusted(published),
-        "determination_correct": correct,
-        "determination_adjusted_correct": adjusted(correct),
-        "RMSE": rmse(truth, prediction),
-        "relative_RMSE": relative_rmse(truth, prediction),
-    }
+    measures = {}
+    for suffix, measure in (("", determination_as_published), ("_correct", determination)):
+        coefficient = measure(truth, prediction)
+        measures[f"determination{suffix}"] = coefficient
+        measures[f"determination_adjusted{suffix}"] = adjusted(coefficient)
+    measures["RMSE"] = rmse(truth, prediction)
+    measures["relative_RMSE"] = relative_rmse(truth, prediction)
+    return measures
 
 
 def relative_error(truth: ArrayLike, prediction: ArrayLike) -> NDArray[np.float64]:
@@ -105,17 +100,3 @@ def last_crossing(x: ArrayLike, lead: ArrayLike) -> float:
         return float(x[0])
     pair = slice(behind[-1], behind[-1] + 2)
     return float(np.interp(0, lead[pair], x[pair]))
-
-
-def local_exponent(table: pd.DataFrame) -> pd.DataFrame:
-    """Exponents d ln(y) / d ln(x), by central differences, one-sided at the ends.
-
-    The table has a column per curve, values > 0; its index is x > 0, rising, of two rows or more.
-    """
-    checks.frame("table", table, ())
-    x = np.asarray(checks.number("index of table", table.index, above=0))
-    checks.number("table", table, above=0)
-    if len(x) < 2 or (np.diff(x) <= 0).any():
-        raise ValueError(f"index of table must rise over two rows or more, got {checks.shown(x)}")
-    slopes = np.gradient(np.log(table), np.log(table.index), axis=0)
-    return pd.DataFrame(slopes, table.index, table.columns)

@@ -1,18 +1,18 @@
-"""The paper's checkable statements, each judged by a number from this study's results.
+"""The paper's checkable statements, each judged by numbers from this study's results.
 
-``data/published/claims.csv`` holds the statements in our own words. Each names a rule of `rules`,
-what its number should be, and how far off it may be. The tests, not the verdicts, judge whether the
-results are right.
+``data/published/claims.csv`` holds the statements in our own words. Each names the result, row and
+column of the number that judges it, what that number should be, and how far off it may be. The
+notebooks compute the numbers. The tests, not the verdicts, judge whether the results are right.
 """
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Literal, get_args
 
 import numpy as np
 import pandas as pd
 
 from study import checks, dataset, paths
-from study.claims.rules import RULES, ClaimError, result
 
 Verdict = Literal["contradicted", "cannot be decided", "reproduced"]
 Relation = Literal["=", "<", ">", "?"]
@@ -22,6 +22,10 @@ KINDS = ("stated", "implied only", "used to identify", "can hardly fail")
 in so many words, served to identify the set-up, or hold by construction."""
 
 
+class ClaimError(checks.StudyError):
+    """A claim cannot be judged; the message names it and what is missing."""
+
+
 def load() -> pd.DataFrame:
     """Load the claims, without verdicts.
 
@@ -29,48 +33,84 @@ def load() -> pd.DataFrame:
     -------
     pandas.DataFrame
         Columns ``claim``, ``part``, ``kind`` (of `KINDS`), ``where`` (in the paper),
-        ``statement`` (our words), ``measure`` (the number that judges it), ``rule`` and ``of``
-        (how it is computed), ``relation``, ``expected`` (a number), ``tolerance`` (percent of
-        ``expected``), ``figure`` (a result that shows it) and ``evidence`` (the results it is
-        computed from, separated by spaces).
+        ``statement`` (our words), ``measure`` (the number that judges it), ``evidence``, ``row``
+        and ``column`` (where that number is, see `readings`), ``relation``, ``expected`` (a
+        number), ``tolerance`` (percent of ``expected``) and ``figure`` (a result that shows it).
 
     Raises
     ------
     ClaimError
         For a row that cannot be judged.
     """
-    frame = pd.read_csv(paths.DATA / "published/claims.csv", keep_default_na=False)
-    stated = dataset.published()
-    frame["tolerance"] = pd.to_numeric(frame["tolerance"], errors="coerce")
-    for row in frame.itertuples():
-        if row.claim in set(frame.claim[: row.Index]):
+    claims = pd.read_csv(paths.DATA / "published/claims.csv", keep_default_na=False)
+    published = dataset.published()
+    claims["tolerance"] = pd.to_numeric(claims.tolerance, errors="coerce")
+    for row in claims.itertuples():
+        if row.claim in set(claims.claim[: row.Index]):
             raise ClaimError(f"claim {row.claim} occurs twice")
         if not 0 <= row.tolerance < np.inf:
             raise ClaimError(f"tolerance of {row.claim} must be a number >= 0, in percent")
-        if row.rule not in RULES:
-            known = "is not in study.claims.rules"
-            raise ClaimError(f"claim {row.claim} has no rule: {row.rule!r} {known}")
         for column, known in (("kind", KINDS), ("relation", RELATIONS)):
             value = getattr(row, column)
             if value not in known:
                 listed = ", ".join(known)
                 raise ClaimError(f"{column} of {row.claim} must be one of {listed}, got {value!r}")
-    frame["expected"] = [_expected(row.claim, row.expected, stated) for row in frame.itertuples()]
-    return frame
+    claims["expected"] = [_expected(r.claim, r.expected, published) for r in claims.itertuples()]
+    return claims
 
 
-def _expected(claim, text, stated):
+def _expected(claim, text, published):
     """A number, or the published one that ``where/row/quantity`` names; never 0."""
     key = tuple(text.split("/"))
-    if len(key) == 3 and key not in stated.index:
+    if len(key) == 3 and key not in published.index:
         raise ClaimError(f"claim {claim} expects {text}, which data/published/tables.csv lacks")
     try:
-        value = float(stated[key] if len(key) == 3 else text)
+        value = float(published[key] if len(key) == 3 else text)
     except ValueError:
         raise ClaimError(f"expected of {claim} must be a number, got {text!r}") from None
     if value == 0 or not np.isfinite(value):
         raise ClaimError(f"expected of {claim} must not be 0 (tolerances are relative), got {text}")
     return value
+
+
+@cache
+def result(name: str) -> pd.DataFrame:
+    """One result's numbers, from ``figures/``; ``ClaimError`` if they are missing."""
+    path = paths.FIGURES / f"{name}.csv"
+    if not path.is_file():
+        raise ClaimError(f"figures/{name}.csv is missing; make it with: study run {name}")
+    return pd.read_csv(path)
+
+
+def readings(evidence: str, row: str, column: str) -> dict[str, float]:
+    """Numbers that judge a claim, by reading: a model, material or duration that the paper allows.
+
+    Parameters
+    ----------
+    evidence
+        A result. Its column ``reading`` names the readings, if it has one.
+    row
+        Value of its column ``quantity``.
+    column
+        Column of the numbers.
+
+    Raises
+    ------
+    ClaimError
+        If the result, row or column is missing, or a number is not finite.
+    """
+    table, remake = result(evidence), f"remake it with: study run {evidence}"
+    for name in ("quantity", column):
+        if name not in table:
+            raise ClaimError(f"figures/{evidence}.csv has no column {name!r}; {remake}")
+    rows = table[table.quantity == row]
+    if rows.empty:
+        raise ClaimError(f"figures/{evidence}.csv has no quantity {row!r}; {remake}")
+    names = rows.get("reading", ["this study"] * len(rows))
+    numbers = pd.to_numeric(rows[column], errors="coerce")
+    if not np.isfinite(numbers).all():
+        raise ClaimError(f"{column} of {row!r} in figures/{evidence}.csv must be finite numbers")
+    return dict(zip(names, numbers, strict=True))
 
 
 def judge() -> pd.DataFrame:
@@ -79,34 +119,31 @@ def judge() -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        That of `load` without ``rule`` and ``of``, and ``found`` (readings with their numbers,
+        That of `load` without ``row`` and ``column``, and ``found`` (readings with their numbers,
         as text), ``lowest``, ``highest`` and ``verdict``; ordered by kind, then by verdict.
 
     Raises
     ------
     ClaimError
-        If a result that a claim is judged by is missing, or a number is not finite.
+        As for `load` and `readings`; names the claim.
     """
     result.cache_clear()
-    claims, rank = load(), {name: n for n, name in enumerate(KINDS + VERDICTS)}
-    found = pd.DataFrame(map(_judge, claims.itertuples()))
-    order = {"key": lambda column: column.map(rank), "kind": "stable", "ignore_index": True}
-    return claims.drop(columns=["rule", "of"]).join(found).sort_values(["kind", "verdict"], **order)
+    claims = load()
+    judged = claims.drop(columns=["row", "column"]).join(
+        pd.DataFrame(map(_judge, claims.itertuples()))
+    )
+    for name, order in (("verdict", VERDICTS), ("kind", KINDS)):
+        rank = judged[name].map(order.index)
+        judged = judged.loc[rank.sort_values(kind="stable").index]
+    return judged.reset_index(drop=True)
 
 
 def _judge(claim):
-    for name in claim.evidence.split():
-        result(name)
     try:
-        found = RULES[claim.rule](claim.of)
+        found = readings(claim.evidence, claim.row, claim.column)
     except ClaimError as error:
         raise ClaimError(f"claim {claim.claim}: {error}") from None
-    except LookupError as error:  # results of other parameters than the catalogue's
-        message = f"claim {claim.claim}: rule {claim.rule} finds no {error} in {claim.evidence}"
-        raise ClaimError(f"{message}; rebuild it with: study run {claim.evidence}") from None
     values = list(found.values())
-    if not found or not np.isfinite(values).all():
-        raise ClaimError(f"claim {claim.claim} must be judged by finite numbers, got {found}")
     return {
         "found": "; ".join(f"{reading}: {value:.4g}" for reading, value in found.items()),
         "lowest": min(values),

@@ -12,6 +12,7 @@ OF_DIFFERENCES = 1e-12
 CHAOTIC = (
     *("fig17", "fig18", "fig19", "fig20", "fig21", "first_impacts", "impacts", "persistence"),
     *("variants", "durations", "agreement", "convergence", "choice_mechanism"),
+    *("numbers_08", "numbers_09"),
     "links",
 )
 """Results of simulated impacts, each of which enlarges the rounding of the one before."""

@@ -1,26 +1,41 @@
 """Comparing responses at the same times: how far they agree, and which is ahead."""
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.mechanism.response import COLUMNS, Response
 
 
-def difference(response: Response, truth: Response, column: str) -> float:
-    """RMS difference of a column, over the RMS of its change since t = 0 in ``truth``.
+def normalised_rms(truth: ArrayLike, values: ArrayLike) -> float:
+    """RMS difference of two series of numbers, over the RMS of the truth's change since its start.
+
+    Raises
+    ------
+    ValueError
+        For lists of different lengths.
+    study.checks.RangeError
+        If the truth does not change.
+    """
+    truth, values = checks.same_length(2, truth=truth, values=values)
+    if not np.ptp(truth) > 0:
+        raise checks.RangeError(f"truth must change, got only {truth[0]:g}")
+    return float(np.sqrt(np.mean((values - truth) ** 2) / np.mean((truth - truth[0]) ** 2)))
+
+
+def motion_nrms(truth: Response, response: Response, column: str) -> float:
+    """`normalised_rms` of one column of two responses, such as ``slider_position``.
 
     Raises
     ------
     ValueError
         If the times differ.
+    study.checks.RangeError
+        If the column of the truth does not change.
     """
-    _same_times(response=response, truth=truth)
+    _same_times(truth=truth, response=response)
     checks.choice("column", column, tuple(COLUMNS))
-    one, other = getattr(response, column), getattr(truth, column)
-    if not np.ptp(other) > 0:
-        raise checks.RangeError(f"{column} of truth must change, got only {other[0]:g}")
-    return float(np.sqrt(np.mean((one - other) ** 2) / np.mean((other - other[0]) ** 2)))
+    return normalised_rms(getattr(truth, column), getattr(response, column))
 
 
 def lead(response: Response, ideal: Response) -> NDArray[np.float64]:

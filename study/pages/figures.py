@@ -232,6 +232,27 @@ def save_table(table: pd.DataFrame, name: str) -> None:
         positive.to_csv(temporary, index=False, float_format="%.9g", lineterminator="\n")
 
 
+def save_numbers(name: str, numbers: Mapping[str, Mapping[str, Any]]) -> Styler:
+    """Write a notebook's numbers for the paper's statements, and show them.
+
+    Parameters
+    ----------
+    name
+        Of the result; its columns are quantity, reading, value and unit.
+    numbers
+        Unit -> quantity -> a number, or reading -> number. A reading is a model, material or
+        duration that the paper's text allows.
+    """
+    rows = []
+    for unit, quantities in numbers.items():
+        for quantity, values in quantities.items():
+            readings = values if isinstance(values, Mapping) else {"the paper's joint": values}
+            rows += [(quantity, reading, float(v), unit) for reading, v in readings.items()]
+    table = pd.DataFrame(rows, columns=["quantity", "reading", "value", "unit"])
+    save_table(table, name)
+    return shown(table)
+
+
 def shown(table: pd.DataFrame, precision: int = 4) -> Styler:
     """Table for a reader: headings without underscores, and no index."""
     styled = table.style.format(precision=precision).hide()

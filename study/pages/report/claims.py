@@ -1,4 +1,4 @@
-"""The table of claims: the paper's statement, its rule, the number found."""
+"""The table of claims: the paper's statement, what is expected, the number found."""
 
 import csv
 from collections.abc import Collection
