@@ -31,35 +31,34 @@ def acceleration(y, contact, approach, p, law, work, out):
     """Fill ``out`` with (theta'', e_x'', e_y'') at ``y`` = (theta, e, theta', e').
 
     ``contact``: whether overlapping surfaces press; ``approach``: approach speed, inf for none.
-    Returns depth, its rate and the slider's acceleration.
+    Returns the slider's acceleration.
     """
     r = norm(y[1], y[2])
-    if not (contact and r > law.clearance):
-        found, _ = rigid.motion(y, (False, 0, 1.0), p, law)
-        out[0], out[1], out[2] = found.accelerations
-        return found.joints[0].depth, found.joints[0].rate, found.slider
-    nx, ny = y[1] / r, y[2] / r
-    work[0], work[1], work[2], work[3] = y[0], r - law.clearance, angle_of(ny, nx), y[3]
-    rate, spin = nx * y[4] + ny * y[5], (nx * y[5] - ny * y[4]) / r
-    work[4], work[5] = rate, spin
-    st, ct = sine_cosine(y[0])
-    sp = (y[2] - p.l1 * st) / p.l2
-    psi = (y[5] - p.l1 * ct * y[3]) / (p.l2 * sqrt(1 - sp * sp))
-    branch = friction_branch(r * spin + p.r1 * psi, p.v0, p.v1)
-    found, _ = rigid.motion(work, (True, branch, approach), p, law)
-    alpha, growth, turn = found.accelerations
-    outward, across = growth - r * spin * spin, r * turn + 2 * rate * spin
-    out[0], out[1], out[2] = alpha, outward * nx - across * ny, outward * ny + across * nx
-    return found.joints[0].depth, found.joints[0].rate, found.slider
+    pressed, branch = contact and r > law.clearance, 0
+    work[:] = y
+    if pressed:  # there the coordinates of `rigid.motion` are (theta, depth, direction)
+        nx, ny = y[1] / r, y[2] / r
+        rate, spin = nx * y[4] + ny * y[5], (nx * y[5] - ny * y[4]) / r
+        work[1], work[2], work[4], work[5] = r - law.clearance, angle_of(ny, nx), rate, spin
+        st, ct = sine_cosine(y[0])
+        sp = (y[2] - p.l1 * st) / p.l2
+        psi = (y[5] - p.l1 * ct * y[3]) / (p.l2 * sqrt(1 - sp * sp))
+        branch = friction_branch(r * spin + p.r1 * psi, p.v0, p.v1)
+    motion, _ = rigid.motion(work, (pressed, branch, approach), p, law)
+    out[0], out[1], out[2] = motion.accelerations
+    if pressed:
+        outward, across = out[1] - r * spin * spin, r * out[2] + 2 * rate * spin
+        out[1], out[2] = outward * nx - across * ny, outward * ny + across * nx
+    return motion.slider
 
 
 @compiled
 def _limit(scheme, y, depth, approach, p, law):
     """Longest stable step in a contact, in s.
 
-    h^2 P' c + 2 h D P c/v0 < 4 and h mu P s/(v1 - v0) < 2, with the inverse masses c along the
-    normal and s along the tangent. It is exact for ``lagged`` and safe for the others. The centred
-    velocity has no damping limit, but `_centre` has one.
+    h^2 P' c + 2 h D P c/v0 < 4 and h mu P s/(v1 - v0) < 2, with the inverse effective masses c
+    along the normal and s along the tangent. It is exact for ``lagged`` and safe for the others.
+    The centred velocity has no damping limit, but `_centre` has one.
     """
     r = law.clearance + depth
     nx, ny = y[1] / r, y[2] / r
@@ -75,82 +74,100 @@ def _limit(scheme, y, depth, approach, p, law):
 
 
 @compiled
-def advance(scheme, y, approach, p, law, h, strides, outputs, found, deepest, guarded):
-    """Step ``outputs`` times ``strides`` steps; fill ``found`` with slider's x'' and depth.
+def advance(scheme, y, approach, p, law, h, strides, outputs, history, guarded):
+    """Step ``outputs`` times ``strides`` steps; fill ``history`` with slider's x'' and depth.
 
     Returns the number of outputs reached, fewer after a failure, and the step's limit if it was
-    passed, or 0 if the ball went too deep.
+    passed, or 0 if the ball went deeper than one clearance.
     """
-    a, b, c, d = np.zeros((4, 3))
-    work, z, half = np.zeros(6), np.zeros(6), 0.5 * h
-    depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
+    a, slopes, stage, work = np.zeros(3), np.zeros((3, 3)), np.zeros(6), np.zeros(6)
+    depth = norm(y[1], y[2]) - law.clearance
+    pull = acceleration(y, True, approach, p, law, work, a)
     if scheme in (LAGGED, CENTRED):  # velocities half a step before the positions
-        y[3:] -= half * a
-    limit = _limit(scheme, y, depth, approach, p, law) if guarded and depth > 0 else inf
-    if h > limit:
-        return 0, limit
+        y[3:] -= 0.5 * h * a
     for output in range(outputs + 1):
         for _ in range(strides if output > 0 else 0):
-            if scheme in (EULER, LAGGED, CENTRED):
-                y[3:] += h * (c if scheme == CENTRED else a)
-                y[:3] += h * y[3:]
-            elif scheme == VERLET:
-                y[:3] += h * (y[3:] + half * a)
-                z[:3] = y[:3]
-                z[3:] = y[3:] + h * a
-                acceleration(z, True, approach, p, law, work, b)
-                y[3:] += half * (a + b)
-            else:
-                z[:3] = y[:3] + half * y[3:]
-                z[3:] = y[3:] + half * a
-                acceleration(z, True, approach, p, law, work, b)
-                z[:3] = y[:3] + half * (y[3:] + half * a)
-                z[3:] = y[3:] + half * b
-                acceleration(z, True, approach, p, law, work, c)
-                z[:3] = y[:3] + h * (y[3:] + half * b)
-                z[3:] = y[3:] + h * c
-                acceleration(z, True, approach, p, law, work, d)
-                y[:3] += h * (y[3:] + h / 6 * (a + b + c))
-                y[3:] += h / 6 * (a + 2 * (b + c) + d)
-            before = depth
-            depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
-            if not depth <= deepest:
-                return output, 0.0
-            if depth > 0 and before <= 0:
-                approach = rate if rate > 0 else inf
-                depth, rate, pull = acceleration(y, True, approach, p, law, work, a)
-            elif depth <= 0:
-                approach = inf
             if guarded and depth > 0:
                 limit = _limit(scheme, y, depth, approach, p, law)
                 if h > limit:
                     return output, limit
+            _step(scheme, y, a, h, approach, p, law, work, stage, slopes)
+            before, depth = depth, norm(y[1], y[2]) - law.clearance
+            if not depth <= law.clearance:  # NaN too
+                return output, 0.0
+            approach = _approach(y, before, depth, approach)
+            pull = acceleration(y, True, approach, p, law, work, a)
             if scheme == CENTRED:
-                pull = _centre(y, approach, p, law, half, work, z, a, b, c)
-        if scheme == CENTRED and output == 0:
-            c[:] = a
-        found[output, 0], found[output, 1] = pull, depth
+                pull = _centre(y, a, 0.5 * h, approach, p, law, work, stage, slopes)
+        history[output, 0], history[output, 1] = pull, depth
     return outputs + 1, 0.0
 
 
 @compiled
-def _centre(y, approach, p, law, half, work, z, a, b, c):
-    """Accelerations ``c`` at the velocity of the step's middle, which depends on them.
+def _approach(y, before, depth, approach):
+    """Approach speed after a step: that of the contact that begins or goes on, inf for none."""
+    if depth <= 0:
+        return inf
+    if before > 0:
+        return approach
+    r = norm(y[1], y[2])
+    rate = y[1] / r * y[4] + y[2] / r * y[5]
+    return rate if rate > 0 else inf
+
+
+@compiled
+def _step(scheme, y, a, h, approach, p, law, work, stage, slopes):
+    """Move the state ``y`` by one step from its accelerations ``a``."""
+    half, b, c, d = 0.5 * h, slopes[0], slopes[1], slopes[2]
+    if scheme in (EULER, LAGGED, CENTRED):
+        for i in range(3):
+            y[3 + i] += h * a[i]
+            y[i] += h * y[3 + i]
+    elif scheme == VERLET:
+        for i in range(3):
+            y[i] += h * (y[3 + i] + half * a[i])
+            stage[i], stage[3 + i] = y[i], y[3 + i] + h * a[i]
+        acceleration(stage, True, approach, p, law, work, b)
+        for i in range(3):
+            y[3 + i] += half * (a[i] + b[i])
+    else:
+        last, stage[3:] = a, y[3:]
+        for n in range(3):  # each stage from the velocity and acceleration of the one before
+            length = half if n < 2 else h
+            for i in range(3):
+                stage[i] = y[i] + length * stage[3 + i]
+                stage[3 + i] = y[3 + i] + length * last[i]
+            last = slopes[n]
+            acceleration(stage, True, approach, p, law, work, last)
+        for i in range(3):
+            y[i] += h * (y[3 + i] + h / 6 * (a[i] + b[i] + c[i]))
+            y[3 + i] += h / 6 * (a[i] + 2 * (b[i] + c[i]) + d[i])
+
+
+@compiled
+def _centre(y, a, half, approach, p, law, work, stage, slopes):
+    """Change ``a`` to the accelerations at the velocity of the step's middle, which has them too.
 
     They depend nearly linearly on it, and strongly along the normal alone: two steps of a fixed
     point and one of Aitken's extrapolation find it. Returns the slider's acceleration.
     """
-    z[:3] = y[:3]
-    z[3:] = y[3:] + half * a
-    acceleration(z, True, approach, p, law, work, b)
-    first, second = b - a, 0.0
-    z[3:] = y[3:] + half * b
-    acceleration(z, True, approach, p, law, work, c)
-    size = (first * first).sum()
-    if size > 0:
-        second = ((c - b) * first).sum() / size
-    z[3:] = y[3:] + half * (b + (c - b) / (1 - second))
-    return acceleration(z, True, approach, p, law, work, c)[2]
+    last, pull = a, 0.0
+    for n in range(3):
+        for i in range(3):
+            stage[i], stage[3 + i] = y[i], y[3 + i] + half * last[i]
+        pull = acceleration(stage, True, approach, p, law, work, slopes[n])
+        last = slopes[n]
+        if n == 1:
+            size = along = 0.0
+            for i in range(3):
+                first = slopes[0, i] - a[i]
+                size += first * first
+                along += (slopes[1, i] - slopes[0, i]) * first
+            ratio = along / size if size > 0 else 0.0
+            for i in range(3):
+                last[i] = slopes[0, i] + (slopes[1, i] - slopes[0, i]) / (1 - ratio)
+    a[:] = last
+    return pull
 
 
 def start_of(scene: Scene) -> NDArray[np.float64]:
@@ -206,7 +223,7 @@ def integrate(
     study.mechanism.MechanismError
         If the step is beyond its limit, or the ball goes deeper than one clearance.
     """
-    own = start_of(scene)
+    beginning = start_of(scene)
     checks.instance("law", law, np.record)
     checks.choice("scheme", scheme, SCHEMES)
     checks.number("duration", duration, "s", above=0, scalar=True)
@@ -217,15 +234,15 @@ def integrate(
         checks.number("approach", approach, "m/s", above=0, scalar=True)
     if start is not None and np.shape(checks.number("start", start)) != (6,):
         raise ValueError(f"start must be 6 numbers, got {checks.shown(start)}")
-    y = np.array(own if start is None else start, float)
+    y = np.array(beginning if start is None else start, float)
     strides, h = divide(duration * np.arange(2) / outputs, step)
-    found = np.zeros((outputs + 1, 2))
-    args = (scene.constants(), law, h, strides, outputs, found, scene.clearance, guarded)
-    reached, limit = advance(SCHEMES.index(scheme), y, float(approach), *args)
+    history = np.zeros((outputs + 1, 2))
+    arguments = (scene.constants(), law, h, strides, outputs, history, guarded)
+    reached, limit = advance(SCHEMES.index(scheme), y, float(approach), *arguments)
     if reached <= outputs:
         what = f"the depth must stay <= one clearance ({scene.clearance:g} m)"
         if limit > 0:
             what = f"the step must stay <= {limit:.4g} s, the limit of stability"
         time = reached * duration / outputs
         raise MechanismError(f"{what}; stopped before time {time:.9g} s, step {h:.4g} s")
-    return found[:, 0], found[:, 1]
+    return history[:, 0], history[:, 1]

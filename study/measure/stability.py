@@ -89,8 +89,8 @@ def oscillator(scene: Scene, law: str, state: ArrayLike) -> dict[str, float]:
 
 def _amplification(scheme, w, g):
     """Matrix (2, 2) that a step h of a scheme applies to (x, h x') of h^2 x'' = -w^2 x - g h x'."""
-    one, pull = np.eye(2), np.array([-w * w, -g])
-    place, speed = one
+    place, speed = identity = np.eye(2)  # of (x, h x'), each row over both
+    pull = np.array([-w * w, -g])
     if scheme in ("symplectic Euler", "lagged"):
         speed = speed + pull
         return np.array([place + speed, speed])
@@ -101,7 +101,10 @@ def _amplification(scheme, w, g):
         moved = place + speed + pull / 2
         return np.array([moved, speed + (pull - w * w * moved - g * (speed + pull)) / 2])
     system = np.array([speed, pull])
-    return one + system @ (one + system @ (one + system @ (one + system / 4) / 3) / 2)
+    power = identity + system / 4  # exp(system) to the fourth order
+    for order in (3, 2, 1):
+        power = identity + system @ power / order
+    return power
 
 
 def step_limit(scheme: str, frequency: float, rate: float = 0.0) -> float:
@@ -118,7 +121,7 @@ def step_limit(scheme: str, frequency: float, rate: float = 0.0) -> float:
 
     def unstable(h):
         matrix = _amplification(scheme, h * frequency, h * rate)
-        return np.abs(np.linalg.eigvals(matrix)).max() > 1 + 1e-8
+        return np.abs(np.linalg.eigvals(matrix)).max() > 1 + 1e-8  # rounding is not instability
 
     return bisect(unstable, 1e-3 / (frequency + rate), 4 / frequency)
 
@@ -166,8 +169,8 @@ def observed_step(
     slip *= scene.friction > 0
     beside = state + 1e-6 * np.array([0, *change, 0, *rates * change + slip])
 
-    def leave(h):
-        options = (steps * h, steps, h * (1 + 1e-9), scheme)
+    def diverge(h):
+        options = (steps * h, steps, h * (1 + 1e-9), scheme)  # one step an output, despite rounding
         try:
             runs = [
                 explicit.integrate(scene, numbers, *options, start, approach, guarded=False)[0]
@@ -180,7 +183,7 @@ def observed_step(
 
     if scene.friction > 0:
         rates += friction_rate(scene, law, state)
-    return bisect(leave, 0.1 / rates, 4 / contact["frequency"], 30)
+    return bisect(diverge, 0.1 / rates, 4 / contact["frequency"], 30)
 
 
 def frame_limits(scene: Scene, elements: tuple[int, int]) -> dict[tuple[str, str], float]:
@@ -258,8 +261,7 @@ def free_impact(
     tension : float
         Largest tensile force of the contact over the largest compressive one.
     """
-    given = {"factor": factor, "pull": pull, "depth": depth}
-    for name, value in given.items():
+    for name, value in (("factor", factor), ("pull", pull), ("depth", depth)):
         checks.number(name, value, least=0, scalar=True)
     limits = {"least": 0} if depth > 0 else {"above": 0}
     checks.number("speed", speed, **limits, scalar=True)
@@ -273,9 +275,9 @@ def free_impact(
 
     parting.terminal, parting.direction = True, -1
     options = {"method": "LSODA", "rtol": 1e-9, "atol": 1e-12, "max_step": 0.02}
-    found = solve_ivp(motion, (0, 1e3), (depth, speed), events=parting, **options)
-    force = np.maximum(found.y[0], 0.0) ** power * (1 + factor * found.y[1])
-    return -found.y[1, -1], max(-force.min(), 0.0) / force.max()
+    places, speeds = solve_ivp(motion, (0, 1e3), (depth, speed), events=parting, **options).y
+    force = np.maximum(places, 0.0) ** power * (1 + factor * speeds)
+    return -speeds[-1], max(-force.min(), 0.0) / force.max()
 
 
 def event_differences(

@@ -71,7 +71,7 @@ def slider_acceleration(
             return hypot(y[1], y[2]) - scene.clearance
 
         states, end = integrate(method, slopes, gap, contact, t, y, times[t < times], rtol)
-        found += [explicit.acceleration(z, contact, speed, p, law, work, out)[2] for z in states]
+        found += [explicit.acceleration(z, contact, speed, p, law, work, out) for z in states]
         if end is None:
             return np.array(found)
         t, y = end
