@@ -1,43 +1,48 @@
-"""Compiled loops: numba, with a cache on disk that depends on the sources of all loops.
+"""Compiled loops: numba, with a cache on disk that depends on all sources of a loop.
 
 numba's own cache checks the file of a function, but not those of the functions that it calls. Here
-the cache's folder is named by a hash of every compiled source: a change of one compiles all again,
-and an unchanged study starts at once. A checkout has the cache in ``build/``, an installed package
-in the user's cache folder. If the folder cannot be written to, every process compiles again.
+a module's loops are kept in a folder named by the digest of all code that the module reaches: a
+change compiles again what reaches it, and an unchanged study starts at once. A checkout has the
+cache in ``build/``, an installed package in the user's cache folder. If the folder cannot be
+written to, every process compiles again.
 """
 
-import hashlib
 import os
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 import numba
-import platformdirs
 
-from study import paths
+from study import paths, provenance
 
-_FOLDERS = tuple(paths.ROOT / "study" / room for room in ("contact", "mechanism", "measure"))
-
-
-def _digest():
-    digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(p for folder in _FOLDERS for p in folder.glob("*.py")):
-        digest.update(source.name.encode() + source.read_bytes())
-    return digest.hexdigest()[:16]
+CACHE = paths.CACHE / "compiled"
 
 
-def _writable(folder):
+def compiled(function: Callable) -> Any:
+    """Compile a function at its first call, and keep the code on disk."""
+    source = Path(function.__code__.co_filename)
+    keep = source.is_file() and _writable(CACHE)
+    before = numba.config.CACHE_DIR
+    if keep:
+        numba.config.CACHE_DIR = str(folder(source))
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        return numba.njit(cache=keep, error_model="numpy")(function)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+@cache
+def folder(source: Path) -> Path:
+    """Folder that keeps the compiled functions of one source file."""
+    return CACHE / provenance.digest(provenance.sources(source), numba.__version__)[:16]
+
+
+@cache
+def _writable(parent):
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
     except OSError:
         return False
-    return os.access(folder, os.W_OK)
-
-
-_PARENT = (
-    paths.BUILD
-    if paths.IS_CHECKOUT
-    else platformdirs.user_cache_path("spherical-clearance-joint-study")
-)
-CACHE = _PARENT / "compiled" / _digest()
-numba.config.CACHE_DIR = str(CACHE)
-
-compiled = numba.njit(cache=_writable(CACHE), error_model="numpy")
+    return os.access(parent, os.W_OK)

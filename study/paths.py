@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import platformdirs
+
 from study.checks import StudyError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -17,6 +19,8 @@ NOTEBOOKS = ROOT / "notebooks"
 PAPER = ROOT / "paper"
 BUILD = ROOT / "build"
 IS_CHECKOUT = (ROOT / "pyproject.toml").is_file()  # else installed, without these folders
+CACHE = BUILD if IS_CHECKOUT else platformdirs.user_cache_path("spherical-clearance-joint-study")
+"""What is compiled or found out about the code, and may be deleted."""
 _TEXTS = ("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "data/README.md", "CHANGELOG.md")
 DOCUMENTS = tuple(ROOT / name for name in _TEXTS)
 """Texts that the report shows beside results."""

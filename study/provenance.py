@@ -1,26 +1,37 @@
-"""What decides a result: the code that it reaches through imports, and the data that this reads."""
+"""What decides a result: the code that it reaches through imports, and the data that this reads.
+
+One `digest` of these files says whether a result, a compiled loop or a part of a parameter study
+is of this code. Imports and names of data files are read from the sources once, and kept beside
+the builds until a source changes.
+"""
 
 import ast
 import hashlib
 import json
 import os
 from collections.abc import Iterable
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 from study import paths
 
-READS = {
-    "contact/laws.py": ("study/contact/coefficients.json",),
-    "contact/hertz_correction.py": ("study/contact/hertz_correction.csv",),
-    "contact/materials.py": ("study/contact/materials.csv",),
-    "dataset/store.py": (
-        *("data/force_curves.csv", "data/links.csv", "data/published/tables.csv"),
-        *("data/published/joint.csv", "data/published/others.csv", "data/published/speed.csv"),
-    ),
-    "claims/verdicts.py": ("data/published/claims.csv",),
-}
-"""Data files of modules of `study`, by the module that reads them."""
+_DECIDE_NOTHING = ("paths.py", "provenance.py")  # where a file is, and what is made of it
+_GRAPH = paths.CACHE / "imports.json"
+_CHANGED: set[str] = set()  # entries of the graph that are not on disk yet
+_NO_DATA = ("datapackage.json",)  # describes data, and changes with every build of them
+
+
+class _Source(NamedTuple):
+    """What a source file says: the dotted names that it imports, and data files that it names.
+
+    ``passes_on`` has the names that a package takes over from its modules.
+    """
+
+    sha256: str
+    imports: list[str]
+    passes_on: dict[str, str]
+    data: list[str]
 
 
 def sources(*starts: Path) -> list[Path]:
@@ -30,21 +41,33 @@ def sources(*starts: Path) -> list[Path]:
     whole package. Imports inside functions count. `study.paths` is left out: where a file is
     does not decide what is in it.
     """
-    found, todo = set(), list(starts)
-    while todo:
-        path = todo.pop()
-        if path not in found:
-            found.add(path)
-            todo += _imported(path, path.stat().st_mtime_ns)
-    return sorted(path for path in found if path.suffix == ".py" and path.name != "paths.py")
+    reached, left = set(), list(starts)
+    while left:
+        path = left.pop()
+        if path not in reached:
+            reached.add(path)
+            left += _imported(path, *_stamp(path))
+    _keep_graph()
+    return sorted(p for p in reached if p.suffix == ".py" and p.name not in _DECIDE_NOTHING)
 
 
-def inputs(notebook: Path) -> list[Path]:
-    """Files that decide what a notebook makes: itself, the code it reaches, and what this reads."""
-    code = sources(notebook) if notebook.is_file() else []
-    library = paths.ROOT / "study"
-    names = [n for path in code for n in READS.get(path.relative_to(library).as_posix(), ())]
-    return [notebook, *code, *(paths.ROOT / name for name in names)]
+def inputs(start: Path) -> list[Path]:
+    """Files that decide what a notebook or module makes: itself, the code it reaches, their data.
+
+    A module reads the data files that it names: those beside it, and those in ``data/``.
+    """
+    code = sources(start) if start.is_file() else []
+    data = {file: None for path in code for file in _data(path)}
+    return list(dict.fromkeys([start, *code, *data]))
+
+
+def digest(files: Iterable[Path], *more: object) -> str:
+    """One hash of the names and contents of files, and of the ``repr`` of more; 32 digits.
+
+    A file that is missing counts as such.
+    """
+    contents = [(name(path), _sha256_of(path)) for path in sorted(set(files))]
+    return sha256(repr((contents, more)).encode())[:32]
 
 
 def digests(files: Iterable[Path]) -> dict[str, str]:
@@ -53,8 +76,8 @@ def digests(files: Iterable[Path]) -> dict[str, str]:
 
 
 def name(path: Path) -> str:
-    """A file's path in the project, for messages and descriptions."""
-    return path.relative_to(paths.ROOT).as_posix()
+    """A file's path in the project, for messages and descriptions; its whole path outside it."""
+    return path.relative_to(paths.ROOT).as_posix() if _is_ours(path) else path.as_posix()
 
 
 def sha256(content: bytes) -> str:
@@ -62,40 +85,113 @@ def sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-@lru_cache(maxsize=256)
-def _imported(path, _modified):
+def _is_ours(path):
+    return path.is_relative_to(paths.ROOT)
+
+
+def _stamp(path):
+    stat = path.stat()
+    return stat.st_mtime_ns, stat.st_size
+
+
+def _sha256_of(path):
+    return _content_sha256(path, *_stamp(path)) if path.is_file() else "missing"
+
+
+@lru_cache(maxsize=1024)
+def _content_sha256(path, *_stamp):
+    return sha256(path.read_bytes())
+
+
+@lru_cache(maxsize=1024)
+def _imported(path, *_stamp):
     """Files of the study that one file imports."""
-    names = []
-    for node in ast.walk(_parse(path)):
-        if isinstance(node, ast.Import):
-            names += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            names += [f"{node.module}.{alias.name}" for alias in node.names]
-    found = [_definition(name) for name in names if name.startswith("study.")]
-    return [path for path in found if path.is_file()]
+    files = [_definition(name) for name in _source(path).imports]
+    return [file for file in files if file is not None]
 
 
-def _parse(path):
+def _data(path):
+    """Data files that a module names."""
+    places = [parent / text for text in _source(path).data for parent in (path.parent, paths.DATA)]
+    return [place for place in places if place.is_file()]
+
+
+def _definition(dotted):
+    """File that defines a dotted name of the study: a module, a package or a name in one."""
+    path = paths.ROOT.joinpath(*dotted.split("."))
+    package = path.parent / "__init__.py"
+    for file in (path.with_suffix(".py"), path / "__init__.py", path.parent.with_suffix(".py")):
+        if file.name in _listed(file.parent):  # Joint.py is not joint.py
+            return file
+    if package.name not in _listed(package.parent):
+        return None
+    passed_on = _source(package).passes_on.get(path.name)
+    return _definition(passed_on) if passed_on else package
+
+
+@cache
+def _listed(folder):
+    """Names in a folder, as they are written, on systems that ignore case as well."""
+    return frozenset(os.listdir(folder)) if folder.is_dir() else frozenset()
+
+
+def _source(path):
+    """What a source file says, from the graph that is kept, or else parsed."""
+    key, sha = name(path), _sha256_of(path)
+    graph = _graph()
+    if key not in graph or graph[key].sha256 != sha:
+        graph[key] = _read(path, sha)
+        _CHANGED.add(key)
+    return graph[key]
+
+
+@cache
+def _graph():
+    """The graph of imports: source by its name in the project, from the disk at first."""
+    try:
+        kept = json.loads(_GRAPH.read_text(encoding="utf-8"))
+        return {key: _Source(*source) for key, source in kept.items()}
+    except (OSError, ValueError, TypeError, AttributeError):
+        return {}  # none is kept yet, or it is damaged
+
+
+def _keep_graph():
+    """Write the graph, if it changed, without the sources that are gone or not of the project."""
+    ours = {key for key in _CHANGED if not Path(key).is_absolute()}
+    _CHANGED.clear()
+    if ours:
+        kept = {key: source for key, source in _graph().items() if (paths.ROOT / key).is_file()}
+        try:
+            with paths.whole(_GRAPH) as temporary:
+                temporary.write_text(json.dumps(kept), encoding="utf-8")
+        except OSError:
+            pass  # the folder is read-only: every process parses again
+
+
+def _read(path, sha):
+    """Parse a module, or the code cells of a notebook."""
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".ipynb":
         cells = [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
         lines = [line for cell in cells for line in "".join(cell["source"]).splitlines()]
         text = "\n".join(line for line in lines if not line.startswith(("%", "!")))
-    return ast.parse(text, str(path))
-
-
-def _definition(name):
-    """File that defines a dotted name of the study: a module, a package or a name in one."""
-    path = paths.ROOT.joinpath(*name.split("."))
-    package = path.parent / "__init__.py"
-    for file in (path.with_suffix(".py"), path / "__init__.py", path.parent.with_suffix(".py")):
-        if file.is_file() and file.name in os.listdir(file.parent):  # Joint.py is not joint.py
-            return file
-    if not package.is_file():
-        return package
-    for node in _parse(package).body:  # its own name, or one that it passes on
-        if isinstance(node, ast.ImportFrom):
-            for alias in node.names:
-                if path.name == (alias.asname or alias.name):
-                    return _definition(f"{node.module}.{alias.name}")
-    return package
+    tree = ast.parse(text, str(path))
+    nodes = list(ast.walk(tree))
+    imports = [a.name for node in nodes if isinstance(node, ast.Import) for a in node.names]
+    imports += [
+        f"{node.module}.{alias.name}"
+        for node in nodes
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    ]
+    passes_on = {
+        alias.asname or alias.name: f"{node.module}.{alias.name}"
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    constants = [node.value for node in nodes if isinstance(node, ast.Constant)]
+    data = [v for v in constants if isinstance(v, str) and v.endswith((".csv", ".json"))]
+    ours = [dotted for dotted in dict.fromkeys(imports) if dotted.startswith("study.")]
+    named = sorted({v for v in data if " " not in v and Path(v).name not in _NO_DATA})
+    return _Source(sha, ours, passes_on if path.name == "__init__.py" else {}, named)

@@ -7,13 +7,14 @@ import sys
 
 from numba.core.caching import UserProvidedCacheLocator
 
-from study import paths
-from study.compiled import CACHE
+from study import compiled, paths
+
+LOOPS = [p for room in ("contact", "mechanism") for p in (paths.ROOT / "study" / room).glob("*.py")]
 
 
 def copy_project(root):
-    """Copy what a run needs: no environment, no builds; but what is compiled."""
-    ignored = shutil.ignore_patterns(".*", "build", "__pycache__", "pytask.lock")
+    """Copy what a run needs: no environment, no builds, no tests; but what is compiled."""
+    ignored = shutil.ignore_patterns(".*", "build", "__pycache__", "pytask.lock", "tests")
     shutil.copytree(paths.ROOT, root, ignore=ignored)
     share_compiled(root, root / "build/compiled")
     return root
@@ -24,13 +25,14 @@ def share_compiled(root, kept):
 
     numba names a folder of its cache by the path of the sources.
     """
-    for room in ("contact", "mechanism", "measure"):
-        here, there = (
-            UserProvidedCacheLocator.get_suitable_cache_subpath(parent / "study" / room / "x.py")
-            for parent in (paths.ROOT, root)
-        )
-        if (CACHE / here).is_dir():
-            shutil.copytree(CACHE / here, kept / CACHE.name / there)
+    here, there = (
+        [UserProvidedCacheLocator.get_suitable_cache_subpath(source) for source in sources]
+        for sources in (LOOPS, [root / source.relative_to(paths.ROOT) for source in LOOPS])
+    )
+    for source, old, new in zip(LOOPS, here, there, strict=True):
+        folder = compiled.folder(source)
+        if (folder / old).is_dir():
+            shutil.copytree(folder / old, kept / folder.name / new, dirs_exist_ok=True)
 
 
 def environment(root):

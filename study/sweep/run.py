@@ -121,8 +121,7 @@ def sweep(
 def _code() -> str:
     """Digest of the code and of the versions of the packages that decide a result."""
     files = provenance.inputs(Path(of_cases.__file__))
-    packages = {package: version(package) for package in _PACKAGES}
-    return _digest(json.dumps([provenance.digests(files), packages]))
+    return provenance.digest(files, *(version(package) for package in _PACKAGES))
 
 
 def _key(code: str, form: str, case: Case) -> str:
