@@ -115,7 +115,7 @@ def simulate_mechanism(
         response = run(progress=lambda time: shown.update(task, completed=time))
     end = {head: float(getattr(response, name)[-1]) for head, name in END.items()}
     end |= {
-        "contacts": len(response.impacts),
+        "contacts": len(response.impact_rows),
         "last_separation s": response.last_separation,
         "energy_error": response.energy_error,
         "complete": response.complete,
@@ -142,18 +142,27 @@ def _choice(scene, model, **options):
 def _show(end, response, choice, as_json):
     from study.mechanism.response import IMPACT_COLUMNS
 
-    impacts = response.impacts.astype(object).where(response.impacts.notna(), None)
-    columns, rest = sorted(impacts, key=lambda name: name != "time"), len(impacts) - SHOWN
+    impacts = {
+        name: [None if value != value else value for value in column.tolist()]  # no NaN in JSON
+        for name, column in response.impact_columns.items()
+    }
+    heads = {name: f"{name} {IMPACT_COLUMNS.get(name, '')}" for name in impacts}
+    table = {heads[name]: impacts[name][:SHOWN] for name in ("time", *impacts)}
+    rest = end["contacts"] - SHOWN
     show(
         {head.split()[0]: value for head, value in end.items()}
         | {"law": response.law}
         | ({"choice": named_fields(choice)} if choice else {})
-        | {"impacts": impacts.to_dict("records")},
+        | {
+            "impacts": [
+                dict(zip(impacts, row, strict=True)) for row in zip(*impacts.values(), strict=True)
+            ]
+        },
         as_json,
         *(_in_words(choice, end["time s"]) if choice else []),
         f"Law {response.law}.",
         {head: [value] for head, value in end.items()},
-        {f"{name} {IMPACT_COLUMNS.get(name, '')}": impacts[name].head(SHOWN) for name in columns},
+        table,
         *([f"{rest} more contacts: --json prints all."] if rest > 0 else []),
     )
 

@@ -4,10 +4,11 @@ Rows at equal times serve comparisons. They hide impacts, which are short: so ea
 at its start, its largest force and its end.
 """
 
+import csv
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,14 +125,26 @@ class Response:
         """
         import pandas as pd
 
+        rows, kinds = self._in_order_of_time()
+        return pd.DataFrame(rows, columns=list(self.columns)).assign(event=kinds)
+
+    def _in_order_of_time(self):
+        """Rows of events and of equally spaced times, and the kind of each."""
         rows = np.vstack([self.event_rows, self.rows])
         kinds = np.array(self.event_kinds + ("",) * len(self.rows), dtype=object)
         order = np.argsort(rows[:, 0], kind="stable")
-        return pd.DataFrame(rows[order], columns=list(self.columns)).assign(event=kinds[order])
+        return rows[order], kinds[order]
 
     @cached_property
     def impacts(self) -> "pd.DataFrame":
-        """Columns ``joint``, ``kind`` and `IMPACT_COLUMNS`, a row for each contact.
+        """The `impact_columns` as a table, a row for each contact."""
+        import pandas as pd
+
+        return pd.DataFrame(self.impact_columns)
+
+    @property
+    def impact_columns(self) -> dict[str, NDArray[Any]]:
+        """Columns ``joint``, ``kind`` and `IMPACT_COLUMNS`, with a value for each contact.
 
         For one that has not ended, ``separation_speed`` is missing (NaN), and ``duration`` and
         ``lost`` are those so far. ``free_duration`` is that of an elastic impact of the same
@@ -139,13 +152,10 @@ class Response:
         `LASTING` times as long has the kind ``lasting``: the mechanism's forces then press the
         bodies together. Any other is an ``impact`` (this study).
         """
-        import pandas as pd
-
-        table = pd.DataFrame(self.impact_rows, columns=list(IMPACT_COLUMNS))
-        lasting = table.duration > LASTING * table.free_duration
-        table.insert(0, "joint", self.impact_joints)
-        table.insert(1, "kind", np.where(lasting, "lasting", "impact"))
-        return table
+        numbers = dict(zip(IMPACT_COLUMNS, self.impact_rows.T, strict=True))
+        lasting = numbers["duration"] > LASTING * numbers["free_duration"]
+        kinds = np.where(lasting, "lasting", "impact")
+        return {"joint": np.array(self.impact_joints, dtype=str), "kind": kinds} | numbers
 
     def __getattr__(self, name: str) -> NDArray[np.float64]:
         if name in ALL_COLUMNS and name in self.columns:
@@ -169,5 +179,9 @@ class Response:
 
     def save(self, path: Path) -> None:
         """Write the motion as CSV, whole or not at all."""
-        with paths.whole(path) as temporary:
-            self.motion.to_csv(temporary, index=False, float_format="%.12g", lineterminator="\n")
+        with paths.whole(path) as temporary, open(temporary, "w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow([*self.columns, "event"])
+            for row, kind in zip(*self._in_order_of_time(), strict=True):
+                numbers = ("" if np.isnan(number) else f"{number:.12g}" for number in row)
+                writer.writerow([*numbers, kind])
