@@ -10,7 +10,7 @@ import pandas as pd
 from pytask import Product, PythonNode, mark, task
 
 from study import paths
-from study.choose import links
+from study.choose import random_scenes
 from study.contact.hertz_correction import TABLE
 from study.contact.laws import COEFFICIENTS
 from study.dataset import design, fitting, hertz_correction, store
@@ -22,7 +22,7 @@ LIMITS, CHANGES = (
     [paths.BUILD / f"hertz_correction/{name}-{k}.txt" for k in range(counts["socket_poisson"])]
     for name, counts in (("limit", hertz_correction.LIMITS), ("change", hertz_correction.CHANGES))
 )
-SCENES, AT_ONCE = list(links.random_scenes(0)), 10
+SCENES, AT_ONCE = list(random_scenes.draw(0)), 10
 LINKS = [paths.BUILD / f"links/scenes-{k:03d}.csv" for k in range(0, len(SCENES), AT_ONCE)]
 TABLES = paths.DATA / "published/tables.csv"
 DESCRIBED = tuple(paths.DATA / name for name in store.ORIGINS)
@@ -103,7 +103,7 @@ for k, part in enumerate(LINKS):
     ):
         tasks.leave_interrupts_to_the_runner()
         with paths.whole(part) as temporary:
-            links.measure(scenes).to_csv(temporary, index=False)
+            random_scenes.measure(scenes).to_csv(temporary, index=False)
 
 
 def task_links(parts: list[Path] = LINKS, table: Annotated[Path, Product] = store.LINKS):

@@ -249,7 +249,7 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
             "FINER = 352",
             ["study/contact/hertz_correction.csv"],
         ),
-        ("choose/links", "COUNT = 160", "COUNT = 161", ["data/links.csv"]),
+        ("choose/random_scenes", "COUNT = 160", "COUNT = 161", ["data/links.csv"]),
         ("pages/figures", '"lines.linewidth": 1.5', '"lines.linewidth": 2', []),
         ("choose/model", '"""', '"""Another. ', []),
     ],

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
-from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -182,31 +181,30 @@ def test_a_case_that_fails_is_a_row_with_its_reason(tmp_path, monkeypatch):
         raise KeyError("lost\nit")
 
     monkeypatch.setattr(cases, "force_curve", broken)
-    (row,) = cases.rows("joints", {"r2_star": "50", "depth_star": "0.1"})
+    ((row,),) = cases.solve("joints", [{"r2_star": "50", "depth_star": "0.1"}])
     assert row[-1] == "KeyError: 'lost\\nit'"
-    monkeypatch.setattr(cases, "_solver", lambda *_: ("", lambda: {"depth_star": np.nan}))
-    (row,) = cases.rows("joints", {})
+    monkeypatch.setattr(cases, "_prepare", lambda *_: ("", lambda: {"depth_star": np.nan}))
+    ((row,),) = cases.solve("joints", [{}])
     assert row[-1] == "depth_star must be finite, got nan"
 
 
-def test_cases_that_share_bodies_are_neighbours(tmp_path, monkeypatch):
-    ranges = {"r2_star": "20:2000:log", "socket_ratio": "1.2,1.3,1.4", "poisson": "0.28,0.3"}
-    given, order = random_cases(40, ranges), []
-
-    def solved(form, todo, *_):
-        order.extend(todo)
-        return ((key, cases.rows(form, {"r2_star": "0"})) for key, _ in todo)
-
-    monkeypatch.setattr(run, "_solved", solved)
-    sweep(given, "joints", tmp_path / "table.csv")
-    bodies = [(case["socket_ratio"], case["poisson"]) for _, case in order]
-    changes = sum(one != other for one, other in pairwise(bodies))
-    assert changes == 5
-
-
-def test_a_long_task_returns_what_it_has(monkeypatch):
-    monkeypatch.setattr(cases, "_LONG", 0.0)
-    assert len(cases.solve_some("joints", 3 * [{"r2_star": "50", "depth_star": "0.1"}])) == 1
+@pytest.mark.parametrize(
+    ("kind", "ranges", "sizes"),
+    [
+        ("joints", {"r2_star": "20:2000", "poisson": "0.28,0.3"}, [16, 2, 16, 6]),
+        ("joints", {"r2_star": "20:2000", "poisson": "0.2:0.4"}, 40 * [1]),
+        ("joints", {"r2_star": "20:2000", "kinematics": "finite"}, 40 * [1]),
+        ("scenes", {"restitution": "0.2:0.95"}, [16, 16, 8]),
+        ("scenes", {"restitution": "0.2:0.95", "model": "particles"}, 40 * [1]),
+    ],
+)
+def test_a_process_gets_cases_that_share_bodies_and_slow_ones_alone(kind, ranges, sizes):
+    """A process keeps its results together, so that slow ones would be lost if it is stopped."""
+    drawn = random_cases(40, ranges, seed=1)
+    _, bodies = cases.prepared(kind, drawn)
+    tasks = run._tasks({str(k): pair for k, pair in enumerate(zip(bodies, drawn, strict=True))})
+    assert [len(task) for task in tasks] == sizes
+    assert sorted(int(key) for task in tasks for key in task) == list(range(40))
 
 
 def test_on_a_dask_cluster(tmp_path):
@@ -397,10 +395,9 @@ def test_a_killed_and_an_interrupted_study_go_on(tmp_path):
     assert done <= more - 5 <= int(re.fullmatch(pattern, last)[1]) < 150
     assert all(line.endswith(" of 150 cases, 0 failed") for line in progress)
     assert not output.exists()
-    resumed = study(output)
-    out, err = resumed.communicate(timeout=120)
-    assert resumed.returncode == 0, err
-    assert out.startswith("150 cases in ")
-    sweep(random_cases(150, LONGER, seed=2), "scenes", tmp_path / "other.csv", jobs=1)
+    drawn, known = random_cases(150, LONGER, seed=2), []
+    sweep(drawn, "scenes", output, jobs=1, progress=lambda done, *_: known.append(done))
+    assert known[0] >= more - 5
+    sweep(drawn, "scenes", tmp_path / "other.csv", jobs=1)
     assert output.read_bytes() == (tmp_path / "other.csv").read_bytes()
     assert sorted(os.listdir(tmp_path)) == ["other.csv", "table.csv"]

@@ -1,21 +1,23 @@
 """The cheapest law that is accurate enough for a joint, with the evidence.
 
 A law's error is the largest relative error of its force over all depths from `SHALLOWEST`
-clearances to the scene's largest, against the solved joint. Costs are those of
-``data/published/speed.csv``. `study.choose.model` chooses the model of a whole mechanism.
+clearances to the scene's largest, against the solved joint. Its bound includes 3 times the error
+estimate of that solution. Where no closed law is within the tolerance, it is the table of the
+coarsest solution that is. Costs are those of ``data/published/speed.csv``.
 """
 
-from collections.abc import Callable, Iterable
+import csv
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from study import checks, dataset
+from study import checks, paths
 from study.contact import LAWS, largest_depth, tabulated
 from study.joint import Joint, UnresolvedError, first_yield, force_curve, whole_curve
+from study.joint.compliance import RESOLUTION
 from study.joint.curve import ForceCurve
 from study.joint.nested_contact import LEAST_R2_STAR
 from study.threads import one_thread
@@ -31,6 +33,7 @@ FINITE_DEPTHS = 12  # solved with finite kinematics, which take a second for eac
 TOLERANCES = (1e-5, 1.0)
 """Least and largest. The finest solution is not known to within 1e-5, and it takes a minute to find
 this out."""
+COSTS = paths.DATA / "published/speed.csv"
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class Choice:
         Laws that cost less and whose bound misses the tolerance, the most expensive first:
         ``law``, ``options``, ``error``, ``error_bound``, ``relative_cost``.
     errors
-        Every closed law that is for the joint -> largest relative error found.
+        Every closed law that is for the joint -> its largest relative error.
     first_yield
         `study.joint.FirstYield` by its names, if materials have a yield stress and the joint yields
         within the depths. Beyond it, errors and bounds are for joints that do not yield.
@@ -101,13 +104,12 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     least = min(SHALLOWEST, deepest / 12)
     depths = np.linspace(np.sqrt(least), np.sqrt(deepest), DEPTHS) ** 2
     force, uncertainty = _exact(joint, depths)
-    found = {law: float(error.max()) for law, error in errors(joint, depths, force).items()}
-    names, rejected = ("law", "options", "error", "error_bound", "relative_cost", "evaluate"), []
-    for values in _candidates(joint, depths, force, found, uncertainty):
-        candidate = dict(zip(names, values, strict=True))
+    largest = {law: float(error.max()) for law, error in errors(joint, depths, force).items()}
+    rejected = []
+    for candidate in _candidates(joint, depths, force, uncertainty, largest):
         if candidate["error_bound"] <= tolerance:
             break
-        rejected.append({name: candidate[name] for name in names if name != "evaluate"})
+        rejected.append({name: candidate[name] for name in candidate if name != "evaluate"})
     else:
         raise checks.StudyError(
             f"no law is known to be within the tolerance {tolerance:g}: the finest solution, of "
@@ -121,56 +123,64 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
         **candidate,
         depths=(float(least), deepest),
         rejected=tuple(reversed(rejected)),
-        errors=found,
+        errors=largest,
         first_yield=vars(first) if first else None,
     )
 
 
-def _candidates(joint, depths, force, found, uncertainty):
+def _candidates(joint, depths, force, uncertainty, largest):
     """Closed laws and tables by their cost, tables from the coarsest on; the solution is last.
 
-    Each is its law, options, error, bound, cost and function. Every second depth of a solution is
-    left out of its table, and shows the error of interpolation.
+    Every second depth of a solution is left out of its table, and shows the error of interpolation.
     """
     costs, resolutions = relative_costs(), RESOLUTIONS[_kind(joint)]
+
+    def candidate(law, options, error, bound, evaluate):
+        values = {"law": law, "options": options, "error": error, "error_bound": bound}
+        return values | {"relative_cost": costs[law], "evaluate": evaluate}
+
     ahead = costs | {"tabulated": SOLVED_FIRST * costs["tabulated"]}
-    for law in sorted([*found, "tabulated"], key=ahead.__getitem__):
+    for law in sorted([*largest, "tabulated"], key=ahead.__getitem__):
         if law != "tabulated":
-            options, bound = law_options(law, joint), _bounded(found[law], uncertainty)
-            yield law, options, found[law], bound, costs[law], partial(LAWS[law], **options)
+            options, bound = law_options(law, joint), _bounded(largest[law], uncertainty)
+            yield candidate(law, options, largest[law], bound, partial(LAWS[law], **options))
             continue
-        for resolution in resolutions:
-            try:
-                curve, error = _solved(joint, depths, resolution)
-            except UnresolvedError:  # at the least depth
-                if resolution == resolutions[-1]:
-                    raise
-                continue
-            ends = np.arange(len(curve.depth_star)) % 2 == (len(curve.depth_star) - 1) % 2
-            table = tabulated(_some(curve, ends))
-            left_out = _some(curve, ~ends & (curve.depth_star >= depths[0]))
+        for resolution, curve, error in _solutions(joint, depths, resolutions):
+            in_table = np.arange(len(curve.depth_star)) % 2 == (len(curve.depth_star) - 1) % 2
+            table = tabulated(_some(curve, in_table))
+            left_out = _some(curve, ~in_table & (curve.depth_star >= depths[0]))
             between = float(np.abs(table(left_out.depth_star) / left_out.force_star - 1).max())
             off = float(np.abs(table(depths) / force - 1).max())
             bound = _bounded(max(ESTIMATE * error, off), between)
-            yield law, {"resolution": resolution}, error, bound, costs[law], table
+            yield candidate(law, {"resolution": resolution}, error, bound, table)
     error = float(force_curve(joint, depths[::4], resolutions[-1]).error_estimate.max())
-    options = {"resolution": resolutions[-1]}
-    yield "solver", options, error, ESTIMATE * error, costs["solver"], None
+    yield candidate("solver", {"resolution": resolutions[-1]}, error, ESTIMATE * error, None)
 
 
-def _solved(joint, depths, resolution=None):
-    """Curve over the range of ``depths``, which are equally apart, and its largest error there."""
-    if joint.kinematics == "finite" or joint.r2_star < LEAST_R2_STAR:
-        places = np.sqrt(depths[[0, -1]])
-        curve = force_curve(joint, np.linspace(*places, FINITE_DEPTHS) ** 2, resolution)
-    else:
-        curve = whole_curve(joint, float(depths[-1]), resolution)
-    if curve.depth_star[0] > depths[0]:
-        raise UnresolvedError(
-            f"depth_star must be >= {curve.depth_star[0]:.3g} for elements of this size to resolve "
-            f"the contact, got {depths[0]:.3g}"
-        )
-    return curve, float(curve.error_estimate[curve.depth_star >= depths[0]].max())
+def _solutions(joint, depths, resolutions):
+    """Curves over the range of ``depths``, which are equally apart, and their largest errors there.
+
+    Resolutions that do not resolve the least depth are passed over, but for the last one.
+    """
+    apart = joint.kinematics == "finite" or joint.r2_star < LEAST_R2_STAR
+    places = np.linspace(*np.sqrt(depths[[0, -1]]), FINITE_DEPTHS) ** 2
+    for resolution in resolutions:
+        try:
+            if apart:
+                curve = force_curve(joint, places, resolution)
+            else:
+                curve = whole_curve(joint, float(depths[-1]), resolution)
+            if curve.depth_star[0] > depths[0]:
+                raise UnresolvedError(
+                    f"depth_star must be >= {curve.depth_star[0]:.3g} for elements of this size to "
+                    f"resolve the contact, got {depths[0]:.3g}"
+                )
+        except UnresolvedError:
+            if resolution == resolutions[-1]:
+                raise
+            continue
+        error = curve.error_estimate[curve.depth_star >= depths[0]].max()
+        yield resolution, curve, float(error)
 
 
 def _some(curve: ForceCurve, chosen: NDArray[np.bool_]) -> ForceCurve:
@@ -181,19 +191,14 @@ def _some(curve: ForceCurve, chosen: NDArray[np.bool_]) -> ForceCurve:
 
 def _exact(joint, depths, resolution=None):
     """Exact forces at depths, and their relative uncertainty, one number."""
-    finer = [n for n in RESOLUTIONS[_kind(joint)] if n > 320]  # for very shallow depths
-    for elements in (resolution, *finer):
-        try:
-            curve, error = _solved(joint, depths, elements)
-            break
-        except UnresolvedError:
-            if elements == (resolution, *finer)[-1]:
-                raise
+    kind = _kind(joint)
+    finer = [n for n in RESOLUTIONS[kind] if n > RESOLUTION[kind]]  # for very shallow depths
+    _, curve, error = next(_solutions(joint, depths, (resolution, *finer)))
     return tabulated(curve)(depths), ESTIMATE * error
 
 
 def _bounded(error, uncertainty):
-    """Bound of a relative error that was found against an uncertain force."""
+    """Bound of a relative error that was computed against an uncertain force."""
     return error * (1 + uncertainty) + uncertainty
 
 
@@ -204,50 +209,33 @@ def errors(
 
     Laws whose formula or fit is not for the joint are left out.
     """
-    found: dict[str, NDArray[np.float64]] = {}
+    by_law: dict[str, NDArray[np.float64]] = {}
     for law in filter(relative_costs().__contains__, LAWS):
         try:
             force = LAWS[law](depth_star, joint.r2_star, **law_options(law, joint))
         except checks.RangeError:
             continue
-        found[law] = np.abs(force / force_star - 1)
-    return found
+        by_law[law] = np.abs(force / force_star - 1)
+    return by_law
 
 
 @one_thread
-def cheapest(
-    joints: Iterable[Joint],
-    depth_star: ArrayLike,
-    tolerances: Iterable[float],
-    resolution: int | None = None,
-) -> pd.DataFrame:
-    """Cheapest adequate law over joints and largest depths, as `choose` would find it.
-
-    ``tabulated`` stands where no closed law is adequate.
+def error_bounds(
+    joint: Joint, depth_star: ArrayLike, resolution: int | None = None
+) -> dict[str, NDArray[np.float64]]:
+    """Bound of each law's error from the first depth up to each depth, as `choose` computes it.
 
     Parameters
     ----------
     depth_star
         Rising, from `SHALLOWEST`.
     resolution
-        Of the joints' solution.
+        Of the joint's solution.
     """
-    costs, rows = relative_costs(), []
     depths = np.asarray(depth_star)
-    for joint in joints:
-        place = joint.r2_star, joint.socket_ratio, joint.ball.poisson
-        force, uncertainty = _exact(joint, depths, resolution)
-        largest = {
-            law: _bounded(np.maximum.accumulate(error), uncertainty)
-            for law, error in errors(joint, depths, force).items()
-        }
-        ranked = sorted(largest, key=costs.__getitem__)
-        for tolerance in tolerances:
-            for n, ds in enumerate(depths):
-                able = (law for law in ranked if largest[law][n] <= tolerance)
-                rows.append((*place, float(ds), tolerance, next(able, "tabulated")))
-    columns = ["r2_star", "socket_ratio", "poisson", "depth_star", "tolerance", "law"]
-    return pd.DataFrame(rows, columns=columns)
+    force, uncertainty = _exact(joint, depths, resolution)
+    by_law = errors(joint, depths, force).items()
+    return {law: _bounded(np.maximum.accumulate(error), uncertainty) for law, error in by_law}
 
 
 def law_options(law: str, joint: Joint) -> dict[str, object]:
@@ -260,13 +248,18 @@ def relative_costs() -> dict[str, float]:
 
     A law that `study measure` has not timed is left out, and not chosen.
     """
-    rows = dataset.measured("laws")
-    costs = dict(zip(rows["method"], rows["relative"].astype(float), strict=True))
+    paths.require_checkout(paths.DATA)
+    name = COSTS.relative_to(paths.ROOT).as_posix()
+    try:
+        with COSTS.open(newline="", encoding="utf-8") as file:
+            rows = [row for row in csv.DictReader(file) if row["chart"] == "laws"]
+        costs = {row["method"]: float(row["relative"]) for row in rows}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        why = f"{name} is missing or damaged ({type(error).__name__})"
+        raise checks.StudyError(f"{why}; restore it with: git checkout -- data") from None
     for law in ("hertz", "tabulated", "solver"):
         if law not in costs:
-            raise dataset.DatasetError(
-                f"data/published/speed.csv lacks {law}; restore it with: git checkout -- data"
-            )
+            raise checks.StudyError(f"{name} lacks {law}; restore it with: git checkout -- data")
     return costs
 
 

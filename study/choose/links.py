@@ -1,35 +1,33 @@
-"""How far rigid links are from flexible ones: an estimate, and a bound from random scenes.
+"""How far rigid links are from flexible ones: an estimate, and the bound that was found for it.
 
 The slider's motion changes with the links' compliance times the largest contact force, and its
 rates with the links' frequencies too. The change grows as the crank turns, because other impacts
 leave it with another speed. The rest is chance: the ratio of the error of rigid links to this
 estimate scatters by more than a decade, with a heavy tail. The bound is therefore the largest ratio
-of ``data/links.csv`` times a large `SAFETY`, and holds within the range of those scenes only.
+of many random scenes (`LARGEST_RATIOS`) times a large `SAFETY`. It holds within the range of those
+scenes only.
 """
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, fields
-from functools import partial
+from dataclasses import fields
 from math import pi, sqrt
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
-import pandas as pd
 
-from study.contact import LawName, Material
+from study.contact import Material
 from study.contact.forces import elastic_force, pack
-from study.mechanism.compare import motion_nrms
-from study.mechanism.response import Response
+from study.mechanism.response import IMPACT_COLUMNS, Response
 from study.mechanism.scene import Scene
-from study.mechanism.simulate import simulate
-from study.mechanism.stepping import MechanismError
 
 Quantity = Literal["slider_position", "slider_velocity", "slider_acceleration"]
 QUANTITIES = get_args(Quantity)
-ELEMENTS = (4, 8)
-SAFETY = 10.0
-"""Factor on the largest ratio; other scenes exceed that ratio by a factor of up to 5."""
-COUNT = 160
+LARGEST_RATIOS: dict[Quantity, float] = {
+    "slider_position": 66.75,
+    "slider_velocity": 0.0977,
+    "slider_acceleration": 0.01412,
+}
+"""Largest ratio of the error of rigid links to its estimate, of the 160 random scenes in
+``data/links.csv`` (`study.choose.random_scenes`), rounded up. They have these ranges:"""
 RANGES = {
     "link_modulus": (5e9, 2e12),
     "driving_moment": (0.05, 5.0),
@@ -41,43 +39,42 @@ RANGES = {
     "coupler_length": (0.1, 0.3),
     "duration": (0.02, 0.2),
 }
-"""Drawn evenly in the logarithm."""
+"""Drawn evenly in the logarithm, SI units."""
 EVEN_RANGES = {"restitution": (0.1, 0.95), "friction": (0.0, 0.2)}
 """Drawn evenly. All other parameters are as in the paper's scene."""
+SAFETY = 10.0
+"""Factor on the largest ratio; other scenes exceed that ratio by a factor of up to 5."""
 
 
-@dataclass(frozen=True)
-class Stiffness:
-    """Links beside the contact, at the largest depth of a response.
+def ratios(scene: Scene, depth: float) -> dict[str, float]:
+    """Links beside Hertz's contact at a depth in m; both are 0 without contact.
 
-    ``compliance`` is that of both links along their axes, in m/N. The frequencies are the lowest of
-    the crank, in rad/s: simply supported, and with one end held. ``compliance_ratio`` is the links'
-    compliance over the contact's; ``frequency_ratio`` is the slider's frequency on the contact over
-    the crank's axial one. Both are 0 without contact.
+    ``compliance_ratio`` is the compliance of both links along their axes over the contact's;
+    ``frequency_ratio`` is the slider's frequency on the contact over the crank's axial one.
     """
+    law = pack("hertz", scene.ball_radius, scene.socket_radius, scene.composite_modulus)
+    contact = elastic_force(law, depth)[1]
+    compliance, _, axial = _compliance_and_frequencies(scene)
+    frequency = sqrt(contact / scene.slider_mass)
+    return {"compliance_ratio": compliance * contact, "frequency_ratio": frequency / axial}
 
-    compliance: float
-    bending_frequency: float
-    axial_frequency: float
-    compliance_ratio: float
-    frequency_ratio: float
 
+def _compliance_and_frequencies(scene):
+    """Compliance of both links along their axes (m/N), and the crank's lowest frequencies (rad/s).
 
-def stiffness(scene: Scene, depth: float) -> Stiffness:
-    """Stiffness of the links of a scene, and of Hertz's contact at a depth in m."""
+    The frequency of bending is that of a beam that is simply supported, the axial one that of a bar
+    with one end held.
+    """
     crank, coupler = scene.link("crank"), scene.link("coupler")
     compliance = crank.length / crank.axial + coupler.length / coupler.axial
     bending = (pi / crank.length) ** 2 * sqrt(crank.bending / crank.mass_per_length)
     axial = pi / (2 * crank.length) * sqrt(crank.axial / crank.mass_per_length)
-    law = pack("hertz", scene.ball_radius, scene.socket_radius, scene.composite_modulus)
-    contact = elastic_force(law, depth)[1]
-    return Stiffness(
-        compliance=compliance,
-        bending_frequency=bending,
-        axial_frequency=axial,
-        compliance_ratio=compliance * contact,
-        frequency_ratio=sqrt(contact / scene.slider_mass) / axial,
-    )
+    return compliance, bending, axial
+
+
+def largest(response: Response, column: str) -> float:
+    """Largest value of a column of the impacts; 0 if there are none."""
+    return float(response.impact_rows[:, list(IMPACT_COLUMNS).index(column)].max(initial=0.0))
 
 
 def estimates(scene: Scene, response: Response) -> dict[Quantity, float]:
@@ -88,85 +85,36 @@ def estimates(scene: Scene, response: Response) -> dict[Quantity, float]:
     Position and velocity drift: one plus the crank's angle is another factor of theirs. The
     response is of rigid links with clearance; without contact the estimate is 0.
     """
-    if len(response.impacts) == 0:
-        return dict.fromkeys(QUANTITIES, 0.0)
-    links = stiffness(scene, float(response.impacts.peak_depth.max()))
-    change = links.compliance * float(response.impacts.peak_force.max())
+    compliance, bending, axial = _compliance_and_frequencies(scene)
+    change = compliance * largest(response, "peak_force")
     drift = 1 + np.abs(response.crank_angle).max()
-    factors = (drift, drift * links.bending_frequency, links.axial_frequency**2)
-    found = {}
+    factors = (drift, drift * bending, axial**2)
+    shares = {}
     for quantity, factor in zip(QUANTITIES, factors, strict=True):
         values = getattr(response, quantity)
         size = np.sqrt(np.mean((values - values[0]) ** 2))
-        found[quantity] = float(change * factor / size)
-    return found
+        shares[quantity] = float(change * factor / size)
+    return shares
 
 
-def bounds(scene: Scene, response: Response, seen: pd.DataFrame) -> dict[Quantity, float]:
-    """Largest NRMS error of rigid links: `estimates` times the largest ratio `seen`."""
-    return {
-        quantity: float(estimate * SAFETY * largest_ratio(seen, quantity))
-        for quantity, estimate in estimates(scene, response).items()
-    }
-
-
-def largest_ratio(seen: pd.DataFrame, quantity: Quantity) -> float:
-    """Largest ratio of error to estimate in a table of `measure`."""
-    return (seen[f"{quantity}_error"] / seen[f"{quantity}_estimate"]).max()
+def bounds(scene: Scene, response: Response) -> dict[Quantity, float]:
+    """Bounds of the NRMS errors of rigid links, whose response with clearance is known."""
+    shares = estimates(scene, response).items()
+    return {quantity: share * SAFETY * LARGEST_RATIOS[quantity] for quantity, share in shares}
 
 
 def outside(scene: Scene, duration: float) -> str:
     """Why a scene and a duration, in s, are outside the random scenes; empty if they are not."""
-    given = {field.name: getattr(scene, field.name) for field in fields(scene)}
-    given |= {"link_modulus": scene.link_modulus or scene.youngs_modulus, "duration": duration}
-    usual = {field.name: field.default for field in fields(scene)}
-    for name, value in given.items():
-        low, high = (RANGES | EVEN_RANGES).get(name, (None, None))
-        if low is None and value != usual[name]:
+    values = {field.name: getattr(scene, field.name) for field in fields(scene)}
+    values |= {"link_modulus": scene.link_modulus or scene.youngs_modulus, "duration": duration}
+    defaults = {field.name: field.default for field in fields(scene)}
+    for name, value in values.items():
+        words = name.replace("_", " ")
+        if name in RANGES | EVEN_RANGES:
+            low, high = (RANGES | EVEN_RANGES)[name]
+            if not low <= value <= high:
+                return f"{words} {value:g} is outside the range of the random scenes"
+        elif value != defaults[name]:
             what = "material" if isinstance(value, Material) else value
-            return f"{name.replace('_', ' ')} {what} is not that of the random scenes"
-        if low is not None and not low <= value <= high:
-            return f"{name.replace('_', ' ')} {value:g} is outside the range of the random scenes"
+            return f"{words} {what} is not that of the random scenes"
     return ""
-
-
-def random_scenes(seed: int, count: int = COUNT) -> Iterator[tuple[Scene, float]]:
-    """Scenes and durations (s) at random places of the ranges, the same for the same seed."""
-    draw = np.random.default_rng(seed)
-    for _ in range(count):
-        values: dict[str, Any] = {
-            name: float(f"{low * (high / low) ** draw.random():.4g}")
-            for name, (low, high) in RANGES.items()
-        }
-        duration = values.pop("duration")
-        values |= {name: round(draw.uniform(*ends), 3) for name, ends in EVEN_RANGES.items()}
-        yield Scene(**values), duration
-
-
-def measure(
-    scenes: Iterable[tuple[Scene, float]], law: LawName = "stiffened_hertz"
-) -> pd.DataFrame:
-    """Errors of rigid links against particles on `random_scenes`, beside their estimates.
-
-    Scenes that a model cannot finish, and those without an impact, are left out.
-    """
-    rows = []
-    for scene, duration in scenes:
-        run = partial(simulate, scene, law=law, duration=duration, outputs=1000)
-        try:
-            rigid = run(model="rigid")
-            flexible = run(model="particles", elements=ELEMENTS)
-        except MechanismError:
-            continue
-        if len(rigid.impacts) == 0:
-            continue
-        links = stiffness(scene, float(rigid.impacts.peak_depth.max()))
-        drawn = [name for name in (RANGES | EVEN_RANGES) if name != "duration"]
-        row = {"duration": duration} | {name: getattr(scene, name) for name in drawn}
-        row["compliance_ratio"] = links.compliance_ratio
-        row["frequency_ratio"] = links.frequency_ratio
-        for quantity, estimate in estimates(scene, rigid).items():
-            row[f"{quantity}_estimate"] = estimate
-            row[f"{quantity}_error"] = motion_nrms(flexible, rigid, quantity)
-        rows.append(row)
-    return pd.DataFrame(rows)

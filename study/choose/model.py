@@ -4,8 +4,9 @@ Models in order of detail are an ideal joint, rigid links with Hertz's law, rigi
 for the joint, and links of particles. Rigid ones take milliseconds: they are run and compared. What
 flexible links would change is first bounded from their compliance and frequencies
 (`study.choose.links`). Only if that bound is too large, particles are run, on two meshes and with
-two steps; the differences show how far they can be trusted. The ideal joint comes first because it
-needs no data of the contact, though SciPy takes longer for it than compiled code for a clearance.
+two steps. Impacts are chaotic: a finer mesh need not be closer, so that three times the largest
+difference is their bound. The ideal joint comes first because it needs no data of the contact,
+though SciPy takes longer for it than compiled code for a clearance.
 """
 
 from collections.abc import Callable
@@ -13,10 +14,11 @@ from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from math import inf
 from time import perf_counter
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from study import checks, dataset
+from study import checks
 from study.checks import StudyError
 from study.choose import links
 from study.choose.law import SHALLOWEST, choose
@@ -27,6 +29,7 @@ from study.joint import Joint
 from study.mechanism import simulate
 from study.mechanism.compare import motion_nrms
 from study.mechanism.particles import usual_step
+from study.mechanism.response import Response
 from study.mechanism.scene import Scene
 
 LEAST_R2_STAR = 3  # below, a ball cannot go one clearance deep
@@ -34,8 +37,12 @@ LAW_TOLERANCE = 0.01
 """Largest error of the force of the law that stands for the exact one."""
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 FINEST_TOLERANCE = 1e-10
+"""Of the steps of rigid links: `TOLERANCES` are tried, the finest is the truth of the others."""
 STEP_SHARE = 0.1  # of the tolerance, for the error of the steps
-ELEMENTS = ((2, 4), links.ELEMENTS)
+COARSE, FINE = (2, 4), (4, 8)
+"""Elements of crank and coupler of flexible links."""
+HERTZ = ("hertz", ())
+"""A law, and the names and values of its options."""
 SAFETY = 3.0
 """Factor on the largest difference by mesh and step of flexible links, for all other errors."""
 STEPPERS = {"rigid": "collocation of order 9", "particles": "central difference"}
@@ -69,7 +76,7 @@ class ModelChoice:
     links
         How the links' share of the bound is known: ``bounded`` or ``compared``.
     compliance_ratio, frequency_ratio
-        As in `links.Stiffness`, at the largest depth.
+        As of `links.ratios`, at the largest depth.
     depth_star
         Largest depth of rigid links with Hertz's law, in clearances.
     note
@@ -95,6 +102,15 @@ class ModelChoice:
     note: str
     evidence: tuple[dict, ...]
     simulate: Callable = field(repr=False, compare=False)
+
+
+class _Run(NamedTuple):
+    """A model that was run: what `ModelChoice` says of it, its response, and its time in s."""
+
+    description: dict[str, Any]
+    response: Response
+    seconds: float
+    simulate: Callable
 
 
 def choose_model(
@@ -135,56 +151,53 @@ def choose_model(
     checks.instance("scene", scene, Scene)
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
     checks.choice("quantity", quantity, links.QUANTITIES)
-    run = partial(_Run, scene, duration, outputs)
-    of_hertz = run("rigid", ("hertz", {}), tolerance=FINEST_TOLERANCE)
-    for values in (getattr(of_hertz.response, name) for name in links.QUANTITIES):
+    run, difference = partial(_run, scene, duration, outputs), partial(_difference, quantity)
+    with_hertz = run("rigid", HERTZ, tolerance=FINEST_TOLERANCE)
+    for values in (getattr(with_hertz.response, name) for name in links.QUANTITIES):
         if not np.ptp(values) > 0:
             raise ValueError(f"duration must be so long that the slider moves, got {duration:g} s")
-    impacts = of_hertz.response.impacts
-    depth = float(impacts.peak_depth.max()) if len(impacts) else 0.0
+    depth = links.largest(with_hertz.response, "peak_depth")
     law, law_share = _law(scene, depth, socket_ratio)
-    exact = run("rigid", law, tolerance=FINEST_TOLERANCE)
-    of_law = law_share * _apart(of_hertz, exact, quantity)
+    with_law = run("rigid", law, tolerance=FINEST_TOLERANCE)
+    of_law = law_share * difference(with_hertz, with_law)
 
-    runs = [
-        run("rigid", ("hertz", {}), joint="ideal"),
-        *(_loosest(run, finest, STEP_SHARE * tolerance, quantity) for finest in (of_hertz, exact)),
-    ]
-    unit = runs[1].cost
-    apart = [_apart(one, exact, quantity) for one in runs]
+    loosest = partial(_loosest, run, difference, STEP_SHARE * tolerance)
+    runs = [run("rigid", HERTZ, joint="ideal"), loosest(HERTZ, with_hertz), loosest(law, with_law)]
+    unit = runs[1].seconds
+    from_law = [difference(rigid, with_law) for rigid in runs]
     note = links.outside(scene, duration)
-    of_links = inf if note else links.bounds(scene, of_hertz.response, dataset.links())[quantity]
-    bounds, how, spread = [a + of_law + of_links for a in apart], "bounded", {}
+    of_links = inf if note else links.bounds(scene, with_hertz.response)[quantity]
+    bounds, how, changes = [error + of_law + of_links for error in from_law], "bounded", {}
     if min(bounds) > tolerance:
-        coarse, fine, spread = _particles(run, law, quantity)
-        doubt = SAFETY * max(spread.values()) + of_law
-        of_links = _apart(exact, fine, quantity) + doubt
-        bounds = [min(b, a + of_links) for b, a in zip(bounds, apart, strict=True)]
+        coarse, fine = (run("particles", law, elements=pair) for pair in (COARSE, FINE))
+        half = run("particles", law, step_share=0.5, elements=FINE)
+        changes = {"the mesh": difference(coarse, fine), "half the step": difference(half, fine)}
+        doubt = SAFETY * max(changes.values()) + of_law
+        of_links = difference(with_law, fine) + doubt
+        bounds = [min(b, error + of_links) for b, error in zip(bounds, from_law, strict=True)]
         runs, bounds, how = [*runs, coarse, fine], [*bounds, doubt, doubt], "compared"
 
     evidence = tuple(
-        one.description | {"error_bound": bound, "relative_cost": one.cost / unit, "links": how}
-        for one, bound in zip(runs, bounds, strict=True)
+        of.description | {"error_bound": bound, "relative_cost": of.seconds / unit, "links": how}
+        for of, bound in zip(runs, bounds, strict=True)
     )
-    chosen = next((n for n, bound in enumerate(bounds) if bound <= tolerance), None)
-    if chosen is None:
-        cause = max(spread, key=spread.__getitem__)
+    within = [n for n, bound in enumerate(bounds) if bound <= tolerance]
+    if not within:
+        cause = max(changes, key=changes.__getitem__)
         raise ModelError(
             f"no model's {quantity.replace('_', ' ')} is known to be within the tolerance "
             f"{tolerance:g}, the best within {min(bounds):.2g}: {cause} of flexible links changes "
-            f"it by {spread[cause]:.2g} over {duration:g} s",
+            f"it by {changes[cause]:.2g} over {duration:g} s",
             min(bounds),
         )
-    stiffness = links.stiffness(scene, depth)
     return ModelChoice(
-        **evidence[chosen],
+        **evidence[within[0]],
         quantity=quantity,
-        compliance_ratio=stiffness.compliance_ratio,
-        frequency_ratio=stiffness.frequency_ratio,
+        **links.ratios(scene, depth),
         depth_star=depth / scene.clearance,
         note=note,
         evidence=evidence,
-        simulate=runs[chosen].simulate,
+        simulate=runs[within[0]].simulate,
     )
 
 
@@ -198,62 +211,45 @@ def _law(scene, depth, socket_ratio):
             f"no law for calls at every step is known to be within {LAW_TOLERANCE:g} of the "
             f"contact force of this joint, only the {choice.law} itself"
         )
-    law = (choice.evaluate, {}) if choice.law == "tabulated" else (choice.law, choice.options)
+    law = choice.law, tuple(choice.options.items())
+    if choice.law == "tabulated":
+        law = choice.evaluate, ()
     at = max(depth / scene.clearance, SHALLOWEST), r2_star
     of_hertz = abs(hertz(*at) / choice.evaluate(*at) - 1)
     return law, choice.error_bound / of_hertz if of_hertz > 0 else 1.0
 
 
-def _loosest(run, finest, allowed, quantity):
+def _loosest(run, difference, allowed, law, finest):
     """Rigid links with the largest tolerance whose steps change the motion little enough."""
-    looser = (run("rigid", finest.law, tolerance=tolerance) for tolerance in TOLERANCES)
-    return next((one for one in looser if _apart(one, finest, quantity) <= allowed), finest)
+    looser = (run("rigid", law, tolerance=tolerance) for tolerance in TOLERANCES)
+    return next((rigid for rigid in looser if difference(rigid, finest) <= allowed), finest)
 
 
-def _particles(run, law, quantity):
-    """Flexible links on two meshes, and what mesh and step change."""
-    coarse, fine = (run("particles", law, elements=n) for n in ELEMENTS)
-    half = run("particles", law, step_share=0.5, elements=ELEMENTS[-1])
-    pairs = {"the mesh": coarse, "half the step": half}
-    return coarse, fine, {name: _apart(one, fine, quantity) for name, one in pairs.items()}
-
-
-def _apart(one, other, quantity):
-    """NRMS difference of two runs' responses; inf where the other one does not move."""
+def _difference(quantity, run, truth):
+    """NRMS difference of two runs' responses; inf where the true one does not move."""
     try:
-        return motion_nrms(other.response, one.response, quantity)
+        return motion_nrms(truth.response, run.response, quantity)
     except checks.RangeError:
         return inf
 
 
 @lru_cache(maxsize=32)
-def _timed(scene, *given):
-    """Response of a model, and the time that it took in s: once for all tolerances."""
-    run = partial(simulate, scene, **dict(given))
-    run(duration=min(WARM_UP, dict(given)["duration"]), outputs=1)
+def _run(scene, duration, outputs, model, law, joint="clearance", step_share=1.0, **settings):
+    """Run a model once for all tolerances; ``step_share`` is of the particles' usual step."""
+    function, options = law[0], dict(law[1])
+    name, stepper = function if isinstance(function, str) else "tabulated", STEPPERS[model]
+    if joint == "ideal":
+        name, stepper = "none", "DOP853"
+    if model == "particles":
+        radii = scene.ball_radius, scene.socket_radius
+        packed = pack(function, *radii, scene.composite_modulus, **options)
+        settings["step"] = step_share * usual_step(scene, packed, settings["elements"])
+    run = partial(simulate, scene, model=model, joint=joint, law=function, duration=duration)
+    run = partial(run, outputs=outputs, **settings, **options)
+    run(duration=min(WARM_UP, duration), outputs=1)
     start = perf_counter()
-    return run(), perf_counter() - start
-
-
-class _Run:
-    """A model that was run: its description, its response, and its time in s.
-
-    ``law`` is a law or its name, with its options; ``step_share`` is a share of the particles'
-    usual step.
-    """
-
-    def __init__(self, scene, duration, outputs, model, law, step_share=1.0, **settings):
-        name, options = self.law = law
-        if model == "particles":
-            radii = scene.ball_radius, scene.socket_radius
-            packed = pack(name, *radii, scene.composite_modulus, **options)
-            settings["step"] = step_share * usual_step(scene, packed, settings["elements"])
-        given = {"model": model, "law": name, "duration": duration, "outputs": outputs}
-        self.simulate = partial(simulate, scene, **given, **settings, **options)
-        self.response, self.cost = _timed(scene, *{**given, **settings, **options}.items())
-        joint = settings.pop("joint", "clearance")
-        name, stepper = (name if isinstance(name, str) else "tabulated"), STEPPERS[model]
-        if joint == "ideal":
-            name, stepper = "none", "DOP853"
-        settings = {"stepper": stepper} | settings
-        self.description = {"model": model, "joint": joint, "law": name, "settings": settings}
+    response = run()
+    seconds = perf_counter() - start
+    description = {"model": model, "joint": joint, "law": name}
+    description["settings"] = {"stepper": stepper} | settings
+    return _Run(description, response, seconds, run)

@@ -44,7 +44,7 @@ GENERATED = {
     CURVES: "joint/curve",
     COEFFICIENTS: "dataset/fitting",
     TABLE: "dataset/hertz_correction",
-    LINKS: "choose/links",
+    LINKS: "choose/random_scenes",
 }
 """Generated file -> module whose imports lead to all code that decides it."""
 LIBRARY = (COEFFICIENTS, TABLE, MATERIALS)
@@ -219,7 +219,7 @@ def keep_measured(frame: pd.DataFrame) -> None:
 
 
 def links() -> pd.DataFrame:
-    """Errors of rigid links on random scenes: the columns of `study.choose.links.measure`."""
+    """Errors of rigid links on scenes of `study.choose.random_scenes`, as its `measure` has them."""
     return _read(LINKS)
 
 

@@ -61,109 +61,119 @@ def export(law: Exported, form: Format, joint: Joint, depth_star: float | None =
     deepest = usual_depth(joint)
     if depth_star is not None:
         deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
-    content = _Content(law, joint, deepest)
-    if form in ("json", "csv"):
-        return content.json() if form == "json" else content.csv()
-    return content.function(form)
+    content = _Law(law, joint, deepest)
+    if form == "json":
+        return _json(content)
+    return _csv(content) if form == "csv" else _function(content, form)
 
 
-class _Content:
+class _Law:
     """What every format has of a law: its parts for the joint, its range, its error."""
 
-    def __init__(self, law, joint, deepest):
-        self.name, self.joint, self.deepest = law, joint, deepest
-        options = joint.correction_options() if law == "stiffened_hertz" else {}
-        if law != "tabulated":
-            LAWS[law](deepest, joint.r2_star, **options)  # refuses a depth beyond its range
+    def __init__(self, name, joint, deepest):
+        self.name, self.joint, self.deepest = name, joint, deepest
+        options = joint.correction_options() if name == "stiffened_hertz" else {}
+        if name != "tabulated":
+            LAWS[name](deepest, joint.r2_star, **options)  # refuses a depth beyond its range
         curve = whole_curve(joint, deepest)
         exact = contact.tabulated(curve)
-        self.law = exact if law == "tabulated" else LAWS[law]
-        self.scale, self.shape, self.constants = self.law.parts(joint.r2_star, **options)
+        law = exact if name == "tabulated" else LAWS[name]
+        self.scale, self.shape, self.constants = law.parts(joint.r2_star, **options)
         self.least = min(SHALLOWEST, deepest / 12)
-        known = curve.error_estimate[curve.depth_star >= self.least]
+        estimates = curve.error_estimate[curve.depth_star >= self.least]
         depths = np.linspace(np.sqrt(self.least), np.sqrt(deepest), ROWS) ** 2
-        off = np.abs(self.at(depths)[0] / exact(depths) - 1).max()
-        self.error, self.known = float(off), float(known.max())
+        self.error = float(np.abs(self.at(depths)[0] / exact(depths) - 1).max())
+        self.error_of_joint = float(estimates.max())
 
     def at(self, depth):
         """Force and stiffness, dimensionless, at depths > 0."""
         value, slope = self.shape(depth, self.constants)
         return self.scale * value, self.scale * slope
 
-    def told(self):
-        """Joint, range and error in words."""
-        joint = ", ".join(f"{key} {_plain(value)}" for key, value in _described(self.joint).items())
-        known = f"the joint is solved within about {_percent(self.known)}."
+    def in_words(self):
+        """Joint, range and error, a line each."""
+        joint = ", ".join(
+            f"{key} {_plain(value)}" for key, value in _parameters(self.joint).items()
+        )
+        error = f"the joint is solved within about {_percent(self.error_of_joint)}."
         if self.name != "tabulated":
-            known = f"at most {_percent(self.error)} against the solved joint. {known.capitalize()}"
+            against = f"at most {_percent(self.error)} against the solved joint."
+            error = f"{against} {error.capitalize()}"
         return [
             f"Joint: {joint}.",
             f"Range: depths from 0 to {self.deepest:g} clearances.",
-            f"Error of the force, from {self.least:g} clearances on: {known}",
+            f"Error of the force, from {self.least:g} clearances on: {error}",
         ]
 
-    def function(self, form):
-        return formulas.text(
-            form,
-            self.shape,
-            self.constants,
-            "\n".join([*self.told(), "", f"Formula: {formulas.words(self.shape)}."]),
-            law=self.name,
-            title=f"Contact force of one spherical clearance joint: {self.name}.",
-            source=_SOURCE,
-            deepest=f"{self.deepest!r}",
-            margin=laws.LIMIT_MARGIN,
-            scale=f"{float(self.scale)!r}",
-        )
 
-    def json(self):
-        content = {
-            "law": self.name,
-            "source": _SOURCE,
-            "formula": formulas.words(self.shape),
-            "units": _UNITS,
-            "joint": _described(self.joint),
-            "range": {"depth_star": [0, self.deepest]},
-            "error": {"from_depth_star": self.least, "against_solved_joint": self.error}
-            | {"of_solved_joint": self.known},
-            "scale": float(self.scale),
-        }
-        constants = np.asarray(self.constants, dtype=float)
-        if self.shape is shapes.tabulated:
-            content |= {"root_depth_star": (np.arange(len(constants) // 2) / constants[0]).tolist()}
-            content |= {"stiffening": constants[1::2].tolist(), "slope": constants[2::2].tolist()}
-        elif constants.size:  # from the highest power of the shape's polynomial
-            content["coefficients"] = constants[::-1].tolist()
-        return json.dumps(content, indent=2) + "\n"
+def _function(law, language):
+    return formulas.text(
+        language,
+        law.shape,
+        law.constants,
+        "\n".join([*law.in_words(), "", f"Formula: {formulas.words(law.shape)}."]),
+        law=law.name,
+        title=f"Contact force of one spherical clearance joint: {law.name}.",
+        source=_SOURCE,
+        deepest=f"{law.deepest!r}",
+        margin=laws.LIMIT_MARGIN,
+        scale=f"{float(law.scale)!r}",
+    )
 
-    def csv(self):
-        depth = self.deepest * np.linspace(0, 1, ROWS + 1) ** 2
-        force, stiffness = np.zeros((2, ROWS + 1))
-        force[1:], stiffness[1:] = self.at(depth[1:])
-        lines = [f"# Contact force of one spherical clearance joint: {self.name}. {_SOURCE}"]
-        lines += [f"# {line}" for line in [*self.told(), *self._interpolations(depth)]]
-        lines += [f"# {name} = {text}" for name, text in _UNITS.items()]
-        rows = zip(depth, force, stiffness, strict=True)
-        numbers = (",".join(f"{x:.12g}" for x in row) for row in rows)
-        return "\n".join([*lines, ",".join(_UNITS), *numbers, ""])
 
-    def _interpolations(self, depth):
-        """Measured errors of interpolation between rows, in words."""
-        root = np.sqrt(depth)
-        steps = (np.arange(1, _BETWEEN) / _BETWEEN)[:, None]
-        between = (root[:-1] + steps * np.diff(root)) ** 2
-        between = np.sort(between[between >= self.least])
-        force, stiffness = np.zeros((2, len(depth)))
-        force[1:], stiffness[1:] = self.at(depth[1:])
-        true = self.at(between)[0]
-        linear = np.interp(between, depth, force)
-        cubic = CubicHermiteSpline(root, force, 2 * root * stiffness)(np.sqrt(between))
-        added = [_percent(np.abs(found / true - 1).max()) for found in (linear, cubic)]
-        return [
-            f"Between rows, linear interpolation over depth adds an error of up to {added[0]}.",
-            "A cubic Hermite spline over sqrt(depth_star), with the slopes 2 sqrt(depth_star) "
-            f"stiffness_star, adds {added[1]}.",
-        ]
+def _json(law):
+    content = {
+        "law": law.name,
+        "source": _SOURCE,
+        "formula": formulas.words(law.shape),
+        "units": _UNITS,
+        "joint": _parameters(law.joint),
+        "range": {"depth_star": [0, law.deepest]},
+        "error": {
+            "from_depth_star": law.least,
+            "against_solved_joint": law.error,
+            "of_solved_joint": law.error_of_joint,
+        },
+        "scale": float(law.scale),
+    }
+    constants = np.asarray(law.constants, dtype=float)
+    if law.shape is shapes.tabulated:
+        content["root_depth_star"] = (np.arange(len(constants) // 2) / constants[0]).tolist()
+        content |= {"stiffening": constants[1::2].tolist(), "slope": constants[2::2].tolist()}
+    elif constants.size:  # from the highest power of the shape's polynomial
+        content["coefficients"] = constants[::-1].tolist()
+    return json.dumps(content, indent=2) + "\n"
+
+
+def _csv(law):
+    depth = law.deepest * np.linspace(0, 1, ROWS + 1) ** 2
+    force, stiffness = np.zeros((2, ROWS + 1))
+    force[1:], stiffness[1:] = law.at(depth[1:])
+    errors = _interpolation_errors(law, depth, force, stiffness)
+    linear, cubic = (_percent(np.abs(error).max()) for error in errors)
+    lines = [
+        f"Contact force of one spherical clearance joint: {law.name}. {_SOURCE}",
+        *law.in_words(),
+        f"Between rows, linear interpolation over depth adds an error of up to {linear}.",
+        "A cubic Hermite spline over sqrt(depth_star), with the slopes 2 sqrt(depth_star) "
+        f"stiffness_star, adds {cubic}.",
+        *(f"{name} = {meaning}" for name, meaning in _UNITS.items()),
+    ]
+    rows = zip(depth, force, stiffness, strict=True)
+    numbers = (",".join(f"{x:.12g}" for x in row) for row in rows)
+    return "\n".join([*(f"# {line}" for line in lines), ",".join(_UNITS), *numbers, ""])
+
+
+def _interpolation_errors(law, depth, force, stiffness):
+    """Relative errors between rows: linear over the depth, and cubic over its square root."""
+    root = np.sqrt(depth)
+    steps = (np.arange(1, _BETWEEN) / _BETWEEN)[:, None]
+    between = (root[:-1] + steps * np.diff(root)) ** 2
+    between = np.sort(between[between >= law.least])
+    linear = np.interp(between, depth, force)
+    cubic = CubicHermiteSpline(root, force, 2 * root * stiffness)(np.sqrt(between))
+    true = law.at(between)[0]
+    return linear / true - 1, cubic / true - 1
 
 
 def _percent(error):
@@ -176,7 +186,7 @@ def _plain(value: Any) -> str:
     return " and ".join(f"{x:g}" for x in value) if isinstance(value, list) else f"{value}"
 
 
-def _described(joint):
+def _parameters(joint):
     return {
         "r2_star": joint.r2_star,
         "socket_ratio": joint.socket_ratio,

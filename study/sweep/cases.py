@@ -3,13 +3,11 @@
 A case is texts by column, as a CSV file holds them. Its columns are the options of `study joint`
 and `study simulate`. Semicolons separate the values of an option that may be repeated.
 
-A new column of results needs its unit and meaning in the table of its kind, such as `CURVES`, and
-its value in the function that solves this kind.
+A new column of results needs its unit and meaning in the table of its form, such as `CURVES`, and
+its value in the function that solves this form.
 """
 
 import csv
-import io
-import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from functools import partial
@@ -31,7 +29,7 @@ from study.mechanism.simulate import ready
 
 Kind = Literal["joints", "scenes"]
 Case = dict[str, str]
-Told = dict[str, Any]
+Results = dict[str, Any]
 Rows = list[list[str]]
 NAME, ERROR = "case", "error"
 """First column of every table, the case's name or number, and the last, the reason of a failure."""
@@ -43,7 +41,7 @@ CURVES = {
     "peak_pressure_star": ("1", "Largest pressure p R2/(E* dR)"),
     "error_estimate": ("1", "Estimated relative error of the force"),
 }
-SIZED = {
+DIMENSIONAL = {
     "depth": ("m", "Penetration depth"),
     "force": ("N", "Contact force"),
     "stiffness": ("N/m", "Slope of the force over the depth"),
@@ -62,22 +60,21 @@ SCENES = {
     "largest_slider_deviation": ("m", "The same, its largest size at the times of output"),
     "energy_error": ("1", "Largest error of the energy balance, over the largest energy"),
 }
-COLUMNS = {"joints": CURVES, "joints with dimensions": SIZED, "scenes": SCENES}
+COLUMNS = {"joints": CURVES, "joints with dimensions": DIMENSIONAL, "scenes": SCENES}
 """Results of a case, by the form of the cases: column -> unit and meaning."""
-_LONG = 1.0  # s after which a process returns its results; the other cases are handed out again
 
 
 class Form(NamedTuple):
     """How cases of one form are read and solved.
 
-    ``read`` has a function for each column, of its name and text, that gives its value. ``solver``
-    takes these values. It gives a key, the same for cases that share elastic bodies, and a function
-    that solves the case.
+    ``read`` has a function for each column, of its name and text, that gives its value. ``prepare``
+    takes these values. It gives a key and a function that solves the case. Cases with the same key
+    share elastic bodies, or are quick: one process solves several of them, and keeps them together.
     """
 
     read: Mapping[str, Callable[[str, str], Any]]
     needed: tuple[str, ...]
-    solver: Callable[[dict[str, Any]], tuple[str, Callable[[], Told]]]
+    prepare: Callable[[dict[str, Any]], tuple[str, Callable[[], Results]]]
 
 
 def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
@@ -88,29 +85,30 @@ def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
     ValueError
         If there are none, for a file that is not CSV text, or a row of another length.
     """
-    if not isinstance(cases, Path):
-        found = [_texts(case) for case in cases]
-    else:
-        try:
-            lines = cases.read_text(encoding="utf-8-sig")
-            head, *rows = [row for row in csv.reader(io.StringIO(lines)) if row] or [[]]
-        except (OSError, UnicodeDecodeError, csv.Error) as error:
-            why = getattr(error, "strerror", None) or "it is not CSV text in UTF-8"
-            raise ValueError(f"cases must be a CSV file, got {cases}: {why}") from None
-        names = [name.strip() for name in head]
-        if len(set(names)) < len(names):
-            raise ValueError(f"each column must have a name of its own, got {', '.join(names)}")
-        for number, row in enumerate(rows, 1):
-            if len(row) != len(names):
-                wanted = f"row {number} must have {len(names)} cells, as the head of the file"
-                raise ValueError(f"{wanted}, got {len(row)}")
-        found = [dict(zip(names, map(str.strip, row), strict=True)) for row in rows]
-    if not found:
+    rows = _from_csv(cases) if isinstance(cases, Path) else [_as_texts(case) for case in cases]
+    if not rows:
         raise ValueError("cases must have a row or more, got none")
-    return [{name: text for name, text in case.items() if text} for case in found]
+    return [{name: text for name, text in row.items() if text} for row in rows]
 
 
-def _texts(case):
+def _from_csv(path):
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            names, *rows = [row for row in csv.reader(file) if row] or [[]]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        why = getattr(error, "strerror", None) or "it is not CSV text in UTF-8"
+        raise ValueError(f"cases must be a CSV file, got {path}: {why}") from None
+    names = [name.strip() for name in names]
+    if len(set(names)) < len(names):
+        raise ValueError(f"each column must have a name of its own, got {', '.join(names)}")
+    for number, row in enumerate(rows, 1):
+        if len(row) != len(names):
+            wanted = f"row {number} must have {len(names)} cells, as the head of the file"
+            raise ValueError(f"{wanted}, got {len(row)}")
+    return [dict(zip(names, map(str.strip, row), strict=True)) for row in rows]
+
+
+def _as_texts(case):
     if not isinstance(case, Mapping):
         shown = checks.shown(case)
         raise ValueError(f"each of cases must be a mapping of columns to values, got {shown}")
@@ -137,9 +135,9 @@ def random_cases(count: int, ranges: Mapping[str, str], seed: int = 0) -> list[C
     seed = checks.whole("seed", seed, least=0)
     if not ranges:
         raise ValueError("ranges of the random cases must be given")
-    kinds = {name: _range(name, text) for name, text in ranges.items()}
-    draw = np.random.default_rng(seed)
-    return [{name: one(draw.random()) for name, one in kinds.items()} for _ in range(count)]
+    columns = {name: _range(name, text) for name, text in ranges.items()}
+    share = np.random.default_rng(seed).random
+    return [{name: at(share()) for name, at in columns.items()} for _ in range(count)]
 
 
 def _range(name, text):
@@ -159,8 +157,8 @@ def _range(name, text):
     return lambda x: f"{low + (high - low) * x:.6g}"
 
 
-def checked(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
-    """Form of the cases, one of `COLUMNS`, and for each case the key of its elastic bodies.
+def prepared(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
+    """Form of the cases, one of `COLUMNS`, and the key of each case (`Form`).
 
     Raises
     ------
@@ -172,43 +170,36 @@ def checked(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
     form: str = kind
     if kind == "joints" and "r2_star" not in columns:
         form = "joints with dimensions"
-    reads, needed, _ = FORMS[form]
     for column in columns:
-        checks.choice("column", column, [NAME, *reads])
-    bodies: list[str] = []
-    names: dict[str, int] = {}
+        checks.choice("column", column, [NAME, *FORMS[form].read])
+    keys, rows = [], {}
     for row, case in enumerate(cases, 1):
+        name = case.get(NAME, str(row))
         try:
-            if missing := [column for column in needed if column not in case]:
-                other = ", or r2_star" if form == "joints with dimensions" else ""
-                raise ValueError(f"{missing[0]} must be given{other}")
-            bodies.append(_solver(form, case)[0])
+            if missing := [column for column in FORMS[form].needed if column not in case]:
+                instead = ", or r2_star" if form == "joints with dimensions" else ""
+                raise ValueError(f"{missing[0]} must be given{instead}")
+            keys.append(_prepare(form, case)[0])
+            if name in rows:
+                twice = f"got {name!r} in row {rows[name]} too"
+                raise ValueError(f"{NAME} must be another name in each row, {twice}")
         except ValueError as error:
             raise ValueError(f"row {row}: {error}") from None
-        name = case.get(NAME, str(row))
-        before = names.setdefault(name, row)
-        if before != row:
-            twice = f"got {name!r} in row {before} too"
-            raise ValueError(f"row {row}: {NAME} must be another name in each row, {twice}")
-    return form, bodies
+        rows[name] = row
+    return form, keys
 
 
-def solve_some(form: str, some: list[Case]) -> list[Rows]:
-    """Rows of the first cases of a list, as many as take a second."""
-    end, found = time.monotonic() + _LONG, []
-    for case in some:
-        found.append(rows(form, case))
-        if time.monotonic() > end:
-            break
-    return found
+def solve(form: str, cases: list[Case]) -> list[Rows]:
+    """Rows of the table for each case, without its name and columns."""
+    return [_rows(form, case) for case in cases]
 
 
-def rows(form: str, case: Case) -> Rows:
+def _rows(form, case):
     """Cells of a case's rows, with 9 digits; one row with the reason if it fails."""
     columns = COLUMNS[form]
     try:
-        told = _solver(form, case)[1]()
-        cells = [_cells(name, told[name]) for name in columns]
+        results = _prepare(form, case)[1]()
+        cells = [_cells(name, results[name]) for name in columns]
     except MemoryError:  # not the case's own
         raise
     except Exception as error:  # written to the table, and counted: the other cases go on
@@ -216,7 +207,7 @@ def rows(form: str, case: Case) -> Rows:
         text = str(error) if known else f"{type(error).__name__}: {error}"
         return [[""] * len(columns) + [" ".join(text.split())]]
     count = max(map(len, cells))
-    full = [one * count if len(one) == 1 else one for one in cells]
+    full = [column * count if len(column) == 1 else column for column in cells]
     return [[*row, ""] for row in zip(*full, strict=True)]
 
 
@@ -226,105 +217,74 @@ def _cells(name, values):
     return [f"{value:.9g}" for value in np.atleast_1d(checks.number(name, values))]
 
 
-def _solver(form, case):
-    reads, _, solver = FORMS[form]
-    return solver({name: reads[name](name, text) for name, text in case.items() if name != NAME})
+def _prepare(form, case):
+    read, _, prepare = FORMS[form]
+    return prepare({name: read[name](name, text) for name, text in case.items() if name != NAME})
 
 
-def _word(_, text):
-    return text
-
-
-def _words(_, text):
-    return [part.strip() for part in text.split(";")]
-
-
-def _whole(name, text):
-    return checks.read(name, text, int)
-
-
-def _numbers(name, text):
-    return [checks.read(name, part) for part in text.split(";")]
-
-
-def _pair(name, text):
-    return checks.read_several(name, text, kind=int)
-
-
-def _material(name, text):
-    try:
-        return material(text)
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
-
-
-def _liners(name, text):
-    found = tuple(liner(part) for part in _words(name, text))
-    return tuple((thickness, _material(name, of)) for thickness, of in found)
+def _joint(values):
+    depths = values.pop("depth_star", None)
+    if depths is not None:
+        checks.number("depth_star", depths, least=0)
+    joint = joint_of_texts(**values)
+    return _bodies(joint), partial(_solve_joint, joint, depths)
 
 
 def _bodies(joint: Joint) -> str:
-    """Key of the compliances of a joint's bodies."""
+    """Key of the compliances of a joint's bodies, or of a joint with large displacements itself."""
     supports = joint.ball_drive, joint.rim, joint.kinematics
-    return repr((supports, joint.socket_layers, joint.ball.poisson))
+    compliances = supports, joint.socket_layers, joint.ball.poisson
+    return repr(joint if joint.kinematics == "finite" else compliances)
 
 
-def _of_joint(given):
-    depths = given.pop("depth_star", None)
+def _solve_joint(joint: Joint, depths: list[float] | None) -> Results:
     if depths is not None:
-        checks.number("depth_star", depths, least=0)
-    joint = joint_of_texts(**given)
-    return _bodies(joint), partial(_curve, joint, depths)
-
-
-def _curve(joint: Joint, depths: list[float] | None) -> Told:
-    told: Told = {"stiffness_star": ""}
-    if depths is None:
-        curve = whole_curve(joint, usual_depth(joint))
-        law, r2_star = tabulated(curve), joint.r2_star
-        told["stiffness_star"] = law(curve.depth_star, r2_star, derivative=True)
+        curve, stiffness = force_curve(joint, depths), ""
     else:
-        curve = force_curve(joint, depths)
-    return {name: getattr(curve, name) for name in CURVES if name not in told} | told
+        curve = whole_curve(joint, usual_depth(joint))
+        stiffness = tabulated(curve)(curve.depth_star, joint.r2_star, derivative=True)
+    names = CURVES.keys() - {"stiffness_star"}
+    return {name: getattr(curve, name) for name in names} | {"stiffness_star": stiffness}
 
 
-def _of_sized(given):
-    wanted = {name: given.pop(name) for name in ("depth", "force") if name in given}
-    for name, values in wanted.items():
-        checks.number(name, values, SIZED[name][0], above=0)
-    if len(wanted) > 1:
+def _dimensional_joint(values):
+    asked = {name: values.pop(name) for name in ("depth", "force") if name in values}
+    for name, numbers in asked.items():
+        checks.number(name, numbers, DIMENSIONAL[name][0], above=0)
+    if len(asked) > 1:
         raise ValueError("either depth or force must be given, not both")
-    joint = DimensionalJoint(**given)
-    return _bodies(joint.joint), partial(_sized, joint, wanted)
+    joint = DimensionalJoint(**values)
+    return _bodies(joint.joint), partial(_solve_dimensional, joint, asked)
 
 
-def _sized(joint: DimensionalJoint, wanted: dict[str, list[float]]) -> Told:
-    solved = joint.solve(**wanted) if wanted else joint.curve()
-    told = {name: getattr(solved, name) for name in SIZED if name != "yield_factor"}
-    factors = [factor for factor in solved.yield_factor.values() if factor is not None]
-    return told | {"yield_factor": np.min(factors, axis=0) if factors else ""}
+def _solve_dimensional(joint: DimensionalJoint, asked: dict[str, list[float]]) -> Results:
+    solution = joint.solve(**asked) if asked else joint.curve()
+    factors = [factor for factor in solution.yield_factor.values() if factor is not None]
+    least = {"yield_factor": np.min(factors, axis=0) if factors else ""}
+    return {name: getattr(solution, name) for name in DIMENSIONAL if name not in least} | least
 
 
-def _of_scene(given):
-    names = {each.name for each in fields(Scene)}
-    texts = {name: text for name, text in given.items() if name in names}
-    for name in ("ball", "socket"):
-        if name in texts:
-            _material(name, texts[name])
+def _scene(values):
+    names = {field.name for field in fields(Scene)}
+    texts = {name: text for name, text in values.items() if name in names}
+    for name in texts.keys() & {"ball", "socket"}:
+        _material(name, texts[name])
     scene = Scene.read(texts)
-    options = {name: value for name, value in given.items() if name not in names}
-    law = options.get("law", "hertz")
+    options = {name: value for name, value in values.items() if name not in names}
+    law, is_slow = options.get("law", "hertz"), options.get("model", "rigid") != "rigid"
     if "socket_ratio" in options and law != "stiffened_hertz":
         raise ValueError(f"socket_ratio must be left out: law {law} does not depend on it")
-    return "", partial(_simulated, scene, ready(scene, **options))
+    return repr(values) if is_slow else "", partial(_simulate, scene, ready(scene, **options))
 
 
-def _simulated(scene: Scene, run: Callable[[], Response]) -> Told:
+def _simulate(scene: Scene, run: Callable[[], Response]) -> Results:
     response = run()
     if not response.complete:
         raise KeyboardInterrupt
     impacts = dict(zip(IMPACT_COLUMNS, response.impact_rows.T, strict=True))
-    deviation = np.abs(response.slider_position - _ideal_position(scene, response))
+    angle, crank, coupler = response.crank_angle, scene.crank_length, scene.coupler_length
+    ideal = crank * np.cos(angle) + np.sqrt(coupler**2 - (crank * np.sin(angle)) ** 2)
+    deviation = np.abs(response.slider_position - ideal)
     return {
         "impacts": len(response.impact_rows),
         "largest_depth": impacts["peak_depth"].max(initial=0.0),
@@ -337,41 +297,62 @@ def _simulated(scene: Scene, run: Callable[[], Response]) -> Told:
     }
 
 
-def _ideal_position(scene: Scene, response: Response) -> np.ndarray:
-    """Slider's position with ideal joints at each crank angle of a response, in m."""
-    angle, crank, coupler = response.crank_angle, scene.crank_length, scene.coupler_length
-    return crank * np.cos(angle) + np.sqrt(coupler**2 - (crank * np.sin(angle)) ** 2)
+def _word(_, text):
+    return text
 
 
-_OF_BOTH = dict.fromkeys(("ball_drive", "rim", "kinematics"), _word)
+def _whole(name, text):
+    return checks.read(name, text, int)
+
+
+def _pair(name, text):
+    return checks.read_several(name, text, kind=int)
+
+
+def _several(read):
+    return lambda name, text: tuple(read(name, part.strip()) for part in text.split(";"))
+
+
+def _material(name, text):
+    try:
+        return material(text)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
+def _liner(name, text):
+    thickness, of = liner(text)
+    return thickness, _material(name, of)
+
+
 _RATIOS = ("r2_star", "socket_ratio", "poisson", "modulus_ratio", "socket_poisson")
 _SIZES = ("socket_radius", "clearance", "wall")
-_OPTIONS = {
-    **dict.fromkeys(("model", "joint", "law", "method"), _word),
-    **dict.fromkeys(("duration", "tolerance", "step", "socket_ratio"), checks.read),
-    **{"outputs": _whole, "elements": _pair},
-}
+_SUPPORTS = dict.fromkeys(("ball_drive", "rim", "kinematics"), _word)
+_numbers = _several(checks.read)
 FORMS = {
     "joints": Form(
-        {
-            **dict.fromkeys(_RATIOS, checks.read),
-            "layer": _words,
-            **_OF_BOTH,
-            "depth_star": _numbers,
-        },
+        dict.fromkeys(_RATIOS, checks.read)
+        | _SUPPORTS
+        | {"layer": _several(_word), "depth_star": _numbers},
         ("r2_star",),
-        _of_joint,
+        _joint,
     ),
     "joints with dimensions": Form(
-        {
-            **dict.fromkeys(_SIZES, checks.read),
-            **{"ball": _material, "socket": _material, "liner": _liners},
-            **_OF_BOTH,
-            **{"depth": _numbers, "force": _numbers},
-        },
+        dict.fromkeys(_SIZES, checks.read)
+        | _SUPPORTS
+        | {"ball": _material, "socket": _material, "liner": _several(_liner)}
+        | {"depth": _numbers, "force": _numbers},
         _SIZES,
-        _of_sized,
+        _dimensional_joint,
     ),
-    "scenes": Form(_OPTIONS | {each.name: _word for each in fields(Scene)}, (), _of_scene),
+    "scenes": Form(
+        dict.fromkeys(
+            [*("model", "joint", "law", "method"), *(f.name for f in fields(Scene))], _word
+        )
+        | dict.fromkeys(("duration", "tolerance", "step", "socket_ratio"), checks.read)
+        | {"outputs": _whole, "elements": _pair},
+        (),
+        _scene,
+    ),
 }
 """By a name of `COLUMNS`."""

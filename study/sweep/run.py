@@ -6,17 +6,16 @@ order of the cases, with the same bytes for any number of processes.
 """
 
 import csv
-import hashlib
 import json
 import os
 import signal
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Executor, wait
+from concurrent.futures import Executor, as_completed
 from contextlib import closing, contextmanager
 from importlib.metadata import version
+from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,8 +26,7 @@ from study.checks import StudyError
 from study.sweep import cases as of_cases
 from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind, Rows
 
-_TASK = 16  # most cases that a process gets at once: neighbours share bodies
-_AHEAD = 2  # tasks for each process that are waiting or running
+_TASK = 16  # most cases that a process gets at once
 _PACKAGES = ("numpy", "scipy", "numba", "scikit-fem")
 
 
@@ -93,29 +91,29 @@ def sweep(
     output = Path(output)
     if isinstance(cases, Path) and cases.resolve() == output.resolve():
         raise ValueError(f"output must be another file than the cases, got {output}")
-    found = of_cases.load(cases)
-    form, bodies = of_cases.checked(kind, found)
+    every_case = of_cases.load(cases)
+    form, bodies = of_cases.prepared(kind, every_case)
     code = _code()
-    keys = [_key(code, form, case) for case in found]
+    keys = [_key(code, form, case) for case in every_case]
+    different = dict(zip(keys, zip(bodies, every_case, strict=True), strict=True))
     output.parent.mkdir(parents=True, exist_ok=True)
-    part = output.with_name(f"{output.name}.part")
-    with _Part(part, set(keys)) as done:
-        left = {key: row for row, key in enumerate(keys) if key not in done.places}
-        order = sorted(left, key=lambda key: (bodies[left[key]], left[key]))
-        todo = [(key, found[left[key]]) for key in order]
-        told = progress or (lambda *_: None)
-        told(len(done.places), len(done.keys), len(done.failures))
-        with closing(_solved(form, todo, jobs, dask_address)) as results:
-            for key, rows in results:
-                done.add(key, rows)
-                told(len(done.places), len(done.keys), len(done.failures))
-        names = [case.get(NAME, str(row)) for row, case in enumerate(found, 1)]
-        count = _write(output, form, found, names, map(done.rows, keys))
-        failures = done.failures
-    part.unlink(missing_ok=True)
-    pairs = zip(names, keys, strict=True)
-    failed = {name: failures[key] for name, key in pairs if key in failures}
-    return Swept(len(found), count, COLUMNS[form], failed)
+    with _Part(output.with_name(f"{output.name}.part"), set(keys)) as part:
+
+        def report():
+            if progress is not None:
+                progress(len(part.places), len(different), len(part.failures))
+
+        report()
+        left = {key: case for key, case in different.items() if key not in part.places}
+        with closing(_solved(form, _tasks(left), jobs, dask_address)) as solved:
+            for key, rows in solved:
+                part.add(key, rows)
+                report()
+        names = [case.get(NAME, str(row)) for row, case in enumerate(every_case, 1)]
+        count = _write(output, form, every_case, names, map(part.rows, keys))
+    named = zip(names, keys, strict=True)
+    failures = {name: part.failures[key] for name, key in named if key in part.failures}
+    return Swept(len(every_case), count, COLUMNS[form], failures)
 
 
 def _code() -> str:
@@ -126,12 +124,12 @@ def _code() -> str:
 
 def _key(code: str, form: str, case: Case) -> str:
     """Key of a case, whatever its number, its name and the order of its columns."""
-    given = sorted((name, text) for name, text in case.items() if name != NAME)
-    return _digest(json.dumps([code, form, given]))
+    values = sorted((name, text) for name, text in case.items() if name != NAME)
+    return _digest(json.dumps([code, form, values]))
 
 
 def _digest(content: str) -> str:
-    return hashlib.sha256(content.encode()).hexdigest()[:32]
+    return provenance.sha256(content.encode())[:32]
 
 
 class _Part:
@@ -142,10 +140,9 @@ class _Part:
     """
 
     def __init__(self, path: Path, keys: set[str]):
-        self.keys, self._path = keys, path
         self.places: dict[str, int] = {}
         self.failures: dict[str, str] = {}
-        self._file = path.open("a+b")
+        self._path, self._file = path, path.open("a+b")
         self._file.seek(0)
         place, line = 0, b"\n"
         for line in self._file:
@@ -159,9 +156,9 @@ class _Part:
     def __enter__(self):
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, failure, *_):
         self._file.close()
-        if not self.places:  # nothing to go on with
+        if failure is None or not self.places:  # finished, or nothing to go on with
             self._path.unlink(missing_ok=True)
 
     def add(self, key: str, rows: Rows) -> None:
@@ -179,8 +176,8 @@ class _Part:
 
     def _note(self, key, rows, place):
         self.places[key] = place
-        if rows[0][-1]:
-            self.failures[key] = rows[0][-1]
+        if reason := rows[0][-1]:
+            self.failures[key] = reason
 
     @staticmethod
     def _read(line):
@@ -188,66 +185,70 @@ class _Part:
         return json.loads(content) if _digest(content) == checksum else ("", [])
 
 
-def _write(output, form, found, names, rows):
+def _write(output, form, cases, names, rows_of_cases):
     """Write the table, and return the number of its rows."""
-    columns = dict.fromkeys(name for case in found for name in case)
-    given = [name for name in columns if name not in (NAME, *COLUMNS[form])]
+    columns = dict.fromkeys(name for case in cases for name in case)
+    inputs = [name for name in columns if name not in (NAME, *COLUMNS[form])]
     count = 0
     with paths.whole(output) as temporary, temporary.open("w", encoding="utf-8", newline="") as to:
         table = csv.writer(to, lineterminator="\n")
-        table.writerow([NAME, *given, *COLUMNS[form], ERROR])
-        for name, case, told in zip(names, found, rows, strict=True):
-            table.writerows([name, *(case.get(one, "") for one in given), *row] for row in told)
-            count += len(told)
+        table.writerow([NAME, *inputs, *COLUMNS[form], ERROR])
+        for name, case, rows in zip(names, cases, rows_of_cases, strict=True):
+            before = [name, *(case.get(column, "") for column in inputs)]
+            table.writerows([*before, *row] for row in rows)
+            count += len(rows)
     return count
 
 
+def _tasks(cases: dict[str, tuple[str, Case]]) -> list[dict[str, Case]]:
+    """Tasks for a process: cases that share bodies, by their keys."""
+    ordered = sorted(cases.items(), key=lambda item: item[1][0])
+    groups = (list(group) for _, group in groupby(ordered, key=lambda item: item[1][0]))
+    return [
+        {key: case for key, (_, case) in group[start : start + _TASK]}
+        for group in groups
+        for start in range(0, len(group), _TASK)
+    ]
+
+
 def _solved(
-    form: str, todo: list[tuple[str, Case]], jobs: int | None, dask_address: str | None
+    form: str, tasks: list[dict[str, Case]], jobs: int | None, dask_address: str | None
 ) -> Generator[tuple[str, Rows], None, None]:
-    """Keys and rows of cases, as they are finished; neighbours are solved by the same process."""
-    count = min(jobs or cpu_count(), len(todo))
+    """Keys and rows of cases, as they are finished."""
+    count = min(jobs or cpu_count(), len(tasks))
     if dask_address is None and count < 2:  # here, without the start of a process
-        for key, case in todo:
-            yield key, of_cases.rows(form, case)
+        for task in tasks:
+            for key, case in task.items():
+                yield key, *of_cases.solve(form, [case])
         return
-    with _workers(count, dask_address) as (executor, count):
-        size = max(1, min(_TASK, len(todo) // (4 * count)))
-        waiting = deque(todo[k : k + size] for k in range(0, len(todo), size))
-        running: dict = {}
-        while waiting or running:
-            while waiting and len(running) < _AHEAD * count:
-                task = waiting.popleft()
-                with _without_interrupts():
-                    future = executor.submit(of_cases.solve_some, form, [case for _, case in task])
-                running[future] = task
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
-                task = running.pop(future)
-                try:
-                    found = future.result()
-                except Exception as error:
-                    why = f"{type(error).__name__}: {error}"
-                    raise StudyError(
-                        f"a worker ended; what was finished is kept ({why})"
-                    ) from error
-                if left := task[len(found) :]:
-                    waiting.appendleft(left)
-                yield from zip((key for key, _ in task), found, strict=False)
+    with _workers(count, dask_address) as executor:
+        with _without_interrupts():
+            running = {
+                executor.submit(of_cases.solve, form, list(task.values())): list(task)
+                for task in tasks
+            }
+        for future in as_completed(running):
+            try:
+                rows = future.result()
+            except Exception as error:
+                why = f"{type(error).__name__}: {error}"
+                raise StudyError(f"a worker ended; what was finished is kept ({why})") from error
+            yield from zip(running.pop(future), rows, strict=True)
 
 
 @contextmanager
-def _workers(count: int, dask_address: str | None) -> Iterator[tuple[Executor, int]]:
-    """Executor of functions, and how many it runs at once; it is stopped with the study."""
+def _workers(count: int, dask_address: str | None) -> Iterator[Executor]:
+    """Executor of functions; it is stopped with the study."""
     if dask_address is not None:
         from study.pages.tasks import dask_client
 
         with dask_client(dask_address) as client:
-            yield client.get_executor(pure=False), sum(client.nthreads().values())
+            yield client.get_executor(pure=False)
         return
     executor = ProcessPoolExecutor(count, initializer=_end_with, initargs=(os.getpid(),))
     finished = False
     try:
-        yield executor, count
+        yield executor
         finished = True
     finally:
         executor.shutdown(kill_workers=not finished)
@@ -270,8 +271,8 @@ def _without_interrupts():
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, usual)
+        signal.signal(signal.SIGINT, before)

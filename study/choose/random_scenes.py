@@ -1,0 +1,58 @@
+"""The random scenes behind the bound of `study.choose.links`: they make ``data/links.csv``.
+
+Nothing that chooses needs this module: `links.LARGEST_RATIOS` states what comes out.
+"""
+
+from collections.abc import Iterable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from study.choose.links import EVEN_RANGES, RANGES, estimates, largest, ratios
+from study.mechanism.compare import motion_nrms
+from study.mechanism.scene import Scene
+from study.mechanism.simulate import simulate
+from study.mechanism.stepping import MechanismError
+
+COUNT = 160
+ELEMENTS, LAW = (4, 8), "stiffened_hertz"
+
+
+def draw(seed: int, count: int = COUNT) -> Iterator[tuple[Scene, float]]:
+    """Scenes and durations (s) at random places of the ranges, the same for the same seed."""
+    numbers = np.random.default_rng(seed)
+    for _ in range(count):
+        values: dict[str, Any] = {
+            name: float(f"{low * (high / low) ** numbers.random():.4g}")
+            for name, (low, high) in RANGES.items()
+        }
+        duration = values.pop("duration")
+        values |= {name: round(numbers.uniform(*ends), 3) for name, ends in EVEN_RANGES.items()}
+        yield Scene(**values), duration
+
+
+def measure(scenes: Iterable[tuple[Scene, float]]) -> pd.DataFrame:
+    """Errors of rigid links against particles on scenes of `draw`, beside their estimates.
+
+    Scenes that a model cannot finish, and those without an impact, are left out.
+    """
+    rows = []
+    for scene, duration in scenes:
+        run = partial(simulate, scene, law=LAW, duration=duration, outputs=1000)
+        try:
+            rigid = run(model="rigid")
+            flexible = run(model="particles", elements=ELEMENTS)
+        except MechanismError:
+            continue
+        if len(rigid.impact_rows) == 0:
+            continue
+        drawn = [name for name in (RANGES | EVEN_RANGES) if name != "duration"]
+        row = {"duration": duration} | {name: getattr(scene, name) for name in drawn}
+        row |= ratios(scene, largest(rigid, "peak_depth"))
+        for quantity, estimate in estimates(scene, rigid).items():
+            row[f"{quantity}_estimate"] = estimate
+            row[f"{quantity}_error"] = motion_nrms(flexible, rigid, quantity)
+        rows.append(row)
+    return pd.DataFrame(rows)
