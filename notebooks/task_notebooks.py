@@ -10,24 +10,24 @@ from typing import Annotated
 
 from pytask import Product, PythonNode, mark, task
 
-from study.pages import catalogue, execute, tasks
+from study.pages import catalogue, execute, freshness, tasks
 
 settings = json.loads(os.environ.get(execute.PARAMETERS_VARIABLE, "{}"))
 
 READ = {name for notebook in catalogue.CATALOGUE for name in notebook.reads}
 
 for notebook in catalogue.CATALOGUE:
-    chosen = json.dumps(settings.get(notebook.name, {}), sort_keys=True)
+    described = freshness.of_notebook(notebook, settings.get(notebook.name, {}))
     begins_first = notebook.long or READ & notebook.results.keys()
 
     @(mark.try_first if begins_first else mark.try_last)
     @task(id=notebook.name)
     def task_notebook(
-        parameters: Annotated[str, PythonNode(value=chosen, hash=True)],
-        name: str = notebook.name,
-        inputs: list[Path] = notebook.inputs(),
-        products: Annotated[list[Path], Product] = notebook.products(),
+        run: Annotated[
+            tuple, PythonNode(value=(notebook, described.settings), hash=described.digest)
+        ],
+        reads: list[Path] = described.reads,
+        products: Annotated[list[Path], Product] = described.products,
     ):
         tasks.leave_interrupts_to_the_runner()
-        (selected,) = catalogue.select([name])
-        execute.execute(selected, json.loads(parameters))
+        execute.execute(*run)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from study import dataset, paths
 from study.claims import verdicts
 from study.pages.catalogue import CATALOGUE, check_claims
-from study.pages.report import claims as report_claims
+from study.pages.report import pages as report_pages
 
 ROWS = verdicts.load()
 JUDGED = verdicts.judge()
@@ -30,7 +30,7 @@ def test_there_are_enough_claims_and_each_verdict_occurs():
     assert len(ROWS) >= 20
     assert not ROWS.claim.duplicated().any()
     assert set(JUDGED.verdict) == set(verdicts.VERDICTS)
-    assert set(JUDGED.kind) == set(verdicts.KINDS) == {"stated", *report_claims.GROUPS}
+    assert set(JUDGED.kind) == set(verdicts.KINDS) == {"stated", *report_pages.GROUPS}
 
 
 def test_claims_are_grouped_by_kind_and_verdict():

@@ -1,268 +1,284 @@
-"""The whole pipeline in a temporary copy of the project, run as a user runs it."""
+"""Notebooks run as a user runs them: stale or fresh, failing, with other parameters, interrupted.
+
+The notebooks are small ones in a copy of the project; `test_end_to_end` runs real ones.
+"""
 
 import csv
 import json
 import re
-import shutil
-import socket
+import signal
 import subprocess
 import sys
 import time
 
+import nbformat
 import pytest
-from copied import copy_project, environment, study
+from copied import environment, study
+from stubs import CURVE, LABEL, LAW, NAMES, SAVE, TOTAL, edit, stub_project
 
-from study import paths
-from study.dataset.tolerance import table_differs
-from study.pages import catalogue
-
-TWO = ("02-coefficient-over-socket-radius", "03-force-against-depth")
-THREE = ("fig09", "fig10", "fig16")
-MADE = ("fig07.png", "fig07.csv", "fig09.png", "fig09.csv", "table1.csv", "fig10.png", "fig10.csv")
+LIST = ["-m", "study.cli", "list"]
 
 
 @pytest.fixture(scope="module")
-def project(tmp_path_factory):
-    root = copy_project(tmp_path_factory.mktemp("copy") / "project")
-    for path in (root / "figures").iterdir():
-        path.unlink()
+def fresh_project(tmp_path_factory):
+    """A project in which every notebook was run."""
+    root = stub_project(tmp_path_factory.mktemp("copy") / "project")
+    assert states(root) == dict.fromkeys(NAMES, "stale")
+    done = study(root, "run")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert ran(done) == list(NAMES)
+    for name in ("curve.png", "numbers.csv", "law.csv", "total.csv"):
+        assert f"figures/{name}" in done.stdout
+        assert (root / "figures" / name).is_file()
+    assert (root / "figures/total.csv").read_text() == "total\n6\n"
+    assert states(root) == dict.fromkeys(NAMES, "fresh")
     return root
 
 
-def edit(root, name, old, new):
-    path = root / "notebooks" / f"{name}.ipynb"
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
+@pytest.fixture
+def project(fresh_project):
+    """The same; what a test changes is undone after it."""
+    files = [path for path in fresh_project.rglob("*") if path.is_file()]
+    before = {path: path.read_bytes() for path in files if "compiled" not in path.parts}
+    yield fresh_project
+    for path in fresh_project.rglob("*"):
+        if path.is_file() and "compiled" not in path.parts and path not in before:
+            path.unlink()
+    for path, content in before.items():
+        if not path.is_file() or path.read_bytes() != content:
+            path.write_bytes(content)
 
 
-def assert_agrees(root, name):
-    """The file made in a copy holds the kept numbers: other bytes only on another processor."""
-    made, kept = root / "figures" / name, paths.FIGURES / name
-    if made.suffix == ".csv":
-        assert table_differs(kept, made) is None, name
-    assert made.is_file()
-    return made.read_bytes()
+def states(root, *names):
+    listed = csv.DictReader(study(root, "list", *names).stdout.splitlines())
+    return {row["notebook"]: row["state"] for row in listed}
 
 
 def ran(done):
     return sorted(set(re.findall(r"build/notebooks/(\S+)\.ipynb", done.stdout)))
 
 
-def test_pipeline_from_nothing_to_fresh_and_stale(project):
-    listed = study(project, "list")
-    assert listed.returncode == 0, listed.stderr
-    results = [name for notebook in catalogue.CATALOGUE for name in notebook.results]
-    assert listed.stdout.count("stale") == len(results)
+def stale(root):
+    return {name for name, state in states(root).items() if state == "stale"}
 
-    done = study(project, "run", "fig09", "fig10")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert ran(done) == list(TWO)
-    first = {}
-    for name in MADE:
-        first[name] = assert_agrees(project, name)
-        assert f"figures/{name}" in done.stdout or name.endswith(".csv")
 
-    again = study(project, "run", "fig09", "fig10")
-    assert again.returncode == 0
+def test_what_is_fresh_is_found_without_a_runner(project):
+    again = study(project, "run")
+    assert (again.returncode, again.stderr) == (0, "")
     assert "Nothing was stale" in again.stdout
-
-    edit(project, TWO[0], "(a) coefficient", "(a) the coefficient")
-    table = project / "figures/table1.csv"
-    row, number = number_in(table)
-    table.write_text(table.read_text().replace(number, "0.5"))
-    edited = study(project, "run", "fig09", "fig10")
-    assert ran(edited) == [TWO[0]]
-    assert edited.returncode == 1
-    picture, told = sorted(edited.stderr.splitlines())
-    assert re.fullmatch(r"differs  figures/fig09.png, \d+ pixels differ", picture)
-    assert told == (
-        f"differs  figures/table1.csv, row {row}, column ours: kept 0.5, now {number} (1 in all)"
-    )
-    assert table.read_bytes() == first["table1.csv"]
-    assert edited.stdout.splitlines()[-1] == "5 results: 3 identical, 0 agree, 2 differ"
-    assert (project / "figures/fig09.png").read_bytes() != first["fig09.png"]
-    told = study(project, "verify", "fig09", "fig10")
-    assert (told.returncode, told.stderr) == (1, edited.stderr)
-    assert told.stdout == edited.stdout.splitlines()[-1] + "\n"
-    accepted = study(project, "verify", "--keep")
-    assert accepted.returncode == 0
-    counts = f"{len(results)} results: 5 identical, 0 agree, 0 differ, {len(results) - 5} not made"
-    assert accepted.stdout.startswith(counts)
-    listed = study(project, "list")
-    assert listed.stdout.count("fresh") == 5  # fig07, fig09, fig10, table1, trend
-
-    one = study(project, "run", "fig10", "-p", "r2_star=100")
-    assert one.returncode == 0, one.stderr
-    assert one.stdout.splitlines()[-1].endswith("0 differ, 2 other parameters")
-    assert (project / "figures/fig10.csv").read_bytes() != first["fig10.csv"]
-    listed = study(project, "list", "trend")
-    assert listed.stdout.startswith(f"{TWO[1]}: other parameters: r2_star=100.0\n")
-    assert study(project, "list", "table1").stdout.startswith(f"{TWO[0]}: fresh\n")
-    paper = study(project, "paper")
-    assert (paper.returncode, paper.stdout) == (1, "")
-    assert "fig10, trend (r2_star=100.0)" in paper.stderr
-    assert paper.stderr.endswith(f"restore them with: study run {TWO[1]}\n")
-    assert not (project / "build/paper.pdf").exists()
-    back = study(project, "run", "fig10")
-    assert ran(back) == [TWO[1]]
-    assert (project / "figures/fig10.csv").read_bytes() == first["fig10.csv"]
-    assert study(project, "list", "trend").stdout.startswith(f"{TWO[1]}: fresh\n")
+    assert again.stdout.splitlines()[-1] == "4 results: 4 identical, 0 agree, 0 differ"
+    heavy = {"pytask", "sqlalchemy", "pandas", "matplotlib", "scipy", "papermill", "numba"}
+    for words in (["list"], ["run"]):
+        code = (
+            "import sys\nfrom study.cli import main\n"
+            f"sys.argv = ['study', *{words}]\n"
+            "try:\n    main()\nexcept SystemExit:\n    print(*sys.modules, file=sys.stderr)\n"
+        )
+        command = [sys.executable, "-c", code]
+        options = {"env": environment(project), "capture_output": True, "text": True}
+        done = subprocess.run(command, cwd=project, **options)
+        loaded = set(done.stderr.split())
+        assert "study.pages.freshness" in loaded
+        assert not heavy & loaded
 
 
-def number_in(table):
-    """Line of a table's RMSE, and its number in the column ours."""
-    lines = table.read_text().splitlines()
-    (row,) = [n for n, line in enumerate(lines, 1) if line.startswith("RMSE")]
-    return row, lines[row - 1].split(",")[lines[0].split(",").index("ours")]
-
-
-def fresh(project):
-    listed = csv.DictReader(study(project, "list").stdout.splitlines())
-    return {row["notebook"] for row in listed if row["state"] == "fresh"}
+def change(path):
+    path.write_text(path.read_text() + "# changed\n")
 
 
 def test_a_changed_module_makes_stale_only_what_reaches_it(project):
     for module, reached in (
-        ("dataset/fitting", {TWO[0]}),
-        ("pages/figures", set(TWO)),
+        ("contact/laws", {CURVE, LAW, TOTAL}),  # figures have a look for each law
+        ("pages/figures", {CURVE, TOTAL}),  # which reads what the first one makes
         ("measure/stability", set()),
     ):
         path = project / f"study/{module}.py"
         text = path.read_text()
-        path.write_text(text + "# changed\n")
-        assert fresh(project) == set(TWO) - reached
+        change(path)
+        assert stale(project) == reached, module
         path.write_text(text)
+    assert stale(project) == set()
 
 
-def test_a_failing_cell_stops_its_figure_alone(project):
-    edit(project, TWO[0], "(a) the coefficient", "(a) coefficient")
-    edit(project, TWO[1], "behind = ", 'behind = 1 / 0\\n",\n    "behind = ')
-    done = study(project, "run", "fig09", "fig10", "--force")
+def test_a_changed_product_table_read_or_task_makes_stale(project):
+    for name, reached in (
+        ("figures/law.csv", {LAW}),
+        ("figures/curve.png", {CURVE, TOTAL}),
+        ("build/notebooks/03-total.ipynb", {TOTAL}),
+        ("notebooks/02-law.ipynb", {LAW}),
+        ("notebooks/task_notebooks.py", set(NAMES)),
+    ):
+        path = project / name
+        content = path.read_bytes()
+        path.write_bytes(content + b"\n")
+        assert stale(project) == reached, name
+        path.unlink()
+        if name != "notebooks/02-law.ipynb":  # without its notebook nothing can be said
+            assert stale(project) >= reached - {TOTAL}, name
+        path.write_bytes(content)
+    text = (project / "notebooks/catalogue.toml").read_text()
+    more = text.replace("[03-total]", '[02-law.figures]\nlaws = "a picture"\n[03-total]')
+    (project / "notebooks/catalogue.toml").write_text(more)
+    assert stale(project) == {LAW}
+
+
+def test_pytask_and_the_list_agree_on_what_is_stale(project):
+    """What `list` calls stale is what a run runs, and nothing else."""
+    change(project / "study/contact/pressure.py")
+    expected = stale(project)
+    edit(project, LAW, "0.5)", "0.6)")
+    expected |= {LAW}
+    assert stale(project) == expected
+    done = study(project, "run")
+    assert set(ran(done)) <= expected  # one that reads what did not change need not run
+    assert LAW in ran(done)
+    assert stale(project) == set()
+    edit(project, TOTAL, "import csv", "import (csv")
+    assert stale(project) == {TOTAL}
+    done = study(project, "run", "total")
+    assert re.search(rf"failed: {TOTAL}, cell In.*SyntaxError", done.stderr)
+
+
+def test_the_journal_of_a_killed_run_counts(project):
+    lock = project / "pytask.lock"
+    entries = lock.read_text().split("[[task]]")
+    (law,) = [entry for entry in entries if LAW in entry]
+    lock.write_text("[[task]]".join(entry for entry in entries if entry != law))
+    assert stale(project) == {LAW}
+    values = dict(re.findall(r'^(id|state) = "(.+)"', law, re.M))
+    sections = law.split("[task.")
+    for section in sections[1:]:
+        values[section.partition("]")[0]] = dict(re.findall(r'^"?(.+?)"? = "(.+)"', section, re.M))
+    journal = project / "pytask.lock.journal"
+    journal.write_text(json.dumps(values | {"lock-version": "1"}) + "\n")
+    assert stale(project) == set()
+    journal.write_text("{broken")
+    assert stale(project) == set(NAMES)
+
+
+def test_results_that_differ_are_named_until_they_are_accepted(project):
+    first = {path.name: path.read_bytes() for path in (project / "figures").iterdir()}
+    edit(project, CURVE, LABEL, 'axes.set_ylabel("Force")')
+    edit(project, CURVE, "5.0 *", "6.0 *")
+    edit(project, CURVE, SAVE, SAVE.replace("table", "table.assign(force=[1.0, 5.0])"))
+    edited = study(project, "run")
+    assert ran(edited) == [CURVE, TOTAL]
+    assert edited.returncode == 1
+    differing = sorted(edited.stderr.splitlines())
+    assert re.fullmatch(r"differs  figures/curve.png, \d+ pixels differ", differing[0])
+    assert differing[1:] == [
+        "differs  figures/numbers.csv, row 3, column force: kept 5, now 6 (1 in all)",
+        "differs  figures/total.csv, row 2, column total: kept 6, now 7 (1 in all)",
+    ]
+    assert edited.stdout.splitlines()[-1] == "4 results: 1 identical, 0 agree, 3 differ"
+    assert (project / "figures/curve.png").read_bytes() != first["curve.png"]
+    assert (project / "figures/curve.csv").read_bytes() == first["curve.csv"]
+    again = study(project, "verify")
+    assert (again.returncode, again.stderr) == (1, edited.stderr)
+    assert again.stdout == edited.stdout.splitlines()[-1] + "\n"
+    accepted = study(project, "verify", "--keep")
+    assert (accepted.returncode, accepted.stderr) == (0, "")
+    assert accepted.stdout == "4 results: 4 identical, 0 agree, 0 differ\n"
+    assert stale(project) == set()
+
+
+def test_a_file_changed_by_hand_is_made_again(project):
+    table = project / "figures/law.csv"
+    content = table.read_bytes()
+    table.write_text(table.read_text().replace(".", "0."))
+    done = study(project, "run", "law")
+    assert ran(done) == [LAW]
     assert done.returncode == 1
-    assert ran(done) == [TWO[0]]
+    assert "differs  figures/law.csv, row 2, column force: kept " in done.stderr
+    assert table.read_bytes() == content
+
+
+def test_other_parameters_are_marked_and_restored(project):
+    first = (project / "figures/curve.csv").read_bytes()
+    done = study(project, "run", "curve", "-p", "scale=100")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.splitlines()[-1].endswith("0 differ, 2 other parameters")
+    assert (project / "figures/curve.csv").read_bytes() != first
+    assert study(project, "list", "numbers").stdout.startswith(
+        f"{CURVE}: other parameters: scale=100.0\n"
+    )
+    assert study(project, "list", "law").stdout.startswith(f"{LAW}: fresh\n")
+    again = study(project, "run", "curve", "-p", "scale=100")
+    assert "Nothing was stale" in again.stdout
+    paper = study(project, "paper")
+    assert (paper.returncode, paper.stdout) == (1, "")
+    assert "curve, numbers (scale=100.0)" in paper.stderr
+    assert paper.stderr.endswith(f"restore them with: study run {CURVE}\n")
+    assert not (project / "build/paper.pdf").exists()
+    back = study(project, "run", "curve")
+    assert ran(back) == [CURVE]
+    assert (project / "figures/curve.csv").read_bytes() == first
+    assert study(project, "list", "curve").stdout.startswith(f"{CURVE}: fresh\n")
+
+
+def test_a_failing_cell_stops_its_results_alone(project):
+    edit(project, CURVE, LABEL, "1 / 0")
+    done = study(project, "run", "curve", "law", "--force")
+    assert done.returncode == 1
+    assert ran(done) == [LAW]
     failures = [line for line in done.stderr.splitlines() if line.startswith("failed:")]
     assert len(failures) == 1
-    assert re.search(rf"failed: {TWO[1]}, cell In\[\d+\]: ZeroDivisionError", failures[0])
+    assert re.search(rf"failed: {CURVE}, cell In\[\d+\]: ZeroDivisionError", failures[0])
     assert "Traceback" not in done.stdout + done.stderr
-    edit(project, TWO[1], 'behind = 1 / 0\\n",\n    "behind = ', "behind = ")
-    study(project, "verify", "--keep")
-
-
-SAVE = r"figures.save(figure, \"fig09\", cases)"
-SAVE_AS = r"figures.save(figure, \"fig9\", cases)"
+    executed = nbformat.read(project / f"build/notebooks/{CURVE}.ipynb", as_version=4)
+    kinds = [output.output_type for cell in executed.cells for output in cell.get("outputs", ())]
+    assert "error" in kinds  # the copy shows where
 
 
 def test_a_notebook_that_saves_something_else_fails(project):
-    edit(project, TWO[0], SAVE, "cases.shape")
-    done = study(project, "run", "fig09")
+    save_as = SAVE.replace("curve", "curv")
+    edit(project, CURVE, SAVE, "pass")
+    done = study(project, "run", "curve")
     assert done.returncode == 1
-    failure = done.stderr.splitlines()[-1]
-    assert failure == f"failed: {TWO[0]} did not save fig09.csv, fig09.png"
-    assert TWO[0] not in fresh(project)
-    edit(project, TWO[0], "cases.shape", f"{SAVE}; {SAVE_AS}")
-    done = study(project, "run", "fig09")
+    assert done.stderr.splitlines()[-1] == f"failed: {CURVE} did not save curve.csv, curve.png"
+    assert CURVE in stale(project)
+    edit(project, CURVE, "pass", f"{SAVE}; {save_as}")
+    done = study(project, "run", "curve")
     assert done.returncode == 1
-    assert "saved fig9.csv, fig9.png, which the catalogue does not name" in done.stderr
-    assert not (project / "figures/fig9.csv").exists()
-    edit(project, TWO[0], f"{SAVE}; {SAVE_AS}", SAVE)
+    assert "saved curv.csv, curv.png, which the catalogue does not name" in done.stderr
+    assert not (project / "figures/curv.csv").exists()
 
 
 def test_a_damaged_dataset_stops_the_run_with_a_remedy(project):
     curves = project / "data/force_curves.csv"
-    whole = curves.read_bytes()
-    curves.write_bytes(whole[:-100])
-    done = study(project, "run", "fig09")
+    curves.write_bytes(curves.read_bytes()[:-100])
+    done = study(project, "run", "law", "--force")
     assert done.returncode == 1
     assert done.stderr.count("\n") == 1
     assert "data/force_curves.csv is damaged" in done.stderr
     assert "study data build" in done.stderr
-    curves.write_bytes(whole)
 
 
-def test_mechanism_notebooks_run_with_other_parameters(project):
-    done = study(project, "run", "fig16", "fig17", "-p", "duration=0.02", "-p", "outputs=200")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert ran(done) == ["07-crank-slider-and-its-parameters", "08-motion-of-the-slider"]
-    for name in ("table3.csv", "table4.csv", "scene.csv", "fig16.csv", "fig16.png"):
-        assert_agrees(project, name)
-    lines = (project / "figures/fig17.csv").read_text().splitlines()
-    assert len(lines) == 202
-    assert lines[-1].startswith("20,")
-
-
-def free_port():
-    with socket.socket() as s:
-        s.bind(("127.0.0.1", 0))
-        return s.getsockname()[1]
-
-
-def test_the_same_tasks_run_on_a_dask_cluster(project, tmp_path):
-    """Two tasks at once in one worker, and one beside them in another."""
-    pytest.importorskip("distributed")
-    address = f"tcp://127.0.0.1:{free_port()}"
-    dask = [sys.executable, "-m", "dask"]
-    local = ["--host", "127.0.0.1", "--no-dashboard"]
-    commands = [[*dask, "scheduler", "--port", address.split(":")[-1], *local]]
-    for threads in (2, 1):
-        of_worker = ["--nthreads", str(threads), "--name", str(threads), *local]
-        commands.append([*dask, "worker", address, *of_worker])
-    started = []
+def test_an_interrupted_run_keeps_what_was_finished(project):
+    edit(project, CURVE, LABEL, "open('begun', 'w'); import time; time.sleep(600)")
+    edit(project, CURVE, "'begun'", repr(str(project / "begun")))
+    edit(project, LAW, "0.5)", "0.6)")
+    command = [sys.executable, "-m", "study.cli", "run", "curve", "law"]
+    process = subprocess.Popen(
+        command,
+        cwd=project,
+        env=environment(project),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     try:
-        for command in commands:
-            log = open(tmp_path / f"{len(started)}.log", "w")  # noqa: SIM115
-            started.append(
-                subprocess.Popen(
-                    command, cwd=tmp_path, env=environment(project), stdout=log, stderr=log
-                )
-            )
-        wait_for_workers(address, 2)
-        done = study(project, "run", *THREE, "--force", "--dask", address)
-        assert done.returncode == 0, done.stdout + done.stderr
-        assert len(ran(done)) == 3
-        for name in MADE:
-            assert_agrees(project, name)
+        deadline = time.monotonic() + 120
+        while not ((project / "begun").exists() and LAW not in stale(project)):
+            assert process.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
     finally:
-        for process in reversed(started):
-            process.terminate()
-        for process in started:
-            process.wait(timeout=30)
-
-
-def wait_for_workers(address, count):
-    from distributed import Client
-
-    deadline = time.monotonic() + 60
-    while time.monotonic() < deadline:
-        try:
-            with Client(address, timeout=2) as client:
-                client.wait_for_workers(count, timeout=30)
-                return
-        except OSError:
-            time.sleep(0.2)
-    raise TimeoutError(f"no {count} workers at {address}")
-
-
-def test_executed_notebook_is_readable(project):
-    executed = json.loads((project / f"build/notebooks/{TWO[0]}.ipynb").read_text())
-    kinds = [
-        output["output_type"] for cell in executed["cells"] for output in cell.get("outputs", [])
-    ]
-    assert kinds
-    assert "error" not in kinds
-
-
-def test_a_missing_number_stops_the_paper(project):
-    shutil.copytree(paths.FIGURES, project / "figures", dirs_exist_ok=True)
-    done = study(project, "paper")
-    assert done.returncode == 0, done.stderr
-    pdf = project / "build/paper.pdf"
-    whole = pdf.read_bytes()
-    table = project / "figures/table2.csv"
-    lines = table.read_text().splitlines(keepends=True)
-    table.write_text("".join(line for line in lines if not line.startswith("hertz,RMSE")))
-    done = study(project, "paper")
-    assert done.returncode == 1
-    assert re.fullmatch(r"study: paper/.*figures/table2.csv has no row with .*\n", done.stderr)
-    assert pdf.read_bytes() == whole
-    table.write_text("".join(lines))
+        process.kill()
+    assert process.returncode == 130
+    assert err.splitlines()[-1] == "study: interrupted; what was finished is kept"
+    assert stale(project) == {CURVE, TOTAL}

@@ -17,16 +17,16 @@ import nbformat
 import pytest
 from docutils.nodes import make_id
 from nbformat import v4
+from study.pages.report.extension import mathml
+from study.pages.report.results import results
 
 from study import dataset, paths
 from study.checks import StudyError
 from study.contact import LAWS
 from study.pages import execute, report
 from study.pages.catalogue import CATALOGUE
-from study.pages.report.claims import COLUMNS, VERDICTS
 from study.pages.report.curves import PARAMETERS, curves
-from study.pages.report.extension import mathml
-from study.pages.report.results import results
+from study.pages.report.pages import COLUMNS, VERDICTS
 
 RESULTS = {name: nb for nb in CATALOGUE for name in nb.results}
 FIGURES = [name for nb in CATALOGUE for name in nb.figures]

@@ -1,12 +1,13 @@
 """Commands for notebooks, their results, the paper and the report."""
 
+import csv
 import sys
 
 import typer
 
 from study.checks import StudyError
 from study.cli.options import JOBS, NAMES, command, option, words
-from study.cli.output import fail, paragraphs, prose, show_csv
+from study.cli.output import fail, paragraphs, prose
 
 
 @command("run", keeps=True)
@@ -98,18 +99,14 @@ def write_report(jobs: int = JOBS):
 
 def _make(selected, parameters, **how):
     """Run notebooks and print what was made; return those selected and those that ran."""
-    from study import dataset
     from study.pages import catalogue, execute
 
-    dataset.verify_files()
-    catalogue.check_claims()
     built = execute.run(selected, parameters, **how)
-    made, every = built.made(), catalogue.CATALOGUE
+    made, every = built.made, catalogue.CATALOGUE
     for notebook in every:
         if notebook.name in made:
-            for name, shows in notebook.results.items():
-                suffix = "csv" if name in notebook.tables else "png"
-                print(f"made  figures/{name}.{suffix:<4}  {shows}")
+            for result in notebook.results.values():
+                print(f"made  figures/{result.files[-1]:<{len(result.name) + 5}} {result.shows}")
             print(f"      build/notebooks/{notebook.path.name}")
     for task, file in (("typeset", "paper.pdf"), ("report", "report/index.html")):
         if task in made:
@@ -129,32 +126,29 @@ def list_results(names: list[str] = NAMES):
     With a NAME also the parameters of its notebook, with defaults and ranges. Without one plain
     CSV, if the output is not a terminal.
     """
-    from study.pages import catalogue, execute
+    from study.pages import catalogue, execute, freshness
 
     selected = catalogue.select(names)
-    fresh = execute.run(selected, {}, dry=True).fresh()
+    stale = freshness.stale(freshness.needed(selected, {}))
     states = {
-        notebook.name: "fresh" if notebook.name in fresh else "stale" for notebook in selected
+        notebook.name: "stale" if notebook.name in stale else "fresh" for notebook in selected
     }
     for notebook in selected:
         if given := execute.shown_with(notebook):
             states[notebook.name] = f"other parameters: {given}"
     if names or sys.stdout.isatty():
         for notebook in selected:
-            shown = {name: text for name, text in notebook.results.items() if name in names}
+            shows = {name: result.shows for name, result in notebook.results.items()}
             print(f"{notebook.name}: {states[notebook.name]}")
-            print(paragraphs(shown or notebook.results))
+            print(paragraphs({name: shows[name] for name in shows if name in names} or shows))
             if names:
                 _show_parameters(notebook)
         return
-    rows = [
-        (name, states[notebook.name], notebook.name, shows)
-        for notebook in selected
-        for name, shows in notebook.results.items()
-    ]
-    show_csv(
-        dict(zip(("name", "state", "notebook", "shows"), zip(*rows, strict=True), strict=True))
-    )
+    table = csv.writer(sys.stdout, lineterminator="\n")
+    table.writerow(("name", "state", "notebook", "shows"))
+    for notebook in selected:
+        for name, result in notebook.results.items():
+            table.writerow((name, states[notebook.name], notebook.name, result.shows))
 
 
 def _show_parameters(notebook):

@@ -66,6 +66,8 @@ def delivered_restitution(factor: float) -> float:
 
     The root of D (1 + cr) = ln((1 + D)/(1 - cr D)) below 1/D, where the force would vanish.
     """
+    from scipy.optimize import brentq
+
     if checks.number("factor", factor, least=0, scalar=True) < 1e-6:
         return 1.0 - 2 / 3 * factor
 

@@ -219,7 +219,7 @@ def keep_measured(frame: pd.DataFrame) -> None:
 
 
 def links() -> pd.DataFrame:
-    """Errors of rigid links on scenes of `study.choose.random_scenes`, as its `measure` has them."""
+    """Errors of rigid links: the columns of `study.choose.random_scenes.measure`."""
     return _read(LINKS)
 
 

@@ -1,77 +1,77 @@
-"""Results as made here beside the kept ones: identical, agreeing, or different.
+"""Results as made here beside the baseline: identical, agreeing, or different.
 
-The kept results are the files in ``figures/``. Where every number agrees
-(`study.dataset.tolerance`) the kept file stays as it is; otherwise the new file replaces it. The
-last files made are in ``build/made``, and replaced kept files in ``build/kept``.
+The baseline is the files in ``figures/``. Where every number agrees (`study.dataset.tolerance`)
+they stay as they are; otherwise the new file replaces the one there. The last files made are in
+``build/made``, and files of the baseline that were replaced in ``build/baseline``.
 """
 
 import filecmp
+import json
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
-import numpy as np
+from study import paths, provenance
+from study.pages.catalogue import Result
 
-from study import paths
-from study.dataset.tolerance import table_differs
-
-MADE, KEPT = paths.BUILD / "made", paths.BUILD / "kept"
+MADE, REPLACED = paths.BUILD / "made", paths.BUILD / "baseline"
 LEVELS = 8  # of 255: largest difference of two pixels that agree
 State = Literal["identical", "agrees", "differs", "new", "other parameters", "not made here"]
 STATES: tuple[State, ...] = get_args(State)
 """``new``: there was none to compare with. ``other parameters``: not to be compared."""
+_RULES = (Path(__file__), Path(__file__).parents[1] / "dataset/tolerance.py")
 _PLURAL = {"agrees": "agree", "differs": "differ"}
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A result as made here beside the kept one, and ``where`` they differ."""
+    """A result as made here beside the baseline, and ``where`` they differ."""
 
     name: str
     state: State
     where: str = ""
 
 
-def files(name: str, is_figure: bool) -> list[str]:
-    """File names of a result: its numbers first, then its image if it is a figure."""
-    return [f"{name}.csv", *([f"{name}.png"] if is_figure else [])]
-
-
-def place(folder: Path, names: Iterable[str]) -> None:
-    """Take over files made in a folder; those that differ replace the kept ones.
+def take_over(folder: Path, names: Iterable[str]) -> None:
+    """Take over files made in a folder; those that differ replace the baseline's.
 
     The CSV of a figure is named before its image.
     """
     paths.FIGURES.mkdir(exist_ok=True)
     for name in names:
-        new, kept, aside, shown = folder / name, _kept(name), KEPT / name, paths.FIGURES / name
-        state, _ = _compare(name, kept, new)
+        new, before, aside, shown = (
+            folder / name,
+            _file(name),
+            REPLACED / name,
+            paths.FIGURES / name,
+        )
+        state, _ = _compare(name, before, new)
         if state in ("identical", "agrees"):
-            if kept == aside:
+            if before == aside:
                 paths.copy(aside, shown)
             aside.unlink(missing_ok=True)
         else:
-            if kept != aside and shown.is_file():
+            if before != aside and shown.is_file():
                 paths.copy(shown, aside)
             paths.copy(new, shown)
         paths.copy(new, MADE / name)
 
 
 def accept(names: Iterable[str]) -> None:
-    """Keep the files as made last from now on."""
+    """Take the files as made last for the baseline from now on."""
     for name in names:
-        (KEPT / name).unlink(missing_ok=True)
+        (REPLACED / name).unlink(missing_ok=True)
 
 
-def compare(name: str, is_figure: bool, other_parameters: bool = False) -> Comparison:
-    """Compare a result as made last, perhaps with other parameters, with the kept one."""
-    found = [_compare(file, _kept(file), MADE / file) for file in files(name, is_figure)]
-    state, where = max(found, key=lambda one: STATES.index(one[0]))
+def compare(result: Result, other_parameters: bool = False) -> Comparison:
+    """Compare a result as made last, perhaps with other parameters, with the baseline."""
+    found = [_compare(name, _file(name), MADE / name) for name in result.files]
+    state, where = max(found, key=lambda file: STATES.index(file[0]))
     if other_parameters and state in ("agrees", "differs"):
-        return Comparison(name, "other parameters")
-    return Comparison(name, state, where)
+        return Comparison(result.name, "other parameters")
+    return Comparison(result.name, state, where)
 
 
 def is_as_made(name: str) -> bool:
@@ -88,45 +88,71 @@ def summary(comparisons: list[Comparison]) -> str:
     return f"{len(comparisons)} results: {', '.join(told)}"
 
 
-def _kept(name):
-    """The kept file: the one set aside, as long as ``figures/`` holds what a run put there."""
-    aside = KEPT / name
+def _file(name):
+    """A file of the baseline: the one set aside, as long as ``figures/`` has what replaced it."""
+    aside = REPLACED / name
     return aside if aside.is_file() and is_as_made(name) else paths.FIGURES / name
 
 
-def _compare(name, kept, made):
+def _compare(name, before, made):
     """State of one file, and where it differs."""
     if not made.is_file():
         return "not made here", ""
-    if not kept.is_file():
+    if not before.is_file():
         return "new", ""
-    if filecmp.cmp(kept, made, shallow=False):
+    if filecmp.cmp(before, made, shallow=False):
         return "identical", ""
-    where = table_differs(kept, made) if made.suffix == ".csv" else _pixels(name, kept, made)
+    numbers = ""
+    if made.suffix == ".png":
+        table = f"{made.stem}.csv"
+        numbers, _ = _compare(table, _file(table), MADE / table)
+    where = _difference(before, made, numbers)
     return ("differs", f"figures/{name}, {where}") if where else ("agrees", "")
 
 
-def _pixels(name, kept, made):
+def _difference(before, made, numbers):
+    """Where two files differ too much to agree, or None; it is looked for once.
+
+    The answer is kept beside the files made, with the hashes of what decides it, as every later run
+    asks again and pixels take long. ``numbers`` is the state of the numbers that an image shows.
+    """
+    record = MADE / f"{made.name}.compared"
+    of = [*(provenance.sha256(path.read_bytes()) for path in (before, made, *_RULES)), numbers]
+    if record.is_file():
+        compared = json.loads(record.read_text(encoding="utf-8"))
+        if compared["of"] == of:
+            return compared["where"]
+    if made.suffix == ".csv":
+        from study.dataset.tolerance import table_differs
+
+        where = table_differs(before, made)
+    else:
+        where = _pixels(before, made, numbers)
+    with paths.whole(record) as temporary:
+        temporary.write_text(json.dumps({"of": of, "where": where}), encoding="utf-8")
+    return where
+
+
+def _pixels(before, made, numbers):
     """Where two images differ too much to agree, or None.
 
     With the same numbers, every pixel must be the same. If the numbers only agree, a line may have
     moved by less than a pixel: a pixel must be within the range of its neighbours.
     """
+    import numpy as np
     from matplotlib.image import imread
     from scipy.ndimage import maximum_filter, minimum_filter
 
-    old, new = (np.round(255 * imread(path)) for path in (kept, made))
+    old, new = (np.round(255 * imread(path)) for path in (before, made))
     if old.shape != new.shape:
         return f"size: kept {old.shape[1]} x {old.shape[0]}, now {new.shape[1]} x {new.shape[0]}"
-    table = f"{name.removesuffix('.png')}.csv"
-    numbers, _ = _compare(table, _kept(table), MADE / table)
     if numbers == "differs":
         return "because its numbers differ"
     around = (1, 1, 1) if numbers == "identical" else (3, 3, 1)
     outside = [
         off
-        for one, other in ((old, new), (new, old))
-        for off in (minimum_filter(one, around) - other, other - maximum_filter(one, around))
+        for this, other in ((old, new), (new, old))
+        for off in (minimum_filter(this, around) - other, other - maximum_filter(this, around))
     ]
     count = np.count_nonzero(np.max(outside, axis=(0, 3)) > LEVELS)
     return f"{count} pixels differ" if count else None

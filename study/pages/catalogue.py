@@ -1,17 +1,75 @@
-"""The catalogue of the notebooks, ``notebooks/catalogue.toml``: what each makes; selection."""
+"""The catalogue, ``notebooks/catalogue.toml``: every notebook and the results it makes."""
 
+import csv
 import re
 import tomllib
-from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from study import paths, provenance
 from study.checks import StudyError
-from study.claims import verdicts
-from study.pages import baseline
+
+FILE = paths.NOTEBOOKS / "catalogue.toml"
+_KEYS = ("figures", "tables", "tells", "expect", "reads", "long")
+
+
+@dataclass(frozen=True)
+class Result:
+    """A figure, which has an image, or a table; both have their numbers as CSV.
+
+    Attributes
+    ----------
+    name
+        Name of its files, without suffix.
+    shows
+        What it shows.
+    notebook
+        Name of the notebook that makes it.
+    is_figure
+        Whether it has an image.
+    tells
+        Conclusion from a figure, in one sentence without numbers.
+    expect
+        The number of it to expect: ``column at key = value, ...``, with the keys of one row.
+        Without one it is the number of rows.
+    """
+
+    name: str
+    shows: str
+    notebook: str
+    is_figure: bool = False
+    tells: str = ""
+    expect: str = ""
+
+    @property
+    def files(self) -> list[str]:
+        """Names of its files: its numbers first, then its image."""
+        return [f"{self.name}.csv", *([f"{self.name}.png"] if self.is_figure else [])]
+
+    @property
+    def place(self) -> tuple[int, int]:
+        """Where it comes: the paper's figures, the paper's tables, the others."""
+        match = re.fullmatch(r"(fig|table)(\d+)", self.name)
+        return (["fig", "table"].index(match[1]), int(match[2])) if match else (2, 0)
+
+    @property
+    def label(self) -> str:
+        """Its name for readers: ``Fig. 10``, ``Table 2``, else the name itself."""
+        kind, number = self.place
+        return f"{('Fig.', 'Table')[kind]} {number}" if kind < 2 else self.name.replace("_", " ")
+
+    def size(self) -> list[int]:
+        """Width and height of the image at 100 of its 200 dots per inch."""
+        header = (paths.FIGURES / f"{self.name}.png").read_bytes()[16:24]
+        return [int.from_bytes(header[k : k + 4], "big") // 2 for k in (0, 4)]
+
+    def rows(self) -> list[list[str]]:
+        """Lines of its CSV, head first."""
+        with open(paths.FIGURES / f"{self.name}.csv", encoding="utf-8", newline="") as file:
+            return list(csv.reader(file))
 
 
 @dataclass(frozen=True)
@@ -22,13 +80,8 @@ class Notebook:
     ----------
     name
         File name without suffix.
-    figures, tables
-        Name of each figure and table -> what it shows.
-    tells
-        Name of each figure -> its conclusion, in one sentence without numbers.
-    expect
-        Name of a result -> the number of it to expect: ``column at key = value, ...``, with the
-        keys of one row. Without one it is the number of rows.
+    results
+        Its figures, then its tables, by name.
     reads
         Results of other notebooks whose numbers it reads.
     long
@@ -36,10 +89,7 @@ class Notebook:
     """
 
     name: str
-    figures: dict[str, str] = field(default_factory=dict)
-    tables: dict[str, str] = field(default_factory=dict)
-    tells: dict[str, str] = field(default_factory=dict)
-    expect: dict[str, str] = field(default_factory=dict)
+    results: dict[str, Result] = field(default_factory=dict)
     reads: list[str] = field(default_factory=list)
     long: bool = False
 
@@ -53,32 +103,27 @@ class Notebook:
         """Where the executed copy goes."""
         return paths.BUILD / "notebooks" / f"{self.name}.ipynb"
 
-    @property
-    def results(self) -> dict[str, str]:
-        """Name of every figure and table -> what it shows."""
-        return self.figures | self.tables
-
     def files(self) -> list[str]:
-        """File names of its results: a CSV each, and a PNG for a figure."""
-        return [
-            file for name in self.results for file in baseline.files(name, name in self.figures)
-        ]
+        """File names of its results."""
+        return [file for result in self.results.values() for file in result.files]
 
     def products(self) -> list[Path]:
         """Files it makes: those of its results, and its executed copy."""
         return [*(paths.FIGURES / name for name in self.files()), self.executed]
 
     def inputs(self) -> list[Path]:
-        """Files it depends on: itself, the code it reaches by imports, and what they read."""
-        read = [paths.FIGURES / f"{name}.csv" for name in self.reads]
-        return [*provenance.inputs(self.path), *read]
+        """Itself, the code it reaches by imports, and the data that this reads."""
+        try:
+            return provenance.inputs(self.path)
+        except (SyntaxError, ValueError, KeyError):  # no notebook, or no Python: its run says so
+            return [self.path]
+
+    def tables_read(self) -> list[Path]:
+        """Files of other notebooks' results whose numbers it reads."""
+        return [paths.FIGURES / f"{name}.csv" for name in self.reads]
 
 
-FILE = paths.NOTEBOOKS / "catalogue.toml"
-_ENTRIES = tomllib.loads(FILE.read_text(encoding="utf-8")) if paths.IS_CHECKOUT else {}
-
-
-def notebook(name: str, entry: dict[str, Any]) -> Notebook:
+def notebook(name: str, entry: Mapping[str, Any]) -> Notebook:
     """A notebook from its entry in the catalogue.
 
     Raises
@@ -86,19 +131,32 @@ def notebook(name: str, entry: dict[str, Any]) -> Notebook:
     study.checks.StudyError
         For an unknown key, or what is said of a result that the notebook does not make.
     """
-    known = [one.name for one in fields(Notebook)[1:]]
     for key in entry:
-        if key not in known:
-            listed = ", ".join(known)
+        if key not in _KEYS:
+            listed = ", ".join(_KEYS)
             raise StudyError(f"catalogue.toml: {name} must have keys of {listed}, got {key!r}")
-    found = Notebook(name, **entry)
-    for result in (*found.tells, *found.expect):
-        if result not in found.results:
+    figures, tells, expect = (entry.get(key, {}) for key in ("figures", "tells", "expect"))
+    shows = figures | entry.get("tables", {})
+    for result in (*tells, *expect):
+        if result not in shows:
             raise StudyError(f"catalogue.toml: {name} makes no result {result!r}")
-    return found
+    results = {
+        result: Result(
+            result, text, name, result in figures, tells.get(result, ""), expect.get(result, "")
+        )
+        for result, text in shows.items()
+    }
+    return Notebook(name, results, entry.get("reads", []), entry.get("long", False))
 
 
+_ENTRIES = tomllib.loads(FILE.read_text(encoding="utf-8")) if paths.IS_CHECKOUT else {}
 CATALOGUE = tuple(notebook(name, entry) for name, entry in _ENTRIES.items())
+
+
+def results() -> list[Result]:
+    """Every result: the paper's figures and tables in its order, then the others."""
+    found = [result for notebook in CATALOGUE for result in notebook.results.values()]
+    return sorted(found, key=lambda result: result.place)
 
 
 def select(names: Sequence[str]) -> list[Notebook]:
@@ -121,13 +179,22 @@ def select(names: Sequence[str]) -> list[Notebook]:
 
 def _nearest(name, known):
     """Known names that a text may mean: "Figure 14", "fig 14", "Table2", "14", "fgi14"."""
-    plain = {re.sub(r"[\W_]", "", one): one for one in known}
+    plain = {re.sub(r"[\W_]", "", text): text for text in known}
     asked = re.sub(r"[\W_]", "", name.lower().replace("figure", "fig"))
     number = re.sub(r"(?<!\d)(\d)$", r"0\1", asked)
     if number.isdecimal():
-        return [one for one in known if one.startswith(f"{number}-") or one == f"fig{number}"]
+        return [text for text in known if text.startswith(f"{number}-") or text == f"fig{number}"]
     exact = [plain[text] for text in (asked, number) if text in plain]
     return exact[:1] or [plain[text] for text in get_close_matches(asked, plain, 1)]
+
+
+def with_sources(notebooks: Sequence[Notebook]) -> list[Notebook]:
+    """Notebooks and those whose results they read, directly or not, each before its readers."""
+    found = {}
+    for notebook in notebooks:
+        makers = [nb for nb in CATALOGUE if set(nb.results) & set(notebook.reads)]
+        found |= {nb.name: nb for nb in (*with_sources(makers), notebook)}
+    return list(found.values())
 
 
 def check_claims() -> None:
@@ -138,8 +205,10 @@ def check_claims() -> None:
     study.claims.verdicts.ClaimError
         As for `study.claims.verdicts.load`, or for a figure or evidence that no notebook makes.
     """
-    results = [name for notebook in CATALOGUE for name in notebook.results]
+    from study.claims import verdicts
+
+    made = {name for notebook in CATALOGUE for name in notebook.results}
     for row in verdicts.load().itertuples():
         for name in (row.figure, *row.evidence.split()):
-            if name not in results:
+            if name not in made:
                 raise verdicts.ClaimError(f"claim {row.claim}: no notebook makes {name!r}")

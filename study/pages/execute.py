@@ -131,44 +131,63 @@ def run(
     """Run stale notebooks, and the stale ones that they read from, as pytask tasks.
 
     The settings are those of `check_parameters`, the options those of `study.pages.tasks.build`.
-    Paper and report need all notebooks.
-    """
-    from study.pages import tasks
+    Paper and report need all notebooks. If nothing is stale, pytask is not loaded.
 
-    products = [product for notebook in notebooks for product in notebook.products()]
-    if report:
-        products += [paths.BUILD / "paper.pdf", paths.BUILD / "report/index.html"]
-    for product in products:
+    Raises
+    ------
+    NotebookError
+        If a notebook is missing, or a folder is where a product should be.
+    study.checks.StudyError
+        If data are damaged or a claim cannot be judged, or as for `study.pages.tasks.build`.
+    """
+    from study.pages import freshness, tasks
+
+    needed = freshness.needed(notebooks, settings, report=report)
+    for product in (product for task in needed for product in task.products):
         if product.is_dir():
             raise NotebookError(f"{product.relative_to(paths.ROOT)} must be a file, not a folder")
     for notebook in notebooks:
         if not notebook.path.is_file():
             raise NotebookError(f"notebooks/{notebook.path.name} is missing")
+    if options.get("jobs") is not None:
+        checks.whole("jobs", options["jobs"], least=1)
+    asked = options.get("force") or options.get("dask_address") is not None
+    if not asked and not freshness.stale(needed):
+        return tasks.Built([], [task.name for task in needed], [])
+    _check_before_a_run()
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
     if options.get("jobs") is None and len(notebooks) == 1 and not notebooks[0].reads:
         options["jobs"] = 1  # a worker would only have to start
     selected = "task_report" if report else " or ".join(f"[{nb.name}]" for nb in notebooks)
     built = tasks.build([paths.NOTEBOOKS, *([paths.PAPER] if report else [])], selected, **options)
-    if built.outcomes:
-        left = [nb.name for nb in notebooks if nb.name not in built.outcomes]
+    if done := {*built.made, *built.others}:
+        left = [nb.name for nb in notebooks if nb.name not in done]
         built.failures.extend(f"{name} was not run" for name in left)
     return built
 
 
+def _check_before_a_run():
+    """Refuse damaged data and claims, before notebooks run for minutes."""
+    from study import dataset
+    from study.pages import catalogue
+
+    dataset.verify_files()
+    catalogue.check_claims()
+
+
 def compare(notebooks: "list[Notebook]") -> list[baseline.Comparison]:
-    """Compare the results of notebooks, as made last, with the kept ones."""
-    found = []
-    for notebook in notebooks:
-        other = bool(_made_with(notebook))
-        for name in notebook.results:
-            found.append(baseline.compare(name, name in notebook.figures, other))
-    return found
+    """Compare the results of notebooks, as made last, with the baseline."""
+    return [
+        baseline.compare(result, bool(_made_with(notebook)))
+        for notebook in notebooks
+        for result in notebook.results.values()
+    ]
 
 
 def shown_with(notebook: "Notebook") -> str:
     """Parameters, other than the defaults, with which its results in ``figures/`` were made."""
     given = _made_with(notebook)
-    shown = any(baseline.is_as_made(name) for name in notebook.files())
+    shown = given and any(baseline.is_as_made(name) for name in notebook.files())
     return ", ".join(f"{key}={value}" for key, value in given.items()) if shown else ""
 
 
@@ -185,7 +204,7 @@ def _record(notebook):
 def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
     """Execute one notebook; its executed copy lands in ``build/notebooks``.
 
-    Its results are compared with the kept ones (`baseline.place`) if every cell succeeds.
+    Its results are compared with the baseline (`baseline.take_over`) if every cell succeeds.
 
     Raises
     ------
@@ -208,7 +227,7 @@ def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
             raise NotebookError(f"{notebook.name} saved {extra}, which the catalogue does not name")
         with paths.whole(_record(notebook)) as record:
             record.write_text(json.dumps(settings), encoding="utf-8")
-        baseline.place(results, notebook.files())
+        baseline.take_over(results, notebook.files())
 
 
 def _execute(notebook, executed, settings, folder, results):

@@ -17,8 +17,7 @@ from study import paths
 from study.checks import StudyError
 from study.dataset import tolerance
 from study.pages import baseline
-from study.pages.catalogue import CATALOGUE
-from study.pages.report.results import Result, results
+from study.pages.catalogue import CATALOGUE, Result, results
 
 REPRODUCING = paths.ROOT / "REPRODUCING.md"
 TEMPLATE = Path(__file__).with_name("reproducing.md")
@@ -68,7 +67,7 @@ def reproducing(seconds: Mapping[str, int]) -> str:
         If an expected number of the catalogue does not name one row of its result.
     """
     paths.require_checkout(paths.NOTEBOOKS)
-    found = results(paths.FIGURES)
+    found = results()
     chaotic = [f"`{result.name}`" for result in found if result.name in tolerance.CHAOTIC]
     return TEMPLATE.read_text(encoding="utf-8").format(
         tolerance=f"{tolerance.TOLERANCE:g}".replace("e-0", "e-"),
@@ -119,9 +118,9 @@ def expected(result: Result) -> str:
     study.checks.StudyError
         If the catalogue does not name a number in one row of the result.
     """
-    table = pd.read_csv(result.numbers, dtype=str, keep_default_na=False)
-    wanted = result.notebook.expect.get(result.name)
-    if wanted is None:
+    table = pd.read_csv(paths.FIGURES / result.files[0], dtype=str, keep_default_na=False)
+    wanted = result.expect
+    if not wanted:
         return f"{len(table)} rows"
     column, _, where = wanted.partition(" at ")
     try:
@@ -132,7 +131,7 @@ def expected(result: Result) -> str:
     except (KeyError, ValueError):
         raise StudyError(
             f"catalogue.toml: {result.name} must be expected by a column and the keys of one "
-            f"row of figures/{result.numbers.name}, got {wanted!r}"
+            f"row of figures/{result.files[0]}, got {wanted!r}"
         ) from None
 
 
@@ -178,8 +177,8 @@ def main() -> None:
 
 def _row(result):
     """Name, caption, number of the notebook and expected number of a result."""
-    number = result.notebook.name.partition("-")[0]
-    return f"`{result.name}`", result.caption, number, expected(result)
+    number = result.notebook.partition("-")[0]
+    return f"`{result.name}`", result.shows, number, expected(result)
 
 
 def _table(head, rows):
@@ -243,10 +242,10 @@ def _runs(study):
     """Add the results, and the notebooks with the action of each."""
     files = {
         result.name: [
-            _file(study, f"figures/{file.name}", f"{result.label}: {result.caption}", CC_BY)
-            for file in result.files
+            _file(study, f"figures/{name}", f"{result.label}: {result.shows}", CC_BY)
+            for name in sorted(result.files, key=lambda name: name.endswith(".csv"))
         ]
-        for result in results(paths.FIGURES)
+        for result in results()
     }
     needed = tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     language = {"name": "Python", "url": PYTHON, "version": needed["requires-python"]}

@@ -9,58 +9,18 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-import pytask
-from _pytask import build as pytask_build
-from _pytask.pluginmanager import get_plugin_manager
-from loky import cpu_count, get_reusable_executor
-from pytask import TaskOutcome
-from pytask_parallel import backends
-from pytask_parallel import execute as parallel
-
 from study import checks, paths
 from study.checks import StudyError
 
 _RUNNER = "STUDY_RUNNER"  # process number of the runner, for its workers
 
 
-class _Interruption:
-    """Plugin of pytask: no summary, "Succeeded", of a session that was interrupted."""
-
-    @staticmethod
-    @pytask.hookimpl(tryfirst=True)
-    def pytask_execute_log_end(session):
-        if session.scheduler is not None and session.scheduler.is_active():
-            raise pytask.ExecutionError
-
-
-def _plugins():
-    manager = get_plugin_manager()
-    manager.register(_Interruption)
-    return manager
-
-
-pytask_build.get_plugin_manager = _plugins
-# loky ends idle workers after 10 s. A build waited for ever when all of them had ended with a task
-# left: so they stay.
-backends.get_reusable_executor = partial(get_reusable_executor, timeout=None)
-# It polls for finished tasks ever less often, down to once a second, while a core waits.
-parallel._Sleeper = partial(parallel._Sleeper, timings=[0.02])
-
-
 class Built(NamedTuple):
-    """Outcome of each task by its name, in order, and a message for each that failed."""
+    """Tasks that were run, other tasks of the session, and a message for each that failed."""
 
-    outcomes: dict[str, TaskOutcome]
+    made: list[str]
+    others: list[str]
     failures: list[str]
-
-    def made(self) -> list[str]:
-        """Tasks that were run."""
-        return [name for name, found in self.outcomes.items() if found == TaskOutcome.SUCCESS]
-
-    def fresh(self) -> list[str]:
-        """Tasks that need not be run."""
-        fresh = TaskOutcome.SKIP_UNCHANGED
-        return [name for name, found in self.outcomes.items() if found == fresh]
 
 
 def leave_interrupts_to_the_runner() -> None:
@@ -77,7 +37,6 @@ def build(
     jobs: int | None = None,
     force: bool = False,
     dask_address: str | None = None,
-    dry: bool = False,
 ) -> Built:
     """Run the stale tasks of some folders.
 
@@ -91,8 +50,6 @@ def build(
         Run fresh ones too.
     dask_address
         Dask scheduler whose workers run the tasks.
-    dry
-        Run nothing and print nothing, only find what is stale.
 
     Raises
     ------
@@ -102,50 +59,88 @@ def build(
     KeyboardInterrupt
         If interrupted; finished tasks stay finished, and the next call resumes.
     """
+    import pytask
+    from loky import cpu_count, get_reusable_executor
+
     paths.require_checkout(folders[0])
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
-    workers, client = jobs or cpu_count(), None
-    backend = "loky" if workers > 1 else "none"
+    workers = jobs or cpu_count()
     os.environ[_RUNNER] = str(os.getpid())
-    if dask_address is not None:
-        client = dask_client(dask_address)
-        backend, workers = "dask", sum(client.nthreads().values())
-    if not dry:
-        if not os.access(paths.ROOT, os.W_OK):
-            raise StudyError(f"nothing can be built: the folder {paths.ROOT} is read-only")
-        paths.sweep()
-    for name in [name for name in sys.modules if re.search(r"(^|\.)task_\w+$", name)]:
-        del sys.modules[name]  # pytask finds the tasks of a module as it is imported, and only then
-    finished, write_hashes = False, pytask_build.pytask_unconfigure
-    if dry:  # write nothing either: the folder may be read-only
-        pytask.console.quiet, pytask_build.pytask_unconfigure = True, None
+    client = dask_client(dask_address) if dask_address is not None else None
+    if client:
+        workers = sum(client.nthreads().values())
+    if not os.access(paths.ROOT, os.W_OK):
+        raise StudyError(f"nothing can be built: the folder {paths.ROOT} is read-only")
+    paths.sweep()
+    _prepare(client)
+    finished = False
     try:
         session = pytask.build(
             paths=folders,
             config=paths.ROOT / "pyproject.toml",
             expression=expression,
             force=force,
-            dry_run=dry,
             show_traceback=False,
-            capture="no" if dry else "fd",
             show_capture="no",
-            parallel_backend=backend,
+            parallel_backend="custom" if client or workers > 1 else "none",
             n_workers=workers,
         )
         finished = session.scheduler is None or not session.scheduler.is_active()
     finally:
-        pytask.console.quiet, pytask_build.pytask_unconfigure = False, write_hashes
         if client:
             client.close()
         if not finished:  # a worker left alone would keep the interpreter from ending
             get_reusable_executor(reuse=False, kill_workers=True).shutdown()
     if not finished:
         raise KeyboardInterrupt  # pytask-parallel swallows it and leaves its tasks undone
-    outcomes, failures = {}, []
+    return _outcome(session, folders)
+
+
+def _prepare(client):
+    """Set up pytask and pytask-parallel, of which no option does it."""
+    import pytask
+    from _pytask import build as pytask_build
+    from _pytask.pluginmanager import get_plugin_manager
+    from loky import get_reusable_executor
+    from pytask_parallel import ParallelBackend, execute, registry
+
+    class Interruption:
+        """No summary, "Succeeded", of a session that was interrupted."""
+
+        @staticmethod
+        @pytask.hookimpl(tryfirst=True)
+        def pytask_execute_log_end(session):
+            if session.scheduler is not None and session.scheduler.is_active():
+                raise pytask.ExecutionError
+
+    def plugins():
+        manager = get_plugin_manager()
+        manager.register(Interruption)
+        return manager
+
+    def executor(n_workers):
+        # Loky ends idle workers after 10 s by default. A build waited for ever when all of them
+        # had ended with a task left: so they stay.
+        local = partial(get_reusable_executor, n_workers, timeout=None)
+        return client.get_executor() if client else local()
+
+    registry.register_parallel_backend(ParallelBackend.CUSTOM, executor)
+    pytask_build.get_plugin_manager = plugins  # only pytask's command line takes a plugin
+    # It looks for finished tasks ever less often, down to once a second, while a core waits.
+    execute._Sleeper = partial(execute._Sleeper, timings=[0.02])
+    for name in [name for name in sys.modules if re.search(r"(^|\.)task_\w+$", name)]:
+        del sys.modules[name]  # pytask finds the tasks of a module as it is imported, and only then
+
+
+def _outcome(session, folders):
+    """What a session did, by the tasks' names."""
+    from pytask import TaskOutcome
+
+    made, others, failures = [], [], []
     for report in session.execution_reports:
         name = re.split(r"\[|::task_", report.task.name)[-1].rstrip("]")
-        outcomes[name] = report.outcome
+        (made if report.outcome == TaskOutcome.SUCCESS else others).append(name)
         if report.outcome == TaskOutcome.FAIL:
             error = report.exc_info[1]
             failures.append(str(error) if isinstance(error, StudyError) else f"{name}: {error}")
@@ -156,7 +151,7 @@ def build(
             f"no task was found in {', '.join(map(str, folders))}: pytask skips every folder "
             "named build or dist, so rename the project's folder"
         )
-    return Built(outcomes, failures)
+    return Built(made, others, failures)
 
 
 def dask_client(address: str):

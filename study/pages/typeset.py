@@ -7,9 +7,10 @@ import typst
 
 from study import paths
 from study.checks import StudyError
+from study.pages import freshness
 
 SOURCE = paths.PAPER / "paper.typ"
-PDF = paths.BUILD / "paper.pdf"
+PDF = freshness.PDF
 
 
 def typeset(source: Path = SOURCE, output: Path = PDF) -> None:

@@ -13,14 +13,30 @@ from docutils.nodes import make_id
 from jinja2 import Environment, PackageLoader
 
 from study import paths
+from study.checks import StudyError
 from study.dataset.store import CURVES, PACKAGE
+from study.pages import catalogue
 from study.pages.catalogue import CATALOGUE
 from study.pages.execute import explained, shown_with
-from study.pages.report.claims import VERDICTS
+from study.pages.freshness import PDF
 from study.pages.report.curves import curves
-from study.pages.report.results import Result
 
 DOCUMENTS = [path.relative_to(paths.ROOT).as_posix() for path in paths.DOCUMENTS]
+KINDS = ("claim", "figure", "table", "case")
+"""What the search finds a place of, besides pages."""
+COLUMNS = (
+    *("claim", "kind", "where", "statement", "measure", "relation", "expected", "tolerance"),
+    *("found", "verdict", "figure", "evidence"),
+)
+"""Columns of ``figures/claims.csv`` that the report shows."""
+VERDICTS = {"contradicted": "✗", "cannot be decided": "?", "reproduced": "✓"}
+"""Verdict -> sign, as colour alone must not distinguish verdicts."""
+GROUPS = {
+    "implied only": "Only implied by the paper",
+    "used to identify": "Used to identify the set-up",
+    "can hardly fail": "Can hardly fail",
+}
+"""Kinds of claims that do not speak for or against the paper, in words."""
 _LINK = re.compile(r"(!?)\[([^]]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|[µnm]?[ms]|[GM]?Pa|N)(?!\w))")
 """Space between a number and its unit, at which no line may break."""
@@ -28,25 +44,64 @@ _SIGNS = str.maketrans({"'": "\N{RIGHT SINGLE QUOTATION MARK}"} | dict.fromkeys(
 """Sphinx's search would show these signs escaped."""
 
 
-class Sources:
-    """Sources of the report's pages in one folder, and files beside the pages in another.
+def write(sources: Path, pages: Path) -> list[tuple[str, str, str, str]]:
+    """Write Sphinx's sources to a folder, and files that belong beside the pages to another.
 
-    ``places`` are found by the search besides pages: objects as of `sphinx.domains.Domain`.
+    Returns
+    -------
+    list of tuple
+        Title, kind (of `KINDS`), page and anchor of each place that the search should find.
+
+    Raises
+    ------
+    StudyError
+        If the table of claims is damaged.
     """
+    return _Sources(sources, pages).write(read_claims())
 
-    def __init__(self, folder: Path, pages: Path, results: list[Result]):
-        self.places = []
-        self._folder, self._pages, self._results = folder, pages, results
+
+def read_claims() -> list[dict]:
+    """Rows of ``figures/claims.csv``, each with its ``group``, ``anchor`` and ``shown_by``.
+
+    Raises
+    ------
+    StudyError
+        For a missing column, an unknown verdict or result, or a repeated claim.
+    """
+    results = {result.name: result for result in catalogue.results()}
+    head, *rows = results["claims"].rows() or [[]]
+    claims, anchors = [dict(zip(head, row, strict=False)) for row in rows], set()
+    wrong = ", ".join(column for column in COLUMNS if column not in head)
+    wrong = wrong and f" lacks {wrong}"
+    for claim in claims if not wrong else ():
+        claim["shown_by"] = f"{claim['figure']} {claim['evidence']}".split()
+        claim["group"] = GROUPS.get(claim["kind"]) or f"Stated by the paper: {claim['verdict']}"
+        claim["anchor"] = make_id(f"claim-{claim['claim']}")
+        if claim["verdict"] not in VERDICTS:
+            wrong = f", {claim['claim']}: verdict {claim['verdict']!r} is not known"
+        if unknown := ", ".join(name for name in claim["shown_by"] if name not in results):
+            wrong = f", {claim['claim']}: {unknown} is not known"
+        if claim["anchor"] in anchors:
+            wrong = f": claim {claim['claim']} occurs twice"
+        anchors.add(claim["anchor"])
+    if wrong:
+        raise StudyError(f"claims.csv{wrong}; rebuild it with: study run claims")
+    return claims
+
+
+class _Sources:
+    """Sources of the pages in one folder, and files beside the pages in another."""
+
+    def __init__(self, folder, pages):
+        self._folder, self._pages, self._results = folder, pages, catalogue.results()
+        self._places = []
+        loader = PackageLoader("study.pages.report")
         self._templates = Environment(
-            loader=PackageLoader("study.pages.report"),
-            autoescape=True,
-            trim_blocks=True,
-            lstrip_blocks=True,
+            loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True
         )
-        self._templates.globals |= {"results": results, "verdicts": VERDICTS}
+        self._templates.globals |= {"results": self._results, "verdicts": VERDICTS}
         self._templates.globals |= {"explained": explained, "shown_with": shown_with}
         self._macros = self._templates.get_template("macros.html").module
-        self._images = {sha256(r.image.read_bytes()).digest(): r for r in results if r.image}
         self._modules = {}
         for path in sorted((paths.ROOT / "study").rglob("*.py")):
             name = path.relative_to(paths.ROOT).as_posix()
@@ -54,50 +109,48 @@ class Sources:
         self._pages_of = {name: f"/api/{page}.rst" for name, page in self._modules.items()}
         for name in DOCUMENTS:
             self._pages_of[name] = f"/docs/{name.replace('/', '-').lower()}"
-        for result in results:
-            page = f"/figures/{result.name}.md"
-            self._pages_of |= {f"figures/{file.name}": page for file in result.files}
+        self._images = {}
+        for result in self._results:
+            for name in result.files:
+                self._pages_of[f"figures/{name}"] = f"/figures/{result.name}.md"
+                content = (paths.FIGURES / name).read_bytes()
+                self._images[sha256(content).digest()] = result
         for notebook in CATALOGUE:
             page = f"/notebooks/{notebook.name}.ipynb"
             self._pages_of[page[1:]] = self._pages_of[f"build{page[:-6]}.html"] = page
 
-    def write(self, claims: list[dict], executed: Path, paper: Path):
-        """Write all of them."""
+    def write(self, claims):
+        """Write all of them, and return the places."""
         self._page("index.md", claims=claims, documents=[self._pages_of[d] for d in DOCUMENTS])
-        _copy(paper, self._pages / "paper.pdf")
+        _copy(PDF, self._pages / "paper.pdf")
         for claim in claims:
-            self._place(
-                f"{claim['claim']}: {claim['statement']}", "claim", "index", claim["anchor"]
-            )
+            title = f"{claim['claim']}: {claim['statement']}"
+            self._place(title, "claim", "index", claim["anchor"])
         self._page("figures.md")
         for result in self._results:
             judged = [claim for claim in claims if result.name in claim["shown_by"]]
-            page, kind = f"figures/{result.name}", "figure" if result.image else "table"
-            self._page("figure.md", f"{page}.md", result=result, claims=judged)
-            self._place(f"{result.label}: {result.caption}", kind, page, make_id(result.label))
-            for file in result.files:
-                _copy(file, self._pages / "figures" / file.name)
-        titles = [self._notebook(notebook, executed) for notebook in CATALOGUE]
+            page, kind = f"figures/{result.name}", "figure" if result.is_figure else "table"
+            (notebook,) = (nb for nb in CATALOGUE if nb.name == result.notebook)
+            shown = {"result": result, "claims": judged, "notebook": notebook}
+            self._page("figure.md", f"{page}.md", **shown)
+            self._place(f"{result.label}: {result.shows}", kind, page, make_id(result.label))
+            for name in result.files:
+                _copy(paths.FIGURES / name, self._pages / "figures" / name)
+        titles = [self._notebook(notebook) for notebook in CATALOGUE]
         self._page("notebooks.md", notebooks=list(zip(CATALOGUE, titles, strict=True)))
         for name in DOCUMENTS:
             text = (paths.ROOT / name).read_text(encoding="utf-8")
             _write(f"{self._folder}{self._pages_of[name]}", self._linked(text, dirname(name)))
         self._data()
-        lines = {}  # of each module, the first one of its docstring
-        for path, name in self._modules.items():
-            text = ast.get_docstring(ast.parse((paths.ROOT / path).read_text(encoding="utf-8")))
-            lines[name] = (text or "").partition("\n\n")[0]
-            inner = [n for n in self._modules.values() if n.rpartition(".")[0] == name]
-            self._page("module.rst", f"api/{name}.rst", name=name, inner=inner)
-        self._page("library.md", lines=lines)
+        self._library()
+        return self._places
 
     def _page(self, template, path=None, **context):
         text = self._templates.get_template(template).render(**context)
         _write(self._folder / (path or template), text)
 
     def _place(self, title, kind, page, anchor):
-        title = title.translate(_SIGNS)
-        self.places.append((title, title, kind, page, anchor, 2 if kind == "case" else 1))
+        self._places.append((title.translate(_SIGNS), kind, page, anchor))
 
     def _linked(self, text, folder):
         """Markdown from the repository's ``folder``, its links to pages or to copies of files."""
@@ -119,9 +172,9 @@ class Sources:
 
         return _LINK.sub(replaced, text)
 
-    def _notebook(self, notebook, executed):
+    def _notebook(self, notebook):
         """Write an executed notebook with links to the figures it shows, and return its title."""
-        text = (executed / f"{notebook.name}.ipynb").read_text(encoding="utf-8")
+        text = notebook.executed.read_text(encoding="utf-8")
         content = json.loads(text.replace(str(paths.ROOT), "..."))
         content["metadata"] = {"language_info": {"name": "python", "pygments_lexer": "ipython3"}}
         title = None
@@ -144,15 +197,26 @@ class Sources:
         return title or notebook.name
 
     def _data(self):
-        found = curves()
-        text = json.dumps(found, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+        """Write the page of the dataset, and the numbers that its plot shows."""
+        shown = curves()
+        text = json.dumps(shown, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
         _write(self._pages / "data.js", f"window.STUDY_DATA={text};\n")
         for file in (CURVES, PACKAGE):
             _copy(file, self._pages / "data" / file.name)
         package = json.loads(PACKAGE.read_text(encoding="utf-8"))
-        self._page("data.md", **found, fields=package["resources"][0]["schema"]["fields"])
-        for case in found["cases"]:
+        self._page("data.md", **shown, fields=package["resources"][0]["schema"]["fields"])
+        for case in shown["cases"]:
             self._place(case["name"], "case", "data", f"case={case['name']}")
+
+    def _library(self):
+        """Write a page for each module, and one with the first lines of their docstrings."""
+        lines = {}
+        for path, name in self._modules.items():
+            text = ast.get_docstring(ast.parse((paths.ROOT / path).read_text(encoding="utf-8")))
+            lines[name] = (text or "").partition("\n\n")[0]
+            inner = [n for n in self._modules.values() if n.rpartition(".")[0] == name]
+            self._page("module.rst", f"api/{name}.rst", name=name, inner=inner)
+        self._page("library.md", lines=lines)
 
 
 def _write(path, text):
