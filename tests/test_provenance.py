@@ -53,7 +53,7 @@ def test_imports_inside_functions_count(tmp_path):
         ("study/mechanism/scene.py", ["07", "08", "09", "10", "11", "16", "17", "18", "26"]),
         ("study/pages/figures.py", [f"{n:02d}" for n in range(27)]),
         ("study/cli/build.py", []),
-        ("study/pages/report/sources.py", []),
+        ("study/pages/report/pages.py", []),
         ("data/published/claims.csv", ["21"]),
         ("study/contact/coefficients.json", [f"{n:02d}" for n in range(27)]),
     ],
