@@ -8,7 +8,7 @@ import nbformat
 import pytest
 
 from study import paths
-from study.pages import catalogue, execute
+from study.pages import catalogue, execute, freshness
 
 every_notebook = pytest.mark.parametrize("notebook", catalogue.CATALOGUE, ids=lambda n: n.name)
 
@@ -26,8 +26,9 @@ def test_catalogue_and_folder_agree():
 
 def test_every_figure_tells_one_sentence_without_numbers():
     for notebook in catalogue.CATALOGUE:
-        assert notebook.tells.keys() == notebook.figures.keys()
-        for sentence in notebook.tells.values():
+        for result in notebook.results.values():
+            assert bool(result.tells) == result.is_figure
+        for sentence in (result.tells for result in notebook.results.values() if result.tells):
             assert re.fullmatch(r"[A-Z][^.]{30,150}\.", sentence)
             assert not re.search(r"\d", re.sub(r"(Table|Fig\.) \d+", "", sentence))
 
@@ -126,21 +127,15 @@ def test_wrong_settings_stop_before_anything_runs(setting, message):
         execute.check_parameters(catalogue.select(["fig10"]), [setting])
 
 
-def order(names, report):
-    """Tasks that would be run or are fresh, in order, of a process of its own."""
-    code = (
-        "from study.pages import catalogue, execute\n"
-        f"built = execute.run(catalogue.select({names}), {{}}, report={report}, dry=True)\n"
-        "assert not built.failures\n"
-        "for name, outcome in built.outcomes.items():\n"
-        "    if outcome.name != 'SKIP':\n"
-        "        print(name)\n"
-        "again = execute.run(catalogue.CATALOGUE, {}, dry=True)\n"  # in the same process
-        "assert len(again.outcomes) == len(catalogue.CATALOGUE)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return done.stdout.split()
+def order(names, report=False):
+    """Tasks that would be run or are fresh, in order."""
+    needed = freshness.needed(catalogue.select(names), {}, report=report)
+    made = set()
+    every = {path for task in needed for path in task.products}
+    for task in needed:
+        assert set(task.reads) & every <= made  # what it reads is made before
+        made |= set(task.products)
+    return [task.name for task in needed]
 
 
 def test_paper_and_report_come_after_every_notebook():
@@ -155,6 +150,31 @@ def test_a_notebook_comes_after_those_it_reads_from():
     for notebook in reversed(catalogue.CATALOGUE):
         read |= set(notebook.reads) if read & set(notebook.results) else set()
     makers = [nb for nb in catalogue.CATALOGUE if read & set(nb.results)]
-    tasks = order(["claims"], False)
+    tasks = order(["claims"])
     assert tasks[-1] == last.name
     assert sorted(tasks[:-1]) == [nb.name for nb in makers]
+
+
+def test_pytask_has_the_same_tasks_as_the_quick_check():
+    """The names, files and digests by which freshness reads ``pytask.lock`` are pytask's own."""
+    code = (
+        "import pytask\n"
+        "from study import paths\n"
+        "from study.pages import catalogue, freshness\n"
+        "session = pytask.build(paths=[paths.NOTEBOOKS, paths.PAPER], capture='no',\n"
+        "    config=paths.ROOT / 'pyproject.toml', dry_run=True, database_url='sqlite://')\n"
+        "from _pytask.lockfile import _build_task_entry\n"
+        "entries = [_build_task_entry(session, task, paths.ROOT) for task in session.tasks]\n"
+        "entries = {entry.id: entry for entry in entries}\n"
+        "tasks = freshness.needed(catalogue.CATALOGUE, {}, report=True)\n"
+        "assert entries.keys() == {task.identifier for task in tasks}\n"
+        "for task in tasks:\n"
+        "    entry = entries[task.identifier]\n"
+        "    values = [v for k, v in entry.depends_on.items() if '::' in k and v != '0']\n"
+        "    assert values == [task.digest()], task.name\n"
+        "    files = {k for k in entry.depends_on if '::' not in k}\n"
+        "    here = {path.relative_to(paths.ROOT).as_posix() for path in task.reads}\n"
+        "    assert files == {name for name in here if (paths.ROOT / name).is_file()}\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

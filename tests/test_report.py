@@ -17,19 +17,19 @@ import nbformat
 import pytest
 from docutils.nodes import make_id
 from nbformat import v4
-from study.pages.report.extension import mathml
-from study.pages.report.results import results
 
 from study import dataset, paths
 from study.checks import StudyError
 from study.contact import LAWS
 from study.pages import execute, report
-from study.pages.catalogue import CATALOGUE
+from study.pages.catalogue import CATALOGUE, results
+from study.pages.report import pages as sources_of_pages
+from study.pages.report.conf import mathml
 from study.pages.report.curves import PARAMETERS, curves
 from study.pages.report.pages import COLUMNS, VERDICTS
 
 RESULTS = {name: nb for nb in CATALOGUE for name in nb.results}
-FIGURES = [name for nb in CATALOGUE for name in nb.figures]
+FIGURES = [result.name for result in results() if result.is_figure]
 HOSTILE = 'A law with "quotes", <b>&amp; & </b></script><script>alert(1)</script>'
 CLAIMS = [
     {"claim": f"claim_{k}", "where": "Sec. 3", "statement": f"Statement {k}", "measure": "error, %"}
@@ -52,10 +52,10 @@ def write_claims(figures, rows, columns=COLUMNS):
 
 
 @pytest.fixture(scope="module")
-def sources(tmp_path_factory):
-    """Results, a paper, and notebooks that were not run, but for two outputs."""
-    folder = tmp_path_factory.mktemp("sources")
-    figures, executed = folder / "figures", folder / "executed"
+def results_shown(tmp_path_factory):
+    """Folder of results, a paper, and notebooks that were not run, but for two outputs."""
+    folder = tmp_path_factory.mktemp("shown")
+    figures, executed = folder / "figures", folder / "notebooks"
     figures.mkdir()
     executed.mkdir()
     for name in FIGURES:
@@ -79,26 +79,57 @@ def sources(tmp_path_factory):
     probed.metadata["papermill"] = {"output_path": str(paths.ROOT / "build")}
     nbformat.write(probed, executed / f"{PROBED}.ipynb")
     (folder / "paper.pdf").write_bytes(b"%PDF-1.4\n%%EOF\n")
-    return {"figures": figures, "executed": executed, "paper": folder / "paper.pdf"}
+    return folder
+
+
+def show(patch, folder):
+    """Let the report show the results of a folder."""
+    patch.setattr(paths, "FIGURES", folder / "figures")
+    patch.setattr(paths, "BUILD", folder)
+    for module in (report, sources_of_pages):
+        patch.setattr(module, "PDF", folder / "paper.pdf")
+
+
+FEW = ("contact/laws", "claims/verdicts", "pages/report/pages")
+IN_ANOTHER_PROCESS = """
+import sys
+from pathlib import Path
+import pytest
+import test_report
+from study.pages import report
+with pytest.MonkeyPatch.context() as patch:
+    test_report.show_little(patch, Path(sys.argv[1]))
+    report.build(Path(sys.argv[2]) / "sources", Path(sys.argv[2]) / "pages")
+"""
+
+
+def show_little(patch, folder):
+    """Let the report show a few modules only, as each takes long."""
+    show(patch, folder)
+    files = [paths.ROOT / f"study/{name}.py" for name in FEW]
+    patch.setattr(sources_of_pages, "modules", lambda: files)
 
 
 @pytest.fixture(scope="module")
-def again(sources, tmp_path_factory):
-    """The same report from another process, which hashes text otherwise; begun in time."""
-    folder = tmp_path_factory.mktemp("again")
-    code = (
-        "import sys; from study.pages import report; report.write(sys.argv[1], **eval(sys.argv[2]))"
-    )
-    options = repr({key: str(value) for key, value in sources.items()})
-    command = [sys.executable, "-c", code, str(folder / "report"), options]
-    environment = os.environ | {"PYTHONHASHSEED": "7", "OMP_NUM_THREADS": "1"}
-    with subprocess.Popen(command, env=environment, cwd=paths.ROOT) as process:
-        yield folder, process
+def twice(results_shown, tmp_path_factory):
+    """Two small reports of processes that hash text otherwise, begun in time."""
+    folders, started = [tmp_path_factory.mktemp("small") for _ in range(2)], []
+    for seed, folder in enumerate(folders):
+        command = [sys.executable, "-c", IN_ANOTHER_PROCESS, str(results_shown), str(folder)]
+        environment = os.environ | {"PYTHONHASHSEED": str(seed), "OMP_NUM_THREADS": "1"}
+        searched = [str(paths.ROOT), str(paths.ROOT / "tests")]
+        environment["PYTHONPATH"] = os.pathsep.join(searched)
+        started.append(subprocess.Popen(command, env=environment, cwd=paths.ROOT))
+    yield folders, started
+    for process in started:
+        process.wait()
 
 
 @pytest.fixture(scope="module")
-def built(sources, again, tmp_path_factory):
-    return report.write(tmp_path_factory.mktemp("built") / "report", **sources).parent
+def built(results_shown, tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        show(patch, results_shown)
+        return report.write(tmp_path_factory.mktemp("built") / "report").parent
 
 
 class Page(HTMLParser):
@@ -181,7 +212,7 @@ def test_every_figure_and_table_has_its_page(built, pages):
         assert f"../figures/{name}.html" in pages[built / f"notebooks/{notebook.name}.html"].links
         assert f"figures/{name}.html" in pages[built / "figures.html"].links
         assert f"notebooks/{notebook.name}.html" in pages[built / "notebooks.html"].links
-        if name in notebook.figures:
+        if name in FIGURES:
             assert f"{name}.png" in page.links + page.loaded
             assert (built / f"figures/{name}.png").is_file()
 
@@ -191,8 +222,9 @@ def test_a_figure_tells_what_to_conclude_and_a_notebook_its_parameters(built):
         return html.unescape((built / page).read_text(encoding="utf-8"))
 
     for notebook in CATALOGUE:
-        for name, sentence in notebook.tells.items():
-            assert f'<p class="tells">{sentence}</p>' in text(f"figures/{name}.html")
+        for name, result in notebook.results.items():
+            if result.is_figure:
+                assert f'<p class="tells">{result.tells}</p>' in text(f"figures/{name}.html")
         page = text(f"notebooks/{notebook.name}.html")
         assert '<input type="checkbox" id="code">' in page  # the code is folded
         for key, default, allowed, meaning in execute.explained(notebook):
@@ -209,8 +241,8 @@ def test_search_knows_words_of_engineers(index, word):
     assert word in index["terms"] | index["titleterms"]
 
 
-def test_results_come_in_the_papers_order(sources):
-    names = [result.name for result in results(sources["figures"])]
+def test_results_come_in_the_papers_order():
+    names = [result.name for result in results()]
     assert sorted(names) == sorted(RESULTS)
     papers = [name for name in names if re.fullmatch(r"(fig|table)\d+", name)]
     assert names[: len(papers)] == papers == sorted(papers)
@@ -301,55 +333,59 @@ def test_data_hold_every_case_and_law(built):
     assert free["laws"]["stiffened_hertz"] == pytest.approx(free["force"], rel=0.01)
 
 
-def test_same_sources_give_the_same_bytes(built, again):
-    folder, process = again
-    assert process.wait() == 0
-    assert [path.name for path in folder.iterdir()] == ["report"]
+def test_same_sources_give_the_same_bytes(twice):
+    folders, started = twice
+    assert [process.wait() for process in started] == [0, 0]
     first, second = (
-        {path.relative_to(top): path.read_bytes() for path in top.rglob("*") if path.is_file()}
-        for top in (built, folder / "report")
+        {
+            path.relative_to(top): path.read_bytes()
+            for part in ("sources", "pages")
+            for path in (top / part).rglob("*")
+            if path.is_file()
+        }
+        for top in folders
     )
     assert first.keys() == second.keys()
+    assert {f"pages/api/study.{name.replace('/', '.')}.html" for name in FEW} <= set(
+        map(str, first)
+    )
     assert not [path for path in first if first[path] != second[path]]
 
 
 @pytest.fixture
-def other(sources, tmp_path):
-    """Sources of which a test may spoil something, and a report that is already there."""
-    figures = tmp_path / "figures"
-    shutil.copytree(sources["figures"], figures)
+def other(results_shown, tmp_path, monkeypatch):
+    """Results of which a test may spoil some, and a report that is already there."""
+    shutil.copytree(results_shown, tmp_path, dirs_exist_ok=True)
+    show(monkeypatch, tmp_path)
     target = tmp_path / "report"
     target.mkdir()
     (target / "figures.html").write_text("old")
-    return target, figures, sources | {"figures": figures}
+    return target, tmp_path / "figures"
 
 
 def test_missing_claims_are_one_clear_error(other):
-    target, figures, options = other
+    target, figures = other
     (figures / "claims.csv").unlink()
     with pytest.raises(StudyError, match=r"lacks \S*claims.csv; make it with: study run claims$"):
-        report.write(target, **options)
+        report.write(target)
     assert (target / "figures.html").read_text() == "old"
 
 
 def test_missing_files_are_named_with_what_makes_them(other):
-    target, figures, options = other
+    target, figures = other
+    (target.parent / "paper.pdf").unlink()
+    with pytest.raises(StudyError, match=r"lacks \S*paper.pdf; make it with: study paper"):
+        report.write(target)
+    executed = target.parent / "notebooks"
+    executed.rename(target.parent / "elsewhere")
+    with pytest.raises(StudyError, match=r"lacks \S*00-\S*ipynb.*study run 00-"):
+        report.write(target)
+    (target.parent / "elsewhere").rename(executed)
+    (target.parent / "paper.pdf").write_bytes(b"")
     for name in ("fig01.png", "fig12.csv", "table2.csv", "reach.csv", "judged.csv"):
         (figures / name).unlink()
     with pytest.raises(StudyError, match=r"fig01.png.* and 1 more; .*study run fig01, .*table2"):
-        report.write(target, **options)
-    with pytest.raises(StudyError, match=r"lacks \S*00-\S*ipynb.*study run 00-"):
-        report.write(
-            target,
-            **options | {"figures": options["executed"].parent / "figures"} | {"executed": figures},
-        )
-    with pytest.raises(StudyError, match=r"lacks \S*nowhere.pdf; make it with: study paper"):
-        report.write(
-            target,
-            paper="nowhere.pdf",
-            executed=options["executed"],
-            figures=options["executed"].parent / "figures",
-        )
+        report.write(target)
 
 
 @pytest.mark.parametrize(
@@ -361,35 +397,41 @@ def test_missing_files_are_named_with_what_makes_them(other):
     ],
 )
 def test_damaged_claims_are_refused(other, change, message):
-    target, figures, options = other
+    _, figures = other
     write_claims(figures, [CLAIMS[1] | change, *CLAIMS[2:]])
     with pytest.raises(StudyError, match=message):
-        report.write(target, **options)
+        sources_of_pages.read_claims()
 
 
 def test_claims_without_a_column_are_refused(other):
-    target, figures, options = other
+    _, figures = other
     write_claims(figures, CLAIMS, [c for c in COLUMNS if c != "found"])
-    with pytest.raises(StudyError, match="claims.csv lacks found"):
-        report.write(target, **options)
+    with pytest.raises(
+        StudyError, match="claims.csv lacks found; rebuild it with: study run claims"
+    ):
+        sources_of_pages.read_claims()
+    (figures / "claims.csv").write_text("")
+    with pytest.raises(StudyError, match="claims.csv lacks claim, kind"):
+        sources_of_pages.read_claims()
 
 
-def test_what_sphinx_warns_of_is_one_clear_error(other):
-    target, _, options = other
-    executed = target.parent / "executed"
-    shutil.copytree(options["executed"], executed)
-    content = nbformat.read(executed / f"{PROBED}.ipynb", as_version=4)
-    content.cells.append(v4.new_markdown_cell("See {doc}`nowhere`."))
-    nbformat.write(content, executed / f"{PROBED}.ipynb")
-    with pytest.raises(StudyError, match=rf"^the report: notebooks/{PROBED}\S+ WARNING.*nowhere"):
-        report.write(target, **options | {"executed": executed})
+def test_what_sphinx_warns_of_is_one_clear_error(other, monkeypatch):
+    target, _ = other
+
+    def write_one_page(sources, pages):
+        (Path(sources) / "index.md").write_text("# One page\n\nSee {doc}`nowhere`.\n")
+        return []
+
+    monkeypatch.setattr(sources_of_pages, "write", write_one_page)
+    with pytest.raises(StudyError, match=r"^the report: index\S+ WARNING.*nowhere"):
+        report.write(target)
     assert (target / "figures.html").read_text() == "old"
 
 
-def test_a_folder_with_other_files_is_left_alone(sources, tmp_path):
+def test_a_folder_with_other_files_is_left_alone(tmp_path):
     (tmp_path / "thesis.txt").write_text("mine")
     with pytest.raises(ValueError, match="must be empty or hold a report"):
-        report.write(tmp_path, **sources)
+        report.write(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from study import paths
 from study.dataset.tolerance import table_differs
 from study.pages import baseline, figures
+from study.pages.catalogue import Result
 
 
 @pytest.fixture
@@ -16,29 +17,32 @@ def folders(tmp_path, monkeypatch):
     """Empty folders that the module takes for the project's."""
     monkeypatch.setattr(paths, "FIGURES", tmp_path / "figures")
     monkeypatch.setattr(baseline, "MADE", tmp_path / "build/made")
-    monkeypatch.setattr(baseline, "KEPT", tmp_path / "build/kept")
+    monkeypatch.setattr(baseline, "REPLACED", tmp_path / "build/baseline")
     monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path / "work"))
     return tmp_path
 
 
-def make(folders, scale=1.0, label="force", name="fig"):
+FIGURE = Result("fig", "a figure", "00-mine", is_figure=True)
+
+
+def make(folders, scale=1.0, label="force"):
     """Make a figure, as a notebook does, and compare it with the kept one."""
     table = pd.DataFrame({"case": ["a", "b", "c"], "x": [0.1, 0.2, 0.3], "force": [1.0, 5.0, 25.0]})
     table["force"] *= scale
     figure, axes = figures.new(width=2, height=2)
     axes.plot(table.x, table.force)
     axes.set_ylabel(label)
-    figures.save(figure, name, table)
-    baseline.place(folders / "work", baseline.files(name, True))
-    return baseline.compare(name, True)
+    figures.save(figure, "fig", table)
+    baseline.take_over(folders / "work", FIGURE.files)
+    return baseline.compare(FIGURE)
 
 
-def kept_bytes(folders, name="fig"):
-    return [(folders / "figures" / file).read_bytes() for file in baseline.files(name, True)]
+def kept_bytes(folders):
+    return [(folders / "figures" / file).read_bytes() for file in FIGURE.files]
 
 
 def test_a_result_is_new_then_identical(folders):
-    assert baseline.compare("fig", True).state == "not made here"
+    assert baseline.compare(FIGURE).state == "not made here"
     assert make(folders).state == "identical"  # there was none: what was made is kept
     first = kept_bytes(folders)
     assert make(folders).state == "identical"
@@ -63,8 +67,8 @@ def test_numbers_that_differ_are_written_and_named(folders):
     assert make(folders, 1 + 5e-7).state == "agrees"  # with those that were kept
     assert kept_bytes(folders) == first
     make(folders, 1.004)
-    baseline.accept(baseline.files("fig", True))
-    assert baseline.compare("fig", True).state == "identical"
+    baseline.accept(FIGURE.files)
+    assert baseline.compare(FIGURE).state == "identical"
 
 
 def test_a_label_that_differs_is_written(folders):
@@ -86,10 +90,26 @@ def test_a_file_put_back_by_hand_counts_as_kept_bytes(folders):
     make(folders)
     first = kept_bytes(folders)
     make(folders, 1.004)
-    for file, content in zip(baseline.files("fig", True), first, strict=True):
+    for file, content in zip(FIGURE.files, first, strict=True):
         (folders / "figures" / file).write_bytes(content)
     assert make(folders).state == "identical"
-    assert not any((folders / "build/kept").iterdir())
+    assert not any((folders / "build/baseline").iterdir())
+
+
+def test_two_files_are_compared_once(folders, monkeypatch):
+    """The verdict is remembered, until a file or the tolerance is another one."""
+    make(folders)
+    calls, pixels = [], baseline._pixels
+    monkeypatch.setattr(baseline, "_pixels", lambda *files: calls.append(files) or pixels(*files))
+    assert make(folders, label="Force").state == "differs"
+    assert len(calls) == 1
+    assert baseline.compare(FIGURE).where.endswith("pixels differ")
+    assert len(calls) == 1
+    assert make(folders, label="FORCE").state == "differs"
+    assert len(calls) == 2
+    monkeypatch.setattr(baseline, "_RULES", [paths.ROOT / "pyproject.toml"])
+    baseline.compare(FIGURE)
+    assert len(calls) == 3
 
 
 def table(folders, name, **columns):

@@ -89,6 +89,11 @@ def read_claims() -> list[dict]:
     return claims
 
 
+def modules() -> list[Path]:
+    """Files of the library that have a page."""
+    return sorted((paths.ROOT / "study").rglob("*.py"))
+
+
 class _Sources:
     """Sources of the pages in one folder, and files beside the pages in another."""
 
@@ -103,7 +108,7 @@ class _Sources:
         self._templates.globals |= {"explained": explained, "shown_with": shown_with}
         self._macros = self._templates.get_template("macros.html").module
         self._modules = {}
-        for path in sorted((paths.ROOT / "study").rglob("*.py")):
+        for path in modules():
             name = path.relative_to(paths.ROOT).as_posix()
             self._modules[name] = name[:-3].replace("/", ".").removesuffix(".__init__")
         self._pages_of = {name: f"/api/{page}.rst" for name, page in self._modules.items()}
