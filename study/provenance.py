@@ -66,7 +66,7 @@ def digest(files: Iterable[Path], *more: object) -> str:
 
     A file that is missing counts as such.
     """
-    contents = [(name(path), _sha256_of(path)) for path in sorted(set(files))]
+    contents = [(name(path), sha256_of(path)) for path in sorted(set(files))]
     return sha256(repr((contents, more)).encode())[:32]
 
 
@@ -94,7 +94,8 @@ def _stamp(path):
     return stat.st_mtime_ns, stat.st_size
 
 
-def _sha256_of(path):
+def sha256_of(path: Path) -> str:
+    """SHA-256 of a file, computed again only after a change; "missing" if there is none."""
     return _content_sha256(path, *_stamp(path)) if path.is_file() else "missing"
 
 
@@ -137,7 +138,7 @@ def _listed(folder):
 
 def _source(path):
     """What a source file says, from the graph that is kept, or else parsed."""
-    key, sha = name(path), _sha256_of(path)
+    key, sha = name(path), sha256_of(path)
     graph = _graph()
     if key not in graph or graph[key].sha256 != sha:
         graph[key] = _read(path, sha)

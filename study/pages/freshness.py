@@ -9,7 +9,6 @@ import json
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -59,15 +58,14 @@ class Task:
         pytask calls it with the value of the task's only argument that is not a file.
         """
         names = [provenance.name(path) for path in (*self.reads, *self.products)]
-        stated = json.dumps([self.settings, names], sort_keys=True)
-        return provenance.sha256(f"{provenance.digest(self.inputs())} {stated}".encode())
+        return provenance.digest(self.inputs(), sorted(self.settings.items()), names)
 
     def is_as_recorded(self, entry: Mapping[str, Any]) -> bool:
         """Whether its own file, its digest and its other files are as an entry of the lock says."""
         states = {self.identifier.partition("::")[0]: entry["state"]}
         states |= entry["depends_on"] | entry["produces"]
         return all(
-            state == (self.digest() if "::" in node else _hash(paths.ROOT / node))
+            state == (self.digest() if "::" in node else provenance.sha256_of(paths.ROOT / node))
             for node, state in states.items()
             if state != "0"  # an empty list of files, which pytask takes for a value
         )
@@ -130,13 +128,3 @@ def _recorded():
     except ValueError:  # damaged: pytask says so, or mends it, as it runs
         return {}
     return {entry["id"]: {"depends_on": {}, "produces": {}} | entry for entry in entries}
-
-
-def _hash(path):
-    return _hash_of(path, path.stat().st_mtime_ns) if path.is_file() else None
-
-
-@cache
-def _hash_of(path, _modified):
-    """SHA-256 of a file, computed once: most are the product of one task and read by others."""
-    return provenance.sha256(path.read_bytes())
