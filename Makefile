@@ -40,7 +40,7 @@ lab: $(READY)
 	@cd notebooks && ../$(BIN)/jupyter lab
 
 data: $(READY)
-	@$(BIN)/study data build
+	@$(BIN)/study data build --from-nothing
 
 bench: $(READY)
 	@$(BIN)/python -m pytest tests/bench_*.py --benchmark-columns=median,iqr,rounds

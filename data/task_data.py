@@ -1,7 +1,9 @@
-"""The dataset's tasks: the curve of each case, then table, fitted laws, links and description."""
+"""The dataset's tasks: the curve of each case, then table, fitted laws, links and description.
+
+Only what is damaged, out of date or made from that has tasks: the rest need not be solved.
+"""
 
 import json
-import time
 from pathlib import Path
 from typing import Annotated
 
@@ -9,96 +11,105 @@ import numpy as np
 import pandas as pd
 from pytask import Product, PythonNode, mark, task
 
-from study import paths
+from study import paths, provenance
 from study.choose import random_scenes
-from study.contact.hertz_correction import TABLE
-from study.contact.laws import COEFFICIENTS
-from study.dataset import design, fitting, hertz_correction, store
+from study.dataset import design, fitting, hertz_correction, record, store
 from study.pages import tasks
 
+MADE = record.to_make()
+CODE = {path: record.code(path) for path in record.GENERATED}
 BATCHES = list(design.batches())
 PARTS = [paths.BUILD / f"curves/{cases[0][1]}.csv" for cases in BATCHES]
 LIMITS, CHANGES = (
     [paths.BUILD / f"hertz_correction/{name}-{k}.txt" for k in range(counts["socket_poisson"])]
     for name, counts in (("limit", hertz_correction.LIMITS), ("change", hertz_correction.CHANGES))
 )
+DESIGN = [paths.ROOT / "study/dataset/design.py"]
+DESCRIBED = [*record.GENERATED, store.MATERIALS, *store.PUBLISHED]
 SCENES, AT_ONCE = list(random_scenes.draw(0)), 10
 LINKS = [paths.BUILD / f"links/scenes-{k:03d}.csv" for k in range(0, len(SCENES), AT_ONCE)]
-TABLES = paths.DATA / "published/tables.csv"
-DESCRIBED = tuple(paths.DATA / name for name in store.ORIGINS)
+
+
+def decided_by(path, *more):
+    """A value that changes with the code that decides a file, and with what else is given."""
+    return PythonNode(value=repr((CODE[path], *more)), hash=True)
+
 
 for cases, part in zip(BATCHES, PARTS, strict=True):
+    if store.CURVES not in MADE:
+        break
 
     @task(id=part.stem)
     def task_curves(
-        resolved: Annotated[str, PythonNode(value=repr(cases), hash=True)],
+        decided: Annotated[str, decided_by(store.CURVES, cases)],
         cases: list[tuple] = cases,
-        code: list[Path] = store.sources(store.CURVES),
         part: Annotated[Path, Product] = part,
     ):
         tasks.leave_interrupts_to_the_runner()
-        curves = []
-        for case in cases:
-            start = time.perf_counter()
-            curve = store.solve_case(*case)
-            curves.append(curve.assign(seconds=time.perf_counter() - start))
         with paths.whole(part) as temporary:
-            pd.concat(curves).to_csv(temporary, index=False)
+            curves = pd.concat([record.solve_case(*case) for case in cases])
+            curves.to_csv(temporary, index=False)
 
 
-def task_table(parts: list[Path] = PARTS, table: Annotated[Path, Product] = store.CURVES):
-    frames = [pd.read_csv(part) for part in parts]
-    store.write_table(pd.concat(frames).drop(columns="seconds"), table)
+if store.CURVES in MADE:
+
+    def task_table(parts: list[Path] = PARTS, table: Annotated[Path, Product] = store.CURVES):
+        record.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
 
 
-def task_coefficients(
-    table: Path = store.CURVES,
-    published: Path = TABLES,
-    code: list[Path] = store.sources(COEFFICIENTS),
-    coefficients: Annotated[Path, Product] = COEFFICIENTS,
-):
-    fits = fitting.fit_all(pd.read_csv(table), pd.read_csv(published))
-    with paths.whole(coefficients) as temporary:
-        temporary.write_text(json.dumps(fits, indent=2) + "\n", encoding="utf-8")
+if store.COEFFICIENTS in MADE:
+
+    def task_coefficients(
+        decided: Annotated[str, decided_by(store.COEFFICIENTS)],
+        table: Path = store.CURVES,
+        published: Path = store.TABLES,
+        coefficients: Annotated[Path, Product] = store.COEFFICIENTS,
+    ):
+        fits = fitting.fit_all(pd.read_csv(table), pd.read_csv(published))
+        with paths.whole(coefficients) as temporary:
+            temporary.write_text(json.dumps(fits, indent=2) + "\n", encoding="utf-8")
 
 
 for counts, parts in ((hertz_correction.LIMITS, LIMITS), (hertz_correction.CHANGES, CHANGES)):
+    if store.TABLE not in MADE:
+        break
     for nu, part in zip(hertz_correction.grid(counts)["socket_poisson"], parts, strict=True):
 
         @mark.try_first  # they take the longest
         @task(id=part.stem)
         def task_hertz_correction(
-            of: Annotated[tuple, PythonNode(value=(float(nu), (*counts.items(),)), hash=True)],
-            code: list[Path] = store.sources(TABLE),
+            decided: Annotated[str, decided_by(store.TABLE, float(nu), counts)],
+            of: tuple = (float(nu), counts),
             part: Annotated[Path, Product] = part,
         ):
             tasks.leave_interrupts_to_the_runner()
             with paths.whole(part) as temporary:
-                np.savetxt(
-                    temporary, hertz_correction.logarithms(of[0], dict(of[1])).reshape(-1, 9)
-                )
+                np.savetxt(temporary, hertz_correction.logarithms(*of).reshape(-1, 9))
 
 
-def task_hertz_correction_table(
-    limits: list[Path] = LIMITS,
-    changes: list[Path] = CHANGES,
-    code: list[Path] = store.sources(TABLE),
-    table: Annotated[Path, Product] = TABLE,
-):
-    found = [[np.loadtxt(part) for part in parts] for parts in (limits, changes)]
-    store.write_hertz_correction(hertz_correction.table(*found))
+if store.TABLE in MADE:
+
+    def task_hertz_correction_table(
+        decided: Annotated[str, decided_by(store.TABLE)],
+        limits: list[Path] = LIMITS,
+        changes: list[Path] = CHANGES,
+        table: Annotated[Path, Product] = store.TABLE,
+    ):
+        solved = [[np.loadtxt(part) for part in parts] for parts in (limits, changes)]
+        record.write_hertz_correction(hertz_correction.table(*solved))
 
 
 for k, part in enumerate(LINKS):
+    if store.LINKS not in MADE:
+        break
     some = SCENES[AT_ONCE * k :][:AT_ONCE]
 
     @mark.try_last  # meanwhile coefficients are fitted to the curves
     @task(id=part.stem)
     def task_scenes(
-        of: Annotated[str, PythonNode(value=repr(some), hash=True)],
+        decided: Annotated[str, decided_by(store.LINKS, some)],
         scenes: list = some,
-        stiffening: Path = TABLE,
-        code: list[Path] = store.sources(store.LINKS),
+        correction: Path = store.TABLE,
         part: Annotated[Path, Product] = part,
     ):
         tasks.leave_interrupts_to_the_runner()
@@ -106,17 +117,15 @@ for k, part in enumerate(LINKS):
             random_scenes.measure(scenes).to_csv(temporary, index=False)
 
 
-def task_links(parts: list[Path] = LINKS, table: Annotated[Path, Product] = store.LINKS):
-    store.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
+if store.LINKS in MADE:
+
+    def task_links(parts: list[Path] = LINKS, table: Annotated[Path, Product] = store.LINKS):
+        record.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
 
 
 def task_description(
-    library: tuple[Path, ...] = store.LIBRARY,
-    code: list[Path] = sorted({p for f in store.GENERATED for p in store.sources(f)}),
-    design: Path = paths.ROOT / "study/dataset/design.py",
-    parts: list[Path] = PARTS,
-    described: tuple[Path, ...] = DESCRIBED,
+    decided: Annotated[str, PythonNode(value=provenance.digest(DESIGN, CODE), hash=True)],
+    files: list[Path] = DESCRIBED,
     description: Annotated[Path, Product] = store.PACKAGE,
 ):
-    times = pd.concat([pd.read_csv(part) for part in parts]).groupby("case").seconds.first()
-    store.write_package(times.sum())
+    record.write_description()

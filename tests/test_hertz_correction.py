@@ -34,7 +34,7 @@ def error(joint):
 
 
 def test_error_on_joints_that_had_no_part_in_it():
-    rows = dataset.load(group="judge")
+    rows = dataset.load(group="validation")
     keys = ["r2_star", "socket_ratio", "modulus_ratio", "poisson_ball", "poisson_socket"]
     errors = []
     for (r2_star, ratio, modulus, *nu, drive, rim), case in rows.groupby(

@@ -23,7 +23,7 @@ RECIPE = [
     ("stiffened_hertz)\n}", "stiffened_hertz, seventh)\n}"),
 ]
 """Texts of study/contact/laws.py, and what stands there with the law."""
-DESCRIBE = "from study.dataset import store; store.write_package(0.0)"
+DESCRIBE = "from study.dataset import record; record.write_description()"
 LAW_PART = """
 import json, sys
 for cell in json.load(open(sys.argv[1]))["cells"]:

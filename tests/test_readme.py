@@ -55,7 +55,7 @@ def test_how_good_its_law_is():
 
 def test_which_law_is_right():
     most, joints, cost = claimed(r"is within (\S+) % on (\d+) joints .*? takes (\S+) times")
-    judged = kept("judged").query("group.str.startswith('judge')")
+    judged = kept("judged").query("group.str.startswith('validation')")
     assert judged.largest_percent.max() == pytest.approx(most, abs=0.005)
     assert judged.cases.sum() == joints
     ends, finite = claimed(

@@ -1,5 +1,6 @@
 """Commands for what is stored: the dataset, and the times of laws, solvers and steppers."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -26,7 +27,9 @@ class CaseOptions:
 
     r2_star: list[float] = number("Radius of the socket in clearances, R2/dR; may be repeated.")
     socket_ratio: list[float] = number("Outer over inner radius of the socket; may be repeated.")
-    group: str = words("Group of cases: paper, ratio, poisson, modulus, support, liner or judge.")
+    group: str = words(
+        "Group of cases: paper, ratio, poisson, modulus, support, liner or validation."
+    )
     case: str = words("One case, with all of its depths.")
     ball_drive: Drive = option("Equatorial plane of the half ball, as for study joint.", "--drive")
     rim: Rim = option("Edge of the socket at its equator, as for study joint.")
@@ -78,11 +81,21 @@ def check_data():
 
 
 @command("build", group=data_app, keeps=True)
-def build_data(jobs: int = JOBS):
-    """Build the dataset from nothing; an interrupted build resumes."""
-    from study.pages import tasks
+def build_data(
+    jobs: int = JOBS,
+    from_nothing: bool = option(
+        "Make files that are up to date too.", "--from-nothing", default=False
+    ),
+):
+    """Make the files of the dataset that are out of date; an interrupted build resumes."""
+    from study.dataset import record
 
-    fail(tasks.build([paths.DATA], jobs=jobs).failures)
+    if from_nothing:
+        os.environ[record.FROM_NOTHING] = "1"
+    if record.to_make():
+        from study.pages import tasks
+
+        fail(tasks.build([paths.DATA], jobs=jobs).failures)
     print("The dataset is up to date: data/force_curves.csv, links.csv and datapackage.json.")
 
 

@@ -12,7 +12,6 @@ from study.dataset.store import (
     reference_forces,
     summary,
     verify_files,
-    verify_made_by,
 )
 
 __all__ = [
@@ -27,5 +26,4 @@ __all__ = [
     "reference_forces",
     "summary",
     "verify_files",
-    "verify_made_by",
 ]

@@ -7,6 +7,7 @@ from itertools import groupby
 import numpy as np
 
 from study.contact import hertz_correction
+from study.dataset.paper import PAPER_KINEMATICS, R2_STAR
 from study.joint import Joint, Kinematics, Layer, Material
 from study.joint.joint import PAPER_SUPPORTS
 
@@ -15,12 +16,6 @@ ROOT_DEPTHS = tuple(np.round(np.linspace(0.005**0.5, 1, 32) ** 2, 6).tolist())
 """In equal steps of sqrt(depth_star), from 0.005 to 1."""
 PAPER_R2_STARS = tuple(range(20, 301, 20))
 WIDER_R2_STARS = (400, 600, 1000, 2000, 5000, 10_000)
-R2_STAR = 200
-"""Of the paper's comparison of laws, Fig. 10 and Table 2, and of the changes to its joint."""
-PAPER_KINEMATICS: Kinematics = "linear"
-"""Of the paper's finite elements, identified from Table 2 (notebook 13). Only with these, the
-relative
-RMSE of Fig. 14 rises and its coefficient of determination falls with R2* (notebooks 06, 12)."""
 
 
 def case_name(
@@ -69,11 +64,11 @@ GROUPS = {
     "modulus": "the effect of unequal moduli in it",
     "support": "the effect of the supports in it",
     "liner": "thin liners: a rigid ball on a rigid backing, and real ones in their housings",
-    "judge": "random joints in the range of stiffened_hertz, to judge it",
+    "validation": "random joints in the range of stiffened_hertz, to validate it",
 }
 
 
-FREE_JUDGES, HELD_JUDGES = 300, 36
+FREE_VALIDATION, HELD_VALIDATION = 300, 36
 HELD = (("clamped", "mirror"), ("plane", "free"), ("clamped", "free"))
 LINER_THICKNESSES = (0.003, 0.015, 0.04, 0.1, 0.2, 0.3)
 LINER_POISSONS = (0.1, 0.3, 0.4, 0.45, 0.475, 0.49)
@@ -101,11 +96,11 @@ def _liners():
         yield SetUp("liner", name, joint, r2_stars=(r2_star,), depths=depths)
 
 
-def _judges():
+def _validation_set():
     """Random joints in the range of stiffened_hertz, always the same.
 
-    `HELD_JUDGES` of them have other supports. These take finite elements, so that they share a few
-    balls and sockets. One socket in ten is practically infinitely thick.
+    `HELD_VALIDATION` of them have other supports. These take finite elements, so that they share a
+    few balls and sockets. One socket in ten is practically infinitely thick.
     """
     draw = np.random.default_rng(2024)
     (low, high), thin = (
@@ -121,8 +116,8 @@ def _judges():
         return round(1 + thickness, 3) if draw.random() < 0.9 else 1000.0, ball()
 
     balls, sockets = [ball() for _ in range(3)], [socket() for _ in range(6)]
-    for k in range(FREE_JUDGES + HELD_JUDGES):
-        held = k >= FREE_JUDGES
+    for k in range(FREE_VALIDATION + HELD_VALIDATION):
+        held = k >= FREE_VALIDATION
         nu = balls[k % 3] if held else ball()
         ratio, socket_nu = sockets[k // 3 % 6] if held else socket()
         drive, rim = (("plane", "mirror"), *HELD)[1 + draw.integers(3) if held else 0]
@@ -132,7 +127,7 @@ def _judges():
         r2_star = float(f"{20 * 500 ** draw.random() ** 2:.3g}")
         supports = {"ball_drive": drive, "rim": rim}
         case = {"poisson": nu, "r2_stars": (r2_star,), "depths": ROOT_DEPTHS[1::6]}
-        yield SetUp("judge", f"judge-{k:03d}", joint | supports, **case)
+        yield SetUp("validation", f"validation-{k:03d}", joint | supports, **case)
 
 
 DESIGN = (
@@ -168,7 +163,7 @@ DESIGN = (
         for drive, rim in (("clamped", "mirror"), ("plane", "free"), ("plane", "mirror"))
     ),
     *_liners(),
-    *_judges(),
+    *_validation_set(),
 )
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from study import checks
 from study.contact import LAWS, LawName, shapes
 from study.contact.laws import AREA_COEFFICIENTS
-from study.dataset.design import PAPER_KINEMATICS, R2_STAR
+from study.dataset.paper import PAPER_KINEMATICS, R2_STAR
 
 FITTED_LAWS: dict[str, tuple[LawName, dict]] = {
     name: ("hyperbolic_winkler", {"area": area}) for area, name in AREA_COEFFICIENTS.items()

@@ -1,8 +1,9 @@
 """Checks of the cached dataset: files, schema, physics, and one case solved again."""
 
 import numpy as np
+import pandas as pd
 
-from study.dataset import design, store
+from study.dataset import design, record, store
 from study.joint import force_curve
 
 ERROR_LIMIT = 5e-3  # largest discretisation error estimate that a row may have
@@ -20,11 +21,11 @@ def check() -> list[tuple[str, str]]:
         At the first check that fails; names the file, the case and the remedy.
     """
     store.verify_files()
-    store.verify_made_by()
-    schema, frame = _check_schema(), store.load()
+    record.verify_made_by()
+    frame = store.load()
     return [
         ("files", "every hash as stated, made by this code and design"),
-        ("schema", schema),
+        ("schema", _check_schema(frame)),
         ("cases", _check_cases(frame)),
         *_check_physics(frame),
         ("solved again", _check_anew(frame)),
@@ -35,13 +36,25 @@ def _fail(what, path=store.CURVES):
     raise store.DatasetError(f"data/{path.name}: {what}; rebuild it with: {store.MEND}")
 
 
-def _check_schema():
+def _check_schema(frame):
     from frictionless import Package  # only this needs it, and it takes a second to import
 
     report = Package(store.PACKAGE).validate()
     for note, row, column in report.flatten(["note", "rowNumber", "fieldName"]):
         _fail(f"{note} (row {row}, column {column})" if row else note, store.PACKAGE)
-    return f"{report.stats['tasks']} files as described, {len(store.COLUMNS)} columns"
+    fields = _schema()["fields"]
+    for field, (name, values) in zip(fields, frame.items(), strict=True):
+        kind = "number" if pd.api.types.is_numeric_dtype(values) else "string"
+        if (field["name"], field["type"]) != (name, kind) or ("unit" in field) != (
+            kind == "number"
+        ):
+            _fail(f"must describe column {name}, a {kind}, got {field}", store.PACKAGE)
+    return f"{report.stats['tasks']} files as described, {len(fields)} columns"
+
+
+def _schema():
+    resources = store.read_package()["resources"]
+    return next(r["schema"] for r in resources if r["path"] == store.CURVES.name)
 
 
 def _check_cases(frame):

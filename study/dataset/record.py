@@ -1,0 +1,169 @@
+"""How the dataset is made, described and found out of date: for the build and its check.
+
+``data/datapackage.json`` holds the description: schema and units, written by hand, and for every
+file its hash. Its provenance has the code, data and design that made each generated file.
+"""
+
+import os
+import platform
+from collections import Counter
+from importlib.metadata import version
+from pathlib import Path
+
+import pandas as pd
+
+from study import paths, provenance
+from study.contact import hertz_correction
+from study.dataset import design, store, tolerance
+from study.joint import Joint, force_curve
+from study.joint.compliance import RESOLUTION
+
+FROM_NOTHING = "STUDY_DATA_FROM_NOTHING"  # tells data/task_data.py to make every file
+GENERATED = {
+    store.CURVES: "joint/curve",
+    store.COEFFICIENTS: "dataset/fitting",
+    store.TABLE: "dataset/hertz_correction",
+    store.LINKS: "choose/random_scenes",
+}
+"""Generated file -> module whose imports lead to all code that decides it."""
+MADE_FROM = {store.COEFFICIENTS: [store.CURVES, store.TABLES], store.LINKS: [store.TABLE]}
+"""Generated file -> data that decide it too."""
+
+
+def to_make() -> set[Path]:
+    """Files that a build makes: damaged or out of date, and those that are made from them.
+
+    Empty if all are up to date. The description is made with any other, and alone where only
+    materials have changed.
+
+    Raises
+    ------
+    study.dataset.DatasetError
+        If the description or a published file is missing or damaged: no build makes these.
+    """
+    if os.environ.get(FROM_NOTHING):
+        return {*GENERATED, store.PACKAGE}
+    package = _undamaged()
+    made = {path for path in GENERATED if not store.is_as_stated(path, package)}
+    made |= set(out_of_date())
+    made |= {path for path, data in MADE_FROM.items() if made & set(data)}
+    if made or not store.is_as_stated(store.MATERIALS, package):
+        made.add(store.PACKAGE)
+    return made
+
+
+def code(path: Path) -> str:
+    """Digest of the code that decides a generated file."""
+    return provenance.digest(_sources(path))
+
+
+def solve_case(group: str, name: str, joint: Joint, depths: tuple[float, ...]) -> pd.DataFrame:
+    """One case of the design, in the columns of the dataset."""
+    return pd.DataFrame({"group": group, "case": name} | force_curve(joint, depths).columns())
+
+
+def write_table(frame: pd.DataFrame, path: Path) -> None:
+    """Write a table as CSV, whole or not at all, if it does not agree with the kept one.
+
+    Numbers have 9 significant digits, or fewer by `tolerance.DIGITS`. On another processor the last
+    ones differ: a kept file that agrees stays as it is.
+    """
+    frame = frame.copy()
+    for column, digits in tolerance.DIGITS.get(path.stem, {}).items():
+        frame[column] = [float(f"{value:.{digits}g}") for value in frame[column]]
+    with paths.scratch(path.parent) as folder:
+        made = folder / path.name
+        frame.to_csv(made, index=False, float_format="%.9g", lineterminator="\n")
+        if not path.is_file() or tolerance.table_differs(path, made):
+            paths.copy(made, path)
+
+
+def write_hertz_correction(table: pd.DataFrame) -> None:
+    """Write the table of `study.contact.hertz_correction`, if it does not agree with the kept one.
+
+    On another processor a number may differ by one, and one at the limit of being left out by two.
+    """
+    if store.TABLE.is_file():
+        keys = list(table.columns[: -len(hertz_correction.PLACES)])
+        kept = pd.read_csv(store.TABLE).set_index(keys)
+        if kept.sub(table.set_index(keys), fill_value=0).abs().to_numpy().max() <= 2:
+            return
+    with paths.whole(store.TABLE) as temporary:
+        table.to_csv(temporary, index=False, lineterminator="\n")
+
+
+def write_description() -> None:
+    """Write hashes and provenance of the files as they are to ``datapackage.json``."""
+    package = _undamaged()
+    package["provenance"] = {
+        "command": store.MEND,
+        "library_sha256": {
+            provenance.name(path): provenance.sha256(path.read_bytes()) for path in store.LIBRARY
+        },
+        "design": _design(),
+        "made_by": _made_by(),
+        "versions": {p: version(p) for p in ("numpy", "scipy", "scikit-fem")}
+        | {"python": platform.python_version()},
+    }
+    store.write_package(package, list(GENERATED))
+
+
+def _undamaged():
+    """The description, if no file is damaged that no build makes: its new hash would hide that."""
+    package = store.read_package()
+    for resource in package["resources"]:
+        if resource["origin"] != "generated":
+            store.verify(paths.DATA / resource["path"], package)
+    return package
+
+
+def verify_made_by() -> None:
+    """Compare code, data and design that decide a generated file with those that made it.
+
+    Raises
+    ------
+    study.dataset.DatasetError
+        If a file was made by others, and is out of date; names the remedy.
+    """
+    for path, why in out_of_date().items():
+        raise store.DatasetError(
+            f"{provenance.name(path)} is out of date: {why} since it was made; "
+            f"rebuild it with: {store.MEND}"
+        )
+
+
+def out_of_date() -> dict[Path, str]:
+    """Generated files that other code, data or another design made, and what has changed."""
+    stated, changes = store.read_package()["provenance"], {}
+    for path, digests in zip(GENERATED, _made_by().values(), strict=True):
+        before = stated["made_by"].get(provenance.name(path), {})
+        changed = [file for file in digests | before if digests.get(file) != before.get(file)]
+        if changed:
+            changes[path] = f"{', '.join(changed)} changed"
+    if stated["design"] != _design():
+        changes = {
+            store.CURVES: "the design (study/dataset/design.py), a default of the joint or a "
+            "resolution has changed"
+        } | changes
+    return changes
+
+
+def _sources(path):
+    return provenance.sources(paths.ROOT / f"study/{GENERATED[path]}.py")
+
+
+def _made_by():
+    """Generated file -> digest of every file that decides it."""
+    decide = {path: [*_sources(path), *MADE_FROM.get(path, [])] for path in GENERATED}
+    return {provenance.name(path): provenance.digests(files) for path, files in decide.items()}
+
+
+def _design():
+    """Which cases there are and why; the hash is that of all parameters, defaults included."""
+    cases = [(s.group, name, joint, s.depths) for s in design.DESIGN for name, joint in s.cases()]
+    count = Counter(group for group, *_ in cases)
+    return {
+        "groups": {g: {"why": why, "cases": count[g]} for g, why in design.GROUPS.items()},
+        "resolution": RESOLUTION,
+        "cases_sha256": provenance.sha256(repr(cases).encode()),
+    }
