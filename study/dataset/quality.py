@@ -37,11 +37,17 @@ def _fail(what, path=store.CURVES):
 
 
 def _check_schema(frame):
-    from frictionless import Package  # only this needs it, and it takes a second to import
+    # only this needs it, and it takes a second to import
+    from frictionless import FrictionlessException, Package
 
-    report = Package(store.PACKAGE).validate()
-    for note, row, column in report.flatten(["note", "rowNumber", "fieldName"]):
-        _fail(f"{note} (row {row}, column {column})" if row else note, store.PACKAGE)
+    try:
+        report = Package(store.PACKAGE).validate()
+    except FrictionlessException as error:
+        _fail(error.error.note, store.PACKAGE)
+    wrong = report.flatten(["note", "message", "rowNumber", "fieldName"])
+    for note, message, row, column in wrong:
+        where = f" (row {row}, column {column})" if row else ""
+        _fail((note or message) + where, store.PACKAGE)
     fields = _schema()["fields"]
     for field, (name, values) in zip(fields, frame.items(), strict=True):
         kind = "number" if pd.api.types.is_numeric_dtype(values) else "string"
