@@ -33,7 +33,10 @@ def check() -> list[tuple[str, str]]:
 
 
 def _fail(what, path=store.CURVES):
-    raise store.DatasetError(f"data/{path.name}: {what}; rebuild it with: {store.MEND}")
+    remedy = f"rebuild it with: {store.MEND}"
+    if path == store.PACKAGE:
+        remedy = f"restore it with: git checkout -- data/{path.name}"
+    raise store.DatasetError(f"data/{path.name}: {what}; {remedy}")
 
 
 def _check_schema(frame):
@@ -43,7 +46,7 @@ def _check_schema(frame):
     try:
         report = Package(store.PACKAGE).validate()
     except FrictionlessException as error:
-        _fail(error.error.note, store.PACKAGE)
+        _fail(str(error), store.PACKAGE)
     wrong = report.flatten(["note", "message", "rowNumber", "fieldName"])
     for note, message, row, column in wrong:
         where = f" (row {row}, column {column})" if row else ""
@@ -51,9 +54,8 @@ def _check_schema(frame):
     fields = _schema()["fields"]
     for field, (name, values) in zip(fields, frame.items(), strict=True):
         kind = "number" if pd.api.types.is_numeric_dtype(values) else "string"
-        if (field["name"], field["type"]) != (name, kind) or ("unit" in field) != (
-            kind == "number"
-        ):
+        described = field["name"], field["type"], "unit" in field
+        if described != (name, kind, kind == "number"):
             _fail(f"must describe column {name}, a {kind}, got {field}", store.PACKAGE)
     return f"{report.stats['tasks']} files as described, {len(fields)} columns"
 
