@@ -72,7 +72,7 @@ def digest(files: Iterable[Path], *more: object) -> str:
 
 def digests(files: Iterable[Path]) -> dict[str, str]:
     """First 16 digits of the SHA-256 of each file, by its path in the project."""
-    return {name(path): _sha256_of(path)[:16] for path in files}
+    return {name(path): sha256_of(path)[:16] for path in files}
 
 
 def name(path: Path) -> str:
