@@ -116,7 +116,7 @@ def _difference(before, made, numbers):
     The answer is kept beside the files made, with the hashes of what decides it, as every later run
     asks again and pixels take long. ``numbers`` is the state of the numbers that an image shows.
     """
-    record = MADE / f"{made.name}.compared"
+    record = MADE / f"{made.name}.json"
     of = [*(provenance.sha256(path.read_bytes()) for path in (before, made, *_RULES)), numbers]
     if record.is_file():
         compared = json.loads(record.read_text(encoding="utf-8"))

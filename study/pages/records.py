@@ -11,8 +11,6 @@ import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 
-import pandas as pd
-
 from study import paths
 from study.checks import StudyError
 from study.dataset import tolerance
@@ -118,20 +116,19 @@ def expected(result: Result) -> str:
     study.checks.StudyError
         If the catalogue does not name a number in one row of the result.
     """
-    table = pd.read_csv(paths.FIGURES / result.files[0], dtype=str, keep_default_na=False)
-    wanted = result.expect
-    if not wanted:
-        return f"{len(table)} rows"
-    column, _, where = wanted.partition(" at ")
+    head, *lines = result.rows()
+    rows = [dict(zip(head, line, strict=True)) for line in lines]
+    if not result.expect:
+        return f"{len(rows)} rows"
+    column, _, where = result.expect.partition(" at ")
     try:
-        for key in re.split(r", (?=\w+ = )", where):
-            name, value = key.split(" = ")
-            table = table[table[name] == value]
-        return f"`{column}` = {float(table[column].item()):.4g} at {where}"
+        keys = dict(text.split(" = ") for text in re.split(r", (?=\w+ = )", where))
+        (row,) = (row for row in rows if keys.items() <= row.items())
+        return f"`{column}` = {float(row[column]):.4g} at {where}"
     except (KeyError, ValueError):
         raise StudyError(
             f"catalogue.toml: {result.name} must be expected by a column and the keys of one "
-            f"row of figures/{result.files[0]}, got {wanted!r}"
+            f"row of figures/{result.files[0]}, got {result.expect!r}"
         ) from None
 
 
