@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from other_programs import cables
 
 from study.mechanism import Scene, simulate
+from study.mechanism.compare import normalised_rms
 from study.mechanism.frame import Frame
 
 Joint = Literal["ideal joint", "first impact"]
@@ -103,8 +104,8 @@ def error(joint: Joint, shear: bool, values: NDArray[np.float64]) -> NDArray[np.
     exact, scene = truth(joint, shear), Scene()
     if joint == "first impact":
         return np.abs(values / exact - 1)
-    way = exact - (scene.crank_length + scene.coupler_length)
-    return np.full(1, np.sqrt(np.mean((values - exact) ** 2) / np.mean(way**2)))
+    start = scene.crank_length + scene.coupler_length
+    return np.full(1, normalised_rms(np.append(start, exact), np.append(start, values)))
 
 
 def runs() -> Iterator[Run]:
