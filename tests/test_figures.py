@@ -115,3 +115,17 @@ def test_every_kept_figure_is_readable_in_print():
     widest = figures.WIDEST * figures.STYLE["savefig.dpi"]
     assert widths
     assert not {name for name, width in widths.items() if width > widest}
+
+
+def test_numbers_for_statements_have_a_row_for_each_reading(monkeypatch, tmp_path):
+    monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
+    figures.save_numbers("numbers", {"%": {"error": {"soft": 2, "stiff": 1}}, "1": {"ratio": 3.0}})
+    table = pd.read_csv(tmp_path / "numbers.csv")
+    assert list(table) == ["quantity", "reading", "value", "unit"]
+    assert table.to_numpy().tolist() == [
+        ["error", "soft", 2, "%"],
+        ["error", "stiff", 1, "%"],
+        ["ratio", "the paper's joint", 3, "1"],
+    ]
+    with pytest.raises(ValueError, match="every number of numbers must be finite"):
+        figures.save_numbers("numbers", {"1": {"ratio": np.nan}})

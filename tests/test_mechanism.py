@@ -490,6 +490,17 @@ def test_interruption_leaves_what_was_computed():
     assert response.event_rows[:, 0].max() <= response.time[-1]
 
 
+def test_normalised_rms_by_hand():
+    truth, values = [5.0, 7.0, 9.0, 3.0], [5.0, 8.0, 9.0, 2.0]  # squared: 2, and 4 + 16 + 4
+    assert compare.normalised_rms(truth, values) == pytest.approx(np.sqrt(2 / 24))
+    assert compare.normalised_rms(truth, truth) == 0
+    ideal = simulate(joint="ideal", duration=0.02, outputs=20)
+    clearance = simulate(duration=0.02, outputs=20)
+    assert compare.motion_nrms(ideal, clearance, "crank_speed") == compare.normalised_rms(
+        ideal.crank_speed, clearance.crank_speed
+    )
+
+
 def test_lead_and_last_separation():
     ideal, clearance = simulate(joint="ideal"), simulate()
     lead = compare.lead(clearance, ideal)
