@@ -71,8 +71,8 @@ def test_boundaries_have_all_their_nodes():
         cards = _cards(calculix.deck(Joint(200), [0.1], 32, nodes))
         mesh = fem.ball_mesh(32, nodes)
         for name, on_it in (("AXIS", mesh.doflocs[0] == 0), ("EQUATOR", mesh.doflocs[1] == 0)):
-            found = [int(row[0]) - 1 for row in cards[f"*NSET, NSET=BALL{name}"]]
-            assert found == np.flatnonzero(on_it).tolist()
+            listed = [int(row[0]) - 1 for row in cards[f"*NSET, NSET=BALL{name}"]]
+            assert listed == np.flatnonzero(on_it).tolist()
 
 
 def test_the_joint_decides_what_is_held():

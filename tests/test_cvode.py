@@ -35,11 +35,11 @@ def law_of(scene, name="hertz"):
 def test_cvode_agrees_with_our_stepper(coordinates, changes):
     scene, duration, outputs = Scene(**changes), 0.03, 300
     own = simulate(scene, duration=duration, outputs=outputs, tolerance=1e-11)
-    given = scene, law_of(scene), duration, outputs, 1e-13, coordinates
-    found = cvode.slider_acceleration(*given)
+    arguments = scene, law_of(scene), duration, outputs, 1e-13, coordinates
+    acceleration = cvode.slider_acceleration(*arguments)
     scale = np.sqrt(np.mean(own.slider_acceleration**2))
     assert len(own.impacts) > 3
-    assert found == pytest.approx(own.slider_acceleration[1:], abs=1e-7 * scale)
+    assert acceleration == pytest.approx(own.slider_acceleration[1:], abs=1e-7 * scale)
 
 
 def test_another_law_or_tolerance_is_refused():

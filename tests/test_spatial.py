@@ -41,8 +41,8 @@ def test_forces_in_the_plane_are_those_of_the_mechanism():
     force, torque, normal, damping, friction = joint.forces(place, velocity, spin)
     depth, sliding = 5.01e-5 - joint.clearance, 0.004 + R1 * 0.1
     branch = friction_branch(sliding, 1e-4, 0.01)
-    given = 0.03, sliding, branch, 0.06, joint.damping_factor, 0.05, 1e-4, 0.01
-    expected = forces.joint_forces(joint.law, depth, *given)
+    motion = 0.03, sliding, branch, 0.06, joint.damping_factor, 0.05, 1e-4, 0.01
+    expected = forces.joint_forces(joint.law, depth, *motion)
     assert normal == pytest.approx(expected[0], rel=1e-12)
     assert force == pytest.approx([-normal, expected[5], 0], rel=1e-12)
     assert torque == pytest.approx([0, 0, R1 * expected[5]], rel=1e-12)
@@ -213,8 +213,8 @@ def test_two_joints_of_one_system_are_both_noted(exudyn):
 def test_the_laws_force_is_the_one_of_si_units():
     joint = clearance_joint(lambda ds, r2: 300 * ds**1.5)
     depth = np.array([5.02e-5, 0, 0])
-    found = joint.forces(depth, np.zeros(3), np.zeros(3))[2]
+    force = joint.forces(depth, np.zeros(3), np.zeros(3))[2]
     law = contact.JointLaw(
         lambda ds, r2: 300 * ds**1.5, ball_radius=R1, socket_radius=R2, composite_modulus=MODULUS
     )
-    assert found == pytest.approx(law.force(5.02e-5 - joint.clearance), rel=1e-12)
+    assert force == pytest.approx(law.force(5.02e-5 - joint.clearance), rel=1e-12)

@@ -25,9 +25,9 @@ def test_a_row_that_is_beaten_does_not_count():
 
 
 def test_beyond_the_rows_the_cheapest_serves_for_larger_errors_only():
-    found = speed.time_at(rows_of("any", [1e-3, 1e-5], [1.0, 3.0]), [1.0, 1e-6])
-    assert found[0] == 1.0
-    assert np.isnan(found[1])
+    times = speed.time_at(rows_of("any", [1e-3, 1e-5], [1.0, 3.0]), [1.0, 1e-6])
+    assert times[0] == 1.0
+    assert np.isnan(times[1])
 
 
 def test_ratios_are_to_our_stepper():
@@ -42,9 +42,9 @@ def test_ratios_are_to_our_stepper():
 def test_calls_by_turns_count_but_for_the_first(monkeypatch):
     order = []
     functions = [lambda: order.append("a") or 1, lambda: order.append("b") or 2]
-    (first, one), (second, two) = timing.timed_by_turns(functions, 3)
+    (first, first_result), (second, second_result) = timing.timed_by_turns(functions, 3)
     assert order == ["a", "b"] * 4
-    assert (len(first), len(second), one, two) == (3, 3, 1, 2)
+    assert (len(first), len(second), first_result, second_result) == (3, 3, 1, 2)
     for clock, counted in ([0, 1.5, 1.5, 4], [2.5]), ([0, 4], [4]):  # 2 s are enough
         times = iter(clock)
         monkeypatch.setattr(timing, "perf_counter", lambda times=times: next(times))

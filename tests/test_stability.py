@@ -72,20 +72,20 @@ def test_stiffness_limits_the_step_as_predicted(law, moment, scheme):
 @pytest.mark.parametrize("approach", [1e-2, 1e-3, 1e-5])
 @pytest.mark.parametrize("scheme", [s for s in explicit.SCHEMES if s != "centred"])
 def test_damping_limits_the_step_as_predicted(pressed, scheme, approach):
-    state, found = pressed
-    rate = SLIPPERY.damping_factor * found["force"] / (found["mass"] * approach)
-    limit = stability.step_limit(scheme, found["frequency"], rate)
+    state, contact_ = pressed
+    rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * approach)
+    limit = stability.step_limit(scheme, contact_["frequency"], rate)
     seen = stability.observed_step(SLIPPERY, "hertz", state, scheme, approach)
     assert seen == pytest.approx(limit, rel=0.16)
 
 
 def test_centred_velocity_is_not_limited_by_damping_until_its_fixed_point_fails(pressed):
-    state, found = pressed
+    state, contact_ = pressed
     seen = [stability.observed_step(SLIPPERY, "hertz", state, "centred", v) for v in (1e-3, 1e-6)]
-    assert seen[0] == pytest.approx(2 / found["frequency"], rel=0.03)
-    share = seen[1] * SLIPPERY.damping_factor * found["force"] / (found["mass"] * 1e-6)
+    assert seen[0] == pytest.approx(2 / contact_["frequency"], rel=0.03)
+    share = seen[1] * SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * 1e-6)
     assert share > 100
-    assert seen[1] < 1.5 / found["frequency"]
+    assert seen[1] < 1.5 / contact_["frequency"]
 
 
 def test_an_explicit_run_that_leaves_the_clearance_says_so(pressed):
@@ -100,10 +100,10 @@ def test_an_explicit_run_that_leaves_the_clearance_says_so(pressed):
 @pytest.mark.parametrize("approach", [np.inf, 1e-5])
 @pytest.mark.parametrize("scheme", explicit.SCHEMES)
 def test_an_explicit_step_beyond_its_limit_is_refused(pressed, scheme, approach):
-    state, found = pressed
+    state, contact_ = pressed
     numbers = stability.packed(SLIPPERY, "hertz")
-    rate = SLIPPERY.damping_factor * found["force"] / (found["mass"] * approach)
-    limit = min(stability.step_limit(scheme, found["frequency"], rate), 100 / max(rate, 1e-9))
+    rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * approach)
+    limit = min(stability.step_limit(scheme, contact_["frequency"], rate), 100 / max(rate, 1e-9))
 
     def run(step):
         outputs = round(20 * limit / step)
@@ -164,8 +164,8 @@ def test_particles_refuse_too_long_a_step_and_unguarded_ones_end_in_an_error(joi
 
 def test_unguarded_particles_below_the_limits_are_the_lagged_ones():
     options = {"model": "particles", "duration": 0.01, "step": 1e-6}
-    one, other = (simulate(method=method, **options) for method in ("lagged", "unguarded"))
-    assert one.motion.equals(other.motion)
+    lagged, unguarded = (simulate(method=m, **options) for m in ("lagged", "unguarded"))
+    assert lagged.motion.equals(unguarded.motion)
 
 
 # Damping
@@ -351,9 +351,9 @@ def test_smallest_contact_is_that_of_one_hat(resolution):
     seen = limits.refused(Joint(200), 0.1, 1e-9, resolution=resolution)
     assert seen == pytest.approx(0.15 * pole**2 / 0.97, rel=0.01)
     true = force_curve(Joint(200), seen, resolution=640).force_star
-    found = force_curve(Joint(200), seen, resolution=resolution)
-    assert found.force_star == pytest.approx(true, rel=0.05)
-    assert found.error_estimate > 0.5  # the coarser mesh has only just seen it
+    coarse = force_curve(Joint(200), seen, resolution=resolution)
+    assert coarse.force_star == pytest.approx(true, rel=0.05)
+    assert coarse.error_estimate > 0.5  # the coarser mesh has only just seen it
     with pytest.raises(ValueError, match="so large that the elements resolve the contact"):
         force_curve(Joint(200), 0.99 * seen, resolution=resolution)
 

@@ -27,7 +27,7 @@ _COMPILING = """
 import pathlib, sys, time
 import numpy as np
 from study import paths
-paths.BUILD = pathlib.Path(sys.argv[1])
+paths.BUILD = paths.CACHE = pathlib.Path(sys.argv[1])
 sys.path.insert(0, sys.argv[2])
 from study.contact.forces import pack
 from study.measure import explicit

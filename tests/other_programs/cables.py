@@ -121,7 +121,7 @@ def first_impact(
 
     def run():
         system.SolveDynamic(settings)
-        tables = (system.GetSensorStoredData(one)[-steps:] for one in sensors)
+        tables = (system.GetSensorStoredData(sensor)[-steps:] for sensor in sensors)
         (t, *place), (_, *force) = (table.T for table in tables)
         distance = np.linalg.norm(place, axis=0)
         depth = distance - scene.clearance

@@ -37,8 +37,8 @@ def version() -> str | None:
     if program is None:
         return None
     said = subprocess.run([program, "-v"], capture_output=True, text=True, timeout=60, check=False)
-    found = re.search(r"Version\s+(\S+)", said.stdout)
-    return found and found.group(1)
+    number = re.search(r"Version\s+(\S+)", said.stdout)
+    return number and number.group(1)
 
 
 def force_curve(
@@ -188,10 +188,10 @@ def _run(text, count):
         except subprocess.TimeoutExpired as error:
             raise checks.StudyError(f"ccx took more than {TIMEOUT:g} s") from error
         results = Path(folder, "joint.dat")
-        found = _TOTAL.findall(results.read_text()) if results.exists() else []
+        forces = _TOTAL.findall(results.read_text()) if results.exists() else []
     lines = [line.strip() for line in run.stdout.splitlines() if line.strip(" _\n")]
     wrong = [" ".join(lines[i : i + 2]) for i, line in enumerate(lines) if "*ERROR" in line]
-    if run.returncode or wrong or len(found) != count:
+    if run.returncode or wrong or len(forces) != count:
         reason = (wrong[:1] or lines[-1:] or ["no output"])[0]
-        raise checks.StudyError(f"ccx failed with {len(found)} of {count} depths solved: {reason}")
-    return np.array(found, dtype=float)
+        raise checks.StudyError(f"ccx failed with {len(forces)} of {count} depths solved: {reason}")
+    return np.array(forces, dtype=float)

@@ -41,8 +41,8 @@ def version() -> str | None:
     text = "#include <cvode/cvode.h>\nSUNDIALS_VERSION"
     options = {"input": text, "capture_output": True, "text": True, "check": False}
     said = subprocess.run(["gcc", "-E", "-P", "-"], **options).stdout
-    found = re.search(r'"(6\.[\d.]+)"\s*$', said)
-    return found and found.group(1)
+    number = re.search(r'"(6\.[\d.]+)"\s*$', said)
+    return number and number.group(1)
 
 
 @cache
@@ -59,8 +59,9 @@ def _library():
             if done.returncode:
                 raise checks.StudyError(f"gcc failed: {done.stderr.strip()}")
     run = ctypes.CDLL(str(built)).run
-    many, one, whole = np.ctypeslib.ndpointer(float), ctypes.c_double, ctypes.c_int
-    run.argtypes = [many, one, many, whole, one, whole, one, many, one, whole, many]
+    numbers, number, count = np.ctypeslib.ndpointer(float), ctypes.c_double, ctypes.c_int
+    run.argtypes = [numbers, number, numbers, count, number, count]
+    run.argtypes += [number, numbers, number, count, numbers]
     return run
 
 
@@ -96,9 +97,9 @@ def slider_acceleration(
         raise ValueError(f"law must be Hertz's, packed, got shape {law.shape_index}")
     start, scales = explicit.start_of(scene), np.array(SCALES[coordinates])
     how: list[Any] = [duration, outputs, RELATIVE * tolerance, tolerance * scales, NEWTON, ORDER]
-    constants, found = np.array(scene.constants()), np.empty(outputs)
+    constants, acceleration = np.array(scene.constants()), np.empty(outputs)
     run = _library()
-    status = run(constants, law.scale, start, coordinates == "contact", *how, found)
+    status = run(constants, law.scale, start, coordinates == "contact", *how, acceleration)
     if status < 0:
         raise checks.StudyError(f"CVODE failed with status {status} (cvode.h) at {tolerance:g}")
-    return found
+    return acceleration

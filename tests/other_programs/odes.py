@@ -55,7 +55,7 @@ def slider_acceleration(
     checks.number("rtol", rtol, above=0, scalar=True)
     integrate = _sundials if method == "CVODE" else _scipy
     times = duration * np.arange(1, outputs + 1) / outputs
-    p, y, t, approach, found = scene.constants(), explicit.start_of(scene), 0.0, 0.0, []
+    p, y, t, approach, pulls = scene.constants(), explicit.start_of(scene), 0.0, 0.0, []
     work, out = np.zeros(6), np.zeros(3)
     while True:
         contact, speed = approach > 0, approach or inf
@@ -71,9 +71,9 @@ def slider_acceleration(
             return hypot(y[1], y[2]) - scene.clearance
 
         states, end = integrate(method, slopes, gap, contact, t, y, times[t < times], rtol)
-        found += [explicit.acceleration(z, contact, speed, p, law, work, out) for z in states]
+        pulls += [explicit.acceleration(z, contact, speed, p, law, work, out) for z in states]
         if end is None:
-            return np.array(found)
+            return np.array(pulls)
         t, y = end
         n = y[1:3] / np.hypot(y[1], y[2])
         approach = 0.0 if contact else float(y[4:] @ n)
