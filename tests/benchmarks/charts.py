@@ -161,9 +161,9 @@ def steppers(
     for (method, setting, (_, columns)), (times, value) in zip(runs, measured, strict=True):
         by_step = method in (*explicit.SCHEMES, "generalised alpha")
         text = f"step {setting:g} s" if by_step else f"tolerance {setting:.2g}"
-        nrms = np.full(1, normalised_rms(truth, value))  # the truth begins at rest
+        nrms = normalised_rms(np.append(0.0, truth), np.append(0.0, value))  # it begins at rest
         columns = {"compile_time": seconds.get(method, 0.0)} | columns
-        rows.append(timing.row("steppers", method, text, times, nrms, **columns))
+        rows.append(timing.row("steppers", method, text, times, np.array([nrms]), **columns))
     return timing.table(rows)
 
 

@@ -105,7 +105,7 @@ def error(joint: Joint, shear: bool, values: NDArray[np.float64]) -> NDArray[np.
     if joint == "first impact":
         return np.abs(values / exact - 1)
     start = scene.crank_length + scene.coupler_length
-    return np.full(1, normalised_rms(np.append(start, exact), np.append(start, values)))
+    return np.array([normalised_rms(np.append(start, exact), np.append(start, values))])
 
 
 def runs() -> Iterator[Run]:
