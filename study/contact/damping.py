@@ -11,6 +11,7 @@ from typing import Literal
 from study import checks
 
 Damping = Literal["lankarani-nikravesh", "hunt-crossley", "flores", "exact"]
+_SMALL = 1e-6  # damping factor below which the first order is exact to rounding
 POWERS = range(2, 60)  # of a series that converges as 0.5^k
 
 
@@ -70,6 +71,8 @@ def delivered_restitution(factor: float) -> float:
 
     if checks.number("factor", factor, least=0, scalar=True) < 1e-6:
         return 1.0 - 2 / 3 * factor
+
+    from scipy.optimize import brentq
 
     def surplus(w):  # cr = (1 - e^-w)/D: no cancellation near 1/D
         return log1p(factor) + w - factor + expm1(-w)

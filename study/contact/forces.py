@@ -6,18 +6,16 @@ passed as a pointer. References to an array would be counted at every call, whic
 law.
 """
 
-from inspect import signature
 from typing import Any
 
 import numpy as np
 from numba.extending import register_jitable
 
-from study import checks
 from study.compiled import compiled
 from study.contact import shapes
-from study.contact.bodies import clearance_and_r2_star
 from study.contact.friction import friction_factor
-from study.contact.laws import AnyLaw, find
+from study.contact.joint_law import JointLaw
+from study.contact.laws import AnyLaw
 
 for _shape in (shapes.cubic, *shapes.SHAPES):  # a call takes as long as a law
     register_jitable(inline="always")(_shape)
@@ -29,19 +27,15 @@ CAPACITIES = 4096, 65536
 def pack(
     law: AnyLaw, ball_radius: float, socket_radius: float, composite: float, **options: Any
 ) -> np.record:
-    """Record of a law for `elastic_force`; arguments and errors as for `contact.contact_force`.
+    """Record of a law for `elastic_force`; arguments and errors as for `contact.JointLaw`.
 
     It has the shape's index, the clearance in m, the force scale in N, and the constants with their
     number.
     """
-    parts = find(law).parts
-    clearance, r2_star = clearance_and_r2_star(ball_radius, socket_radius)
-    modulus = checks.number("composite modulus", composite, "Pa", above=0, scalar=True)
-    known = list(signature(parts).parameters)[1:] or ["(it has none)"]
-    for option in options:
-        checks.choice(f"option of {parts.__name__}", option, known)
-    scale, shape, constants = parts(r2_star, **options)
-    room = next(size for size in CAPACITIES if size >= len(constants))
+    radii = {"ball_radius": ball_radius, "socket_radius": socket_radius}
+    joint_law = JointLaw(law, **radii, composite_modulus=composite, **options)
+    clearance, (scale, shape, constants) = joint_law.clearance, joint_law.parts
+    capacity = next(size for size in CAPACITIES if size >= len(constants))
     packed = np.recarray(
         1,
         dtype=[
@@ -49,11 +43,12 @@ def pack(
             ("clearance", float),
             ("scale", float),
             ("count", np.int64),
-            ("constants", float, (room,)),
+            ("constants", float, (capacity,)),
         ],
     )[0]
     packed.shape_index, packed.clearance = shapes.SHAPES.index(shape), clearance
-    packed.scale, packed.count = modulus * clearance**2 * scale, len(constants)
+    packed.scale = joint_law.composite_modulus * clearance**2 * scale
+    packed.count = len(constants)
     packed.constants[:] = 0.0
     packed.constants[: len(constants)] = constants
     return packed
@@ -61,7 +56,10 @@ def pack(
 
 @compiled
 def elastic_force(law, depth):
-    """Force of a packed law in N, and its derivative in N/m, at a depth > 0 in m."""
+    """Force of a packed law in N, and its derivative in N/m, at a depth > 0 in m.
+
+    The branches are in the order of `shapes.SHAPES`: a record holds a shape by its place there.
+    """
     depth_star, shape, constants = depth / law.clearance, law.shape_index, law.constants
     if shape == 0:
         value, slope = shapes.hertz(depth_star, constants)

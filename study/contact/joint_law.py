@@ -41,6 +41,8 @@ class JointLaw:
     ----------
     deepest
         Largest depth of the law, in m; infinite for a law without a limit.
+    parts
+        Scale, shape and the shape's constants of the dimensionless law.
 
     Raises
     ------
@@ -57,13 +59,13 @@ class JointLaw:
         composite_modulus: float,
         **options: Any,
     ) -> None:
-        found = find(law)
-        self.name = found.parts.__name__
+        dimensionless = find(law)
+        self.name = dimensionless.parts.__name__
         self.clearance, self.r2_star = clearance_and_r2_star(ball_radius, socket_radius)
         modulus = composite_modulus
         modulus = checks.number("composite modulus", modulus, "Pa", above=0, scalar=True)
         self.composite_modulus = modulus
-        known = list(signature(found.parts).parameters)[1:] or ["(it has none)"]
+        known = list(signature(dimensionless.parts).parameters)[1:] or ["(it has none)"]
         for option in options:
             checks.choice(f"option of {self.name}", option, known)
         missing = [option for option in BODIES if option in known and option not in options]
@@ -73,8 +75,8 @@ class JointLaw:
                 "the socket's thickness and on both materials"
             )
         self.options = options
-        self._scale, self._shape, self._constants = found.parts(self.r2_star, **options)
-        limit = shapes.LIMITS.get(self._shape, found.deepest)
+        self.parts = dimensionless.parts(self.r2_star, **options)
+        limit = shapes.LIMITS.get(self.parts[1], dimensionless.deepest)
         self.deepest = inf if limit is None else self.clearance * float(limit)
 
     def force(self, depth: ArrayLike) -> Floats:
@@ -99,10 +101,10 @@ class JointLaw:
         if self.deepest < inf:
             most = float(self.force(self.deepest)) * (1 + LIMIT_MARGIN)
         name = f"force of {self.name}"
-        given = np.asarray(checks.number(name, force, "N", least=0, most=most))
-        depth = np.zeros(given.shape)
-        pressed = given > 0
-        wanted = given[pressed] / self._unit(0) / self._scale
+        forces = np.asarray(checks.number(name, force, "N", least=0, most=most))
+        depth = np.zeros(forces.shape)
+        pressed = forces > 0
+        wanted = forces[pressed] / self._unit(0) / self.parts[0]
         depth[pressed] = self.clearance * self._inverted(wanted)
         return float(depth) if depth.ndim == 0 else depth
 
@@ -111,14 +113,15 @@ class JointLaw:
         return self.composite_modulus * self.clearance ** (2 - derivative)
 
     def _evaluated(self, depth, derivative):
-        given = np.asarray(checks.depth("depth", depth, "m"))
+        depths = np.asarray(checks.depth("depth", depth, "m"))
         if self.deepest < inf:
             most = self.deepest * (1 + LIMIT_MARGIN)
-            checks.number(f"depth of {self.name}", given, "m", most=most)
-        depth_star = np.asarray(checks.depth("depth over clearance", given / self.clearance))
-        result, contact = np.zeros(given.shape), given > 0
-        value = self._shape(depth_star[contact], self._constants)[derivative]
-        result[contact] = self._unit(derivative) * (self._scale * value)
+            checks.number(f"depth of {self.name}", depths, "m", most=most)
+        depth_star = np.asarray(checks.depth("depth over clearance", depths / self.clearance))
+        result, contact = np.zeros(depths.shape), depths > 0
+        scale, shape, constants = self.parts
+        value = shape(depth_star[contact], constants)[derivative]
+        result[contact] = self._unit(derivative) * (scale * value)
         return float(result) if result.ndim == 0 else result
 
     def _inverted(self, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -126,8 +129,9 @@ class JointLaw:
         deepest = self.deepest / self.clearance * (1 + 2 * LIMIT_MARGIN)
         least, most = np.zeros_like(wanted), np.full_like(wanted, deepest)
         depth = np.minimum(wanted ** (2 / 3), most)  # Hertz's
+        _, shape, constants = self.parts
         for _ in range(_STEPS):
-            value, slope = self._shape(depth, self._constants)
+            value, slope = shape(depth, constants)
             off = np.log(value / wanted)
             least, most = np.where(off < 0, depth, least), np.where(off > 0, depth, most)
             before, depth = depth, depth * np.exp(-off * value / (slope * depth))
