@@ -52,13 +52,24 @@ def number(
     RangeError
         If any is outside the limits, larger than `LARGEST`, or, if > 0, below `SMALLEST`.
     """
-    if type(value) is float and SMALLEST <= abs(value) <= LARGEST:  # at once, without NumPy
-        low, high = value if least is None else least, value if most is None else most
-        if low <= value <= high and not (
-            (above is not None and value <= above) or (below is not None and value >= below)
-        ):
-            return value
-    unit = f" {unit}" if unit else ""
+    array = _floats(name, value, scalar)
+    limits = {">": above, ">=": least, "<": below, "<=": most}
+    limits = {sign: limit for sign, limit in limits.items() if limit is not None}
+    good = np.abs(array) <= LARGEST
+    if above == 0:
+        good &= array >= SMALLEST
+    for sign, limit in limits.items():
+        good &= _WITHIN[sign](array, limit)
+    if not good.all():
+        raise _refusal(name, float(array[~good].flat[0]), unit, limits)
+    return float(array) if array.ndim == 0 else array
+
+
+_WITHIN = {">": np.greater, ">=": np.greater_equal, "<": np.less, "<=": np.less_equal}
+
+
+def _floats(name, value, scalar):
+    """A value as an array of floats, if it is a number, or several unless ``scalar``."""
     try:
         array = np.asarray(value)
     except (ValueError, TypeError):  # lists of different lengths
@@ -67,40 +78,30 @@ def number(
     if array.dtype.kind not in "iuf" or (scalar and array.ndim) or masked:
         wanted = "one number" if scalar else "a number"
         raise ValueError(f"{name} must be {wanted}, got {shown(value)}")
-    array = array.astype(float)
-    good = np.abs(array) <= LARGEST
-    if above == 0:
-        good &= array >= SMALLEST
-    limits = []
-    for sign, within, limit in (
-        (">", np.greater, above),
-        (">=", np.greater_equal, least),
-        ("<", np.less, below),
-        ("<=", np.less_equal, most),
-    ):
-        if limit is not None:
-            good &= within(array, limit)
-            limits.append(f"{sign} {limit:g}")
-    if not good.all():
-        worst = float(array[~good].flat[0])
-        if not math.isfinite(worst):
-            wanted = " and ".join(["finite", *limits])
-            raise ValueError(f"{name} must be {wanted}{unit}, got {worst:g}{unit}")
-        if abs(worst) > LARGEST and ((below, most), (above, least))[worst < 0] == (None, None):
-            limits.append(f"<= {LARGEST:g} in size")
-        elif above == 0 and 0 < worst < SMALLEST:
-            limits[0] = f">= {SMALLEST:g}"
-        raise RangeError(f"{name} must be {' and '.join(limits)}{unit}, got {worst:g}{unit}")
-    return float(array) if array.ndim == 0 else array
+    return array.astype(float)
+
+
+def _refusal(name, worst, unit, limits):
+    """Error of a number that is not finite, or not within the limits, by their signs."""
+    unit = f" {unit}" if unit else ""
+    texts = [f"{sign} {limit:g}" for sign, limit in limits.items()]
+    if not math.isfinite(worst):
+        wanted = " and ".join(["finite", *texts])
+        return ValueError(f"{name} must be {wanted}{unit}, got {worst:g}{unit}")
+    if abs(worst) > LARGEST and not limits.keys() & ({"<", "<="} if worst > 0 else {">", ">="}):
+        texts.append(f"<= {LARGEST:g} in size")
+    elif limits.get(">") == 0 and 0 < worst < SMALLEST:
+        texts[0] = f">= {SMALLEST:g}"
+    return RangeError(f"{name} must be {' and '.join(texts)}{unit}, got {worst:g}{unit}")
 
 
 def whole(name: str, value: Any, *, least: int, most: int | None = None) -> int:
     """Return a whole number from ``least`` to ``most`` as int, or raise ``ValueError``."""
-    found = number(name, value, least=least, most=most, scalar=True)
-    if found != int(found):
+    checked = number(name, value, least=least, most=most, scalar=True)
+    if checked != int(checked):
         limit = "" if most is None else f" and <= {most}"
         raise ValueError(f"{name} must be a whole number >= {least}{limit}, got {value}")
-    return int(found)
+    return int(checked)
 
 
 def poisson(name: str, value: Any) -> float:
@@ -124,12 +125,12 @@ def youngs_modulus(name: str, value: Any) -> float:
 
 def depth(name: str, value: ArrayLike, unit: str = "") -> Any:
     """Return penetration depths, of any sign: `number`, but none from 0 to `SMALLEST`."""
-    found = number(name, value, unit)
-    tiny = np.atleast_1d(found)
+    depths = number(name, value, unit)
+    tiny = np.atleast_1d(depths)
     tiny = tiny[(tiny > 0) & (tiny < SMALLEST)]
     if tiny.size:
         number(name, tiny, unit, least=SMALLEST)
-    return found
+    return depths
 
 
 def choice(name: str, value: Any, allowed: Collection[str]) -> Any:

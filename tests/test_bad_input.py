@@ -55,7 +55,7 @@ THING = (None, 3, nan, "joint", {}, [1, 2], np.eye(2), object)
 TABLE = (None, 3, [1, 2], {}, np.eye(2), pd.DataFrame(), pd.DataFrame({"x": [1]}))
 
 BODIES_OF_LAW = {"socket_ratio": 1.3, "modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
-GOOD = {"depth": 1e-5, "ball_radius": 9.95e-3, "socket_radius": 0.01, "composite": 1.1e11}
+GOOD = {"ball_radius": 9.95e-3, "socket_radius": 0.01, "composite_modulus": 1.1e11}
 CURVE = force_curve(Joint(200), np.linspace(0.025, 1, 40) ** 2, 64)
 BODIES = series.ball_compliance(0.3, 64), series.socket_compliance(1.3, 0.3, 64)
 RESPONSE = simulate(duration=1e-3, outputs=10)
@@ -103,16 +103,8 @@ def law_rows():
         ball_drive=("plane", (*NAME, "point")),
         rim=("mirror", NAME),
     )
-    for function in (contact.contact_force, contact.contact_stiffness):
-        yield from rows(
-            partial(function, "hertz"),
-            depth=(1e-5, (*LIST, 1e-60, 1e60)),
-            ball_radius=(9.95e-3, (*POSITIVE, 0.02)),
-            socket_radius=(0.01, (*POSITIVE, 0.009)),
-            composite=(1.1e11, POSITIVE),
-        )
-        yield from rows(partial(function, **GOOD), law=("hertz", (*NAME, print)))
-        yield from rows(partial(function, **GOOD, law="hertz"), n=(1, (1,)))
+    yield from rows(partial(contact.JointLaw, **GOOD), law=("hertz", (*NAME, print)))
+    yield from rows(partial(contact.JointLaw, **GOOD, law="hertz"), n=(1, (1,)))
     yield from rows(
         partial(contact.JointLaw, "hertz"),
         ball_radius=(9.95e-3, (*POSITIVE, 0.02)),
@@ -121,8 +113,8 @@ def law_rows():
     )
     sizes = {"ball_radius": 9.95e-3, "socket_radius": 0.01, "composite_modulus": 1.1e11}
     law = contact.JointLaw("hyperbolic_winkler", **sizes)
-    yield from rows(law.force, depth=(1e-5, (*LIST, 1e-60, 1e-4)))
-    yield from rows(law.stiffness, depth=(1e-5, (*LIST, 1e-60, 1e-4)))
+    yield from rows(law.force, depth=(1e-5, (*LIST, 1e-60, 1e-4, 1e60)))
+    yield from rows(law.stiffness, depth=(1e-5, (*LIST, 1e-60, 1e-4, 1e60)))
     yield from rows(law.depth, force=(10.0, (*LIST, -1.0, 1e9)))
     yield from rows(
         contact.composite_modulus,
@@ -556,9 +548,10 @@ def test_a_force_in_si_units_neither_overflows_nor_vanishes(depth, gap, socket, 
     ball = socket * (1 - gap)
     for law in contact.LAWS:
         options = BODIES_OF_LAW if law == "stiffened_hertz" else {}
-        for function in (contact.contact_force, contact.contact_stiffness):
+        sizes = {"ball_radius": ball, "socket_radius": socket, "composite_modulus": modulus}
+        for derivative in ("force", "stiffness"):
             try:
-                value = function(law, depth, ball, socket, modulus, **options)
+                value = getattr(contact.JointLaw(law, **sizes, **options), derivative)(depth)
             except ValueError as error:
                 tells(error)
                 continue

@@ -90,10 +90,11 @@ def test_compiled_force_is_the_law(name, options):
     law = forces.pack(name, R1, R2, MODULUS, **options)
     depths = np.array([1e-9, 1e-7, 1e-6, 2.5e-5, R2 - R1])
     found = np.array([forces.elastic_force(law, d) for d in depths])
-    wrapped = name, depths, R1, R2, MODULUS
+    sizes = {"ball_radius": R1, "socket_radius": R2, "composite_modulus": MODULUS}
+    of_joint = contact.JointLaw(name, **sizes, **options)
     close = 1e-11 if name == "stiffened_hertz" else 1e-13  # its nine numbers, up to 1e4, cancel
-    assert found[:, 0] == pytest.approx(contact.contact_force(*wrapped, **options), rel=close)
-    assert found[:, 1] == pytest.approx(contact.contact_stiffness(*wrapped, **options), rel=close)
+    assert found[:, 0] == pytest.approx(of_joint.force(depths), rel=close)
+    assert found[:, 1] == pytest.approx(of_joint.stiffness(depths), rel=close)
 
 
 @pytest.mark.parametrize(("name", "options"), VARIANTS)

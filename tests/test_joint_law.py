@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study import contact
-from study.contact import JointLaw
+from study.contact import JointLaw, forces
 from study.joint import Joint, Material, whole_curve
 from study.mechanism import simulate
 from tests.test_laws import PAPER, VARIANTS
@@ -29,9 +29,6 @@ def test_force_and_stiffness_are_the_laws_with_dimensions(name, options):
         assert found == pytest.approx(unit * star, rel=1e-12)
     assert isinstance(law.force(1e-6), float)
     assert isinstance(law.stiffness(1e-6), float)
-    arguments = name, depth, *SIZES.values()
-    assert (contact.contact_force(*arguments, **options) == law.force(depth)).all()
-    assert (contact.contact_stiffness(*arguments, **options) == law.stiffness(depth)).all()
 
 
 @pytest.fixture(scope="module")
@@ -100,9 +97,10 @@ def test_stiffened_hertz_takes_nothing_of_the_papers_joint_silently():
         with pytest.raises(ValueError, match=f"in SI units must be given {left_out}: "):
             JointLaw("stiffened_hertz", **SIZES, **options)
     message = "must be given socket_ratio, modulus_ratio, poisson, socket_poisson"
-    for function in (contact.contact_force, contact.contact_stiffness):
-        with pytest.raises(ValueError, match=message):
-            function("stiffened_hertz", 1e-5, *SIZES.values())
+    with pytest.raises(ValueError, match=message):
+        JointLaw("stiffened_hertz", **SIZES)
+    with pytest.raises(ValueError, match=message):
+        forces.pack("stiffened_hertz", *SIZES.values())
 
 
 @pytest.mark.parametrize(
@@ -128,7 +126,7 @@ def test_wrong_forces(force):
 
 def test_a_law_with_dimensions_is_no_law_for_others():
     law = contact.JointLaw("hertz", ball_radius=9.95e-3, socket_radius=0.01, composite_modulus=1e11)
-    for take in (lambda: simulate(law=law), lambda: contact.contact_force(law, 1e-6, 1, 2, 1e11)):
+    for take in (lambda: simulate(law=law), lambda: JointLaw(law, **SIZES)):
         with pytest.raises(
             ValueError, match="law must be a name, a function, or a law without dim"
         ):

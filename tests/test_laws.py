@@ -39,6 +39,11 @@ VARIANTS = [
 every_variant = pytest.mark.parametrize(("name", "options"), VARIANTS)
 
 
+def joint_law(law, ball_radius, socket_radius, modulus, **options):
+    sizes = {"ball_radius": ball_radius, "socket_radius": socket_radius}
+    return contact.JointLaw(law, **sizes, composite_modulus=modulus, **options)
+
+
 @pytest.mark.parametrize("ds", [1e-12, 1e-9, 1e-6, 1e-3, 0.025, 0.1, 0.5, 1.0, 1.2337])
 @pytest.mark.parametrize("area", ["sphere", "flat"])
 def test_bracket_is_exact_to_1e_12(ds, area):
@@ -70,7 +75,7 @@ def test_hertz_is_the_textbook_formula():
     r1, r2, modulus, d = 9.95e-3, 10e-3, 1.1e11, 2e-5
     radius = 1 / (1 / r1 - 1 / r2)
     expected = 4 / 3 * modulus * np.sqrt(radius) * d**1.5
-    assert contact.contact_force("hertz", d, r1, r2, modulus) == pytest.approx(expected, rel=1e-12)
+    assert joint_law("hertz", r1, r2, modulus).force(d) == pytest.approx(expected, rel=1e-12)
 
 
 @given(depths, radii)
@@ -149,17 +154,14 @@ def test_laws_broadcast(name, options):
 def test_si_wrapper_scales_force_and_stiffness(name, options):
     r1, r2, modulus = 9.95e-3, 10e-3, 1.137e11
     clearance, d = r2 - r1, 1.7e-5
-    force = contact.contact_force(name, d, r1, r2, modulus, **options)
+    law = joint_law(name, r1, r2, modulus, **options)
+    force = law.force(d)
     expected = contact.LAWS[name](d / clearance, r2 / clearance, **options)
     assert force == pytest.approx(modulus * clearance**2 * expected)
     step = 1e-5 * d
-    slope = (
-        contact.contact_force(name, d + step, r1, r2, modulus, **options)
-        - contact.contact_force(name, d - step, r1, r2, modulus, **options)
-    ) / (2 * step)
-    stiffness = contact.contact_stiffness(name, d, r1, r2, modulus, **options)
-    assert stiffness == pytest.approx(slope, rel=1e-6)
-    assert contact.contact_force(name, -d, r1, r2, modulus, **options) == 0
+    slope = (law.force(d + step) - law.force(d - step)) / (2 * step)
+    assert law.stiffness(d) == pytest.approx(slope, rel=1e-6)
+    assert law.force(-d) == 0
 
 
 def test_composite_modulus_of_equal_bodies():
@@ -192,20 +194,20 @@ def test_composite_modulus_of_equal_bodies():
         (lambda: contact.winkler(0.1, 200, coefficient=-1), "coefficient of winkler must be > 0"),
         (lambda: contact.hyperbolic_winkler(1.3, 200), "must be <= 1.2337, got 1.3"),
         (
-            lambda: contact.contact_force("hertz", 1e-6, 1e-2, 1.01e-2, -1.0),
+            lambda: joint_law("hertz", 1e-2, 1.01e-2, -1.0),
             "composite modulus must be > 0 Pa, got -1 Pa",
         ),
         (
-            lambda: contact.contact_force("hertz", 1e-6, 1e-2, 0.9e-2, 1e11),
+            lambda: joint_law("hertz", 1e-2, 0.9e-2, 1e11),
             "socket_radius must be > 0.01 m, got 0.009 m",
         ),
         (lambda: contact.hertz(1e300, 200), "depth_star must be <= 1e+40 in size, got 1e+300"),
         (lambda: contact.liu(1.7e308, 200), "depth_star must be <= 1e+40 in size, got 1.7e+308"),
         (
-            lambda: contact.contact_force("hertz", 1e-6, [1e-2, 2e-2], 3e-2, 1e11),
+            lambda: joint_law("hertz", [1e-2, 2e-2], 3e-2, 1e11),
             "ball_radius must be one number",
         ),
-        (lambda: contact.contact_force("hooke", 1e-6, 1e-2, 1.01e-2, 1e11), "law must be one of"),
+        (lambda: joint_law("hooke", 1e-2, 1.01e-2, 1e11), "law must be one of"),
         (
             lambda: contact.composite_modulus(2e11, 0.5, 2e11, 0.3),
             "ball Poisson's ratio must be > -1 and < 0.5, got 0.5",
@@ -274,7 +276,7 @@ def test_tabulated_law_refuses_what_it_does_not_know(curve):
 def test_laws_themselves_serve_where_names_do(curve):
     law = contact.tabulated(curve)
     r1, r2, modulus = 9.95e-3, 10e-3, 1.137e11
-    force = contact.contact_force(law, 1.7e-5, r1, r2, modulus)
+    force = joint_law(law, r1, r2, modulus).force(1.7e-5)
     assert force == pytest.approx(modulus * (r2 - r1) ** 2 * law(1.7e-5 / (r2 - r1)))
     with pytest.raises(ValueError, match="law must be one of hertz"):
-        contact.contact_force(law.parts(200), 1.7e-5, r1, r2, modulus)
+        joint_law(law.parts(200), r1, r2, modulus)

@@ -12,6 +12,7 @@ from study.contact import forces, sampling
 from study.mechanism import Scene, rigid, simulate
 
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.1e11
+SIZES = {"ball_radius": R1, "socket_radius": R2, "composite_modulus": MODULUS}
 DEPTHS = np.geomspace(1e-9, 1, 1999)
 
 
@@ -89,7 +90,7 @@ def test_name_limit_and_one_socket_radius_at_a_time():
 )
 def test_bad_function_is_one_clear_error(function, message):
     with pytest.raises(ValueError, match=re.escape(message)):
-        contact.contact_force(function, 1e-5, R1, R2, MODULUS)
+        contact.JointLaw(function, **SIZES)
     with pytest.raises(ValueError, match=re.escape(message)):
         simulate(law=function, duration=1e-3)
 
@@ -99,10 +100,9 @@ def test_compiled_force_and_energy_are_the_functions(function):
     law, clearance = forces.pack(function, R1, R2, MODULUS), R2 - R1
     depths = clearance * DEPTHS
     found = np.array([forces.elastic_force(law, d) for d in depths])
-    of_law = contact.contact_force(function, depths, R1, R2, MODULUS)
-    assert found[:, 0] == pytest.approx(of_law, rel=1e-13)
-    stiffness = contact.contact_stiffness(function, depths, R1, R2, MODULUS)
-    assert found[:, 1] == pytest.approx(stiffness, rel=1e-10)
+    of_joint = contact.JointLaw(function, **SIZES)
+    assert found[:, 0] == pytest.approx(of_joint.force(depths), rel=1e-13)
+    assert found[:, 1] == pytest.approx(of_joint.stiffness(depths), rel=1e-10)
     deepest, kink = 0.3 * clearance, [0.01 * clearance]
     exact, _ = quad(lambda d: forces.elastic_force(law, d)[0], 0, deepest, points=kink, epsrel=1e-9)
     assert forces.stored_energy(law, deepest) == pytest.approx(exact, rel=1e-8)

@@ -71,15 +71,15 @@ def test_stiffened_hertz_takes_materials_from_the_scene():
         "stiffened_hertz: socket_ratio 1.298 (the paper's), modulus_ratio 0.531400966, poisson 0.3,"
         " socket_poisson 0.34, ball_drive plane, rim mirror"
     )
-    force = contact.contact_force(
+    law = contact.JointLaw(
         "stiffened_hertz",
-        found.impacts.peak_depth[0],
-        MIXED.ball_radius,
-        MIXED.socket_radius,
-        MIXED.composite_modulus,
+        ball_radius=MIXED.ball_radius,
+        socket_radius=MIXED.socket_radius,
+        composite_modulus=MIXED.composite_modulus,
         socket_ratio=contact.SOCKET_RATIO,
         **OPTIONS,
     )
+    force = law.force(found.impacts.peak_depth[0])
     # damping adds to it: the force's peak is before the depth's
     assert force < found.impacts.peak_force[0] < 1.5 * force
 

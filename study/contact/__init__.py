@@ -1,7 +1,7 @@
 """Contact laws: the force between ball and socket as a function of penetration depth."""
 
 from study.contact.bodies import SOCKET_RATIO, composite_modulus, largest_depth
-from study.contact.joint_law import JointLaw, contact_force, contact_stiffness
+from study.contact.joint_law import JointLaw
 from study.contact.laws import (
     LAWS,
     PAPER_LAWS,
@@ -25,8 +25,6 @@ __all__ = [
     "LawName",
     "Material",
     "composite_modulus",
-    "contact_force",
-    "contact_stiffness",
     "hertz",
     "hyperbolic_winkler",
     "largest_depth",

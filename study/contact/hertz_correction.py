@@ -2,8 +2,14 @@
 
 The table behind `study.contact.stiffened_hertz` has ln S at nine depths, as a Chebyshev series in
 five coordinates of the joint. A clamped ball and a free rim have terms of their own. The table is
-made by `study.dataset.hertz_correction`. Here it is evaluated, once a joint, to the same bits on
-every processor: impacts are chaotic, and a last digit decides what follows some of them.
+made by `study.dataset.hertz_correction`.
+
+The table is evaluated once a joint, to the same bits on every processor, and results of impacts are
+still compared with a tolerance. Both are needed. Every impact enlarges a difference of the last
+digits some times, so that no tolerance holds for a run of many impacts whose laws differ: S is
+rounded where the logarithms and sums behind it differ, and only sums and products follow. The
+tolerance is for what is left: sums of BLAS in flexible links, and functions of the mathematical
+library outside the loops.
 """
 
 from functools import lru_cache

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study import checks
+from study.contact import shapes
 
 STEPS = 256
 """Intervals per unit of s; the table of a function begins with them."""
@@ -31,13 +32,29 @@ def monotone_slopes(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[n
     The spline is then monotone where its points are (Hyman, SIAM J. Sci. Stat. Comput. 4 (1983)
     645-654).
     """
-    from scipy.interpolate import CubicSpline
-
     chords = np.diff(y) / np.diff(x)
     left, right = np.insert(chords, 0, chords[0]), np.append(chords, chords[-1])
     most = 3 * np.minimum(np.abs(left), np.abs(right)) * (left * right > 0)
     least = np.where(left > 0, 0, -most)
-    return np.clip(CubicSpline(x, y)(x, 1), least, np.where(left > 0, most, 0))
+    return np.clip(_spline_slopes(x, chords), least, np.where(left > 0, most, 0))
+
+
+def _spline_slopes(x, chords):
+    """Slopes of the cubic spline whose third derivative has no jump at the last knots but one.
+
+    As SciPy's ``CubicSpline``, whose import takes longer than to solve a joint.
+    """
+    from scipy.linalg import solve_banded
+
+    step, bands, right = np.diff(x), np.zeros((3, len(x))), np.empty(len(x))
+    bands[0, 2:], bands[1, 1:-1], bands[2, :-2] = step[:-1], 2 * (step[:-1] + step[1:]), step[1:]
+    right[1:-1] = 3 * (step[1:] * chords[:-1] + step[:-1] * chords[1:])
+    first, last = step[0] + step[1], step[-2] + step[-1]
+    bands[1, 0], bands[0, 1], bands[1, -1], bands[2, -2] = step[1], first, step[-2], last
+    right[0] = (step[0] + 2 * first) * step[1] * chords[0] + step[0] ** 2 * chords[1]
+    right[-1] = (step[-1] + 2 * last) * step[-2] * chords[-1] + step[-1] ** 2 * chords[-2]
+    right[[0, -1]] /= first, last
+    return solve_banded((1, 1), bands, right)
 
 
 def of_points(root: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -45,11 +62,12 @@ def of_points(root: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArray
 
     They are the steps per unit of s, then the factor and its slope in turn at every knot.
     """
-    from scipy.interpolate import CubicHermiteSpline
-
-    spline = CubicHermiteSpline(root, factor, monotone_slopes(root, factor))
+    slopes, steps = monotone_slopes(root, factor), np.diff(root)
     knots = np.linspace(0, root[-1], int(np.ceil(STEPS * root[-1])) + 1)
-    table = np.column_stack([spline(knots), spline(knots, 1)]).ravel()
+    k = np.clip(np.searchsorted(root, knots, "right") - 1, 0, len(root) - 2)
+    left, right = slopes[k] * steps[k], slopes[k + 1] * steps[k]
+    value, slope = shapes.cubic((knots - root[k]) / steps[k], factor[k], left, factor[k + 1], right)
+    table = np.column_stack([value, slope / steps[k]]).ravel()
     return np.array([(len(knots) - 1) / root[-1], *table])
 
 

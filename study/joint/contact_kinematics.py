@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 from scipy.linalg import LinAlgError, cholesky, solve_triangular, solveh_banded
 
 from study.joint import complementarity
@@ -89,6 +88,10 @@ def _pairs(r2_star, depth, resolution):
 
     They are the same for all bodies.
     """
+    # The socket's displacement is wanted where each Gauss point of the ball faces it, and the
+    # ball's pressure acts there. ``seen`` has the socket's hats at the points faced, ``moved``
+    # their products with the ball's hats. What of the ball's hats no socket's hat can follow is
+    # ``unseen``: the ball's mass matrix less its projection on the hats seen.
     hats, r1, e = HatFunctions(surface_angles(resolution)), 1 - 1 / r2_star, (1 + depth) / r2_star
     weights = (r1 * hats.areas)[:, None]
     seen = hats.values(_faced(r1, e, hats.points))
@@ -233,6 +236,8 @@ class _Surfaces:
 
     def face(self, depth):
         """Gap in dR, normals of the socket and reference angles of the points faced."""
+        from scipy.interpolate import CubicSpline  # a quarter of a second, for `finite` alone
+
         joint = self._joint
         ball, socket = (
             CubicSpline(body.angles, displacement[body.surface].T)

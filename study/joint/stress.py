@@ -11,8 +11,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator
-from scipy.optimize import brentq
 
 from study import checks
 from study.contact import largest_depth
@@ -116,16 +114,16 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
     if curve.solver != "series":
         raise ValueError(f"solver must be series for stresses at any point, got {curve.solver!r}")
     checks.choice("body", body, curve.joint.materials)
-    ball, socket = _waves(curve)
-    waves = ball if body == "ball" else socket
-    solid = _solids(curve.joint, len(waves))[body]
+    ball, socket = _coefficients(curve)
+    coefficients = ball if body == "ball" else socket
+    solid = _solids(curve.joint, len(coefficients))[body]
     radii = checks.number("radius", radius, above=0, least=solid.inner, most=solid.outer)
     angles = checks.number("angle", angle, "rad", least=0, most=np.pi / 2)
     radii, angles = np.atleast_1d(radii), np.atleast_1d(angles)
     for name, places in (("radius", radii), ("angle", angles)):
         if places.ndim != 1:
             raise ValueError(f"{name} must be a list of numbers, got shape {places.shape}")
-    return _sum(solid, waves, radii, _legendre(angles, len(waves)))
+    return _sum(solid, coefficients, radii, _legendre(angles, len(coefficients)))
 
 
 @one_thread
@@ -169,6 +167,9 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
         For materials without a yield stress, a ball on a ``point`` drive, or a depth that the
         joint cannot have.
     """
+    from scipy.interpolate import PchipInterpolator  # a quarter of a second, for this alone
+    from scipy.optimize import brentq
+
     checks.instance("joint", joint, Joint)
     checks.choice("ball_drive", joint.ball_drive, ("plane", "clamped"))
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
@@ -252,22 +253,24 @@ def _solids(joint, count):
     return dict(zip(joint.materials, solids, strict=True))
 
 
-def _waves(curve):
+def _coefficients(curve):
     """Legendre coefficients of the pressures on ball and on socket, (even orders, k) each."""
     elements = len(curve.angles) - 1
     shares = series.hat_coefficients(elements, series.ORDERS * elements)
     return shares @ curve.pressure.T, shares @ _socket_pressure(curve).T
 
 
-def _sum(solid, waves, radii, table):
-    """Stresses (4, k, radii, angles) of the modes under waves of pressure."""
-    stress = np.empty((4, waves.shape[1], len(radii), table.shape[2]))
+def _sum(solid, coefficients, radii, table):
+    """Stresses (4, k, radii, angles) under pressures of given Legendre coefficients."""
+    stress = np.empty((4, coefficients.shape[1], len(radii), table.shape[2]))
     for j, radius in enumerate(radii):
         distance = abs(np.log(radius))  # from the pressed surface
-        count = len(waves) if distance == 0 else min(len(waves), int(1 + _FELT / distance / 2))
+        count = len(coefficients)
+        if distance > 0:  # a mode of order n = 2 k has decayed by exp(-n distance)
+            count = min(count, int(1 + _FELT / distance / 2))
         legendre, parts = table[:, :count], _parts(solid, 2 * np.arange(count), radius)
         radial, shear, hoop, apart = (
-            (part[:, None] * waves[:count]).T @ legendre[k]
+            (part[:, None] * coefficients[:count]).T @ legendre[k]
             for part, k in zip(parts, (0, 1, 0, 2), strict=True)
         )
         stress[:, :, j] = radial, hoop + apart, hoop - apart, shear
@@ -321,7 +324,7 @@ def _of_series(curve):
 
     The largest of a grid, and of parabolas through its neighbours in radius and in angle.
     """
-    ball, socket = _waves(curve)
+    ball, socket = _coefficients(curve)
     angles, table = _searched(len(ball))
     for body, solid in _solids(curve.joint, len(ball)).items():
         radii = 1 - graded(0.999, _DEPTH_SCALE, _RADII)
