@@ -122,7 +122,7 @@ def test_impact_on_a_linear_spring_is_half_an_oscillation():
     p, at = scene.constants(), np.searchsorted(response.time, first.time)
     ex, ey = response.eccentricity_x[at], response.eccentricity_y[at]
     r = np.hypot(ex, ey)
-    mass = 1 / rigid.compliance(response.crank_angle[at], ey, ex / r, ey / r, 0.0, p)
+    mass = 1 / rigid.inverse_effective_mass(response.crank_angle[at], ey, ex / r, ey / r, 0.0, p)
     frequency = sqrt(1e6 * scene.composite_modulus * scene.clearance / mass)
     assert first.duration == pytest.approx(pi / frequency, rel=1e-3)
     assert first.peak_depth == pytest.approx(first.approach_speed / frequency, rel=1e-3)

@@ -62,13 +62,13 @@ def _limit(scheme, y, depth, approach, p, law):
     """
     r = law.clearance + depth
     nx, ny = y[1] / r, y[2] / r
-    ease = rigid.compliance(y[0], y[2], nx, ny, 0.0, p)
+    ease = rigid.inverse_effective_mass(y[0], y[2], nx, ny, 0.0, p)
     force, stiffness = elastic_force(law, depth)
     stiff, loss = stiffness * ease, force * p.damping / approach * ease
     limit = (sqrt(loss * loss + 4 * stiff) - loss) / stiff
     if scheme == CENTRED:
         limit = min(2 / sqrt(stiff), MOST_DAMPING / loss if loss > 0 else inf)
-    slip = rigid.compliance(y[0], y[2], -ny, nx, p.r1, p)
+    slip = rigid.inverse_effective_mass(y[0], y[2], -ny, nx, p.r1, p)
     grip = force * p.friction / (p.v1 - p.v0) * slip
     return min(limit, 2 / grip) if grip > 0 else limit
 

@@ -76,7 +76,7 @@ def oscillator(scene: Scene, law: str, state: ArrayLike) -> dict[str, float]:
     numbers, p, state = packed(scene, law), scene.constants(), _checked(state)
     reach = np.hypot(state[1], state[2])
     nx, ny = state[1:3] / reach
-    mass = 1 / rigid.compliance(state[0], state[2], nx, ny, 0.0, p)
+    mass = 1 / rigid.inverse_effective_mass(state[0], state[2], nx, ny, 0.0, p)
     force, stiffness = elastic_force(numbers, reach - numbers.clearance)
     frequency = sqrt(stiffness / mass)
     return {
@@ -135,7 +135,7 @@ def friction_rate(scene: Scene, law: str, state: ArrayLike) -> float:
     numbers, p, state = packed(scene, law), scene.constants(), _checked(state)
     reach = np.hypot(state[1], state[2])
     nx, ny = state[1:3] / reach
-    lightness = rigid.compliance(state[0], state[2], -ny, nx, p.r1, p)
+    lightness = rigid.inverse_effective_mass(state[0], state[2], -ny, nx, p.r1, p)
     force, _ = elastic_force(numbers, reach - numbers.clearance)
     return scene.friction * force * lightness / (scene.full_speed - scene.slow_speed)
 

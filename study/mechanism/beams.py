@@ -31,8 +31,8 @@ NEWTON_TOLERANCE = 1e-9
 """Change at which Newton's method stops, relative to the clearance."""
 BAND = 6  # unknowns of neighbouring nodes are at most this far apart
 NO_TANGENT = (0.0, 0.0)
-ANY = 3  # friction branch: the one of the sliding speed that is found
-# Places in what `_contact` finds
+ANY = np.int64(3)  # friction branch: that of the sliding speed; from NumPy, as in `locating`
+# Places in a joint's state, which `_contact` fills
 DEPTH, NORMAL, TANGENTIAL, ELASTIC, RATE, SLIDING, FORCE_X, FORCE_Y, EX, EY = range(10)
 DRIVE_WORK, DRIVE_MOMENT = range(2)  # places in the state, before those of all models
 System = namedtuple("System", "sections unknowns ball pin mass load initial rates ideal")
@@ -137,8 +137,8 @@ def _internal(q, sections, unknowns, force, matrix, factor):
 
 
 @compiled
-def _contact(q, v, ball, contact, approach, branch, p, law, found):
-    """Fill ``found`` with the contact's forces on the slider.
+def _contact(q, v, ball, contact, approach, branch, p, law, joint):
+    """Fill ``joint`` with the contact's state and its forces on the slider.
 
     Returns the derivatives of the forces on the ball and of the moment on the coupler, by
     eccentricity and rotation and by their rates: two 3x3 blocks.
@@ -147,23 +147,23 @@ def _contact(q, v, ball, contact, approach, branch, p, law, found):
     ex, ey = q[ball[0]] - q[ball[3]], q[ball[1]]
     wx, wy, spin = v[ball[0]] - v[ball[3]], v[ball[1]], v[ball[2]]
     r = norm(ex, ey)
-    found[:] = 0.0
-    found[DEPTH], found[EX], found[EY] = r - law.clearance, ex, ey
+    joint[:] = 0.0
+    joint[DEPTH], joint[EX], joint[EY] = r - law.clearance, ex, ey
     nx, ny = (ex / r, ey / r) if r > 0 else (1.0, 0.0)
     tx, ty = -ny, nx
     rate, across = wx * nx + wy * ny, wx * tx + wy * ty
     sliding = across + p.r1 * spin
-    found[RATE], found[SLIDING] = rate, sliding
-    if not contact or found[DEPTH] <= 0:
+    joint[RATE], joint[SLIDING] = rate, sliding
+    if not contact or joint[DEPTH] <= 0:
         return stiff, damp
     if branch == ANY:
         branch = friction_branch(sliding, p.v0, p.v1)
     normal, normal_d, normal_r, elastic, _, tangential, tangential_n, tangential_s = joint_forces(
         law, r - law.clearance, rate, sliding, branch, approach, p.damping, p.friction, p.v0, p.v1
     )
-    found[NORMAL], found[TANGENTIAL], found[ELASTIC] = normal, tangential, elastic
-    found[FORCE_X] = normal * nx - tangential * tx
-    found[FORCE_Y] = normal * ny - tangential * ty
+    joint[NORMAL], joint[TANGENTIAL], joint[ELASTIC] = normal, tangential, elastic
+    joint[FORCE_X] = normal * nx - tangential * tx
+    joint[FORCE_Y] = normal * ny - tangential * ty
     for j in range(2):  # eccentricity x, y
         n_j, t_j = (nx, tx) if j == 0 else (ny, ty)
         bend = t_j / r  # dn = bend t, dt = -bend n
@@ -201,23 +201,24 @@ def _solve(matrix, right):
 
 
 @compiled
-def _forces(q, v, system, state, branch, p, law, found, force, matrix, tangent):
+def _forces(q, v, system, state, branch, p, law, joint, force, matrix, tangent):
     """Fill ``force`` with internal, contact and load forces, and return the strain energy.
 
     Derivatives by places and rates, times the factors ``tangent``, are added to ``matrix``.
     """
     ball, (by_q, by_v) = system.ball, tangent
-    force[:] = -system.load
+    for i in range(len(force)):
+        force[i] = -system.load[i]
     energy = _internal(q, system.sections, system.unknowns, force, matrix, by_q)
     if system.ideal:
         return energy
     contact, approach = state[stepping.CONTACT] > 0, state[stepping.APPROACH]
-    stiff, damp = _contact(q, v, ball, contact, approach, branch, p, law, found)
-    if found[NORMAL] != 0 or found[ELASTIC] != 0:
-        force[ball[0]] += found[FORCE_X]
-        force[ball[1]] += found[FORCE_Y]
-        force[ball[2]] -= p.r1 * found[TANGENTIAL]
-        force[ball[3]] -= found[FORCE_X]
+    stiff, damp = _contact(q, v, ball, contact, approach, branch, p, law, joint)
+    if joint[NORMAL] != 0 or joint[ELASTIC] != 0:
+        force[ball[0]] += joint[FORCE_X]
+        force[ball[1]] += joint[FORCE_Y]
+        force[ball[2]] -= p.r1 * joint[TANGENTIAL]
+        force[ball[3]] -= joint[FORCE_X]
         for i in range(4 if by_q != 0 else 0):
             for j in range(4):
                 row, column = (0 if i == 3 else i), (0 if j == 3 else j)
@@ -228,8 +229,11 @@ def _forces(q, v, system, state, branch, p, law, found, force, matrix, tangent):
 
 
 @compiled
-def _reaction(q, a, system, gravity):
-    """Force along y that holds the ball of an ideal joint on the slide."""
+def _reaction(q, acceleration, system, gravity):
+    """Force along y that holds the ball of an ideal joint on the slide.
+
+    ``acceleration`` is that along y of the node before.
+    """
     sections, at = system.sections[-1:], system.unknowns[-1]
     local, free = np.zeros(6), np.zeros(6)
     for i in range(6):
@@ -237,7 +241,7 @@ def _reaction(q, a, system, gravity):
     whole = np.arange(6).reshape(1, 6)
     _internal(local, sections, whole, free, np.zeros((6, 2 * BAND + 1)), 0.0)
     half = sections[0, 4] * sections[0, 0] / 2
-    return free[4] + half * (a[at[1]] / 3 + gravity)
+    return free[4] + half * (acceleration / 3 + gravity)
 
 
 @compiled
@@ -264,7 +268,7 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
     ``old`` are the forces before. An iteration takes one linear piece of the friction law, and the
     next one that piece or a neighbour: free to jump, it would alternate between the law's ends.
     """
-    (force, right, matrix, found), size, ball = work, motion.shape[1], system.ball
+    (force, right, matrix, joint), size, ball = work, motion.shape[1], system.ball
     q, v, a, q1, v1, a1 = motion[0], motion[1], motion[2], new[0], new[1], new[2]
     gamma = 0.5 - ALPHA_M + ALPHA_F
     beta = 0.25 * (1 - ALPHA_M + ALPHA_F) ** 2
@@ -276,8 +280,10 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
         q1[i] = q[i] + h * v[i] + 0.5 * h * h * a[i]
     branch = 0 if system.ideal else friction_branch(sliding, p.v0, p.v1)
     for _ in range(60):
-        matrix[:] = by_a * system.mass
-        _forces(q1, v1, system, state, branch, p, law, found, force, matrix, (by_q, by_v))
+        for i in range(size):
+            for j in range(2 * BAND + 1):
+                matrix[i, j] = by_a * system.mass[i, j]
+        _forces(q1, v1, system, state, branch, p, law, joint, force, matrix, (by_q, by_v))
         for i in range(size):
             right[i] = -(1 - ALPHA_F) * force[i] - ALPHA_F * old[i]
             for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
@@ -306,6 +312,13 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
 
 
 @compiled
+def _copy(source, target):
+    """Copy numbers one by one: an assignment of arrays takes seconds to compile."""
+    for i in range(len(source)):
+        target[i] = source[i]
+
+
+@compiled
 def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
     """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending.
 
@@ -313,9 +326,11 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
     """
     size, done = motion.shape[1], 0
     new, old, force, right = np.zeros((3, size)), np.zeros(size), np.zeros(size), np.zeros(size)
-    matrix, now, found = np.zeros_like(system.mass), np.zeros(10), np.zeros(10)
-    work = force, right, matrix, found
-    strain = _forces(motion[0], motion[1], system, state, ANY, p, law, now, old, matrix, NO_TANGENT)
+    matrix, joint, new_joint = np.zeros((size, 2 * BAND + 1)), np.zeros(10), np.zeros(10)
+    work = force, right, matrix, new_joint
+    strain = _forces(
+        motion[0], motion[1], system, state, ANY, p, law, joint, old, matrix, NO_TANGENT
+    )
     if p.steady and state[stepping.STEPS] == 0:
         _drive(state, motion, system, old[0], 0.0)
     tolerance = NEWTON_TOLERANCE * law.clearance + 1e-13 * abs(motion[0, system.ball[3]])
@@ -324,80 +339,85 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
             return done, stepping.FULL
         t = state[stepping.TIME] = state[stepping.STEPS] * h
         if int(state[stepping.STEPS]) % strides == 0:
-            _record(rows[done], state, motion, system, now, strain, p)
+            _record(rows[done], state, motion, system, joint, strain, p)
             done += 1
         begun = largest = ended = False
         while True:  # twice if the surfaces meet in this step
-            sliding = now[SLIDING]
+            sliding = joint[SLIDING]
             if not _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
                 return done, stepping.FAILED
             strain = _forces(
-                new[0], new[1], system, state, ANY, p, law, found, force, matrix, NO_TANGENT
+                new[0], new[1], system, state, ANY, p, law, new_joint, force, matrix, NO_TANGENT
             )
-            if system.ideal or state[stepping.CONTACT] > 0 or found[DEPTH] <= 0:
+            if system.ideal or state[stepping.CONTACT] > 0 or new_joint[DEPTH] <= 0:
                 break
-            after, approach = _meet(now[DEPTH], now[RATE], found[DEPTH], found[RATE], h)
+            after, approach = _meet(joint[DEPTH], joint[RATE], new_joint[DEPTH], new_joint[RATE], h)
             stepping.begin_impact(impacts, state, t + after, approach)
             begun = True
         state[stepping.STEPS] += 1
         state[stepping.TIME] = state[stepping.STEPS] * h
         if state[stepping.CONTACT] > 0:
-            if found[DEPTH] > p.clearance:
+            if new_joint[DEPTH] > p.clearance:
                 state[stepping.LIMIT] = p.clearance
                 return done, stepping.TOO_DEEP
-            for which in (now, found):
+            for which in (joint, new_joint):
                 damping = (which[NORMAL] - which[ELASTIC]) * which[RATE]
                 state[stepping.LOST_DAMPING] += 0.5 * h * damping
                 state[stepping.LOST_FRICTION] -= 0.5 * h * which[TANGENTIAL] * which[SLIDING]
-            largest = stepping.follow_impact(impacts, state, found[NORMAL], found[DEPTH])
-            ended = found[DEPTH] <= 0
+            largest = stepping.follow_impact(impacts, state, new_joint[NORMAL], new_joint[DEPTH])
+            ended = new_joint[DEPTH] <= 0
             if ended:
-                stepping.end_impact(impacts, state, -found[RATE])
-        motion[3] = motion[2]
-        motion[:3], old[:], now[:] = new, force, found
+                stepping.end_impact(impacts, state, -new_joint[RATE])
+        _copy(motion[2], motion[3])
+        for row in range(3):
+            _copy(new[row], motion[row])
+        _copy(force, old)
+        _copy(new_joint, joint)
         if p.steady:
             _drive(state, motion, system, force[0], h)
         for event, happened in enumerate((begun, largest, ended)):
             if happened:
                 row = stepping.event_row(events, state, event)
-                _record(row, state, motion, system, now, strain, p)
+                _record(row, state, motion, system, joint, strain, p)
         if done == len(rows):
             return done, stepping.FINE
 
 
 @compiled
-def _true_acceleration(motion):
-    """Accelerations now: the method's belong to a time (alpha_f - alpha_m) h before."""
+def _true_acceleration(motion, i):
+    """Acceleration now: the method's belong to a time (alpha_f - alpha_m) h before."""
     late = (1 - SPECTRAL_RADIUS) / (SPECTRAL_RADIUS + 1)
-    return motion[2] + late * (motion[2] - motion[3])
+    return motion[2, i] + late * (motion[2, i] - motion[3, i])
 
 
 @compiled
 def _drive(state, motion, system, resisted, h):
     """Moment that holds the crank's speed against inertia and other forces, and its work."""
-    moment, a = resisted, _true_acceleration(motion)
+    moment = resisted
     for j in range(BAND + 1):
-        moment += system.mass[0, BAND + j] * a[j]
+        moment += system.mass[0, BAND + j] * _true_acceleration(motion, j)
     state[DRIVE_WORK] += 0.5 * h * (state[DRIVE_MOMENT] + moment) * motion[1, 0]
     state[DRIVE_MOMENT] = moment
 
 
 @compiled
-def _record(row, state, motion, system, now, strain, p):
+def _record(row, state, motion, system, joint, strain, p):
     """Fill a row of output from motion and contact at the state's time."""
     q, v, ball, pin = motion[0], motion[1], system.ball, system.pin
-    a, size = _true_acceleration(motion), len(q)
+    size, turning = len(q), _true_acceleration(motion, 0)
     kinetic, work, drive = 0.0, state[DRIVE_WORK], p.moment + state[DRIVE_MOMENT]
     for i in range(size):
         work += system.load[i] * q[i]
         for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
             kinetic += 0.5 * v[i] * system.mass[i, BAND + j - i] * v[j]
-    y, place = q[ball[1]], (now[EX], now[EY], now[DEPTH])
-    forces = now[NORMAL], now[TANGENTIAL], now[FORCE_X], now[FORCE_Y]
+    y, place = q[ball[1]], (joint[EX], joint[EY], joint[DEPTH])
+    forces = joint[NORMAL], joint[TANGENTIAL], joint[FORCE_X], joint[FORCE_Y]
     if system.ideal:
-        fx, fy = p.m3 * a[ball[0]], -_reaction(q, a, system, p.gravity)
+        fx = p.m3 * _true_acceleration(motion, ball[0])
+        last = system.unknowns[-1, 1]
+        fy = -_reaction(q, _true_acceleration(motion, last), system, p.gravity)
         y, place, forces = 0.0, (0.0, 0.0, 0.0), (norm(fx, fy), 0.0, fx, fy)
-    crank, slider = (q[0], v[0], a[0], drive), (q[ball[3]], v[ball[3]], forces[2] / p.m3)
+    crank, slider = (q[0], v[0], turning, drive), (q[ball[3]], v[ball[3]], forces[2] / p.m3)
     coupler = direction(y - q[pin + 1], q[ball[0]] - q[pin]), v[ball[2]]
     lost = state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION]
     energies = work, kinetic, strain, *lost

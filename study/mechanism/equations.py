@@ -1,6 +1,7 @@
 """Equations of motion for one clearance joint (`rigid`) or two (`two_joints`).
 
-The compiler picks them by the number of laws. The state of a joint while it is stepped is here too.
+The compiler picks them by the number of laws, so that the number of unknowns is known to it. The
+state of a joint while it is stepped is here too.
 """
 
 from typing import Any
@@ -13,71 +14,72 @@ from study.mechanism import rigid, two_joints
 
 CONTACT, BRANCH, APPROACH, DEEP, NUMBER = range(5)
 """State of a joint: in contact or not, friction branch, approach speed, the depth to which this
-speed can lead, and the number of the impact."""
+speed can lead, and the number of the impact. The first three are its mode: while they stay, the
+equations are smooth."""
 Laws = tuple[np.record, ...]
 """A packed law for each clearance joint, slider's and crank's. The compiler knows their number, and
 makes loops for each."""
 
 
-def move(y: Any, pieces: Any, p: Any, laws: Any) -> Any:
-    """Accelerations, powers and forces of the mechanism with these joints."""
+def move(y: Any, modes: Any, p: Any, laws: Any) -> Any:
+    """Motion of the mechanism with joints in these modes, and what `derive` needs."""
     raise TypeError("in compiled code only")
 
 
 @overload(move, inline="always")
-def _move_compiled(y, pieces, p, laws):
-    if len(pieces) == 1:
-        return lambda y, pieces, p, laws: rigid.motion(y, pieces[0], p, laws[0])
-    return lambda y, pieces, p, laws: two_joints.motion(y, pieces, p, laws)
+def _move_compiled(y, modes, p, laws):
+    if len(modes) == 1:
+        return lambda y, modes, p, laws: rigid.motion(y, modes[0], p, laws[0])
+    return lambda y, modes, p, laws: two_joints.motion(y, modes, p, laws)
 
 
-def derive(y: Any, pieces: Any, p: Any, found: Any, parts: Any, k: Any) -> None:
-    """Fill ``k`` with the derivatives of the accelerations that `move` found."""
+def derive(y: Any, modes: Any, p: Any, motion: Any, parts: Any, k: Any) -> None:
+    """Fill ``k`` with the derivatives of the accelerations that `move` returned."""
     raise TypeError("in compiled code only")
 
 
 @overload(derive, inline="always")
-def _derive_compiled(y, pieces, p, found, parts, k):
-    if len(pieces) == 1:
-        return lambda y, pieces, p, found, parts, k: rigid.derive(y, pieces[0], p, found, parts, k)
-    return lambda y, pieces, p, found, parts, k: two_joints.derive(y, pieces, p, found, parts, k)
+def _derive_compiled(y, modes, p, motion, parts, k):
+    if len(modes) == 1:
+        return lambda y, modes, p, motion, parts, k: rigid.derive(y, modes[0], p, motion, parts, k)
+    return lambda y, modes, p, motion, parts, k: two_joints.derive(y, modes, p, motion, parts, k)
 
 
-def record(row: Any, y: Any, pieces: Any, found: Any, parts: Any, p: Any) -> None:
+def record(row: Any, y: Any, modes: Any, motion: Any, parts: Any, p: Any) -> None:
     """Fill a row of output, which has its time already."""
     raise TypeError("in compiled code only")
 
 
 @overload(record, inline="always")
-def _record_compiled(row, y, pieces, found, parts, p):
-    if len(pieces) == 1:
-        return lambda row, y, pieces, found, parts, p: rigid.record(
-            row, y, pieces[0][0], found, parts, p
+def _record_compiled(row, y, modes, motion, parts, p):
+    if len(modes) == 1:
+        return lambda row, y, modes, motion, parts, p: rigid.record(
+            row, y, modes[0][0], motion, parts, p
         )
-    return lambda row, y, pieces, found, parts, p: two_joints.record(row, y, found, parts, p)
+    return lambda row, y, modes, motion, parts, p: two_joints.record(row, y, motion, parts, p)
 
 
-def pieces_of(joints: Any, laws: Any) -> Any:
+def modes_of(joints: Any, laws: Any) -> Any:
     """(In contact?, friction branch, approach speed) of each joint."""
     raise TypeError("in compiled code only")
 
 
 @compiled
-def _piece(one):
-    return one[CONTACT] > 0, int(one[BRANCH]), one[APPROACH]
+def _mode(joint):
+    return joint[CONTACT] > 0, int(joint[BRANCH]), joint[APPROACH]
 
 
-@overload(pieces_of, inline="always")
-def _pieces_compiled(joints, laws):
+@overload(modes_of, inline="always")
+def _modes_compiled(joints, laws):
     if len(laws) == 1:
-        return lambda joints, laws: (_piece(joints[0]),)
-    return lambda joints, laws: (_piece(joints[0]), _piece(joints[1]))
+        return lambda joints, laws: (_mode(joints[0]),)
+    return lambda joints, laws: (_mode(joints[0]), _mode(joints[1]))
 
 
 @compiled
-def motion(work, p, laws):
-    """Accelerations, powers and forces at the current state, with the derivatives in ``k``."""
-    pieces = pieces_of(work.joints, laws)
-    found, parts = move(work.y, pieces, p, laws)
-    derive(work.y, pieces, p, found, parts, work.k)
-    return found
+def current_motion(work, p, laws):
+    """Motion at the current state, with the derivatives of its accelerations in ``k``."""
+    modes = modes_of(work.joints, laws)
+    motion, parts = move(work.y, modes, p, laws)
+    derive(work.y, modes, p, motion, parts, work.k)
+    return motion

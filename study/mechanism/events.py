@@ -1,10 +1,10 @@
-"""Stepping rigid links: smooth pieces between located events.
+"""Stepping rigid links: smooth modes between located events.
 
 Between impacts, separations and kinks of the friction law the equations of one clearance joint
-(`rigid`) or two (`two_joints`) are smooth. Such a piece is integrated by `collocation` with the
-exact Jacobian. Its end is located on the last step's polynomial. The step is then repeated with
-that length, so that an event is as exact as the end of a step. Rows of output are read from the
-polynomial too, so that they change no step.
+(`rigid`) or two (`two_joints`) are smooth: the joints keep their mode. It is integrated by
+`collocation` with the exact Jacobian. Its end is located on the last step's polynomial. The step is
+then repeated with that length, so that an event is as exact as the end of a step. Rows of output
+are read from the polynomial too, so that they change no step.
 
 A state is (theta, two coordinates of each joint), their rates, the energies lost to damping and
 friction in each joint, and the drive's work. The slider's joint comes first, the crank's second.
@@ -22,7 +22,6 @@ from study.contact.friction import friction_branch
 from study.mechanism import stepping
 from study.mechanism.angles import angle_of, norm, sine_cosine, sixth_root
 from study.mechanism.collocation import (
-    STAGES,
     estimate,
     factorise,
     fields,
@@ -39,75 +38,84 @@ from study.mechanism.equations import (
     DEEP,
     NUMBER,
     Laws,
+    current_motion,
     derive,
-    motion,
+    modes_of,
     move,
-    pieces_of,
     record,
 )
 from study.mechanism.free_impact import impact_depth
 from study.mechanism.locating import (
+    NO_EVENT,
     SURFACES,
     UPWARDS,
+    evaluate,
     first_event,
-    look,
     mark,
     measure_peaks,
-    nearer,
+    refine,
 )
+from study.mechanism.radau import STAGES
 from study.mechanism.response import ALL_COLUMNS
 from study.mechanism.scene import Scene
 
 DRIVEN, BEGAN, LENGTH, SIZE = range(4)
 """Places in the state, before those of all models: the speed that the drive gives; the last step's
-start, its length, and the size of its error, 0 if it was in another piece."""
+start, its length, and the size of its error, 0 if it was in another mode."""
 GROWTH, FAR = 3.0, 1.8
 """Largest ratio of a step to the last one, and largest ratio at which that one gives a guess."""
+SAFETY, SHRINKING = 0.9, 0.2
+"""Share of the step at which the error would be the tolerance's, and smallest ratio of a step that
+is tried again to the one tried (Hairer and Wanner, sec. IV.8)."""
+LEAST_SIZE = 1e-6
+"""Errors below it are rounding, and say nothing about the next step."""
 ITERATIONS = 10
 """Most iterations of Newton's method."""
 EXACT_ENOUGH = 0.001
 """Error that Newton's method may leave, over what the tolerance allows: at 0.02 it was the largest
 error (found by measuring)."""
-UNSOLVED = -2
-"""An event to which no step was found; -1 is no event."""
+UNSOLVED = NO_EVENT - 1
+"""An event to which no step was found."""
+MOST_IDLE = 100
+"""Events in a row without a change of time: more will never end."""
 ROUNDOFF = 1e-16
 
 
 @compiled
-def _weigh(work, pieces, seen, driven, tolerance, p, laws):
+def _weigh(work, modes, joints, driven, tolerance, p, laws):
     """Fill ``weights`` with the inverses of the errors of z and z' that ``tolerance`` allows.
 
     Places are compared with the clearance, a depth with the largest one that the approach speed can
     lead to. Speeds are compared with a tenth of the speed that the drive gives over the clearance
     (found by measuring).
     """
-    y, weights, n = work.start, work.weights, 1 + 2 * len(pieces)
+    y, weights, n = work.start, work.weights, 1 + 2 * len(modes)
     speed = 1 / (0.1 * tolerance * driven + ROUNDOFF * p.l1 * abs(y[n]))
     weights[0] = p.l1 / (tolerance * laws[0].clearance + ROUNDOFF * p.l1 * abs(y[0]))
     weights[n] = p.l1 * speed
-    for j in range(len(pieces)):
+    for j in range(len(modes)):
         clearance, at = laws[j].clearance, 1 + 2 * j
         place = 1 / (tolerance * clearance)
         weights[at], weights[at + 1] = place, place
         weights[n + at], weights[n + at + 1] = speed, speed
-        if pieces[j][0]:
-            weights[at] = 1 / (tolerance * max(work.joints[j, DEEP], seen[j].depth))
+        if modes[j][0]:
+            weights[at] = 1 / (tolerance * max(work.joints[j, DEEP], joints[j].depth))
             weights[at + 1], weights[n + at + 1] = 1 / tolerance, clearance * speed
 
 
 @compiled
-def _collocate(work, h, pieces, p, laws):
+def _collocate(work, h, modes, p, laws):
     """Find the accelerations at the points of a step by Newton's method; say if it converged."""
-    n, before = 1 + 2 * len(pieces), inf
+    n, before = 1 + 2 * len(modes), inf
     factorise(work, h)
     for _ in range(ITERATIONS):
         for i in range(STAGES):
             stage(i, work, h)
-            found, _ = move(work.trial, pieces, p, laws)
+            motion, _ = move(work.trial, modes, p, laws)
             for m in range(n):
-                work.residuals[i, m] = found.accelerations[m] - work.rates[1 + i, m]
-                work.rates[1 + i, n + m] = found.powers[m]
-            mark(i, found.joints, work)
+                work.residuals[i, m] = motion.accelerations[m] - work.rates[1 + i, m]
+                work.rates[1 + i, n + m] = motion.powers[m]
+            mark(i, motion.joints, work)
         improve(work, h)
         size = largest(work)
         if not size < before:
@@ -120,29 +128,63 @@ def _collocate(work, h, pieces, p, laws):
 
 
 @compiled
-def _end_step(work, h, pieces, p, laws):
+def _try_step(work, h, motion, modes, state, tolerance, p, laws):
+    """Size of the error of a step of ``h``, over the tolerance; infinite if none was found."""
+    smooth = state[SIZE] > 0 and h < FAR * state[LENGTH]
+    _begin(work, motion, smooth, h / state[LENGTH])
+    _weigh(work, modes, motion.joints, state[DRIVEN], tolerance, p, laws)
+    state[stepping.STEPS] += 1
+    if not _collocate(work, h, modes, p, laws):
+        return inf
+    estimate(work, h)
+    return largest(work)
+
+
+@compiled
+def _next_step(size, length, state, work):
+    """Length of the step that follows one with an error of ``size``."""
+    growth = SAFETY / sixth_root(size)
+    if state[SIZE] > 0:  # prediction by two steps (Hairer and Wanner, sec. IV.8)
+        foretold = length / state[LENGTH] * sixth_root(state[SIZE] / size)
+        growth = min(growth, growth * foretold)
+    h = length * min(growth, work.most)
+    work.most = GROWTH
+    return h
+
+
+@compiled
+def _try_again(h, state, work):
+    """Shorten the step to ``h``; say if time still changes by it."""
+    state[stepping.STEP], work.most = h, 1.0
+    return h > 1e-15 * state[stepping.TIME]
+
+
+@compiled
+def _end_step(work, h, modes, p, laws):
     """End a step of ``h`` at its first event, or as it is.
 
-    Returns the event (-1 for none, `UNSOLVED` if Newton's method found no shorter step) and its
-    joint, the step's length, and what `move` finds at its end.
+    Returns the event (`UNSOLVED` if Newton's method found no shorter step) and its joint, the
+    step's length, and what `move` returns at its end. The polynomial of the whole step places the
+    event only as well as the step's error allows. A step that ends near the event places it
+    exactly: it is nearly linear there. The third step ends on the event.
     """
-    event, of = -1, 0
-    for again in range(3):  # the whole step, to near its first event, to the event
+    event, of_joint = NO_EVENT, 0
+    for attempt in range(3):
         finish(work, h)
-        seen, parts = move(work.y, pieces, p, laws)
-        mark(STAGES - 1, seen.joints, work)
-        if again == 0:
-            event, of, share = first_event(work, h, pieces, p, laws)
-        elif again == 1:
-            share = nearer(event, of, work, h, pieces, p, laws)
-        if event < 0 or again == 2:
+        motion, parts = move(work.y, modes, p, laws)
+        mark(STAGES - 1, motion.joints, work)
+        if attempt == 0:
+            event, of_joint, share = first_event(work, h, modes, p, laws)
+        elif attempt == 1:
+            share = refine(event, of_joint, work, h, modes, p, laws)
+        if event < 0 or attempt == 2:
             break
         guess(work, 0.0, share)
         h *= share
-        if not _collocate(work, h, pieces, p, laws):
+        if not _collocate(work, h, modes, p, laws):
             event = UNSOLVED
             break
-    return event, of, h, seen, parts
+    return event, of_joint, h, motion, parts
 
 
 @compiled
@@ -152,87 +194,64 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
     Rows are filled from the polynomial of the step that they are in; the last step ends at the
     ``horizon``.
     """
-    t, h, pieces = state[stepping.TIME], state[stepping.STEP], pieces_of(work.joints, laws)
-    found, done = motion(work, p, laws), 0
+    modes, motion, done = modes_of(work.joints, laws), current_motion(work, p, laws), 0
     while done < len(rows):
+        t, h = state[stepping.TIME], state[stepping.STEP]
         if rows[done, 0] <= t:
-            earlier, length = pieces_of(work.was, laws), state[LENGTH]
-            share = (rows[done, 0] - state[BEGAN]) / length
-            seen, parts = look(work, length, share, earlier, p, laws)
-            record(rows[done], work.trial, earlier, seen, parts, p)
+            _read(rows[done], state, work, p, laws)
             done += 1
             continue
         if int(state[stepping.IMPACTS]) == len(impacts):
             return done, stepping.FULL
-        landing = t + h * 1.000001 >= horizon
+        landing = t + h * 1.000001 >= horizon  # no last step of rounding errors
         length = horizon - t if landing else h
-        _begin(
-            work, found, state[SIZE] > 0 and length < FAR * state[LENGTH], length / state[LENGTH]
-        )
-        _weigh(work, pieces, found.joints, state[DRIVEN], tolerance, p, laws)
-        state[stepping.STEPS] += 1
-        size = inf
-        if _collocate(work, length, pieces, p, laws):
-            estimate(work, length)
-            size = largest(work)
+        size = _try_step(work, length, motion, modes, state, tolerance, p, laws)
         if not size <= 1.0:
-            h = length * (max(0.2, 0.9 / sixth_root(size)) if size < inf else 0.5)
-            work.most = 1.0
-            state[stepping.STEP] = h
-            if h > 1e-15 * t:
+            ratio = max(SHRINKING, SAFETY / sixth_root(size)) if size < inf else 0.5
+            if _try_again(length * ratio, state, work):
                 continue
             return done, stepping.FAILED
-        size = max(size, 1e-6)
-        growth = 0.9 / sixth_root(size)
-        if state[SIZE] > 0:  # prediction by two steps (Hairer and Wanner, sec. IV.8)
-            foretold = length / state[LENGTH] * sixth_root(state[SIZE] / size)
-            growth = min(growth, growth * foretold)
-        h, work.most = length * min(growth, work.most), GROWTH
-        event, of, length, seen, parts = _end_step(work, length, pieces, p, laws)
+        size = max(size, LEAST_SIZE)
+        h = _next_step(size, length, state, work)
+        event, of_joint, length, end, parts = _end_step(work, length, modes, p, laws)
         if event == UNSOLVED:  # again, with a step that ends before the event
             for m in range(len(work.y)):
                 work.y[m] = work.start[m]
-            state[SIZE], h, work.most = 0.0, 0.5 * length, 1.0
-            state[stepping.STEP] = h
-            if h > 1e-15 * t:
+            state[SIZE] = 0.0
+            if _try_again(0.5 * length, state, work):
                 continue
             return done, stepping.FAILED
         if event >= 0:
             landing = False
             work.idle = work.idle + 1 if length <= 1e-14 * t else 0.0
-            if work.idle > 100:
+            if work.idle > MOST_IDLE:
                 return done, stepping.FAILED
-        for j in range(len(pieces)):
-            if pieces[j][0]:
-                at = int(work.joints[j, NUMBER])
-                row, start = events[at, stepping.PEAK], found.joints[j]
-                measure_peaks(j, impacts[at], row, work, t, length, start, pieces, p, laws)
-                deepest = max(seen.joints[j].depth, impacts[at, stepping.PEAK_DEPTH])
-                if deepest > laws[j].clearance:
-                    state[stepping.LIMIT] = laws[j].clearance
-                    return done, stepping.TOO_DEEP
         state[BEGAN], state[LENGTH], state[SIZE] = t, length, size if event < 0 else 0.0
-        t = state[stepping.TIME] = horizon if landing else t + length
-        for j in range(len(pieces)):
-            if pieces[j][0]:
-                _attend(j, state, work)
-                joint = seen.joints[j]
-                if stepping.follow_impact(impacts, state, joint.normal, joint.depth):
-                    row = stepping.event_row(events, state, stepping.PEAK)
-                    record(row, work.y, pieces, seen, parts, p)
+        state[stepping.TIME] = horizon if landing else t + length
+        if _too_deep(work, modes, motion, end, parts, state, (impacts, events), p, laws):
+            return done, stepping.TOO_DEEP
         if event < 0:
-            derive(work.y, pieces, p, seen, parts, work.k)
-            found = seen
+            derive(work.y, modes, p, end, parts, work.k)
+            motion = end
         else:
-            h = _turn(event, of, seen, parts, state, work, h, p, laws, (impacts, events))
-            pieces = pieces_of(work.joints, laws)
-            found = motion(work, p, laws)
+            h = _change_mode(
+                event, of_joint, end, parts, state, work, h, p, laws, (impacts, events)
+            )
+            modes, motion = modes_of(work.joints, laws), current_motion(work, p, laws)
         state[stepping.STEP] = h
     return done, stepping.FINE
 
 
 @compiled
-def _begin(work, found, smooth, ratio):
+def _read(row, state, work, p, laws):
+    """Fill a row of output inside the last step, from its polynomial and in its modes."""
+    modes, length = modes_of(work.was, laws), state[LENGTH]
+    motion, parts = evaluate(work, length, (row[0] - state[BEGAN]) / length, modes, p, laws)
+    record(row, work.trial, modes, motion, parts, p)
+
+
+@compiled
+def _begin(work, motion, smooth, ratio):
     """Begin a step at the current state, with guesses of the accelerations at its points."""
     n = len(work.x)
     for m in range(len(work.y)):
@@ -241,13 +260,37 @@ def _begin(work, found, smooth, ratio):
         for m in range(NUMBER + 1):
             work.was[j, m] = work.joints[j, m]
     for m in range(n):
-        work.rates[0, m], work.rates[0, n + m] = found.accelerations[m], found.powers[m]
+        work.rates[0, m], work.rates[0, n + m] = motion.accelerations[m], motion.powers[m]
     if smooth:
         guess(work, 1.0, ratio)
     else:
         for i in range(STAGES):
             for m in range(n):
                 work.rates[1 + i, m] = work.rates[0, m]
+
+
+@compiled
+def _too_deep(work, modes, start, end, parts, state, table, p, laws):
+    """Follow the impacts through a step; say if a ball went deeper than one clearance.
+
+    ``table`` has the impacts and their rows of output.
+    """
+    impacts, events = table
+    for j in range(len(modes)):
+        if not modes[j][0]:
+            continue
+        _attend(j, state, work)
+        number, joint, step = int(work.joints[j, NUMBER]), end.joints[j], state[LENGTH]
+        row = events[number, stepping.PEAK]
+        at_start = start.joints[j]
+        measure_peaks(j, impacts[number], row, work, state[BEGAN], step, at_start, modes, p, laws)
+        if max(joint.depth, impacts[number, stepping.PEAK_DEPTH]) > laws[j].clearance:
+            state[stepping.LIMIT] = laws[j].clearance
+            return True
+        if stepping.follow_impact(impacts, state, joint.normal, joint.depth):
+            row = stepping.event_row(events, state, stepping.PEAK)
+            record(row, work.y, modes, end, parts, p)
+    return False
 
 
 @compiled
@@ -259,43 +302,43 @@ def _attend(j, state, work):
 
 
 @compiled
-def _turn(event, j, seen, parts, state, work, h, p, laws, table):
-    """Begin the smooth piece that follows an event, in its coordinates; return its first step.
+def _change_mode(event, j, motion, parts, state, work, h, p, laws, table):
+    """Begin the mode that follows an event, in its coordinates; return its first step.
 
     ``table`` has the impacts and their rows of output.
     """
-    (impacts, events), y, one, law = table, work.y, work.joints[j], laws[j]
+    (impacts, events), y, joint, law = table, work.y, work.joints[j], laws[j]
     at = 2 + 2 * len(laws) + 2 * j
     z, rates = y[1 + 2 * j : 3 + 2 * j], y[at : at + 2]
     if event != SURFACES:
-        one[BRANCH] += 1 if event == UPWARDS else -1
+        joint[BRANCH] += 1 if event == UPWARDS else -1
         return h
     _attend(j, state, work)
-    if one[CONTACT] > 0:
+    if joint[CONTACT] > 0:
         stepping.end_impact(impacts, state, -rates[0])
         row = stepping.event_row(events, state, stepping.END)
-        record(row, y, pieces_of(work.joints, laws), seen, parts, p)
+        record(row, y, modes_of(work.joints, laws), motion, parts, p)
         ny, nx = sine_cosine(z[1])
         rate, across = rates[0], law.clearance * rates[1]
         z[0], z[1] = law.clearance * nx, law.clearance * ny
         rates[0], rates[1] = rate * nx - across * ny, rate * ny + across * nx
-        one[CONTACT], one[BRANCH] = 0.0, 0.0
+        joint[CONTACT], joint[BRANCH] = 0.0, 0.0
         return h
-    if seen.joints[j].rate <= 0:  # it grazes, and goes on in flight
+    if motion.joints[j].rate <= 0:  # it grazes, and goes on in flight
         return h
     r = norm(z[0], z[1])
     nx, ny, wx, wy = z[0] / r, z[1] / r, rates[0], rates[1]
     z[0], z[1] = 0.0, angle_of(ny, nx)
     rates[0], rates[1] = nx * wx + ny * wy, (nx * wy - ny * wx) / law.clearance
-    one[CONTACT], one[APPROACH], one[NUMBER] = 1.0, rates[0], state[stepping.IMPACTS]
-    one[BRANCH] = friction_branch(seen.joints[j].sliding, p.v0, p.v1)
+    joint[CONTACT], joint[APPROACH], joint[NUMBER] = 1.0, rates[0], state[stepping.IMPACTS]
+    joint[BRANCH] = friction_branch(motion.joints[j].sliding, p.v0, p.v1)
     stepping.begin_impact(impacts, state, state[stepping.TIME], rates[0])
-    impacts[int(one[NUMBER]), stepping.JOINT] = j
+    impacts[int(joint[NUMBER]), stepping.JOINT] = j
     row = stepping.event_row(events, state, stepping.START)
-    record(row, y, pieces_of(work.joints, laws), seen, parts, p)
-    (ny, nx), phi = sine_cosine(z[1]), (seen.coupler[0], seen.coupler[1])
-    one[DEEP] = impact_depth(j, y[0], phi, nx, ny, rates[0], p, laws)
-    return min(h, 0.1 * one[DEEP] / rates[0])
+    record(row, y, modes_of(work.joints, laws), motion, parts, p)
+    (ny, nx), phi = sine_cosine(z[1]), (motion.coupler[0], motion.coupler[1])
+    joint[DEEP] = impact_depth(j, y[0], phi, nx, ny, rates[0], p, laws)
+    return min(h, 0.1 * joint[DEEP] / rates[0])  # a tenth of the time to this depth
 
 
 def stepper(
@@ -313,7 +356,7 @@ def stepper(
     work = np.zeros(1, [*fields(unknowns), *own, marks]).view(np.recarray)[0]
     work.y[0], work.y[unknowns] = scene.initial_crank_angle, scene.starting_speed
     work.y[1:3] = scene.initial_eccentricity
-    accelerations = motion(work, p, laws).accelerations
+    accelerations = current_motion(work, p, laws).accelerations
     for j, clearance in enumerate(clearances):
         work.joints[j, DEEP] = clearance
         driven = sqrt(norm(*accelerations[1 + 2 * j : 3 + 2 * j]) * clearance)

@@ -14,18 +14,20 @@ from study.mechanism import rigid, stepping, two_joints
 from study.mechanism.angles import direction, sine_cosine
 
 
-def _lightness(j, theta, phi, nx, ny, p, laws):
-    """Inverse mass of a joint's ball against its socket along the normal; other joints are free."""
+def _inverse_mass(j, theta, phi, nx, ny, p, laws):
+    """Inverse effective mass of ball against socket along the normal; other joints are free."""
     raise TypeError("in compiled code only")
 
 
-@overload(_lightness, inline="always")
-def _lightness_compiled(j, theta, phi, nx, ny, p, laws):
+@overload(_inverse_mass, inline="always")
+def _inverse_mass_compiled(j, theta, phi, nx, ny, p, laws):
     if len(laws) == 1:
-        return lambda j, theta, phi, nx, ny, p, laws: rigid.compliance(
+        return lambda j, theta, phi, nx, ny, p, laws: rigid.inverse_effective_mass(
             theta, laws[0].clearance * ny, nx, ny, 0.0, p
         )
-    return lambda j, theta, phi, nx, ny, p, laws: two_joints.compliance(j, theta, phi, nx, ny, p)
+    return lambda j, theta, phi, nx, ny, p, laws: two_joints.inverse_effective_mass(
+        j, theta, phi, nx, ny, p
+    )
 
 
 @compiled
@@ -36,7 +38,7 @@ def impact_depth(j, theta, phi, nx, ny, rate, p, laws):
     angle.
     """
     law = laws[j]
-    energy = rate * rate / (2 * _lightness(j, theta, phi, nx, ny, p, laws))
+    energy = rate * rate / (2 * _inverse_mass(j, theta, phi, nx, ny, p, laws))
     depth = law.clearance
     for _ in range(200):  # Newton's method on a convex function
         change = (stored_energy(law, depth) - energy) / elastic_force(law, depth)[0]

@@ -1,83 +1,91 @@
 """Events and peaks of rigid links inside a step, located on the step's polynomial.
 
 The surfaces of a joint meet or part; its sliding speed leaves a branch of the friction law; its
-force and its depth have peaks. The step's points show whether there is an event.
+force and its depth have peaks. The signs of event functions at the step's points show whether there
+is an event between two of them: two events of one kind there, such as a touch shorter than a fifth
+of a step, are not seen.
 """
 
 from math import inf
 
+import numpy as np
+
 from study.compiled import compiled
 from study.mechanism import stepping
-from study.mechanism.collocation import POINTS, STAGES, inside
+from study.mechanism.collocation import inside
 from study.mechanism.equations import move, record
+from study.mechanism.radau import POINTS, STAGES
 
-SURFACES, UPWARDS, DOWNWARDS, FORCE_PEAK, DEPTH_PEAK = range(5)
+# From NumPy, since numba compiles a function again for each of Python's own whole numbers.
+SURFACES, UPWARDS, DOWNWARDS, FORCE_PEAK, DEPTH_PEAK = np.arange(5)
 """Events: the surfaces meet or part, the sliding speed leaves the friction branch, peaks."""
+NO_EVENT = np.int64(-1)
 OF_DEPTH, OF_RATE, OF_SLIDING, OF_NORMAL_RATE = range(4)
 """Places of the quantities that show events, at a point of a step."""
+TAIL = 0.001
+"""Share at the end of a step, which ends close to an event, where the event function is linear."""
+
+
+@compiled
+def _shown(joint):
+    """Quantities of a joint that show events."""
+    return joint.depth, joint.rate, joint.sliding, joint.normal_rate
 
 
 @compiled
 def mark(i, joints, work):
     """Keep the quantities that show events at point ``i`` of a step."""
     for j in range(len(joints)):
-        one = work.marks[i, j]
-        one[OF_DEPTH], one[OF_RATE] = joints[j].depth, joints[j].rate
-        one[OF_SLIDING], one[OF_NORMAL_RATE] = joints[j].sliding, joints[j].normal_rate
+        marks = work.marks[i, j]
+        marks[OF_DEPTH], marks[OF_RATE], marks[OF_SLIDING], marks[OF_NORMAL_RATE] = _shown(
+            joints[j]
+        )
 
 
 @compiled
-def event_value(which, piece, depth, rate, sliding, normal_rate, p):
+def event_value(event, mode, shown, p):
     """Event function of a joint, negative before the event and positive after it."""
-    contact, branch, _ = piece
-    if which == SURFACES:
-        return -depth if contact else depth
+    contact, branch, _ = mode
+    if event == SURFACES:
+        return -shown[OF_DEPTH] if contact else shown[OF_DEPTH]
     if not contact:
         return -1.0
-    if which == FORCE_PEAK:
-        return -normal_rate
-    if which == DEPTH_PEAK:
-        return -rate
-    bounds = (-inf, -p.v1, -p.v0, p.v0, p.v1, inf)
-    if which == UPWARDS:
-        return sliding - bounds[branch + 3]
-    return bounds[branch + 2] - sliding
+    if event == FORCE_PEAK:
+        return -shown[OF_NORMAL_RATE]
+    if event == DEPTH_PEAK:
+        return -shown[OF_RATE]
+    bounds = (-inf, -p.v1, -p.v0, p.v0, p.v1, inf)  # of the branches -2 to 2
+    if event == UPWARDS:
+        return shown[OF_SLIDING] - bounds[branch + 3]
+    return bounds[branch + 2] - shown[OF_SLIDING]
 
 
 @compiled
-def told(which, piece, mark, p):
-    """Event function at a point of a step."""
-    return event_value(
-        which, piece, mark[OF_DEPTH], mark[OF_RATE], mark[OF_SLIDING], mark[OF_NORMAL_RATE], p
-    )
-
-
-@compiled
-def look(work, h, x, pieces, p, laws):
-    """What is found at the share ``x`` of a step, where ``trial`` is the state."""
+def evaluate(work, h, x, modes, p, laws):
+    """Motion and its parts at the share ``x`` of a step, where ``trial`` is the state."""
     inside(work, h, x)
-    return move(work.trial, pieces, p, laws)
+    return move(work.trial, modes, p, laws)
 
 
 @compiled
-def _locate(which, j, low, high, work, h, pieces, p, laws):
+def _locate(event, j, low, high, work, h, modes, p, laws):
     """Share of a step, between two, at which an event function turns positive.
 
-    By the Illinois form of false position, on the step's polynomial.
+    By the Illinois form of false position, on the step's polynomial: the value at an end that stays
+    twice is halved, so that both ends close in. The share returned is just after the event, so that
+    the next mode begins beyond it.
     """
     before = after = 0.0
     middle, side, known = low, 0, 0
     while known < 2 or high - low > 1e-12 + 1e-9 * high:
-        joint = look(work, h, middle, pieces, p, laws)[0].joints[j]
-        value = event_value(
-            which, pieces[j], joint.depth, joint.rate, joint.sliding, joint.normal_rate, p
-        )
+        motion, _ = evaluate(work, h, middle, modes, p, laws)
+        value = event_value(event, modes[j], _shown(motion.joints[j]), p)
         if known == 0:
             before, middle, known = value, high, 1
             continue
         if known == 1:
             after, known = value, 2
-            if before > -1e-9 * after:  # the piece begins on the event
+            if before > -1e-9 * after:  # the mode begins on the event: its value is rounding
                 before = -after
         elif value < 0:
             after = after / 2 if side < 0 else after
@@ -94,51 +102,51 @@ def _locate(which, j, low, high, work, h, pieces, p, laws):
 
 
 @compiled
-def first_event(work, h, pieces, p, laws):
-    """First event in a step, -1 for none, its joint, and the share of the step where it is."""
-    first, of, share = -1, 0, inf
-    for j in range(len(pieces)):
-        for which in (SURFACES, UPWARDS, DOWNWARDS):
+def first_event(work, h, modes, p, laws):
+    """First event in a step or `NO_EVENT`, its joint, and the share of the step where it is."""
+    first, of_joint, share = NO_EVENT, 0, inf
+    for j in range(len(modes)):
+        for event in (SURFACES, UPWARDS, DOWNWARDS):
             low = 0.0
             for i in range(STAGES):
-                if low < share and told(which, pieces[j], work.marks[i, j], p) >= 0:
-                    at = _locate(which, j, low, POINTS[i], work, h, pieces, p, laws)
+                if low < share and event_value(event, modes[j], work.marks[i, j], p) >= 0:
+                    at = _locate(event, j, low, POINTS[i], work, h, modes, p, laws)
                     if at < share:
-                        first, of, share = which, j, at
+                        first, of_joint, share = event, j, at
                     break
                 low = POINTS[i]
-    return first, of, share
+    return first, of_joint, share
 
 
 @compiled
-def measure_peaks(j, impact, row, work, t, h, start, pieces, p, laws):
+def measure_peaks(j, impact, row, work, t, h, start, modes, p, laws):
     """Locate peaks of force and depth inside a step that begins at ``t`` with ``start``.
 
     ``row`` is that of output at the peak of the force.
     """
-    for which in (FORCE_PEAK, DEPTH_PEAK):
-        force = which == FORCE_PEAK
+    for event in (FORCE_PEAK, DEPTH_PEAK):
+        force = event == FORCE_PEAK
         mark = OF_NORMAL_RATE if force else OF_RATE
         rate = start.normal_rate if force else start.rate
         low, rising = 0.0, rate > 0
         for i in range(STAGES):
             if rising and work.marks[i, j, mark] <= 0:
-                share = _locate(which, j, low, POINTS[i], work, h, pieces, p, laws)
-                found, parts = look(work, h, share, pieces, p, laws)
-                depth, normal = found.joints[j].depth, found.joints[j].normal
+                share = _locate(event, j, low, POINTS[i], work, h, modes, p, laws)
+                motion, parts = evaluate(work, h, share, modes, p, laws)
+                depth, normal = motion.joints[j].depth, motion.joints[j].normal
                 impact[stepping.PEAK_DEPTH] = max(impact[stepping.PEAK_DEPTH], depth)
                 if normal > impact[stepping.PEAK_FORCE]:
                     impact[stepping.PEAK_FORCE] = normal
                     row[0] = t + share * h
-                    record(row, work.trial, pieces, found, parts, p)
+                    record(row, work.trial, modes, motion, parts, p)
             low, rising = POINTS[i], work.marks[i, j, mark] > 0
 
 
 @compiled
-def nearer(which, j, work, h, pieces, p, laws):
+def refine(event, j, work, h, modes, p, laws):
     """Share of a step, which ends close to an event, at which it would end on the event."""
-    at, end = look(work, h, 0.999, pieces, p, laws)[0].joints[j], work.marks[STAGES - 1, j]
-    before = event_value(which, pieces[j], at.depth, at.rate, at.sliding, at.normal_rate, p)
-    after = told(which, pieces[j], end, p)
-    share = 1 - 0.001 * after / (after - before)
+    motion, _ = evaluate(work, h, 1 - TAIL, modes, p, laws)
+    before = event_value(event, modes[j], _shown(motion.joints[j]), p)
+    after = event_value(event, modes[j], work.marks[STAGES - 1, j], p)
+    share = 1 - TAIL * after / (after - before)
     return share if abs(share - 1) < 0.1 else 1.0

@@ -38,9 +38,9 @@ LANES = 8
 particles that never move, so that loops over both are compiled to vectors."""
 System = namedtuple("System", "elements bodies pin last frequency ideal lagged guarded")
 """What does not change: elements and particles as in `Frame`, a row for each quantity; numbers of
-the
-pin and of the last particle; how damping is stepped. The rows of ``bodies`` are the masses along x
-and y, with the slider of an ideal joint, the rotary inertias, and the weights along y, in N."""
+the pin and of the last particle; how damping is stepped. The rows of ``bodies`` are the masses
+along x and y, with the slider of an ideal joint, the rotary inertias, and the weights along y, in
+N."""
 # Rows of the motion: places and turns at the current time, and their rates half a step before
 X, Y, TURN, U, V, SPIN = range(6)
 LENGTH0, AXIAL, NEAR, FAR = range(4)  # rows of the elements
@@ -70,15 +70,15 @@ def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
 def usual_step(scene: Scene, law: np.record, elements: tuple[int, int]) -> float:
     """Half the limit of stability with a clearance joint at a depth of one clearance, in s."""
     frame = Frame(scene, elements)
-    ease = 1 / frame.masses[-1] + 1 / scene.slider_mass
-    stiffest = elastic_force(law, scene.clearance)[1] * ease
+    inverse_mass = 1 / frame.masses[-1] + 1 / scene.slider_mass
+    stiffest = elastic_force(law, scene.clearance)[1] * inverse_mass
     return 1 / sqrt(frame.highest_frequency(0.0, held=False) ** 2 + stiffest)
 
 
 @compiled
-def _internal_forces(motion, elements, bodies, room, pin, last, drive):
+def _internal_forces(motion, elements, bodies, workspace, pin, last, drive):
     """Fill in strains and forces of the elements, and forces and moments on the particles."""
-    m, w, size = motion, room, elements.shape[1]
+    m, w, size = motion, workspace, elements.shape[1]
     for e in range(size):
         w[COSINE, e], w[SINE, e] = m[X, e + 1] - m[X, e], m[Y, e + 1] - m[Y, e]
     for e in range(size):
@@ -94,10 +94,10 @@ def _internal_forces(motion, elements, bodies, room, pin, last, drive):
         w[BENT1, e], w[BENT2, e] = m[TURN, j] - w[ANGLE, e], m[TURN, j + 1] - w[ANGLE, e]
     for e in range(size):
         whole = 2 * pi * np.floor((w[BENT1, e] + w[BENT2, e]) / (4 * pi) + 0.5)
-        one, two = w[BENT1, e] - whole, w[BENT2, e] - whole
+        bent1, bent2 = w[BENT1, e] - whole, w[BENT2, e] - whole
         near, far = elements[NEAR, e], elements[FAR, e]
-        w[MOMENT1, e], w[MOMENT2, e] = near * one + far * two, far * one + near * two
-        w[BENT1, e], w[BENT2, e] = one, two
+        w[MOMENT1, e], w[MOMENT2, e] = near * bent1 + far * bent2, far * bent1 + near * bent2
+        w[BENT1, e], w[BENT2, e] = bent1, bent2
     for e in range(size):
         tension, shear = elements[AXIAL, e] * w[GROWTH, e], w[MOMENT1, e] + w[MOMENT2, e]
         shear /= w[LENGTH, e]
@@ -116,22 +116,22 @@ def _internal_forces(motion, elements, bodies, room, pin, last, drive):
 
 
 @compiled
-def _accelerate(motion, bodies, room, steady, h):
+def _accelerate(motion, bodies, workspace, steady, h):
     """Step the rates and fill in those at the middle of the step; say if all are finite.
 
     At constant crank speed, ``steady``, the crank's fixed end keeps its rate.
     """
-    wild, drive = 0, room[MOMENT, 0]
+    wild, drive = 0, workspace[MOMENT, 0]
     if steady:
-        room[MOMENT, 0] = 0.0
+        workspace[MOMENT, 0] = 0.0
     for k in range(3):
         for i in range(bodies.shape[1]):
-            change = h * room[FORCE_X + k, i] / bodies[k, i]
+            change = h * workspace[FORCE_X + k, i] / bodies[k, i]
             middle = motion[U + k, i] + 0.5 * change
-            room[MIDDLE_U + k, i] = middle
+            workspace[MIDDLE_U + k, i] = middle
             motion[U + k, i] += change
             wild += not abs(middle) < 1e150
-    room[MOMENT, 0] = drive
+    workspace[MOMENT, 0] = drive
     return wild == 0
 
 
@@ -190,13 +190,14 @@ def _follow_gap(state, impacts, depth, h):
 
 
 @compiled
-def _joint(place, state, motion, slide, system, room, p, law, h):
+def _joint(place, state, motion, slide, system, workspace, p, law, h):
     """Forces of the joint (normal, tangential, x, y), and the limit of the step.
 
-    ``place`` is the ball's eccentricity and depth, > 0; ``room`` has the other forces and moments.
+    ``place`` is the ball's eccentricity and depth, > 0; ``workspace`` has the other forces and
+    moments.
     """
     (ex, ey, depth), last = place, system.last
-    spin, moment = motion[SPIN, last + 1], room[MOMENT, last + 1]
+    spin, moment = motion[SPIN, last + 1], workspace[MOMENT, last + 1]
     mass, rotary = system.bodies[0, last], system.bodies[ROTARY, last + 1]
     r = norm(ex, ey)
     nx, ny = ex / r, ey / r
@@ -204,17 +205,17 @@ def _joint(place, state, motion, slide, system, room, p, law, h):
     rate, sliding = wx * nx + wy * ny, wy * nx - wx * ny + p.r1 * spin
     elastic, stiffness = elastic_force(law, depth)
     loss = elastic * p.damping / state[stepping.APPROACH]
-    ease = 1 / mass + nx * nx / p.m3
-    stiff = system.frequency**2 + stiffness * ease
+    inverse_mass = 1 / mass + nx * nx / p.m3
+    stiff = system.frequency**2 + stiffness * inverse_mass
     if system.lagged:  # (h w)^2 + 2 h c/m < 4
-        limit = (sqrt((loss * ease) ** 2 + 4 * stiff) - loss * ease) / stiff
+        limit = (sqrt((loss * inverse_mass) ** 2 + 4 * stiff) - loss * inverse_mass) / stiff
         branch = friction_branch(sliding, p.v0, p.v1)
-        given = rate, sliding, branch, state[stepping.APPROACH], p.damping, p.friction, p.v0, p.v1
-        found = joint_forces(law, depth, *given)
-        normal, tangential = found[0], found[5]
+        speeds = rate, sliding, branch, state[stepping.APPROACH]
+        forces = joint_forces(law, depth, *speeds, p.damping, p.friction, p.v0, p.v1)
+        normal, tangential = forces[0], forces[5]
     else:  # with the forces of this step, which depend on the velocity
         limit = 2 / sqrt(stiff)
-        fnx, fny = room[FORCE_X, last] / mass, room[FORCE_Y, last] / mass
+        fnx, fny = workspace[FORCE_X, last] / mass, workspace[FORCE_Y, last] / mass
         rate += 0.5 * h * (fnx * nx + fny * ny)
         sliding += 0.5 * h * (fny * nx - fnx * ny + p.r1 * moment / rotary)
         free_rate, free_sliding, both = rate, sliding, 0.5 * h * nx * ny / p.m3
@@ -222,15 +223,15 @@ def _joint(place, state, motion, slide, system, room, p, law, h):
         normal = tangential = 0.0
         for _ in range(4):  # normal and tangential force act on each other weakly
             pushed = free_rate - both * tangential
-            normal = (elastic + loss * pushed) / (1 + 0.5 * h * loss * ease)
-            rate = pushed - 0.5 * h * ease * normal
+            normal = (elastic + loss * pushed) / (1 + 0.5 * h * loss * inverse_mass)
+            rate = pushed - 0.5 * h * inverse_mass * normal
             grip = 0.5 * h * side * p.friction * max(normal, 0.0)
             factor, sliding = _resist(free_sliding + both * normal, grip, p.v0, p.v1)
             tangential = -p.friction * max(normal, 0.0) * factor
     fx, fy = normal * nx + tangential * ny, normal * ny - tangential * nx
-    room[FORCE_X, last] -= fx
-    room[FORCE_Y, last] -= fy
-    room[MOMENT, last + 1] += p.r1 * tangential
+    workspace[FORCE_X, last] -= fx
+    workspace[FORCE_Y, last] -= fy
+    workspace[MOMENT, last + 1] += p.r1 * tangential
     state[stepping.LOST_DAMPING] += h * (normal - elastic) * rate
     state[stepping.LOST_FRICTION] -= h * tangential * sliding
     return (normal, tangential, fx, fy), limit
@@ -245,9 +246,9 @@ def _drive(state, power, h):
 
 
 @compiled
-def _energies(system, room):
+def _energies(system, workspace):
     """Kinetic energy of the links at the middle of the step, and their strain energy."""
-    w, last, kinetic, stored = room, system.last, 0.0, 0.0
+    w, last, kinetic, stored = workspace, system.last, 0.0, 0.0
     for i in range(1, last + 1):
         for k in range(2):
             kinetic += 0.5 * system.bodies[k, i] * w[MIDDLE_U + k, i] ** 2
@@ -261,20 +262,20 @@ def _energies(system, room):
 
 
 @compiled
-def _record(row, state, motion, system, room, joint, p, h):
+def _record(row, state, motion, system, workspace, joint, p, h):
     """Fill a row of output, after the step's rates and before its places."""
     m, (place, forces, slider), pin, last = motion, joint, system.pin, system.last
-    turning, drive = room[MOMENT, 0] / system.bodies[ROTARY, 0], p.moment
+    turning, drive = workspace[MOMENT, 0] / system.bodies[ROTARY, 0], p.moment
     if p.steady:
-        turning, drive = 0.0, -room[MOMENT, 0]
-    kinetic, stored = _energies(system, room)
+        turning, drive = 0.0, -workspace[MOMENT, 0]
+    kinetic, stored = _energies(system, workspace)
     if not system.ideal:
         kinetic += 0.5 * p.m3 * slider[1] * slider[1]
     work = state[DRIVE_WORK] + p.moment * m[TURN, 0]
     for i in range(1, last + 1):
         work -= p.gravity * system.bodies[0, i] * m[Y, i]
     crank = m[TURN, 0], m[SPIN, 0] - 0.5 * h * turning, turning, drive
-    change = 0.5 * h * room[MOMENT, last + 1] / system.bodies[ROTARY, last + 1]
+    change = 0.5 * h * workspace[MOMENT, last + 1] / system.bodies[ROTARY, last + 1]
     angle = direction(m[Y, last] - m[Y, pin], m[X, last] - m[X, pin])
     coupler = angle, m[SPIN, last + 1] - change
     lost = state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION]
@@ -283,7 +284,7 @@ def _record(row, state, motion, system, room, joint, p, h):
 
 
 @compiled
-def advance(state, motion, slide, system, room, p, law, h, strides, rows, impacts, events):
+def advance(state, motion, slide, system, workspace, p, law, h, strides, rows, impacts, events):
     """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending.
 
     ``slide`` is (x, x') of the slider.
@@ -293,14 +294,14 @@ def advance(state, motion, slide, system, room, p, law, h, strides, rows, impact
         if int(state[stepping.IMPACTS]) == len(impacts):
             return done, stepping.FULL
         state[stepping.TIME] = state[stepping.STEPS] * h
-        _internal_forces(m, elements, bodies, room, pin, last, p.moment)
+        _internal_forces(m, elements, bodies, workspace, pin, last, p.moment)
         if p.steady:
-            _drive(state, -room[MOMENT, 0] * m[SPIN, 0], h)
-        place, found, event, largest = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), -1, False
+            _drive(state, -workspace[MOMENT, 0] * m[SPIN, 0], h)
+        place, forces, event, largest = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), -1, False
         if ideal:
-            fx, fy = p.m3 / bodies[0, last] * room[FORCE_X, last], room[FORCE_Y, last]
-            found = norm(fx, fy), 0.0, fx, fy
-            room[FORCE_Y, last] = 0.0
+            fx, fy = p.m3 / bodies[0, last] * workspace[FORCE_X, last], workspace[FORCE_Y, last]
+            forces = norm(fx, fy), 0.0, fx, fy
+            workspace[FORCE_Y, last] = 0.0
         else:
             ex, ey = m[X, last] - slide[0], m[Y, last]
             place = ex, ey, norm(ex, ey) - law.clearance
@@ -309,27 +310,27 @@ def advance(state, motion, slide, system, room, p, law, h, strides, rows, impact
                 return done, stepping.TOO_DEEP
             event = _follow_gap(state, impacts, place[2], h)
             if place[2] > 0:
-                found, limit = _joint(place, state, m, slide, system, room, p, law, h)
+                forces, limit = _joint(place, state, m, slide, system, workspace, p, law, h)
                 if h > limit and system.guarded:
                     state[stepping.LIMIT] = limit
                     return done, stepping.FAILED
-                largest = stepping.follow_impact(impacts, state, found[0], place[2])
-        pull = found[2] / p.m3  # the slider's acceleration
-        finite = _accelerate(m, bodies, room, p.steady > 0, h)
+                largest = stepping.follow_impact(impacts, state, forces[0], place[2])
+        pull = forces[2] / p.m3  # the slider's acceleration
+        finite = _accelerate(m, bodies, workspace, p.steady > 0, h)
         slide[1] = m[U, last] if ideal else slide[1] + h * pull
         speed = slide[1] - 0.5 * h * pull
         if not (finite and abs(speed) < inf):
             state[stepping.LIMIT] = 2 / system.frequency
             return done, stepping.FAILED
-        joint = place, found, (slide[0], speed, pull)
+        joint = place, forces, (slide[0], speed, pull)
         if event >= 0:
             row = stepping.event_row(events, state, event)
-            _record(row, state, m, system, room, joint, p, h)
+            _record(row, state, m, system, workspace, joint, p, h)
         if largest:
             row = stepping.event_row(events, state, stepping.PEAK)
-            _record(row, state, m, system, room, joint, p, h)
+            _record(row, state, m, system, workspace, joint, p, h)
         if int(state[stepping.STEPS]) % strides == 0:
-            _record(rows[done], state, m, system, room, joint, p, h)
+            _record(rows[done], state, m, system, workspace, joint, p, h)
             done += 1
         _move(m, bodies.shape[1], h)
         slide[0] = m[X, last] if ideal else slide[0] + h * slide[1]
@@ -365,14 +366,12 @@ def blocks(
     lagged, guarded, last = method != "centred", method != "unguarded", len(frame.elements)
     system = System(rows, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
     motion, slide = _start(scene, frame, ideal, h)
-    room, state, p = (
-        np.zeros((MIDDLE_SPIN + 1, motion.shape[1])),
-        np.zeros(stepping.STATE),
-        scene.constants(),
-    )
+    workspace, state = np.zeros((MIDDLE_SPIN + 1, motion.shape[1])), np.zeros(stepping.STATE)
     state[stepping.STEP] = h
     state[GAP] = norm(motion[X, system.last] - slide[0], motion[Y, system.last]) - scene.clearance
-    loop = partial(advance, state, motion, slide, system, room, p, law, h, strides)
+    loop = partial(
+        advance, state, motion, slide, system, workspace, scene.constants(), law, h, strides
+    )
     failure = "the step must stay <= {:.4g} s, the limit of stability"
     return stepping.advance_in_blocks(loop, times, state, failure)
 

@@ -51,12 +51,12 @@ class Motion(NamedTuple):
 
 
 @compiled
-def motion(y, piece, p, law):
+def motion(y, mode, p, law):
     """Accelerations, powers and forces at y = (z, z', ...), and what `derive` needs.
 
-    ``piece`` is (in contact?, friction branch, approach speed).
+    ``mode`` is (in contact?, friction branch, approach speed).
     """
-    contact, branch, approach = piece
+    contact, branch, approach = mode
     l1, l2, per_l2, per_m3 = p.l1, p.l2, 1 / p.l2, 1 / p.m3  # first: all else waits for them
     (st, ct), omega = sine_cosine(y[0]), y[3]
     if contact:
@@ -75,8 +75,8 @@ def motion(y, piece, p, law):
 
     forces = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if contact and y[1] > 0:
-        given = y[1], rate, sliding, branch, approach
-        forces = joint_forces(law, *given, p.damping, p.friction, p.v0, p.v1)
+        state = y[1], rate, sliding, branch, approach
+        forces = joint_forces(law, *state, p.damping, p.friction, p.v0, p.v1)
     normal, normal_d, normal_r, elastic, _, tangential, _, _ = forces
     fx, fy = -normal * nx - tangential * ny, -normal * ny + tangential * nx  # on the ball
 
@@ -103,25 +103,22 @@ def motion(y, piece, p, law):
     joint = Contact(depth, rate, sliding, normal, tangential, grown)
     powers = (normal - elastic) * rate, -tangential * sliding, moment * omega
     coupler = sp, cp, psi, beta
-    found = Motion(accelerations, powers, (joint,), moment, coupler, slider + 0.0)
-    return found, ((st, ct, nx, ny), (r, spin, wx), (cross, coupling), (ax, ay), forces)
+    result = Motion(accelerations, powers, (joint,), moment, coupler, slider + 0.0)
+    return result, ((st, ct, nx, ny), (r, spin, wx), (cross, coupling), (ax, ay), forces)
 
 
 @compiled
-def derive(y, piece, p, found, parts, k):
+def derive(y, mode, p, motion, parts, k):
     """Fill ``k`` with the derivatives of z'', a column for each of (z, z')."""
-    contact = piece[0]
+    contact = mode[0]
     l1, l2, omega = p.l1, p.l2, y[3]
     (st, ct, nx, ny), (r, spin, wx), (cross, coupling), (ax, ay), forces = parts
     normal, normal_d, normal_r, _, _, tangential, tangential_n, tangential_s = forces
-    alpha, (sp, cp, psi, beta) = found.accelerations[0], found.coupler
-    rate = found.joints[0].rate
+    alpha, (sp, cp, psi, beta) = motion.accelerations[0], motion.coupler
+    rate = motion.joints[0].rate
     fx, fy = -normal * nx - tangential * ny, -normal * ny + tangential * nx
-    inverse, per_reach, per_mass = (
-        1 / (p.a11 * p.a22 - coupling * coupling),
-        1 / (l2 * cp),
-        1 / p.m3,
-    )
+    inverse = 1 / (p.a11 * p.a22 - coupling * coupling)
+    per_reach, per_mass = 1 / (l2 * cp), 1 / p.m3
     lean, per_radius = psi * l2 * sp * per_reach, 1 / r if contact else 0.0
     for j in range(2 * UNKNOWNS):
         dt, do = _UNIT[j, 0], _UNIT[j, 3]
@@ -171,15 +168,15 @@ def derive(y, piece, p, found, parts, k):
             k[1, j] = (nx * ay - ny * ax) * db + nx * dax + ny * day
             k[1, j] += dr * spin * spin + 2 * r * spin * dspin
             turn = nx * day - ny * dax - (nx * ax + ny * ay) * db
-            turn -= 2 * (drate * spin + rate * dspin) + found.accelerations[2] * dr
+            turn -= 2 * (drate * spin + rate * dspin) + motion.accelerations[2] * dr
             k[2, j] = turn * per_radius
         else:
             k[1, j], k[2, j] = dax, day
 
 
 @compiled
-def compliance(theta, ey, dx, dy, arm, p):
-    """Inverse mass of the ball against the socket along (dx, dy), in 1/kg.
+def inverse_effective_mass(theta, ey, dx, dy, arm, p):
+    """Inverse effective mass of the ball against the socket along (dx, dy), in 1/kg.
 
     ``arm`` is the lever arm of the force about the ball's centre, which turns the coupler.
     """
@@ -196,15 +193,15 @@ def compliance(theta, ey, dx, dy, arm, p):
 
 
 @compiled
-def record(row, y, contact, found, parts, p):
-    """Fill a row of output from (z, z', losses, work) and what `motion` found there."""
+def record(row, y, contact, motion, parts, p):
+    """Fill a row of output from (z, z', losses, work) and what `motion` returned."""
     (st, ct, nx, ny), (r, _, wx), _, _, _ = parts
-    (sp, cp, psi, beta), joint = found.coupler, found.joints[0]
+    (sp, cp, psi, beta), joint = motion.coupler, motion.joints[0]
     ex, ey = (r * nx, r * ny) if contact else (y[1], y[2])
-    alpha, omega = found.accelerations[0], y[3]
-    crank = y[0], omega, alpha, found.moment
+    alpha, omega = motion.accelerations[0], y[3]
+    crank = y[0], omega, alpha, motion.moment
     speed = -p.l1 * st * omega - p.l2 * sp * psi - wx
-    slider = p.l1 * ct + p.l2 * cp - ex, speed, found.slider
+    slider = p.l1 * ct + p.l2 * cp - ex, speed, motion.slider
     normal, tangential = joint.normal, joint.tangential
     forces = normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx
     kinetic = 0.5 * (p.a11 * omega * omega + p.a22 * psi * psi + p.m3 * speed * speed)

@@ -27,8 +27,8 @@ STATE = 14  # numbers in it
 PATIENCE = 0.1  # s, after which a compiled loop returns, so that an interruption is noticed
 # Columns of the impacts while they are computed, after time and approach speed
 PEAK_FORCE, PEAK_DEPTH, DURATION, SEPARATION_SPEED, LOST, LOST_BEFORE, JOINT = range(2, 9)
-START, PEAK, END = range(len(EVENTS))
-"""Places of an impact's rows of output, in the order of `EVENTS`."""
+START, PEAK, END = np.arange(len(EVENTS))
+"""Places of an impact's rows of output, in the order of `EVENTS`; from NumPy, as in `locating`."""
 DEPTH, ELASTIC, CRANK_DEPTH = (
     list(ALL_COLUMNS).index(name) for name in ("depth", "elastic", "crank_joint_depth")
 )

@@ -19,6 +19,8 @@ from study.mechanism.angles import angle_of, sine_cosine
 from study.mechanism.rigid import Contact, Motion
 
 UNKNOWNS = 5
+SLIDER, CRANK = np.arange(2)
+"""Numbers of the joints; from NumPy, as those of `locating`."""
 _UNIT = np.eye(2 * UNKNOWNS)
 
 
@@ -49,25 +51,25 @@ def _change(j, direction, place, contact):
 
 
 @compiled
-def _force(j, y, place, sliding, piece, p, law):
+def _force(j, y, place, sliding, mode, p, law):
     """What `joint_forces` finds in a joint, zeros in flight."""
-    if piece[0] and y[1 + 2 * j] > 0:
-        given = y[1 + 2 * j], place[3], sliding, piece[1], piece[2]
+    if mode[0] and y[1 + 2 * j] > 0:
+        given = y[1 + 2 * j], place[3], sliding, mode[1], mode[2]
         return joint_forces(law, *given, p.damping, p.friction, p.v0, p.v1)
     return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
 
 
 @compiled
-def motion(y, pieces, p, laws):
+def motion(y, modes, p, laws):
     """Accelerations, powers and forces at y = (z, z', ...), and what `derive` needs.
 
-    As `study.mechanism.rigid.motion`, with a piece and a law for each joint.
+    As `study.mechanism.rigid.motion`, with a mode and a law for each joint.
     """
     (st, ct), omega, half = sine_cosine(y[0]), y[5], 0.5 * p.l2
-    contacts = pieces[0][0], pieces[1][0]
+    contacts = modes[0][0], modes[1][0]
     places = (
-        _place(y, 0, contacts[0], laws[0].clearance),
-        _place(y, 1, contacts[1], laws[1].clearance),
+        _place(y, SLIDER, contacts[0], laws[0].clearance),
+        _place(y, CRANK, contacts[1], laws[1].clearance),
     )
     sp = (places[0][6] + places[1][6] - p.l1 * st) / p.l2
     cp = sqrt(1 - sp * sp)
@@ -77,11 +79,11 @@ def motion(y, pieces, p, laws):
         places[0][2] * places[0][4] + p.r1 * psi,
         reach * places[1][4] + p.crank_r1 * omega - arm * psi,
     )
-    found = (
-        _force(0, y, places[0], slidings[0], pieces[0], p, laws[0]),
-        _force(1, y, places[1], slidings[1], pieces[1], p, laws[1]),
+    forces = (
+        _force(SLIDER, y, places[0], slidings[0], modes[0], p, laws[0]),
+        _force(CRANK, y, places[1], slidings[1], modes[1], p, laws[1]),
     )
-    (n0, t0), (n1, t1) = (found[0][0], found[0][5]), (found[1][0], found[1][5])
+    (n0, t0), (n1, t1) = (forces[0][0], forces[0][5]), (forces[1][0], forces[1][5])
     # on the balls, of coupler and crank
     fx0, fy0 = -n0 * places[0][0] - t0 * places[0][1], -n0 * places[0][1] + t0 * places[0][0]
     fx1, fy1 = -n1 * places[1][0] - t1 * places[1][1], -n1 * places[1][1] + t1 * places[1][0]
@@ -99,14 +101,14 @@ def motion(y, pieces, p, laws):
         (end[0] - middle[0] + turn[0], end[1] - middle[1] + turn[1]),
     )
     states = (
-        _of_joint(0, y, contacts[0], places[0], grown[0], slidings[0], found[0], laws[0]),
-        _of_joint(1, y, contacts[1], places[1], grown[1], slidings[1], found[1], laws[1]),
+        _of_joint(SLIDER, y, contacts[0], places[0], grown[0], slidings[0], forces[0], laws[0]),
+        _of_joint(CRANK, y, contacts[1], places[1], grown[1], slidings[1], forces[1], laws[1]),
     )
     accelerations = alpha, *states[0][0], *states[1][0]
     powers = *states[0][1], *states[1][1], moment * omega
     joints, coupler = (states[0][2], states[1][2]), (sp, cp, psi, beta)
-    seen = Motion(accelerations, powers, joints, moment, coupler, slider + 0.0)
-    return seen, ((st, ct), (sx, sy), grown, places, found)
+    result = Motion(accelerations, powers, joints, moment, coupler, slider + 0.0)
+    return result, ((st, ct), (sx, sy), grown, places, forces)
 
 
 @compiled
@@ -120,25 +122,25 @@ def _of_joint(j, y, contact, place, grown, sliding, force, law):
         accelerations = growth, (nx * ay - ny * ax - 2 * rate * spin) / r
     depth = y[1 + 2 * j] if contact else r - law.clearance
     grown_normal = by_depth * rate + by_rate * growth
-    found = Contact(depth, rate, sliding, normal, tangential, grown_normal)
-    return accelerations, ((normal - elastic) * rate, -tangential * sliding), found
+    contact_state = Contact(depth, rate, sliding, normal, tangential, grown_normal)
+    return accelerations, ((normal - elastic) * rate, -tangential * sliding), contact_state
 
 
 @compiled
-def derive(y, pieces, p, seen, parts, k):
+def derive(y, modes, p, motion, parts, k):
     """Fill ``k`` with the derivatives of z'', a column for each of (z, z')."""
-    (st, ct), (sx, sy), grown, places, found = parts
-    (sp, cp, psi, beta), alpha = seen.coupler, seen.accelerations[0]
-    contacts = pieces[0][0], pieces[1][0]
+    (st, ct), (sx, sy), grown, places, forces = parts
+    (sp, cp, psi, beta), alpha = motion.coupler, motion.accelerations[0]
+    contacts = modes[0][0], modes[1][0]
     omega, half = y[5], 0.5 * p.l2
     arm = places[1][2] + p.crank_r1
-    fy1 = -found[1][0] * places[1][1] + found[1][5] * places[1][0]
-    fx1 = -found[1][0] * places[1][0] - found[1][5] * places[1][1]
+    fy1 = -forces[1][0] * places[1][1] + forces[1][5] * places[1][0]
+    fx1 = -forces[1][0] * places[1][0] - forces[1][5] * places[1][1]
     for i in range(2 * UNKNOWNS):
         dt, do = _UNIT[i, 0], _UNIT[i, 5]
         changes = (
-            _change(0, i, places[0], contacts[0]),
-            _change(1, i, places[1], contacts[1]),
+            _change(SLIDER, i, places[0], contacts[0]),
+            _change(CRANK, i, places[1], contacts[1]),
         )
         dp = (changes[0][4] + changes[1][4] - p.l1 * ct * dt) / (p.l2 * cp)
         dwy = changes[0][5] + changes[1][5] + p.l1 * (st * omega * dt - ct * do)
@@ -149,15 +151,15 @@ def derive(y, pieces, p, seen, parts, k):
             dreach * (spin - psi) + places[1][2] * dspin + p.crank_r1 * do - arm * dpsi,
         )
         pushes = (
-            _push_change(places[0], found[0], changes[0], dslidings[0]),
-            _push_change(places[1], found[1], changes[1], dslidings[1]),
+            _push_change(places[0], forces[0], changes[0], dslidings[0]),
+            _push_change(places[1], forces[1], changes[1], dslidings[1]),
         )
         (_, dt0, dfx0, dfy0), (_, dt1, dfx1, dfy1) = pushes
         dpush = p.l1 * (ct * dfy1 - st * dfx1 - (st * fy1 + ct * fx1) * dt)
         dpush += p.crank_r1 * dt1 + p.own_g1 * st * dt
         dalpha = 0.0 if p.steady > 0 else dpush / p.j1
         dbeta = half * (cp * (dfy0 + dfy1) - sp * (dfx0 + dfx1) - (sp * sy + cp * sx) * dp)
-        dbeta = (dbeta + p.r1 * dt0 - arm * dt1 - dreach * found[1][5]) / p.i2
+        dbeta = (dbeta + p.r1 * dt0 - arm * dt1 - dreach * forces[1][5]) / p.i2
         dturn = (
             -half * (sp * dbeta + cp * (beta * dp + 2 * psi * dpsi) - sp * psi * psi * dp),
             half * (cp * dbeta - sp * (beta * dp + 2 * psi * dpsi) - cp * psi * psi * dp),
@@ -179,17 +181,17 @@ def derive(y, pieces, p, seen, parts, k):
                 k[1 + 2 * j, i] = (nx * ay - ny * ax) * db + nx * dax + ny * day
                 k[1 + 2 * j, i] += dr * spin * spin + 2 * r * spin * dspin
                 turned = nx * day - ny * dax - (nx * ax + ny * ay) * db
-                turned -= 2 * (drate * spin + rate * dspin) + seen.accelerations[2 + 2 * j] * dr
+                turned -= 2 * (drate * spin + rate * dspin) + motion.accelerations[2 + 2 * j] * dr
                 k[2 + 2 * j, i] = turned / r
             else:
                 k[1 + 2 * j, i], k[2 + 2 * j, i] = dax, day
 
 
 @compiled
-def _push_change(place, found, change, dsliding):
+def _push_change(place, force, change, dsliding):
     """Derivatives of a joint's normal and tangential force, and of the force on its ball."""
     nx, ny = place[0], place[1]
-    normal, by_depth, by_rate, _, _, tangential, by_normal, by_sliding = found
+    normal, by_depth, by_rate, _, _, tangential, by_normal, by_sliding = force
     dnormal = by_depth * change[0] + by_rate * change[2]
     dtangential = by_normal * dnormal + by_sliding * dsliding
     turned_x, turned_y = normal * ny - tangential * nx, -normal * nx - tangential * ny
@@ -199,32 +201,32 @@ def _push_change(place, found, change, dsliding):
 
 
 @compiled
-def compliance(j, theta, phi, dx, dy, p):
-    """Inverse mass of a joint's ball against its socket along (dx, dy), in 1/kg.
+def inverse_effective_mass(j, theta, phi, dx, dy, p):
+    """Inverse effective mass of a joint's ball against its socket along (dx, dy), in 1/kg.
 
     The other joint is free. ``phi`` is the sine and cosine of the coupler's angle.
     """
     (st, ct), (sp, cp) = sine_cosine(theta), phi
     turn = 0.5 * p.l2 * (cp * dy - sp * dx)
-    ease = (dx * dx + dy * dy) / p.m2 + turn * turn / p.i2
+    inverse_mass = (dx * dx + dy * dy) / p.m2 + turn * turn / p.i2
     if j == 0:
-        return ease + dx * dx / p.m3
+        return inverse_mass + dx * dx / p.m3
     if p.steady > 0:
-        return ease
+        return inverse_mass
     lever = p.l1 * (ct * dy - st * dx)
-    return ease + lever * lever / p.j1
+    return inverse_mass + lever * lever / p.j1
 
 
 @compiled
-def record(row, y, seen, parts, p):
-    """Fill a row of output from (z, z', losses, work) and what `motion` found there."""
+def record(row, y, motion, parts, p):
+    """Fill a row of output from (z, z', losses, work) and what `motion` returned."""
     (st, ct), omega, places = parts[0], y[5], parts[3]
-    (sp, cp, psi, _), joints = seen.coupler, seen.joints
+    (sp, cp, psi, _), joints = motion.coupler, motion.joints
     x = p.l1 * ct - places[1][5], p.l1 * st - places[1][6]  # the coupler's socket
     wx, wy = -p.l1 * st * omega - places[1][7], p.l1 * ct * omega - places[1][8]
     speed = wx - p.l2 * sp * psi - places[0][7]
-    crank = y[0], omega, seen.accelerations[0], seen.moment
-    slider = x[0] + p.l2 * cp - places[0][5], speed, seen.slider
+    crank = y[0], omega, motion.accelerations[0], motion.moment
+    slider = x[0] + p.l2 * cp - places[0][5], speed, motion.slider
     middle = wx - 0.5 * p.l2 * sp * psi, wy + 0.5 * p.l2 * cp * psi
     kinetic = 0.5 * (p.j1 * omega * omega + p.i2 * psi * psi + p.m3 * speed * speed)
     kinetic += 0.5 * p.m2 * (middle[0] * middle[0] + middle[1] * middle[1])
