@@ -9,10 +9,13 @@ NEW_ENOUGH := import sys; sys.exit(sys.version_info < (3, 11))
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
 	"$$p" -c "$(NEW_ENOUGH)" 2>/dev/null && { echo "$$p"; break; }; done)
 
+# What the stepping loops need: they are compiled while the other packages are installed
+FIRST := numpy|scipy|llvmlite|numba|platformdirs|threadpoolctl
+
 # uv where it is found and reaches the packages, else pip: the same files by either
 define install
-uv pip install --quiet --python $(BIN)/python --no-deps $(1) 2>/dev/null || \
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps $(1)
+{ uv pip install --quiet --python $(BIN)/python --no-deps $(1) 2>/dev/null || \
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps $(1); }
 endef
 
 .PHONY: help reproduce test setup lab data bench lock clean
@@ -62,9 +65,12 @@ $(READY): requirements.lock pyproject.toml
 		echo "Missing: Python's venv module (on Debian and Ubuntu: python3-venv)" >&2; exit 1; }
 	@echo "Setting up $(VENV) with the packages of requirements.lock (a minute or two) ..."
 	@"$(PYTHON)" -m venv --clear $(VENV)
-	@$(call install,--require-hashes --requirement requirements.lock) || { \
+	@awk '/^[^ #]/ { keep = /^($(FIRST))==/ } keep' requirements.lock > $(VENV)/first.lock
+	@$(call install,--require-hashes --requirement $(VENV)/first.lock) && \
+	{ $(BIN)/python -m study.mechanism.warm & warm=$$!; } && \
+	$(call install,--require-hashes --requirement requirements.lock) || { \
+		kill $$warm 2>/dev/null; \
 		echo "Missing: packages of requirements.lock. Is the package index reachable?" >&2; \
-		exit 1; }
-	@$(call install,--no-index --no-build-isolation --editable .)
-	@$(BIN)/python -m study.mechanism.warm
+		exit 1; }; \
+	$(call install,--no-index --no-build-isolation --editable .) && wait $$warm
 	@touch $@

@@ -14,20 +14,13 @@ settings.load_profile("study")
 threadpool_limits(1)  # matrices are small: more threads wait for each other more than they do
 
 LONGEST = ("test_pipeline", "test_build", "test_processors")
-COMPILE = (
-    "from study.mechanism import simulate; simulate(model='beams', duration=1e-4, outputs=2)",
-    "from study.mechanism import simulate\n"
-    "for model in ('rigid', 'particles'): simulate(model=model, duration=1e-4, outputs=2)",
-)
 
 
 def pytest_sessionstart(session):
     """Compile the stepping loops once, before the workers begin, which would each do so."""
     many = getattr(session.config.option, "numprocesses", None)
     if many and not any(CACHE.rglob("*.nbi")):
-        started = [subprocess.Popen([sys.executable, "-c", code]) for code in COMPILE]
-        for process in started:
-            process.wait()
+        subprocess.run([sys.executable, "-m", "study.mechanism.warm"], check=True)
 
 
 def pytest_collection_modifyitems(items):

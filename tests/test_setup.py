@@ -11,19 +11,22 @@ from study import paths
 from study.compiled import CACHE
 from study.mechanism import simulate, warm
 
+FIRST = "--no-deps --require-hashes --requirement .venv/first.lock"
 LOCKED = "--no-deps --require-hashes --requirement requirements.lock"
 ITSELF = "--no-deps --no-index --no-build-isolation --editable ."
 UV = "uv pip install --quiet --python .venv/bin/python"
 PIP = "python -m pip install --quiet --disable-pip-version-check --no-compile"
+STEPS = FIRST, LOCKED, ITSELF
 NOTED = '#!/bin/sh\necho "$(basename "$0") $*" >> called\n'
+BEFORE_WARM = {"numpy", "scipy", "llvmlite", "numba", "platformdirs", "threadpoolctl"}
 MADE = 'case "$*" in *"-m venv"*) mkdir -p .venv/bin; cp "$0" .venv/bin/python;; esac\n'
 
 
 @pytest.mark.parametrize(
     ("status", "installed"),
     [
-        (0, [f"{UV} {LOCKED}", f"{UV} {ITSELF}"]),
-        (1, [f"{UV} {LOCKED}", f"{PIP} {LOCKED}", f"{UV} {ITSELF}", f"{PIP} {ITSELF}"]),
+        (0, [f"{UV} {what}" for what in STEPS]),
+        (1, [f"{program} {what}" for what in STEPS for program in (UV, PIP)]),
     ],
     ids=["uv", "pip"],
 )
@@ -41,16 +44,32 @@ def test_the_lock_is_installed_by_uv_or_else_by_pip(tmp_path, status, installed)
     assert done.returncode == 0, done.stderr
     called = (tmp_path / "called").read_text().splitlines()
     assert [line for line in called if " install " in line] == installed
-    assert called[-1] == "python -m study.mechanism.warm"
+    assert called.count("python -m study.mechanism.warm") == 1
+    first = (tmp_path / ".venv/first.lock").read_text()
+    assert {line.split("==")[0] for line in first.splitlines() if line[0] != " "} == BEFORE_WARM
+    assert first.count("--hash=sha256:") > len(BEFORE_WARM)
     assert (tmp_path / ".venv/.ready").is_file()
+
+
+def test_a_loop_that_does_not_compile_fails_the_set_up(tmp_path):
+    for name in ("Makefile", "requirements.lock", "pyproject.toml"):
+        shutil.copy(paths.ROOT / name, tmp_path)
+    fails = 'case "$*" in *warm*) exit 3;; esac\n'
+    (tmp_path / "python").write_text(NOTED + MADE + fails)
+    (tmp_path / "python").chmod(0o755)
+    command = ["make", "setup", f"PYTHON={tmp_path / 'python'}"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode != 0
+    assert not (tmp_path / ".venv/.ready").exists()
 
 
 def test_simulations_of_every_kind_need_no_more_than_set_up_compiles(capsys):
     warm.main()
-    lines = capsys.readouterr().out.splitlines()
+    begun, *lines = capsys.readouterr().out.splitlines()
+    assert begun == "Compiling 4 kinds of links, once ..."
     assert len(lines) == len(warm.KINDS)
-    for line in lines:
-        assert re.fullmatch(r"Compiling [a-z ]+, once ... \d+\.\d s", line)
+    for name, line in zip(warm.KINDS, lines, strict=True):
+        assert re.fullmatch(rf"Compiled {name}: \d+\.\d s", line)
     compiled = set(CACHE.rglob("*.nbc"))
     for scene, model in warm.KINDS.values():
         simulate(scene, model=model, law="stiffened_hertz", duration=2e-3, outputs=10)
