@@ -11,7 +11,7 @@ from study.mechanism import Scene, collocation, radau, rigid
 
 SCENE = Scene()
 HERTZ = pack("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
-PIECE = (True, 2, 0.06)
+MODE = (True, 2, 0.06)
 START = np.array([0.5, 8e-7, 2.1, 11.0, 0.0, 900.0, 0, 0, 0])
 
 
@@ -20,17 +20,17 @@ def step(y, h, iterations=20):
     p, n = SCENE.constants(), rigid.UNKNOWNS
     work = np.zeros(1, collocation.fields(n)).view(np.recarray)[0]
     work.start[:] = y
-    found, parts = rigid.motion(y, PIECE, p, HERTZ)
-    rigid.derive(y, PIECE, p, found, parts, work.k)
-    work.rates[0, :n], work.rates[0, n:] = found.accelerations, found.powers
-    work.rates[1:, :n] = found.accelerations
+    motion, parts = rigid.motion(y, MODE, p, HERTZ)
+    rigid.derive(y, MODE, p, motion, parts, work.k)
+    work.rates[0, :n], work.rates[0, n:] = motion.accelerations, motion.powers
+    work.rates[1:, :n] = motion.accelerations
     collocation.factorise(work, h)
     for _ in range(iterations):
-        for i in range(collocation.STAGES):
+        for i in range(radau.STAGES):
             collocation.stage(i, work, h)
-            found, _ = rigid.motion(work.trial, PIECE, p, HERTZ)
-            work.residuals[i] = found.accelerations - work.rates[1 + i, :n]
-            work.rates[1 + i, n:] = found.powers
+            motion, _ = rigid.motion(work.trial, MODE, p, HERTZ)
+            work.residuals[i] = motion.accelerations - work.rates[1 + i, :n]
+            work.rates[1 + i, n:] = motion.powers
         collocation.improve(work, h)
     collocation.finish(work, h)
     return work
@@ -152,14 +152,14 @@ def test_inside_a_step_the_state_has_order_7():
 
 
 def test_the_error_estimate_has_order_6_and_is_above_the_error():
-    found = []
+    errors = []
     for h in (4e-6, 2e-6):
         work, exact = step(START, h), after(2, h)
         collocation.estimate(work, h)
         rounding = 4e-16 * np.abs(exact[:6])
         assert (np.abs(work.error) + rounding >= np.abs(work.y - exact)[:6]).all()
-        found.append(np.abs(work.error[[4, 5]]))
-    assert np.log2(found[0] / found[1]) == pytest.approx(6, abs=0.4)
+        errors.append(np.abs(work.error[[4, 5]]))
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(6, abs=0.4)
 
 
 def test_the_guess_is_the_polynomial_itself():

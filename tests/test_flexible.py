@@ -87,9 +87,9 @@ def test_tangent_of_finite_elements_is_the_derivative():
     q[system.unknowns[:, [2, 5]]] += 2.0  # far from straight
 
     def force(q):
-        found, band = np.zeros(len(q)), np.zeros((len(q), 2 * beams.BAND + 1))
-        beams._internal(q, system.sections, system.unknowns, found, band, 1.0)
-        return found, band
+        forces, band = np.zeros(len(q)), np.zeros((len(q), 2 * beams.BAND + 1))
+        beams._internal(q, system.sections, system.unknowns, forces, band, 1.0)
+        return forces, band
 
     tangent = dense(force(q)[1])
     for j in range(len(q)):
@@ -107,10 +107,10 @@ def test_contact_tangent_of_finite_elements_is_the_derivative():
     q, v = np.array([3e-5, -4.1e-5, 0.3, 0.0]), np.array([0.02, 0.01, 0.5, 0.015])
 
     def forces(q, v):
-        found = np.zeros(10)
-        stiff, damp = beams._contact(q, v, ball, True, 0.05, beams.ANY, p, law, found)
-        moment = s.ball_radius * found[beams.TANGENTIAL]
-        return np.array([-found[beams.FORCE_X], -found[beams.FORCE_Y], moment]), stiff, damp
+        joint = np.zeros(10)
+        stiff, damp = beams._contact(q, v, ball, True, 0.05, beams.ANY, p, law, joint)
+        moment = s.ball_radius * joint[beams.TANGENTIAL]
+        return np.array([-joint[beams.FORCE_X], -joint[beams.FORCE_Y], moment]), stiff, damp
 
     _, stiff, damp = forces(q, v)
     assert abs(forces(q, v)[0][2]) > 0.01

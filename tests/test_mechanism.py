@@ -268,19 +268,19 @@ def test_jacobian_is_the_derivative(drive):
         (np.array([0.7, 8e-7, 2.1, 11.0, 0.02, 900.0, 0, 0]), (True, 1, 0.06)),
         (np.array([4.0, 8e-7, -0.4, -30.0, -0.02, -900.0, 0, 0]), (True, -2, 0.06)),
     ]
-    for y, piece in cases:
+    for y, mode in cases:
         k = np.zeros((3, 6))
-        found, parts = rigid.motion(y, piece, p, HERTZ)
-        rigid.derive(y, piece, p, found, parts, k)
+        motion, parts = rigid.motion(y, mode, p, HERTZ)
+        rigid.derive(y, mode, p, motion, parts, k)
         for j in range(6):
             h = 1e-6 * max(abs(y[j]), 1e-5)
             ends = []
             for sign in (1, -1):
                 moved = y.copy()
                 moved[j] += sign * h
-                ends.append(rigid.motion(moved, piece, p, HERTZ)[0].accelerations)
+                ends.append(rigid.motion(moved, mode, p, HERTZ)[0].accelerations)
             by_difference = np.subtract(*ends) / (2 * h)
-            size = np.abs(k).max(axis=1) * 1e-7 + np.abs(found.accelerations) * 1e-8 / h
+            size = np.abs(k).max(axis=1) * 1e-7 + np.abs(motion.accelerations) * 1e-8 / h
             assert (np.abs(k[:, j] - by_difference) <= size + 1e-4 * np.abs(k[:, j])).all()
 
 

@@ -65,11 +65,9 @@ def test_a_loop_that_does_not_compile_fails_the_set_up(tmp_path):
 
 def test_simulations_of_every_kind_need_no_more_than_set_up_compiles(capsys):
     warm.main()
-    begun, *lines = capsys.readouterr().out.splitlines()
-    assert begun == "Compiling 4 kinds of links, once ..."
-    assert len(lines) == len(warm.KINDS)
-    for name, line in zip(warm.KINDS, lines, strict=True):
-        assert re.fullmatch(rf"Compiled {name}: \d+\.\d s", line)
+    first, last = capsys.readouterr().out.splitlines()
+    assert all(name in first for name in warm.KINDS)
+    assert re.fullmatch(r"Compiled in \d+\.\d s", last)
     compiled = set(CACHE.rglob("*.nbc"))
     for scene, model in warm.KINDS.values():
         simulate(scene, model=model, law="stiffened_hertz", duration=2e-3, outputs=10)

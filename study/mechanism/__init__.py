@@ -10,8 +10,8 @@ implicitly. They start straight, with the velocities of rigid links. At constant
 crank's fixed end turns as given; the moment that this takes is an output. Its work is summed
 by the trapezoidal rule, so that the energy balance closes with order 2.
 
-A law is one record of numbers (`study.contact.forces`), because compiled code that is kept on disk
-cannot hold Python functions. `angles` gives the same bits on every processor.
+A law is a record of numbers (`study.contact.forces`), because compiled code that is kept on disk
+cannot hold Python functions. `angles` says why its sines are its own.
 """
 
 from study.mechanism.particles import stable_step

@@ -19,6 +19,8 @@ from study.mechanism import stepping
 from study.mechanism.angles import angle_of, norm, sine_cosine
 
 UNKNOWNS = 3
+NO_FORCES = (0.0,) * 8
+"""What `joint_forces` would return in flight."""
 _UNIT = np.eye(2 * UNKNOWNS)
 
 
@@ -73,7 +75,7 @@ def motion(y, mode, p, law):
     psi = (wy - l1 * ct * omega) * per_l2 / cp
     sliding = r * spin + p.r1 * psi
 
-    forces = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    forces = NO_FORCES
     if contact and y[1] > 0:
         state = y[1], rate, sliding, branch, approach
         forces = joint_forces(law, *state, p.damping, p.friction, p.v0, p.v1)
@@ -193,6 +195,13 @@ def inverse_effective_mass(theta, ey, dx, dy, arm, p):
 
 
 @compiled
+def on_socket(joint, nx, ny):
+    """Normal and tangential force of a joint, and their sum on the socket along x and y."""
+    normal, tangential = joint.normal, joint.tangential
+    return normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx
+
+
+@compiled
 def record(row, y, contact, motion, parts, p):
     """Fill a row of output from (z, z', losses, work) and what `motion` returned."""
     (st, ct, nx, ny), (r, _, wx), _, _, _ = parts
@@ -202,8 +211,7 @@ def record(row, y, contact, motion, parts, p):
     crank = y[0], omega, alpha, motion.moment
     speed = -p.l1 * st * omega - p.l2 * sp * psi - wx
     slider = p.l1 * ct + p.l2 * cp - ex, speed, motion.slider
-    normal, tangential = joint.normal, joint.tangential
-    forces = normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx
+    forces = on_socket(joint, nx, ny)
     kinetic = 0.5 * (p.a11 * omega * omega + p.a22 * psi * psi + p.m3 * speed * speed)
     kinetic += p.a12 * (ct * cp + st * sp) * omega * psi
     energies = y[8] - p.g1 * st - p.g2 * sp, kinetic, 0.0, y[6], y[7]

@@ -123,17 +123,18 @@ class Scene:
     crank_clearance: float | None = _quantity(None, "m", "an ideal joint", above=0)
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            value, limits = getattr(self, each.name), each.metadata["limits"]
-            name, unit = each.name.replace("_", " "), each.metadata["unit"].removeprefix("1")
-            if value is None and each.default is None:
+        for parameter in fields(self):
+            value, limits = getattr(self, parameter.name), parameter.metadata["limits"]
+            name = parameter.name.replace("_", " ")
+            unit = parameter.metadata["unit"].removeprefix("1")
+            if value is None and parameter.default is None:
                 continue
             if unit == "Pa":
                 checks.youngs_modulus(name, value)
             elif limits:
                 checks.number(name, value, unit, **limits, scalar=True)
-            elif each.name in ("ball", "socket"):
-                object.__setattr__(self, each.name, material(value))
+            elif parameter.name in ("ball", "socket"):
+                object.__setattr__(self, parameter.name, material(value))
         smallest = 1e-9 * self.socket_radius
         checks.number("clearance", self.clearance, "m", least=smallest, below=self.socket_radius)
         if self.crank_clearance is not None:
@@ -257,22 +258,22 @@ class Scene:
         """
         import pandas as pd
 
-        values = {each.name: getattr(self, each.name) for each in fields(self)}
+        values = {parameter.name: getattr(self, parameter.name) for parameter in fields(self)}
         values["crank_inertia"], values["coupler_inertia"] = self.inertias
         values["link_modulus"] = self.link_modulus or self.youngs_modulus
         values["initial_eccentricity"] = hypot(*self.initial_eccentricity)
         if self.crank_speed is not None:
             values["driving_moment"] = values["initial_crank_speed"] = None
         rows = []
-        for each, value in zip(fields(self), values.values(), strict=True):
+        for parameter, value in zip(fields(self), values.values(), strict=True):
             if value is None:  # what the scene does not have
                 continue
             if isinstance(value, Material):
                 value = f"{value.youngs_modulus:.9g}, {value.poisson:.9g}"
             text = value if isinstance(value, str) else f"{value:.9g}"
-            unit, source = each.metadata["unit"], each.metadata["source"]
+            unit, source = parameter.metadata["unit"], parameter.metadata["source"]
             where = (source, "given by the paper") if "Table" in source else ("-", source)
-            rows.append((each.name.replace("_", " "), text, unit, *where))
+            rows.append((parameter.name.replace("_", " "), text, unit, *where))
         return pd.DataFrame(rows, columns=["parameter", "value", "unit", "table", "source"])
 
     @classmethod
@@ -281,7 +282,7 @@ class Scene:
 
         ``others`` are values for parameters without a text.
         """
-        kinds = {each.name: type(each.default) for each in fields(cls)}
+        kinds = {parameter.name: type(parameter.default) for parameter in fields(cls)}
         values = dict(others)
         for name, text in texts.items():
             if kinds[name] is tuple:

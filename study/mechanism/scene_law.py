@@ -55,15 +55,17 @@ def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
         used |= own | {"layers": joint.layers_text or None}
     else:
         parameters = list(signature(law.parts).parameters.values())[1:]
-        used = {each.name: given.get(each.name, each.default) for each in parameters}
-    told = []
+        used = {p.name: given.get(p.name, p.default) for p in parameters}
+    words = []
     for name, value in used.items():
         if value is not None:
             text = value if isinstance(value, str) else f"{value:.9g}"
             own_of_paper = name == "socket_ratio" and joint is None and name not in given
             usual = " (the paper's)" if own_of_paper else ""
-            told.append(f"{name} {text}{usual}")
-    other = any(not isclose(own[name], PAPER_MATERIALS[name], rel_tol=SAME) for name in own)
-    if other and law.__name__ in FITTED and given.get("coefficient") is None:
-        told.append("its coefficient is that of the paper's joint, which has other materials")
-    return f"{law.__name__}: {', '.join(told)}" if told else law.__name__
+            words.append(f"{name} {text}{usual}")
+    other_materials = any(
+        not isclose(own[name], PAPER_MATERIALS[name], rel_tol=SAME) for name in own
+    )
+    if other_materials and law.__name__ in FITTED and given.get("coefficient") is None:
+        words.append("its coefficient is that of the paper's joint, which has other materials")
+    return f"{law.__name__}: {', '.join(words)}" if words else law.__name__

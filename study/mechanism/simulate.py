@@ -150,8 +150,8 @@ def _checked(
         tolerance = TOLERANCE if tolerance is None else tolerance
         checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
         blocks = events.blocks(scene, laws, times, tolerance)
-    told = "none" if gapless else scene_law.in_words(scene, law, law_options)
-    return partial(_gather, blocks, scene, laws, told)
+    law_text = "none" if gapless else scene_law.in_words(scene, law, law_options)
+    return partial(_gather, blocks, scene, laws, law_text)
 
 
 def _check_motion(scene, model, gapless, duration):
@@ -180,7 +180,7 @@ def _pack(law, scene, clearance, options):
     return packed
 
 
-def _gather(blocks, scene, laws, told, progress=None):
+def _gather(blocks, scene, laws, law_text, progress=None):
     """Run a model to its end or to an interruption."""
     rows, complete, work = None, True, list(COLUMNS).index("work")
     try:
@@ -197,8 +197,10 @@ def _gather(blocks, scene, laws, told, progress=None):
     happened = own[:, :, 0] <= rows[-1, 0]  # the others are NaN, or come after an interruption
     names = np.array([EVENTS, [f"crank {kind}" for kind in EVENTS]])[numbers]
     own, kinds = own[happened], tuple(names[happened].tolist())
-    for each in (own, rows):
-        each[:, work] -= rows[0, work]
-        add_stored_energy(each, laws)
-    table = np.column_stack([impacts[:, :LOST_BEFORE], free])
-    return Response(rows, table, tuple(JOINTS[j] for j in numbers), own, kinds, complete, told)
+    for table in (own, rows):
+        table[:, work] -= rows[0, work]
+        add_stored_energy(table, laws)
+    impact_rows = np.column_stack([impacts[:, :LOST_BEFORE], free])
+    return Response(
+        rows, impact_rows, tuple(JOINTS[j] for j in numbers), own, kinds, complete, law_text
+    )

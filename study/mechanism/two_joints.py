@@ -16,7 +16,7 @@ from study.compiled import compiled
 from study.contact.forces import joint_forces
 from study.mechanism import stepping
 from study.mechanism.angles import angle_of, sine_cosine
-from study.mechanism.rigid import Contact, Motion
+from study.mechanism.rigid import NO_FORCES, Contact, Motion, on_socket
 
 UNKNOWNS = 5
 SLIDER, CRANK = np.arange(2)
@@ -54,9 +54,9 @@ def _change(j, direction, place, contact):
 def _force(j, y, place, sliding, mode, p, law):
     """What `joint_forces` finds in a joint, zeros in flight."""
     if mode[0] and y[1 + 2 * j] > 0:
-        given = y[1 + 2 * j], place[3], sliding, mode[1], mode[2]
-        return joint_forces(law, *given, p.damping, p.friction, p.v0, p.v1)
-    return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        state = y[1 + 2 * j], place[3], sliding, mode[1], mode[2]
+        return joint_forces(law, *state, p.damping, p.friction, p.v0, p.v1)
+    return NO_FORCES
 
 
 @compiled
@@ -232,15 +232,11 @@ def record(row, y, motion, parts, p):
     kinetic += 0.5 * p.m2 * (middle[0] * middle[0] + middle[1] * middle[1])
     fall = p.own_g1 * st + p.m2 * p.gravity * (x[1] + 0.5 * p.l2 * sp)
     energies = y[14] - fall, kinetic, 0.0, y[10] + y[12], y[11] + y[13]
-    forces = _on_socket(joints[0], places[0]), _on_socket(joints[1], places[1])
+    forces = (
+        on_socket(joints[0], places[0][0], places[0][1]),
+        on_socket(joints[1], places[1][0], places[1][1]),
+    )
     e = (places[0][5], places[0][6], joints[0].depth), (places[1][5], places[1][6], joints[1].depth)
     coupler = angle_of(sp, cp), psi
     stepping.record(row, crank, slider, coupler, e[0], forces[0], energies)
     stepping.record_crank_joint(row, e[1], forces[1])
-
-
-@compiled
-def _on_socket(joint, place):
-    """Normal and tangential force of a joint, and their sum on the socket."""
-    normal, tangential, nx, ny = joint.normal, joint.tangential, place[0], place[1]
-    return normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx
