@@ -22,6 +22,7 @@ from benchmarks import timing
 from study import cli, contact, dataset, export, paths
 from study.choose import links
 from study.cli import options, output
+from study.contact import materials
 from study.dataset import store
 from study.joint import (
     Joint,
@@ -31,7 +32,6 @@ from study.joint import (
     curve,
     first_yield,
     force_curve,
-    materials,
 )
 from study.joint.joint import KINEMATICS
 from study.measure import speed
@@ -50,6 +50,21 @@ def run(monkeypatch, capsys):
         return stop.value.code, out, err
 
     return run
+
+
+@pytest.fixture
+def on_a_terminal(run, monkeypatch):
+    """What a command prints on a terminal of 80 columns, as lines."""
+
+    def printed(*words):
+        with monkeypatch.context() as patch:
+            patch.setenv("COLUMNS", "80")
+            patch.setattr(sys.stdout, "isatty", lambda: True)
+            status, out, err = run(*words)
+        assert (status, err) == (0, "")
+        return out.splitlines()
+
+    return printed
 
 
 @pytest.mark.parametrize("law", contact.LAWS)
@@ -108,8 +123,8 @@ def test_joint_tells_the_largest_stress_in_every_body(run):
             assert star == pytest.approx(share * found["peak_pressure_star"][0])
 
 
-SIZED = ["joint", "--socket-radius", "12.5e-3", "--clearance", "40e-6", "--wall", "6e-3"]
-BRONZE = [*SIZED, "--ball", "steel", "--socket", "bronze"]
+WITH_DIMENSIONS = ["joint", "--socket-radius", "12.5e-3", "--clearance", "40e-6", "--wall", "6e-3"]
+BRONZE = [*WITH_DIMENSIONS, "--ball", "steel", "--socket", "bronze"]
 
 
 def test_joint_with_dimensions_prints_si_units_in_the_order_asked(run):
@@ -144,7 +159,15 @@ def test_joint_with_dimensions_tells_the_law_that_will_do(run):
 
 
 def test_joint_with_dimensions_takes_liners_supports_and_a_tolerance(run):
-    lined = [*SIZED, "--liner", "0.5e-3,PTFE", "--liner", "1e-3,7e10,0.33", "--force", 500]
+    lined = [
+        *WITH_DIMENSIONS,
+        "--liner",
+        "0.5e-3,PTFE",
+        "--liner",
+        "1e-3,7e10,0.33",
+        "--force",
+        500,
+    ]
     status, out, err = run(*lined, "--drive", "clamped", "--json")
     assert (status, err) == (0, "")
     found = json.loads(out)
@@ -195,12 +218,21 @@ def test_joint_with_dimensions_in_mm_is_asked_whether_they_are_in_m(run):
         (["joint", "--force", 1], "--socket-radius and --clearance and --wall must be given"),
         (["joint"], "--r2-star and --depth-star must be given or, with dimensions, --socket-radi"),
         (["joint", "--r2-star", 75], "--depth-star must be given"),
-        ([*SIZED, "--force", 1, "--ball", "210,0.3"], "got 210 Pa: did you mean 210e9?"),
-        ([*SIZED, "--force", 1, "--ball", "stel"], "material must be one of steel, stainless,"),
-        ([*SIZED, "--force", 1, "--liner", "PTFE"], "liner must be a thickness in m and a mat"),
-        ([*SIZED, "--force", -1], "force must be > 0 N, got -1 N"),
-        ([*SIZED, "--force", 1e9], "force must be <= "),
-        ([*SIZED, "--force", 1, "--tolerance", 0], "tolerance must be >= 1e-05 and <= 1, got 0"),
+        ([*WITH_DIMENSIONS, "--force", 1, "--ball", "210,0.3"], "got 210 Pa: did you mean 210e9?"),
+        (
+            [*WITH_DIMENSIONS, "--force", 1, "--ball", "stel"],
+            "material must be one of steel, stainless,",
+        ),
+        (
+            [*WITH_DIMENSIONS, "--force", 1, "--liner", "PTFE"],
+            "liner must be a thickness in m and a mat",
+        ),
+        ([*WITH_DIMENSIONS, "--force", -1], "force must be > 0 N, got -1 N"),
+        ([*WITH_DIMENSIONS, "--force", 1e9], "force must be <= "),
+        (
+            [*WITH_DIMENSIONS, "--force", 1, "--tolerance", 0],
+            "tolerance must be >= 1e-05 and <= 1, got 0",
+        ),
     ],
 )
 def test_joint_refuses_what_does_not_fit(run, words, message):
@@ -210,7 +242,7 @@ def test_joint_refuses_what_does_not_fit(run, words, message):
     assert message in err
 
 
-def test_materials_are_csv_where_piped_and_fit_a_terminal(run):
+def test_materials_are_csv_where_piped_and_fit_a_terminal(run, on_a_terminal):
     status, out, err = run("data", "materials")
     assert (status, err) == (0, "")
     table = pd.read_csv(StringIO(out))
@@ -255,25 +287,32 @@ def test_data_show_filters(run):
     assert out.count("\n") > 40
 
 
-def on_a_terminal(*words):
-    """What a command prints on a terminal of 80 columns, as lines."""
+def test_a_process_on_a_real_terminal_prints_the_same_lines(on_a_terminal):
     ours, theirs = pty.openpty()
-    command = [sys.executable, "-m", "study.cli", *map(str, words)]
+    command = [sys.executable, "-m", "study.cli", "data", "materials"]
     environment = os.environ | {"COLUMNS": "80", "PYTHONPATH": str(paths.ROOT)}
-    child = subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=theirs, stderr=subprocess.PIPE, env=environment
-    )
-    os.close(theirs)
-    printed = b""
-    try:
-        while read := os.read(ours, 65536):
-            printed += read
-    except OSError:  # the other end is closed
-        pass
+    with subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=theirs, env=environment
+    ) as child:
+        os.close(theirs)
+        printed = b""
+        try:
+            while read := os.read(ours, 65536):
+                printed += read
+        except OSError:  # the other end is closed
+            pass
     os.close(ours)
-    told = child.communicate()[1]
-    assert child.returncode == 0, told
-    return printed.decode().splitlines()
+    assert child.returncode == 0
+    assert printed.decode().splitlines() == on_a_terminal("data", "materials")
+
+
+def test_a_process_ends_with_the_status_of_its_command():
+    wrong = [sys.executable, "-m", "study.cli", "law", "hertz", "--r2-star", "200"]
+    done = subprocess.run(
+        wrong, capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(paths.ROOT)}
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "study: Missing option '--depth-star'\n"
 
 
 AT_DEPTHS = ["--depth-star", 0.1, "--depth-star", 0.5]
@@ -300,7 +339,7 @@ AT_DEPTHS = ["--depth-star", 0.1, "--depth-star", 0.5]
         ["data", "check"],
     ],
 )
-def test_a_table_is_never_broken(run, words):
+def test_a_table_is_never_broken(run, on_a_terminal, words):
     """Every number and name stands whole: on 80 columns, and in one line where it is piped."""
     wide = run(*words)[1]
     narrow = on_a_terminal(*words)
@@ -311,7 +350,7 @@ def test_a_table_is_never_broken(run, words):
     assert heads
 
 
-def test_data_show_is_csv_where_piped_and_fits_a_terminal(run):
+def test_data_show_is_csv_where_piped_and_fits_a_terminal(run, on_a_terminal):
     words = ("data", "show", "--r2-star", 200, "--kinematics", "linear")
     table = pd.read_csv(StringIO(run(*words)[1]))
     cases = dataset.summary(dataset.load(r2_star=200, kinematics="linear"))
@@ -330,7 +369,7 @@ def test_data_show_is_csv_where_piped_and_fits_a_terminal(run):
     assert list(one) == list(dataset.load().loc[:, "depth_star":])
 
 
-def test_list_is_csv_where_piped_and_by_notebook_on_a_terminal(run):
+def test_list_is_csv_where_piped_and_by_notebook_on_a_terminal(run, on_a_terminal):
     status, out, err = run("list")
     assert (status, err) == (0, "")
     table = pd.read_csv(StringIO(out))
