@@ -5,9 +5,12 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
+from importlib.metadata import distribution, packages_distributions
 
 import pytest
 from copied import share_compiled
+from packaging.requirements import Requirement
 
 from study import paths
 
@@ -30,7 +33,13 @@ import json, sys
 from io import BytesIO, TextIOWrapper
 from study import cli
 
-done, commands, shown = [], json.load(sys.stdin), sys.stdout
+class Blocked:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in blocked:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+(commands, blocked), done, shown = json.load(sys.stdin), [], sys.stdout
+sys.meta_path.insert(0, Blocked())
 for words in commands:
     sys.argv = ["study", *words]
     sys.stdout, sys.stderr = TextIOWrapper(BytesIO()), TextIOWrapper(BytesIO())
@@ -42,7 +51,7 @@ for words in commands:
         done.append((stop.code, *texts))
 print(json.dumps(done), file=shown)
 """
-"""Several command lines in one process."""
+"""Several command lines in one process, as if some packages were not installed."""
 
 
 @pytest.fixture(scope="module")
@@ -73,8 +82,8 @@ def run(installed, *words, given="", **more):
     )
 
 
-def several(installed, commands):
-    done = run(installed, "-c", SEVERAL, given=json.dumps(commands))
+def several(installed, commands, blocked=()):
+    done = run(installed, "-c", SEVERAL, given=json.dumps([commands, sorted(blocked)]))
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
@@ -111,18 +120,74 @@ def test_command_line_works(installed):
     done = run(installed, "-m", "study.cli", *words)
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout)["force_star"]
-    commands = [
-        ("joint", "--r2-star", "75", "--depth-star", "0.1", "--json"),
-        ("joint", *SIZED, "--socket", "bronze", "--force", "100", "--json"),
-        ("simulate", "--duration", "1e-3", "--json"),
-        ("export", "--law", "tabulated", "--format", "json", "--r2-star", "150"),
-    ]
-    for command, (status, out, err) in zip(commands, several(installed, commands), strict=True):
+
+
+def not_in_the_base():
+    """Names of all installed packages that a base install does not bring."""
+    project = tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    base, texts = set(), list(project["dependencies"])
+    while texts:
+        needed = Requirement(texts.pop())
+        name = canonical(needed.name)
+        if name not in base and (needed.marker is None or needed.marker.evaluate({"extra": ""})):
+            base.add(name)
+            texts += distribution(name).requires or []
+    owners = packages_distributions().items()
+    return {package for package, names in owners if not base & set(map(canonical, names))} - {
+        "study"
+    }
+
+
+def canonical(name):
+    return re.sub("[-_.]+", "-", name).lower()
+
+
+SIZES = ("--socket-radius", "0.01", "--clearance", "1e-4", "--wall", "3e-3")
+BASE = [
+    ("law", "hertz", "--r2-star", "200", "--depth-star", "0.3", "--json"),
+    ("joint", "--r2-star", "75", "--depth-star", "0.1", "--json"),
+    ("joint", "--r2-star", "75", "--depth-star", "0.1", "--drive", "clamped", "--json"),
+    ("joint", *SIZES, "--socket", "bronze", "--force", "100", "--json"),
+    ("simulate", "--duration", "1e-3", "--output", "motion.csv", "--json"),
+    ("simulate", "--duration", "1e-3", "--joint", "ideal", "--json"),
+    ("export", "--law", "tabulated", "--format", "json", "--r2-star", "150"),
+]
+TEXTS = [
+    ("data", "materials"),
+    ("simulate", "--duration", "1e-3"),
+    ("sweep", "joints", "--random", "2", "--range", "r2_star=50:90", "--output", "joints.csv"),
+]
+
+
+def test_a_base_install_has_what_laws_joints_simulations_exports_and_sweeps_need(installed):
+    done = several(installed, [*BASE, *TEXTS], not_in_the_base())
+    for command, (status, out, err) in zip([*BASE, *TEXTS], done, strict=True):
         assert (status, err) == (0, ""), command
-        assert json.loads(out)
+        assert json.loads(out) if command in BASE else out
 
 
-SIZED = ("--socket-radius", "0.01", "--clearance", "1e-4", "--wall", "3e-3")
+STUDY = [
+    ("data", "show"),
+    ("data", "check"),
+    ("data", "build"),
+    ("run", "fig10"),
+    ("verify",),
+    ("report",),
+    ("measure", "--chart", "laws"),
+]
+
+
+def test_a_command_of_the_study_says_in_a_base_install_what_to_install(installed):
+    done = several(installed, STUDY, not_in_the_base())
+    for command, (status, out, err) in zip(STUDY, done, strict=True):
+        name = " ".join(word for word in command if word in ("data", "show", "check", "build"))
+        words = rf"study: study {name or command[0]} needs \w+, of the extra \[study\]: "
+        assert (status, out) == (1, ""), command
+        assert re.fullmatch(
+            words + r"pip install 'spherical-clearance-joint-study\[study\]'\n", err
+        )
+
+
 NEED_A_CHECKOUT = [
     ("data", "show"),
     ("data", "build"),
