@@ -40,7 +40,7 @@ def less_data(tmp_path):
     module.write_text(module.read_text() + LESS)
     module = project / "study/dataset/hertz_correction.py"
     module.write_text(module.read_text() + "\n\nfor _counts in (LIMITS, CHANGES):\n" + COARSER)
-    module = project / "study/choose/links.py"
+    module = project / "study/choose/random_scenes.py"
     module.write_text(module.read_text().replace("COUNT = 160", "COUNT = 3"))
     return project
 

@@ -3,9 +3,10 @@
 from itertools import islice, product
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from study import choose, contact, dataset
+from study import choose, contact, paths
 from study.checks import StudyError
 from study.choose import law, links, random_scenes
 from study.choose.law import SHALLOWEST
@@ -137,7 +138,7 @@ def test_a_tolerance_that_nothing_meets_says_what_is_known():
 
 
 def test_the_largest_ratios_are_those_of_the_random_scenes():
-    scenes = dataset.links()
+    scenes = pd.read_csv(paths.DATA / "links.csv")
     drawn = [scene for scene, _ in random_scenes.draw(0)]
     assert {scene.link_modulus for scene in drawn} >= set(scenes.link_modulus)
     for quantity, stated in links.LARGEST_RATIOS.items():

@@ -46,17 +46,16 @@ SAFETY = 10.0
 """Factor on the largest ratio; other scenes exceed that ratio by a factor of up to 5."""
 
 
-def ratios(scene: Scene, depth: float) -> dict[str, float]:
-    """Links beside Hertz's contact at a depth in m; both are 0 without contact.
+def ratios(scene: Scene, depth: float) -> tuple[float, float]:
+    """Links beside Hertz's contact at a depth in m: two ratios, 0 without contact.
 
-    ``compliance_ratio`` is the compliance of both links along their axes over the contact's;
-    ``frequency_ratio`` is the slider's frequency on the contact over the crank's axial one.
+    They are the compliance of both links along their axes over the contact's, and the slider's
+    frequency on the contact over the crank's axial one.
     """
     law = pack("hertz", scene.ball_radius, scene.socket_radius, scene.composite_modulus)
     contact = elastic_force(law, depth)[1]
     compliance, _, axial = _compliance_and_frequencies(scene)
-    frequency = sqrt(contact / scene.slider_mass)
-    return {"compliance_ratio": compliance * contact, "frequency_ratio": frequency / axial}
+    return compliance * contact, sqrt(contact / scene.slider_mass) / axial
 
 
 def _compliance_and_frequencies(scene):

@@ -190,10 +190,12 @@ def choose_model(
             f"it by {changes[cause]:.2g} over {duration:g} s",
             min(bounds),
         )
+    compliance_ratio, frequency_ratio = links.ratios(scene, depth)
     return ModelChoice(
         **evidence[within[0]],
         quantity=quantity,
-        **links.ratios(scene, depth),
+        compliance_ratio=compliance_ratio,
+        frequency_ratio=frequency_ratio,
         depth_star=depth / scene.clearance,
         note=note,
         evidence=evidence,

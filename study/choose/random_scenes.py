@@ -50,7 +50,8 @@ def measure(scenes: Iterable[tuple[Scene, float]]) -> pd.DataFrame:
             continue
         drawn = [name for name in (RANGES | EVEN_RANGES) if name != "duration"]
         row = {"duration": duration} | {name: getattr(scene, name) for name in drawn}
-        row |= ratios(scene, largest(rigid, "peak_depth"))
+        values = ratios(scene, largest(rigid, "peak_depth"))
+        row["compliance_ratio"], row["frequency_ratio"] = values
         for quantity, estimate in estimates(scene, rigid).items():
             row[f"{quantity}_estimate"] = estimate
             row[f"{quantity}_error"] = motion_nrms(flexible, rigid, quantity)

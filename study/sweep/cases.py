@@ -172,7 +172,8 @@ def prepared(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
         form = "joints with dimensions"
     for column in columns:
         checks.choice("column", column, [NAME, *FORMS[form].read])
-    keys, rows = [], {}
+    keys: list[str] = []
+    rows: dict[str, int] = {}
     for row, case in enumerate(cases, 1):
         name = case.get(NAME, str(row))
         try:

@@ -219,7 +219,8 @@ def _solved(
     if dask_address is None and count < 2:  # here, without the start of a process
         for task in tasks:
             for key, case in task.items():
-                yield key, *of_cases.solve(form, [case])
+                (rows,) = of_cases.solve(form, [case])
+                yield key, rows
         return
     with _workers(count, dask_address) as executor:
         with _without_interrupts():
@@ -229,11 +230,11 @@ def _solved(
             }
         for future in as_completed(running):
             try:
-                rows = future.result()
+                results = future.result()
             except Exception as error:
                 why = f"{type(error).__name__}: {error}"
                 raise StudyError(f"a worker ended; what was finished is kept ({why})") from error
-            yield from zip(running.pop(future), rows, strict=True)
+            yield from zip(running.pop(future), results, strict=True)
 
 
 @contextmanager
