@@ -67,9 +67,7 @@ def delivered_restitution(factor: float) -> float:
 
     The root of D (1 + cr) = ln((1 + D)/(1 - cr D)) below 1/D, where the force would vanish.
     """
-    from scipy.optimize import brentq  # its import takes a third of a second
-
-    if checks.number("factor", factor, least=0, scalar=True) < 1e-6:
+    if checks.number("factor", factor, least=0, scalar=True) < _SMALL:
         return 1.0 - 2 / 3 * factor
 
     from scipy.optimize import brentq
