@@ -124,7 +124,7 @@ if store.LINKS in MADE:
 
 
 def task_description(
-    decided: Annotated[str, PythonNode(value=provenance.digest(DESIGN, CODE), hash=True)],
+    decided: Annotated[str, PythonNode(value=provenance.digest(DESIGN, *CODE.values()), hash=True)],
     files: list[Path] = DESCRIBED,
     description: Annotated[Path, Product] = store.PACKAGE,
 ):

@@ -39,6 +39,11 @@ def folder(source: Path) -> Path:
     return CACHE / provenance.digest(provenance.sources(source), numba.__version__)[:16]
 
 
+def is_kept(source: Path) -> bool:
+    """Whether functions of a source file, as it is now, have been compiled."""
+    return any(folder(source).rglob("*.nbi"))
+
+
 @cache
 def _writable(parent):
     try:

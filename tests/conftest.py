@@ -7,19 +7,21 @@ from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
 import study.joint  # noqa: F401  (loads the libraries that are limited)
-from study.compiled import CACHE
+from study import compiled, paths
 
 settings.register_profile("study", deadline=None, derandomize=True, database=None)
 settings.load_profile("study")
 threadpool_limits(1)  # matrices are small: more threads wait for each other more than they do
 
+LOOPS = ("rigid", "two_joints", "particles", "beams")
 LONGEST = ("test_pipeline", "test_build", "test_processors")
 
 
 def pytest_sessionstart(session):
     """Compile the stepping loops once, before the workers begin, which would each do so."""
     many = getattr(session.config.option, "numprocesses", None)
-    if many and not any(CACHE.rglob("*.nbi")):
+    loops = [paths.ROOT / f"study/mechanism/{name}.py" for name in LOOPS]
+    if many and not all(map(compiled.is_kept, loops)):
         subprocess.run([sys.executable, "-m", "study.mechanism.warm"], check=True)
 
 

@@ -93,13 +93,13 @@ def simulate_mechanism(
     --quantity: its RMS over that of the change since t = 0.
     """
     from study import mechanism
-    from study.compiled import CACHE
+    from study.compiled import is_kept
 
     changed = _scene(scene, inertia)
     check_output(output, ".csv")
     if "elements" in options:
         options["elements"] = checks.read_several("--elements", options["elements"], kind=int)
-    if sys.stderr.isatty() and not any(CACHE.rglob("*.nbi")):
+    if sys.stderr.isatty() and not is_kept(Path(mechanism.__file__).with_name("rigid.py")):
         print("Compiling the stepping loops, once ...", file=sys.stderr)
     if options.get("model") == "auto":
         choice = _choice(changed, **options)
