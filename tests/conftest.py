@@ -14,7 +14,7 @@ settings.load_profile("study")
 threadpool_limits(1)  # matrices are small: more threads wait for each other more than they do
 
 LOOPS = ("rigid", "two_joints", "particles", "beams")
-LONGEST = ("test_pipeline", "test_build", "test_processors")
+LONGEST = ("test_report", "test_pipeline", "test_build", "test_processors", "test_end_to_end")
 
 
 def pytest_sessionstart(session):

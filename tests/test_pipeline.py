@@ -259,6 +259,7 @@ def test_an_interrupted_run_keeps_what_was_finished(project):
     wait = f"open('{begun}', 'w'); import os, time\nwhile not os.path.exists('{release}'):\n"
     edit(project, CURVE, LABEL, f"{wait}    time.sleep(0.1)")
     edit(project, LAW, "0.5)", "0.6)")
+    journal, finished = project / "pytask.lock.journal", f'task_notebook[{LAW}]","state"'
     command = [sys.executable, "-m", "study.cli", "run", "curve", "law"]
     process = subprocess.Popen(
         command,
@@ -272,7 +273,7 @@ def test_an_interrupted_run_keeps_what_was_finished(project):
     )
     try:
         deadline = time.monotonic() + 120
-        while not (begun.exists() and LAW not in stale(project)):
+        while not (begun.exists() and journal.exists() and finished in journal.read_text()):
             assert process.poll() is None
             assert time.monotonic() < deadline
             time.sleep(0.1)
