@@ -90,6 +90,7 @@ def show(patch, folder):
         patch.setattr(module, "PDF", folder / "paper.pdf")
 
 
+PACKAGES = ("", "contact", "claims", "pages", "pages/report")
 FEW = ("contact/laws", "claims/verdicts", "pages/report/pages")
 IN_ANOTHER_PROCESS = """
 import sys
@@ -106,7 +107,9 @@ with pytest.MonkeyPatch.context() as patch:
 def show_little(patch, folder):
     """Let the report show a few modules only, as each takes long."""
     show(patch, folder)
-    files = [paths.ROOT / f"study/{name}.py" for name in FEW]
+    library = paths.ROOT / "study"
+    files = [*(library / name / "__init__.py" for name in PACKAGES)]
+    files += [library / f"{name}.py" for name in FEW]
     patch.setattr(sources_of_pages, "modules", lambda: files)
 
 
