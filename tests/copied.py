@@ -13,8 +13,8 @@ LOOPS = [p for room in ("contact", "mechanism") for p in (paths.ROOT / "study" /
 
 
 def copy_project(root):
-    """Copy what a run needs: no environment, no builds, no tests; but what is compiled."""
-    ignored = shutil.ignore_patterns(".*", "build", "__pycache__", "pytask.lock", "tests")
+    """Copy what a run needs: no environment, no builds; but what is compiled."""
+    ignored = shutil.ignore_patterns(".*", "build", "__pycache__", "pytask.lock")
     shutil.copytree(paths.ROOT, root, ignore=ignored)
     share_compiled(root, root / "build/compiled")
     return root
