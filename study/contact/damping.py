@@ -69,7 +69,6 @@ def delivered_restitution(factor: float) -> float:
     """
     if checks.number("factor", factor, least=0, scalar=True) < _SMALL:
         return 1.0 - 2 / 3 * factor
-
     from scipy.optimize import brentq
 
     def surplus(w):  # cr = (1 - e^-w)/D: no cancellation near 1/D
