@@ -19,7 +19,7 @@ SOFT = {"ball": Material(2e11, 0.3), "socket": Material(2e9, 0.45)}
 )
 def test_whole_curve_is_that_of_the_finest_contacts(joint):
     law = contact.tabulated(whole_curve(joint))
-    finest = force_curve(joint, DEPTHS, 1280)
+    finest = force_curve(joint, DEPTHS, 960)
     assert np.abs(law(DEPTHS) / finest.force_star - 1).max() < 1e-4
 
 
