@@ -5,6 +5,7 @@ import sys
 
 import typer
 
+from study import paths
 from study.checks import StudyError
 from study.cli.options import JOBS, NAMES, command, option, words
 from study.cli.output import fail, paragraphs, prose
@@ -101,6 +102,7 @@ def _make(selected, parameters, **how):
     """Run notebooks and print what was made; return those selected and those that ran."""
     from study.pages import catalogue, execute
 
+    paths.require_checkout(paths.NOTEBOOKS)
     built = execute.run(selected, parameters, **how)
     made, every = built.made, catalogue.CATALOGUE
     for notebook in every:
