@@ -16,7 +16,7 @@ import numpy as np
 
 from study.contact import Material
 from study.contact.forces import elastic_force, pack
-from study.mechanism.response import IMPACT_COLUMNS, Response
+from study.mechanism.response import Response
 from study.mechanism.scene import Scene
 
 Quantity = Literal["slider_position", "slider_velocity", "slider_acceleration"]
@@ -71,11 +71,6 @@ def _compliance_and_frequencies(scene):
     return compliance, bending, axial
 
 
-def largest(response: Response, column: str) -> float:
-    """Largest value of a column of the impacts; 0 if there are none."""
-    return float(response.impact_rows[:, list(IMPACT_COLUMNS).index(column)].max(initial=0.0))
-
-
 def estimates(scene: Scene, response: Response) -> dict[Quantity, float]:
     """Estimated change by flexible links, as a share of each quantity of `QUANTITIES`.
 
@@ -85,7 +80,7 @@ def estimates(scene: Scene, response: Response) -> dict[Quantity, float]:
     response is of rigid links with clearance; without contact the estimate is 0.
     """
     compliance, bending, axial = _compliance_and_frequencies(scene)
-    change = compliance * largest(response, "peak_force")
+    change = compliance * response.impact_columns["peak_force"].max(initial=0.0)
     drift = 1 + np.abs(response.crank_angle).max()
     factors = (drift, drift * bending, axial**2)
     shares = {}

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from study.choose.links import EVEN_RANGES, RANGES, estimates, largest, ratios
+from study.choose.links import EVEN_RANGES, RANGES, estimates, ratios
 from study.mechanism.compare import motion_nrms
 from study.mechanism.scene import Scene
 from study.mechanism.simulate import simulate
@@ -50,7 +50,7 @@ def measure(scenes: Iterable[tuple[Scene, float]]) -> pd.DataFrame:
             continue
         drawn = [name for name in (RANGES | EVEN_RANGES) if name != "duration"]
         row = {"duration": duration} | {name: getattr(scene, name) for name in drawn}
-        values = ratios(scene, largest(rigid, "peak_depth"))
+        values = ratios(scene, rigid.impact_columns["peak_depth"].max())
         row["compliance_ratio"], row["frequency_ratio"] = values
         for quantity, estimate in estimates(scene, rigid).items():
             row[f"{quantity}_estimate"] = estimate

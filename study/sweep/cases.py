@@ -24,7 +24,6 @@ from study.joint.dimensional import usual_depth
 from study.joint.parsing import joint as joint_of_texts
 from study.joint.parsing import liner
 from study.mechanism import Response, Scene
-from study.mechanism.response import IMPACT_COLUMNS
 from study.mechanism.simulate import ready
 
 Kind = Literal["joints", "scenes"]
@@ -282,7 +281,7 @@ def _simulate(scene: Scene, run: Callable[[], Response]) -> Results:
     response = run()
     if not response.complete:
         raise KeyboardInterrupt
-    impacts = dict(zip(IMPACT_COLUMNS, response.impact_rows.T, strict=True))
+    impacts = response.impact_columns
     angle, crank, coupler = response.crank_angle, scene.crank_length, scene.coupler_length
     ideal = crank * np.cos(angle) + np.sqrt(coupler**2 - (crank * np.sin(angle)) ** 2)
     deviation = np.abs(response.slider_position - ideal)

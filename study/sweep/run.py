@@ -125,7 +125,7 @@ def _code() -> str:
 def _key(code: str, form: str, case: Case) -> str:
     """Key of a case, whatever its number, its name and the order of its columns."""
     values = sorted((name, text) for name, text in case.items() if name != NAME)
-    return _digest(json.dumps([code, form, values]))
+    return provenance.digest([], code, form, values)
 
 
 def _digest(content: str) -> str:
