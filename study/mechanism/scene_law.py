@@ -8,6 +8,7 @@ from math import isclose
 from typing import Any
 
 from study import checks
+from study.contact import SOCKET_RATIO
 from study.contact.laws import Law
 from study.mechanism.scene import Scene
 
@@ -25,7 +26,7 @@ def materials(scene: Scene) -> dict[str, float]:
 
 
 def options(scene: Scene, law: Law, given: dict[str, Any]) -> dict[str, Any]:
-    """Options of a law: those given, and the scene's materials.
+    """Options of a law: those given, the scene's materials, and by default the paper's thickness.
 
     Raises
     ------
@@ -43,11 +44,13 @@ def options(scene: Scene, law: Law, given: dict[str, Any]) -> dict[str, Any]:
         what = f"{name} of law {law.__name__}"
         if not isclose(checks.number(what, value, scalar=True), own[name], rel_tol=SAME):
             raise checks.RangeError(f"{what} must be the scene's, {own[name]:.9g}, got {value:.9g}")
-    return given | {name: own[name] for name in known}
+    has_thickness = law.joint is None and "socket_ratio" in signature(law.parts).parameters
+    usual = {"socket_ratio": SOCKET_RATIO} if has_thickness else {}
+    return usual | given | {name: own[name] for name in known}
 
 
 def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
-    """A law with all of its options, and a remark if its coefficient is that of another joint."""
+    """A law with all of its options, those given and others; a remark if it is of another joint."""
     own, joint = materials(scene), law.joint
     if joint is not None:
         of_joint = ("r2_star", "socket_ratio", "ball_drive", "rim", "kinematics")
@@ -55,7 +58,7 @@ def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
         used |= own | {"layers": joint.layers_text or None}
     else:
         parameters = list(signature(law.parts).parameters.values())[1:]
-        used = {p.name: given.get(p.name, p.default) for p in parameters}
+        used = {p.name: (own | given).get(p.name, p.default) for p in parameters}
     words = []
     for name, value in used.items():
         if value is not None:

@@ -132,8 +132,8 @@ def _checked(
     _check_motion(scene, model, gapless, duration)
     outputs = checks.whole("outputs", outputs, least=1, most=10**6)
     gaps, law = (scene.clearance, scene.crank_clearance), find(law)
-    law_options = scene_law.options(scene, law, law_options)
-    laws = tuple(_pack(law, scene, gap, law_options) for gap in gaps if gap is not None)
+    options = scene_law.options(scene, law, law_options)
+    laws = tuple(_pack(law, scene, gap, options) for gap in gaps if gap is not None)
     times = duration * np.arange(outputs + 1) / outputs
     pair = particles.numbers_of_elements(ELEMENTS if elements is None else elements)
     if step is not None:
