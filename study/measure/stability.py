@@ -47,6 +47,21 @@ def _checked(state):
     return state
 
 
+def _contact(scene, law, state):
+    """Depth, force, stiffness and 1/mass of the mechanism along normal and tangent of a contact.
+
+    A unit force along the tangent of the ball's surface accelerates the sliding by 1/mass: through
+    crank and coupler, a double pendulum, and through the slider (this study, closed form).
+    """
+    numbers, p, state = packed(scene, law), scene.constants(), _checked(state)
+    distance = np.hypot(state[1], state[2])
+    nx, ny = state[1:3] / distance
+    depth = distance - numbers.clearance
+    along = rigid.inverse_effective_mass(state[0], state[2], nx, ny, 0.0, p)
+    across = rigid.inverse_effective_mass(state[0], state[2], -ny, nx, p.r1, p)
+    return depth, *elastic_force(numbers, depth), along, across
+
+
 def lasting_contact(scene: Scene, law: str, duration: float) -> Numbers:
     """State of rigid links at the end of a simulation that ends in contact.
 
@@ -73,18 +88,9 @@ def oscillator(scene: Scene, law: str, state: ArrayLike) -> dict[str, float]:
         ``depth`` in m, ``force`` P in N, ``mass`` m of the mechanism along the normal in kg,
         ``frequency`` w = sqrt(P'/m) in rad/s.
     """
-    numbers, p, state = packed(scene, law), scene.constants(), _checked(state)
-    reach = np.hypot(state[1], state[2])
-    nx, ny = state[1:3] / reach
-    mass = 1 / rigid.inverse_effective_mass(state[0], state[2], nx, ny, 0.0, p)
-    force, stiffness = elastic_force(numbers, reach - numbers.clearance)
-    frequency = sqrt(stiffness / mass)
-    return {
-        "depth": reach - numbers.clearance,
-        "force": force,
-        "mass": mass,
-        "frequency": frequency,
-    }
+    depth, force, stiffness, along, _ = _contact(scene, law, state)
+    mass = 1 / along
+    return {"depth": depth, "force": force, "mass": mass, "frequency": sqrt(stiffness / mass)}
 
 
 def _amplification(scheme, w, g):
@@ -129,15 +135,10 @@ def step_limit(scheme: str, frequency: float, rate: float = 0.0) -> float:
 def friction_rate(scene: Scene, law: str, state: ArrayLike) -> float:
     """Rate mu P / ((v1 - v0) m) at which friction slows sliding between v0 and v1, in 1/s.
 
-    A unit force along the tangent of the ball's surface accelerates the sliding by 1/m: through
-    crank and coupler, a double pendulum, and through the slider (this study, closed form).
+    m is the mass that a force along the tangent of the ball's surface moves.
     """
-    numbers, p, state = packed(scene, law), scene.constants(), _checked(state)
-    reach = np.hypot(state[1], state[2])
-    nx, ny = state[1:3] / reach
-    lightness = rigid.inverse_effective_mass(state[0], state[2], -ny, nx, p.r1, p)
-    force, _ = elastic_force(numbers, reach - numbers.clearance)
-    return scene.friction * force * lightness / (scene.full_speed - scene.slow_speed)
+    _, force, _, _, across = _contact(scene, law, state)
+    return scene.friction * force * across / (scene.full_speed - scene.slow_speed)
 
 
 def observed_step(
