@@ -66,12 +66,12 @@ COLUMNS = {"joints": CURVES, "joints with dimensions": DIMENSIONAL, "scenes": SC
 class Form(NamedTuple):
     """How cases of one form are read and solved.
 
-    ``read`` has a function for each column, of its name and text, that gives its value. ``prepare``
-    takes these values. It gives a key and a function that solves the case. Cases with the same key
-    share elastic bodies, or are quick: one process solves several of them, and keeps them together.
+    ``prepare`` takes the values of the columns. It gives a key and a function that solves the case.
+    Cases with the same key share elastic bodies, or are quick: one process solves several of them,
+    and keeps them together.
     """
 
-    read: Mapping[str, Callable[[str, str], Any]]
+    columns: tuple[str, ...]
     needed: tuple[str, ...]
     prepare: Callable[[dict[str, Any]], tuple[str, Callable[[], Results]]]
 
@@ -170,7 +170,7 @@ def prepared(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
     if kind == "joints" and "r2_star" not in columns:
         form = "joints with dimensions"
     for column in columns:
-        checks.choice("column", column, [NAME, *FORMS[form].read])
+        checks.choice("column", column, [NAME, *FORMS[form].columns])
     keys: list[str] = []
     rows: dict[str, int] = {}
     for row, case in enumerate(cases, 1):
@@ -218,8 +218,12 @@ def _cells(name, values):
 
 
 def _prepare(form, case):
-    read, _, prepare = FORMS[form]
-    return prepare({name: read[name](name, text) for name, text in case.items() if name != NAME})
+    values = {
+        name: _READ.get(name, checks.read)(name, text)
+        for name, text in case.items()
+        if name != NAME
+    }
+    return FORMS[form].prepare(values)
 
 
 def _joint(values):
@@ -265,12 +269,8 @@ def _solve_dimensional(joint: DimensionalJoint, asked: dict[str, list[float]]) -
 
 
 def _scene(values):
-    names = {field.name for field in fields(Scene)}
-    texts = {name: text for name, text in values.items() if name in names}
-    for name in texts.keys() & {"ball", "socket"}:
-        _material(name, texts[name])
-    scene = Scene.read(texts)
-    options = {name: value for name, value in values.items() if name not in names}
+    scene = Scene(**{name: value for name, value in values.items() if name in _OF_SCENE})
+    options = {name: value for name, value in values.items() if name not in _OF_SCENE}
     law, is_slow = options.get("law", "hertz"), options.get("model", "rigid") != "rigid"
     if "socket_ratio" in options and law != "stiffened_hertz":
         raise ValueError(f"socket_ratio must be left out: law {law} does not depend on it")
@@ -301,14 +301,6 @@ def _word(_, text):
     return text
 
 
-def _whole(name, text):
-    return checks.read(name, text, int)
-
-
-def _pair(name, text):
-    return checks.read_several(name, text, kind=int)
-
-
 def _several(read):
     return lambda name, text: tuple(read(name, part.strip()) for part in text.split(";"))
 
@@ -325,34 +317,30 @@ def _liner(name, text):
     return thickness, _material(name, of)
 
 
+_OF_SCENE = {field.name: field.default for field in fields(Scene)}
+_WORDS = ("ball_drive", "rim", "kinematics", "model", "joint", "law", "method", "damping")
+_READ: dict[str, Callable[[str, str], Any]] = {
+    **dict.fromkeys(_WORDS, _word),
+    **dict.fromkeys(("depth_star", "depth", "force"), _several(checks.read)),
+    **dict.fromkeys(("ball", "socket"), _material),
+    "layer": _several(_word),
+    "liner": _several(_liner),
+    "outputs": partial(checks.read, kind=int),
+    "elements": partial(checks.read_several, kind=int),
+    **{name: checks.read_several for name, x in _OF_SCENE.items() if isinstance(x, tuple)},
+}
+"""Column -> function of its name and text that gives its value; other columns are one number."""
+_SUPPORTS = ("ball_drive", "rim", "kinematics")
 _RATIOS = ("r2_star", "socket_ratio", "poisson", "modulus_ratio", "socket_poisson")
 _SIZES = ("socket_radius", "clearance", "wall")
-_SUPPORTS = dict.fromkeys(("ball_drive", "rim", "kinematics"), _word)
-_numbers = _several(checks.read)
+_OF_RUN = ("model", "joint", "law", "method", "duration", "tolerance", "step", "socket_ratio")
 FORMS = {
-    "joints": Form(
-        dict.fromkeys(_RATIOS, checks.read)
-        | _SUPPORTS
-        | {"layer": _several(_word), "depth_star": _numbers},
-        ("r2_star",),
-        _joint,
-    ),
+    "joints": Form((*_RATIOS, *_SUPPORTS, "layer", "depth_star"), ("r2_star",), _joint),
     "joints with dimensions": Form(
-        dict.fromkeys(_SIZES, checks.read)
-        | _SUPPORTS
-        | {"ball": _material, "socket": _material, "liner": _several(_liner)}
-        | {"depth": _numbers, "force": _numbers},
+        (*_SIZES, *_SUPPORTS, "ball", "socket", "liner", "depth", "force"),
         _SIZES,
         _dimensional_joint,
     ),
-    "scenes": Form(
-        dict.fromkeys(
-            [*("model", "joint", "law", "method"), *(f.name for f in fields(Scene))], _word
-        )
-        | dict.fromkeys(("duration", "tolerance", "step", "socket_ratio"), checks.read)
-        | {"outputs": _whole, "elements": _pair},
-        (),
-        _scene,
-    ),
+    "scenes": Form((*_OF_RUN, *_OF_SCENE, "outputs", "elements"), (), _scene),
 }
 """By a name of `COLUMNS`."""
