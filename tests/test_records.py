@@ -6,11 +6,12 @@ import tomllib
 from dataclasses import replace
 
 import pytest
+import records
 import yaml
 
 from study import paths
 from study.checks import StudyError
-from study.pages import catalogue, records
+from study.pages import catalogue
 from study.pages.catalogue import CATALOGUE, results
 
 RESULTS = {result.name: result for result in results()}

@@ -1,6 +1,6 @@
 """Records of the study, made from the catalogue: REPRODUCING.md and an RO-Crate for archives.
 
-``python -m study.pages.records`` writes both. Nothing is run: the seconds of a notebook are those
+``python paper/records.py`` writes both. Nothing is run: the seconds of a notebook are those
 of its executed copy, else those that REPRODUCING.md has already.
 """
 
@@ -10,6 +10,9 @@ import sys
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
+
+import yaml
+from rocrate.rocrate import ROCrate
 
 from study import paths
 from study.checks import StudyError
@@ -65,8 +68,8 @@ def reproducing(seconds: Mapping[str, int]) -> str:
         If an expected number of the catalogue does not name one row of its result.
     """
     paths.require_checkout(paths.NOTEBOOKS)
-    found = results()
-    chaotic = [f"`{result.name}`" for result in found if result.name in tolerance.CHAOTIC]
+    every_result = results()
+    chaotic = [f"`{result.name}`" for result in every_result if result.name in tolerance.CHAOTIC]
     return TEMPLATE.read_text(encoding="utf-8").format(
         tolerance=f"{tolerance.TOLERANCE:g}".replace("e-0", "e-"),
         chaotic_tolerance=f"{tolerance.CHAOTIC_TOLERANCE:g}",
@@ -74,11 +77,11 @@ def reproducing(seconds: Mapping[str, int]) -> str:
         levels=baseline.LEVELS,
         of_the_paper=_table(
             ("paper", "name", "what it shows", "notebook", "expected"),
-            [(result.label, *_row(result)) for result in found if result.place < (2,)],
+            [(result.label, *_row(result)) for result in every_result if result.place < (2,)],
         ),
         further=_table(
             ("name", "what it shows", "notebook", "expected"),
-            [_row(result) for result in found if result.place >= (2,)],
+            [_row(result) for result in every_result if result.place >= (2,)],
         ),
         notebooks=_table(
             ("notebook", "seconds"),
@@ -144,8 +147,6 @@ def crate() -> str:
     study.checks.StudyError
         If ``CITATION.cff`` lacks a key.
     """
-    from rocrate.rocrate import ROCrate  # of the extra "test"
-
     paths.require_checkout(paths.NOTEBOOKS)
     study = ROCrate(version="1.2")
     try:
@@ -187,20 +188,20 @@ def _table(head, rows):
 
 def _describe(study):
     """Say what the study is, whose, of when and under which licences, and what it reproduces."""
-    import yaml  # of the extra "test"
-
     cited = yaml.safe_load((paths.ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     (paper,) = cited["references"]
+    names = ", ".join(_name(author) for author in paper["authors"])
     where = f"{paper['journal']} {paper['volume']}({paper['issue']}), {paper['start']}"
     reproduced = {
         "name": paper["title"],
         "author": _authors(study, paper),
         "datePublished": str(paper["year"]),
-        "creditText": f"{', '.join(_name(author) for author in paper['authors'])}, {where}",
+        "creditText": f"{names}, {where}",
     }
     code = {"name": "MIT License", "description": "the code"}
     rest = {"name": "Creative Commons Attribution 4.0", "description": "data, figures and article"}
     described = {
+        "@id": "./",
         "name": cited["title"],
         "description": cited["abstract"],
         "keywords": ", ".join(cited["keywords"]),
@@ -213,7 +214,7 @@ def _describe(study):
             _entity(study, CC_BY, "CreativeWork", rest),
         ],
     }
-    _set(study.root_dataset, described)
+    study.update_jsonld(described)
 
 
 def _authors(study, work):
@@ -240,25 +241,24 @@ def _runs(study):
     files = {
         result.name: [
             _file(study, f"figures/{name}", f"{result.label}: {result.shows}", CC_BY)
-            for name in sorted(result.files, key=lambda name: name.endswith(".csv"))
+            for name in reversed(result.files)  # the image first
         ]
         for result in results()
     }
     needed = tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     language = {"name": "Python", "url": PYTHON, "version": needed["requires-python"]}
     python = _entity(study, PYTHON, "ComputerLanguage", language)
-    code = {"@type": ["File", "SoftwareSourceCode"], "programmingLanguage": {"@id": python.id}}
-    actions = []
-    for notebook in CATALOGUE:
-        file = f"notebooks/{notebook.path.name}"
-        run = {
-            "name": f"study run {notebook.name}",
-            "instrument": _file(study, file, _title(notebook.path), MIT, **code),
-            "object": [files[name][-1] for name in notebook.reads],
-            "result": [file for name in notebook.results for file in files[name]],
-        }
-        actions.append(_entity(study, f"#{notebook.name}", "CreateAction", run))
-    study.root_dataset["mentions"] = actions
+    code = {"@type": ["File", "SoftwareSourceCode"], "programmingLanguage": python}
+    study.root_dataset["mentions"] = [
+        study.add_action(
+            _file(study, f"notebooks/{notebook.path.name}", _title(notebook.path), MIT, **code),
+            f"#{notebook.name}",
+            object=[files[name][-1] for name in notebook.reads],
+            result=[file for name in notebook.results for file in files[name]],
+            properties={"name": f"study run {notebook.name}"},
+        )
+        for notebook in CATALOGUE
+    ]
 
 
 def _title(notebook):
@@ -268,19 +268,9 @@ def _title(notebook):
 
 
 def _entity(study, identifier, kind, properties):
-    """Add to a crate something that is not a file of it."""
-    from rocrate.model.contextentity import ContextEntity
-
-    entity = study.add(ContextEntity(study, identifier, {"@type": kind}))
-    _set(entity, properties)
-    return entity
-
-
-def _set(entity, properties):
-    """Set properties of an entity that have a value; one alone is not a list."""
-    for name, value in properties.items():
-        if value:
-            entity[name] = value[0] if isinstance(value, list) and len(value) == 1 else value
+    """Add to a crate something that is not a file of it, and return what refers to it."""
+    study.add_or_update_jsonld({"@id": identifier, "@type": kind} | properties)
+    return {"@id": identifier}
 
 
 def _file(study, name, text, licence, **properties):
