@@ -75,10 +75,10 @@ def test_parameters_are_documented_literals(notebook):
     assert execute.parameters(notebook)
     (cell,) = [c for c in code_cells(notebook) if "parameters" in c.metadata.get("tags", [])]
     assert all("#" in line for line in cell.source.splitlines())
-    for key, (value, comment) in execute.parameters(notebook).items():
+    for key, (value, allowed, _) in execute.parameters(notebook).items():
         numbers = isinstance(value, (list, tuple)) or not isinstance(value, bool)
-        assert comment.endswith("]") == numbers or key == "parts"
-        execute._check_range(key, value, comment)
+        assert bool(allowed) == numbers or key == "parts"
+        execute.check_range(key, value, allowed)
 
 
 def test_results_and_notebooks_select_notebooks():

@@ -230,9 +230,9 @@ def test_a_figure_tells_what_to_conclude_and_a_notebook_its_parameters(built):
                 assert f'<p class="tells">{result.tells}</p>' in text(f"figures/{name}.html")
         page = text(f"notebooks/{notebook.name}.html")
         assert '<input type="checkbox" id="code">' in page  # the code is folded
-        for key, default, allowed, meaning in execute.explained(notebook):
-            told = f"<dt><code>{key}</code> = {default}{allowed}</dt><dd>{meaning}</dd>"
-            assert told in page
+        for key, (default, allowed, meaning) in execute.parameters(notebook).items():
+            allowed = f" [{allowed}]" if allowed else ""
+            assert f"<dt><code>{key}</code> = {default}{allowed}</dt><dd>{meaning}</dd>" in page
     first = (built / "index.html").read_text(encoding="utf-8").partition("</figure>")[0]
     assert 'src="figures/trend.png"' in first
     assert "The stiffened Hertz law follows the elastic solution" in first

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from study import paths
 from study.dataset.tolerance import table_differs
 from study.pages import baseline, figures
-from study.pages.catalogue import Result
+from study.pages.catalogue import Notebook, Result
 
 
 @pytest.fixture
@@ -23,6 +23,12 @@ def folders(tmp_path, monkeypatch):
 
 
 FIGURE = Result("fig", "a figure", "00-mine", is_figure=True)
+NOTEBOOK = Notebook("00-mine", {"fig": FIGURE})
+
+
+def compare():
+    (comparison,) = baseline.compare([NOTEBOOK])
+    return comparison
 
 
 def make(folders, scale=1.0, label="force"):
@@ -33,8 +39,8 @@ def make(folders, scale=1.0, label="force"):
     axes.plot(table.x, table.force)
     axes.set_ylabel(label)
     figures.save(figure, "fig", table)
-    baseline.take_over(folders / "work", FIGURE.files)
-    return baseline.compare(FIGURE)
+    baseline.take_over(folders / "work", NOTEBOOK, {})
+    return compare()
 
 
 def kept_bytes(folders):
@@ -42,7 +48,7 @@ def kept_bytes(folders):
 
 
 def test_a_result_is_new_then_identical(folders):
-    assert baseline.compare(FIGURE).state == "not made here"
+    assert compare().state == "not made here"
     assert make(folders).state == "identical"  # there was none: what was made is kept
     first = kept_bytes(folders)
     assert make(folders).state == "identical"
@@ -67,8 +73,8 @@ def test_numbers_that_differ_are_written_and_named(folders):
     assert make(folders, 1 + 5e-7).state == "agrees"  # with those that were kept
     assert kept_bytes(folders) == first
     make(folders, 1.004)
-    baseline.accept(FIGURE.files)
-    assert baseline.compare(FIGURE).state == "identical"
+    baseline.accept(NOTEBOOK)
+    assert compare().state == "identical"
 
 
 def test_a_label_that_differs_is_written(folders):
@@ -103,12 +109,12 @@ def test_two_files_are_compared_once(folders, monkeypatch):
     monkeypatch.setattr(baseline, "_pixels", lambda *files: calls.append(files) or pixels(*files))
     assert make(folders, label="Force").state == "differs"
     assert len(calls) == 1
-    assert baseline.compare(FIGURE).where.endswith("pixels differ")
+    assert compare().where.endswith("pixels differ")
     assert len(calls) == 1
     assert make(folders, label="FORCE").state == "differs"
     assert len(calls) == 2
     monkeypatch.setattr(baseline, "_RULES", [paths.ROOT / "pyproject.toml"])
-    baseline.compare(FIGURE)
+    compare()
     assert len(calls) == 3
 
 
@@ -164,7 +170,7 @@ def test_any_change_within_the_tolerance_agrees_and_twice_it_does_not(tmp_path_f
 
 
 def test_the_summary_counts(folders):
-    found = [baseline.Comparison("a", "identical")] * 60 + [baseline.Comparison("b", "agrees")] * 4
+    found = [baseline.Comparison("identical")] * 60 + [baseline.Comparison("agrees")] * 4
     assert baseline.summary(found) == "64 results: 60 identical, 4 agree, 0 differ"
-    found[0] = baseline.Comparison("c", "not made here")
+    found[0] = baseline.Comparison("not made here")
     assert baseline.summary(found).endswith("59 identical, 4 agree, 0 differ, 1 not made here")

@@ -48,19 +48,19 @@ def verify_results(
     selected = catalogue.select(names)
     if keep:
         for notebook in selected:
-            baseline.accept(notebook.files())
+            baseline.accept(notebook)
     _compare(selected)
 
 
 def _compare(selected):
     """Say how many results agree with the kept ones; name those that differ, and fail then."""
-    from study.pages import baseline, execute
+    from study.pages import baseline
 
-    found = execute.compare(selected)
-    differing = [comparison.where for comparison in found if comparison.state == "differs"]
+    compared = baseline.compare(selected)
+    differing = [comparison.where for comparison in compared if comparison.state == "differs"]
     for where in differing:
         print(f"differs  {where}", file=sys.stderr)
-    print(baseline.summary(found))
+    print(baseline.summary(compared))
     if differing:
         raise typer.Exit(1)
 
@@ -71,8 +71,8 @@ def typeset_paper():
 
     Results made with other parameters than the paper's are refused.
     """
+    from study.pages.baseline import shown_with
     from study.pages.catalogue import CATALOGUE
-    from study.pages.execute import shown_with
     from study.pages.typeset import typeset
 
     others = [notebook for notebook in CATALOGUE if shown_with(notebook)]
@@ -128,7 +128,7 @@ def list_results(names: list[str] = NAMES):
     With a NAME also the parameters of its notebook, with defaults and ranges. Without one plain
     CSV, if the output is not a terminal.
     """
-    from study.pages import catalogue, execute, freshness
+    from study.pages import baseline, catalogue, freshness
 
     selected = catalogue.select(names)
     stale = freshness.stale(freshness.needed(selected, {}))
@@ -136,8 +136,8 @@ def list_results(names: list[str] = NAMES):
         notebook.name: "stale" if notebook.name in stale else "fresh" for notebook in selected
     }
     for notebook in selected:
-        if given := execute.shown_with(notebook):
-            states[notebook.name] = f"other parameters: {given}"
+        if settings := baseline.shown_with(notebook):
+            states[notebook.name] = f"other parameters: {settings}"
     if names or sys.stdout.isatty():
         for notebook in selected:
             shows = {name: result.shows for name, result in notebook.results.items()}
@@ -156,8 +156,6 @@ def list_results(names: list[str] = NAMES):
 def _show_parameters(notebook):
     from study.pages import execute
 
-    rows = execute.explained(notebook)
+    parameters = execute.parameters(notebook).items()
     print(f"Parameters, changed by: study run {notebook.name} -p NAME=VALUE")
-    print(
-        paragraphs({name: f"{default}{allowed}: {text}" for name, default, allowed, text in rows})
-    )
+    print(paragraphs({name: f"{entry}: {entry.meaning}" for name, entry in parameters}))

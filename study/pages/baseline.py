@@ -8,13 +8,12 @@ they stay as they are; otherwise the new file replaces the one there. The last f
 import filecmp
 import json
 from collections import Counter
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 from study import paths, provenance
-from study.pages.catalogue import Result
+from study.pages.catalogue import Notebook
 
 MADE, REPLACED = paths.BUILD / "made", paths.BUILD / "baseline"
 LEVELS = 8  # of 255: largest difference of two pixels that agree
@@ -25,28 +24,24 @@ _RULES = (Path(__file__), Path(__file__).parents[1] / "dataset/tolerance.py")
 _PLURAL = {"agrees": "agree", "differs": "differ"}
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """A result as made here beside the baseline, and ``where`` they differ."""
+class Comparison(NamedTuple):
+    """State of a result as made here beside the baseline, and ``where`` they differ."""
 
-    name: str
     state: State
     where: str = ""
 
 
-def take_over(folder: Path, names: Iterable[str]) -> None:
-    """Take over files made in a folder; those that differ replace the baseline's.
+def take_over(folder: Path, notebook: Notebook, settings: Mapping[str, Any]) -> None:
+    """Take over a notebook's results, which it made in a folder with some settings.
 
-    The CSV of a figure is named before its image.
+    Files that differ replace the baseline's.
     """
     paths.FIGURES.mkdir(exist_ok=True)
-    for name in names:
-        new, before, aside, shown = (
-            folder / name,
-            _file(name),
-            REPLACED / name,
-            paths.FIGURES / name,
-        )
+    with paths.whole(_record(notebook)) as record:
+        record.write_text(json.dumps(settings), encoding="utf-8")
+    for name in notebook.files():  # the numbers of a figure before its image
+        new, before = folder / name, _file(name)
+        aside, shown = REPLACED / name, paths.FIGURES / name
         state, _ = _compare(name, before, new)
         if state in ("identical", "agrees"):
             if before == aside:
@@ -59,25 +54,26 @@ def take_over(folder: Path, names: Iterable[str]) -> None:
         paths.copy(new, MADE / name)
 
 
-def accept(names: Iterable[str]) -> None:
-    """Take the files as made last for the baseline from now on."""
-    for name in names:
+def accept(notebook: Notebook) -> None:
+    """Take a notebook's results as made last for the baseline from now on."""
+    for name in notebook.files():
         (REPLACED / name).unlink(missing_ok=True)
 
 
-def compare(result: Result, other_parameters: bool = False) -> Comparison:
-    """Compare a result as made last, perhaps with other parameters, with the baseline."""
-    found = [_compare(name, _file(name), MADE / name) for name in result.files]
-    state, where = max(found, key=lambda file: STATES.index(file[0]))
-    if other_parameters and state in ("agrees", "differs"):
-        return Comparison(result.name, "other parameters")
-    return Comparison(result.name, state, where)
+def compare(notebooks: Sequence[Notebook]) -> list[Comparison]:
+    """Compare the results of notebooks, as made last, with the baseline."""
+    return [
+        _compare_result(result, bool(_made_with(notebook)))
+        for notebook in notebooks
+        for result in notebook.results.values()
+    ]
 
 
-def is_as_made(name: str) -> bool:
-    """Whether a file in ``figures/`` is the one that was made last."""
-    shown, made = paths.FIGURES / name, MADE / name
-    return shown.is_file() and made.is_file() and filecmp.cmp(made, shown, shallow=False)
+def shown_with(notebook: Notebook) -> str:
+    """Parameters, other than the defaults, with which its results in ``figures/`` were made."""
+    settings = _made_with(notebook)
+    shown = settings and any(map(_is_as_made, notebook.files()))
+    return ", ".join(f"{key}={value}" for key, value in settings.items()) if shown else ""
 
 
 def summary(comparisons: list[Comparison]) -> str:
@@ -88,10 +84,35 @@ def summary(comparisons: list[Comparison]) -> str:
     return f"{len(comparisons)} results: {', '.join(told)}"
 
 
+def _record(notebook):
+    return MADE / f"{notebook.name}.json"
+
+
+def _made_with(notebook):
+    """Parameters, other than the defaults, with which its results in ``build/made`` were made."""
+    record = _record(notebook)
+    return json.loads(record.read_text(encoding="utf-8")) if record.is_file() else {}
+
+
+def _is_as_made(name):
+    """Whether a file in ``figures/`` is the one that was made last."""
+    shown, made = paths.FIGURES / name, MADE / name
+    return shown.is_file() and made.is_file() and filecmp.cmp(made, shown, shallow=False)
+
+
 def _file(name):
     """A file of the baseline: the one set aside, as long as ``figures/`` has what replaced it."""
     aside = REPLACED / name
-    return aside if aside.is_file() and is_as_made(name) else paths.FIGURES / name
+    return aside if aside.is_file() and _is_as_made(name) else paths.FIGURES / name
+
+
+def _compare_result(result, other_parameters):
+    """Worst state of a result's files."""
+    files = [_compare(name, _file(name), MADE / name) for name in result.files]
+    state, where = max(files, key=lambda file: STATES.index(file[0]))
+    if other_parameters and state in ("agrees", "differs"):
+        return Comparison("other parameters")
+    return Comparison(state, where)
 
 
 def _compare(name, before, made):

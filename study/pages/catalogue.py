@@ -118,10 +118,6 @@ class Notebook:
         except (SyntaxError, ValueError, KeyError):  # no notebook, or no Python: its run says so
             return [self.path]
 
-    def tables_read(self) -> list[Path]:
-        """Files of other notebooks' results whose numbers it reads."""
-        return [paths.FIGURES / f"{name}.csv" for name in self.reads]
-
 
 def notebook(name: str, entry: Mapping[str, Any]) -> Notebook:
     """A notebook from its entry in the catalogue.
@@ -155,8 +151,8 @@ CATALOGUE = tuple(notebook(name, entry) for name, entry in _ENTRIES.items())
 
 def results() -> list[Result]:
     """Every result: the paper's figures and tables in its order, then the others."""
-    found = [result for notebook in CATALOGUE for result in notebook.results.values()]
-    return sorted(found, key=lambda result: result.place)
+    every = [result for notebook in CATALOGUE for result in notebook.results.values()]
+    return sorted(every, key=lambda result: result.place)
 
 
 def select(names: Sequence[str]) -> list[Notebook]:
@@ -190,11 +186,11 @@ def _nearest(name, known):
 
 def with_sources(notebooks: Sequence[Notebook]) -> list[Notebook]:
     """Notebooks and those whose results they read, directly or not, each before its readers."""
-    found = {}
+    ordered = {}
     for notebook in notebooks:
         makers = [nb for nb in CATALOGUE if set(nb.results) & set(notebook.reads)]
-        found |= {nb.name: nb for nb in (*with_sources(makers), notebook)}
-    return list(found.values())
+        ordered |= {nb.name: nb for nb in (*with_sources(makers), notebook)}
+    return list(ordered.values())
 
 
 def check_claims() -> None:

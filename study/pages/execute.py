@@ -8,18 +8,15 @@ import ast
 import json
 import os
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 from study import checks, paths
 from study.contact import LAWS
-from study.pages import baseline
-
-if TYPE_CHECKING:  # not in the process that executes one notebook
-    from study.pages.catalogue import Notebook
-    from study.pages.tasks import Built
+from study.pages import baseline, freshness, tasks
+from study.pages.catalogue import Notebook, check_claims
 
 LONGEST = 1000  # setting, in characters
-_ALLOWED = re.compile(r"\[([^][]*)\]$")  # at the end of a parameter's comment
+_COMMENT = re.compile(r"(.*?)\s*(?:\[([^][]*)\])?")  # meaning and values allowed
 PARAMETERS_VARIABLE = "STUDY_PARAMETERS"  # hands parameters to notebooks/task_notebooks.py
 
 
@@ -27,42 +24,45 @@ class NotebookError(checks.StudyError):
     """A notebook failed; the message names it, and cell and error if a cell did."""
 
 
-def parameters(notebook: "Notebook") -> dict[str, tuple[Any, str]]:
-    """Parameters of a notebook with default value and comment, from its ``parameters`` cell.
+class Parameter(NamedTuple):
+    """A notebook's parameter: default value, values allowed (empty if any is), and meaning."""
 
-    A comment ends with the values allowed: ``[20 to 10000]`` for a number or each of a list,
-    ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``.
+    default: Any
+    allowed: str
+    meaning: str
+
+    def __str__(self) -> str:
+        """Default and values allowed, for a reader."""
+        return f"{self.default} [{self.allowed}]" if self.allowed else str(self.default)
+
+
+def parameters(notebook: Notebook) -> dict[str, Parameter]:
+    """Parameters of a notebook by name, from its ``parameters`` cell.
+
+    A comment tells the meaning, and ends with the values allowed: ``[20 to 10000]`` for a number or
+    each of a list, ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``.
 
     Raises
     ------
     NotebookError
         For a file that is no notebook, or has anything but such lines in that cell.
     """
-    found = {}
+    read = {}
     try:
         cells = json.loads(notebook.path.read_text(encoding="utf-8"))["cells"]
         (cell,) = (cell for cell in cells if "parameters" in cell["metadata"].get("tags", ()))
         source = "".join(cell["source"])
         for line in ast.parse(source).body:
             after = source.splitlines()[line.end_lineno - 1].encode()[line.end_col_offset :]
-            comment = after.decode().strip(" #")
-            found[line.targets[0].id] = (ast.literal_eval(line.value), comment)
+            meaning, allowed = _COMMENT.fullmatch(after.decode().strip(" #")).groups("")
+            default = ast.literal_eval(line.value)
+            read[line.targets[0].id] = Parameter(default, allowed, meaning)
     except (ValueError, KeyError, AttributeError, SyntaxError) as error:
         raise NotebookError(f"{notebook.name}: its parameters cannot be read ({error})") from None
-    return found
+    return read
 
 
-def explained(notebook: "Notebook") -> list[tuple[str, str, str, str]]:
-    """Parameters of a notebook for a reader: name, default, values allowed if given, meaning."""
-    rows = []
-    for name, (default, comment) in parameters(notebook).items():
-        allowed = _ALLOWED.search(comment)
-        meaning = comment.removesuffix(allowed[0] if allowed else "").strip()
-        rows.append((name, str(default), f" [{allowed[1]}]" if allowed else "", meaning))
-    return rows
-
-
-def check_parameters(notebooks: "list[Notebook]", settings: list[str]) -> dict[str, dict[str, Any]]:
+def check_parameters(notebooks: list[Notebook], settings: list[str]) -> dict[str, dict[str, Any]]:
     """Turn settings ``key=value`` into parameters; each notebook gets those it has.
 
     Papermill itself only warns of an unknown parameter and runs the default. A value is a Python
@@ -91,11 +91,11 @@ def check_parameters(notebooks: "list[Notebook]", settings: list[str]) -> dict[s
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             value = text
         for name in owners:
-            default, comment = known[name][key]
-            chosen[name][key] = _as_default(key, value, default)
-            _check_range(key, chosen[name][key], comment)
-            if chosen[name][key] == default:
-                del chosen[name][key]
+            default, allowed, _ = known[name][key]
+            converted = _as_default(key, value, default)
+            check_range(key, converted, allowed)
+            if converted != default:
+                chosen[name][key] = converted
     return chosen
 
 
@@ -111,23 +111,20 @@ def _as_default(key, value, default):
     return value
 
 
-def _check_range(key, value, comment):
-    """Refuse a value, or one of a list, outside what the parameter's comment allows."""
-    allowed = _ALLOWED.search(comment)
-    if allowed is None:
-        return
-    low, to, high = allowed[1].partition(" to ")
+def check_range(key: str, value: Any, allowed: str) -> None:
+    """Refuse a value, or one of a list, that is not allowed."""
+    low, to, high = allowed.partition(" to ")
     for item in value if isinstance(value, list | tuple) else [value]:
         if to:
             checks.number(f"parameter {key}", item, least=float(low), most=float(high))
-        else:
-            names = LAWS if allowed[1] == "a law" else allowed[1].split(", ")
+        elif allowed:
+            names = LAWS if allowed == "a law" else allowed.split(", ")
             checks.choice(f"parameter {key}", item, tuple(names))
 
 
 def run(
-    notebooks: "list[Notebook]", settings: dict[str, dict], *, report: bool = False, **options: Any
-) -> "Built":
+    notebooks: list[Notebook], settings: dict[str, dict], *, report: bool = False, **options: Any
+) -> tasks.Built:
     """Run stale notebooks, and the stale ones that they read from, as pytask tasks.
 
     The settings are those of `check_parameters`, the options those of `study.pages.tasks.build`.
@@ -140,8 +137,6 @@ def run(
     study.checks.StudyError
         If data are damaged or a claim cannot be judged, or as for `study.pages.tasks.build`.
     """
-    from study.pages import freshness, tasks
-
     needed = freshness.needed(notebooks, settings, report=report)
     for product in (product for task in needed for product in task.products):
         if product.is_dir():
@@ -169,39 +164,12 @@ def run(
 def _check_before_a_run():
     """Refuse damaged data and claims, before notebooks run for minutes."""
     from study import dataset
-    from study.pages import catalogue
 
     dataset.verify_files()
-    catalogue.check_claims()
+    check_claims()
 
 
-def compare(notebooks: "list[Notebook]") -> list[baseline.Comparison]:
-    """Compare the results of notebooks, as made last, with the baseline."""
-    return [
-        baseline.compare(result, bool(_made_with(notebook)))
-        for notebook in notebooks
-        for result in notebook.results.values()
-    ]
-
-
-def shown_with(notebook: "Notebook") -> str:
-    """Parameters, other than the defaults, with which its results in ``figures/`` were made."""
-    given = _made_with(notebook)
-    shown = given and any(baseline.is_as_made(name) for name in notebook.files())
-    return ", ".join(f"{key}={value}" for key, value in given.items()) if shown else ""
-
-
-def _made_with(notebook):
-    """Parameters, other than the defaults, with which its results in ``build/made`` were made."""
-    record = _record(notebook)
-    return json.loads(record.read_text(encoding="utf-8")) if record.is_file() else {}
-
-
-def _record(notebook):
-    return baseline.MADE / f"{notebook.name}.json"
-
-
-def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
+def execute(notebook: Notebook, settings: dict[str, Any]) -> None:
     """Execute one notebook; its executed copy lands in ``build/notebooks``.
 
     Its results are compared with the baseline (`baseline.take_over`) if every cell succeeds.
@@ -225,9 +193,7 @@ def execute(notebook: "Notebook", settings: dict[str, Any]) -> None:
             raise NotebookError(f"{notebook.name} did not save {missing}")
         if extra := ", ".join(sorted(made - wanted)):
             raise NotebookError(f"{notebook.name} saved {extra}, which the catalogue does not name")
-        with paths.whole(_record(notebook)) as record:
-            record.write_text(json.dumps(settings), encoding="utf-8")
-        baseline.take_over(results, notebook.files())
+        baseline.take_over(results, notebook, settings)
 
 
 def _execute(notebook, executed, settings, folder, results):

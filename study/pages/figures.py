@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import cycle
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -61,7 +62,7 @@ RADIUS = "socket radius $R_2^*=R_2/\\Delta R$"
 
 @dataclass(frozen=True)
 class Look:
-    """How a law or the elastic solution is drawn, everywhere."""
+    """How a law, a model or a method is drawn, everywhere."""
 
     label: str
     color: str
@@ -69,54 +70,21 @@ class Look:
     line: str = "-"
 
 
-# Okabe and Ito's colours, which colour-blind readers can tell apart
-LOOKS = {
-    "exact": Look("elastic solution", "#000000", "o", "none"),
-    "hertz": Look("Hertz", "#0072B2", "s", "--"),
-    "steuermann": Look("Steuermann", "#56B4E9", "v", "-."),
-    "liu": Look("Liu (reconstructed)", "#009E73", "^", ":"),
-    "winkler": Look("Winkler (fitted)", "#E69F00", "D", "--"),
-    "hyperbolic_winkler": Look("hyperbolic Winkler", "#D55E00", "P", "-"),
-    "stiffened_hertz": Look("stiffened Hertz", "#CC79A7", "X", "-"),
-    "tabulated": Look("table of the solver", "0.4", "h", "-"),
-}
+def _looks(of):
+    """Rows of ``looks.csv``; their colours are Okabe and Ito's, good for colour-blind readers."""
+    rows = pd.read_csv(Path(__file__).with_name("looks.csv"), dtype=str, keep_default_na=False)
+    rows = rows[rows["of"] == of].drop(columns="of").set_index("name")
+    return {name: Look(*row) for name, row in rows.iterrows()}
+
+
+LOOKS = _looks("law")
+"""Laws and the elastic solution."""
 _SPARE = cycle([("#8C564B", "<"), ("#117733", ">"), ("#882255", "*"), ("#332288", "p")])
 LOOKS |= {law: Look(law.replace("_", " "), *next(_SPARE), "-.") for law in LAWS if law not in LOOKS}
-
-# Models of the mechanism's links; the rigid ones are drawn behind the others
-MODEL_LOOKS = {
-    "rigid": Look("rigid links", "#000000", "o"),
-    "particles": Look("particles", "#0072B2", "s"),
-    "beams": Look("finite elements", "#D55E00", "^", "--"),
-}
-
-
-METHOD_LOOKS = {
-    "series": Look("series", "#000000", "o"),
-    "six-node triangles": Look("six-node triangles", "#0072B2", "s"),
-    "three-node triangles": Look("three-node triangles", "#56B4E9", "^"),
-    "CAX6": Look("CalculiX CAX6", "#D55E00", "D"),
-    "CAX6, node to surface": Look("CalculiX CAX6, node to surface", "#D55E00", "D", ":"),
-    "CAX3": Look("CalculiX CAX3", "#E69F00", "v"),
-    "collocation, events": Look("this study (collocation, order 9)", "#000000", "o"),
-    "symplectic Euler": Look("symplectic Euler", "#E69F00", "v"),
-    "lagged": Look("central difference, lagged", "#E69F00", "^", ":"),
-    "centred": Look("central difference, centred", "#D55E00", "D"),
-    "velocity Verlet": Look("velocity Verlet", "#CC79A7", "P"),
-    "RK4": Look("RK4", "#0072B2", "s"),
-    "CVODE in C, contact coordinates": Look("CVODE in C, contact coordinates", "#009E73", "s"),
-    "CVODE in C, Cartesian coordinates": Look("CVODE in C, Cartesian", "#009E73", "D", "-."),
-    "CVODE": Look("CVODE, from Python", "#009E73", "o", ":"),
-    "LSODA": Look("LSODA (SciPy), from Python", "#56B4E9", "o", "--"),
-    "Radau": Look("Radau (SciPy), from Python", "#56B4E9", "s", "-."),
-    "DOP853": Look("DOP853 (SciPy), from Python", "#56B4E9", "^", ":"),
-    "particles": Look("particles, explicit", "#0072B2", "o"),
-    "beams": Look("finite elements, implicit", "#D55E00", "D", "--"),
-    "ANCF cables": Look("ANCF cables (Exudyn)", "0.5", "X", ":"),
-    "generalised alpha": Look("generalised alpha (Exudyn)", "0.5", "X"),
-}
+MODEL_LOOKS = _looks("model")
+"""Models of the mechanism's links; the rigid ones are drawn behind the others."""
+METHOD_LOOKS = _looks("method")
 """Solvers of the joint and steppers of the mechanism, by `study.measure.speed`'s names."""
-
 
 _style = ExitStack()  # entered by `new`, left by `save`
 

@@ -22,7 +22,7 @@ INDEX = paths.BUILD / "report/index.html"
 _SHOWN_DATA = (paths.DATA / "force_curves.csv", paths.DATA / "datapackage.json")
 _PRINTED_DATA = (paths.DATA / "published/tables.csv", contact.laws.COEFFICIENTS)
 _PRINTED = (".typ", ".yml")
-_IN_REPORT = (".py", ".html", ".md", ".rst", ".css", ".js", ".json")
+_IN_REPORT = (".py", ".html", ".md", ".rst", ".css", ".js", ".json", ".csv")
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,8 @@ class Task:
 def of_notebook(notebook: Notebook, settings: Mapping[str, Any]) -> Task:
     """Task of a notebook that is run with some parameters."""
     identifier = f"notebooks/task_notebooks.py::task_notebook[{notebook.name}]"
-    files = notebook.tables_read(), notebook.products()
-    return Task(notebook.name, identifier, notebook.inputs, *files, settings)
+    reads = [paths.FIGURES / f"{name}.csv" for name in notebook.reads]
+    return Task(notebook.name, identifier, notebook.inputs, reads, notebook.products(), settings)
 
 
 def of_paper() -> Task:

@@ -29,15 +29,15 @@ def typeset(source: Path = SOURCE, output: Path = PDF) -> None:
             source, root=paths.ROOT, ignore_system_fonts=True, format="pdf"
         )
     except typst.TypstError as error:
-        raise StudyError(_told(error)) from None
+        raise StudyError(_in_one_line(error)) from None
     if warnings:
-        raise StudyError(_told(warnings[0]))
+        raise StudyError(_in_one_line(warnings[0]))
     with paths.whole(output) as temporary:
         temporary.write_bytes(pdf)
 
 
-def _told(problem) -> str:
-    """Typst's error or warning in one line: file, line, message."""
+def _in_one_line(problem) -> str:
+    """File, line and message of Typst's error or warning."""
     place = re.search(r"([\w.-]+):(\d+):\d+", problem.diagnostic)
     where = f"paper/{place[1]}, line {place[2]}" if place else "paper"
     return f"{where}: {problem.message}"

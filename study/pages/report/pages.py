@@ -16,8 +16,9 @@ from study import paths
 from study.checks import StudyError
 from study.dataset.store import CURVES, PACKAGE
 from study.pages import catalogue
+from study.pages.baseline import shown_with
 from study.pages.catalogue import CATALOGUE
-from study.pages.execute import explained, shown_with
+from study.pages.execute import parameters
 from study.pages.freshness import PDF
 from study.pages.report.curves import curves
 
@@ -105,7 +106,7 @@ class _Sources:
             loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True
         )
         self._templates.globals |= {"results": self._results, "verdicts": VERDICTS}
-        self._templates.globals |= {"explained": explained, "shown_with": shown_with}
+        self._templates.globals |= {"parameters": parameters, "shown_with": shown_with}
         self._macros = self._templates.get_template("macros.html").module
         self._modules = {}
         for path in modules():
