@@ -77,10 +77,10 @@ def typeset_paper():
 
     others = [notebook for notebook in CATALOGUE if shown_with(notebook)]
     if others:
-        told = [f"{', '.join(notebook.results)} ({shown_with(notebook)})" for notebook in others]
+        named = [f"{', '.join(notebook.results)} ({shown_with(notebook)})" for notebook in others]
         remedy = f"study run {' '.join(notebook.name for notebook in others)}"
         raise StudyError(
-            f"the paper cannot show results made with other parameters, {'; '.join(told)}; "
+            f"the paper cannot show results made with other parameters, {'; '.join(named)}; "
             f"restore them with: {remedy}"
         )
     typeset()

@@ -80,8 +80,8 @@ def summary(comparisons: list[Comparison]) -> str:
     """One line: number of results that are identical, agree, differ, or have another state."""
     counts = Counter(comparison.state for comparison in comparisons)
     shown = [state for state in STATES if counts[state] or state in STATES[:3]]
-    told = [f"{counts[state]} {_PLURAL.get(state, state)}" for state in shown]
-    return f"{len(comparisons)} results: {', '.join(told)}"
+    counted = [f"{counts[state]} {_PLURAL.get(state, state)}" for state in shown]
+    return f"{len(comparisons)} results: {', '.join(counted)}"
 
 
 def _record(notebook):
