@@ -231,17 +231,16 @@ def test_a_failing_cell_stops_its_results_alone(project):
 
 
 def test_a_notebook_that_saves_something_else_fails(project):
-    save_as = SAVE.replace("curve", "curv")
-    edit(project, CURVE, SAVE, "pass")
-    done = study(project, "run", "curve")
+    edit(project, LAW, '"law.csv"', '"lw.csv"')
+    done = study(project, "run", "law")
     assert done.returncode == 1
-    assert done.stderr.splitlines()[-1] == f"failed: {CURVE} did not save curve.csv, curve.png"
-    assert CURVE in stale(project)
-    edit(project, CURVE, "pass", f"{SAVE}; {save_as}")
-    done = study(project, "run", "curve")
+    assert done.stderr.splitlines()[-1] == f"failed: {LAW} did not save law.csv"
+    assert LAW in stale(project)
+    edit(project, LAW, "(paths", 'open(paths.results() / "law.csv", "w").close(); (paths')
+    done = study(project, "run", "law")
     assert done.returncode == 1
-    assert "saved curv.csv, curv.png, which the catalogue does not name" in done.stderr
-    assert not (project / "figures/curv.csv").exists()
+    assert f"failed: {LAW} saved lw.csv, which the catalogue does not name" in done.stderr
+    assert not (project / "figures/lw.csv").exists()
 
 
 def test_a_damaged_dataset_stops_the_run_with_a_remedy(project):
