@@ -99,9 +99,9 @@ def test_the_command_prints_what_is_shown(monkeypatch, capsys):
     monkeypatch.setattr("sys.argv", ["study", *at[1].split()])
     with pytest.raises(SystemExit):
         cli.main()
-    printed = capsys.readouterr().out.split()
-    shown = re.search(r"```text\n(.*?)```", README[at.end() :], re.DOTALL)[1].split()
-    assert [word for word in printed if "─" not in word] == shown
+    printed = capsys.readouterr().out.splitlines()
+    shown = re.search(r"```text\n(.*?)```", README[at.end() :], re.DOTALL)[1].splitlines()
+    assert [line for line in printed if not line.startswith("─")] == shown
 
 
 def test_the_other_support_is_as_much_stiffer():

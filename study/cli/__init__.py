@@ -10,7 +10,7 @@ from difflib import get_close_matches
 import typer
 
 from study import checks
-from study.cli import build, joints, mechanism, stored, sweep  # noqa: F401  (each adds commands)
+from study.cli import build, joint, laws, mechanism, stored, sweep  # noqa: F401  (each adds commands)
 from study.cli.options import INTERRUPTED, InterruptionError, app
 
 _LISTED = re.compile(r"\bone of (?P<known>.+), got '(?P<asked>[^'=]+)[^']*'$")

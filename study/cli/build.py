@@ -1,25 +1,24 @@
 """Commands for notebooks, their results, the paper and the report."""
 
-import csv
 import sys
 
 import typer
 
 from study import paths
 from study.checks import StudyError
-from study.cli.options import JOBS, NAMES, command, option, words
-from study.cli.output import fail, paragraphs, prose
+from study.cli.options import JOBS, NAMES, command, option
+from study.cli.output import fail, say, show_table
 
 
 @command("run", keeps=True)
 def run_notebooks(
     names: list[str] = NAMES,
-    settings: list[str] = words(
+    settings: list[str] = option(
         "KEY=VALUE of a notebook's parameter; may be repeated.", "-p", default=()
     ),
     jobs: int = JOBS,
     force: bool = option("Run fresh ones too.", "--force", default=False),
-    dask_address: str = words("Dask scheduler whose workers run the tasks.", "--dask"),
+    dask_address: str = option("Dask scheduler whose workers run the tasks.", "--dask"),
 ):
     """Run the stale notebooks and compare their figures and tables with those in figures/.
 
@@ -117,7 +116,7 @@ def _make(selected, parameters, **how):
     if not made:
         names = ", ".join(notebook.name for notebook in selected)
         of = f" of {names}" if len(selected) < len(every) else ""
-        print(prose(f"Nothing was stale: every figure and table{of} in figures/ is up to date."))
+        say(f"Nothing was stale: every figure and table{of} in figures/ is up to date.")
     return [notebook for notebook in every if notebook in selected or notebook.name in made]
 
 
@@ -140,22 +139,29 @@ def list_results(names: list[str] = NAMES):
             states[notebook.name] = f"other parameters: {settings}"
     if names or sys.stdout.isatty():
         for notebook in selected:
-            shows = {name: result.shows for name, result in notebook.results.items()}
-            print(f"{notebook.name}: {states[notebook.name]}")
-            print(paragraphs({name: shows[name] for name in shows if name in names} or shows))
+            shown = [name for name in notebook.results if name in names] or notebook.results
+            lines = [f"  {name}: {notebook.results[name].shows}" for name in shown]
+            say("\n".join([f"{notebook.name}: {states[notebook.name]}", *lines]))
             if names:
                 _show_parameters(notebook)
         return
-    table = csv.writer(sys.stdout, lineterminator="\n")
-    table.writerow(("name", "state", "notebook", "shows"))
-    for notebook in selected:
-        for name, result in notebook.results.items():
-            table.writerow((name, states[notebook.name], notebook.name, result.shows))
+    results = [
+        (notebook.name, result) for notebook in selected for result in notebook.results.values()
+    ]
+    show_table(
+        {
+            "name": [result.name for _, result in results],
+            "state": [states[notebook] for notebook, _ in results],
+            "notebook": [notebook for notebook, _ in results],
+            "shows": [result.shows for _, result in results],
+        }
+    )
 
 
 def _show_parameters(notebook):
     from study.pages import execute
 
     parameters = execute.parameters(notebook).items()
-    print(f"Parameters, changed by: study run {notebook.name} -p NAME=VALUE")
-    print(paragraphs({name: f"{entry}: {entry.meaning}" for name, entry in parameters}))
+    lines = [f"  {name}: {entry}: {entry.meaning}" for name, entry in parameters]
+    say("
+".join([f"Parameters, changed by: study run {notebook.name} -p NAME=VALUE", *lines]))

@@ -15,13 +15,10 @@ from study.cli.options import (
     InterruptionError,
     check_output,
     command,
-    count,
     left_out,
-    number,
     option,
-    words,
 )
-from study.cli.output import bar, named_fields, show, waiting
+from study.cli.output import named_fields, show, working
 from study.contact import LawName
 
 SHOWN = 20  # impacts in a printed table
@@ -55,14 +52,14 @@ class SimulationOptions:
         "[default: clearance]"
     )
     law: LawName = option("Contact law. [default: hertz]")
-    duration: float = number("Simulated time, in s. [default: 0.1]")
-    outputs: int = count("Number of equal intervals between the times of output. [default: 1000]")
-    tolerance: float = number(
+    duration: float = option("Simulated time, in s. [default: 0.1]")
+    outputs: int = option("Number of equal intervals between the times of output. [default: 1000]")
+    tolerance: float = option(
         "Rigid links with clearance: largest local error of places and speeds, relative to the "
         "clearance, the depth of the impact and the speed that the drive gives. [default: 1e-8]"
     )
-    step: float = number("Flexible links: largest time step, in s.")
-    elements: str = words(
+    step: float = option("Flexible links: largest time step, in s.")
+    elements: str = option(
         "Flexible links: number of elements of crank and coupler, N,N. [default: 4,8]"
     )
     method: Literal["centred", "lagged", "unguarded"] = option(
@@ -72,20 +69,20 @@ class SimulationOptions:
     quantity: Literal["slider_position", "slider_velocity", "slider_acceleration"] = option(
         "Part of the slider's motion that --tolerance is for. [default: slider_position]"
     )
-    socket_ratio: float = number(
+    socket_ratio: float = option(
         "Outer over inner radius of the socket, for laws that depend on it. [default: 1.298]"
     )
 
 
-@command("simulate", SimulationOptions)
+@command("simulate")
 def simulate_mechanism(
-    scene: list[str] = words(SCENE, default=()),
-    inertia: str = words(
+    scene: list[str] = option(SCENE, default=()),
+    inertia: str = option(
         "Inertias of crank and coupler about their centres, in kg m^2: I1,I2. [default: rods]"
     ),
     output: Path = OUTPUT,
     as_json: bool = JSON,
-    **options,
+    **options: SimulationOptions,
 ):
     """Simulate the crank-slider: where it is at the end, and every impact (SI units).
 
@@ -110,9 +107,8 @@ def simulate_mechanism(
         why = f"model {options.get('model', parameters['model'].default)} has none"
         left_out(sorted(options.keys() - parameters - of_law), options, why)
         run = partial(mechanism.simulate, changed, **options)
-    with bar("simulated {task.completed:.4g} of {task.total:g} s") as shown:
-        task = shown.add_task("", total=options.get("duration", 0.1))
-        response = run(progress=lambda time: shown.update(task, completed=time))
+    with working("Simulating") as tell:
+        response = run(progress=lambda time: tell(f"simulated {time:.4g} s"))
     end = {head: float(getattr(response, name)[-1]) for head, name in END.items()}
     end |= {
         "contacts": len(response.impact_rows),
@@ -135,7 +131,7 @@ def _choice(scene, model, **options):
     left_out(refused, options, f"model {model} chooses it")
     if "tolerance" not in options:
         raise ValueError("tolerance must be given: the largest error that model auto may make")
-    with waiting("Choosing the model"):
+    with working("Choosing the model"):
         return choose_model(scene, **options)
 
 

@@ -2,7 +2,8 @@
 
 import os
 from inspect import Parameter, Signature, getdoc, signature
-from typing import Literal, get_type_hints
+from pathlib import Path
+from typing import Literal, get_args, get_type_hints
 
 import typer
 
@@ -24,32 +25,21 @@ KEPT = "; what was finished is kept"
 NEEDED = ...  # the default of an option that must be given
 
 
-def option(text, *flags, default=None, metavar=None):
+METAVARS = {float: "NUMBER", int: "COUNT", str: "TEXT", Path: "FILE"}
+"""What the help shows for the value of an option, by its type."""
+
+
+def option(text, *flags, default=None):
     """Option with its help. Without a default it is None, or absent from a class of options."""
-    return typer.Option(default, *flags, help=text, metavar=metavar)
-
-
-def number(text, *flags, default=None):
-    """Option with a number, or with several."""
-    return option(text, *flags, default=default, metavar="NUMBER")
-
-
-def count(text, *flags, default=None):
-    """Option with a whole number."""
-    return option(text, *flags, default=default, metavar="COUNT")
-
-
-def words(text, *flags, default=None):
-    """Option with a text, or with several."""
-    return option(text, *flags, default=default, metavar="TEXT")
+    return typer.Option(default, *flags, help=text)
 
 
 Drive = Literal["plane", "clamped", "point"]
 Rim = Literal["mirror", "free"]
 Kinematics = Literal["small", "linear", "finite"]
 JSON = option("Print one JSON object.", "--json", default=False)
-OUTPUT = option("File to write.", metavar="FILE")
-JOBS = count("Processes, by default one per core.")
+OUTPUT = option("File to write.")
+JOBS = option("Processes, by default one per core.")
 NAMES = typer.Argument((), help="Figures, tables or notebooks; default all.", metavar="NAME")
 R2_STAR = "Radius of the socket in clearances, R2/dR, > 1."
 DEPTHS = "Penetration depth in clearances, d/dR; may be repeated."
@@ -66,20 +56,20 @@ RIM = option(
 class MaterialOptions:
     """Ball and socket, each of one material, without dimensions."""
 
-    socket_ratio: float = number("Outer over inner radius of the socket. [default: 1.298]")
-    modulus_ratio: float = number(
+    socket_ratio: float = option("Outer over inner radius of the socket. [default: 1.298]")
+    modulus_ratio: float = option(
         "Young's modulus of the socket over that of the ball. [default: 1.0]"
     )
-    poisson: float = number(
+    poisson: float = option(
         "Poisson's ratio of the ball, and of the socket unless it differs (no unit). [default: 0.3]"
     )
-    socket_poisson: float = number("Poisson's ratio of the socket, if it differs (no unit).")
+    socket_poisson: float = option("Poisson's ratio of the socket, if it differs (no unit).")
 
 
 class JointOptions(MaterialOptions):
     """A joint without dimensions."""
 
-    layer: list[str] = words(
+    layer: list[str] = option(
         "Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer of "
         "the socket: N,N,N; may be repeated, from the inside out."
     )
@@ -96,14 +86,22 @@ class InterruptionError(Exception):
     """Ctrl-C in a command; says what is kept, if anything."""
 
 
-def command(name, options=None, group=app, keeps=False):
+def command(name, group=app, keeps=False):
     """Decorate a function as a command; its parameters are the command's options.
 
-    Those of a class of options are added. The function gets them if they are given. A command that
-    ``keeps`` finished work when it is interrupted does so unless --output is given.
+    The annotation of ``**`` is a class of further options. The function gets those that are given.
+    A command that ``keeps`` finished work when it is interrupted does so unless --output is given.
     """
 
     def decorate(function):
+        own = dict(signature(function).parameters)
+        classes = [own.pop(k).annotation for k, p in [*own.items()] if p.kind is p.VAR_KEYWORD]
+        added = [
+            Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind, default=getattr(further, name))
+            for further in classes
+            for name, kind in get_type_hints(further).items()
+        ]
+
         def call(**values):
             values = {k: v for k, v in values.items() if k in own or v is not None}
             try:
@@ -120,14 +118,11 @@ def command(name, options=None, group=app, keeps=False):
                     f"[study]: pip install '{package}[study]'"
                 ) from None
 
-        own = {
-            k: p for k, p in signature(function).parameters.items() if p.kind is not p.VAR_KEYWORD
-        }
-        added = [
-            Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind, default=getattr(options, name))
-            for name, kind in get_type_hints(options or object).items()
-        ]
-        call.__signature__ = Signature([*own.values(), *added])
+        parameters = [*own.values(), *added]
+        for parameter in parameters:
+            kind, *_ = *get_args(parameter.annotation), parameter.annotation  # that of a list
+            parameter.default.metavar = parameter.default.metavar or METAVARS.get(kind)
+        call.__signature__ = Signature(parameters)
         text = getdoc(function)
         summary = " ".join(text.split("\n\n")[0].split())
         group.command(name, help=text, short_help=summary)(call)

@@ -13,31 +13,28 @@ from study.cli.options import (
     Rim,
     check_output,
     command,
-    count,
     data_app,
-    number,
     option,
-    words,
 )
-from study.cli.output import fail, show, show_csv, split_constant, waiting
+from study.cli.output import fail, say, show_table, working
 
 
 class CaseOptions:
     """Values that cases have."""
 
-    r2_star: list[float] = number("Radius of the socket in clearances, R2/dR; may be repeated.")
-    socket_ratio: list[float] = number("Outer over inner radius of the socket; may be repeated.")
-    group: str = words(
+    r2_star: list[float] = option("Radius of the socket in clearances, R2/dR; may be repeated.")
+    socket_ratio: list[float] = option("Outer over inner radius of the socket; may be repeated.")
+    group: str = option(
         "Group of cases: paper, ratio, poisson, modulus, support, liner or validation."
     )
-    case: str = words("One case, with all of its depths.")
+    case: str = option("One case, with all of its depths.")
     ball_drive: Drive = option("Equatorial plane of the half ball, as for study joint.", "--drive")
     rim: Rim = option("Edge of the socket at its equator, as for study joint.")
     kinematics: Kinematics = option("Which points face each other, as for study joint.")
 
 
-@command("show", CaseOptions, group=data_app)
-def show_data(**values):
+@command("show", group=data_app)
+def show_data(**values: CaseOptions):
     """Show a summary of the cases with the given values, or every depth of one case.
 
     Plain CSV if the output is not a terminal.
@@ -46,12 +43,7 @@ def show_data(**values):
 
     cases, case = dataset.load(**values), "case" in values
     rows = cases.loc[:, "depth_star":] if case else dataset.summary(cases)
-    table = rows.to_dict("list")
-    if not sys.stdout.isatty():
-        show_csv(table)
-        return
-    constants, table = split_constant(table)
-    show(None, False, f"{len(rows)} {'depths' if case else 'cases'}. {constants}", table)
+    show_table(rows.to_dict("list"), f"{len(rows)} {'depths' if case else 'cases'}.")
 
 
 @command("materials", group=data_app)
@@ -62,12 +54,8 @@ def list_materials():
     """
     from study.contact import materials
 
-    rows, units = materials.table(), {"youngs_modulus": " Pa", "yield_stress": " Pa"}
-    columns = {name: [row[name] for row in rows] for name in rows[0]}
-    if not sys.stdout.isatty():
-        show_csv(columns)
-        return
-    show({name + units.get(name, ""): column for name, column in columns.items()})
+    rows = materials.table()
+    show_table({name: [row[name] for row in rows] for name in rows[0]})
 
 
 @command("check", group=data_app)
@@ -75,9 +63,9 @@ def check_data():
     """Check files, schema and physics of the dataset, and solve one case again."""
     from study.dataset import quality
 
-    with waiting("Checking the data, and solving one case again"):
+    with working("Checking the data, and solving one case again"):
         checked, results = zip(*quality.check(), strict=True)
-    show({"checked": checked, "found": results})
+    say({"checked": checked, "found": results})
 
 
 @command("build", group=data_app, keeps=True)
@@ -102,10 +90,10 @@ def build_data(
 @command("measure", keeps=True)
 def measure_speed(
     output: Path = OUTPUT,
-    chart: list[str] = words(
+    chart: list[str] = option(
         "What to time: laws, solvers, steppers or flexible; may be repeated. [default: all]"
     ),
-    repeats: int = count("Number of timed calls, after one that does not count.", default=5),
+    repeats: int = option("Number of timed calls, after one that does not count.", default=5),
 ):
     """Time laws (a minute), solvers and steppers (some minutes each) on this machine.
 

@@ -13,11 +13,9 @@ from study.cli.options import (
     InterruptionError,
     check_output,
     command,
-    count,
     option,
-    words,
 )
-from study.cli.output import bar, paragraphs
+from study.cli.output import say, working
 
 PLAIN_EVERY = 10.0  # s between lines of progress if the output is not a terminal
 
@@ -27,22 +25,22 @@ def sweep_cases(
     kind: Literal["joints", "scenes"] = typer.Argument(
         help="What the cases are: joints or scenes.", metavar="KIND"
     ),
-    output: Path = option("File to write.", default=NEEDED, metavar="FILE"),
+    output: Path = option("File to write.", default=NEEDED),
     cases: Path = typer.Argument(
         None, help="CSV file with a row per case; or --random.", metavar="[FILE]"
     ),
-    random: int = count("Number of cases drawn at random from every --range."),
-    seed: int = count(
+    random: int = option("Number of cases drawn at random from every --range."),
+    seed: int = option(
         "Seed of the random numbers; the same seed gives the same cases. [default: 0]"
     ),
-    ranges: list[str] = words(
+    ranges: list[str] = option(
         "Range of a column: NAME=LOW:HIGH, drawn evenly, NAME=LOW:HIGH:log, or the values to "
         "choose from, NAME=A,B,C; may be repeated.",
         "--range",
         default=(),
     ),
     jobs: int = JOBS,
-    dask_address: str = words("Dask scheduler whose workers solve the cases instead.", "--dask"),
+    dask_address: str = option("Dask scheduler whose workers solve the cases instead.", "--dask"),
 ):
     """Solve many joints, or simulate many scenes, from a CSV file of cases or at random.
 
@@ -62,16 +60,17 @@ def sweep_cases(
         raise ValueError("--range and --seed must be left out: a FILE has the cases")
     source = drawn if cases is None else cases
     started, done = time.monotonic(), [0, 0, 0]
-    with bar("{task.completed:g} of {task.total:g} cases") as shown:
-        task, printed = shown.add_task("", total=0, visible=False), started
+    with working("Solving the cases") as tell:
+        printed = started
 
         def progress(*numbers):
             nonlocal printed
             done[:] = numbers
-            shown.update(task, completed=numbers[0], total=numbers[1], visible=True)
-            if shown.disable and time.monotonic() > printed + PLAIN_EVERY:
+            text = "{} of {} cases, {} failed".format(*numbers)
+            tell(text)
+            if not sys.stderr.isatty() and time.monotonic() > printed + PLAIN_EVERY:
                 printed = time.monotonic()
-                print("{} of {} cases, {} failed".format(*numbers), file=sys.stderr, flush=True)
+                print(text, file=sys.stderr, flush=True)
 
         try:
             swept = sweep(
@@ -81,10 +80,10 @@ def sweep_cases(
             kept = f"; {done[0]} of {done[1]} cases are kept, the same command goes on"
             raise InterruptionError(kept if done[0] else "") from None
     seconds = time.monotonic() - started
-    print(f"{swept.cases} cases in {seconds:.3g} s, {swept.rows} rows in {output}. Its results:")
-    columns = swept.columns.items()
-    units = {name: f"{text}{f', {unit}' * (unit != '1')}" for name, (unit, text) in columns}
-    print(paragraphs(units))
+    lines = [f"{swept.cases} cases in {seconds:.3g} s, {swept.rows} rows in {output}. Its results:"]
+    for name, (unit, text) in swept.columns.items():
+        lines.append(f"  {name}: {text}{f', {unit}' * (unit != '1')}")
+    say("\n".join(lines))
     if swept.failures:
         (name, why), *_ = swept.failures.items()
         what = f"{len(swept.failures)} of {swept.cases} cases failed, see the column error"

@@ -1,0 +1,279 @@
+"""The command for a joint, with its dimensions in SI units or without: study joint."""
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from study import checks
+from study.cli.options import (
+    DEPTHS,
+    JSON,
+    R2_STAR,
+    JointOptions,
+    command,
+    flag,
+    left_out,
+    option,
+)
+from study.cli.output import show, working
+
+MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
+DEEPER = (1, 4, 12)
+"""Factors of the depth: laws are compared up to the least of these depths that elements resolve.
+The range begins at a twelfth of its end at most, so that the depth itself is within it."""
+LARGE = 1.0  # m: a socket's radius that is probably in mm
+NO_LAW = {
+    "tabulated": "tabulated, the table of this joint's own curve",
+    "solver": "none: the joint has to be solved at every depth",
+}
+MATERIAL = (
+    "Material by its name (listed by study data materials), or by Young's modulus in Pa, Poisson's "
+    "ratio and perhaps yield stress in Pa: 210e9,0.3,5e8. [default: steel]"
+)
+
+
+class DimensionOptions:
+    """A joint with dimensions."""
+
+    socket_radius: float = option("Inner radius of the socket, in m.")
+    clearance: float = option("Radius of the socket minus that of the ball, in m.")
+    wall: float = option("Thickness of the socket beyond its inner radius, liners included, in m.")
+    force: list[float] = option("Contact force in N; may be repeated.")
+    depth: list[float] = option("Penetration depth in m; may be repeated.")
+    ball: str = option(MATERIAL)
+    socket: str = option(MATERIAL)
+    liner: list[str] = option(
+        "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be repeated, "
+        "from the inside out."
+    )
+    tolerance: float = option("Largest relative error of the law that is chosen. [default: 0.01]")
+
+
+class EitherOptions(JointOptions, DimensionOptions):
+    """A joint with dimensions, or without."""
+
+    r2_star: float = option(R2_STAR)
+    depth_star: list[float] = option(DEPTHS)
+    solver: Literal["series", "quadratic", "linear"] = option(
+        "Exact Legendre series of both bodies, or finite elements: six-node (quadratic) or "
+        "three-node (linear) triangles."
+    )
+
+
+DIMENSIONS = tuple(DimensionOptions.__annotations__)
+SIZES = ("socket_radius", "clearance", "wall")
+"""Options that a joint with dimensions needs."""
+SUPPORTS = ("ball_drive", "rim", "kinematics")
+
+
+@command("joint")
+def solve_joint(as_json: bool = JSON, **options: EitherOptions):
+    """Solve one joint: force, depth, stiffness, pressure, half-angle, error, and stresses.
+
+    With dimensions: --socket-radius, --clearance, --wall and --force or --depth, in SI units, with
+    materials by name. Without: --r2-star and --depth-star. Stresses are then in E* dR/R2, and their
+    radius is relative to that of the body's surface.
+    """
+    if dimensions := [name for name in DIMENSIONS if name in options]:
+        others = [name for name in options if name not in (*DIMENSIONS, *SUPPORTS)]
+        left_out(others, options, f"{flag(dimensions[0])} is for a joint with its dimensions")
+        _solve_dimensional(as_json, **options)
+    else:
+        _needed(("r2_star", "depth_star"), options, " or, with dimensions, --socket-radius, ...")
+        _solve_dimensionless(as_json, **options)
+
+
+def _needed(names, options, more=""):
+    missing = [flag(name) for name in names if name not in options]
+    if missing:
+        raise ValueError(f"{' and '.join(missing)} must be given{more}")
+
+
+def _solve_dimensional(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of_joint):
+    from study.choose.law import TOLERANCES
+    from study.joint import DimensionalJoint, parsing
+
+    _needed(SIZES, of_joint)
+    checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
+    joint = DimensionalJoint(**of_joint, liner=tuple(map(parsing.liner, liner)))
+    with working("Solving the joint"):
+        solution = joint.solve(force=force, depth=depth)
+        values, parts = _described(joint, solution, tolerance)
+    show(values, as_json, *parts)
+
+
+def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, **joint):
+    from study.joint import force_curve, parsing
+    from study.joint.stress import largest as largest_stress
+
+    solved_joint = parsing.joint(r2_star, **joint)
+    with working("Solving the joint"):
+        curve = force_curve(solved_joint, depth_star, solver=solver)
+        stresses = largest_stress(curve)
+    columns = curve.columns()
+    names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
+    depths = {"depth_star": depth_star}
+    values = depths | {name: columns[name].tolist() for name in names}
+    parts = [values]
+    for body, largest in stresses.items():
+        stress = {
+            "star": largest.von_mises.tolist(),
+            "over_peak": largest.over_peak.tolist(),
+            "radius": largest.radius.tolist(),
+            "place": list(largest.place),
+            "angle_deg": np.degrees(largest.angle).tolist(),
+        }
+        values = values | {f"{_prefix(body)}_{name}": stress[name] for name in stress}
+        table = depths | {"von_mises_star": stress.pop("star")} | stress
+        parts += [f"Largest von Mises stress in the {body}:", table]
+    show(values, as_json, *parts)
+
+
+def _prefix(body):
+    """Beginning of the names of a body's stresses in JSON."""
+    return f"von_mises_{body.replace(' ', '_')}"
+
+
+def _described(joint, solution, tolerance):
+    """One JSON object of a solved joint, and its parts as text."""
+    plain = joint.joint
+    columns = ("depth", "force", "stiffness", "contact_half_angle_deg", "peak_pressure")
+    values = {name: getattr(solution, name).tolist() for name in (*columns, "error_estimate")}
+    for body, stress in solution.von_mises.items():
+        name, factor = _prefix(body), solution.yield_factor[body]
+        values[name] = stress.tolist()
+        values[f"{name}_place"] = list(solution.von_mises_place[body])
+        values[name.replace("von_mises", "yield_factor")] = (
+            None if factor is None else factor.tolist()
+        )
+    values |= {name: getattr(joint, name) for name in ("socket_radius", "clearance", "wall")}
+    values["materials"] = {body: vars(material) for body, material in joint.materials.items()}
+    without = ("r2_star", "socket_ratio", "modulus_ratio", "composite_modulus")
+    values |= {name: getattr(plain, name) for name in without}
+    values["depth_star"] = (solution.depth / joint.clearance).tolist()
+    law, text = _law(joint, float(solution.depth.max()), tolerance)
+    parts = [_contact(solution), _stresses(joint, solution), text]
+    if joint.socket_radius >= LARGE:
+        parts.append(f"The socket's radius is {joint.socket_radius:g} m: are the sizes in m?")
+    return values | law, parts
+
+
+def _contact(solution):
+    columns = {
+        "depth um": solution.depth / MICRO,
+        "force N": solution.force,
+        "stiffness N/um": solution.stiffness * MICRO,
+        "half_angle deg": solution.contact_half_angle_deg,
+        "peak_pressure MPa": solution.peak_pressure / MEGA,
+    }
+    errors = [_digits(error / PERCENT, 2) for error in solution.error_estimate]
+    table = {head: [_digits(value) for value in column] for head, column in columns.items()}
+    return table | {"error %": errors}
+
+
+def _stresses(joint, solution):
+    rows = []
+    for k, depth in enumerate(solution.depth):
+        for body, stress in solution.von_mises.items():
+            strength, factor = joint.materials[body].yield_stress, solution.yield_factor[body]
+            row = {
+                "depth um": _digits(depth / MICRO),
+                "body": body,
+                "von_mises MPa": _digits(stress[k] / MEGA),
+                "place": solution.von_mises_place[body][k],
+                "yield_stress MPa": None if strength is None else _digits(strength / MEGA),
+                "factor_to_yield": None if factor is None else _digits(factor[k]),
+            }
+            rows.append(row)
+    return {head: [row[head] for row in rows] for head in rows[0]}
+
+
+def _digits(value, count=4):
+    return float(f"{value:.{count}g}")
+
+
+def _percent(error):
+    return f"{error / PERCENT:.2g} %"
+
+
+def _law(joint, largest, tolerance):
+    """The cheapest law within the tolerance up to a depth, as JSON and in words."""
+    plain = joint.joint
+    try:
+        choice = _choice(plain, largest / joint.clearance, tolerance)
+    except (checks.StudyError, ValueError) as error:  # no checkout, or no law is known well enough
+        none = {"law": None, "law_error_bound": None, "export": None}
+        return none, f"No law is chosen: {error}"
+    depths = [joint.clearance * depth for depth in choice.depths]
+    least, most = (_digits(depth / MICRO) for depth in depths)
+    text = (
+        f"The cheapest law that is within {_percent(tolerance)} from {least:g} to {most:g} um: "
+        f"{NO_LAW.get(choice.law, choice.law)}. Its error is at most "
+        f"{_percent(choice.error_bound)}."
+    )
+    best = min(choice.errors, key=choice.errors.__getitem__)
+    if choice.errors[best] > tolerance:
+        text += (
+            f" No closed law is within it: {best} is the best, with an error up to "
+            f"{_percent(choice.errors[best])}."
+        )
+    line = None
+    if choice.law != "solver":
+        line = f"study export --law {choice.law} --format c {_options(plain, choice.depths[1])}"
+        text += (
+            f"\nTo take it into another program, with the clearance {joint.clearance:g} m and the "
+            f"composite modulus {plain.composite_modulus:.9g} Pa:\n{line}"
+        )
+    values = {"law": choice.law, "law_error_bound": choice.error_bound, "law_depths": depths}
+    return values | {"law_errors": choice.errors, "export": line}, text
+
+
+def _choice(joint, depth_star, tolerance):
+    """Choice for a joint up to a depth, or up to a deeper one that elements resolve."""
+    from study.choose import choose
+    from study.choose.law import errors
+    from study.contact import LAWS
+    from study.joint.dimensional import usual_depth
+
+    is_small = max(DEEPER) * depth_star <= usual_depth(joint)
+    for deeper in DEEPER if is_small else (1,):
+        try:
+            return choose(_without_yield(joint), deeper * depth_star, tolerance)
+        except checks.RangeError:
+            if not is_small:
+                raise
+    errors_of_laws = errors(joint, depth_star, LAWS["hertz"](depth_star, joint.r2_star))
+    known = errors_of_laws.get("stiffened_hertz")  # which begins as Hertz's law
+    hertz = "" if known is None else f": there Hertz's law holds within {_percent(known)}"
+    raise checks.RangeError(f"the contact is too small for laws to be compared{hertz}")
+
+
+def _without_yield(joint):
+    """A joint of materials without a yield stress: its factors to yield are shown already."""
+
+    def elastic(material):
+        return replace(material, yield_stress=None)
+
+    layers = tuple(replace(layer, material=elastic(layer.material)) for layer in joint.layers)
+    return replace(joint, ball=elastic(joint.ball), socket=elastic(joint.socket), layers=layers)
+
+
+def _options(joint, deepest):
+    """Options of study export that describe a joint without its dimensions."""
+    from study.joint import Joint
+    from study.joint.dimensional import usual_depth
+
+    numbers = {"r2_star": joint.r2_star, "poisson": joint.ball.poisson}
+    if not joint.layers:
+        numbers |= {"socket_ratio": joint.socket_ratio, "modulus_ratio": joint.modulus_ratio}
+        numbers |= {"socket_poisson": joint.socket.poisson}
+    if deepest > usual_depth(joint):
+        numbers["depth_star"] = deepest
+    options = [f"{flag(name)} {value:.9g}" for name, value in numbers.items()]
+    usual = Joint(joint.r2_star)
+    for name in SUPPORTS:
+        if getattr(joint, name) != getattr(usual, name):
+            options.append(f"{flag(name)} {getattr(joint, name)}")
+    layers = filter(None, joint.layers_text.split(";"))
+    return " ".join([*options, *(f"--layer {layer.replace(':', ',')}" for layer in layers)])

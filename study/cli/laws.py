@@ -1,0 +1,138 @@
+"""Commands for laws: evaluate, choose, export."""
+
+from inspect import signature
+from pathlib import Path
+from typing import Literal
+
+import typer
+
+from study import paths
+from study.cli.options import (
+    DEPTHS,
+    DRIVE,
+    JSON,
+    NEEDED,
+    OUTPUT,
+    R2_STAR,
+    RIM,
+    JointOptions,
+    MaterialOptions,
+    Rim,
+    check_output,
+    command,
+    left_out,
+    option,
+)
+from study.cli.output import named_fields, show, working
+from study.contact import LAWS, LawName
+
+
+class LawOptions(MaterialOptions):
+    """What stiffened_hertz depends on."""
+
+    ball_drive: Literal["plane", "clamped"] = DRIVE
+    rim: Rim = RIM
+
+
+@command("law")
+def evaluate_law(
+    name: LawName = typer.Argument(help=f"One of {', '.join(LAWS)}.", metavar="NAME"),
+    r2_star: float = option(R2_STAR, default=NEEDED),
+    depth_star: list[float] = option(DEPTHS, default=NEEDED),
+    as_json: bool = JSON,
+    **options: LawOptions,
+):
+    """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths.
+
+    Only stiffened_hertz has options: it is for any two materials and four supports. The paper's
+    laws have the coefficients of its own joint.
+    """
+    unknown = sorted(options.keys() - signature(LAWS[name]).parameters)
+    left_out(unknown, options, f"{name} does not depend on it")
+    force = LAWS[name](depth_star, r2_star, **options)
+    show({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
+
+
+YIELDS = (
+    "The {body} yields, {place}, from {depth_star:.4g} clearances on "
+    "(force_star {force_star:.4g}). All errors are for joints that do not yield."
+)
+
+
+@command("choose")
+def choose_law(
+    r2_star: float = option(R2_STAR, default=NEEDED),
+    depth_star: float = option("Largest depth of the scene, in clearances.", default=NEEDED),
+    tolerance: float = option(
+        "Largest relative error of the force, from 1e-5 to 1.", default=NEEDED
+    ),
+    yield_stress: float = option(
+        "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa."
+    ),
+    as_json: bool = JSON,
+    **joint: JointOptions,
+):
+    """Choose the cheapest law that is accurate enough for a joint, with the evidence.
+
+    For a whole mechanism: study simulate --model auto --tolerance ... .
+    """
+    from study.choose import choose, relative_costs
+    from study.joint import parsing
+
+    asked, costs = parsing.joint(r2_star, yield_stress=yield_stress, **joint), relative_costs()
+    with working("Solving the joint"):
+        choice = choose(asked, depth_star, tolerance)
+    laws = sorted(choice.errors, key=costs.get)
+    names = ("law", "error_bound", "relative_cost", "options")
+    depths, first = "{:g} to {:g}".format(*choice.depths), choice.first_yield
+    sentences = [f"For depths of {depths} clearances."]
+    if first:
+        sentences.append(YIELDS.format(**first))
+    show(
+        {"next_cheaper": next(iter(choice.rejected), None)} | named_fields(choice),
+        as_json,
+        {name: [getattr(choice, name)] for name in names},
+        *sentences,
+        "Largest error of each law, and time of a call over that of Hertz's law:",
+        {
+            "law": laws,
+            "error": [choice.errors[law] for law in laws],
+            "relative_cost": [costs[law] for law in laws],
+        },
+    )
+
+
+@command("export")
+def export_law(
+    law: Literal[LawName, "tabulated"] = option(
+        "Name of a law, or tabulated: the force-depth curve of the joint.", default=NEEDED
+    ),
+    form: Literal["c", "matlab", "json", "csv"] = option(
+        "Function (C; MATLAB and Octave), formula and numbers (JSON), or force over depth (CSV).",
+        "--format",
+        default=NEEDED,
+    ),
+    depth_star: float = option(
+        "Largest depth of the text, in clearances; by default 1, if the joint can go so deep."
+    ),
+    output: Path = OUTPUT,
+    r2_star: float = option(R2_STAR, default=200.0),
+    **joint: JointOptions,
+):
+    """Export a law, for one joint, to another program: to standard output or a file.
+
+    The text states joint, range, units, and the law's largest error
+    against the solved joint.
+    """
+    from study.export import SUFFIXES, export
+    from study.joint import parsing
+
+    check_output(output, SUFFIXES[form])
+    asked = parsing.joint(r2_star, **joint)
+    with working("Solving the joint, and its error"):
+        text = export(law, form, asked, depth_star)
+    if output is None:
+        print(text, end="")
+    else:
+        with paths.whole(output) as temporary:
+            temporary.write_text(text, encoding="utf-8")
