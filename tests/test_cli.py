@@ -251,9 +251,9 @@ def test_materials_are_csv_where_piped_and_fit_a_terminal(run, on_a_terminal):
     pd.testing.assert_frame_equal(table, pd.read_csv(materials.MATERIALS))
     lines = on_a_terminal("data", "materials")
     assert max(map(len, lines)) <= 80
-    words = " ".join(lines).split()
-    for text in (*table.name, *table.condition, *table.source, "1.1e+11"):
-        assert set(text.split()) <= set(words)
+    printed = f"{' '.join(lines).replace('  ', ', ')},"  # a blank line ends a row
+    for text in (*table.name, *table.condition, *table.source, "1.1e+11 Pa"):
+        assert f": {text}," in printed
 
 
 def test_joint_takes_layers(run):

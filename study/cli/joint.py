@@ -76,8 +76,8 @@ def solve_joint(as_json: bool = JSON, **options: EitherOptions):
     radius is relative to that of the body's surface.
     """
     if dimensions := [name for name in DIMENSIONS if name in options]:
-        others = [name for name in options if name not in (*DIMENSIONS, *SUPPORTS)]
-        left_out(others, options, f"{flag(dimensions[0])} is for a joint with its dimensions")
+        why = f"{flag(dimensions[0])} is for a joint with its dimensions"
+        left_out(options, (*DIMENSIONS, *SUPPORTS), why)
         _solve_dimensional(as_json, **options)
     else:
         _needed(("r2_star", "depth_star"), options, " or, with dimensions, --socket-radius, ...")

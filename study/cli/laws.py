@@ -47,8 +47,7 @@ def evaluate_law(
     Only stiffened_hertz has options: it is for any two materials and four supports. The paper's
     laws have the coefficients of its own joint.
     """
-    unknown = sorted(options.keys() - signature(LAWS[name]).parameters)
-    left_out(unknown, options, f"{name} does not depend on it")
+    left_out(options, signature(LAWS[name]).parameters, f"{name} does not depend on it")
     force = LAWS[name](depth_star, r2_star, **options)
     show({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
 

@@ -1,6 +1,5 @@
 """The command for the crank-slider: simulate."""
 
-import sys
 from dataclasses import fields
 from functools import partial
 from inspect import signature
@@ -96,19 +95,19 @@ def simulate_mechanism(
     check_output(output, ".csv")
     if "elements" in options:
         options["elements"] = checks.read_several("--elements", options["elements"], kind=int)
-    if sys.stderr.isatty() and not is_kept(Path(mechanism.__file__).with_name("rigid.py")):
-        print("Compiling the stepping loops, once ...", file=sys.stderr)
+    parameters = signature(mechanism.simulate).parameters
     if options.get("model") == "auto":
         choice = _choice(changed, **options)
         run = choice.simulate
     else:
-        parameters, choice = signature(mechanism.simulate).parameters, None
-        of_law = {"socket_ratio"} if options.get("law") == "stiffened_hertz" else set()
+        choice, run = None, partial(mechanism.simulate, changed, **options)
+        of_law = ["socket_ratio"] if options.get("law") == "stiffened_hertz" else []
         why = f"model {options.get('model', parameters['model'].default)} has none"
-        left_out(sorted(options.keys() - parameters - of_law), options, why)
-        run = partial(mechanism.simulate, changed, **options)
-    with working("Simulating") as tell:
-        response = run(progress=lambda time: tell(f"simulated {time:.4g} s"))
+        left_out(options, [*parameters, *of_law], why)
+    total = options.get("duration", parameters["duration"].default)
+    is_compiled = is_kept(Path(mechanism.__file__).with_name("rigid.py"))
+    with working("Simulating" if is_compiled else "Compiling the stepping loops, once") as tell:
+        response = run(progress=lambda time: tell(f"simulated {time:.4g} of {total:g} s"))
     end = {head: float(getattr(response, name)[-1]) for head, name in END.items()}
     end |= {
         "contacts": len(response.impact_rows),
@@ -127,8 +126,7 @@ def _choice(scene, model, **options):
     """The simplest model that is accurate enough for a scene."""
     from study.choose import choose_model
 
-    refused = sorted(options.keys() - signature(choose_model).parameters)
-    left_out(refused, options, f"model {model} chooses it")
+    left_out(options, signature(choose_model).parameters, f"model {model} chooses it")
     if "tolerance" not in options:
         raise ValueError("tolerance must be given: the largest error that model auto may make")
     with working("Choosing the model"):

@@ -94,13 +94,7 @@ def command(name, group=app, keeps=False):
     """
 
     def decorate(function):
-        own = dict(signature(function).parameters)
-        classes = [own.pop(k).annotation for k, p in [*own.items()] if p.kind is p.VAR_KEYWORD]
-        added = [
-            Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind, default=getattr(further, name))
-            for further in classes
-            for name, kind in get_type_hints(further).items()
-        ]
+        own = signature(function).parameters
 
         def call(**values):
             values = {k: v for k, v in values.items() if k in own or v is not None}
@@ -118,11 +112,7 @@ def command(name, group=app, keeps=False):
                     f"[study]: pip install '{package}[study]'"
                 ) from None
 
-        parameters = [*own.values(), *added]
-        for parameter in parameters:
-            kind, *_ = *get_args(parameter.annotation), parameter.annotation  # that of a list
-            parameter.default.metavar = parameter.default.metavar or METAVARS.get(kind)
-        call.__signature__ = Signature(parameters)
+        call.__signature__ = Signature([*_parameters(own)])
         text = getdoc(function)
         summary = " ".join(text.split("\n\n")[0].split())
         group.command(name, help=text, short_help=summary)(call)
@@ -131,15 +121,31 @@ def command(name, group=app, keeps=False):
     return decorate
 
 
+def _parameters(own):
+    """Parameters of a function, and those of the class that annotates its ``**``."""
+    for parameter in own.values():
+        parameters = [parameter]
+        if parameter.kind is parameter.VAR_KEYWORD:
+            further = parameter.annotation
+            parameters = [
+                Parameter(k, Parameter.KEYWORD_ONLY, annotation=v, default=getattr(further, k))
+                for k, v in get_type_hints(further).items()
+            ]
+        for shown in parameters:
+            kind, *_ = *get_args(shown.annotation), shown.annotation  # that of a list
+            shown.default.metavar = shown.default.metavar or METAVARS.get(kind)
+        yield from parameters
+
+
 def flag(name):
     """Option of a parameter, as it is typed."""
     return "--drive" if name == "ball_drive" else f"--{name.replace('_', '-')}"
 
 
-def left_out(names, options, why):
-    """Refuse options that mean nothing here."""
-    for name in names:
-        if name in options:
+def left_out(options, allowed, why):
+    """Refuse options that mean nothing here: all but those allowed."""
+    for name in options:
+        if name not in allowed:
             raise ValueError(f"{flag(name)} must be left out: {why}")
 
 

@@ -59,17 +59,18 @@ def sweep_cases(
     if cases is not None and (ranges or seed is not None):
         raise ValueError("--range and --seed must be left out: a FILE has the cases")
     source = drawn if cases is None else cases
-    started, done = time.monotonic(), [0, 0, 0]
+    counts, started, printed = [], time.monotonic(), time.monotonic()
     with working("Solving the cases") as tell:
-        printed = started
 
-        def progress(*numbers):
+        def progress(*done_all_failed):
             nonlocal printed
-            done[:] = numbers
-            text = "{} of {} cases, {} failed".format(*numbers)
-            tell(text)
-            if not sys.stderr.isatty() and time.monotonic() > printed + PLAIN_EVERY:
-                printed = time.monotonic()
+            counts.append(done_all_failed)
+            (first, *_), (done, every, failed), now = counts[0], counts[-1], time.monotonic()
+            text = f"{done} of {every} cases, {failed} failed"
+            left = (now - started) / (done - first) * (every - done) if done > first else None
+            tell(text if left is None else f"{text}, {left:.0f} s left")
+            if not sys.stderr.isatty() and now > printed + PLAIN_EVERY:
+                printed = now
                 print(text, file=sys.stderr, flush=True)
 
         try:
@@ -77,8 +78,9 @@ def sweep_cases(
                 source, kind, output, jobs=jobs, dask_address=dask_address, progress=progress
             )
         except KeyboardInterrupt:
-            kept = f"; {done[0]} of {done[1]} cases are kept, the same command goes on"
-            raise InterruptionError(kept if done[0] else "") from None
+            done, every, _ = counts[-1] if counts else (0, 0, 0)
+            kept = f"; {done} of {every} cases are kept, the same command goes on"
+            raise InterruptionError(kept if done else "") from None
     seconds = time.monotonic() - started
     lines = [f"{swept.cases} cases in {seconds:.3g} s, {swept.rows} rows in {output}. Its results:"]
     for name, (unit, text) in swept.columns.items():
