@@ -94,7 +94,7 @@ def _table(table):
 
 
 def _paragraph(names, units, row):
-    cells = zip(names, row, units, strict=True)
+    cells = [cell for cell in zip(names, row, units, strict=True) if cell[1]]
     return _wrapped(", ".join(f"{name}: {text} {unit}".rstrip() for name, text, unit in cells))
 
 
