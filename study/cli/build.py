@@ -163,5 +163,4 @@ def _show_parameters(notebook):
 
     parameters = execute.parameters(notebook).items()
     lines = [f"  {name}: {entry}: {entry.meaning}" for name, entry in parameters]
-    say("
-".join([f"Parameters, changed by: study run {notebook.name} -p NAME=VALUE", *lines]))
+    say("\n".join([f"Parameters, changed by: study run {notebook.name} -p NAME=VALUE", *lines]))
