@@ -37,7 +37,7 @@ reproduce: $(READY)
 	@$(BIN)/study report
 
 test: $(READY)
-	@$(BIN)/python -m pytest --numprocesses auto --dist loadfile
+	@$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 lab: $(READY)
 	@cd notebooks && ../$(BIN)/jupyter lab
