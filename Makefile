@@ -12,6 +12,10 @@ PYTHON ?= $(shell for p in $(CANDIDATES); do \
 # What the stepping loops need: they are compiled while the other packages are installed
 FIRST := numpy|scipy|llvmlite|numba|platformdirs|threadpoolctl
 
+# Bytecode is written even where the environment forbids it: else every process compiles what it
+# imports, for some seconds
+export PYTHONDONTWRITEBYTECODE :=
+
 # uv where it is found and reaches the packages, else pip: the same files by either
 define install
 { uv pip install --quiet --python $(BIN)/python --no-deps $(1) 2>/dev/null || \
