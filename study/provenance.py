@@ -1,16 +1,19 @@
 """What decides a result: the code that it reaches through imports, and the data that this reads.
 
 One `digest` of these files says whether a result, a compiled loop or a part of a parameter study
-is of this code. Imports and names of data files are read from the sources once, and kept beside
-the builds until a source changes.
+is of this code. Comments and docstrings decide nothing. What a source says is read once, and kept
+beside the builds until the source changes.
 """
 
 import ast
 import hashlib
+import io
 import json
 import os
+import tokenize
 from collections.abc import Iterable
 from functools import cache, lru_cache
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,15 +23,18 @@ _DECIDE_NOTHING = ("paths.py", "provenance.py")  # where a file is, and what is 
 _GRAPH = paths.CACHE / "imports.json"
 _CHANGED: set[str] = set()  # entries of the graph that are not on disk yet
 _NO_DATA = ("datapackage.json",)  # describes data, and changes with every build of them
+_LAYOUT = {tokenize.NEWLINE, tokenize.NL, tokenize.COMMENT, tokenize.INDENT, tokenize.DEDENT}
 
 
 class _Source(NamedTuple):
     """What a source file says: the dotted names that it imports, and data files that it names.
 
-    ``passes_on`` has the names that a package takes over from its modules.
+    ``code`` is the hash of its code alone. ``passes_on`` has the names that a package takes over
+    from its modules.
     """
 
     sha256: str
+    code: str
     imports: list[str]
     passes_on: dict[str, str]
     data: list[str]
@@ -61,18 +67,20 @@ def inputs(start: Path) -> list[Path]:
     return list(dict.fromkeys([start, *code, *data]))
 
 
-def digest(files: Iterable[Path], *more: object) -> str:
+def digest(files: Iterable[Path], *more: object, words: bool = False) -> str:
     """One hash of the names and contents of files, and of the ``repr`` of more; 32 digits.
 
-    A file that is missing counts as such.
+    Comments and docstrings of Python's files count only with ``words``. A file that is missing
+    counts as such.
     """
-    contents = [(name(path), sha256_of(path)) for path in sorted(set(files))]
+    content = sha256_of if words else _deciding
+    contents = [(name(path), content(path)) for path in sorted(set(files))]
     return sha256(repr((contents, more)).encode())[:32]
 
 
 def digests(files: Iterable[Path]) -> dict[str, str]:
-    """First 16 digits of the SHA-256 of each file, by its path in the project."""
-    return {name(path): sha256_of(path)[:16] for path in files}
+    """First 16 digits of the SHA-256 of what decides in each file, by its path in the project."""
+    return {name(path): _deciding(path)[:16] for path in files}
 
 
 def name(path: Path) -> str:
@@ -97,6 +105,12 @@ def _stamp(path):
 def sha256_of(path: Path) -> str:
     """SHA-256 of a file, computed again only after a change; "missing" if there is none."""
     return _content_sha256(path, *_stamp(path)) if path.is_file() else "missing"
+
+
+def _deciding(path):
+    """SHA-256 of what decides in a file: its content, or a module's code."""
+    is_code = path.suffix == ".py" and path.is_file()
+    return _source(path).code if is_code else sha256_of(path)
 
 
 @lru_cache(maxsize=1024)
@@ -195,4 +209,19 @@ def _read(path, sha):
     data = [v for v in constants if isinstance(v, str) and v.endswith((".csv", ".json"))]
     ours = [dotted for dotted in dict.fromkeys(imports) if dotted.startswith("study.")]
     named = sorted({v for v in data if " " not in v and Path(v).name not in _NO_DATA})
-    return _Source(sha, ours, passes_on if path.name == "__init__.py" else {}, named)
+    code = sha256(_code(text).encode()) if path.suffix == ".py" else sha
+    return _Source(sha, code, ours, passes_on if path.name == "__init__.py" else {}, named)
+
+
+def _code(text):
+    """Lines of a source that have code: no comment, and no string that is a statement."""
+    lines, with_code, begins = text.split("\n"), set(), True
+    for token, after in pairwise(tokenize.generate_tokens(io.StringIO(text).readline)):
+        is_document = begins and token.type == tokenize.STRING and after.type == tokenize.NEWLINE
+        begins = token.type in _LAYOUT
+        row, column = token.start
+        if token.type == tokenize.COMMENT:
+            lines[row - 1] = lines[row - 1][:column].rstrip()
+        elif not (begins or is_document):
+            with_code.update(range(row - 1, token.end[0]))
+    return "\n".join(lines[row] for row in sorted(with_code))

@@ -97,6 +97,25 @@ def test_one_digest_changes_with_content_name_and_what_else_is_told(tmp_path):
     assert provenance.digest(files[:2]) != before
 
 
+@pytest.mark.parametrize(
+    ("after", "decides"),
+    [
+        ('"""Other words."""\n\n\ndef f():\n    return """a\n\n# b"""\n', False),
+        ('# why\ndef f():  # this\n\n    """Say."""\n    return """a\n\n# b"""\n', False),
+        ('"""Words."""\ndef f():\n    return """a\n# b"""\n', True),
+        ('"""Words."""\ndef f():\n    return """a\n\n# c"""\n', True),
+        ('"""Words."""\ndef f():\n    return (\n"a"\n)\n', True),
+    ],
+)
+def test_comments_and_docstrings_decide_nothing_but_texts_that_are_shown(tmp_path, after, decides):
+    path = tmp_path / "module.py"
+    path.write_text('"""Words."""\ndef f():\n    return """a\n\n# b"""\n')
+    before, before_in_words = provenance.digest([path]), provenance.digest([path], words=True)
+    path.write_text(after)
+    assert (provenance.digest([path]) != before) == decides
+    assert provenance.digest([path], words=True) != before_in_words
+
+
 def test_a_source_is_parsed_once_and_again_when_it_changed(tmp_path, monkeypatch):
     parsed = []
     monkeypatch.setattr(paths, "ROOT", tmp_path)

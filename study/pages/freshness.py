@@ -43,6 +43,8 @@ class Task:
         Files that it makes.
     settings
         Parameters of a notebook, other than the defaults.
+    words
+        Whether comments and docstrings of the code count too.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Task:
     reads: Sequence[Path]
     products: Sequence[Path]
     settings: Mapping[str, Any] = field(default_factory=dict)
+    words: bool = False
 
     def digest(self, _value: object = None) -> str:
         """Digest of the settings, the inputs, and the names of the other files.
@@ -58,7 +61,8 @@ class Task:
         pytask calls it with the value of the task's only argument that is not a file.
         """
         names = [provenance.name(path) for path in (*self.reads, *self.products)]
-        return provenance.digest(self.inputs(), sorted(self.settings.items()), names)
+        of = sorted(self.settings.items()), names
+        return provenance.digest(self.inputs(), *of, words=self.words)
 
     def is_as_recorded(self, entry: Mapping[str, Any]) -> bool:
         """Whether its own file, its digest and its other files are as an entry of the lock says."""
@@ -91,7 +95,8 @@ def of_report() -> Task:
     library = [path for path in (paths.ROOT / "study").rglob("*.*") if path.suffix in _IN_REPORT]
     inputs = (*sorted(library), *paths.DOCUMENTS, catalogue.FILE, *_SHOWN_DATA)
     reads = [path for notebook in CATALOGUE for path in notebook.products()] + [PDF]
-    return Task("report", "paper/task_paper.py::task_report", lambda: inputs, reads, [INDEX])
+    identifier = "paper/task_paper.py::task_report"
+    return Task("report", identifier, lambda: inputs, reads, [INDEX], words=True)
 
 
 def needed(
