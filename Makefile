@@ -4,6 +4,8 @@
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+# A set-up notes its folder: in a copy of it, or after a move, it is made anew
+ELSEWHERE := $(shell [ "$$(cat $(READY) 2>/dev/null)" = "$$(pwd -P)" ] || echo elsewhere)
 CANDIDATES := python3 python3.14 python3.13 python3.12 python3.11
 NEW_ENOUGH := import sys; sys.exit(sys.version_info < (3, 11))
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
@@ -22,7 +24,7 @@ define install
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps $(1); }
 endef
 
-.PHONY: help reproduce test setup lab data bench lock clean
+.PHONY: help reproduce test setup lab data bench lock clean elsewhere
 
 help:
 	@echo "make reproduce   set up, rebuild what is stale: figures/, build/paper.pdf, build/report/"
@@ -61,7 +63,7 @@ clean:
 	@rm -rf $(VENV) build .pytask pytask.lock .hypothesis .benchmarks .ruff_cache
 	@find . -name __pycache__ -prune -exec rm -rf {} +
 
-$(READY): requirements.lock pyproject.toml
+$(READY): requirements.lock pyproject.toml $(ELSEWHERE)
 	@"$(PYTHON)" -c "$(NEW_ENOUGH)" 2>/dev/null || { \
 		echo "Missing: Python >= 3.11. Install it, or name it: make PYTHON=/path/to/python" >&2; \
 		exit 1; }
@@ -77,4 +79,4 @@ $(READY): requirements.lock pyproject.toml
 		echo "Missing: packages of requirements.lock. Is the package index reachable?" >&2; \
 		exit 1; }; \
 	$(call install,--no-index --no-build-isolation --editable .) && wait $$warm
-	@touch $@
+	@pwd -P > $@

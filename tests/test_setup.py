@@ -51,6 +51,32 @@ def test_the_lock_is_installed_by_uv_or_else_by_pip(tmp_path, status, installed)
     assert (tmp_path / ".venv/.ready").is_file()
 
 
+def test_a_copy_is_set_up_anew_and_so_is_what_moved(tmp_path):
+    first, copy, moved = (tmp_path / name for name in ("first", "a copy, é", "moved"))
+    first.mkdir()
+    for name in ("Makefile", "requirements.lock", "pyproject.toml"):
+        shutil.copy(paths.ROOT / name, first)
+    python = tmp_path / "python"
+    python.write_text(NOTED + MADE)
+    python.chmod(0o755)
+
+    def set_up(folder):
+        """Whether ``make setup`` made an environment."""
+        command = ["make", "setup", f"PYTHON={python}"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        called = folder / "called"
+        made = called.is_file() and "-m venv" in called.read_text()
+        called.unlink(missing_ok=True)
+        return made
+
+    assert [set_up(first), set_up(first)] == [True, False]
+    shutil.copytree(first, copy, copy_function=shutil.copy2)
+    assert [set_up(copy), set_up(copy), set_up(first)] == [True, False, False]
+    first.rename(moved)
+    assert [set_up(moved), set_up(moved)] == [True, False]
+
+
 def test_a_loop_that_does_not_compile_fails_the_set_up(tmp_path):
     for name in ("Makefile", "requirements.lock", "pyproject.toml"):
         shutil.copy(paths.ROOT / name, tmp_path)

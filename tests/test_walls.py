@@ -8,14 +8,6 @@ import pytest
 
 from study import paths
 
-TIMED = """
-import sys, time
-import numpy, scipy.interpolate, scipy.optimize
-
-start = time.perf_counter()
-import study.contact
-print(time.perf_counter() - start, *sys.modules)
-"""
 HEAVY = {"numba", "pandas", "skfem", "matplotlib"}
 
 
@@ -36,15 +28,10 @@ def loaded(code):
     return done.stdout.split()
 
 
-def test_a_law_loads_nothing_heavy():
-    time, *modules = loaded(TIMED)
-    print(f"import study.contact, beyond NumPy and SciPy: {float(time):.2f} s")
-    assert not HEAVY & set(modules)
-
-
 @pytest.mark.parametrize(
     ("code", "heavy"),
     [
+        ("import study.contact", HEAVY),
         ("from study.mechanism import Scene, simulate", {"skfem", "matplotlib", "study.dataset"}),
         ("from study.joint import Joint, Material, force_curve", HEAVY),
     ],
