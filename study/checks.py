@@ -174,8 +174,13 @@ def frame(name: str, value: Any, columns: Iterable[str]) -> Any:
 
 
 def read(name: str, text: str, kind: Callable[[str], Any] = float) -> Any:
-    """Return the number that a text states, or raise ``ValueError``."""
+    """Return the number that a text states, or raise ``ValueError``.
+
+    Python's own underscores and other scripts' digits are no numbers: 5_0 is a slip.
+    """
     try:
+        if "_" in text or not text.isascii():
+            raise ValueError
         return kind(text)
     except ValueError:
         what = "a whole number" if kind is int else "a number"
