@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from study import checks, choose, cli, contact, dataset, export
 from study.choose import choose_model, model
 from study.claims import statistics, verdicts
-from study.contact import damping, forces, pressure
+from study.contact import damping, forces
 from study.dataset import fitting
 from study.joint import (
     DimensionalJoint,
@@ -143,20 +143,6 @@ def law_rows():
         composite=(1.1e11, POSITIVE),
     )
     yield from rows(partial(forces.pack, "hertz", 9.95e-3, 0.01, 1e11), n=(1, (1,)))
-    depth, radius = (0.3, (*LIST, -1)), (200, (*NO_NUMBER, 1, 0))
-    yield from rows(pressure.contact_radius, depth_star=depth, r2_star=radius)
-    angled = partial(pressure.contact_half_angle_deg, "hertz")
-    yield from rows(angled, depth_star=(0.3, (*LIST, -1)), r2_star=radius)
-    yield from rows(
-        partial(pressure.contact_half_angle_deg, depth_star=0.3, r2_star=200),
-        law=("hertz", (*NAME, "winkler")),
-    )
-    yield from rows(
-        pressure.foundation_height, law=("winkler", (*NAME, "hertz")), r2_star=(200, (*NUMBER, 1))
-    )
-    yield from rows(
-        pressure.hertz_pressure, radius=(0.1, LIST), depth_star=(0.3, POSITIVE[-3:]), r2_star=radius
-    )
 
 
 def set_without(values, right):
@@ -509,7 +495,7 @@ def test_wrong_arguments_are_one_clear_error_each(function, good, wrong):
 
 
 def test_the_table_is_long_enough():
-    assert sum(len(wrong) for _, _, wrong in TABLE_OF_CASES) >= 3800
+    assert sum(len(wrong) for _, _, wrong in TABLE_OF_CASES) >= 3600
 
 
 def test_steuermanns_profile_of_high_order_on_a_nearly_full_ball():

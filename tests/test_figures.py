@@ -7,7 +7,7 @@ import pytest
 from matplotlib.image import imread
 
 from study import paths
-from study.contact import SOCKET_RATIO, hyperbolic_winkler, pressure, winkler
+from study.contact import SOCKET_RATIO, hyperbolic_winkler, winkler
 from study.pages import catalogue, drawings, execute, figures
 
 (NOTEBOOK,) = catalogue.select(["fig01"])
@@ -43,14 +43,16 @@ def test_overlap_is_as_deep_as_the_depth():
 
 def test_arrows_of_the_flat_foundation_add_up_to_winkler():
     x, share = panel("fig04", "a")["pressure"]
-    peak = DEPTH_STAR / pressure.foundation_height("winkler", R2_STAR)  # K d/h in E* dR/R2
+    coefficient = winkler(1.0, R2_STAR)  # pi R/h, with R = R1 R2/dR
+    peak = DEPTH_STAR * coefficient / (np.pi * (R2_STAR - 1))  # K d/h in E* dR/R2
     total = R2_STAR * peak * np.sum(np.pi * np.abs(x) * share) * np.diff(x)[0]
     assert total == pytest.approx(winkler(DEPTH_STAR, R2_STAR), rel=0.01)
 
 
 def test_arrows_along_the_arc_add_up_to_the_law():
     theta, share = panel("fig06", "a")["pressure"]
-    peak = DEPTH_STAR / pressure.foundation_height("hyperbolic_winkler", R2_STAR)
+    coefficient = hyperbolic_winkler.parts(R2_STAR)[0]  # pi R2^2/(h dR)
+    peak = DEPTH_STAR * coefficient / (np.pi * R2_STAR)
     rings = np.pi * np.abs(theta) * np.diff(theta)[0]  # of a disc
     total = R2_STAR * peak * np.sum(rings * share * np.cos(theta))
     assert total == pytest.approx(hyperbolic_winkler(DEPTH_STAR, R2_STAR), rel=0.01)

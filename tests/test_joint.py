@@ -190,6 +190,8 @@ def test_small_contact_is_hertzs():
     assert abs(extrapolated) < 0.01
     angle = np.radians(curve.contact_half_angle_deg) / np.sqrt(depth)
     assert angle == pytest.approx(1, rel=0.03)
+    peak = 2 / np.pi * np.sqrt(depth)  # p0 = 2 E* a/(pi R)
+    assert curve.peak_pressure_star == pytest.approx(peak, rel=0.05)
 
 
 def test_gap_and_pressure_are_complementary():

@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from other_programs import calculix
 
-from study.contact.pressure import thin_liner_force
 from study.joint import Joint, Layer, Material, fem, force_curve, series
 
 EVEN = np.arange(0, 10_001, 2)
@@ -118,6 +117,16 @@ def liner(thickness, poisson, r2_star=1e6):
     return Joint(r2_star, 1 + thickness, socket=Material(2e11 / RIGID, poisson))
 
 
+def thin_liner_force(depth, r2_star, thickness, poisson):
+    """Force of Winkler's springs between a rigid ball and a rigid backing, by quadrature."""
+    cosine, weight = np.polynomial.legendre.leggauss(40)
+    edge = 1 / (1 + depth[:, None])  # springs are compressed where cos(theta) is above it
+    x = edge + (1 - edge) * (1 + cosine) / 2
+    pressure = x * (1 + depth[:, None]) - 1
+    stiffness = (1 - poisson) * (1 - poisson**2) / ((1 + poisson) * (1 - 2 * poisson) * thickness)
+    return np.pi * r2_star * stiffness * ((1 - edge) * pressure * x) @ weight
+
+
 @pytest.mark.parametrize(("poisson", "expected"), [(0.3, 1.0013), (0.45, 0.992)])
 def test_a_thin_liner_is_as_an_independent_series_has_it(poisson, expected):
     depth = np.array([0.2, 0.5, 1.0])
@@ -135,18 +144,6 @@ def test_a_thin_compressible_liner_goes_to_winklers_springs(poisson):
         errors.append(np.abs(force / limit - 1).max())
     assert errors[0] > 2 * errors[1] > 4 * errors[2]
     assert errors[2] < 6e-4
-
-
-def test_thin_liner_force_is_the_integral_of_its_springs():
-    cosine, weight = np.polynomial.legendre.leggauss(40)
-    for depth in (1e-3, 0.4, 5.0):
-        edge = 1 / (1 + depth)  # springs are compressed where cos(theta) is above it
-        x = edge + (1 - edge) * (1 + cosine) / 2
-        stiffness = 0.7 * (1 - 0.3**2) / (1.3 * 0.4 * 0.02)
-        pressure = stiffness * ((1 + depth) * x - 1)
-        force = 2 * np.pi * 300 * (1 - edge) / 2 * weight @ (pressure * x)
-        assert thin_liner_force(depth, 300, 0.02, 0.3) == pytest.approx(force, rel=1e-12)
-    assert thin_liner_force(0, 300, 0.02, 0.3) == 0
 
 
 def test_a_stiff_housing_is_a_rigid_backing():
@@ -214,9 +211,6 @@ def test_any_lined_joint_stiffens_with_depth(r2_star, steps, poisson, stiffer, k
         (lambda: series.socket_receptance(EVEN, (1.1, 1.2), (0.3, 0.5)), "poisson must be > -1"),
         (lambda: fem.socket((1.1, 1.2), (0.3, 0.3), modulus=(1, 0)), "modulus must be > 0, got 0"),
         (lambda: fem.socket_mesh((1.2, 1.1)), "over that of the layer inside must be >= 1.02"),
-        (lambda: thin_liner_force(-1, 80, 0.1, 0.3), "depth_star must be >= 0, got -1"),
-        (lambda: thin_liner_force(1, 80, 0, 0.3), "thickness must be > 0, got 0"),
-        (lambda: thin_liner_force(1, 80, 0.1, 0.5), "poisson must be > -1 and < 0.5, got 0.5"),
     ],
 )
 def test_bad_input_is_one_clear_error(call, message):

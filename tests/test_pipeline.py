@@ -124,7 +124,7 @@ def test_a_changed_product_table_read_or_task_makes_stale(project):
 
 def test_pytask_and_the_list_agree_on_what_is_stale(project):
     """What `list` calls stale is what a run runs, and nothing else."""
-    change(project / "study/contact/pressure.py")
+    change(project / "study/contact/damping.py")
     expected = stale(project)
     edit(project, LAW, "0.5)", "0.6)")
     expected |= {LAW}
