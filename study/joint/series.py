@@ -8,7 +8,8 @@ outside. The bodies are those of `study.joint.fem` with ``plane`` drive and ``mi
 hat functions of the pressure are left of a mesh.
 """
 
-from functools import lru_cache, partial
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +32,33 @@ ORDERS = 16
 MOST_ORDERS = 100_000
 
 
+@dataclass(frozen=True)
+class Solid:
+    """A ball, or one layer of a socket, under the pressures P_n(cos theta) on the contact's sphere.
+
+    The ``orders`` n have shape (m,), for a ball without 1, whose pressure is not in balance. Radii
+    are over that of the contact's sphere; a ball's ``inner`` one is 0. ``twice_shear`` is 2 G over
+    the Young's modulus of the ball or of the innermost layer. ``amplitudes`` are those of the first
+    two or of all four `modes`, shape (2 or 4, m).
+    """
+
+    orders: NDArray[np.float64]
+    inner: float
+    outer: float
+    poisson: float
+    twice_shear: float
+    amplitudes: NDArray[np.float64]
+
+    def state(self, radius: float, count: int | None = None) -> NDArray[np.float64]:
+        """Displacements over ``inner`` (1 for a ball) and stresses over 2 G at a radius, (4, m).
+
+        The quantities are those of `modes`; of the first ``count`` orders, or of all.
+        """
+        inner, amplitudes = self.inner or 1.0, self.amplitudes[:, :count]
+        at_radius = modes(self.orders[:count], self.poisson, radius / inner, self.outer / inner)
+        return (at_radius[:, : len(amplitudes)] * amplitudes).sum(axis=1)
+
+
 @remembered(maxsize=32)
 @one_thread
 def ball_compliance(
@@ -42,7 +70,8 @@ def ball_compliance(
     16. The series ends at the even ``last_order``, by default at `ORDERS` per element. A value
     outside its range is a ``ValueError``.
     """
-    return _compliance(partial(ball_receptance, poisson=poisson), resolution, last_order)
+    orders = _orders(resolution, last_order)
+    return _compliance(resolution, orders, -ball(orders, poisson).state(1.0)[0])
 
 
 @remembered(maxsize=32)
@@ -60,73 +89,48 @@ def socket_compliance(
     the inside out, has its ratio to the innermost radius, Poisson's ratio and Young's ``modulus``;
     a first modulus of 1 makes it the unit.
     """
-    receptance = partial(socket_receptance, ratio=ratio, poisson=poisson, modulus=modulus)
-    return _compliance(receptance, resolution, last_order)
+    orders = _orders(resolution, last_order)
+    innermost, *_ = socket(orders, ratio, poisson, modulus)
+    return _compliance(resolution, orders, innermost.state(1.0)[0])
 
 
-def ball_receptance(orders: ArrayLike, poisson: float) -> NDArray[np.float64]:
-    """Inward displacement of a solid ball's surface under the pressure P_n(cos theta).
-
-    Factors of P_n(cos theta) for radius 1 and Young's modulus 1, by the orders n. The pressure of
-    order 1 is not in balance: it must not be among them.
-    """
-    amplitudes = ball_amplitudes(orders, poisson)
-    return -(modes(orders, poisson, 1.0)[0, :2] * amplitudes).sum(axis=0)
+def ball(orders: ArrayLike, poisson: float) -> Solid:
+    """A solid ball, of which only the two regular `modes` are felt."""
+    n, nu = np.asarray(orders, dtype=float), checks.poisson("poisson", poisson)
+    pressure = np.array([[-(1 + nu)], [0.0]])  # radial stress over 2 G, and shear
+    surface = modes(n, nu, 1.0)[2:, :2].transpose(2, 0, 1)
+    return Solid(n, 0.0, 1.0, nu, 1 / (1 + nu), np.linalg.solve(surface, pressure)[:, :, 0].T)
 
 
-def socket_receptance(
+def socket(
     orders: ArrayLike, ratio: Layered, poisson: Layered, modulus: Layered = 1.0
-) -> NDArray[np.float64]:
-    """Outward displacement of a shell's inner surface under the pressure P_n(cos theta).
+) -> list[Solid]:
+    """The layers of a socket from the inside out, under the pressure inside and fixed outside.
 
-    As `ball_receptance`, for inner radius 1; the outer sphere is fixed, its radius ``ratio``.
-    Layers are as for `socket_compliance`.
+    Ratios, Poisson's ratios and moduli are those of `socket_compliance`.
+
+    The flexibility of a sphere is a 2x2 matrix of displacement over radius per stress. From the
+    outside in, that of a layer's inner sphere follows from that of its outer one; the fixed sphere
+    has none. Stresses then lead from the inside out.
     """
-    ratios, poissons, _ = layered(ratio, poisson, modulus)
-    radial = modes(orders, poissons[0], 1.0, ratios[0])[0]
-    return (radial * socket_amplitudes(orders, ratio, poisson, modulus)[0]).sum(axis=0)
-
-
-def ball_amplitudes(orders: ArrayLike, poisson: float) -> NDArray[np.float64]:
-    """Amplitudes of the two regular `modes` in a ball under the pressure P_n(cos theta).
-
-    For radius 1 and Young's modulus 1; shape (2, m), by the orders, without 1. At the radius r,
-    ``modes(orders, poisson, r)[:, :2]`` times them, summed over the two, is the displacement and
-    the stress over 2 G.
-    """
-    surface = modes(orders, checks.poisson("poisson", poisson), 1.0)
-    pressure = np.array([[-(1 + poisson)], [0.0]])  # radial stress over 2 G, and shear
-    return np.linalg.solve(surface[2:, :2].transpose(2, 0, 1), pressure)[:, :, 0].T
-
-
-def socket_amplitudes(
-    orders: ArrayLike, ratio: Layered, poisson: Layered, modulus: Layered = 1.0
-) -> NDArray[np.float64]:
-    """Amplitudes of the four `modes` in every layer under the pressure P_n(cos theta) inside.
-
-    Shape (layers, 4, m), from the inside out; ratios, Poisson's ratios and moduli as for
-    `socket_compliance`. In a layer from radius a to b (over the innermost, so that the first has
-    a = 1), with its Poisson's ratio nu and shear modulus G: ``modes(orders, nu, r/a, b/a)`` times
-    them, summed over the four, is the displacement over a and the stress over 2 G.
-
-    The flexibility of a sphere is a 2x2 matrix of displacement over a per stress. From the outside
-    in, that of a layer's inner sphere follows from that of its outer one; the fixed sphere has
-    none.
-    """
+    n = np.asarray(orders, dtype=float)
     ratios, poissons, moduli = layered(ratio, poisson, modulus)
-    each = np.column_stack([layer_steps(ratios), poissons, moduli / (1 + poissons)])
-    flexibility, layers = np.zeros((2, 2)), []
-    for q, nu, g in each[::-1]:  # outer over inner radius, Poisson's ratio, 2 G
-        inner, outer = (modes(orders, nu, r, q).transpose(2, 0, 1) for r in (1.0, q))
-        held = outer[:, :2] - q * g * flexibility @ outer[:, 2:]
+    flexibility, passed_on = np.zeros((2, 2)), []
+    layers = list(zip(layer_steps(ratios), poissons, moduli / (1 + poissons), strict=True))
+    for step, nu, twice_shear in reversed(layers):
+        inner, outer = (modes(n, nu, r, step).transpose(2, 0, 1) for r in (1.0, step))
+        held = outer[:, :2] - step * twice_shear * flexibility @ outer[:, 2:]
         by_stress = np.linalg.solve(np.hstack([inner[:, 2:], held]), np.eye(4)[:, :2])
-        flexibility = inner[:, :2] @ by_stress / g
-        layers.append((by_stress / g, g * outer[:, 2:]))
-    stress, amplitudes = np.array([[-1.0], [0.0]]), []  # normal and shear, at an inner sphere
-    for by_stress, outer_stress in reversed(layers):
-        amplitudes.append(by_stress @ stress)
-        stress = outer_stress @ amplitudes[-1]
-    return np.array(amplitudes)[..., 0].transpose(0, 2, 1)
+        flexibility = inner[:, :2] @ by_stress / twice_shear
+        passed_on.append((by_stress / twice_shear, twice_shear * outer[:, 2:]))
+    stress, solids = np.array([[-1.0], [0.0]]), []  # normal and shear, at an inner sphere
+    radii = np.append(1.0, ratios)
+    for k, (by_stress, outer_stress) in enumerate(reversed(passed_on)):
+        amplitudes = by_stress @ stress
+        stress = outer_stress @ amplitudes
+        _, nu, twice_shear = layers[k]
+        solids.append(Solid(n, radii[k], radii[k + 1], nu, twice_shear, amplitudes[..., 0].T))
+    return solids
 
 
 def modes(
@@ -158,16 +162,20 @@ def modes(
     return np.array([inner, inner, outer, outer]) * np.array([radial, polar, normal, shear])
 
 
-def _compliance(receptance, resolution, last_order):
-    """Compliance from the receptance of an order, a function."""
-    angles = surface_angles(resolution)
-    last = ORDERS * resolution if last_order is None else last_order
+def _orders(resolution, last_order):
+    """Even orders up to the last one, which is given or follows from the resolution."""
+    elements = len(surface_angles(resolution)) - 1
+    last = ORDERS * elements if last_order is None else last_order
     last = checks.whole("last_order", last, least=2, most=MOST_ORDERS)
     if last % 2:
         raise ValueError(f"last_order must be even, got {last}")
-    orders = np.arange(0, last + 1, 2)
-    norms = 2 * np.pi / (2 * orders + 1)  # of P_n(cos theta) squared over the hemisphere
-    roots = np.sqrt(receptance(orders) * norms)[:, None] * hat_coefficients(resolution, last)
+    return np.arange(0, last + 1, 2)
+
+
+def _compliance(resolution, orders, receptance):
+    """Compliance from the normal displacement of the surface under each P_n(cos theta)."""
+    angles, norms = surface_angles(resolution), 2 * np.pi / (2 * orders + 1)  # of P_n squared
+    roots = np.sqrt(receptance * norms)[:, None] * hat_coefficients(resolution, int(orders[-1]))
     return Compliance(angles, roots.T @ roots, HatFunctions(angles).integrate(np.cos))
 
 

@@ -231,25 +231,10 @@ def _socket_pressure(curve):
     )
 
 
-@dataclass(frozen=True)
-class _Solid:
-    """A body of the series: radii over that of the pressed surface, and amplitudes of the modes."""
-
-    inner: float
-    outer: float
-    poisson: float
-    twice_shear: float  # modulus, over the Young's modulus that the amplitudes are for
-    amplitudes: Floats  # (modes, orders)
-
-
 def _solids(joint, count):
-    """The joint's bodies by their names, with the amplitudes of the first even orders."""
-    n, nu = 2 * np.arange(count), joint.ball.poisson
-    solids = [_Solid(0.0, 1.0, nu, 1 / (1 + nu), series.ball_amplitudes(n, nu))]
-    amplitudes, inner = series.socket_amplitudes(n, *joint.socket_layers), 1.0
-    for outer, nu, modulus, of_layer in zip(*joint.socket_layers, amplitudes, strict=True):
-        solids.append(_Solid(inner, outer, nu, modulus / (1 + nu), of_layer))
-        inner = outer
+    """The joint's bodies by their names, under pressures of the first even orders."""
+    orders, layers = 2 * np.arange(count), joint.socket_layers
+    solids = series.ball(orders, joint.ball.poisson), *series.socket(orders, *layers)
     return dict(zip(joint.materials, solids, strict=True))
 
 
@@ -268,7 +253,7 @@ def _sum(solid, coefficients, radii, table):
         count = len(coefficients)
         if distance > 0:  # a mode of order n = 2 k has decayed by exp(-n distance)
             count = min(count, int(1 + _FELT / distance / 2))
-        legendre, parts = table[:, :count], _parts(solid, 2 * np.arange(count), radius)
+        legendre, parts = table[:, :count], _parts(solid, radius, count)
         radial, shear, hoop, apart = (
             (part[:, None] * coefficients[:count]).T @ legendre[k]
             for part, k in zip(parts, (0, 1, 0, 2), strict=True)
@@ -277,19 +262,17 @@ def _sum(solid, coefficients, radii, table):
     return stress
 
 
-def _parts(solid, orders, radius):
-    """Parts of the stresses at one radius under the pressures P_n, four of shape (orders,).
+def _parts(solid, radius, count):
+    """Parts of the stresses at one radius under the pressures P_n, four of shape (count,).
 
     They are the radial stress, a factor of P_n; the shear stress, of P_n'; half the sum of the hoop
     stresses, of P_n; and half their difference, of P_n'' - P_n' cot(theta).
     """
-    n, nu, r, inner = orders, solid.poisson, radius, solid.inner or 1.0
-    amplitudes = solid.amplitudes[:, : len(n)]
-    modes = series.modes(n, nu, r / inner, solid.outer / inner)[:, : len(amplitudes)]
-    radial, polar, normal, shear = (modes * amplitudes).sum(axis=1)
-    strain = (2 * radial - n * (n + 1) * polar) * inner / r  # both hoop strains
+    n, nu, inner = solid.orders[:count], solid.poisson, solid.inner or 1.0
+    radial, polar, normal, shear = solid.state(radius, count)
+    strain = (2 * radial - n * (n + 1) * polar) * inner / radius  # both hoop strains
     hoop = strain / 2 + nu / (1 - nu) * (normal + strain)
-    return solid.twice_shear * np.array([normal, shear, hoop, polar * inner / r / 2])
+    return solid.twice_shear * np.array([normal, shear, hoop, polar * inner / radius / 2])
 
 
 def _legendre(angles, count):
