@@ -36,22 +36,31 @@ def test_socket_under_uniform_pressure_widens_as_lame(ratio, poisson):
     assert fine < coarse / 4**3  # at least of order 3, as a displacement by quadratic elements
 
 
+def reaction(body):
+    """Axial reaction of a body's supports to the pressure of each hat function."""
+    load = body._hat_loads
+    unbalanced = body._stiffness @ body.solve(load.toarray()) - load.toarray()
+    axial = body._basis.get_dofs(elements=True).all(["u^2"])
+    return np.abs(unbalanced[axial].sum(axis=0))
+
+
 @pytest.mark.parametrize(
-    "compliance",
+    "body",
     [
-        fem.ball_compliance(resolution=64),
-        fem.ball_compliance(drive="clamped", resolution=64),
-        fem.socket_compliance(1.19, resolution=64),
+        fem.ball(resolution=64),
+        fem.ball(drive="clamped", resolution=64),
+        fem.socket(1.19, resolution=64),
     ],
     ids=["plane", "clamped", "socket"],
 )
-def test_compliance_is_symmetric_positive_and_in_balance(compliance):
+def test_compliance_is_symmetric_positive_and_in_balance(body):
+    compliance = body.compliance
     flexibility = compliance.flexibility
     assert (flexibility == flexibility.T).all()
     assert np.linalg.eigvalsh(flexibility).min() > 0
     axial = HatFunctions(compliance.angles).integrate(np.cos)
     smooth = np.exp(-(compliance.angles**2))
-    assert compliance.reaction @ smooth == pytest.approx(axial @ smooth, rel=1e-8)
+    assert reaction(body) @ smooth == pytest.approx(axial @ smooth, rel=1e-8)
 
 
 def test_a_point_drive_depends_on_the_mesh():

@@ -4,6 +4,9 @@ Unilateral contact is this problem, with the pressure p and the gap w. Here A is
 positive definite: there is exactly one solution, and block principal pivoting ends.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
@@ -18,6 +21,15 @@ PATIENCE = 10
 
 class ComplementarityError(StudyError):
     """The pivoting did not end; the message has the residual."""
+
+
+def factorised(factorise: Callable, matrix: NDArray[np.float64]) -> Any:
+    """Cholesky factor by one of SciPy's functions, or a `ComplementarityError`."""
+    try:
+        return factorise(matrix, check_finite=False)
+    except LinAlgError:
+        why = "its matrix is not positive definite"
+        raise ComplementarityError(f"contact did not converge: {why}") from None
 
 
 @one_thread
@@ -65,18 +77,12 @@ def solve(
     active = b < 0 if active is None else np.array(active)
     if active.shape != (size,) or active.dtype != bool:
         raise ValueError(f"active must be {size} of True and False, got {checks.shown(active)}")
-    if max_pivots is None:
-        max_pivots = 20 * size + 100
+    max_pivots = 20 * size + 100 if max_pivots is None else max_pivots
     fewest, patience = size + 1, PATIENCE
     for _ in range(checks.whole("max_pivots", max_pivots, least=1)):
         p = np.zeros(size)
         if active.any():
-            try:
-                block = cho_factor(a[np.ix_(active, active)], check_finite=False)
-            except LinAlgError:
-                raise ComplementarityError(
-                    "contact did not converge: its matrix is not positive definite"
-                ) from None
+            block = factorised(cho_factor, a[np.ix_(active, active)])
             p[active] = cho_solve(block, -b[active], check_finite=False)
         w = b + a[:, active] @ p[active]
         wrong = np.where(active, p < -TOLERANCE * np.abs(p).max(initial=0.0), w < -zero)

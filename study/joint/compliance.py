@@ -6,7 +6,7 @@ Young's modulus, and serves every clearance, depth and modulus.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, wraps
+from functools import cached_property
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -35,26 +35,6 @@ THICKEST_RATIO = 1e6
 """Largest socket ratio: a thicker socket changes the force by less than 1e-6, and takes more rings
 of elements."""
 _ANGLE_SCALE = 0.157  # rad: spacing of the surface's nodes grows from this polar angle on
-
-
-def remembered(maxsize: int) -> Callable[[Callable], Any]:
-    """`functools.lru_cache`; the function itself refuses arguments that cannot be hashed."""
-
-    def make(function):
-        known = lru_cache(maxsize)(function)
-
-        @wraps(known)
-        def call(*args, **kwargs):
-            try:
-                hash((args, *kwargs.values()))
-            except TypeError:
-                return function(*args, **kwargs)
-            return known(*args, **kwargs)
-
-        vars(call)["cache_clear"] = known.cache_clear
-        return call
-
-    return make
 
 
 def graded(length: float, scale: float, count: int) -> NDArray[np.float64]:
@@ -121,16 +101,13 @@ class Compliance:
     flexibility
         Integral of h_i w_j over the surface, symmetric and positive definite, shape (n, n). For
         radius R and modulus E it scales by R/E.
-    reaction
-        Axial reaction of the body's supports to the pressure h_j on a unit sphere; shape (n,).
     """
 
     angles: NDArray[np.float64]
     flexibility: NDArray[np.float64]
-    reaction: NDArray[np.float64]
 
     def __post_init__(self):
-        for array in (self.angles, self.flexibility, self.reaction):
+        for array in (self.angles, self.flexibility):
             array.flags.writeable = False
 
     @cached_property
@@ -145,7 +122,7 @@ class Compliance:
         """The same body under the hats between every second node, which are sums of its own."""
         angles = self.angles[::2]
         sums = HatFunctions(angles).values(self.angles).T
-        return Compliance(angles, sums @ (sums @ self.flexibility).T, sums @ self.reaction)
+        return Compliance(angles, sums @ (sums @ self.flexibility).T)
 
 
 class HatFunctions:

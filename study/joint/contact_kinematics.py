@@ -7,12 +7,12 @@ radii R2, pressures in E* dR/R2 and depths in dR. Arguments are not checked here
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cholesky, solve_triangular, solveh_banded
+from scipy.linalg import cholesky, solve_triangular, solveh_banded
 
 from study.joint import complementarity
 from study.joint.compliance import Compliance, HatFunctions, surface_angles
@@ -154,29 +154,24 @@ def _contact(matrix, gaps, axial, reach):
     of a smaller contact. It ends before the node that would be pulled, and is sought among the
     nodes in ``reach``. If pressure or gap is negative after all, pivoting finds it.
     """
-    known, solved = factor(matrix[:reach, :reach], np.vstack([gaps, axial])[:, :reach])
+    lower, solved = factor(matrix[:reach, :reach], np.vstack([gaps, axial])[:, :reach])
     pulled = np.column_stack([solved[:-1] >= 0, np.ones(len(gaps), dtype=bool)])
     ends, pressure = pulled.argmax(axis=1), np.zeros(len(axial))
-    part, of_gap = known[: ends[0], : ends[0]], solved[0, : ends[0]]
+    part, of_gap = lower[: ends[0], : ends[0]], solved[0, : ends[0]]
     pressure[: ends[0]] = solve_triangular(part, -of_gap, lower=True, trans=1, check_finite=False)
     gap = gaps[0] + matrix[:, : ends[0]] @ pressure[: ends[0]]
     zero = complementarity.TOLERANCE
     if pressure.min() < 0 or gap.min() < -zero * np.abs(gaps[0]).max():
-        found = [complementarity.solve(matrix, of_one, pressure > 0)[0] for of_one in gaps]
-        return found[0], found @ axial
+        pressures = [complementarity.solve(matrix, gap, pressure > 0)[0] for gap in gaps]
+        return pressures[0], pressures @ axial
     forces = np.cumsum(-solved[:-1] * solved[-1], axis=1)
     return pressure, np.where(ends > 0, forces[np.arange(len(gaps)), ends - 1], 0.0)
 
 
 def factor(matrix: Floats, right: Floats) -> tuple[Floats, Floats]:
     """Lower Cholesky factor of a contact matrix, and the rows of (m, n) solved with it."""
-    try:
-        known = cholesky(matrix, lower=True, check_finite=False)
-    except LinAlgError:
-        raise complementarity.ComplementarityError(
-            "contact did not converge: its matrix is not positive definite"
-        ) from None
-    return known, solve_triangular(known, right.T, lower=True, check_finite=False).T
+    lower = complementarity.factorised(partial(cholesky, lower=True), matrix)
+    return lower, solve_triangular(lower, right.T, lower=True, check_finite=False).T
 
 
 @one_thread

@@ -8,7 +8,7 @@ triangles converges with order 3 to 4. Contact is solved by `study.joint.curve`.
 """
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -42,7 +42,6 @@ from study.joint.compliance import (
     layer_ratios,
     layer_steps,
     layered,
-    remembered,
     surface_angles,
 )
 from study.threads import one_thread
@@ -122,9 +121,8 @@ class Body:
         self._basis = Basis(mesh, self._element, intorder=4 if quadratic else 2)
         self.size = self._basis.N
         self._stiffness = _elasticity(*self._lame).assemble(self._basis)
-        fixed = [(c, _of(self._dofs(name), c)) for name, cs in held.items() for c in cs]
-        self._support = np.unique(np.concatenate([dofs for c, dofs in fixed if c == "z"]))
-        self._free = np.setdiff1d(np.arange(self.size), np.concatenate([d for _, d in fixed]))
+        fixed = [_of(self._dofs(name), c) for name, components in held.items() for c in components]
+        self._free = np.setdiff1d(np.arange(self.size), np.concatenate(fixed))
         self._factor = splu(
             self._stiffness[self._free][:, self._free].tocsc(),
             permc_spec="MMD_AT_PLUS_A",
@@ -179,14 +177,9 @@ class Body:
     def compliance(self) -> Compliance:
         """`Compliance` of the surface: the body solved for every hat function of pressure."""
         load = self._hat_loads
-        displacement = self.solve(load.toarray())
-        flexibility = load.T @ displacement
-        balance = self._stiffness[self._support] @ displacement - load[self._support].toarray()
-        angles, reaction = (
-            np.arctan2(*self._mesh.p[:, : load.shape[1]]),
-            np.abs(balance.sum(axis=0)),
-        )
-        return Compliance(angles, (flexibility + flexibility.T) / 2, reaction)
+        flexibility = load.T @ self.solve(load.toarray())
+        angles = np.arctan2(*self._mesh.p[:, : load.shape[1]])
+        return Compliance(angles, (flexibility + flexibility.T) / 2)
 
     @cached_property
     def _hat_loads(self):
@@ -243,7 +236,7 @@ class Body:
         return [csr_array((v, places), shape=shape) for v in np.concatenate(values, axis=1)]
 
 
-@remembered(maxsize=2)
+@lru_cache(maxsize=2)
 @one_thread
 def ball(
     poisson: float = 0.3,
@@ -262,7 +255,7 @@ def ball(
     return Body(ball_mesh(resolution, nodes), lame, {"axis": "r"} | support)
 
 
-@remembered(maxsize=2)
+@lru_cache(maxsize=2)
 @one_thread
 def socket(
     ratio: Layered,
@@ -285,13 +278,13 @@ def socket(
     return Body(mesh, (first, second), held)
 
 
-@remembered(maxsize=32)
+@lru_cache(maxsize=32)
 def ball_compliance(*args: Any, **kwargs: Any) -> Compliance:
     """`Compliance` of a `ball`; same arguments, same errors."""
     return ball(*args, **kwargs).compliance
 
 
-@remembered(maxsize=32)
+@lru_cache(maxsize=32)
 def socket_compliance(*args: Any, **kwargs: Any) -> Compliance:
     """`Compliance` of a `socket`; same arguments, same errors."""
     return socket(*args, **kwargs).compliance

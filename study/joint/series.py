@@ -22,14 +22,12 @@ from study.joint.compliance import (
     Layered,
     layer_steps,
     layered,
-    remembered,
     surface_angles,
 )
 from study.threads import one_thread
 
 ORDERS = 16
 """Orders per element: more change the force by less than 1e-6, the peak pressure by 1e-5."""
-MOST_ORDERS = 100_000
 
 
 @dataclass(frozen=True)
@@ -59,28 +57,23 @@ class Solid:
         return (at_radius[:, : len(amplitudes)] * amplitudes).sum(axis=1)
 
 
-@remembered(maxsize=32)
+@lru_cache(maxsize=32)
 @one_thread
-def ball_compliance(
-    poisson: float = 0.3, resolution: int = RESOLUTION["series"], last_order: int | None = None
-) -> Compliance:
+def ball_compliance(poisson: float = 0.3, resolution: int = RESOLUTION["series"]) -> Compliance:
     """Compliance of a solid ball that is symmetric about its equatorial plane.
 
     The ``resolution`` is the number of pressure elements along the quarter circle, a multiple of
-    16. The series ends at the even ``last_order``, by default at `ORDERS` per element. A value
-    outside its range is a ``ValueError``.
+    16. The series ends after `ORDERS` per element. A value outside its range is a ``ValueError``.
     """
-    orders = _orders(resolution, last_order)
-    return _compliance(resolution, orders, -ball(orders, poisson).state(1.0)[0])
+    return _compliance(resolution, lambda orders: -ball(orders, poisson).state(1.0)[0])
 
 
-@remembered(maxsize=32)
+@lru_cache(maxsize=32)
 @one_thread
 def socket_compliance(
     ratio: Layered,
     poisson: Layered = 0.3,
     resolution: int = RESOLUTION["series"],
-    last_order: int | None = None,
     modulus: Layered = 1.0,
 ) -> Compliance:
     """Compliance of a shell fixed on its outer sphere, symmetric about the equator.
@@ -89,9 +82,11 @@ def socket_compliance(
     the inside out, has its ratio to the innermost radius, Poisson's ratio and Young's ``modulus``;
     a first modulus of 1 makes it the unit.
     """
-    orders = _orders(resolution, last_order)
-    innermost, *_ = socket(orders, ratio, poisson, modulus)
-    return _compliance(resolution, orders, innermost.state(1.0)[0])
+
+    def receptance(orders):
+        return socket(orders, ratio, poisson, modulus)[0].state(1.0)[0]
+
+    return _compliance(resolution, receptance)
 
 
 def ball(orders: ArrayLike, poisson: float) -> Solid:
@@ -162,21 +157,14 @@ def modes(
     return np.array([inner, inner, outer, outer]) * np.array([radial, polar, normal, shear])
 
 
-def _orders(resolution, last_order):
-    """Even orders up to the last one, which is given or follows from the resolution."""
-    elements = len(surface_angles(resolution)) - 1
-    last = ORDERS * elements if last_order is None else last_order
-    last = checks.whole("last_order", last, least=2, most=MOST_ORDERS)
-    if last % 2:
-        raise ValueError(f"last_order must be even, got {last}")
-    return np.arange(0, last + 1, 2)
-
-
-def _compliance(resolution, orders, receptance):
-    """Compliance from the normal displacement of the surface under each P_n(cos theta)."""
-    angles, norms = surface_angles(resolution), 2 * np.pi / (2 * orders + 1)  # of P_n squared
-    roots = np.sqrt(receptance * norms)[:, None] * hat_coefficients(resolution, int(orders[-1]))
-    return Compliance(angles, roots.T @ roots, HatFunctions(angles).integrate(np.cos))
+def _compliance(resolution, receptance):
+    """Compliance from the surface's displacement under each P_n(cos theta), a function of n."""
+    angles = surface_angles(resolution)
+    orders = np.arange(0, ORDERS * resolution + 1, 2)
+    norms = 2 * np.pi / (2 * orders + 1)  # of P_n(cos theta) squared over the hemisphere
+    coefficients = hat_coefficients(resolution, ORDERS * resolution)
+    roots = np.sqrt(receptance(orders) * norms)[:, None] * coefficients
+    return Compliance(angles, roots.T @ roots)
 
 
 @lru_cache(maxsize=4)
