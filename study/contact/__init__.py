@@ -16,23 +16,3 @@ from study.contact.laws import (
     winkler,
 )
 from study.contact.materials import Material, material
-
-__all__ = [
-    "LAWS",
-    "PAPER_LAWS",
-    "SOCKET_RATIO",
-    "JointLaw",
-    "LawName",
-    "Material",
-    "composite_modulus",
-    "hertz",
-    "hyperbolic_winkler",
-    "largest_depth",
-    "liu",
-    "material",
-    "sampled",
-    "steuermann",
-    "stiffened_hertz",
-    "tabulated",
-    "winkler",
-]

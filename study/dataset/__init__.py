@@ -13,17 +13,3 @@ from study.dataset.store import (
     summary,
     verify_files,
 )
-
-__all__ = [
-    "DatasetError",
-    "links",
-    "load",
-    "measured",
-    "others",
-    "paper_curves",
-    "published",
-    "published_table_2",
-    "reference_forces",
-    "summary",
-    "verify_files",
-]

@@ -22,24 +22,3 @@ from study.joint.dimensional import DimensionalJoint, DimensionalSolution
 from study.joint.joint import Joint, Kinematics, Layer, paper_joint
 from study.joint.nested_contact import whole_curve
 from study.joint.stress import FirstYield, LargestStress, first_yield
-
-__all__ = [
-    "DimensionalJoint",
-    "DimensionalSolution",
-    "Drive",
-    "FirstYield",
-    "ForceCurve",
-    "Joint",
-    "Kinematics",
-    "LargestStress",
-    "Layer",
-    "Material",
-    "Rim",
-    "Solver",
-    "UnresolvedError",
-    "first_yield",
-    "force_curve",
-    "material",
-    "paper_joint",
-    "whole_curve",
-]
