@@ -25,13 +25,6 @@ def composite_modulus(
     return 1 / compliance
 
 
-def clearance_and_r2_star(ball_radius: float, socket_radius: float) -> tuple[float, float]:
-    """Clearance dR = R2 - R1, in m, and R2/dR; the radii, in m, must have 0 < R1 < R2."""
-    r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
-    r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
-    return r2 - r1, r2 / (r2 - r1)
-
-
 def largest_depth(r2_star: float) -> float:
     """Depth d/dR = sqrt(2 R2* - 1) - 1 at which the spheres meet in the ball's equator."""
     return np.sqrt(2 * r2_star - 1) - 1

@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.contact import shapes
-from study.contact.bodies import clearance_and_r2_star
-from study.contact.laws import LIMIT_MARGIN, AnyLaw, Floats, find
+from study.contact.laws import LIMIT_MARGIN, AnyLaw, Floats, evaluated, find
 
 BODIES = ("socket_ratio", "modulus_ratio", "poisson", "socket_poisson")
 """Options of `study.contact.stiffened_hertz` that a joint in SI units must give."""
@@ -61,10 +60,12 @@ class JointLaw:
     ) -> None:
         dimensionless = find(law)
         self.name = dimensionless.parts.__name__
-        self.clearance, self.r2_star = clearance_and_r2_star(ball_radius, socket_radius)
-        modulus = composite_modulus
-        modulus = checks.number("composite modulus", modulus, "Pa", above=0, scalar=True)
-        self.composite_modulus = modulus
+        r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
+        r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
+        self.clearance, self.r2_star = r2 - r1, r2 / (r2 - r1)
+        self.composite_modulus = checks.number(
+            "composite modulus", composite_modulus, "Pa", above=0, scalar=True
+        )
         known = list(signature(dimensionless.parts).parameters)[1:] or ["(it has none)"]
         for option in options:
             checks.choice(f"option of {self.name}", option, known)
@@ -118,11 +119,7 @@ class JointLaw:
             most = self.deepest * (1 + LIMIT_MARGIN)
             checks.number(f"depth of {self.name}", depths, "m", most=most)
         depth_star = np.asarray(checks.depth("depth over clearance", depths / self.clearance))
-        result, contact = np.zeros(depths.shape), depths > 0
-        scale, shape, constants = self.parts
-        value = shape(depth_star[contact], constants)[derivative]
-        result[contact] = self._unit(derivative) * (scale * value)
-        return float(result) if result.ndim == 0 else result
+        return self._unit(derivative) * evaluated(self.parts, depth_star, derivative)
 
     def _inverted(self, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
         """Depths in clearances at which the shape has given values > 0."""

@@ -72,15 +72,12 @@ def _law(
         except ValueError:
             wanted = "depth_star and r2_star must have shapes that broadcast"
             raise ValueError(f"{wanted}, got {depth.shape} and {r2.shape}") from None
-        contact = depth > 0
-        scale, shape, constants = parts(r2[contact], **options)
-        limit = shapes.LIMITS.get(shape, deepest)
+        of_r2_star = parts(r2[depth > 0], **options)
+        limit = shapes.LIMITS.get(of_r2_star[1], deepest)
         if limit is not None:
             name = f"depth_star of {parts.__name__}"
             checks.number(name, depth, most=limit * (1 + LIMIT_MARGIN))
-        result = np.zeros(depth.shape)
-        result[contact] = scale * shape(depth[contact], constants)[int(derivative)]
-        return float(result) if result.ndim == 0 else result
+        return evaluated(of_r2_star, depth, int(derivative))
 
     r2_star, *options = signature(parts).parameters.values()
     r2_star = r2_star.replace(annotation=ArrayLike)
@@ -89,6 +86,17 @@ def _law(
     returns = Signature(given, return_annotation=Floats)
     vars(law).update(parts=parts, deepest=deepest, joint=joint, __signature__=returns)
     return cast(Law, law)
+
+
+def evaluated(parts: Parts, depth_star: NDArray[np.float64], derivative: int) -> Any:
+    """Dimensionless force, or its derivative by the depth, of a law at some R2*; 0 at depths <= 0.
+
+    The scale and the constants are one for all depths, or one for each depth > 0.
+    """
+    scale, shape, constants = parts
+    result, contact = np.zeros(depth_star.shape), depth_star > 0
+    result[contact] = scale * shape(depth_star[contact], constants)[derivative]
+    return float(result) if result.ndim == 0 else result
 
 
 @_law
@@ -218,9 +226,10 @@ def stiffened_hertz(
     free = checks.choice("rim of stiffened_hertz", rim, ("mirror", "free"))
     share = hertz_correction.share_of_ball(modulus_ratio, poisson, socket_poisson)
     bodies = share, poisson, socket_poisson, socket_ratio
-    of = np.asarray(r2_star)
-    one = of[:1] if of.ndim and (of == of[:1]).all() else of  # nearly always there is only one
-    constants = hertz_correction.powers(one, bodies, clamped == "clamped", free == "free")
+    radii = np.asarray(r2_star)
+    if radii.ndim and (radii == radii[:1]).all():  # nearly always: the table is looked up once
+        radii = radii[:1]
+    constants = hertz_correction.powers(radii, bodies, clamped == "clamped", free == "free")
     return hertz.parts(r2_star)[0], shapes.stiffened, constants
 
 
@@ -344,35 +353,19 @@ def find(law: AnyLaw) -> Law:
 
 
 def _coefficient(law, r2_star, given=None):
+    """Coefficient of a law as it is given, or as fitted for 20 <= R2* <= 300."""
     if given is not None:
         return checks.number(f"coefficient of {law}", given, above=0, scalar=True)
-    fit = _fitted(law)
-    return fit["slope"] * r2_star + fit["intercept"]
-
-
-def _fitted(law):
-    fits = fitted_coefficients()
-    if law not in fits:
-        raise _unusable(f"lacks {law}")
-    return fits[law]
+    try:
+        fit = fitted_coefficients()[law]
+        return float(fit["slope"]) * r2_star + float(fit["intercept"])
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        file = f"study/contact/{COEFFICIENTS.name}"
+        why = f"is missing or damaged, or lacks {law}"
+        raise checks.StudyError(f"{file} {why}; rebuild it with: study data build") from None
 
 
 @lru_cache(maxsize=1)
 def fitted_coefficients() -> dict[str, Any]:
-    """Coefficients of the fitted laws, from ``coefficients.json``, or `study.checks.StudyError`.
-
-    A coefficient is slope R2* + intercept, fitted for 20 <= R2* <= 300.
-    """
-    try:
-        fits = json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
-        for fit in fits.values():
-            for name in ("slope", "intercept"):
-                float(fit[name])
-        return fits
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        raise _unusable("is missing or damaged") from None
-
-
-def _unusable(why):
-    file = f"study/contact/{COEFFICIENTS.name}"
-    return checks.StudyError(f"{file} {why}; rebuild it with: study data build")
+    """Content of ``coefficients.json``: ``slope`` and ``intercept`` of every fitted coefficient."""
+    return json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
