@@ -65,7 +65,7 @@ if store.COEFFICIENTS in MADE:
         published: Path = store.TABLES,
         coefficients: Annotated[Path, Product] = store.COEFFICIENTS,
     ):
-        fits = fitting.fit_all(pd.read_csv(table), pd.read_csv(published))
+        fits = fitting.fit_laws(pd.read_csv(table), pd.read_csv(published))
         with paths.whole(coefficients) as temporary:
             temporary.write_text(json.dumps(fits, indent=2) + "\n", encoding="utf-8")
 

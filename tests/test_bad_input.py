@@ -286,7 +286,7 @@ def study_rows():
         force_star=(np.ones(21), LIST),
         published_determination=(-1.6, (*NUMBER, 2)),
     )
-    yield from rows(partial(fitting.fit_laws, liu_determination=-1.6), curves=(None, TABLE))
+    yield from rows(partial(fitting.fit_laws, published=None), curves=(None, TABLE))
     yield from rows(
         choose.choose,
         joint=(Joint(200), THING),

@@ -78,7 +78,7 @@ def test_filters_select_rows():
     assert list(rows.index) == list(range(80))
     with pytest.raises(ValueError, match="r2_star must be one of 20, 40.*got 77"):
         dataset.load(r2_star=77)
-    with pytest.raises(ValueError, match="group must be one of paper, ratio.*, got liner"):
+    with pytest.raises(ValueError, match="ball_drive must be one of plane, got clamped"):
         dataset.load(group="liner", ball_drive="clamped")
     with pytest.raises(ValueError, match="column must be one of group.*got 'radius'"):
         dataset.load(radius=1)

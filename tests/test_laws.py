@@ -5,13 +5,14 @@ import re
 
 import mpmath
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from study import contact, dataset
 from study.contact import laws
-from study.dataset import fitting
+from study.dataset import fitting, store
 from study.joint import Joint, force_curve
 
 depths = st.floats(1e-6, 0.999)
@@ -225,9 +226,7 @@ def test_bad_input_is_one_clear_error(call, message):
 
 def test_stored_coefficients_are_the_fit_to_the_stored_curves():
     stored = json.loads(laws.COEFFICIENTS.read_text())
-    fitted = fitting.fit_laws(
-        dataset.paper_curves(), dataset.published_table_2().determination["liu"]
-    )
+    fitted = fitting.fit_laws(dataset.load(), pd.read_csv(store.TABLES))
     assert set(fitted) <= set(stored)
     for law in fitted:
         assert stored[law] == pytest.approx(fitted[law], rel=1e-7)

@@ -116,22 +116,17 @@ def liu_coefficient(
     return float((force.sum() - missing) / (R2_STAR * shape.sum()))
 
 
-def fit_all(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict]:
-    """All of `study.contact.laws.fitted_coefficients`, from the dataset.
+def fit_laws(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict[str, float]]:
+    """Content of ``coefficients.json``: the paper's fitted laws, for 20 <= R2* <= 300.
 
-    ``published`` is ``data/published/tables.csv``, for Liu's law.
+    ``curves`` are those of the dataset; ``published`` is ``data/published/tables.csv``, for Liu's
+    law.
     """
-    paper = curves[(curves.group == "paper") & (curves.kinematics == PAPER_KINEMATICS)]
+    columns = ("group", "kinematics", "r2_star", "depth_star", "force_star")
+    checks.frame("curves", curves, columns)
+    curves = curves[(curves.group == "paper") & (curves.kinematics == PAPER_KINEMATICS)]
     stated = published.set_index(["where", "row", "quantity"]).value
-    return fit_laws(paper, -stated["Table 2", "liu", "determination"])  # published without sign
-
-
-def fit_laws(curves: pd.DataFrame, liu_determination: float) -> dict[str, dict[str, float]]:
-    """``slope`` and ``intercept`` of the paper's fitted laws, over its range 20 <= R2* <= 300.
-
-    The curves are those of one set-up; ``liu_determination`` is Liu's published one, with its sign.
-    """
-    checks.frame("curves", curves, ("r2_star", "depth_star", "force_star"))
+    liu_determination = -stated["Table 2", "liu", "determination"]  # published without its sign
     fits = {}
     for law in FITTED_LAWS:
         cases = coefficients_by_case(law, curves[curves.r2_star <= LARGEST_R2_STAR])

@@ -11,7 +11,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.contact import hertz, hertz_correction
+from study.contact import hertz
+from study.contact.hertz_correction import (
+    DEGREES,
+    LEAST_R2_STAR,
+    PLACES,
+    RANGES,
+    SUPPORTS,
+    UNIT,
+)
 from study.joint import Joint, Material
 from study.joint.compliance import DRIVES, RIMS
 from study.joint.nested_contact import depths_and_forces
@@ -40,49 +48,46 @@ def logarithms(socket_poisson: float, counts: dict[str, int]) -> NDArray[np.floa
     places = grid(counts)
     shares = np.clip(places["share"], 2e-9, 1 - 2e-9)  # nearly rigid
     axes = places["socket_ratio"], shares, places["poisson"], places["r2_star"]
-    found = np.empty((*(len(axis) for axis in axes), 2, 2, len(hertz_correction.PLACES)))
-    for *at, drive, rim in np.ndindex(found.shape[:-1]):
+    solved = np.empty((*(len(axis) for axis in axes), 2, 2, len(PLACES)))
+    for *at, drive, rim in np.ndindex(solved.shape[:-1]):
         ratio, share, poisson, r2_star = (axis[k] for axis, k in zip(axes, at, strict=True))
         ball = Material((1 - poisson**2) / share, poisson)
         socket = Material((1 - socket_poisson**2) / (1 - share), socket_poisson)
         joint = Joint(r2_star, ratio, ball, socket, DRIVES[drive], RIMS[rim])
         resolution = FINER if joint.series_applies else RESOLUTION
         resolution = COARSER if counts["r2_star"] > 1 else resolution
-        found[*at, drive, rim] = _at_places(joint, *depths_and_forces(joint, DEEPEST, resolution))
-    return found
+        solved[*at, drive, rim] = _at_places(joint, *depths_and_forces(joint, DEEPEST, resolution))
+    return solved
 
 
 def grid(counts: dict[str, int]) -> dict[str, NDArray[np.float64]]:
     """Values of the joint's coordinates in the table, at Chebyshev's places, by their names."""
-    low, high = hertz_correction.RANGES["poisson"]
-    limits: dict[str, tuple[float, float]] = {
-        "share": (0, 1),
-        "poisson": (np.log(1 - 1.8 * low), np.log(1 - 1.8 * high)),
-        "socket_ratio": (np.log(1 - 1 / hertz_correction.RANGES["socket_ratio"][0]), -1 / THICK),
-        "r2_star": (1 / LARGEST, 1 / hertz_correction.LEAST_R2_STAR),
+    by_poisson = (
+        *(np.log(1 - 1.8 * nu) for nu in RANGES["poisson"]),
+        lambda x: (1 - np.exp(x)) / 1.8,
+    )
+    thinnest = np.log(1 - 1 / RANGES["socket_ratio"][0])
+    axes: dict[str, tuple[float, float, Callable]] = {  # ends, and the value at a place between
+        "share": (0, 1, np.square),
+        "poisson": by_poisson,
+        "socket_ratio": (thinnest, -1 / THICK, lambda x: 1 / (1 - np.exp(x))),
+        "r2_star": (1 / LARGEST, 1 / LEAST_R2_STAR, lambda x: 1 / x),
+        "socket_poisson": by_poisson,
     }
-    limits["socket_poisson"] = limits["poisson"]
-    values: dict[str, Callable] = {
-        "share": np.square,
-        "poisson": lambda x: (1 - np.exp(x)) / 1.8,
-        "socket_poisson": lambda x: (1 - np.exp(x)) / 1.8,
-        "socket_ratio": lambda x: 1 / (1 - np.exp(x)),
-        "r2_star": lambda x: 1 / x,
-    }
-    found = {}
-    for name, (least, most) in limits.items():
+    values = {}
+    for name, (least, most, value) in axes.items():
         share = (1 - np.cos(np.pi * np.arange(counts[name]) / max(counts[name] - 1, 1))) / 2
-        found[name] = values[name](least + (most - least) * share)
-    return found
+        values[name] = value(least + (most - least) * share)
+    return values
 
 
 def _at_places(joint, depth, force):
     """Ln S at `PLACES`, from the best polynomial in u for S - 1, which is 0 at u = 0."""
     factor, root = force / hertz(depth, joint.r2_star), np.sqrt(depth)
-    powers = np.arange(1, len(hertz_correction.PLACES) + 1)
+    powers = np.arange(1, len(PLACES) + 1)
     terms = (root / (1 + root))[:, None] ** powers / factor[:, None]
-    found = np.linalg.lstsq(terms, 1 - 1 / factor, rcond=None)[0]
-    return np.log1p(hertz_correction.PLACES[:, None] ** powers @ found)
+    coefficients = np.linalg.lstsq(terms, 1 - 1 / factor, rcond=None)[0]
+    return np.log1p(PLACES[:, None] ** powers @ coefficients)
 
 
 def table(
@@ -93,26 +98,24 @@ def table(
     Both arguments are `logarithms` for each Poisson's ratio of the socket: on the grid of `LIMITS`,
     for infinite R2*, and on that of `CHANGES`, of which only the changes with R2* are used.
     """
-    values = np.zeros((*(max(LIMITS[n], CHANGES[n]) for n in hertz_correction.DEGREES), 2, 2, 9))
+    terms = np.zeros((*(max(LIMITS[n], CHANGES[n]) for n in DEGREES), 2, 2, len(PLACES)))
     for part, counts in ((limits, LIMITS), (changes, CHANGES)):
         shape = [counts[name] for name in _ORDER]
-        found = np.reshape(part, (*shape, 2, 2, 9)).transpose(2, 3, 0, 1, 4, 5, 6, 7)
-        found = found - found[:, :, :, :, :1] if counts is CHANGES else found
-        for axis, name in enumerate(hertz_correction.DEGREES):
+        values = np.reshape(part, (*shape, *terms.shape[5:])).transpose(2, 3, 0, 1, 4, 5, 6, 7)
+        values = values - values[:, :, :, :, :1] if counts is CHANGES else values
+        for axis, name in enumerate(DEGREES):
             orders = np.arange(counts[name])
             at = np.cos(np.pi * np.outer(orders[::-1], orders) / max(orders[-1], 1))
-            found = np.moveaxis(np.tensordot(np.linalg.inv(at), found, (1, axis)), 0, axis)
-        values[tuple(slice(n) for n in found.shape)] += found
-    values[..., 1, 1, :] -= values[..., 1, 0, :] + values[..., 0, 1, :] - values[..., 0, 0, :]
-    values[..., 1, 0, :] -= values[..., 0, 0, :]
-    values[..., 0, 1, :] -= values[..., 0, 0, :]
-    kept = np.argwhere(np.abs(values).max(axis=-1) >= SMALLEST)
-    names = [
-        *hertz_correction.DEGREES,
-        *hertz_correction.SUPPORTS,
-        *(f"at_{k}" for k in range(1, 10)),
-    ]
-    whole = np.rint(values[tuple(kept.T)] / hertz_correction.UNIT).astype(int)
-    rows = pd.DataFrame(np.hstack([kept, whole]), columns=names)
-    first = [*hertz_correction.SUPPORTS, *hertz_correction.DEGREES]
-    return rows.sort_values(first)[first + names[7:]]
+            values = np.moveaxis(np.tensordot(np.linalg.inv(at), values, (1, axis)), 0, axis)
+        terms[tuple(slice(n) for n in values.shape)] += values
+    # a law sums the terms of its supports: those of both, clamped and free, are what is beyond the
+    # sum of those of one, and these are what is beyond the default supports
+    terms[..., 1, 1, :] -= terms[..., 1, 0, :] + terms[..., 0, 1, :] - terms[..., 0, 0, :]
+    terms[..., 1, 0, :] -= terms[..., 0, 0, :]
+    terms[..., 0, 1, :] -= terms[..., 0, 0, :]
+    kept = np.argwhere(np.abs(terms).max(axis=-1) >= SMALLEST)
+    places = [f"at_{k}" for k in range(1, len(PLACES) + 1)]
+    whole = np.rint(terms[tuple(kept.T)] / UNIT).astype(int)
+    rows = pd.DataFrame(np.hstack([kept, whole]), columns=[*DEGREES, *SUPPORTS, *places])
+    first = [*SUPPORTS, *DEGREES]
+    return rows.sort_values(first)[first + places]

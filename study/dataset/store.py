@@ -53,28 +53,22 @@ def load(**filters: object) -> pd.DataFrame:
     DatasetError
         As `verify_files`.
     ValueError
-        For an unknown column, or filters that leave no row.
+        For an unknown column, an unknown value, or a filter that leaves no row.
     """
-    frame = _read(CURVES, keep_default_na=False)  # no layers: an empty text
-    for column in filters:
-        checks.choice("column", column, tuple(frame.columns))
-    asked = {column: _values(column, wanted) for column, wanted in filters.items()}
-    found = {column: frame[column].isin(values) for column, values in asked.items()}
-    matches = pd.DataFrame(found, index=frame.index)
-    keep = matches.all(axis=1)
-    for column, values in asked.items():
-        others = matches.drop(columns=column).all(axis=1)  # what is left without this filter
-        unknown = set(values) - set(frame[column])
-        if unknown or (others.any() and not keep.any()):
-            held = frame[column][others if others.any() else ~keep].unique()
+    curves = frame = _read(CURVES, keep_default_na=False)  # no layers: an empty text
+    for column, wanted in filters.items():
+        checks.choice("column", column, tuple(curves.columns))
+        values = _values(column, wanted)
+        left = frame[frame[column].isin(values)]
+        unknown = set(values) - set(curves[column])
+        if unknown or left.empty:
+            held = (curves if unknown else frame)[column].unique()
             names = [f"{v:g}" if isinstance(v, float) else str(v) for v in held[:30]]
             known = ", ".join(names + ["..."] * (len(held) > 30))
             got = ", ".join(map(str, unknown or values))
             raise ValueError(f"{column} must be one of {known}, got {got}")
-    if not keep.any():
-        text = ", ".join(f"{column} = {values}" for column, values in asked.items())
-        raise ValueError(f"filters must leave a case, but none has {text}")
-    return frame[keep].reset_index(drop=True)
+        frame = left
+    return frame.reset_index(drop=True)
 
 
 def _values(column, wanted):
@@ -117,9 +111,8 @@ def published_table_2() -> pd.DataFrame:
     """
     table = published("Table 2").rename({"proposed": "hyperbolic_winkler"}).unstack()
     table = table.loc[list(contact.PAPER_LAWS), ["determination", "determination_adjusted", "RMSE"]]
-    table[["determination", "determination_adjusted"]] = table[
-        ["determination", "determination_adjusted"]
-    ].where(table.determination < 1, -table)
+    signed = ["determination", "determination_adjusted"]
+    table[signed] = table[signed].where(table.determination < 1, -table)
     return table
 
 
