@@ -49,10 +49,11 @@ def material(given: str | Material) -> Material:
         For an unknown name, with the known ones, or a value outside its range. The least Young's
         modulus is `study.checks.SOFTEST`.
     """
-    text = isinstance(given, str)
-    found = checks.instance("material", _of_text(given) if text else given, Material)
-    checks.youngs_modulus("Young's modulus", found.youngs_modulus)
-    return found
+    given = _of_text(given) if isinstance(given, str) else given
+    checks.youngs_modulus(
+        "Young's modulus", checks.instance("material", given, Material).youngs_modulus
+    )
+    return given
 
 
 def _of_text(text):

@@ -90,8 +90,8 @@ def _liners():
             ratio = {"socket_ratio": round(1 + h, 3)}
             name = f"liner-{h:g}-{nu:g}"
             yield SetUp("liner", name, ratio, nu, 1e-8, (10_000,), depths=ROOT_DEPTHS[1::2])
-    for name, (r2_star, *each) in REAL_LINERS.items():
-        layers = tuple(Layer(q, Material(modulus, nu)) for q, modulus, nu in each)
+    for name, (r2_star, *bodies) in REAL_LINERS.items():
+        layers = tuple(Layer(q, Material(modulus, nu)) for q, modulus, nu in bodies)
         joint, depths = {"layers": layers}, ROOT_DEPTHS[1::2]
         yield SetUp("liner", name, joint, r2_stars=(r2_star,), depths=depths)
 
@@ -170,10 +170,10 @@ DESIGN = (
 def batches() -> Iterator[list[tuple[str, str, Joint, tuple[float, ...]]]]:
     """Group, name, joint and depths of all cases, in lists that take seconds and share bodies."""
     cases = [(s.group, name, joint, s.depths) for s in DESIGN for name, joint in s.cases()]
-    for (_, finite, by_series), alike in groupby(cases, _kind):
-        some, size = list(alike), 1 if finite else 12 if by_series else 36
-        for k in range(0, len(some), size):
-            yield some[k : k + size]
+    for (_, finite, by_series), of_kind in groupby(cases, _kind):
+        batch, size = list(of_kind), 1 if finite else 12 if by_series else 36
+        for k in range(0, len(batch), size):
+            yield batch[k : k + size]
 
 
 def _kind(case):

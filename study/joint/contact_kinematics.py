@@ -19,6 +19,7 @@ from study.joint.compliance import Compliance, HatFunctions, surface_angles
 from study.threads import one_thread
 
 if TYPE_CHECKING:
+    from study.joint.curve import ForceCurve
     from study.joint.fem import Body
     from study.joint.joint import Joint
 
@@ -114,12 +115,13 @@ def _faced(ball_radius, eccentricity, angles):
     return np.arctan2(ball_radius * np.sin(angles), ball_radius * np.cos(angles) + eccentricity)
 
 
-def socket_pressure(joint: Joint, angles: Floats, depths: Floats, pressure: Floats) -> Floats:
-    """Pressure on the socket (k, n) by that on the ball: facing areas carry equal forces."""
+def socket_pressure(curve: ForceCurve) -> Floats:
+    """Pressure on the socket (k, n); facing areas of the ball carry equal forces."""
+    joint, angles, pressure = curve.joint, curve.angles, curve.pressure
     if joint.kinematics == "small":
         return pressure
     r1, moved = joint.ball_radius, np.zeros_like(pressure)
-    for k, depth in enumerate(depths):
+    for k, depth in enumerate(curve.depth_star):
         e = (1 + depth) / joint.r2_star
         away = np.sqrt(r1**2 + e**2 + 2 * r1 * e * np.cos(angles))
         shrunk = away**3 / (r1 + e * np.cos(angles))  # the ball's area over the socket's

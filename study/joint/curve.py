@@ -124,12 +124,11 @@ def force_curve(
         If the contact does not converge; the message has the residual.
     """
     checks.instance("joint", joint, Joint)
-    solver = chosen_solver(joint, solver)
     depths = np.atleast_1d(checks.number("depth_star", depth_star, least=0))
     checks.number("depth_star", depths, below=largest_depth(joint.r2_star))
     if depths.ndim != 1 or depths.size == 0:
         raise ValueError(f"depth_star must be a list of depths, got shape {depths.shape}")
-    resolution = checked_resolution(joint, solver, resolution)
+    solver, resolution = settings(joint, solver, resolution)
     angles, pressure, fine, coarse = _solve(joint, solver, depths, resolution)
     at_rim = pressure[:, -2:].any(axis=1)
     if at_rim.any():
@@ -157,8 +156,8 @@ def force_curve(
     )
 
 
-def chosen_solver(joint: Joint, solver: Solver | None) -> Solver:
-    """The given solver, if it can solve this joint; by default the best one that can."""
+def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tuple[Solver, int]:
+    """Solver and elements along the surface, as given or by default, checked for this joint."""
     if solver is None:
         solver = "series" if joint.series_applies else "quadratic"
     checks.choice("solver", solver, SOLVERS)
@@ -170,40 +169,35 @@ def chosen_solver(joint: Joint, solver: Solver | None) -> Solver:
         )
     if solver == "linear" and joint.kinematics == "finite":
         raise ValueError("solver must be quadratic for kinematics finite, got 'linear'")
-    return solver
-
-
-def checked_resolution(joint: Joint, solver: Solver, resolution: int | None) -> int:
-    """Elements along the surface, as given or by default, checked for this joint."""
-    least, most = 32, FINEST_RESOLUTION
-    kind: str = solver
+    usual, least, most = RESOLUTION["series"], 32, FINEST_RESOLUTION
     if solver != "series":
         from study.joint import fem
 
         ratios = layer_ratios(joint.socket_layers[0], fem.THINNEST_RATIO)
-        least, most = 64 if layer_steps(ratios).min() < 1.05 else 32, fem.FINEST_RESOLUTION
-        kind = "quadratic"
+        usual, most = RESOLUTION["quadratic"], fem.FINEST_RESOLUTION
+        least = 64 if layer_steps(ratios).min() < 1.05 else 32
     if joint.kinematics == "finite":
         checks.number("r2_star", joint.r2_star, most=contact_kinematics.LARGEST_R2_STAR)
-        kind = "finite"
-    resolution = RESOLUTION[kind] if resolution is None else resolution
+        usual = RESOLUTION["finite"]
+    resolution = usual if resolution is None else resolution
     resolution = checks.whole("resolution", resolution, least=least, most=most)
     if resolution % 32:
         raise ValueError(f"resolution must be a multiple of 32, got {resolution}")
-    return resolution
+    return solver, resolution
 
 
 def _solve(joint, solver, depths, resolution):
     """Nodal angles, pressures (k, n), and forces (m, k) at `_TIMES` the depths by both meshes."""
-    found = []
+    solutions = []
     if joint.kinematics == "finite":
         for n in (resolution, resolution // 2):
-            found.append(_solve_finite(joint, depths, n))
+            solutions.append(_solve_finite(joint, depths, n))
     else:
         problem = contact_kinematics.PROBLEMS[joint.kinematics]
         for bodies in meshes(joint, solver, resolution):
-            found.append(contact_kinematics.solve(joint, depths, *problem(joint, *bodies), _TIMES))
-    (pressure, fine), (_, coarse) = found
+            stated = problem(joint, *bodies)
+            solutions.append(contact_kinematics.solve(joint, depths, *stated, _TIMES))
+    (pressure, fine), (_, coarse) = solutions
     return surface_angles(resolution), pressure, fine, coarse
 
 
@@ -244,9 +238,9 @@ def meshes(
         from study.joint import fem
 
         nodes = 3 if solver == "linear" else 6
-        each = [meshed(joint, n, nodes) for n in (resolution, resolution // 2)]
-        balls = balls or tuple(fem.ball_compliance(*of_ball) for of_ball, _ in each)
-        sockets = sockets or tuple(fem.socket_compliance(*of_socket) for _, of_socket in each)
+        bodies = [meshed(joint, n, nodes) for n in (resolution, resolution // 2)]
+        balls = balls or tuple(fem.ball_compliance(*ball) for ball, _ in bodies)
+        sockets = sockets or tuple(fem.socket_compliance(*socket) for _, socket in bodies)
     return zip(balls, sockets, strict=True)
 
 

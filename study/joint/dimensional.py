@@ -16,7 +16,7 @@ from study import checks
 from study.contact import JointLaw, Material, largest_depth, material, tabulated
 from study.contact.laws import LAWS, AnyLaw, find
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO, Drive, Rim
-from study.joint.curve import ForceCurve, UnresolvedError, force_curve
+from study.joint.curve import UnresolvedError, force_curve
 from study.joint.joint import Joint, Kinematics, Layer
 from study.joint.nested_contact import whole_curve
 from study.joint.stress import largest as largest_stress
@@ -25,6 +25,7 @@ Floats = NDArray[np.float64]
 Liner = tuple[tuple[float, str | Material], ...]
 LEAST_CLEARANCE = 1e-9
 """Over the socket's radius: a smaller clearance is lost in the rounding of the radii."""
+_whole_curve = lru_cache(maxsize=16)(whole_curve)  # the same for every yield stress and size
 _USUAL, _STEP = 1.0, 1.2  # clearances that a table reaches; how much further the next one does
 
 
@@ -112,14 +113,14 @@ class DimensionalJoint:
     @cached_property
     def joint(self) -> Joint:
         """The joint without its dimensions."""
-        given: dict[str, Any] = {"ball_drive": self.ball_drive, "rim": self.rim}
-        given["kinematics"] = self.kinematics
-        r2_star = self.socket_radius / self.clearance
-        ball, socket = material(self.ball), material(self.socket)
-        if not self.liner:
-            ratio = 1 + self.wall / self.socket_radius
-            return Joint(r2_star, ratio, ball, socket, **given)
-        return Joint(r2_star, ball=ball, layers=self._layers(socket), **given)
+        given: dict[str, Any] = {"ball": material(self.ball)}
+        socket, ratio = material(self.socket), 1 + self.wall / self.socket_radius
+        if self.liner:
+            given["layers"] = (*self._liners(), Layer(ratio, socket))
+        else:
+            given |= {"socket_ratio": ratio, "socket": socket}
+        given |= {"ball_drive": self.ball_drive, "rim": self.rim, "kinematics": self.kinematics}
+        return Joint(self.socket_radius / self.clearance, **given)
 
     @property
     def materials(self) -> dict[str, Material]:
@@ -128,17 +129,18 @@ class DimensionalJoint:
         values = self.joint.materials.values()
         return dict(zip(["ball", *liners, "socket"], values, strict=True))
 
-    def _layers(self, socket):
-        radius, inside = self.socket_radius, 0.0
-        layers = []
-        for each in self.liner if isinstance(self.liner, tuple | list) else [None]:
-            if not isinstance(each, tuple | list) or len(each) != 2:
+    def _liners(self):
+        """The liners as layers of a `Joint`."""
+        radius, inside, layers = self.socket_radius, 0.0, []
+        for liner in self.liner if isinstance(self.liner, tuple | list) else [None]:
+            if not isinstance(liner, tuple | list) or len(liner) != 2:
                 wanted = "liner must be pairs of a thickness in m and a material"
                 raise ValueError(f"{wanted}, got {checks.shown(self.liner)}")
-            inside += checks.number("thickness of liner", each[0], "m", above=0, scalar=True)
-            layers.append(Layer(1 + inside / radius, material(each[1])))
+            thickness, of_liner = liner
+            inside += checks.number("thickness of liner", thickness, "m", above=0, scalar=True)
+            layers.append(Layer(1 + inside / radius, material(of_liner)))
         checks.number("wall around the liner", self.wall, "m", above=inside)
-        return (*layers, Layer(1 + self.wall / radius, socket))
+        return layers
 
     def law(self, law: AnyLaw | None = None) -> JointLaw:
         """A law of this joint, in SI units: by default the table of its own solved curve.
@@ -173,9 +175,8 @@ class DimensionalJoint:
             raise ValueError("depth or force must be given")
         if depth is not None and force is not None:
             raise ValueError("either depth or force must be given, not both")
-        name, unit = ("depth", "m") if force is None else ("force", "N")
-        given: Any = depth if force is None else force
-        asked = np.atleast_1d(checks.number(name, given, unit, above=0))
+        name, unit, given = ("depth", "m", depth) if force is None else ("force", "N", force)
+        asked = np.atleast_1d(checks.number(name, given, unit, above=0))  # type: ignore[arg-type]
         if asked.ndim != 1 or asked.size == 0:
             raise ValueError(f"{name} must be a list of numbers, got shape {asked.shape}")
         law, curve = self._reaching(name, asked, unit)
@@ -224,23 +225,23 @@ class DimensionalJoint:
         """Least table that reaches all depths or forces asked for, and its curve."""
         deepest = usual_depth(self.joint)
         law, curve = self._table(deepest)
-        while (most := self._most(law, name)) < asked.max():
+
+        def most():
+            return law.deepest if name == "depth" else law.force(law.deepest)
+
+        while most() < asked.max():
             deepest *= _STEP
             try:
                 law, curve = self._table(deepest)
             except checks.RangeError:
                 raise checks.RangeError(
-                    f"{name} must be <= {most:.6g} {unit}, got {asked.max():g} {unit}: just "
+                    f"{name} must be <= {most():.6g} {unit}, got {asked.max():g} {unit}: just "
                     "beyond, the contact would reach the socket's rim"
                 ) from None
         return law, curve
 
-    @staticmethod
-    def _most(law, name):
-        return law.deepest if name == "depth" else law.force(law.deepest)
-
     def _table(self, deepest):
-        curve = _curve(self.joint, deepest)
+        curve = _whole_curve(self.joint, deepest)
         return self._in_si_units(tabulated(curve)), curve
 
     def _in_si_units(self, law, **options):
@@ -283,9 +284,3 @@ def _error_beside(curve, depth_star):
     above = np.searchsorted(curve.depth_star, depth_star)
     above, below = np.minimum(above, last), np.clip(above - 1, 0, last)
     return np.maximum(curve.error_estimate[above], curve.error_estimate[below])
-
-
-@lru_cache(maxsize=16)
-def _curve(joint: Joint, deepest: float) -> ForceCurve:
-    """Curve of a joint: the same one for every yield stress and size."""
-    return whole_curve(joint, deepest)

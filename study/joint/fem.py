@@ -141,14 +141,12 @@ class Body:
 
     def solve(self, load: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement under loads of shape (unknowns,) or (unknowns, k)."""
-        displacement, known = np.zeros(load.shape), load[self._free]
-        if load.ndim == 1:
-            displacement[self._free] = self._factor.solve(known)
-        else:
-            for k in range(0, load.shape[1], _AT_ONCE):
-                some = slice(k, k + _AT_ONCE)
-                displacement[self._free, some] = self._factor.solve(known[:, some])
-        return displacement
+        loads = load.reshape(self.size, -1)
+        displacement = np.zeros(loads.shape)
+        for first in range(0, loads.shape[1], _AT_ONCE):
+            few = slice(first, first + _AT_ONCE)
+            displacement[self._free, few] = self._factor.solve(loads[self._free, few])
+        return displacement.reshape(load.shape)
 
     def excess_force(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """Internal forces beyond the linear ones, at large displacements.

@@ -109,15 +109,14 @@ class Joint:
         if not self.layers:
             return
         layer_ratios(self.socket_layers[0])
-        ratio, material = self.layers[-1].outer_ratio, self.layers[0].material
-        for name, default, follows in (
-            ("socket_ratio", SOCKET_RATIO, ratio),
-            ("socket", Material(), material),
-        ):
-            given = getattr(self, name)
-            if given not in (default, follows):
+        follows = {
+            "socket_ratio": (SOCKET_RATIO, self.layers[-1].outer_ratio),
+            "socket": (Material(), self.layers[0].material),
+        }
+        for name, (default, of_layers) in follows.items():
+            if (given := getattr(self, name)) not in (default, of_layers):
                 raise ValueError(f"{name} must be left out beside layers, got {given}")
-            object.__setattr__(self, name, follows)
+            object.__setattr__(self, name, of_layers)
 
     @property
     def socket_layers(self) -> tuple[tuple[float, ...], ...]:
@@ -127,8 +126,12 @@ class Joint:
         """
         layers = self.layers or (Layer(self.socket_ratio, self.socket),)
         unit = layers[0].material.youngs_modulus
-        each = ((k.outer_ratio, k.material.poisson, k.material.youngs_modulus) for k in layers)
-        return tuple(zip(*((q, nu, e / unit) for q, nu, e in each), strict=True))
+        materials = [layer.material for layer in layers]
+        return (
+            tuple(layer.outer_ratio for layer in layers),
+            tuple(material.poisson for material in materials),
+            tuple(material.youngs_modulus / unit for material in materials),
+        )
 
     @property
     def materials(self) -> dict[str, Material]:
@@ -150,8 +153,9 @@ class Joint:
     def composite_modulus(self) -> float:
         """E*, in Pa."""
         ball, socket = self.ball, self.socket
-        moduli = ball.youngs_modulus, socket.youngs_modulus
-        return composite_modulus(moduli[0], ball.poisson, moduli[1], socket.poisson)
+        return composite_modulus(
+            ball.youngs_modulus, ball.poisson, socket.youngs_modulus, socket.poisson
+        )
 
     @property
     def layers_text(self) -> str:
@@ -159,9 +163,11 @@ class Joint:
 
         Outer ratio, Young's modulus over the ball's and Poisson's ratio of each.
         """
-        unit = self.ball.youngs_modulus
-        each = ((k.outer_ratio, k.material.youngs_modulus / unit, k.material) for k in self.layers)
-        return ";".join(f"{q:.9g}:{e:.9g}:{material.poisson:.9g}" for q, e, material in each)
+        texts = []
+        for layer in self.layers:
+            modulus = layer.material.youngs_modulus / self.ball.youngs_modulus
+            texts.append(f"{layer.outer_ratio:.9g}:{modulus:.9g}:{layer.material.poisson:.9g}")
+        return ";".join(texts)
 
     @property
     def modulus_shares(self) -> tuple[float, float]:

@@ -61,7 +61,7 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
     if joint.kinematics == "finite":
         depths = np.linspace(0, np.sqrt(deepest), _FINITE + 1)[1:] ** 2
         return curve.force_curve(joint, depths, resolution)
-    depth, force, fine = _extrapolated(joint, deepest, resolution)
+    depth, force, fine, solver = _extrapolated(joint, deepest, resolution)
     first = 2 * _FIRST
     roots = np.sqrt(depth[first:])
     wanted = np.linspace(roots[0], roots[-1], _COUNT)
@@ -71,7 +71,7 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
     pressure = np.array([fine.pressure(2 * node) for node in nodes])
     return ForceCurve(
         joint=joint,
-        solver=curve.chosen_solver(joint, None),
+        solver=solver,
         depth_star=depth[nodes],
         force_star=force[nodes],
         contact_half_angle_deg=np.degrees(fine.angles[2 * nodes]),
@@ -92,16 +92,15 @@ def depths_and_forces(
     """
     checks.choice("kinematics", checks.instance("joint", joint, Joint).kinematics, _NESTED)
     deepest = checks.number("deepest", deepest, above=0, scalar=True)
-    depth, force, _ = _extrapolated(joint, deepest, resolution)
+    depth, force, *_ = _extrapolated(joint, deepest, resolution)
     return depth[_FIRST:], force[_FIRST:]
 
 
 def _extrapolated(joint, deepest, resolution):
-    """Depths and forces to ``deepest`` or just beyond by both meshes, and the finer contacts."""
+    """Depths and forces to ``deepest`` or just beyond, the finer mesh's contacts, the solver."""
     checks.number("r2_star of a whole curve", joint.r2_star, least=LEAST_R2_STAR)
     checks.number("deepest", deepest, below=largest_depth(joint.r2_star))
-    solver = curve.chosen_solver(joint, None)
-    resolution = curve.checked_resolution(joint, solver, resolution)
+    solver, resolution = curve.settings(joint, None, resolution)
     meshes = curve.meshes(joint, None, resolution)
     fine, coarse = (_NestedContacts(joint, *bodies, deepest) for bodies in meshes)
     size = min(len(coarse.depth), len(fine.depth[::2]))
@@ -120,7 +119,7 @@ def _extrapolated(joint, deepest, resolution):
             f"deepest must be a contact of {4 * _FIRST} elements or more, got {deepest:g}: "
             f"take a resolution finer than {resolution}"
         )
-    return depth[: reached[0] + 1], force[: reached[0] + 1], fine
+    return depth[: reached[0] + 1], force[: reached[0] + 1], fine, solver
 
 
 class _NestedContacts:

@@ -135,7 +135,7 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
     """
     checks.instance("curve", curve, ForceCurve)
     sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
-    found, peak = {}, curve.peak_pressure_star
+    by_body, peak = {}, curve.peak_pressure_star
     edge = np.sin(np.radians(curve.contact_half_angle_deg))
     *interfaces, outer = curve.joint.socket_layers[0]
     for body, (stress, radius, angle) in sought:
@@ -144,8 +144,8 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
         place[np.isclose(radius[:, None], interfaces, atol=0).any(axis=1)] = "at an interface"
         place[np.isclose(radius, outer, atol=0)] = "outside"
         over_peak = np.divide(stress, peak, out=np.zeros_like(stress), where=peak > 0)
-        found[body] = LargestStress(stress, over_peak, radius, angle, tuple(place.tolist()))
-    return found
+        by_body[body] = LargestStress(stress, over_peak, radius, angle, tuple(place.tolist()))
+    return by_body
 
 
 def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
@@ -180,7 +180,7 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     )
     solved = np.sqrt(curve.depth_star)
     used = solved >= (0 if curve.solver == "series" else _LEAST_ROOT)
-    root, found = np.append(0, solved[used]), []
+    root, yields = np.append(0, solved[used]), []
     hertz = 4 / 3 * np.sqrt(joint.r2_star * (joint.r2_star - 1))  # times the cube of the root
     stiffening = np.append(1, (curve.force_star / (hertz * solved**3))[used])
     for body, material in joint.materials.items():
@@ -196,8 +196,8 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
             x = brentq(lambda x, of, value: x * of(x) - value, *ends, args=(between, yield_star))
             force = hertz * x**3 * PchipInterpolator(root, stiffening)(x)
             place = stress.place[np.abs(solved - x).argmin()]
-            found.append(FirstYield(body, place, x**2, float(force)))
-    first = min(found, key=lambda first: first.depth_star, default=None)
+            yields.append(FirstYield(body, place, x**2, float(force)))
+    first = min(yields, key=lambda of_body: of_body.depth_star, default=None)
     return first if first and first.depth_star <= deepest else None
 
 
@@ -224,13 +224,6 @@ def hertz_von_mises(poisson: float) -> float:
     return float(max(axis, (1 - 2 * poisson) / np.sqrt(3)))
 
 
-def _socket_pressure(curve):
-    """Pressure on the socket, (k, hats); that on the ball is the curve's."""
-    return contact_kinematics.socket_pressure(
-        curve.joint, curve.angles, curve.depth_star, curve.pressure
-    )
-
-
 def _solids(joint, count):
     """The joint's bodies by their names, under pressures of the first even orders."""
     orders, layers = 2 * np.arange(count), joint.socket_layers
@@ -242,7 +235,7 @@ def _coefficients(curve):
     """Legendre coefficients of the pressures on ball and on socket, (even orders, k) each."""
     elements = len(curve.angles) - 1
     shares = series.hat_coefficients(elements, series.ORDERS * elements)
-    return shares @ curve.pressure.T, shares @ _socket_pressure(curve).T
+    return shares @ curve.pressure.T, shares @ contact_kinematics.socket_pressure(curve).T
 
 
 def _sum(solid, coefficients, radii, table):
@@ -330,7 +323,7 @@ def _of_elements(curve):
     of_ball, of_socket = meshed(curve.joint, len(curve.angles) - 1, nodes)
     if curve.joint.ball_drive != "point":
         yield "ball", _largest_at_nodes(fem.ball(*of_ball), curve.pressure)
-    socket, pressure, inner = fem.socket(*of_socket), _socket_pressure(curve), 1.0
+    socket, pressure, inner = fem.socket(*of_socket), contact_kinematics.socket_pressure(curve), 1.0
     for name, outer in zip([*curve.joint.materials][1:], of_socket[0], strict=True):
         yield name, _largest_at_nodes(socket, pressure, inner, outer)
         inner = outer
