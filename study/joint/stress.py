@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
@@ -271,21 +272,18 @@ def _parts(solid, radius, count):
 def _legendre(angles, count):
     """P_n, P_n' and P_n'' - P_n' cot(theta), of the first even orders: (3, orders, angles)."""
     cosine, sine = np.cos(angles), np.sin(angles)
-    table = np.zeros((3, count, len(angles)))
-    before, here = np.ones_like(cosine), cosine
-    table[0, 0] = 1
-    off_axis = sine > 0  # on the axis both hoop stresses are the same, and there is no shear
-    for n in range(2, 2 * count - 1):
-        before, here = here, ((2 * n - 1) * cosine * here - (n - 1) * before) / n
-        if n % 2 == 0:
-            table[0, n // 2] = here
-            slope = n * (cosine * here - before)
-            np.divide(slope, sine, out=table[1, n // 2], where=off_axis)
-    cotangent = np.divide(cosine, sine, out=np.zeros_like(sine), where=off_axis)
-    n = 2 * np.arange(count)[:, None]
-    curved = n * (n + 1) * table[0] + 2 * cotangent * table[1]
-    table[2] = np.where(off_axis, -curved, 0)
-    return table
+    n, off_axis = 2 * np.arange(count)[:, None], sine > 0
+    every_order = legvander(cosine, 2 * count - 2).T
+    value, order_below = (
+        every_order[::2],
+        np.roll(every_order, 1, axis=0)[::2],
+    )  # n = 0 has no slope
+    slope, cotangent = np.zeros_like(value), np.zeros_like(sine)
+    np.divide(n * (cosine * value - order_below), sine, out=slope, where=off_axis)
+    np.divide(cosine, sine, out=cotangent, where=off_axis)
+    # on the axis both hoop stresses are the same, and there is no shear
+    bend = np.where(off_axis, -(n * (n + 1) * value + 2 * cotangent * slope), 0)
+    return np.array([value, slope, bend])
 
 
 @lru_cache(maxsize=2)
