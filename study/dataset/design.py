@@ -6,7 +6,7 @@ from itertools import groupby
 
 import numpy as np
 
-from study.contact import hertz_correction
+from study.contact.hertz_correction import RANGES
 from study.dataset.paper import PAPER_KINEMATICS, R2_STAR
 from study.joint import Joint, Kinematics, Layer, Material
 from study.joint.joint import PAPER_SUPPORTS
@@ -103,10 +103,7 @@ def _validation_set():
     few balls and sockets. One socket in ten is practically infinitely thick.
     """
     draw = np.random.default_rng(2024)
-    (low, high), thin = (
-        hertz_correction.RANGES["poisson"],
-        hertz_correction.RANGES["socket_ratio"][0],
-    )
+    (low, high), (thin, _) = RANGES["poisson"], RANGES["socket_ratio"]
 
     def ball():
         return round(draw.uniform(low, high), 3)

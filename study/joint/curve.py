@@ -228,7 +228,7 @@ def meshes(
     balls: tuple[Compliance, ...] = ()
     sockets: tuple[Compliance, ...] = ()
     if joint.ball_drive == "plane" and solver in (None, "series"):
-        ball = series.ball_compliance(joint.ball.poisson, resolution)
+        ball = series.ball_compliance(float(joint.ball.poisson), resolution)
         balls = ball, ball.coarser
     if joint.rim == "mirror" and solver in (None, "series"):
         ratio, poisson, modulus = joint.socket_layers
@@ -248,7 +248,7 @@ def meshed(joint: Joint, resolution: int, nodes: int = 6) -> tuple[tuple, tuple]
     """Arguments of the finite-element ball and socket."""
     ratio, poisson, modulus = joint.socket_layers
     return (
-        (joint.ball.poisson, joint.ball_drive, resolution, nodes),
+        (float(joint.ball.poisson), joint.ball_drive, resolution, nodes),
         (ratio, poisson, joint.rim, resolution, nodes, modulus),
     )
 

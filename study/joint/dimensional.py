@@ -175,8 +175,9 @@ class DimensionalJoint:
             raise ValueError("depth or force must be given")
         if depth is not None and force is not None:
             raise ValueError("either depth or force must be given, not both")
-        name, unit, given = ("depth", "m", depth) if force is None else ("force", "N", force)
-        asked = np.atleast_1d(checks.number(name, given, unit, above=0))  # type: ignore[arg-type]
+        name, unit = ("depth", "m") if force is None else ("force", "N")
+        given: Any = depth if force is None else force
+        asked = np.atleast_1d(checks.number(name, given, unit, above=0))
         if asked.ndim != 1 or asked.size == 0:
             raise ValueError(f"{name} must be a list of numbers, got shape {asked.shape}")
         law, curve = self._reaching(name, asked, unit)

@@ -128,9 +128,9 @@ class Joint:
         unit = layers[0].material.youngs_modulus
         materials = [layer.material for layer in layers]
         return (
-            tuple(layer.outer_ratio for layer in layers),
-            tuple(material.poisson for material in materials),
-            tuple(material.youngs_modulus / unit for material in materials),
+            tuple(float(layer.outer_ratio) for layer in layers),
+            tuple(float(material.poisson) for material in materials),
+            tuple(float(material.youngs_modulus / unit) for material in materials),
         )
 
     @property

@@ -38,8 +38,8 @@ def joint(
     ValueError
         For a value outside its range, a text that is not three numbers, or both forms of socket.
     """
-    poisson = {"poisson": others.pop("poisson")} if "poisson" in others else {}
-    ball = Material(**poisson, yield_stress=yield_stress)
+    poisson = others.pop("poisson", Material.poisson)
+    ball = Material(poisson=poisson, yield_stress=yield_stress)
     unit = ball.youngs_modulus
     if layer:
         of_one_material = {

@@ -160,10 +160,10 @@ def modes(
 def _compliance(resolution, receptance):
     """Compliance from the surface's displacement under each P_n(cos theta), a function of n."""
     angles = surface_angles(resolution)
-    orders = np.arange(0, ORDERS * resolution + 1, 2)
+    last_order = ORDERS * (len(angles) - 1)
+    orders = np.arange(0, last_order + 1, 2)
     norms = 2 * np.pi / (2 * orders + 1)  # of P_n(cos theta) squared over the hemisphere
-    coefficients = hat_coefficients(resolution, ORDERS * resolution)
-    roots = np.sqrt(receptance(orders) * norms)[:, None] * coefficients
+    roots = np.sqrt(receptance(orders) * norms)[:, None] * hat_coefficients(resolution, last_order)
     return Compliance(angles, roots.T @ roots)
 
 
