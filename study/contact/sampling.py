@@ -40,10 +40,7 @@ def monotone_slopes(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[n
 
 
 def _spline_slopes(x, chords):
-    """Slopes of the cubic spline whose third derivative has no jump at the last knots but one.
-
-    As SciPy's ``CubicSpline``, whose import takes longer than to solve a joint.
-    """
+    """Slopes of SciPy's ``CubicSpline``, whose import takes longer than to solve a joint."""
     from scipy.linalg import solve_banded
 
     step, bands, right = np.diff(x), np.zeros((3, len(x))), np.empty(len(x))

@@ -85,10 +85,7 @@ PROBLEMS = {"small": small, "linear": linear}
 
 @lru_cache(maxsize=64)  # 20 depths on two meshes, and more
 def _pairs(r2_star, depth, resolution):
-    """Matrix that moves pressure to the socket's nodes, the part lost by this, and the gap.
-
-    They are the same for all bodies.
-    """
+    """What moves pressure to the socket's nodes, what this loses, and the gap, for all bodies."""
     # The socket's displacement is wanted where each Gauss point of the ball faces it, and the
     # ball's pressure acts there. ``seen`` has the socket's hats at the points faced, ``moved``
     # their products with the ball's hats. What of the ball's hats no socket's hat can follow is

@@ -188,24 +188,20 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
 
 def _solve(joint, solver, depths, resolution):
     """Nodal angles, pressures (k, n), and forces (m, k) at `_TIMES` the depths by both meshes."""
-    solutions = []
     if joint.kinematics == "finite":
-        for n in (resolution, resolution // 2):
-            solutions.append(_solve_finite(joint, depths, n))
+        solutions = [_solve_finite(joint, depths, n) for n in (resolution, resolution // 2)]
     else:
         problem = contact_kinematics.PROBLEMS[joint.kinematics]
-        for bodies in meshes(joint, solver, resolution):
-            stated = problem(joint, *bodies)
-            solutions.append(contact_kinematics.solve(joint, depths, *stated, _TIMES))
+        solutions = [
+            contact_kinematics.solve(joint, depths, *problem(joint, *bodies), _TIMES)
+            for bodies in meshes(joint, solver, resolution)
+        ]
     (pressure, fine), (_, coarse) = solutions
     return surface_angles(resolution), pressure, fine, coarse
 
 
 def _solve_finite(joint, depths, resolution):
-    """Pressures and forces by one mesh, as `_solve`.
-
-    Beside a depth the mesh changes the force nearly as it does without large displacements.
-    """
+    """Pressures and forces at `_TIMES` the depths by one mesh."""
     from study.joint import fem
 
     of_ball, of_socket = meshed(joint, resolution)
@@ -214,7 +210,7 @@ def _solve_finite(joint, depths, resolution):
     linear = contact_kinematics.linear(joint, ball.compliance, socket.compliance)
     _, beside = contact_kinematics.solve(joint, depths, *linear, _TIMES)
     alone = np.where(beside[0] > 0, beside[0], 1.0)
-    return pressure, force * (beside / alone)
+    return pressure, force * (beside / alone)  # large displacements change the ratio little
 
 
 def meshes(

@@ -90,7 +90,8 @@ def depths_and_forces(
 
     Not for ``finite`` kinematics.
     """
-    checks.choice("kinematics", checks.instance("joint", joint, Joint).kinematics, _NESTED)
+    kinematics = checks.instance("joint", joint, Joint).kinematics
+    checks.choice("kinematics", kinematics, contact_kinematics.PROBLEMS)
     deepest = checks.number("deepest", deepest, above=0, scalar=True)
     depth, force, *_ = _extrapolated(joint, deepest, resolution)
     return depth[_FIRST:], force[_FIRST:]
@@ -172,13 +173,7 @@ class _NestedContacts:
         return polyval(own, self._polynomial(profiles))
 
 
-_NESTED = tuple(contact_kinematics.PROBLEMS)
-
-
 def _smaller_root(const, linear, square):
-    """Root of const + linear x + square x^2 that is near -const/linear where square is small.
-
-    In the form that does not cancel there.
-    """
+    """Root of const + linear x + square x^2 near -const/linear; nothing cancels as square -> 0."""
     root = np.sqrt(np.maximum(1 - 4 * const * square / linear**2, 0))
     return -2 * const / (linear * (1 + root))

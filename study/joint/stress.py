@@ -257,10 +257,9 @@ def _sum(solid, coefficients, radii, table):
 
 
 def _parts(solid, radius, count):
-    """Parts of the stresses at one radius under the pressures P_n, four of shape (count,).
+    """Stresses at one radius under the pressures P_n, (4, count), by their functions of the angle.
 
-    They are the radial stress, a factor of P_n; the shear stress, of P_n'; half the sum of the hoop
-    stresses, of P_n; and half their difference, of P_n'' - P_n' cot(theta).
+    Radial (P_n), shear (P_n'), half the hoops' sum (P_n) and difference (P_n'' - P_n' cot(theta)).
     """
     n, nu, inner = solid.orders[:count], solid.poisson, solid.inner or 1.0
     radial, polar, normal, shear = solid.state(radius, count)
@@ -294,10 +293,7 @@ def _searched(count):
 
 
 def _of_series(curve):
-    """Bodies, and their largest von Mises stresses with radii and angles, of shape (k,).
-
-    The largest of a grid, and of parabolas through its neighbours in radius and in angle.
-    """
+    """Bodies, and their largest von Mises stresses with radii and angles, of shape (k,)."""
     ball, socket = _coefficients(curve)
     angles, table = _searched(len(ball))
     for body, solid in _solids(curve.joint, len(ball)).items():
@@ -308,6 +304,7 @@ def _of_series(curve):
         stress = von_mises(_sum(solid, ball if body == "ball" else socket, radii, table))
         k, size = np.arange(len(stress)), stress[0].size
         i, j = np.unravel_index(stress.reshape(-1, size).argmax(axis=1), stress[0].shape)
+        # the largest of the grid, and of parabolas through its neighbours
         by_radius, radius = _top(stress[k, :, j], radii, i)
         by_angle, angle = _top(stress[k, i], angles, j)
         yield body, (by_radius + by_angle - stress[k, i, j], radius, angle)
