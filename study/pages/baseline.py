@@ -1,8 +1,8 @@
 """Results as made here beside the baseline: identical, agreeing, or different.
 
 The baseline is the files in ``figures/``. Where every number agrees (`study.dataset.tolerance`)
-they stay as they are; otherwise the new file replaces the one there. The last files made are in
-``build/made``, and files of the baseline that were replaced in ``build/baseline``.
+they stay as they are; otherwise the new file replaces the one there, which is put aside in
+``build/baseline``. A record there, one for each notebook, says how its files compared.
 """
 
 import filecmp
@@ -15,20 +15,20 @@ from typing import Any, Literal, NamedTuple, get_args
 from study import paths, provenance
 from study.pages.catalogue import Notebook
 
-MADE, REPLACED = paths.BUILD / "made", paths.BUILD / "baseline"
+BASELINE = paths.BUILD / "baseline"
 LEVELS = 8  # of 255: largest difference of two pixels that agree
-State = Literal["identical", "agrees", "differs", "new", "other parameters", "not made here"]
+State = Literal["identical", "agrees", "differs", "other parameters", "not made here"]
 STATES: tuple[State, ...] = get_args(State)
-"""``new``: there was none to compare with. ``other parameters``: not to be compared."""
-_RULES = (Path(__file__), Path(__file__).parents[1] / "dataset/tolerance.py")
+"""``other parameters``: what differs for that reason. ``not made here``: there is no record."""
 _PLURAL = {"agrees": "agree", "differs": "differ"}
 
 
 class Comparison(NamedTuple):
-    """State of a result as made here beside the baseline, and ``where`` they differ."""
+    """State of a file as made here beside the baseline, and ``where`` they differ."""
 
     state: State
     where: str = ""
+    sha256: str = ""  # of the file that was in ``figures/`` after the comparison
 
 
 def take_over(folder: Path, notebook: Notebook, settings: Mapping[str, Any]) -> None:
@@ -36,34 +36,40 @@ def take_over(folder: Path, notebook: Notebook, settings: Mapping[str, Any]) -> 
 
     Files that differ replace the baseline's.
     """
-    paths.FIGURES.mkdir(exist_ok=True)
-    with paths.whole(_record(notebook)) as record:
-        record.write_text(json.dumps(settings), encoding="utf-8")
+    _, last = _recorded(notebook)
+    compared = {}
     for name in notebook.files():  # the numbers of a figure before its image
-        new, before = folder / name, _file(name)
-        aside, shown = REPLACED / name, paths.FIGURES / name
-        state, _ = _compare(name, before, new)
-        if state in ("identical", "agrees"):
-            if before == aside:
-                paths.copy(aside, shown)
-            aside.unlink(missing_ok=True)
-        else:
-            if before != aside and shown.is_file():
-                paths.copy(shown, aside)
-            paths.copy(new, shown)
-        paths.copy(new, MADE / name)
+        made, aside, shown = folder / name, BASELINE / name, paths.FIGURES / name
+        if aside.is_file() and _is_as_recorded(name, last):  # else it was put back by hand
+            paths.copy(aside, shown)
+        aside.unlink(missing_ok=True)
+        if not shown.is_file():
+            paths.copy(made, shown)
+        state, where = _compare(shown, made, compared.get(f"{made.stem}.csv"))
+        if state == "differs":
+            paths.copy(shown, aside)
+            paths.copy(made, shown)
+        compared[name] = Comparison(state, where, provenance.sha256_of(shown))
+    _record(notebook, settings, compared)
 
 
 def accept(notebook: Notebook) -> None:
-    """Take a notebook's results as made last for the baseline from now on."""
-    for name in notebook.files():
-        (REPLACED / name).unlink(missing_ok=True)
+    """Take a notebook's results, as they are in ``figures/``, for the baseline from now on."""
+    settings, compared = _recorded(notebook)
+    for name in compared:
+        sha256 = provenance.sha256_of(paths.FIGURES / name)
+        compared[name] = Comparison("identical", sha256=sha256)
+        (BASELINE / name).unlink(missing_ok=True)
+    _record(notebook, settings, compared)
 
 
 def compare(notebooks: Sequence[Notebook]) -> list[Comparison]:
-    """Compare the results of notebooks, as made last, with the baseline."""
+    """How the results of notebooks, as made last, compare with the baseline: their worst files."""
     return [
-        _compare_result(result, bool(_made_with(notebook)))
+        max(
+            (_as_shown(name, *_recorded(notebook)) for name in result.files),
+            key=lambda file: STATES.index(file.state),
+        )
         for notebook in notebooks
         for result in notebook.results.values()
     ]
@@ -71,8 +77,9 @@ def compare(notebooks: Sequence[Notebook]) -> list[Comparison]:
 
 def shown_with(notebook: Notebook) -> str:
     """Parameters, other than the defaults, with which its results in ``figures/`` were made."""
-    settings = _made_with(notebook)
-    shown = settings and any(map(_is_as_made, notebook.files()))
+    settings, compared = _recorded(notebook)
+    as_made = [name for name, found in compared.items() if found.state != "agrees"]
+    shown = any(_is_as_recorded(name, compared) for name in as_made)
     return ", ".join(f"{key}={value}" for key, value in settings.items()) if shown else ""
 
 
@@ -84,74 +91,48 @@ def summary(comparisons: list[Comparison]) -> str:
     return f"{len(comparisons)} results: {', '.join(counted)}"
 
 
-def _record(notebook):
-    return MADE / f"{notebook.name}.json"
+def _record(notebook, settings, compared):
+    """Keep how a notebook's files compared, and with which parameters they were made."""
+    with paths.whole(BASELINE / f"{notebook.name}.json") as record:
+        record.write_text(json.dumps([settings, compared]), encoding="utf-8")
 
 
-def _made_with(notebook):
-    """Parameters, other than the defaults, with which its results in ``build/made`` were made."""
-    record = _record(notebook)
-    return json.loads(record.read_text(encoding="utf-8")) if record.is_file() else {}
+def _recorded(notebook):
+    """Parameters other than the defaults, and comparison by file; empty if not made here."""
+    record = BASELINE / f"{notebook.name}.json"
+    if not record.is_file():
+        return {}, {}
+    settings, compared = json.loads(record.read_text(encoding="utf-8"))
+    return settings, {name: Comparison(*found) for name, found in compared.items()}
 
 
-def _is_as_made(name):
-    """Whether a file in ``figures/`` is the one that was made last."""
-    shown, made = paths.FIGURES / name, MADE / name
-    return shown.is_file() and made.is_file() and filecmp.cmp(made, shown, shallow=False)
+def _is_as_recorded(name, compared):
+    """Whether a file in ``figures/`` is the one that was there after the last comparison."""
+    return name in compared and provenance.sha256_of(paths.FIGURES / name) == compared[name].sha256
 
 
-def _file(name):
-    """A file of the baseline: the one set aside, as long as ``figures/`` has what replaced it."""
-    aside = REPLACED / name
-    return aside if aside.is_file() and _is_as_made(name) else paths.FIGURES / name
-
-
-def _compare_result(result, other_parameters):
-    """Worst state of a result's files."""
-    files = [_compare(name, _file(name), MADE / name) for name in result.files]
-    state, where = max(files, key=lambda file: STATES.index(file[0]))
-    if other_parameters and state in ("agrees", "differs"):
+def _as_shown(name, settings, compared):
+    """Comparison of one file as it is in ``figures/``."""
+    if name not in compared:
+        return Comparison("not made here")
+    if not _is_as_recorded(name, compared):
+        return Comparison("differs", f"figures/{name}, changed since it was made here")
+    if settings and compared[name].state == "differs":
         return Comparison("other parameters")
-    return Comparison(state, where)
+    return compared[name]
 
 
-def _compare(name, before, made):
-    """State of one file, and where it differs."""
-    if not made.is_file():
-        return "not made here", ""
-    if not before.is_file():
-        return "new", ""
+def _compare(before, made, numbers):
+    """State of a file, and where it differs; ``numbers``: comparison of those an image shows."""
     if filecmp.cmp(before, made, shallow=False):
         return "identical", ""
-    numbers = ""
-    if made.suffix == ".png":
-        table = f"{made.stem}.csv"
-        numbers, _ = _compare(table, _file(table), MADE / table)
-    where = _difference(before, made, numbers)
-    return ("differs", f"figures/{name}, {where}") if where else ("agrees", "")
-
-
-def _difference(before, made, numbers):
-    """Where two files differ too much to agree, or None; it is looked for once.
-
-    The answer is kept beside the files made, with the hashes of what decides it, as every later run
-    asks again and pixels take long. ``numbers`` is the state of the numbers that an image shows.
-    """
-    record = MADE / f"{made.name}.json"
-    of = [*(provenance.sha256(path.read_bytes()) for path in (before, made, *_RULES)), numbers]
-    if record.is_file():
-        compared = json.loads(record.read_text(encoding="utf-8"))
-        if compared["of"] == of:
-            return compared["where"]
     if made.suffix == ".csv":
         from study.dataset.tolerance import table_differs
 
         where = table_differs(before, made)
     else:
-        where = _pixels(before, made, numbers)
-    with paths.whole(record) as temporary:
-        temporary.write_text(json.dumps({"of": of, "where": where}), encoding="utf-8")
-    return where
+        where = _pixels(before, made, numbers.state)
+    return ("differs", f"figures/{made.name}, {where}") if where else ("agrees", "")
 
 
 def _pixels(before, made, numbers):
