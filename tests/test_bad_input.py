@@ -410,16 +410,12 @@ def stability_rows():
     yield from rows(limits.bisect, fails=(bool, (None, 3)), low=(1, POSITIVE), high=(2, POSITIVE))
     yield from rows(stability.lasting_contact, scene=scene, law=law, duration=(1e-4, POSITIVE))
     yield from rows(stability.oscillator, scene=scene, law=law, state=state)
-    yield from rows(stability.friction_rate, scene=scene, law=law, state=state)
     yield from rows(
         stability.observed_step, scene=scene, law=law, state=state, scheme=("RK4", NAME)
     )
     yield from rows(
         stability.step_limit, scheme=("RK4", NAME), frequency=(1.0, POSITIVE), rate=(0.0, (nan, -1))
     )
-    pair = ((4, 8), (None, 3, (4,), (4, nan), (0, 8)))
-    yield from rows(stability.frame_limits, scene=scene, elements=pair)
-    yield from rows(stability.observed_frame_step, scene=scene, elements=pair)
     yield from rows(
         stability.rigid_steps,
         scene=scene,
@@ -428,20 +424,6 @@ def stability_rows():
         tolerance=(1e-8, POSITIVE),
     )
     yield from rows(damping.delivered_restitution, factor=(0.5, (*NUMBER, -1)))
-    yield from rows(
-        stability.free_impact,
-        factor=(0.5, (*NUMBER, -1)),
-        pull=(0.0, (*NUMBER, -1)),
-        depth=(0.0, (*NUMBER, -1)),
-        speed=(1.0, (*NUMBER, 0, -1)),
-        power=(1.5, (*NUMBER, 0)),
-    )
-    yield from rows(
-        partial(stability.event_differences, change=1e-9, duration=1e-3), scene=scene, law=law
-    )
-    yield from rows(
-        limits.refused, joint=(Joint(200), THING), low=(0.1, POSITIVE), high=(1, POSITIVE)
-    )
 
 
 TABLE_OF_CASES = [

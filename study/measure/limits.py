@@ -2,12 +2,10 @@
 
 from collections.abc import Callable, Iterable
 from math import sqrt
-from typing import Any
 
 import pandas as pd
 
 from study import checks
-from study.joint import Joint, force_curve
 
 
 def table(rows: Iterable[tuple]) -> pd.DataFrame:
@@ -31,17 +29,3 @@ def bisect(fails: Callable[[float], bool], low: float, high: float, times: int =
     if low == ends[0] or high == ends[1]:
         raise checks.StudyError(f"there is no limit between {ends[0]:g} and {ends[1]:g}")
     return float(f"{high:.4g}")
-
-
-def refused(joint: Joint, low: float, high: float, times: int = 24, **options: Any) -> float:
-    """Last dimensionless depth that is solved, from ``low`` to ``high``, which is refused."""
-    low = checks.number("low", low, above=0, scalar=True)
-    high = checks.number("high", high, above=0, scalar=True)
-    for _ in range(checks.whole("times", times, least=1)):
-        middle = sqrt(low * high)
-        try:
-            force_curve(joint, middle, **options)
-            low = middle
-        except checks.RangeError:
-            high = middle
-    return low
