@@ -129,7 +129,7 @@ def others() -> pd.DataFrame:
 def measured(chart: str | None = None) -> pd.DataFrame:
     """Measured times and errors, of all charts of ``study.measure.speed.CHARTS`` or of one.
 
-    The columns are ``study.measure.speed.COLUMNS``.
+    Their columns are named in ``tests/benchmarks/timing.py``.
     """
     frame = _read(SPEED, dtype={"version": str, "setting": str}).fillna({"setting": ""})
     if chart is None:

@@ -6,14 +6,13 @@ Four charts. ``laws``: a call in a compiled loop, against the curve of the paper
 smallest tolerance. ``flexible``: flexible links, against particles of a fine mesh. Times depend on
 the machine: those drawn are kept in ``data/published/speed.csv``, which `study measure` renews.
 
-What is timed, and how, is in ``tests/benchmarks/`` of the checkout; the other programs are beside
-it in ``tests/other_programs/``.
+What is timed, and how, is in ``tests/benchmarks/`` of the checkout, with what a column means; the
+other programs are beside it in ``tests/other_programs/``.
 """
 
 import sys
 from collections.abc import Iterator, Sequence
 from importlib import import_module
-from types import ModuleType
 from typing import Literal, get_args
 
 import numpy as np
@@ -22,24 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks, paths
 
-COLUMNS = {
-    "chart": "laws, solvers, steppers or flexible",
-    "program": "ours, or the other program's name",
-    "version": "Version of the program",
-    "method": "Law, elements or stepper",
-    "called": "compiled (its whole loop), from Python, or as a program (with its start)",
-    "setting": "Its resolution, orders, tolerance or step",
-    "time": "Median of the repeats, per call, curve or scene",
-    "time_low": "First quartile of the repeats",
-    "time_high": "Third quartile of the repeats",
-    "repeats": "Number of calls that count; the first does only where it is the only one",
-    "relative": "Time over that of the chart's first row",
-    "vectorised": "Laws: time per element of an array of 10,000, over that of Hertz's law; else 0",
-    "largest_error": "Largest relative error of the force; of a stepper the same as rms_error",
-    "rms_error": "RMS relative error of the force, or NRMS error of the slider's acceleration",
-    "compile_time": "Time to compile, once per machine; 0 for what is not compiled on use",
-    "machine": "Processor and Python",
-}
 Chart = Literal["laws", "solvers", "steppers", "flexible"]
 CHARTS = get_args(Chart)
 OURS = "collocation, events"
@@ -48,23 +29,8 @@ ERRORS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
 """Errors of the slider's acceleration at which steppers are compared."""
 
 
-def benchmarks() -> ModuleType:
-    """The benchmarks that time the charts, ``tests/benchmarks/charts.py``.
-
-    Raises
-    ------
-    study.checks.StudyError
-        If the package is installed without its checkout.
-    """
-    folder = paths.ROOT / "tests"
-    paths.require_checkout(folder)
-    if str(folder) not in sys.path:
-        sys.path.insert(0, str(folder))
-    return import_module("benchmarks.charts")
-
-
 def measure(chart: list[Chart] | None = None, repeats: int = 5) -> Iterator[pd.DataFrame]:
-    """One chart after the other, timed on this machine with what is installed: `COLUMNS`.
+    """One chart after the other, timed on this machine with what is installed.
 
     Parameters
     ----------
@@ -80,7 +46,11 @@ def measure(chart: list[Chart] | None = None, repeats: int = 5) -> Iterator[pd.D
     """
     wanted = [checks.choice("chart", name, CHARTS) for name in chart or CHARTS]
     repeats = checks.whole("repeats", repeats, least=1)
-    charts = benchmarks()
+    folder = paths.ROOT / "tests"
+    paths.require_checkout(folder)
+    if str(folder) not in sys.path:
+        sys.path.insert(0, str(folder))
+    charts = import_module("benchmarks.charts")
     return (getattr(charts, name)(3 * repeats if name == "laws" else repeats) for name in wanted)
 
 

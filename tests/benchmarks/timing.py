@@ -18,10 +18,27 @@ import pandas as pd
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from study.measure.speed import COLUMNS
-
 COMPILED, PYTHON, PROGRAM = "compiled", "from Python", "as a program"
 """How a method is called: in a compiled loop, by a loop in Python, or as a process of its own."""
+COLUMNS = {
+    "chart": "laws, solvers, steppers or flexible",
+    "program": "ours, or the other program's name",
+    "version": "Version of the program",
+    "method": "Law, elements or stepper",
+    "called": "compiled (its whole loop), from Python, or as a program (with its start)",
+    "setting": "Its resolution, orders, tolerance or step",
+    "time": "Median of the repeats, per call, curve or scene",
+    "time_low": "First quartile of the repeats",
+    "time_high": "Third quartile of the repeats",
+    "repeats": "Number of calls that count; the first does only where it is the only one",
+    "relative": "Time over that of the chart's first row",
+    "vectorised": "Laws: time per element of an array of 10,000, over that of Hertz's law; else 0",
+    "largest_error": "Largest relative error of the force; of a stepper the same as rms_error",
+    "rms_error": "RMS relative error of the force, or NRMS error of the slider's acceleration",
+    "compile_time": "Time to compile, once per machine; 0 for what is not compiled on use",
+    "machine": "Processor and Python",
+}
+"""Of a chart, and of ``data/published/speed.csv``."""
 ENOUGH = 2.0  # s in calls of a function, after which it is not called again
 _COMPILING = """
 import pathlib, sys, time
