@@ -263,7 +263,6 @@ def study_rows():
         size=(20, WHOLE[:-1]),
         predictors=(1, (*WHOLE, 19)),
     )
-    yield from rows(statistics.last_crossing, x=(FORCES, LIST), lead=(FORCES, (*LIST, [1, 1, -1])))
     curve = pd.DataFrame({"r2_star": 200, "depth_star": [0.1, 0.2], "force_star": [1, 2]})
     yield from rows(
         fitting.coefficient,
@@ -304,13 +303,6 @@ def study_rows():
     yield from rows(dataset.load, colour=("red", ("red",)))
     yield from rows(dataset.published, where=("Table 2", set_without(NAME, None)))
     yield from rows(dataset.measured, chart=("laws", set_without(NAME, None)))
-    yield from rows(
-        verdicts.verdict,
-        values=([1.0], (*LIST, [])),
-        relation=("=", NAME),
-        expected=(1.0, (*NUMBER, 0)),
-        tolerance=(1.0, (*NUMBER, -1)),
-    )
     yield from rows(verdicts.result, name=("table2", (345, None)))
 
 

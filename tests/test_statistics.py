@@ -59,13 +59,6 @@ def test_measures_scale_with_the_data(truth, factor):
     assert stats.agreement(truth, truth)["determination"] == 1
 
 
-def test_last_crossing_interpolates():
-    assert stats.last_crossing([0, 1, 2, 3], [1, -1, -1, 3]) == pytest.approx(2.25)
-    assert stats.last_crossing([0.5, 1], [1, 2]) == 0.5
-    with pytest.raises(ValueError, match="positive at the end"):
-        stats.last_crossing([0, 1], [1, -1])
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [

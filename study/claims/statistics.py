@@ -85,18 +85,3 @@ def relative_error(truth: ArrayLike, prediction: ArrayLike) -> NDArray[np.float6
     if (truth == 0).any():
         raise ValueError("truth must be non-zero for a relative error, got 0")
     return (prediction - truth) / truth
-
-
-def last_crossing(x: ArrayLike, lead: ArrayLike) -> float:
-    """Place from which a sampled lead stays positive, by linear interpolation.
-
-    The first x if the lead is positive throughout; ``ValueError`` if it is not at the end.
-    """
-    x, lead = checks.same_length(x=x, lead=lead)
-    if lead[-1] <= 0:
-        raise ValueError(f"the lead must be positive at the end, got {lead[-1]:g}")
-    behind = np.flatnonzero(lead <= 0)
-    if behind.size == 0:
-        return float(x[0])
-    pair = slice(behind[-1], behind[-1] + 2)
-    return float(np.interp(0, lead[pair], x[pair]))

@@ -53,12 +53,6 @@ def write(axes: Axes, text: str, at: ArrayLike, color="k", **style) -> None:
     axes.text(*at, text, color=color, **({"ha": "center", "va": "center"} | style))
 
 
-def point(axes: Axes, text: str, at: ArrayLike, start: ArrayLike, color="k") -> None:
-    """Write a text at ``start``, with a thin leader to the point that it names."""
-    leader = {"arrowstyle": "-", "linewidth": 0.6, "color": color, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate(text, at, start, color=color, ha="center", va="center", arrowprops=leader)
-
-
 def arrow(
     axes: Axes,
     start,
@@ -78,9 +72,3 @@ def arrow(
     axes.annotate("", end, start, arrowprops=style | {"linewidth": width, "color": color})
     left = np.array([start[1] - end[1], end[0] - start[0]]) / np.hypot(*(end - start))
     write(axes, text, start + along * (end - start) + shift * left, color)
-
-
-def arrows(axes: Axes, tails: ArrayLike, tips: ArrayLike, color) -> None:
-    """Draw the arrows of a distributed load, from tails to tips of shape (2, n)."""
-    scale = {"angles": "xy", "scale_units": "xy", "scale": 1, "width": 0.0045}
-    axes.quiver(*tails, *(tips - tails), color=color, headwidth=4, headlength=5, zorder=3, **scale)

@@ -128,38 +128,13 @@ def draw(axes: Axes, law: str, x: ArrayLike, y: ArrayLike, **options) -> None:
     axes.plot(x, y, **(style | options))
 
 
-def draw_models(
-    axes: Axes,
-    responses: Mapping[str, Any],
-    column: str,
-    scale: float = 1.0,
-    others: Mapping[str, Any] | None = None,
-) -> None:
-    """Draw one quantity of several models over time, the rigid one as a broad line behind.
-
-    The lines go through the peak of every impact; differences are drawn at equal times only.
-
-    Parameters
-    ----------
-    responses
-        `study.mechanism.Response` by key of `MODEL_LOOKS`.
-    column
-        Quantity, a column of the response.
-    scale
-        Factor to the drawn unit.
-    others
-        Responses whose quantity is subtracted, model by model.
-    """
-    for model, response in responses.items():
-        look = MODEL_LOOKS[model]
-        style = {"color": look.color, "linewidth": 0.9, "linestyle": look.line}
-        if model == "rigid":
-            style |= {"color": "0.75", "linewidth": 3.5}
-        time, values = response.motion["time"], response.motion[column]
-        if others:
-            time = response.time
-            values = getattr(response, column) - getattr(others[model], column)
-        axes.plot(1e3 * time, scale * values, label=look.label, **style)
+def draw_model(axes: Axes, model: str, time: ArrayLike, values: ArrayLike) -> None:
+    """Draw a quantity of a model of the links over time (s), the rigid one broad and behind."""
+    look = MODEL_LOOKS[model]
+    style = {"color": look.color, "linewidth": 0.9, "linestyle": look.line}
+    if model == "rigid":
+        style |= {"color": "0.75", "linewidth": 3.5}
+    axes.plot(1e3 * np.asarray(time), values, label=look.label, **style)
     axes.set_xlabel("time (ms)")
 
 
