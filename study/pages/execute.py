@@ -133,14 +133,11 @@ def run(
     Raises
     ------
     NotebookError
-        If a notebook is missing, or a folder is where a product should be.
+        If a notebook is missing.
     study.checks.StudyError
         If data are damaged or a claim cannot be judged, or as for `study.pages.tasks.build`.
     """
     needed = freshness.needed(notebooks, settings, report=report)
-    for product in (product for task in needed for product in task.products):
-        if product.is_dir():
-            raise NotebookError(f"{product.relative_to(paths.ROOT)} must be a file, not a folder")
     for notebook in notebooks:
         if not notebook.path.is_file():
             raise NotebookError(f"notebooks/{notebook.path.name} is missing")
@@ -149,7 +146,10 @@ def run(
     asked = options.get("force") or options.get("dask_address") is not None
     if not asked and not freshness.stale(needed):
         return tasks.Built([], [task.name for task in needed], [])
-    _check_before_a_run()
+    from study import dataset
+
+    dataset.verify_files()  # before notebooks run for minutes
+    check_claims()
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
     if options.get("jobs") is None and len(notebooks) == 1 and not notebooks[0].reads:
         options["jobs"] = 1  # a worker would only have to start
@@ -159,14 +159,6 @@ def run(
         left = [nb.name for nb in notebooks if nb.name not in done]
         built.failures.extend(f"{name} was not run" for name in left)
     return built
-
-
-def _check_before_a_run():
-    """Refuse damaged data and claims, before notebooks run for minutes."""
-    from study import dataset
-
-    dataset.verify_files()
-    check_claims()
 
 
 def execute(notebook: Notebook, settings: dict[str, Any]) -> None:
@@ -201,7 +193,7 @@ def _execute(notebook, executed, settings, folder, results):
     import papermill
     from nbformat.reader import NotJSONError
 
-    from study.pages.kernel import Kernel, configuration
+    from study.pages.kernel import manager
 
     try:
         papermill.execute_notebook(
@@ -210,8 +202,7 @@ def _execute(notebook, executed, settings, folder, results):
             parameters=settings,
             kernel_name="python3",
             progress_bar=False,
-            kernel_manager_class=Kernel,
-            config=configuration(folder, results),
+            kernel_manager_class=manager(folder, results),
         )
     except papermill.PapermillExecutionError as error:
         where = f"cell In[{error.exec_count}]: {error.ename}: {error.evalue}"

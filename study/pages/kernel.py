@@ -6,35 +6,15 @@ from pathlib import Path
 
 from jupyter_client import AsyncKernelManager
 from jupyter_client.kernelspec import KernelSpec
-from traitlets import Dict, Unicode
-from traitlets.config import Config
 
 from study import paths
 
 COMMAND = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
 
 
-class Kernel(AsyncKernelManager):
-    """A kernel in a folder and an environment of its own, which ends with this process."""
-
-    folder = Unicode().tag(config=True)
-    environment = Dict().tag(config=True)
-    kernel_spec = KernelSpec(argv=COMMAND, language="python")
-
-    async def start_kernel(self, **options):
-        """Start it."""
-        await super().start_kernel(cwd=self.folder, env=self.environment, **options)
-
-
-def configuration(folder: Path, results: Path) -> Config:
-    """Configure a kernel that lives in ``folder`` and writes figures and tables to ``results``."""
-    config = Config()
-    config.Kernel.folder = str(folder)
-    config.Kernel.connection_file = str(folder / "kernel.json")
-    if os.name == "posix":  # not ports, which kernels started at the same time may share
-        config.Kernel.transport = "ipc"
-        config.Kernel.ip = str(folder / "socket")
-    config.Kernel.environment = os.environ | {
+def manager(folder: Path, results: Path) -> type[AsyncKernelManager]:
+    """Class of a kernel that lives in ``folder`` and writes figures and tables to ``results``."""
+    environment = os.environ | {
         paths.RESULTS_VARIABLE: str(results),
         "PYTHONPATH": os.pathsep.join([str(paths.ROOT), os.environ.get("PYTHONPATH", "")]),
         "PYTHONUTF8": "1",
@@ -44,4 +24,17 @@ def configuration(folder: Path, results: Path) -> Config:
         # settings in the user's home folder must not change a result
         "IPYTHONDIR": str(folder / "ipython"),
     }
-    return config
+    places = {"connection_file": str(folder / "kernel.json")}
+    if os.name == "posix":  # not ports, which kernels started at the same time may share
+        places |= {"transport": "ipc", "ip": str(folder / "socket")}
+
+    class Kernel(AsyncKernelManager):
+        kernel_spec = KernelSpec(argv=COMMAND, language="python")
+
+        def __init__(self, **options):
+            super().__init__(**(options | places))
+
+        async def start_kernel(self, **options):
+            await super().start_kernel(cwd=str(folder), env=environment, **options)
+
+    return Kernel
