@@ -245,14 +245,10 @@ def study_rows():
         statistics.rmse,
         statistics.relative_rmse,
         statistics.agreement,
-        statistics.relative_error,
     ):
         yield from rows(measure, truth=pair, prediction=pair)
     yield from rows(
         partial(statistics.determination, prediction=FORCES), truth=(FORCES, ([2, 2, 2],))
-    )
-    yield from rows(
-        partial(statistics.relative_error, prediction=FORCES), truth=(FORCES, ([0, 1, 2],))
     )
     yield from rows(
         partial(statistics.relative_rmse, prediction=FORCES), truth=(FORCES, ([-1, 0, 1],))
@@ -407,13 +403,6 @@ def stability_rows():
     )
     yield from rows(
         stability.step_limit, scheme=("RK4", NAME), frequency=(1.0, POSITIVE), rate=(0.0, (nan, -1))
-    )
-    yield from rows(
-        stability.rigid_steps,
-        scene=scene,
-        law=law,
-        duration=(1e-4, POSITIVE),
-        tolerance=(1e-8, POSITIVE),
     )
     yield from rows(damping.delivered_restitution, factor=(0.5, (*NUMBER, -1)))
 

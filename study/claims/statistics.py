@@ -5,7 +5,7 @@ All raise ``ValueError`` for lists of different lengths or fewer than two values
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from study import checks
 
@@ -77,11 +77,3 @@ def agreement(truth: ArrayLike, prediction: ArrayLike) -> dict[str, float]:
     measures["RMSE"] = rmse(truth, prediction)
     measures["relative_RMSE"] = relative_rmse(truth, prediction)
     return measures
-
-
-def relative_error(truth: ArrayLike, prediction: ArrayLike) -> NDArray[np.float64]:
-    """Relative error (prediction - truth)/truth of each value; the truth must not be 0."""
-    truth, prediction = _pair(truth, prediction)
-    if (truth == 0).any():
-        raise ValueError("truth must be non-zero for a relative error, got 0")
-    return (prediction - truth) / truth

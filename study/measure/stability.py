@@ -14,8 +14,7 @@ from study.contact.forces import elastic_force, pack
 from study.contact.laws import find
 from study.measure import explicit
 from study.measure.limits import bisect
-from study.mechanism import MechanismError, Scene, events, rigid, scene_law, simulate, stepping
-from study.mechanism.response import ALL_COLUMNS
+from study.mechanism import MechanismError, Scene, rigid, scene_law, simulate
 
 Numbers = NDArray[np.float64]
 
@@ -153,17 +152,3 @@ def observed_step(
 
     longest = 4 / contact["frequency"]
     return bisect(diverge, 0.1 / (rates + contact["friction_rate"]), longest, 30)
-
-
-def rigid_steps(
-    scene: Scene, law: str, duration: float, tolerance: float = 1e-8
-) -> tuple[int, float]:
-    """Number of steps that rigid links try in a duration (s), and the loss to friction (J)."""
-    checks.number("duration", duration, "s", above=0, scalar=True)
-    checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
-    numbers = packed(scene, law)
-    state, advance = events.stepper(scene, (numbers,), duration, tolerance)
-    rows = np.zeros((2, len(ALL_COLUMNS)))
-    rows[1, 0] = duration
-    advance(rows, *stepping.new_impacts(1000, len(ALL_COLUMNS)))
-    return int(state[stepping.STEPS]), rows[1, list(ALL_COLUMNS).index("lost_friction")]
