@@ -6,18 +6,17 @@ from nbformat import v4
 
 CURVE, LAW, TOTAL = NAMES = ("01-curve", "02-law", "03-total")
 CATALOGUE = """
-[01-curve.figures]
-curve = "force over depth"
-[01-curve.tells]
-curve = "The force grows faster than the depth."
-[01-curve.tables]
-numbers = "what is drawn"
-[02-law.tables]
-law = "Hertz's law at three depths"
+[01-curve.curve]
+shows = "force over depth"
+tells = "The force grows faster than the depth."
+[01-curve.numbers]
+shows = "what is drawn"
+[02-law.law]
+shows = "Hertz's law at three depths"
 [03-total]
 reads = ["numbers"]
-[03-total.tables]
-total = "the sum of the numbers"
+[03-total.total]
+shows = "the sum of the numbers"
 """
 SAVE = 'figures.save(figure, "curve", table)'
 LABEL = 'axes.set_ylabel("force")'

@@ -117,7 +117,7 @@ def test_a_changed_product_table_read_or_task_makes_stale(project):
             assert stale(project) >= reached - {TOTAL}, name
         path.write_bytes(content)
     text = (project / "notebooks/catalogue.toml").read_text()
-    more = text.replace("[03-total]", '[02-law.figures]\nlaws = "a picture"\n[03-total]')
+    more = text.replace("[03-total]", '[02-law.laws]\nshows = "a picture"\n[03-total]')
     (project / "notebooks/catalogue.toml").write_text(more)
     assert stale(project) == {LAW}
 

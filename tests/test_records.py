@@ -80,9 +80,11 @@ def test_version_is_the_same_everywhere():
     assert project["version"] == cited["version"]
 
 
-@pytest.mark.parametrize("entry", [{"expects": {}}, {"expect": {"fig99": "rows"}}])
+@pytest.mark.parametrize(
+    "entry", [{"figures": []}, {"fig99": {"shows": "", "figures": ""}}, {"figures": {}}]
+)
 def test_a_slip_in_the_catalogue_is_told(entry):
-    with pytest.raises(StudyError, match=r"^catalogue\.toml: 00-mine .*'(expects|fig99)'$"):
+    with pytest.raises(StudyError, match=r"^catalogue\.toml: 00-mine: .*'(figures|shows)'$"):
         catalogue.notebook("00-mine", entry)
 
 

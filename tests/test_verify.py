@@ -21,7 +21,7 @@ def folders(tmp_path, monkeypatch):
     return tmp_path
 
 
-FIGURE = Result("fig", "a figure", "00-mine", is_figure=True)
+FIGURE = Result("fig", "00-mine", shows="a figure", tells="It grows.")
 NOTEBOOK = Notebook("00-mine", {"fig": FIGURE})
 
 

@@ -13,7 +13,6 @@ from study import paths, provenance
 from study.checks import StudyError
 
 FILE = paths.NOTEBOOKS / "catalogue.toml"
-_KEYS = ("figures", "tables", "tells", "expect", "reads", "long")
 
 
 @dataclass(frozen=True)
@@ -24,25 +23,27 @@ class Result:
     ----------
     name
         Name of its files, without suffix.
-    shows
-        What it shows.
     notebook
         Name of the notebook that makes it.
-    is_figure
-        Whether it has an image.
+    shows
+        What it shows.
     tells
-        Conclusion from a figure, in one sentence without numbers.
+        Conclusion from a figure, in one sentence without numbers; a table has none.
     expect
         The number of it to expect: ``column at key = value, ...``, with the keys of one row.
         Without one it is the number of rows.
     """
 
     name: str
-    shows: str
     notebook: str
-    is_figure: bool = False
+    shows: str
     tells: str = ""
     expect: str = ""
+
+    @property
+    def is_figure(self) -> bool:
+        """Whether it has an image."""
+        return bool(self.tells)
 
     @property
     def files(self) -> list[str]:
@@ -81,7 +82,7 @@ class Notebook:
     name
         File name without suffix.
     results
-        Its figures, then its tables, by name.
+        Its results by name.
     reads
         Results of other notebooks whose numbers it reads.
     long
@@ -120,29 +121,20 @@ class Notebook:
 
 
 def notebook(name: str, entry: Mapping[str, Any]) -> Notebook:
-    """A notebook from its entry in the catalogue.
+    """A notebook from its entry in the catalogue, in which every table is a result.
 
     Raises
     ------
     study.checks.StudyError
-        For an unknown key, or what is said of a result that the notebook does not make.
+        For an unknown or a missing key.
     """
-    for key in entry:
-        if key not in _KEYS:
-            listed = ", ".join(_KEYS)
-            raise StudyError(f"catalogue.toml: {name} must have keys of {listed}, got {key!r}")
-    figures, tells, expect = (entry.get(key, {}) for key in ("figures", "tells", "expect"))
-    shows = figures | entry.get("tables", {})
-    for result in (*tells, *expect):
-        if result not in shows:
-            raise StudyError(f"catalogue.toml: {name} makes no result {result!r}")
-    results = {
-        result: Result(
-            result, text, name, result in figures, tells.get(result, ""), expect.get(result, "")
-        )
-        for result, text in shows.items()
-    }
-    return Notebook(name, results, entry.get("reads", []), entry.get("long", False))
+    tables = {key: value for key, value in entry.items() if isinstance(value, dict)}
+    others = {key: value for key, value in entry.items() if key not in tables}
+    try:
+        results = {key: Result(key, name, **table) for key, table in tables.items()}
+        return Notebook(name, results, **others)
+    except TypeError as error:
+        raise StudyError(f"catalogue.toml: {name}: {error}") from None
 
 
 _ENTRIES = tomllib.loads(FILE.read_text(encoding="utf-8")) if paths.IS_CHECKOUT else {}
