@@ -14,7 +14,6 @@ from pytask import Product, PythonNode, mark, task
 from study import paths, provenance
 from study.choose import random_scenes
 from study.dataset import design, fitting, hertz_correction, record, store
-from study.pages import tasks
 
 MADE = record.to_make()
 CODE = {path: record.code(path) for path in record.GENERATED}
@@ -45,7 +44,6 @@ for cases, part in zip(BATCHES, PARTS, strict=True):
         cases: list[tuple] = cases,
         part: Annotated[Path, Product] = part,
     ):
-        tasks.leave_interrupts_to_the_runner()
         with paths.whole(part) as temporary:
             curves = pd.concat([record.solve_case(*case) for case in cases])
             curves.to_csv(temporary, index=False)
@@ -82,7 +80,6 @@ for counts, parts in ((hertz_correction.LIMITS, LIMITS), (hertz_correction.CHANG
             of: tuple = (float(nu), counts),
             part: Annotated[Path, Product] = part,
         ):
-            tasks.leave_interrupts_to_the_runner()
             with paths.whole(part) as temporary:
                 np.savetxt(temporary, hertz_correction.logarithms(*of).reshape(-1, 9))
 
@@ -112,7 +109,6 @@ for k, part in enumerate(LINKS):
         correction: Path = store.TABLE,
         part: Annotated[Path, Product] = part,
     ):
-        tasks.leave_interrupts_to_the_runner()
         with paths.whole(part) as temporary:
             random_scenes.measure(scenes).to_csv(temporary, index=False)
 

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from pytask import Product, PythonNode, mark, task
 
-from study.pages import catalogue, execute, freshness, tasks
+from study.pages import catalogue, execute, freshness
 
 settings = json.loads(os.environ.get(execute.PARAMETERS_VARIABLE, "{}"))
 
@@ -29,5 +29,4 @@ for notebook in catalogue.CATALOGUE:
         reads: list[Path] = described.reads,
         products: Annotated[list[Path], Product] = described.products,
     ):
-        tasks.leave_interrupts_to_the_runner()
         execute.execute(*run)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pytask import Product, PythonNode
 
-from study.pages import freshness, tasks, typeset
+from study.pages import freshness, typeset
 
 PAPER, REPORT = freshness.of_paper(), freshness.of_report()
 
@@ -15,7 +15,6 @@ def task_typeset(
     results: list[Path] = PAPER.reads,
     output: Annotated[list[Path], Product] = PAPER.products,
 ):
-    tasks.leave_interrupts_to_the_runner()
     typeset.typeset(output=output[0])
 
 
@@ -24,7 +23,6 @@ def task_report(
     shown: list[Path] = REPORT.reads,
     index: Annotated[list[Path], Product] = REPORT.products,
 ):
-    tasks.leave_interrupts_to_the_runner()
     from study.pages import report
 
     report.write(index[0].parent)

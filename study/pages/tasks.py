@@ -4,15 +4,12 @@ import os
 import re
 import signal
 import sys
-import threading
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 from study import checks, paths
 from study.checks import StudyError
-
-_RUNNER = "STUDY_RUNNER"  # process number of the runner, for its workers
 
 
 class Built(NamedTuple):
@@ -21,13 +18,6 @@ class Built(NamedTuple):
     made: list[str]
     others: list[str]
     failures: list[str]
-
-
-def leave_interrupts_to_the_runner() -> None:
-    """Ignore Ctrl-C in a worker process: the runner stops it and reports it once."""
-    in_main_thread = threading.current_thread() is threading.main_thread()
-    if in_main_thread and os.environ.get(_RUNNER) == str(os.getppid()):
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def build(
@@ -66,7 +56,6 @@ def build(
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
     workers = jobs or cpu_count()
-    os.environ[_RUNNER] = str(os.getpid())
     client = dask_client(dask_address) if dask_address is not None else None
     if client:
         workers = sum(client.nthreads().values())
@@ -120,10 +109,12 @@ def _prepare(client):
         return manager
 
     def executor(n_workers):
+        if client:
+            return client.get_executor()
         # Loky ends idle workers after 10 s by default. A build waited for ever when all of them
-        # had ended with a task left: so they stay.
-        local = partial(get_reusable_executor, n_workers, timeout=None)
-        return client.get_executor() if client else local()
+        # had ended with a task left: so they stay. They ignore Ctrl-C: this process stops them.
+        ignore = {"initializer": signal.signal, "initargs": (signal.SIGINT, signal.SIG_IGN)}
+        return get_reusable_executor(n_workers, timeout=None, **ignore)
 
     registry.register_parallel_backend(ParallelBackend.CUSTOM, executor)
     pytask_build.get_plugin_manager = plugins  # only pytask's command line takes a plugin
