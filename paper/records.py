@@ -101,14 +101,14 @@ def measured_seconds() -> dict[str, int]:
 
     A notebook that failed, or ran with other parameters, is left out.
     """
-    found = {}
+    seconds = {}
     for notebook in CATALOGUE:
         if notebook.executed.is_file():
             content = json.loads(notebook.executed.read_text(encoding="utf-8"))
             run = content["metadata"]["papermill"]
             if not (run["exception"] or run["parameters"]):
-                found[notebook.name] = round(run["duration"])
-    return found
+                seconds[notebook.name] = round(run["duration"])
+    return seconds
 
 
 def expected(result: Result) -> str:

@@ -76,7 +76,7 @@ def deviations(
     lower: float = 0.0,
     factor: float = 1.0,
 ) -> dict[str, float]:
-    """Deviations of Table 2's numbers from the published ones: ln(found/published).
+    """Deviations of Table 2's numbers from the published ones: ln(ours/published).
 
     Parameters
     ----------
@@ -85,12 +85,13 @@ def deviations(
     factor
         Of 1 - determination, by the paper's definition; all else is as for `table_2`.
     """
-    laws, found = table_2(sample, force, area, lower), {}
+    laws, logarithms = table_2(sample, force, area, lower), {}
     for law in ROWS:
         missing = factor * (1 - statistics.determination_as_published(force, laws[law]))
-        found[f"1 - determination {law}"] = np.log(missing / (1 - published.determination[law]))
-        found[f"RMSE {law}"] = np.log(statistics.rmse(force, laws[law]) / published.RMSE[law])
-    return found
+        stated = 1 - published.determination[law], published.RMSE[law]
+        logarithms[f"1 - determination {law}"] = np.log(missing / stated[0])
+        logarithms[f"RMSE {law}"] = np.log(statistics.rmse(force, laws[law]) / stated[1])
+    return logarithms
 
 
 def misfit(deviations: pd.DataFrame) -> pd.Series:
@@ -109,8 +110,8 @@ def scan(published: pd.DataFrame, ratios: Sequence[float] = RATIOS, **set_up: An
         for name, area, factor in product(SAMPLINGS, AREA_COEFFICIENTS, FACTORS):
             key = {"ratio": ratio, "sampling": name, "area": area, "factor": factor}
             sample = SAMPLINGS[name]
-            found = deviations(published, sample, truth(sample), area, factor=FACTORS[factor])
-            rows.append(key | found)
+            off = deviations(published, sample, truth(sample), area, factor=FACTORS[factor])
+            rows.append(key | off)
     return pd.DataFrame(rows)
 
 
@@ -155,14 +156,14 @@ def likelihood(deviations: pd.DataFrame, sigma: float) -> pd.DataFrame:
         exponent = -len(NUMBERS) * table.misfit**2 / (2 * sigma**2)
         weight = np.exp(exponent - exponent.max())
         low, high = np.interp([0.025, 0.975], np.cumsum(weight) / weight.sum(), table.ratio)
-        found = {
+        judged = {
             "best_ratio": table.ratio[exponent.idxmax()],
             "low": low,
             "high": high,
             "misfit": table.misfit.min(),
             "evidence": np.log(weight.mean()) + exponent.max(),
         }
-        rows.append(dict(zip(names, key, strict=True)) | found)
+        rows.append(dict(zip(names, key, strict=True)) | judged)
     table = pd.DataFrame(rows).sort_values("evidence", ascending=False, ignore_index=True)
     table["evidence"] = np.exp(table.evidence - table.evidence.max())
     return table

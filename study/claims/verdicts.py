@@ -140,12 +140,12 @@ def judge() -> pd.DataFrame:
 
 def _judge(claim):
     try:
-        found = readings(claim.evidence, claim.row, claim.column)
+        numbers = readings(claim.evidence, claim.row, claim.column)
     except ClaimError as error:
         raise ClaimError(f"claim {claim.claim}: {error}") from None
-    values = list(found.values())
+    values = list(numbers.values())
     return {
-        "found": "; ".join(f"{reading}: {value:.4g}" for reading, value in found.items()),
+        "found": "; ".join(f"{reading}: {value:.4g}" for reading, value in numbers.items()),
         "lowest": min(values),
         "highest": max(values),
         "verdict": verdict(values, claim.relation, claim.expected, claim.tolerance),

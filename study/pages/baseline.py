@@ -78,7 +78,7 @@ def compare(notebooks: Sequence[Notebook]) -> list[Comparison]:
 def shown_with(notebook: Notebook) -> str:
     """Parameters, other than the defaults, with which its results in ``figures/`` were made."""
     settings, compared = _recorded(notebook)
-    as_made = [name for name, found in compared.items() if found.state != "agrees"]
+    as_made = [name for name in compared if compared[name].state != "agrees"]
     shown = any(_is_as_recorded(name, compared) for name in as_made)
     return ", ".join(f"{key}={value}" for key, value in settings.items()) if shown else ""
 
@@ -103,7 +103,7 @@ def _recorded(notebook):
     if not record.is_file():
         return {}, {}
     settings, compared = json.loads(record.read_text(encoding="utf-8"))
-    return settings, {name: Comparison(*found) for name, found in compared.items()}
+    return settings, {name: Comparison(*fields) for name, fields in compared.items()}
 
 
 def _is_as_recorded(name, compared):

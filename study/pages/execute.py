@@ -145,7 +145,7 @@ def run(
         checks.whole("jobs", options["jobs"], least=1)
     asked = options.get("force") or options.get("dask_address") is not None
     if not asked and not freshness.stale(needed):
-        return tasks.Built([], [task.name for task in needed], [])
+        return tasks.Built([], [])
     from study import dataset
 
     dataset.verify_files()  # before notebooks run for minutes
@@ -154,11 +154,7 @@ def run(
     if options.get("jobs") is None and len(notebooks) == 1 and not notebooks[0].reads:
         options["jobs"] = 1  # a worker would only have to start
     selected = "task_report" if report else " or ".join(f"[{nb.name}]" for nb in notebooks)
-    built = tasks.build([paths.NOTEBOOKS, *([paths.PAPER] if report else [])], selected, **options)
-    if done := {*built.made, *built.others}:
-        left = [nb.name for nb in notebooks if nb.name not in done]
-        built.failures.extend(f"{name} was not run" for name in left)
-    return built
+    return tasks.build([paths.NOTEBOOKS, *([paths.PAPER] if report else [])], selected, **options)
 
 
 def execute(notebook: Notebook, settings: dict[str, Any]) -> None:
@@ -171,12 +167,29 @@ def execute(notebook: Notebook, settings: dict[str, Any]) -> None:
     NotebookError
         If a cell fails, or a result is missing or not in the catalogue; names them.
     """
+    import papermill
+    from nbformat.reader import NotJSONError
+
+    from study.pages.kernel import manager
+
     paths.BUILD.mkdir(exist_ok=True)
     with paths.scratch() as folder, paths.scratch(paths.BUILD) as work:
         results, executed = work / "results", work / notebook.path.name
         results.mkdir()
         try:
-            _execute(notebook, executed, settings, folder, results)
+            papermill.execute_notebook(
+                notebook.path,
+                executed,
+                parameters=settings,
+                kernel_name="python3",
+                progress_bar=False,
+                kernel_manager_class=manager(folder, results),
+            )
+        except papermill.PapermillExecutionError as error:
+            where = f"cell In[{error.exec_count}]: {error.ename}: {error.evalue}"
+            raise NotebookError(f"{notebook.name}, {where}") from None
+        except NotJSONError:
+            raise NotebookError(f"{notebook.name}: the file is no notebook") from None
         finally:
             if executed.is_file():
                 paths.copy(executed, notebook.executed)
@@ -186,26 +199,3 @@ def execute(notebook: Notebook, settings: dict[str, Any]) -> None:
         if extra := ", ".join(sorted(made - wanted)):
             raise NotebookError(f"{notebook.name} saved {extra}, which the catalogue does not name")
         baseline.take_over(results, notebook, settings)
-
-
-def _execute(notebook, executed, settings, folder, results):
-    """Execute the notebook in a kernel of its own."""
-    import papermill
-    from nbformat.reader import NotJSONError
-
-    from study.pages.kernel import manager
-
-    try:
-        papermill.execute_notebook(
-            notebook.path,
-            executed,
-            parameters=settings,
-            kernel_name="python3",
-            progress_bar=False,
-            kernel_manager_class=manager(folder, results),
-        )
-    except papermill.PapermillExecutionError as error:
-        where = f"cell In[{error.exec_count}]: {error.ename}: {error.evalue}"
-        raise NotebookError(f"{notebook.name}, {where}") from None
-    except NotJSONError:
-        raise NotebookError(f"{notebook.name}: the file is no notebook") from None

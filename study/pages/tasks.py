@@ -13,10 +13,9 @@ from study.checks import StudyError
 
 
 class Built(NamedTuple):
-    """Tasks that were run, other tasks of the session, and a message for each that failed."""
+    """Tasks that were run, and a message for each that failed."""
 
     made: list[str]
-    others: list[str]
     failures: list[str]
 
 
@@ -128,11 +127,12 @@ def _outcome(session, folders):
     """What a session did, by the tasks' names."""
     from pytask import TaskOutcome
 
-    made, others, failures = [], [], []
+    made, failures = [], []
     for report in session.execution_reports:
         name = re.split(r"\[|::task_", report.task.name)[-1].rstrip("]")
-        (made if report.outcome == TaskOutcome.SUCCESS else others).append(name)
-        if report.outcome == TaskOutcome.FAIL:
+        if report.outcome == TaskOutcome.SUCCESS:
+            made.append(name)
+        elif report.outcome == TaskOutcome.FAIL:
             error = report.exc_info[1]
             failures.append(str(error) if isinstance(error, StudyError) else f"{name}: {error}")
     if session.exit_code != 0 and not failures:
@@ -142,7 +142,7 @@ def _outcome(session, folders):
             f"no task was found in {', '.join(map(str, folders))}: pytask skips every folder "
             "named build or dist, so rename the project's folder"
         )
-    return Built(made, others, failures)
+    return Built(made, failures)
 
 
 def dask_client(address: str):

@@ -47,8 +47,8 @@ def curves() -> dict:
     if len(cases) != len(frames):
         raise checks.StudyError(f"the design and the dataset differ; rebuild it with: {store.MEND}")
     looks = {name: vars(LOOKS[name]) for name in ("exact", *LAWS)}
-    found = {"parameters": PARAMETERS, "groups": design.GROUPS, "looks": looks}
-    return found | {"depths": list(depths), "cases": cases}
+    named = {"parameters": PARAMETERS, "groups": design.GROUPS, "looks": looks}
+    return named | {"depths": list(depths), "cases": cases}
 
 
 def _parameters(joint):

@@ -3,9 +3,7 @@
 import ast
 import json
 import re
-import shutil
 from base64 import b64decode
-from hashlib import sha256
 from pathlib import Path
 from posixpath import dirname, join, normpath
 
@@ -91,8 +89,7 @@ class _Sources:
         for result in self._results:
             for name in result.files:
                 self._pages_of[f"figures/{name}"] = f"/figures/{result.name}.md"
-                content = (paths.FIGURES / name).read_bytes()
-                self._images[sha256(content).digest()] = result
+                self._images[(paths.FIGURES / name).read_bytes()] = result
         for notebook in CATALOGUE:
             page = f"/notebooks/{notebook.name}.ipynb"
             self._pages_of[page[1:]] = self._pages_of[f"build{page[:-6]}.html"] = page
@@ -100,7 +97,7 @@ class _Sources:
     def write(self, claims):
         """Write all of them, and return the places."""
         self._page("index.md", claims=claims, documents=[self._pages_of[d] for d in DOCUMENTS])
-        _copy(PDF, self._pages / "paper.pdf")
+        paths.copy(PDF, self._pages / "paper.pdf")
         for claim in claims:
             title = f"{claim['claim']}: {claim['statement']}"
             self._place(title, "claim", "index", claim["anchor"])
@@ -113,7 +110,7 @@ class _Sources:
             self._page("figure.md", f"{page}.md", **shown)
             self._place(f"{result.label}: {result.shows}", kind, page, make_id(result.label))
             for name in result.files:
-                _copy(paths.FIGURES / name, self._pages / "figures" / name)
+                paths.copy(paths.FIGURES / name, self._pages / "figures" / name)
         titles = [self._notebook(notebook) for notebook in CATALOGUE]
         self._page("notebooks.md", notebooks=list(zip(CATALOGUE, titles, strict=True)))
         for name in DOCUMENTS:
@@ -145,7 +142,7 @@ class _Sources:
                 return f"[{words}]({self._pages_of[path]}{place})"
             if not (paths.ROOT / path).is_file():
                 return words
-            _copy(paths.ROOT / path, self._pages / "files" / path)
+            paths.copy(paths.ROOT / path, self._pages / "files" / path)
             return f'<a href="../files/{path}">{words}</a>'
 
         return _LINK.sub(replaced, text)
@@ -168,8 +165,7 @@ class _Sources:
                 data = output.get("data", {})
                 if text := "".join(data.get("text/markdown", "")):
                     data["text/markdown"] = _UNIT.sub("\N{NO-BREAK SPACE}", text)
-                image = b64decode(data.get("image/png", ""))
-                if result := self._images.get(sha256(image).digest()):
+                if result := self._images.get(b64decode(data.get("image/png", ""))):
                     output["data"] = {"text/html": self._macros.figure(result, "../")}
         _write(self._folder / f"notebooks/{notebook.name}.ipynb", json.dumps(content))
         return title or notebook.name
@@ -180,7 +176,7 @@ class _Sources:
         text = json.dumps(shown, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
         _write(self._pages / "data.js", f"window.STUDY_DATA={text};\n")
         for file in (CURVES, PACKAGE):
-            _copy(file, self._pages / "data" / file.name)
+            paths.copy(file, self._pages / "data" / file.name)
         package = json.loads(PACKAGE.read_text(encoding="utf-8"))
         self._page("data.md", **shown, fields=package["resources"][0]["schema"]["fields"])
         for case in shown["cases"]:
@@ -201,8 +197,3 @@ def _write(path, text):
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8", newline="\n")
-
-
-def _copy(source, target):
-    target.parent.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(source, target)
