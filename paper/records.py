@@ -251,7 +251,7 @@ def _runs(study):
     code = {"@type": ["File", "SoftwareSourceCode"], "programmingLanguage": python}
     study.root_dataset["mentions"] = [
         study.add_action(
-            _file(study, f"notebooks/{notebook.path.name}", _title(notebook.path), MIT, **code),
+            _file(study, f"notebooks/{notebook.path.name}", notebook.title, MIT, **code),
             f"#{notebook.name}",
             object=[files[name][-1] for name in notebook.reads],
             result=[file for name in notebook.results for file in files[name]],
@@ -259,12 +259,6 @@ def _runs(study):
         )
         for notebook in CATALOGUE
     ]
-
-
-def _title(notebook):
-    """First line of a notebook."""
-    cell = json.loads(notebook.read_text(encoding="utf-8"))["cells"][0]
-    return "".join(cell["source"]).partition("\n")[0].removeprefix("# ")
 
 
 def _entity(study, identifier, kind, properties):

@@ -1,6 +1,7 @@
 """The catalogue, ``notebooks/catalogue.toml``: every notebook and the results it makes."""
 
 import csv
+import json
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -98,6 +99,12 @@ class Notebook:
     def path(self) -> Path:
         """Where the notebook is."""
         return paths.NOTEBOOKS / f"{self.name}.ipynb"
+
+    @property
+    def title(self) -> str:
+        """First line of its text."""
+        cell = json.loads(self.path.read_text(encoding="utf-8"))["cells"][0]
+        return "".join(cell["source"]).partition("\n")[0].removeprefix("# ")
 
     @property
     def executed(self) -> Path:

@@ -111,8 +111,9 @@ class _Sources:
             self._place(f"{result.label}: {result.shows}", kind, page, make_id(result.label))
             for name in result.files:
                 paths.copy(paths.FIGURES / name, self._pages / "figures" / name)
-        titles = [self._notebook(notebook) for notebook in CATALOGUE]
-        self._page("notebooks.md", notebooks=list(zip(CATALOGUE, titles, strict=True)))
+        self._page("notebooks.md", notebooks=CATALOGUE)
+        for notebook in CATALOGUE:
+            self._notebook(notebook)
         for name in DOCUMENTS:
             text = (paths.ROOT / name).read_text(encoding="utf-8")
             _write(f"{self._folder}{self._pages_of[name]}", self._linked(text, dirname(name)))
@@ -148,27 +149,24 @@ class _Sources:
         return _LINK.sub(replaced, text)
 
     def _notebook(self, notebook):
-        """Write an executed notebook with links to the figures it shows, and return its title."""
+        """Write an executed notebook, with a note below its title and links to the figures."""
         text = notebook.executed.read_text(encoding="utf-8")
         content = json.loads(text.replace(str(paths.ROOT), "..."))
         content["metadata"] = {"language_info": {"name": "python", "pygments_lexer": "ipython3"}}
-        title = None
         for cell in content["cells"]:
             cell["source"] = "".join(cell["source"])
             if cell["cell_type"] == "markdown":
                 cell["source"] = self._linked(cell["source"], "notebooks")
-                head = re.match(r"# (.+)", cell["source"])
-                if head and not title:
-                    title, rest = head[1], cell["source"][head.end() :]
-                    cell["source"] = f"{head[0]}\n\n{self._macros.note(notebook)}\n{rest}"
             for output in cell.get("outputs", ()):
                 data = output.get("data", {})
                 if text := "".join(data.get("text/markdown", "")):
                     data["text/markdown"] = _UNIT.sub("\N{NO-BREAK SPACE}", text)
                 if result := self._images.get(b64decode(data.get("image/png", ""))):
                     output["data"] = {"text/html": self._macros.figure(result, "../")}
+        first = content["cells"][0]
+        title, _, rest = first["source"].partition("\n")
+        first["source"] = f"{title}\n\n{self._macros.note(notebook)}\n\n{rest}"
         _write(self._folder / f"notebooks/{notebook.name}.ipynb", json.dumps(content))
-        return title or notebook.name
 
     def _data(self):
         """Write the page of the dataset, and the numbers that its plot shows."""
