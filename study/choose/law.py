@@ -1,9 +1,10 @@
 """The cheapest law that is accurate enough for a joint, with the evidence.
 
 A law's error is the largest relative error of its force over all depths from `SHALLOWEST`
-clearances to the scene's largest, against the solved joint. Its bound includes 3 times the error
-estimate of that solution. Where no closed law is within the tolerance, it is the table of the
-coarsest solution that is. Costs are those of ``data/published/speed.csv``.
+clearances to the scene's largest, against the solved joint. Bodies are elastic there: from which
+depth on they yield, `study.joint.first_yield` says. Its bound includes 3 times the error estimate
+of that solution. Where no closed law is within the tolerance, it is the table of the coarsest
+solution that is. Costs are those of ``data/published/speed.csv``.
 """
 
 import csv
@@ -15,10 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks, paths
-from study.contact import LAWS, largest_depth, tabulated
-from study.joint import Joint, UnresolvedError, first_yield, force_curve, whole_curve
+from study.contact import LAWS, hertz, largest_depth, tabulated
+from study.joint import Joint, UnresolvedError, force_curve, whole_curve
 from study.joint.compliance import RESOLUTION
 from study.joint.curve import ForceCurve
+from study.joint.dimensional import usual_depth
 from study.joint.nested_contact import LEAST_R2_STAR
 from study.threads import one_thread
 
@@ -30,6 +32,9 @@ DEPTHS = 40  # of a law's error
 SOLVED_FIRST = 1.1
 """Factor on the cost of a table, as its joint is solved first, and measured costs are noisy."""
 FINITE_DEPTHS = 12  # solved with finite kinematics, which take a second for each depth
+DEEPER = (1, 4, 12)
+"""Factors of a depth: laws are compared up to the least of these depths that elements resolve. The
+range begins at a twelfth of its end at most, so that the depth itself is within it."""
 TOLERANCES = (1e-5, 1.0)
 """Least and largest. The finest solution is not known to within 1e-5, and it takes a minute to find
 this out."""
@@ -59,9 +64,6 @@ class Choice:
         ``law``, ``options``, ``error``, ``error_bound``, ``relative_cost``.
     errors
         Every closed law that is for the joint -> its largest relative error.
-    first_yield
-        `study.joint.FirstYield` by its names, if materials have a yield stress and the joint yields
-        within the depths. Beyond it, errors and bounds are for joints that do not yield.
     evaluate
         The law, of (``depth_star``, ``r2_star``); None for ``solver``. Its bound is known between
         ``depths`` only.
@@ -74,7 +76,6 @@ class Choice:
     depths: tuple[float, float]
     rejected: tuple[dict, ...]
     errors: dict[str, float]
-    first_yield: dict[str, object] | None
     evaluate: Callable | None = field(repr=False, compare=False)
 
 
@@ -104,7 +105,7 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     least = min(SHALLOWEST, deepest / 12)
     depths = np.linspace(np.sqrt(least), np.sqrt(deepest), DEPTHS) ** 2
     force, uncertainty = _exact(joint, depths)
-    largest = {law: float(error.max()) for law, error in errors(joint, depths, force).items()}
+    largest = {law: float(error.max()) for law, error in law_errors(joint, depths, force).items()}
     rejected = []
     for candidate in _candidates(joint, depths, force, uncertainty, largest):
         if candidate["error_bound"] <= tolerance:
@@ -117,15 +118,33 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
             f"{candidate['error_bound']:.2g}"
         )
     del candidate["error"]
-    strong = any(material.yield_stress for material in joint.materials.values())
-    first = first_yield(joint, deepest) if strong else None
     return Choice(
         **candidate,
         depths=(float(least), deepest),
         rejected=tuple(reversed(rejected)),
         errors=largest,
-        first_yield=vars(first) if first else None,
     )
+
+
+def choose_beside(joint: Joint, depth_star: float, tolerance: float) -> Choice:
+    """`choose` up to a depth, or up to a deeper one if that contact is too small for elements.
+
+    Raises the errors of `choose`. For a contact that is far too small, `study.checks.RangeError`
+    says within what Hertz's law holds there.
+    """
+    is_small = max(DEEPER) * depth_star <= usual_depth(joint)
+    for deeper in DEEPER if is_small else (1,):
+        try:
+            return choose(joint, deeper * depth_star, tolerance)
+        except checks.RangeError:
+            if not is_small:
+                raise
+    # the solver has no force there, but stiffened_hertz begins as Hertz's law
+    of_hertz = law_errors(joint, depth_star, hertz(depth_star, joint.r2_star)).get(
+        "stiffened_hertz"
+    )
+    known = "" if of_hertz is None else f": there Hertz's law holds within {100 * of_hertz:.2g} %"
+    raise checks.RangeError(f"the contact is too small for laws to be compared{known}")
 
 
 def _candidates(joint, depths, force, uncertainty, largest):
@@ -189,11 +208,11 @@ def _some(curve: ForceCurve, chosen: NDArray[np.bool_]) -> ForceCurve:
     return replace(curve, **{name: getattr(curve, name)[chosen] for name in names})
 
 
-def _exact(joint, depths, resolution=None):
+def _exact(joint, depths):
     """Exact forces at depths, and their relative uncertainty, one number."""
     kind = _kind(joint)
     finer = [n for n in RESOLUTIONS[kind] if n > RESOLUTION[kind]]  # for very shallow depths
-    _, curve, error = next(_solutions(joint, depths, (resolution, *finer)))
+    _, curve, error = next(_solutions(joint, depths, (None, *finer)))
     return tabulated(curve)(depths), ESTIMATE * error
 
 
@@ -202,7 +221,7 @@ def _bounded(error, uncertainty):
     return error * (1 + uncertainty) + uncertainty
 
 
-def errors(
+def law_errors(
     joint: Joint, depth_star: ArrayLike, force_star: ArrayLike
 ) -> dict[str, NDArray[np.float64]]:
     """Relative errors, against exact forces, of every law whose cost is known.
@@ -217,25 +236,6 @@ def errors(
             continue
         by_law[law] = np.abs(force / force_star - 1)
     return by_law
-
-
-@one_thread
-def error_bounds(
-    joint: Joint, depth_star: ArrayLike, resolution: int | None = None
-) -> dict[str, NDArray[np.float64]]:
-    """Bound of each law's error from the first depth up to each depth, as `choose` computes it.
-
-    Parameters
-    ----------
-    depth_star
-        Rising, from `SHALLOWEST`.
-    resolution
-        Of the joint's solution.
-    """
-    depths = np.asarray(depth_star)
-    force, uncertainty = _exact(joint, depths, resolution)
-    by_law = errors(joint, depths, force).items()
-    return {law: _bounded(np.maximum.accumulate(error), uncertainty) for law, error in by_law}
 
 
 def law_options(law: str, joint: Joint) -> dict[str, object]:

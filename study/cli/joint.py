@@ -1,6 +1,5 @@
 """The command for a joint, with its dimensions in SI units or without: study joint."""
 
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -19,10 +18,15 @@ from study.cli.options import (
 from study.cli.output import show, working
 
 MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
-DEEPER = (1, 4, 12)
-"""Factors of the depth: laws are compared up to the least of these depths that elements resolve.
-The range begins at a twelfth of its end at most, so that the depth itself is within it."""
 LARGE = 1.0  # m: a socket's radius that is probably in mm
+CONTACT = {
+    "depth um": ("depth", MICRO),
+    "force N": ("force", 1),
+    "stiffness N/um": ("stiffness", 1 / MICRO),
+    "half_angle deg": ("contact_half_angle_deg", 1),
+    "peak_pressure MPa": ("peak_pressure", MEGA),
+}
+"""What is printed of a contact -> the solution's column, and the unit."""
 NO_LAW = {
     "tabulated": "tabulated, the table of this joint's own curve",
     "solver": "none: the joint has to be solved at every depth",
@@ -160,20 +164,15 @@ def _described(joint, solution, tolerance):
 
 
 def _contact(solution):
-    columns = {
-        "depth um": solution.depth / MICRO,
-        "force N": solution.force,
-        "stiffness N/um": solution.stiffness * MICRO,
-        "half_angle deg": solution.contact_half_angle_deg,
-        "peak_pressure MPa": solution.peak_pressure / MEGA,
+    table = {
+        head: [_digits(value / unit) for value in getattr(solution, name)]
+        for head, (name, unit) in CONTACT.items()
     }
-    errors = [_digits(error / PERCENT, 2) for error in solution.error_estimate]
-    table = {head: [_digits(value) for value in column] for head, column in columns.items()}
-    return table | {"error %": errors}
+    return table | {"error %": [_digits(error / PERCENT, 2) for error in solution.error_estimate]}
 
 
 def _stresses(joint, solution):
-    rows = []
+    table = {}
     for k, depth in enumerate(solution.depth):
         for body, stress in solution.von_mises.items():
             strength, factor = joint.materials[body].yield_stress, solution.yield_factor[body]
@@ -185,8 +184,9 @@ def _stresses(joint, solution):
                 "yield_stress MPa": None if strength is None else _digits(strength / MEGA),
                 "factor_to_yield": None if factor is None else _digits(factor[k]),
             }
-            rows.append(row)
-    return {head: [row[head] for row in rows] for head in rows[0]}
+            for head, cell in row.items():
+                table.setdefault(head, []).append(cell)
+    return table
 
 
 def _digits(value, count=4):
@@ -199,9 +199,11 @@ def _percent(error):
 
 def _law(joint, largest, tolerance):
     """The cheapest law within the tolerance up to a depth, as JSON and in words."""
+    from study.choose.law import choose_beside
+
     plain = joint.joint
     try:
-        choice = _choice(plain, largest / joint.clearance, tolerance)
+        choice = choose_beside(plain, largest / joint.clearance, tolerance)
     except (checks.StudyError, ValueError) as error:  # no checkout, or no law is known well enough
         none = {"law": None, "law_error_bound": None, "export": None}
         return none, f"No law is chosen: {error}"
@@ -227,36 +229,6 @@ def _law(joint, largest, tolerance):
         )
     values = {"law": choice.law, "law_error_bound": choice.error_bound, "law_depths": depths}
     return values | {"law_errors": choice.errors, "export": line}, text
-
-
-def _choice(joint, depth_star, tolerance):
-    """Choice for a joint up to a depth, or up to a deeper one that elements resolve."""
-    from study.choose import choose
-    from study.choose.law import errors
-    from study.contact import LAWS
-    from study.joint.dimensional import usual_depth
-
-    is_small = max(DEEPER) * depth_star <= usual_depth(joint)
-    for deeper in DEEPER if is_small else (1,):
-        try:
-            return choose(_without_yield(joint), deeper * depth_star, tolerance)
-        except checks.RangeError:
-            if not is_small:
-                raise
-    errors_of_laws = errors(joint, depth_star, LAWS["hertz"](depth_star, joint.r2_star))
-    known = errors_of_laws.get("stiffened_hertz")  # which begins as Hertz's law
-    hertz = "" if known is None else f": there Hertz's law holds within {_percent(known)}"
-    raise checks.RangeError(f"the contact is too small for laws to be compared{hertz}")
-
-
-def _without_yield(joint):
-    """A joint of materials without a yield stress: its factors to yield are shown already."""
-
-    def elastic(material):
-        return replace(material, yield_stress=None)
-
-    layers = tuple(replace(layer, material=elastic(layer.material)) for layer in joint.layers)
-    return replace(joint, ball=elastic(joint.ball), socket=elastic(joint.socket), layers=layers)
 
 
 def _options(joint, deepest):

@@ -76,19 +76,21 @@ def choose_law(
     For a whole mechanism: study simulate --model auto --tolerance ... .
     """
     from study.choose import choose, relative_costs
-    from study.joint import parsing
+    from study.joint import first_yield, parsing
 
     asked, costs = parsing.joint(r2_star, yield_stress=yield_stress, **joint), relative_costs()
     with working("Solving the joint"):
         choice = choose(asked, depth_star, tolerance)
+        first = first_yield(asked, depth_star) if yield_stress else None
     laws = sorted(choice.errors, key=costs.get)
     names = ("law", "error_bound", "relative_cost", "options")
-    depths, first = "{:g} to {:g}".format(*choice.depths), choice.first_yield
-    sentences = [f"For depths of {depths} clearances."]
+    sentences = ["For depths of {:g} to {:g} clearances.".format(*choice.depths)]
     if first:
-        sentences.append(YIELDS.format(**first))
+        sentences.append(YIELDS.format(**vars(first)))
     show(
-        {"next_cheaper": next(iter(choice.rejected), None)} | named_fields(choice),
+        {"next_cheaper": next(iter(choice.rejected), None)}
+        | named_fields(choice)
+        | {"first_yield": vars(first) if first else None},
         as_json,
         {name: [getattr(choice, name)] for name in names},
         *sentences,

@@ -12,23 +12,22 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
 from study import checks
 from study.checks import StudyError
 from study.contact import tabulated
-from study.joint import DimensionalJoint, Joint, force_curve, material, whole_curve
+from study.joint import DimensionalJoint, force_curve, material, whole_curve
 from study.joint.dimensional import usual_depth
 from study.joint.parsing import joint as joint_of_texts
 from study.joint.parsing import liner
-from study.mechanism import Response, Scene
+from study.mechanism import Scene
 from study.mechanism.simulate import ready
 
 Kind = Literal["joints", "scenes"]
 Case = dict[str, str]
-Results = dict[str, Any]
 Rows = list[list[str]]
 NAME, ERROR = "case", "error"
 """First column of every table, the case's name or number, and the last, the reason of a failure."""
@@ -61,19 +60,6 @@ SCENES = {
 }
 COLUMNS = {"joints": CURVES, "joints with dimensions": DIMENSIONAL, "scenes": SCENES}
 """Results of a case, by the form of the cases: column -> unit and meaning."""
-
-
-class Form(NamedTuple):
-    """How cases of one form are read and solved.
-
-    ``prepare`` takes the values of the columns. It gives a key and a function that solves the case.
-    Cases with the same key share elastic bodies, or are quick: one process solves several of them,
-    and keeps them together.
-    """
-
-    columns: tuple[str, ...]
-    needed: tuple[str, ...]
-    prepare: Callable[[dict[str, Any]], tuple[str, Callable[[], Results]]]
 
 
 def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
@@ -164,7 +150,7 @@ def prepared(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
     ValueError
         For a column, or a value, that is not possible; names row and column.
     """
-    checks.choice("kind", kind, ("joints", "scenes"))
+    checks.choice("kind", kind, get_args(Kind))
     columns = list(dict.fromkeys(name for case in cases for name in case))
     form: str = kind
     if kind == "joints" and "r2_star" not in columns:
@@ -176,9 +162,6 @@ def prepared(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
     for row, case in enumerate(cases, 1):
         name = case.get(NAME, str(row))
         try:
-            if missing := [column for column in FORMS[form].needed if column not in case]:
-                instead = ", or r2_star" if form == "joints with dimensions" else ""
-                raise ValueError(f"{missing[0]} must be given{instead}")
             keys.append(_prepare(form, case)[0])
             if name in rows:
                 twice = f"got {name!r} in row {rows[name]} too"
@@ -218,6 +201,11 @@ def _cells(name, values):
 
 
 def _prepare(form, case):
+    """Key of a case, and the function that solves it (`Form`)."""
+    for name in FORMS[form].needed:
+        if name not in case:
+            instead = ", or r2_star" if form == "joints with dimensions" else ""
+            raise ValueError(f"{name} must be given{instead}")
     values = {
         name: _READ.get(name, checks.read)(name, text)
         for name, text in case.items()
@@ -234,21 +222,19 @@ def _joint(values):
     return _bodies(joint), partial(_solve_joint, joint, depths)
 
 
-def _bodies(joint: Joint) -> str:
+def _bodies(joint):
     """Key of the compliances of a joint's bodies, or of a joint with large displacements itself."""
     supports = joint.ball_drive, joint.rim, joint.kinematics
     compliances = supports, joint.socket_layers, joint.ball.poisson
     return repr(joint if joint.kinematics == "finite" else compliances)
 
 
-def _solve_joint(joint: Joint, depths: list[float] | None) -> Results:
+def _solve_joint(joint, depths):
     if depths is not None:
-        curve, stiffness = force_curve(joint, depths), ""
-    else:
-        curve = whole_curve(joint, usual_depth(joint))
-        stiffness = tabulated(curve)(curve.depth_star, joint.r2_star, derivative=True)
-    names = CURVES.keys() - {"stiffness_star"}
-    return {name: getattr(curve, name) for name in names} | {"stiffness_star": stiffness}
+        return vars(force_curve(joint, depths)) | {"stiffness_star": ""}
+    curve = whole_curve(joint, usual_depth(joint))
+    slope = tabulated(curve)(curve.depth_star, joint.r2_star, derivative=True)
+    return vars(curve) | {"stiffness_star": slope}
 
 
 def _dimensional_joint(values):
@@ -261,23 +247,23 @@ def _dimensional_joint(values):
     return _bodies(joint.joint), partial(_solve_dimensional, joint, asked)
 
 
-def _solve_dimensional(joint: DimensionalJoint, asked: dict[str, list[float]]) -> Results:
+def _solve_dimensional(joint, asked):
     solution = joint.solve(**asked) if asked else joint.curve()
     factors = [factor for factor in solution.yield_factor.values() if factor is not None]
-    least = {"yield_factor": np.min(factors, axis=0) if factors else ""}
-    return {name: getattr(solution, name) for name in DIMENSIONAL if name not in least} | least
+    return vars(solution) | {"yield_factor": np.min(factors, axis=0) if factors else ""}
 
 
 def _scene(values):
-    scene = Scene(**{name: value for name, value in values.items() if name in _OF_SCENE})
-    options = {name: value for name, value in values.items() if name not in _OF_SCENE}
-    law, is_slow = options.get("law", "hertz"), options.get("model", "rigid") != "rigid"
-    if "socket_ratio" in options and law != "stiffened_hertz":
+    of_scene = {name: values.pop(name) for name in _SCENE if name in values}
+    key = repr((of_scene, values)) if values.get("model", "rigid") != "rigid" else ""
+    law = values.get("law", "hertz")
+    if "socket_ratio" in values and law != "stiffened_hertz":
         raise ValueError(f"socket_ratio must be left out: law {law} does not depend on it")
-    return repr(values) if is_slow else "", partial(_simulate, scene, ready(scene, **options))
+    scene = Scene(**of_scene)
+    return key, partial(_simulate, scene, ready(scene, **values))
 
 
-def _simulate(scene: Scene, run: Callable[[], Response]) -> Results:
+def _simulate(scene, run):
     response = run()
     if not response.complete:
         raise KeyboardInterrupt
@@ -317,23 +303,36 @@ def _liner(name, text):
     return thickness, _material(name, of)
 
 
-_OF_SCENE = {field.name: field.default for field in fields(Scene)}
-_WORDS = ("ball_drive", "rim", "kinematics", "model", "joint", "law", "method", "damping")
+class Form(NamedTuple):
+    """How cases of one form are read and solved.
+
+    ``prepare`` takes the values of the columns. It gives a key and a function that solves the case:
+    its results have the names of `COLUMNS`, and more. Cases with the same key share elastic bodies,
+    or are quick: one process solves several of them, and keeps them together.
+    """
+
+    columns: tuple[str, ...]
+    needed: tuple[str, ...]
+    prepare: Callable[[dict[str, Any]], tuple[str, Callable[[], Mapping[str, Any]]]]
+
+
+_SCENE = {field.name: field.default for field in fields(Scene)}
+_SUPPORTS = ("ball_drive", "rim", "kinematics")
+_RATIOS = ("r2_star", "socket_ratio", "poisson", "modulus_ratio", "socket_poisson")
+_SIZES = ("socket_radius", "clearance", "wall")
+_LAW = ("model", "joint", "law", "method")
+_NUMBERS = ("duration", "tolerance", "step", "socket_ratio")
 _READ: dict[str, Callable[[str, str], Any]] = {
-    **dict.fromkeys(_WORDS, _word),
+    **dict.fromkeys((*_SUPPORTS, *_LAW, "damping"), _word),
     **dict.fromkeys(("depth_star", "depth", "force"), _several(checks.read)),
     **dict.fromkeys(("ball", "socket"), _material),
     "layer": _several(_word),
     "liner": _several(_liner),
     "outputs": partial(checks.read, kind=int),
     "elements": partial(checks.read_several, kind=int),
-    **{name: checks.read_several for name, x in _OF_SCENE.items() if isinstance(x, tuple)},
+    **{name: checks.read_several for name, x in _SCENE.items() if isinstance(x, tuple)},
 }
 """Column -> function of its name and text that gives its value; other columns are one number."""
-_SUPPORTS = ("ball_drive", "rim", "kinematics")
-_RATIOS = ("r2_star", "socket_ratio", "poisson", "modulus_ratio", "socket_poisson")
-_SIZES = ("socket_radius", "clearance", "wall")
-_OF_RUN = ("model", "joint", "law", "method", "duration", "tolerance", "step", "socket_ratio")
 FORMS = {
     "joints": Form((*_RATIOS, *_SUPPORTS, "layer", "depth_star"), ("r2_star",), _joint),
     "joints with dimensions": Form(
@@ -341,6 +340,6 @@ FORMS = {
         _SIZES,
         _dimensional_joint,
     ),
-    "scenes": Form((*_OF_RUN, *_OF_SCENE, "outputs", "elements"), (), _scene),
+    "scenes": Form((*_LAW, *_NUMBERS, *_SCENE, "outputs", "elements"), (), _scene),
 }
 """By a name of `COLUMNS`."""
