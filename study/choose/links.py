@@ -8,7 +8,6 @@ of many random scenes (`LARGEST_RATIOS`) times a large `SAFETY`. It holds within
 scenes only.
 """
 
-from dataclasses import fields
 from math import pi, sqrt
 from typing import Literal, get_args
 
@@ -38,10 +37,10 @@ RANGES = {
     "crank_length": (0.02, 0.07),
     "coupler_length": (0.1, 0.3),
     "duration": (0.02, 0.2),
+    "restitution": (0.1, 0.95),
+    "friction": (0.0, 0.2),
 }
-"""Drawn evenly in the logarithm, SI units."""
-EVEN_RANGES = {"restitution": (0.1, 0.95), "friction": (0.0, 0.2)}
-"""Drawn evenly. All other parameters are as in the paper's scene."""
+"""SI units. All other parameters are as in the paper's scene."""
 SAFETY = 10.0
 """Factor on the largest ratio; other scenes exceed that ratio by a factor of up to 5."""
 
@@ -99,16 +98,14 @@ def bounds(scene: Scene, response: Response) -> dict[Quantity, float]:
 
 def outside(scene: Scene, duration: float) -> str:
     """Why a scene and a duration, in s, are outside the random scenes; empty if they are not."""
-    values = {field.name: getattr(scene, field.name) for field in fields(scene)}
-    values |= {"link_modulus": scene.link_modulus or scene.youngs_modulus, "duration": duration}
-    defaults = {field.name: field.default for field in fields(scene)}
-    for name, value in values.items():
+    others = {"link_modulus": scene.link_modulus or scene.youngs_modulus, "duration": duration}
+    for name, value in (vars(scene) | others).items():
         words = name.replace("_", " ")
-        if name in RANGES | EVEN_RANGES:
-            low, high = (RANGES | EVEN_RANGES)[name]
+        if name in RANGES:
+            low, high = RANGES[name]
             if not low <= value <= high:
                 return f"{words} {value:g} is outside the range of the random scenes"
-        elif value != defaults[name]:
+        elif value != getattr(Scene, name):
             what = "material" if isinstance(value, Material) else value
             return f"{words} {what} is not that of the random scenes"
     return ""

@@ -163,19 +163,17 @@ def choose_model(
 
     loosest = partial(_loosest, run, difference, STEP_SHARE * tolerance)
     runs = [run("rigid", HERTZ, joint="ideal"), loosest(HERTZ, with_hertz), loosest(law, with_law)]
-    unit = runs[1].seconds
+    unit, how, changes = runs[1].seconds, "bounded", {}
     from_law = [difference(rigid, with_law) for rigid in runs]
     note = links.outside(scene, duration)
     of_links = inf if note else links.bounds(scene, with_hertz.response)[quantity]
-    bounds, how, changes = [error + of_law + of_links for error in from_law], "bounded", {}
+    bounds = [error + of_law + of_links for error in from_law]
     if min(bounds) > tolerance:
-        coarse, fine = (run("particles", law, elements=pair) for pair in (COARSE, FINE))
-        half = run("particles", law, step_share=0.5, elements=FINE)
-        changes = {"the mesh": difference(coarse, fine), "half the step": difference(half, fine)}
-        doubt = SAFETY * max(changes.values()) + of_law
-        of_links = difference(with_law, fine) + doubt
+        flexible, changes = _flexible(run, difference, law)
+        doubt, how = SAFETY * max(changes.values()) + of_law, "compared"
+        of_links = difference(with_law, flexible[-1]) + doubt
         bounds = [min(b, error + of_links) for b, error in zip(bounds, from_law, strict=True)]
-        runs, bounds, how = [*runs, coarse, fine], [*bounds, doubt, doubt], "compared"
+        runs, bounds = [*runs, *flexible], [*bounds, doubt, doubt]
 
     evidence = tuple(
         of.description | {"error_bound": bound, "relative_cost": of.seconds / unit, "links": how}
@@ -183,13 +181,7 @@ def choose_model(
     )
     within = [n for n, bound in enumerate(bounds) if bound <= tolerance]
     if not within:
-        cause = max(changes, key=changes.__getitem__)
-        raise ModelError(
-            f"no model's {quantity.replace('_', ' ')} is known to be within the tolerance "
-            f"{tolerance:g}, the best within {min(bounds):.2g}: {cause} of flexible links changes "
-            f"it by {changes[cause]:.2g} over {duration:g} s",
-            min(bounds),
-        )
+        raise _none_within(tolerance, quantity, duration, min(bounds), changes)
     compliance_ratio, frequency_ratio = links.ratios(scene, depth)
     return ModelChoice(
         **evidence[within[0]],
@@ -200,6 +192,24 @@ def choose_model(
         note=note,
         evidence=evidence,
         simulate=runs[within[0]].simulate,
+    )
+
+
+def _flexible(run, difference, law):
+    """Links of particles on two meshes, and what the mesh and half the step change."""
+    coarse, fine = (run("particles", law, elements=pair) for pair in (COARSE, FINE))
+    half = run("particles", law, step_share=0.5, elements=FINE)
+    changes = {"the mesh": difference(coarse, fine), "half the step": difference(half, fine)}
+    return [coarse, fine], changes
+
+
+def _none_within(tolerance, quantity, duration, known, changes):
+    cause = max(changes, key=changes.__getitem__)
+    return ModelError(
+        f"no model's {quantity.replace('_', ' ')} is known to be within the tolerance "
+        f"{tolerance:g}, the best within {known:.2g}: {cause} of flexible links changes it by "
+        f"{changes[cause]:.2g} over {duration:g} s",
+        known,
     )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from study.choose.links import EVEN_RANGES, RANGES, estimates, ratios
+from study.choose.links import RANGES, estimates, ratios
 from study.mechanism.compare import motion_nrms
 from study.mechanism.scene import Scene
 from study.mechanism.simulate import simulate
@@ -18,6 +18,7 @@ from study.mechanism.stepping import MechanismError
 
 COUNT = 160
 ELEMENTS, LAW = (4, 8), "stiffened_hertz"
+EVENLY = ("restitution", "friction")  # the others are drawn evenly in the logarithm
 
 
 def draw(seed: int, count: int = COUNT) -> Iterator[tuple[Scene, float]]:
@@ -25,11 +26,12 @@ def draw(seed: int, count: int = COUNT) -> Iterator[tuple[Scene, float]]:
     numbers = np.random.default_rng(seed)
     for _ in range(count):
         values: dict[str, Any] = {
-            name: float(f"{low * (high / low) ** numbers.random():.4g}")
+            name: round(numbers.uniform(low, high), 3)
+            if name in EVENLY
+            else float(f"{low * (high / low) ** numbers.random():.4g}")
             for name, (low, high) in RANGES.items()
         }
         duration = values.pop("duration")
-        values |= {name: round(numbers.uniform(*ends), 3) for name, ends in EVEN_RANGES.items()}
         yield Scene(**values), duration
 
 
@@ -48,8 +50,8 @@ def measure(scenes: Iterable[tuple[Scene, float]]) -> pd.DataFrame:
             continue
         if len(rigid.impact_rows) == 0:
             continue
-        drawn = [name for name in (RANGES | EVEN_RANGES) if name != "duration"]
-        row = {"duration": duration} | {name: getattr(scene, name) for name in drawn}
+        drawn = {name: getattr(scene, name, duration) for name in RANGES}
+        row = {"duration": duration} | drawn
         values = ratios(scene, rigid.impact_columns["peak_depth"].max())
         row["compliance_ratio"], row["frequency_ratio"] = values
         for quantity, estimate in estimates(scene, rigid).items():
