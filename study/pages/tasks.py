@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from study import checks, paths
+from study import checks, cluster, paths
 from study.checks import StudyError
 
 
@@ -55,7 +55,7 @@ def build(
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
     workers = jobs or cpu_count()
-    client = dask_client(dask_address) if dask_address is not None else None
+    client = cluster.client(dask_address) if dask_address is not None else None
     if client:
         workers = sum(client.nthreads().values())
     if not os.access(paths.ROOT, os.W_OK):
@@ -143,20 +143,3 @@ def _outcome(session, folders):
             "named build or dist, so rename the project's folder"
         )
     return Built(made, failures)
-
-
-def dask_client(address: str):
-    """Client of a Dask scheduler that answers and has workers, or raise `StudyError`."""
-    try:
-        from distributed import Client
-    except ImportError:
-        remedy = "install it with: pip install '.[dask]'"
-        raise StudyError(f"--dask needs the extra [dask]; {remedy}") from None
-    try:
-        client = Client(address, timeout=5)
-    except (OSError, ValueError) as error:
-        raise StudyError(f"no Dask scheduler answers at {address} ({error})") from None
-    if not client.nthreads():
-        client.close()
-        raise StudyError(f"the Dask scheduler at {address} has no workers")
-    return client

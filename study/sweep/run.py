@@ -15,13 +15,12 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import Executor, as_completed
 from contextlib import closing, contextmanager
 from importlib.metadata import version
-from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from loky import ProcessPoolExecutor, cpu_count
 
-from study import checks, paths, provenance
+from study import checks, cluster, paths, provenance
 from study.checks import StudyError
 from study.sweep import cases as of_cases
 from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind, Rows
@@ -93,8 +92,7 @@ def sweep(
         raise ValueError(f"output must be another file than the cases, got {output}")
     every_case = of_cases.load(cases)
     form, bodies = of_cases.prepared(kind, every_case)
-    code = _code()
-    keys = [_key(code, form, case) for case in every_case]
+    keys = _keys(form, every_case)
     different = dict(zip(keys, zip(bodies, every_case, strict=True), strict=True))
     output.parent.mkdir(parents=True, exist_ok=True)
     with _Part(output.with_name(f"{output.name}.part"), set(keys)) as part:
@@ -122,13 +120,14 @@ def _code() -> str:
     return provenance.digest(files, *(version(package) for package in _PACKAGES))
 
 
-def _key(code: str, form: str, case: Case) -> str:
-    """Key of a case, whatever its number, its name and the order of its columns."""
-    values = sorted((name, text) for name, text in case.items() if name != NAME)
-    return provenance.digest([], code, form, values)
+def _keys(form, cases):
+    """Key of each case, whatever its number, its name and the order of its columns."""
+    code = _code()
+    values = (sorted((name, text) for name, text in case.items() if name != NAME) for case in cases)
+    return [provenance.digest([], code, form, of_case) for of_case in values]
 
 
-def _digest(content: str) -> str:
+def _digest(content):
     return provenance.sha256(content.encode())[:32]
 
 
@@ -202,11 +201,12 @@ def _write(output, form, cases, names, rows_of_cases):
 
 def _tasks(cases: dict[str, tuple[str, Case]]) -> list[dict[str, Case]]:
     """Tasks for a process: cases that share bodies, by their keys."""
-    ordered = sorted(cases.items(), key=lambda item: item[1][0])
-    groups = (list(group) for _, group in groupby(ordered, key=lambda item: item[1][0]))
+    groups: dict[str, list[tuple[str, Case]]] = {}
+    for key, (bodies, case) in cases.items():
+        groups.setdefault(bodies, []).append((key, case))
     return [
-        {key: case for key, (_, case) in group[start : start + _TASK]}
-        for group in groups
+        dict(group[start : start + _TASK])
+        for _, group in sorted(groups.items())
         for start in range(0, len(group), _TASK)
     ]
 
@@ -217,10 +217,9 @@ def _solved(
     """Keys and rows of cases, as they are finished."""
     count = min(jobs or cpu_count(), len(tasks))
     if dask_address is None and count < 2:  # here, without the start of a process
-        for task in tasks:
-            for key, case in task.items():
-                (rows,) = of_cases.solve(form, [case])
-                yield key, rows
+        for key, case in (item for task in tasks for item in task.items()):
+            (rows,) = of_cases.solve(form, [case])
+            yield key, rows
         return
     with _workers(count, dask_address) as executor:
         with _without_interrupts():
@@ -241,9 +240,7 @@ def _solved(
 def _workers(count: int, dask_address: str | None) -> Iterator[Executor]:
     """Executor of functions; it is stopped with the study."""
     if dask_address is not None:
-        from study.pages.tasks import dask_client
-
-        with dask_client(dask_address) as client:
+        with cluster.client(dask_address) as client:
             yield client.get_executor(pure=False)
         return
     executor = ProcessPoolExecutor(count, initializer=_end_with, initargs=(os.getpid(),))
