@@ -5,7 +5,6 @@ import sys
 import typer
 
 from study import paths
-from study.checks import StudyError
 from study.cli.options import JOBS, NAMES, command, option
 from study.cli.output import fail, say, show_table
 
@@ -70,18 +69,8 @@ def typeset_paper():
 
     Results made with other parameters than the paper's are refused.
     """
-    from study.pages.baseline import shown_with
-    from study.pages.catalogue import CATALOGUE
     from study.pages.typeset import typeset
 
-    others = [notebook for notebook in CATALOGUE if shown_with(notebook)]
-    if others:
-        named = [f"{', '.join(notebook.results)} ({shown_with(notebook)})" for notebook in others]
-        remedy = f"study run {' '.join(notebook.name for notebook in others)}"
-        raise StudyError(
-            f"the paper cannot show results made with other parameters, {'; '.join(named)}; "
-            f"restore them with: {remedy}"
-        )
     typeset()
     print("made  build/paper.pdf")
 
@@ -131,12 +120,11 @@ def list_results(names: list[str] = NAMES):
 
     selected = catalogue.select(names)
     stale = freshness.stale(freshness.needed(selected, {}))
-    states = {
-        notebook.name: "stale" if notebook.name in stale else "fresh" for notebook in selected
-    }
+    states = {}
     for notebook in selected:
-        if settings := baseline.shown_with(notebook):
-            states[notebook.name] = f"other parameters: {settings}"
+        settings = baseline.shown_with(notebook)
+        state = "stale" if notebook.name in stale else "fresh"
+        states[notebook.name] = f"other parameters: {settings}" if settings else state
     if names or sys.stdout.isatty():
         for notebook in selected:
             shown = [name for name in notebook.results if name in names] or notebook.results

@@ -19,14 +19,6 @@ from study.cli.output import show, working
 
 MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
 LARGE = 1.0  # m: a socket's radius that is probably in mm
-CONTACT = {
-    "depth um": ("depth", MICRO),
-    "force N": ("force", 1),
-    "stiffness N/um": ("stiffness", 1 / MICRO),
-    "half_angle deg": ("contact_half_angle_deg", 1),
-    "peak_pressure MPa": ("peak_pressure", MEGA),
-}
-"""What is printed of a contact -> the solution's column, and the unit."""
 NO_LAW = {
     "tabulated": "tabulated, the table of this joint's own curve",
     "solver": "none: the joint has to be solved at every depth",
@@ -115,10 +107,9 @@ def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, **joint):
     with working("Solving the joint"):
         curve = force_curve(solved_joint, depth_star, solver=solver)
         stresses = largest_stress(curve)
-    columns = curve.columns()
     names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
     depths = {"depth_star": depth_star}
-    values = depths | {name: columns[name].tolist() for name in names}
+    values = depths | {name: getattr(curve, name).tolist() for name in names}
     parts = [values]
     for body, largest in stresses.items():
         stress = {
@@ -164,33 +155,36 @@ def _described(joint, solution, tolerance):
 
 
 def _contact(solution):
-    table = {
-        head: [_digits(value / unit) for value in getattr(solution, name)]
-        for head, (name, unit) in CONTACT.items()
+    return {
+        "depth um": _rounded(solution.depth / MICRO),
+        "force N": _rounded(solution.force),
+        "stiffness N/um": _rounded(solution.stiffness * MICRO),
+        "half_angle deg": _rounded(solution.contact_half_angle_deg),
+        "peak_pressure MPa": _rounded(solution.peak_pressure / MEGA),
+        "error %": _rounded(solution.error_estimate / PERCENT, 2),
     }
-    return table | {"error %": [_digits(error / PERCENT, 2) for error in solution.error_estimate]}
 
 
 def _stresses(joint, solution):
-    table = {}
-    for k, depth in enumerate(solution.depth):
-        for body, stress in solution.von_mises.items():
-            strength, factor = joint.materials[body].yield_stress, solution.yield_factor[body]
-            row = {
-                "depth um": _digits(depth / MICRO),
-                "body": body,
-                "von_mises MPa": _digits(stress[k] / MEGA),
-                "place": solution.von_mises_place[body][k],
-                "yield_stress MPa": None if strength is None else _digits(strength / MEGA),
-                "factor_to_yield": None if factor is None else _digits(factor[k]),
-            }
-            for head, cell in row.items():
-                table.setdefault(head, []).append(cell)
-    return table
+    """Table with a row for each body at each depth."""
+    strengths = {body: material.yield_stress for body, material in joint.materials.items()}
+    rows = [(k, body) for k in range(len(solution.depth)) for body in solution.von_mises]
+    return {
+        "depth um": _rounded(solution.depth[k] / MICRO for k, _ in rows),
+        "body": [body for _, body in rows],
+        "von_mises MPa": _rounded(solution.von_mises[body][k] / MEGA for k, body in rows),
+        "place": [solution.von_mises_place[body][k] for k, body in rows],
+        "yield_stress MPa": _rounded(
+            strengths[body] and strengths[body] / MEGA for _, body in rows
+        ),
+        "factor_to_yield": _rounded(
+            strengths[body] and solution.yield_factor[body][k] for k, body in rows
+        ),
+    }
 
 
-def _digits(value, count=4):
-    return float(f"{value:.{count}g}")
+def _rounded(values, digits=4):
+    return [None if value is None else float(f"{value:.{digits}g}") for value in values]
 
 
 def _percent(error):
@@ -208,7 +202,7 @@ def _law(joint, largest, tolerance):
         none = {"law": None, "law_error_bound": None, "export": None}
         return none, f"No law is chosen: {error}"
     depths = [joint.clearance * depth for depth in choice.depths]
-    least, most = (_digits(depth / MICRO) for depth in depths)
+    least, most = _rounded(depth / MICRO for depth in depths)
     text = (
         f"The cheapest law that is within {_percent(tolerance)} from {least:g} to {most:g} um: "
         f"{NO_LAW.get(choice.law, choice.law)}. Its error is at most "

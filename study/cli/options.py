@@ -112,7 +112,7 @@ def command(name, group=app, keeps=False):
                     f"[study]: pip install '{package}[study]'"
                 ) from None
 
-        call.__signature__ = Signature([*_parameters(own)])
+        call.__signature__ = Signature([*_parameters(own.values())])
         text = getdoc(function)
         summary = " ".join(text.split("\n\n")[0].split())
         group.command(name, help=text, short_help=summary)(call)
@@ -123,18 +123,17 @@ def command(name, group=app, keeps=False):
 
 def _parameters(own):
     """Parameters of a function, and those of the class that annotates its ``**``."""
-    for parameter in own.values():
-        parameters = [parameter]
+    for parameter in own:
         if parameter.kind is parameter.VAR_KEYWORD:
             further = parameter.annotation
-            parameters = [
+            yield from _parameters(
                 Parameter(k, Parameter.KEYWORD_ONLY, annotation=v, default=getattr(further, k))
                 for k, v in get_type_hints(further).items()
-            ]
-        for shown in parameters:
-            kind, *_ = *get_args(shown.annotation), shown.annotation  # that of a list
-            shown.default.metavar = shown.default.metavar or METAVARS.get(kind)
-        yield from parameters
+            )
+        else:
+            kind, *_ = *get_args(parameter.annotation), parameter.annotation  # that of a list
+            parameter.default.metavar = parameter.default.metavar or METAVARS.get(kind)
+            yield parameter
 
 
 def flag(name):
