@@ -5,19 +5,19 @@ import sys
 import typer
 
 from study import paths
-from study.cli.options import JOBS, NAMES, command, option
+from study.cli import options as cli
 from study.cli.output import fail, say, show_table
 
 
-@command("run", keeps=True)
+@cli.command("run", keeps=True)
 def run_notebooks(
-    names: list[str] = NAMES,
-    settings: list[str] = option(
+    names: list[str] = cli.NAMES,
+    settings: list[str] = cli.option(
         "KEY=VALUE of a notebook's parameter; may be repeated.", "-p", default=()
     ),
-    jobs: int = JOBS,
-    force: bool = option("Run fresh ones too.", "--force", default=False),
-    dask_address: str = option("Dask scheduler whose workers run the tasks.", "--dask"),
+    jobs: int = cli.JOBS,
+    force: bool = cli.option("Run fresh ones too.", "--force", default=False),
+    dask_address: str = cli.option("Dask scheduler whose workers run the tasks.", "--dask"),
 ):
     """Run the stale notebooks and compare their figures and tables with those in figures/.
 
@@ -33,10 +33,10 @@ def run_notebooks(
     _compare(_make(selected, parameters, **how))
 
 
-@command("verify")
+@cli.command("verify")
 def verify_results(
-    names: list[str] = NAMES,
-    keep: bool = option(
+    names: list[str] = cli.NAMES,
+    keep: bool = cli.option(
         "Keep the results that differ, instead of those kept before.", "--keep", default=False
     ),
 ):
@@ -63,7 +63,7 @@ def _compare(selected):
         raise typer.Exit(1)
 
 
-@command("paper")
+@cli.command("paper")
 def typeset_paper():
     """Typeset the paper, build/paper.pdf, from the results in figures/ as they are.
 
@@ -75,8 +75,8 @@ def typeset_paper():
     print("made  build/paper.pdf")
 
 
-@command("report", keeps=True)
-def write_report(jobs: int = JOBS):
+@cli.command("report", keeps=True)
+def write_report(jobs: int = cli.JOBS):
     """Bring everything up to date: figures, tables, paper, and the report, build/report/."""
     from study.pages.catalogue import CATALOGUE
 
@@ -109,8 +109,8 @@ def _make(selected, parameters, **how):
     return [notebook for notebook in every if notebook in selected or notebook.name in made]
 
 
-@command("list")
-def list_results(names: list[str] = NAMES):
+@cli.command("list")
+def list_results(names: list[str] = cli.NAMES):
     """List every figure and table by notebook: what it shows, fresh or stale.
 
     With a NAME also the parameters of its notebook, with defaults and ranges. Without one plain

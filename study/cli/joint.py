@@ -5,16 +5,7 @@ from typing import Literal
 import numpy as np
 
 from study import checks
-from study.cli.options import (
-    DEPTHS,
-    JSON,
-    R2_STAR,
-    JointOptions,
-    command,
-    flag,
-    left_out,
-    option,
-)
+from study.cli import options as cli
 from study.cli.output import show, working
 
 MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
@@ -32,26 +23,30 @@ MATERIAL = (
 class DimensionOptions:
     """A joint with dimensions."""
 
-    socket_radius: float = option("Inner radius of the socket, in m.")
-    clearance: float = option("Radius of the socket minus that of the ball, in m.")
-    wall: float = option("Thickness of the socket beyond its inner radius, liners included, in m.")
-    force: list[float] = option("Contact force in N; may be repeated.")
-    depth: list[float] = option("Penetration depth in m; may be repeated.")
-    ball: str = option(MATERIAL)
-    socket: str = option(MATERIAL)
-    liner: list[str] = option(
+    socket_radius: float = cli.option("Inner radius of the socket, in m.")
+    clearance: float = cli.option("Radius of the socket minus that of the ball, in m.")
+    wall: float = cli.option(
+        "Thickness of the socket beyond its inner radius, liners included, in m."
+    )
+    force: list[float] = cli.option("Contact force in N; may be repeated.")
+    depth: list[float] = cli.option("Penetration depth in m; may be repeated.")
+    ball: str = cli.option(MATERIAL)
+    socket: str = cli.option(MATERIAL)
+    liner: list[str] = cli.option(
         "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be repeated, "
         "from the inside out."
     )
-    tolerance: float = option("Largest relative error of the law that is chosen. [default: 0.01]")
+    tolerance: float = cli.option(
+        "Largest relative error of the law that is chosen. [default: 0.01]"
+    )
 
 
-class EitherOptions(JointOptions, DimensionOptions):
+class EitherOptions(cli.JointOptions, DimensionOptions):
     """A joint with dimensions, or without."""
 
-    r2_star: float = option(R2_STAR)
-    depth_star: list[float] = option(DEPTHS)
-    solver: Literal["series", "quadratic", "linear"] = option(
+    r2_star: float = cli.option(cli.R2_STAR)
+    depth_star: list[float] = cli.option(cli.DEPTHS)
+    solver: Literal["series", "quadratic", "linear"] = cli.option(
         "Exact Legendre series of both bodies, or finite elements: six-node (quadratic) or "
         "three-node (linear) triangles."
     )
@@ -63,8 +58,8 @@ SIZES = ("socket_radius", "clearance", "wall")
 SUPPORTS = ("ball_drive", "rim", "kinematics")
 
 
-@command("joint")
-def solve_joint(as_json: bool = JSON, **options: EitherOptions):
+@cli.command("joint")
+def solve_joint(as_json: bool = cli.JSON, **options: EitherOptions):
     """Solve one joint: force, depth, stiffness, pressure, half-angle, error, and stresses.
 
     With dimensions: --socket-radius, --clearance, --wall and --force or --depth, in SI units, with
@@ -72,8 +67,8 @@ def solve_joint(as_json: bool = JSON, **options: EitherOptions):
     radius is relative to that of the body's surface.
     """
     if dimensions := [name for name in DIMENSIONS if name in options]:
-        why = f"{flag(dimensions[0])} is for a joint with its dimensions"
-        left_out(options, (*DIMENSIONS, *SUPPORTS), why)
+        why = f"{cli.flag(dimensions[0])} is for a joint with its dimensions"
+        cli.left_out(options, (*DIMENSIONS, *SUPPORTS), why)
         _solve_dimensional(as_json, **options)
     else:
         _needed(("r2_star", "depth_star"), options, " or, with dimensions, --socket-radius, ...")
@@ -81,7 +76,7 @@ def solve_joint(as_json: bool = JSON, **options: EitherOptions):
 
 
 def _needed(names, options, more=""):
-    missing = [flag(name) for name in names if name not in options]
+    missing = [cli.flag(name) for name in names if name not in options]
     if missing:
         raise ValueError(f"{' and '.join(missing)} must be given{more}")
 
@@ -236,10 +231,10 @@ def _options(joint, deepest):
         numbers |= {"socket_poisson": joint.socket.poisson}
     if deepest > usual_depth(joint):
         numbers["depth_star"] = deepest
-    options = [f"{flag(name)} {value:.9g}" for name, value in numbers.items()]
+    options = [f"{cli.flag(name)} {value:.9g}" for name, value in numbers.items()]
     usual = Joint(joint.r2_star)
     for name in SUPPORTS:
         if getattr(joint, name) != getattr(usual, name):
-            options.append(f"{flag(name)} {getattr(joint, name)}")
+            options.append(f"{cli.flag(name)} {getattr(joint, name)}")
     layers = filter(None, joint.layers_text.split(";"))
     return " ".join([*options, *(f"--layer {layer.replace(':', ',')}" for layer in layers)])

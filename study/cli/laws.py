@@ -7,39 +7,24 @@ from typing import Literal
 import typer
 
 from study import paths
-from study.cli.options import (
-    DEPTHS,
-    DRIVE,
-    JSON,
-    NEEDED,
-    OUTPUT,
-    R2_STAR,
-    RIM,
-    JointOptions,
-    MaterialOptions,
-    Rim,
-    check_output,
-    command,
-    left_out,
-    option,
-)
+from study.cli import options as cli
 from study.cli.output import named_fields, show, working
 from study.contact import LAWS, LawName
 
 
-class LawOptions(MaterialOptions):
+class LawOptions(cli.MaterialOptions):
     """What stiffened_hertz depends on."""
 
-    ball_drive: Literal["plane", "clamped"] = DRIVE
-    rim: Rim = RIM
+    ball_drive: Literal["plane", "clamped"] = cli.DRIVE
+    rim: cli.Rim = cli.RIM
 
 
-@command("law")
+@cli.command("law")
 def evaluate_law(
     name: LawName = typer.Argument(help=f"One of {', '.join(LAWS)}.", metavar="NAME"),
-    r2_star: float = option(R2_STAR, default=NEEDED),
-    depth_star: list[float] = option(DEPTHS, default=NEEDED),
-    as_json: bool = JSON,
+    r2_star: float = cli.option(cli.R2_STAR, default=cli.NEEDED),
+    depth_star: list[float] = cli.option(cli.DEPTHS, default=cli.NEEDED),
+    as_json: bool = cli.JSON,
     **options: LawOptions,
 ):
     """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths.
@@ -47,7 +32,7 @@ def evaluate_law(
     Only stiffened_hertz has options: it is for any two materials and four supports. The paper's
     laws have the coefficients of its own joint.
     """
-    left_out(options, signature(LAWS[name]).parameters, f"{name} does not depend on it")
+    cli.left_out(options, signature(LAWS[name]).parameters, f"{name} does not depend on it")
     force = LAWS[name](depth_star, r2_star, **options)
     show({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
 
@@ -58,18 +43,20 @@ YIELDS = (
 )
 
 
-@command("choose")
+@cli.command("choose")
 def choose_law(
-    r2_star: float = option(R2_STAR, default=NEEDED),
-    depth_star: float = option("Largest depth of the scene, in clearances.", default=NEEDED),
-    tolerance: float = option(
-        "Largest relative error of the force, from 1e-5 to 1.", default=NEEDED
+    r2_star: float = cli.option(cli.R2_STAR, default=cli.NEEDED),
+    depth_star: float = cli.option(
+        "Largest depth of the scene, in clearances.", default=cli.NEEDED
     ),
-    yield_stress: float = option(
+    tolerance: float = cli.option(
+        "Largest relative error of the force, from 1e-5 to 1.", default=cli.NEEDED
+    ),
+    yield_stress: float = cli.option(
         "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa."
     ),
-    as_json: bool = JSON,
-    **joint: JointOptions,
+    as_json: bool = cli.JSON,
+    **joint: cli.JointOptions,
 ):
     """Choose the cheapest law that is accurate enough for a joint, with the evidence.
 
@@ -103,22 +90,22 @@ def choose_law(
     )
 
 
-@command("export")
+@cli.command("export")
 def export_law(
-    law: Literal[LawName, "tabulated"] = option(
-        "Name of a law, or tabulated: the force-depth curve of the joint.", default=NEEDED
+    law: Literal[LawName, "tabulated"] = cli.option(
+        "Name of a law, or tabulated: the force-depth curve of the joint.", default=cli.NEEDED
     ),
-    form: Literal["c", "matlab", "json", "csv"] = option(
+    form: Literal["c", "matlab", "json", "csv"] = cli.option(
         "Function (C; MATLAB and Octave), formula and numbers (JSON), or force over depth (CSV).",
         "--format",
-        default=NEEDED,
+        default=cli.NEEDED,
     ),
-    depth_star: float = option(
+    depth_star: float = cli.option(
         "Largest depth of the text, in clearances; by default 1, if the joint can go so deep."
     ),
-    output: Path = OUTPUT,
-    r2_star: float = option(R2_STAR, default=200.0),
-    **joint: JointOptions,
+    output: Path = cli.OUTPUT,
+    r2_star: float = cli.option(cli.R2_STAR, default=200.0),
+    **joint: cli.JointOptions,
 ):
     """Export a law, for one joint, to another program: to standard output or a file.
 
@@ -128,7 +115,7 @@ def export_law(
     from study.export import SUFFIXES, export
     from study.joint import parsing
 
-    check_output(output, SUFFIXES[form])
+    cli.check_output(output, SUFFIXES[form])
     asked = parsing.joint(r2_star, **joint)
     with working("Solving the joint, and its error"):
         text = export(law, form, asked, depth_star)

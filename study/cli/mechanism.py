@@ -7,16 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from study import checks
-from study.cli.options import (
-    JSON,
-    KEPT,
-    OUTPUT,
-    InterruptionError,
-    check_output,
-    command,
-    left_out,
-    option,
-)
+from study.cli import options as cli
 from study.cli.output import named_fields, show, working
 from study.contact import LawName
 
@@ -43,44 +34,46 @@ SCENE = (
 class SimulationOptions:
     """A simulation, and the choice of its model."""
 
-    model: Literal["rigid", "particles", "beams", "auto"] = option(
+    model: Literal["rigid", "particles", "beams", "auto"] = cli.option(
         "Links; auto: the simplest that is accurate enough. [default: rigid]"
     )
-    joint: Literal["clearance", "ideal"] = option(
+    joint: Literal["clearance", "ideal"] = cli.option(
         "Joint between coupler and slider; the scene has that of crank and coupler. "
         "[default: clearance]"
     )
-    law: LawName = option("Contact law. [default: hertz]")
-    duration: float = option("Simulated time, in s. [default: 0.1]")
-    outputs: int = option("Number of equal intervals between the times of output. [default: 1000]")
-    tolerance: float = option(
+    law: LawName = cli.option("Contact law. [default: hertz]")
+    duration: float = cli.option("Simulated time, in s. [default: 0.1]")
+    outputs: int = cli.option(
+        "Number of equal intervals between the times of output. [default: 1000]"
+    )
+    tolerance: float = cli.option(
         "Rigid links with clearance: largest local error of places and speeds, relative to the "
         "clearance, the depth of the impact and the speed that the drive gives. [default: 1e-8]"
     )
-    step: float = option("Flexible links: largest time step, in s.")
-    elements: str = option(
+    step: float = cli.option("Flexible links: largest time step, in s.")
+    elements: str = cli.option(
         "Flexible links: number of elements of crank and coupler, N,N. [default: 4,8]"
     )
-    method: Literal["centred", "lagged", "unguarded"] = option(
+    method: Literal["centred", "lagged", "unguarded"] = cli.option(
         "Particles: velocity in the joint's damping and friction, centred (default) or half a step "
         "old (lagged); unguarded is lagged without checks of stability."
     )
-    quantity: Literal["slider_position", "slider_velocity", "slider_acceleration"] = option(
+    quantity: Literal["slider_position", "slider_velocity", "slider_acceleration"] = cli.option(
         "Part of the slider's motion that --tolerance is for. [default: slider_position]"
     )
-    socket_ratio: float = option(
+    socket_ratio: float = cli.option(
         "Outer over inner radius of the socket, for laws that depend on it. [default: 1.298]"
     )
 
 
-@command("simulate")
+@cli.command("simulate")
 def simulate_mechanism(
-    scene: list[str] = option(SCENE, default=()),
-    inertia: str = option(
+    scene: list[str] = cli.option(SCENE, default=()),
+    inertia: str = cli.option(
         "Inertias of crank and coupler about their centres, in kg m^2: I1,I2. [default: rods]"
     ),
-    output: Path = OUTPUT,
-    as_json: bool = JSON,
+    output: Path = cli.OUTPUT,
+    as_json: bool = cli.JSON,
     **options: SimulationOptions,
 ):
     """Simulate the crank-slider: where it is at the end, and every impact (SI units).
@@ -92,7 +85,7 @@ def simulate_mechanism(
     from study.compiled import is_kept
 
     changed = _scene(scene, inertia)
-    check_output(output, ".csv")
+    cli.check_output(output, ".csv")
     if "elements" in options:
         options["elements"] = checks.read_several("--elements", options["elements"], kind=int)
     parameters = signature(mechanism.simulate).parameters
@@ -103,7 +96,7 @@ def simulate_mechanism(
         choice, run = None, partial(mechanism.simulate, changed, **options)
         of_law = ["socket_ratio"] if options.get("law") == "stiffened_hertz" else []
         why = f"model {options.get('model', parameters['model'].default)} has none"
-        left_out(options, [*parameters, *of_law], why)
+        cli.left_out(options, [*parameters, *of_law], why)
     total = options.get("duration", parameters["duration"].default)
     is_compiled = is_kept(Path(mechanism.__file__).with_name("rigid.py"))
     with working("Simulating" if is_compiled else "Compiling the stepping loops, once") as tell:
@@ -119,14 +112,14 @@ def simulate_mechanism(
     if output is not None:  # last, so that the results are printed even if the disk is full
         response.save(output)
     if not response.complete:
-        raise InterruptionError(KEPT)
+        raise cli.InterruptionError(cli.KEPT)
 
 
 def _choice(scene, model, **options):
     """The simplest model that is accurate enough for a scene."""
     from study.choose import choose_model
 
-    left_out(options, signature(choose_model).parameters, f"model {model} chooses it")
+    cli.left_out(options, signature(choose_model).parameters, f"model {model} chooses it")
     if "tolerance" not in options:
         raise ValueError("tolerance must be given: the largest error that model auto may make")
     with working("Choosing the model"):

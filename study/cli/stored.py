@@ -5,35 +5,29 @@ import sys
 from pathlib import Path
 
 from study import paths
-from study.cli.options import (
-    JOBS,
-    OUTPUT,
-    Drive,
-    Kinematics,
-    Rim,
-    check_output,
-    command,
-    data_app,
-    option,
-)
+from study.cli import options as cli
 from study.cli.output import fail, say, show_table, working
 
 
 class CaseOptions:
     """Values that cases have."""
 
-    r2_star: list[float] = option("Radius of the socket in clearances, R2/dR; may be repeated.")
-    socket_ratio: list[float] = option("Outer over inner radius of the socket; may be repeated.")
-    group: str = option(
+    r2_star: list[float] = cli.option("Radius of the socket in clearances, R2/dR; may be repeated.")
+    socket_ratio: list[float] = cli.option(
+        "Outer over inner radius of the socket; may be repeated."
+    )
+    group: str = cli.option(
         "Group of cases: paper, ratio, poisson, modulus, support, liner or validation."
     )
-    case: str = option("One case, with all of its depths.")
-    ball_drive: Drive = option("Equatorial plane of the half ball, as for study joint.", "--drive")
-    rim: Rim = option("Edge of the socket at its equator, as for study joint.")
-    kinematics: Kinematics = option("Which points face each other, as for study joint.")
+    case: str = cli.option("One case, with all of its depths.")
+    ball_drive: cli.Drive = cli.option(
+        "Equatorial plane of the half ball, as for study joint.", "--drive"
+    )
+    rim: cli.Rim = cli.option("Edge of the socket at its equator, as for study joint.")
+    kinematics: cli.Kinematics = cli.option("Which points face each other, as for study joint.")
 
 
-@command("show", group=data_app)
+@cli.command("show", group=cli.data_app)
 def show_data(**values: CaseOptions):
     """Show a summary of the cases with the given values, or every depth of one case.
 
@@ -46,7 +40,7 @@ def show_data(**values: CaseOptions):
     show_table(rows.to_dict("list"), f"{len(rows)} {'depths' if case else 'cases'}.")
 
 
-@command("materials", group=data_app)
+@cli.command("materials", group=cli.data_app)
 def list_materials():
     """List the materials that study joint knows by name: typical values, and sources.
 
@@ -58,7 +52,7 @@ def list_materials():
     show_table({name: [row[name] for row in rows] for name in rows[0]})
 
 
-@command("check", group=data_app)
+@cli.command("check", group=cli.data_app)
 def check_data():
     """Check files, schema and physics of the dataset, and solve one case again."""
     from study.dataset import quality
@@ -68,10 +62,10 @@ def check_data():
     say({"checked": checked, "found": results})
 
 
-@command("build", group=data_app, keeps=True)
+@cli.command("build", group=cli.data_app, keeps=True)
 def build_data(
-    jobs: int = JOBS,
-    from_nothing: bool = option(
+    jobs: int = cli.JOBS,
+    from_nothing: bool = cli.option(
         "Make files that are up to date too.", "--from-nothing", default=False
     ),
 ):
@@ -87,13 +81,13 @@ def build_data(
     print("The dataset is up to date: data/force_curves.csv, links.csv and datapackage.json.")
 
 
-@command("measure", keeps=True)
+@cli.command("measure", keeps=True)
 def measure_speed(
-    output: Path = OUTPUT,
-    chart: list[str] = option(
+    output: Path = cli.OUTPUT,
+    chart: list[str] = cli.option(
         "What to time: laws, solvers, steppers or flexible; may be repeated. [default: all]"
     ),
-    repeats: int = option("Number of timed calls, after one that does not count.", default=5),
+    repeats: int = cli.option("Number of timed calls, after one that does not count.", default=5),
 ):
     """Time laws (a minute), solvers and steppers (some minutes each) on this machine.
 
@@ -106,7 +100,7 @@ def measure_speed(
     from study.dataset import store
     from study.measure import speed
 
-    check_output(output, ".csv")
+    cli.check_output(output, ".csv")
     charts, frames = speed.measure(chart, repeats), []
     if output is None:
         store.verify_files()  # before minutes of timing

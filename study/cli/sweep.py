@@ -7,40 +7,35 @@ from typing import Literal
 
 import typer
 
-from study.cli.options import (
-    JOBS,
-    NEEDED,
-    InterruptionError,
-    check_output,
-    command,
-    option,
-)
+from study.cli import options as cli
 from study.cli.output import say, working
 
 PLAIN_EVERY = 10.0  # s between lines of progress if the output is not a terminal
 
 
-@command("sweep")
+@cli.command("sweep")
 def sweep_cases(
     kind: Literal["joints", "scenes"] = typer.Argument(
         help="What the cases are: joints or scenes.", metavar="KIND"
     ),
-    output: Path = option("File to write.", default=NEEDED),
+    output: Path = cli.option("File to write.", default=cli.NEEDED),
     cases: Path = typer.Argument(
         None, help="CSV file with a row per case; or --random.", metavar="[FILE]"
     ),
-    random: int = option("Number of cases drawn at random from every --range."),
-    seed: int = option(
+    random: int = cli.option("Number of cases drawn at random from every --range."),
+    seed: int = cli.option(
         "Seed of the random numbers; the same seed gives the same cases. [default: 0]"
     ),
-    ranges: list[str] = option(
+    ranges: list[str] = cli.option(
         "Range of a column: NAME=LOW:HIGH, drawn evenly, NAME=LOW:HIGH:log, or the values to "
         "choose from, NAME=A,B,C; may be repeated.",
         "--range",
         default=(),
     ),
-    jobs: int = JOBS,
-    dask_address: str = option("Dask scheduler whose workers solve the cases instead.", "--dask"),
+    jobs: int = cli.JOBS,
+    dask_address: str = cli.option(
+        "Dask scheduler whose workers solve the cases instead.", "--dask"
+    ),
 ):
     """Solve many joints, or simulate many scenes, from a CSV file of cases or at random.
 
@@ -51,7 +46,7 @@ def sweep_cases(
     """
     from study.sweep import random_cases, sweep
 
-    check_output(output, ".csv")
+    cli.check_output(output, ".csv")
     if random is not None:
         drawn = random_cases(random, _ranges(ranges), seed or 0)
     if (cases is None) == (random is None):
@@ -80,7 +75,7 @@ def sweep_cases(
         except KeyboardInterrupt:
             done, every, _ = counts[-1] if counts else (0, 0, 0)
             kept = f"; {done} of {every} cases are kept, the same command goes on"
-            raise InterruptionError(kept if done else "") from None
+            raise cli.InterruptionError(kept if done else "") from None
     seconds = time.monotonic() - started
     lines = [f"{swept.cases} cases in {seconds:.3g} s, {swept.rows} rows in {output}. Its results:"]
     for name, (unit, text) in swept.columns.items():
