@@ -139,11 +139,9 @@ def choose_beside(joint: Joint, depth_star: float, tolerance: float) -> Choice:
         except checks.RangeError:
             if not is_small:
                 raise
-    # the solver has no force there, but stiffened_hertz begins as Hertz's law
-    of_hertz = law_errors(joint, depth_star, hertz(depth_star, joint.r2_star)).get(
-        "stiffened_hertz"
-    )
-    known = "" if of_hertz is None else f": there Hertz's law holds within {100 * of_hertz:.2g} %"
+    force = hertz(depth_star, joint.r2_star)  # stiffened_hertz begins as this law
+    error = law_errors(joint, depth_star, force).get("stiffened_hertz")
+    known = "" if error is None else f": there Hertz's law holds within {100 * error:.2g} %"
     raise checks.RangeError(f"the contact is too small for laws to be compared{known}")
 
 

@@ -6,7 +6,7 @@ import typer
 
 from study import paths
 from study.cli import options as cli
-from study.cli.output import fail, say, show_table
+from study.cli.output import columns, fail, say, show_table
 
 
 @cli.command("run", keeps=True)
@@ -29,8 +29,7 @@ def run_notebooks(
         raise ValueError(f"-p must be given with a NAME, as in: study run fig10 -p {settings[0]}")
     selected = catalogue.select(names)
     parameters = execute.check_parameters(selected, settings)
-    how = {"jobs": jobs, "force": force, "dask_address": dask_address}
-    _compare(_make(selected, parameters, **how))
+    _compare(_make(selected, parameters, jobs=jobs, force=force, dask_address=dask_address))
 
 
 @cli.command("verify")
@@ -133,17 +132,17 @@ def list_results(names: list[str] = cli.NAMES):
             if names:
                 _show_parameters(notebook)
         return
-    results = [
-        (notebook.name, result) for notebook in selected for result in notebook.results.values()
-    ]
-    show_table(
+    rows = [
         {
-            "name": [result.name for _, result in results],
-            "state": [states[notebook] for notebook, _ in results],
-            "notebook": [notebook for notebook, _ in results],
-            "shows": [result.shows for _, result in results],
+            "name": result.name,
+            "state": states[notebook.name],
+            "notebook": notebook.name,
+            "shows": result.shows,
         }
-    )
+        for notebook in selected
+        for result in notebook.results.values()
+    ]
+    show_table(columns(rows))
 
 
 def _show_parameters(notebook):

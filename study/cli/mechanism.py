@@ -133,25 +133,19 @@ def _show(end, response, choice, as_json):
         name: [None if value != value else value for value in column.tolist()]  # no NaN in JSON
         for name, column in response.impact_columns.items()
     }
-    heads = {name: f"{name} {IMPACT_COLUMNS.get(name, '')}" for name in impacts}
-    table = {heads[name]: impacts[name][:SHOWN] for name in ("time", *impacts)}
-    rest = end["contacts"] - SHOWN
-    show(
-        {head.split()[0]: value for head, value in end.items()}
-        | {"law": response.law}
-        | ({"choice": named_fields(choice)} if choice else {})
-        | {
-            "impacts": [
-                dict(zip(impacts, row, strict=True)) for row in zip(*impacts.values(), strict=True)
-            ]
-        },
-        as_json,
-        *(_in_words(choice, end["time s"]) if choice else []),
-        f"Law {response.law}.",
-        {head: [value] for head, value in end.items()},
-        table,
-        *([f"{rest} more contacts: --json prints all."] if rest > 0 else []),
-    )
+    rows = [dict(zip(impacts, row, strict=True)) for row in zip(*impacts.values(), strict=True)]
+    values = {head.split()[0]: value for head, value in end.items()} | {"law": response.law}
+    table = {
+        f"{name} {IMPACT_COLUMNS.get(name, '')}": impacts[name][:SHOWN]
+        for name in ("time", *impacts)
+    }
+    parts = [f"Law {response.law}.", {head: [value] for head, value in end.items()}, table]
+    if choice:
+        values["choice"] = named_fields(choice)
+        parts = [*_in_words(choice, end["time s"]), *parts]
+    if len(rows) > SHOWN:
+        parts.append(f"{len(rows) - SHOWN} more contacts: --json prints all.")
+    show(values | {"impacts": rows}, as_json, *parts)
 
 
 def _in_words(choice, duration):

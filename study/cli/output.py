@@ -55,6 +55,11 @@ def show_table(table, *sentences):
         writer.writerow(_csv_cell(value) for value in row)
 
 
+def columns(rows):
+    """Rows of a table, each a value by head, as columns by head."""
+    return {head: [row[head] for row in rows] for head in rows[0]}
+
+
 def _csv_cell(value):
     if not isinstance(value, float):
         return value

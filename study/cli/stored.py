@@ -6,7 +6,7 @@ from pathlib import Path
 
 from study import paths
 from study.cli import options as cli
-from study.cli.output import fail, say, show_table, working
+from study.cli.output import columns, fail, say, show_table, working
 
 
 class CaseOptions:
@@ -48,8 +48,7 @@ def list_materials():
     """
     from study.contact import materials
 
-    rows = materials.table()
-    show_table({name: [row[name] for row in rows] for name in rows[0]})
+    show_table(columns(materials.table()))
 
 
 @cli.command("check", group=cli.data_app)
