@@ -146,10 +146,7 @@ def choose_beside(joint: Joint, depth_star: float, tolerance: float) -> Choice:
 
 
 def _candidates(joint, depths, force, uncertainty, largest):
-    """Closed laws and tables by their cost, tables from the coarsest on; the solution is last.
-
-    Every second depth of a solution is left out of its table, and shows the error of interpolation.
-    """
+    """Closed laws and tables by their cost, tables from the coarsest on; the solution is last."""
     costs, resolutions = relative_costs(), RESOLUTIONS[_kind(joint)]
 
     def candidate(law, options, error, bound, evaluate):
@@ -163,6 +160,7 @@ def _candidates(joint, depths, force, uncertainty, largest):
             yield candidate(law, options, largest[law], bound, partial(LAWS[law], **options))
             continue
         for resolution, curve, error in _solutions(joint, depths, resolutions):
+            # every second depth is left out of the table, and shows its error of interpolation
             in_table = np.arange(len(curve.depth_star)) % 2 == (len(curve.depth_star) - 1) % 2
             table = tabulated(_some(curve, in_table))
             left_out = _some(curve, ~in_table & (curve.depth_star >= depths[0]))
@@ -175,10 +173,7 @@ def _candidates(joint, depths, force, uncertainty, largest):
 
 
 def _solutions(joint, depths, resolutions):
-    """Curves over the range of ``depths``, which are equally apart, and their largest errors there.
-
-    Resolutions that do not resolve the least depth are passed over, but for the last one.
-    """
+    """Curves that resolve the range of ``depths``, and their largest errors there."""
     apart = joint.kinematics == "finite" or joint.r2_star < LEAST_R2_STAR
     places = np.linspace(*np.sqrt(depths[[0, -1]]), FINITE_DEPTHS) ** 2
     for resolution in resolutions:
@@ -195,7 +190,7 @@ def _solutions(joint, depths, resolutions):
         except UnresolvedError:
             if resolution == resolutions[-1]:
                 raise
-            continue
+            continue  # a finer one may
         error = curve.error_estimate[curve.depth_star >= depths[0]].max()
         yield resolution, curve, float(error)
 

@@ -58,13 +58,10 @@ def ratios(scene: Scene, depth: float) -> tuple[float, float]:
 
 
 def _compliance_and_frequencies(scene):
-    """Compliance of both links along their axes (m/N), and the crank's lowest frequencies (rad/s).
-
-    The frequency of bending is that of a beam that is simply supported, the axial one that of a bar
-    with one end held.
-    """
+    """Compliance of both links along their axes (m/N), lowest frequencies of the crank (rad/s)."""
     crank, coupler = scene.link("crank"), scene.link("coupler")
     compliance = crank.length / crank.axial + coupler.length / coupler.axial
+    # in bending simply supported, along its axis with one end held
     bending = (pi / crank.length) ** 2 * sqrt(crank.bending / crank.mass_per_length)
     axial = pi / (2 * crank.length) * sqrt(crank.axial / crank.mass_per_length)
     return compliance, bending, axial

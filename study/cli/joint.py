@@ -137,7 +137,7 @@ def _described(joint, solution, tolerance):
         values[name.replace("von_mises", "yield_factor")] = (
             None if factor is None else factor.tolist()
         )
-    values |= {name: getattr(joint, name) for name in ("socket_radius", "clearance", "wall")}
+    values |= {name: getattr(joint, name) for name in SIZES}
     values["materials"] = {body: vars(material) for body, material in joint.materials.items()}
     without = ("r2_star", "socket_ratio", "modulus_ratio", "composite_modulus")
     values |= {name: getattr(plain, name) for name in without}
@@ -232,9 +232,7 @@ def _options(joint, deepest):
     if deepest > usual_depth(joint):
         numbers["depth_star"] = deepest
     options = [f"{cli.flag(name)} {value:.9g}" for name, value in numbers.items()]
-    usual = Joint(joint.r2_star)
-    for name in SUPPORTS:
-        if getattr(joint, name) != getattr(usual, name):
-            options.append(f"{cli.flag(name)} {getattr(joint, name)}")
+    supports = {name: getattr(joint, name) for name in SUPPORTS}
+    options += [f"{cli.flag(k)} {v}" for k, v in supports.items() if v != getattr(Joint, k)]
     layers = filter(None, joint.layers_text.split(";"))
     return " ".join([*options, *(f"--layer {layer.replace(':', ',')}" for layer in layers)])

@@ -132,11 +132,7 @@ def _digest(content):
 
 
 class _Part:
-    """File of finished cases: a line for each, with its checksum.
-
-    A line of other cases or other code, or one that is incomplete or damaged, is passed over. Only
-    the places of lines are kept in memory.
-    """
+    """File of finished cases, a line with a checksum for each; memory has the places of lines."""
 
     def __init__(self, path: Path, keys: set[str]):
         self.places: dict[str, int] = {}
@@ -146,7 +142,7 @@ class _Part:
         place, line = 0, b"\n"
         for line in self._file:
             key, rows = self._read(line)
-            if key in keys:
+            if key in keys:  # not of other cases or other code, and not damaged
                 self._note(key, rows, place)
             place += len(line)
         if not line.endswith(b"\n"):
