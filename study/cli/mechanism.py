@@ -94,9 +94,8 @@ def simulate_mechanism(
         run = choice.simulate
     else:
         choice, run = None, partial(mechanism.simulate, changed, **options)
-        of_law = ["socket_ratio"] if options.get("law") == "stiffened_hertz" else []
         why = f"model {options.get('model', parameters['model'].default)} has none"
-        cli.left_out(options, [*parameters, *of_law], why)
+        cli.left_out(options, [*parameters, "socket_ratio"], why)  # some laws have it
     total = options.get("duration", parameters["duration"].default)
     is_compiled = is_kept(Path(mechanism.__file__).with_name("rigid.py"))
     with working("Simulating" if is_compiled else "Compiling the stepping loops, once") as tell:

@@ -256,9 +256,6 @@ def _solve_dimensional(joint, asked):
 def _scene(values):
     of_scene = {name: values.pop(name) for name in _SCENE if name in values}
     key = repr((of_scene, values)) if values.get("model", "rigid") != "rigid" else ""
-    law = values.get("law", "hertz")
-    if "socket_ratio" in values and law != "stiffened_hertz":
-        raise ValueError(f"socket_ratio must be left out: law {law} does not depend on it")
     scene = Scene(**of_scene)
     return key, partial(_simulate, scene, ready(scene, **values))
 
