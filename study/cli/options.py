@@ -112,7 +112,7 @@ def command(name, group=app, keeps=False):
                     f"[study]: pip install '{package}[study]'"
                 ) from None
 
-        call.__signature__ = Signature([*_parameters(own.values())])
+        call.__signature__ = Signature(list(_parameters(own.values())))
         text = getdoc(function)
         summary = " ".join(text.split("\n\n")[0].split())
         group.command(name, help=text, short_help=summary)(call)
