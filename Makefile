@@ -24,7 +24,8 @@ define install
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps $(1); }
 endef
 
-.PHONY: help reproduce test setup lab data bench lock clean elsewhere
+.PHONY: help reproduce test setup lab data bench lock clean
+.PHONY: elsewhere
 
 help:
 	@echo "make reproduce   set up, rebuild what is stale: figures/, build/paper.pdf, build/report/"

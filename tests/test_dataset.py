@@ -293,7 +293,8 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
             "_TIMES = (1.0, 0.98, 1.02)",
             ["data/force_curves.csv"],
         ),
-        ("joint/series", '"""', '"""Another. ', ["data/force_curves.csv"]),
+        ("joint/series", "ORDERS = 16", "ORDERS = 17", ["data/force_curves.csv"]),
+        ("joint/series", '"""', '"""Another. ', []),
         ("contact/bodies", "(1 - nu**2)", "(1.01 - nu**2)", ["data/force_curves.csv"]),
         (
             "contact/laws",
@@ -314,7 +315,7 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
         ),
         ("choose/random_scenes", "COUNT = 160", "COUNT = 161", ["data/links.csv"]),
         ("pages/figures", '"lines.linewidth": 1.5', '"lines.linewidth": 2', []),
-        ("choose/model", '"""', '"""Another. ', []),
+        ("choose/model", "SHALLOWEST)", "2 * SHALLOWEST)", []),
     ],
 )
 def test_changed_code_makes_out_of_date_what_reaches_it(made, module, old, new, outdated):

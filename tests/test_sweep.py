@@ -276,7 +276,7 @@ RANDOM = ("--random", 5)
             "scenes",
             "law,socket_ratio\nhertz,1.5",
             (),
-            "row 1: option of hertz must be one of (it has none)",
+            "row 1: socket_ratio must be left out: hertz has no option",
         ),
         ("scenes", "model,step\nrigid,1e-6", (), "row 1: step must be left out: model rigid"),
         ("scenes", "crank_length\n-1", (), "row 1: crank length must be > 0 m, got -1 m"),

@@ -66,8 +66,10 @@ class JointLaw:
         self.composite_modulus = checks.number(
             "composite modulus", composite_modulus, "Pa", above=0, scalar=True
         )
-        known = list(signature(dimensionless.parts).parameters)[1:] or ["(it has none)"]
+        known = list(signature(dimensionless.parts).parameters)[1:]
         for option in options:
+            if not known:
+                raise checks.RangeError(f"{option} must be left out: {self.name} has no option")
             checks.choice(f"option of {self.name}", option, known)
         missing = [option for option in BODIES if option in known and option not in options]
         if missing:
