@@ -20,17 +20,30 @@ from study import paths, provenance
 CACHE = paths.CACHE / "compiled"
 
 
-def compiled(function: Callable) -> Any:
-    """Compile a function at its first call, and keep the code on disk."""
+def compiled(function: Callable, **options: bool) -> Any:
+    """Compile a function at its first call, and keep the code on disk.
+
+    It has no wrapper for C: nothing here needs one, and it takes time to compile.
+    """
     source = Path(function.__code__.co_filename)
     keep = source.is_file() and _writable(CACHE)
     before = numba.config.CACHE_DIR
     if keep:
         numba.config.CACHE_DIR = str(folder(source))
     try:
-        return numba.njit(cache=keep, error_model="numpy")(function)
+        return numba.njit(cache=keep, error_model="numpy", no_cfunc_wrapper=True, **options)(
+            function
+        )
     finally:
         numba.config.CACHE_DIR = before
+
+
+def inlined(function: Callable) -> Any:
+    """Compile a function as a part of the compiled ones that call it; Python cannot.
+
+    It is for small functions that return tuples: to pass these takes longer than to compute them.
+    """
+    return compiled(function, forceinline=True, no_cpython_wrapper=True)
 
 
 @cache

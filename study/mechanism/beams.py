@@ -21,6 +21,7 @@ from study.contact.forces import joint_forces
 from study.contact.friction import friction_branch
 from study.mechanism import stepping
 from study.mechanism.angles import direction, norm, sine_cosine
+from study.mechanism.frame import straight_links
 from study.mechanism.scene import Body, Scene
 
 SPECTRAL_RADIUS = 0.8
@@ -35,63 +36,61 @@ ANY = np.int64(3)  # friction branch: that of the sliding speed; from NumPy, as 
 # Places in a joint's state, which `_contact` fills
 DEPTH, NORMAL, TANGENTIAL, ELASTIC, RATE, SLIDING, FORCE_X, FORCE_Y, EX, EY = range(10)
 DRIVE_WORK, DRIVE_MOMENT = range(2)  # places in the state, before those of all models
-System = namedtuple("System", "sections unknowns ball pin mass load initial rates ideal")
+CRANK = 2  # number of the rotation at the crank's fixed end
+System = namedtuple("System", "sections unknowns ball pin held mass load initial rates ideal")
 """Elements of both links on +x, their unknowns numbered along the chain, mass and load.
 
 A row of ``sections`` has length, axial, shear and bending stiffness, mass and rotary inertia per
-length; one of ``unknowns`` the numbers of (x, y, rotation) at both ends, -1 where held. ``ball``
-has the numbers of its x, y and rotation and of the slider's x, ``pin`` that of its x. In the
-consistent ``mass``, a band, column BAND is the diagonal. ``initial`` and ``rates`` are the places
-and rotations at t = 0, and their rates.
+length; one of ``unknowns`` the numbers of (x, y, rotation) at both ends. ``ball`` has the numbers
+of its x, y and rotation and of the slider's x, ``pin`` that of its x, ``held`` those of unknowns
+whose rate is given. In the consistent ``mass``, a band, column BAND is the diagonal. ``initial``
+and ``rates`` are the places and rotations at t = 0, and their rates.
 """
 
 
 def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
     """System with numbers of elements of crank and coupler; an ideal joint fixes ball to slider."""
-    sections, unknowns, initial, rates = [], [], [], []
-
-    def number(value, rate):
-        initial.append(value)
-        rates.append(rate)
-        return len(initial) - 1
-
     e_x, e_y = (0.0, 0.0) if ideal else scene.initial_eccentricity
-    angles, speeds = scene.configuration(e_y)
-    near = [-1, -1, number(angles[0], speeds[0])]
-    x = y = u = v = 0.0
-    for body, n, angle, speed in zip(get_args(Body), elements, angles, speeds, strict=True):
+    places, rates, turns, spins = straight_links(scene, elements, e_y)
+    pin, nodes = elements[0], np.arange(len(places))
+    x = 3 * nodes + (nodes > pin)  # x, y and rotation of each node, and a second one of the pin
+    rotations = np.insert(x + 2, pin + 1, x[pin] + 3)
+    near = x[:-1], x[:-1] + 1, np.delete(rotations, [pin, -1])
+    far = x[1:], x[1:] + 1, np.delete(rotations, [0, pin + 1])
+    ball = x[-1] + np.array([0, 1, 2, 0 if ideal else 3])
+    initial, speeds = np.zeros(max(ball) + 1), np.zeros(max(ball) + 1)
+    for values, of_nodes, angles in ((initial, places, turns), (speeds, rates, spins)):
+        values[x], values[x + 1], values[rotations] = *of_nodes.T, angles
+    initial[ball[3]], speeds[ball[3]] = places[-1, 0] - e_x, rates[-1, 0]
+    held = [0, 1, ball[1]] if ideal else [0, 1]
+    initial[held] = speeds[held] = 0.0
+    if scene.crank_speed is not None:
+        held.append(CRANK)
+    sections = []
+    for body, n in zip(get_args(Body), elements, strict=True):
         link = scene.link(body)
         length = link.length / n
         shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
-        section = length, link.axial, shear, link.bending, *link[1:3]
-        if body == "coupler":  # at the pin: the same place, a rotation of its own
-            pin, near = near[0], [*near[:2], number(angle, speed)]
-        sine, cosine = sine_cosine(angle)
-        for e in range(n):
-            x, y = x + length * cosine, y + length * sine
-            u, v = u - length * sine * speed, v + length * cosine * speed
-            held = ideal and body == "coupler" and e == n - 1
-            far = [number(x, u), -1 if held else number(y, v), number(angle, speed)]
-            sections.append(section)
-            unknowns.append(near + far)
-            near = far
-    ball = [*near, near[0] if ideal else number(x - e_x, u)]
-    band, load = np.zeros((len(initial), 2 * BAND + 1)), np.zeros(len(initial))
-    load[0] = 0.0 if scene.crank_speed is not None else scene.driving_moment
-    for (length, _, _, _, mass, rotary), at in zip(sections, unknowns, strict=True):
+        sections += [(length, link.axial, shear, link.bending, *link[1:3])] * n
+    unknowns = np.column_stack([*near, *far])
+    mass, load = _mass_and_weight(sections, unknowns, len(initial), scene.gravity)
+    mass[ball[3], BAND] += scene.slider_mass
+    load[CRANK] = 0.0 if scene.crank_speed is not None else scene.driving_moment
+    numbers = unknowns, ball, x[pin], np.array(held)
+    return System(np.array(sections), *numbers, mass, load, initial, speeds, ideal)
+
+
+def _mass_and_weight(sections, unknowns, size, gravity):
+    """Consistent mass of the elements, a band, and their weights as loads on the nodes."""
+    mass, load = np.zeros((size, 2 * BAND + 1)), np.zeros(size)
+    for (length, _, _, _, per_length, rotary), at in zip(sections, unknowns, strict=True):
         for i in range(6):
-            for j in range(6):
-                if i % 3 == j % 3 and at[i] >= 0 and at[j] >= 0:
-                    density = rotary if i % 3 == 2 else mass
-                    share = (2 if i == j else 1) * density * length / 6
-                    band[at[i], BAND + at[j] - at[i]] += share
-        for y_number in (at[1], at[4]):
-            if y_number >= 0:
-                load[y_number] -= scene.gravity * length * mass / 2
-    band[ball[3], BAND] += scene.slider_mass
-    numbers = np.array(unknowns), np.array(ball), pin
-    start = np.array(initial), np.array(rates)
-    return System(np.array(sections), *numbers, band, load, *start, ideal)
+            density = rotary if i % 3 == 2 else per_length
+            for j in range(i % 3, 6, 3):
+                share = (2 if i == j else 1) * density * length / 6
+                mass[at[i], BAND + at[j] - at[i]] += share
+        load[at[[1, 4]]] -= gravity * length * per_length / 2
+    return mass, load
 
 
 @compiled
@@ -103,7 +102,7 @@ def _internal(q, sections, unknowns, force, matrix, factor):
         length, axial, shear, bending = sections[e, :4]
         at = unknowns[e]
         for i in range(6):
-            d[i] = q[at[i]] if at[i] >= 0 else 0.0
+            d[i] = q[at[i]]
         dx, dy = (d[3] - d[0]) / length, (d[4] - d[1]) / length
         turn = 0.5 * (d[2] + d[5])
         s, c = sine_cosine(turn)
@@ -115,14 +114,10 @@ def _internal(q, sections, unknowns, force, matrix, factor):
         b[1] = s / length, -c / length, -0.5 * along, -s / length, c / length, -0.5 * along
         b[2] = 0.0, 0.0, -1 / length, 0.0, 0.0, 1 / length
         for i in range(6):
-            if at[i] < 0:
-                continue
             force[at[i]] += length * (n * b[0, i] + v * b[1, i] + m * b[2, i])
             if factor == 0:
                 continue
             for j in range(6):
-                if at[j] < 0:
-                    continue
                 value = axial * b[0, i] * b[0, j] + shear * b[1, i] * b[1, j]
                 value += bending * b[2, i] * b[2, j]
                 # second derivatives of the strains: places with rotations, and rotations
@@ -229,22 +224,6 @@ def _forces(q, v, system, state, branch, p, law, joint, force, matrix, tangent):
 
 
 @compiled
-def _reaction(q, acceleration, system, gravity):
-    """Force along y that holds the ball of an ideal joint on the slide.
-
-    ``acceleration`` is that along y of the node before.
-    """
-    sections, at = system.sections[-1:], system.unknowns[-1]
-    local, free = np.zeros(6), np.zeros(6)
-    for i in range(6):
-        local[i] = q[at[i]] if at[i] >= 0 else 0.0
-    whole = np.arange(6).reshape(1, 6)
-    _internal(local, sections, whole, free, np.zeros((6, 2 * BAND + 1)), 0.0)
-    half = sections[0, 4] * sections[0, 0] / 2
-    return free[4] + half * (acceleration / 3 + gravity)
-
-
-@compiled
 def _meet(gap0, rate0, gap1, rate1, h):
     """Instant in a step at which a cubic gap function vanishes, and its rate there."""
     low, high = 0.0, 1.0
@@ -289,8 +268,8 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
             for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
                 share = (1 - ALPHA_M) * a1[j] + ALPHA_M * a[j]
                 right[i] -= system.mass[i, BAND + j - i] * share
-        if p.steady:  # the crank's rotation is known
-            right[0], matrix[0], matrix[0, BAND] = 0.0, 0.0, 1.0
+        for i in system.held:
+            right[i], matrix[i], matrix[i, BAND] = 0.0, 0.0, 1.0
         _solve(matrix, right)
         change = 0.0
         for i in range(size):
@@ -332,14 +311,14 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
         motion[0], motion[1], system, state, ANY, p, law, joint, old, matrix, NO_TANGENT
     )
     if p.steady and state[stepping.STEPS] == 0:
-        _drive(state, motion, system, old[0], 0.0)
+        _drive(state, _reaction(CRANK, old, motion, system.mass), motion[1, CRANK], 0.0)
     tolerance = NEWTON_TOLERANCE * law.clearance + 1e-13 * abs(motion[0, system.ball[3]])
     while True:
         if int(state[stepping.IMPACTS]) == len(impacts):
             return done, stepping.FULL
         t = state[stepping.TIME] = state[stepping.STEPS] * h
         if int(state[stepping.STEPS]) % strides == 0:
-            _record(rows[done], state, motion, system, joint, strain, p)
+            _record(rows[done], state, motion, old, system, joint, strain, p)
             done += 1
         begun = largest = ended = False
         while True:  # twice if the surfaces meet in this step
@@ -374,11 +353,11 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
         _copy(force, old)
         _copy(new_joint, joint)
         if p.steady:
-            _drive(state, motion, system, force[0], h)
+            _drive(state, _reaction(CRANK, old, motion, system.mass), motion[1, CRANK], h)
         for event, happened in enumerate((begun, largest, ended)):
             if happened:
                 row = stepping.event_row(events, state, event)
-                _record(row, state, motion, system, joint, strain, p)
+                _record(row, state, motion, old, system, joint, strain, p)
         if done == len(rows):
             return done, stepping.FINE
 
@@ -391,49 +370,54 @@ def _true_acceleration(motion, i):
 
 
 @compiled
-def _drive(state, motion, system, resisted, h):
-    """Moment that holds the crank's speed against inertia and other forces, and its work."""
-    moment = resisted
-    for j in range(BAND + 1):
-        moment += system.mass[0, BAND + j] * _true_acceleration(motion, j)
-    state[DRIVE_WORK] += 0.5 * h * (state[DRIVE_MOMENT] + moment) * motion[1, 0]
+def _reaction(i, force, motion, mass):
+    """Force or moment that holds an unknown, against inertia and other forces."""
+    total = force[i]
+    for j in range(max(0, i - BAND), min(len(force), i + BAND + 1)):
+        total += mass[i, BAND + j - i] * _true_acceleration(motion, j)
+    return total
+
+
+@compiled
+def _drive(state, moment, speed, h):
+    """Keep the moment that holds the crank's speed, and add its work in a step."""
+    state[DRIVE_WORK] += 0.5 * h * (state[DRIVE_MOMENT] + moment) * speed
     state[DRIVE_MOMENT] = moment
 
 
 @compiled
-def _record(row, state, motion, system, joint, strain, p):
+def _record(row, state, motion, force, system, joint, strain, p):
     """Fill a row of output from motion and contact at the state's time."""
     q, v, ball, pin = motion[0], motion[1], system.ball, system.pin
-    size, turning = len(q), _true_acceleration(motion, 0)
+    size, turning = len(q), _true_acceleration(motion, CRANK)
     kinetic, work, drive = 0.0, state[DRIVE_WORK], p.moment + state[DRIVE_MOMENT]
     for i in range(size):
         work += system.load[i] * q[i]
         for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
             kinetic += 0.5 * v[i] * system.mass[i, BAND + j - i] * v[j]
-    y, place = q[ball[1]], (joint[EX], joint[EY], joint[DEPTH])
+    place = joint[EX], joint[EY], joint[DEPTH]
     forces = joint[NORMAL], joint[TANGENTIAL], joint[FORCE_X], joint[FORCE_Y]
     if system.ideal:
         fx = p.m3 * _true_acceleration(motion, ball[0])
-        last = system.unknowns[-1, 1]
-        fy = -_reaction(q, _true_acceleration(motion, last), system, p.gravity)
-        y, place, forces = 0.0, (0.0, 0.0, 0.0), (norm(fx, fy), 0.0, fx, fy)
-    crank, slider = (q[0], v[0], turning, drive), (q[ball[3]], v[ball[3]], forces[2] / p.m3)
-    coupler = direction(y - q[pin + 1], q[ball[0]] - q[pin]), v[ball[2]]
+        fy = -_reaction(ball[1], force, motion, system.mass)
+        forces = norm(fx, fy), 0.0, fx, fy
+    crank, slider = (q[CRANK], v[CRANK], turning, drive), (q[ball[3]], v[ball[3]], forces[2] / p.m3)
+    coupler = direction(q[ball[1]] - q[pin + 1], q[ball[0]] - q[pin]), v[ball[2]]
     lost = state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION]
     energies = work, kinetic, strain, *lost
     stepping.record(row, crank, slider, coupler, place, forces, energies)
 
 
-def _start(system, steady):
+def _start(system):
     """Places, rates and accelerations at t = 0, in the rows of ``advance``'s ``motion``.
 
-    Rotations without inertia follow the load at once, except that of a crank of constant speed.
+    Rotations without inertia follow the load at once, unless held.
     """
-    sections, unknowns, _, _, mass, load, initial, rates, _ = system
+    sections, unknowns, _, _, held, mass, load, initial, rates, _ = system
     motion = np.array([initial, rates, 0 * load, 0 * load])
     force, stiffness = -load, np.zeros_like(mass)
     _internal(motion[0], sections, unknowns, force, stiffness, 1.0)
-    light, free = mass[:, BAND] == 0, np.arange(len(load)) >= steady
+    light, free = mass[:, BAND] == 0, ~np.isin(np.arange(len(load)), held)
     if light.any():
         motion[0] -= _solve_for(light & free, stiffness, force)
         force = -load
@@ -465,6 +449,6 @@ def blocks(
     """Blocks of output rows of the scene with links of beam elements, as for particles."""
     system, p, state = assemble(scene, elements, ideal), scene.constants(), np.zeros(stepping.STATE)
     strides, h = stepping.divide(times, step)
-    motion, state[stepping.STEP] = _start(system, scene.crank_speed is not None), h
+    motion, state[stepping.STEP] = _start(system), h
     loop = partial(advance, state, motion, system, p, law, h, strides)
     return stepping.advance_in_blocks(loop, times, state, "Newton's method found no balance")

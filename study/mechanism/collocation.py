@@ -13,7 +13,7 @@ Solving Ordinary Differential Equations II, secs. IV.5 and IV.8).
 
 import numpy as np
 
-from study.compiled import compiled
+from study.compiled import compiled, inlined
 from study.mechanism import radau
 from study.mechanism.radau import PAIRS, PLACE, POINTS, RATE, STAGES
 
@@ -42,48 +42,51 @@ def fields(unknowns: int) -> list[tuple[str, type, tuple[int, ...]]]:
 
 @compiled
 def factorise(work, h):
-    """Triangular factors of Newton's systems I - h a df/dz' - (h a)^2 df/dz, for each eigenvalue a.
+    """Triangular factors of Newton's systems, for each eigenvalue of Radau's matrix."""
+    _factorise(work.real, work.k, h * radau.REAL)
+    for q in range(PAIRS):
+        _factorise(work.pairs[q], work.k, h * radau.COMPLEX[q])
 
+
+@inlined
+def _factorise(matrix, k, a):
+    """Factors of I - a df/dz' - a^2 df/dz, with the inverses of the pivots on the diagonal.
+
+    ``a`` is the step times an eigenvalue, real or complex.
     Rows are not exchanged: the largest entries are those of the depths, on the diagonal.
     """
-    k, real, pairs, n = work.k, work.real, work.pairs, len(work.x)
-    a = h * radau.REAL
+    n = len(matrix)
     for i in range(n):
         for j in range(n):
-            real[i, j] = -a * (k[i, n + j] + a * k[i, j])
-        real[i, i] += 1
+            matrix[i, j] = -a * (k[i, n + j] + a * k[i, j])
+        matrix[i, i] += 1
     for i in range(n):
-        real[i, i] = 1 / real[i, i]
+        matrix[i, i] = _inverse(matrix[i, i])
         for row in range(i + 1, n):
-            real[row, i] *= real[i, i]
+            matrix[row, i] *= matrix[i, i]
             for j in range(i + 1, n):
-                real[row, j] -= real[row, i] * real[i, j]
-    for q in range(PAIRS):
-        b = h * radau.COMPLEX[q]
-        for i in range(n):
-            for j in range(n):
-                pairs[q, i, j] = -b * (k[i, n + j] + b * k[i, j])
-            pairs[q, i, i] += 1
-        for i in range(n):
-            d = pairs[q, i, i]
-            pairs[q, i, i] = d.conjugate() * (1 / (d.real * d.real + d.imag * d.imag))
-            for row in range(i + 1, n):
-                pairs[q, row, i] *= pairs[q, i, i]
-                for j in range(i + 1, n):
-                    pairs[q, row, j] -= pairs[q, row, i] * pairs[q, i, j]
+                matrix[row, j] -= matrix[row, i] * matrix[i, j]
 
 
-@compiled
-def _solve(work):
-    """Solve the real system, for ``x`` in place."""
-    real, x, n = work.real, work.x, len(work.x)
+@inlined
+def _inverse(z):
+    """Inverse of a number near 1, without the scaling of a complex division."""
+    if z.imag == 0:
+        return z.conjugate() * 0 + 1 / z.real
+    return z.conjugate() * (1 / (z.real * z.real + z.imag * z.imag))
+
+
+@inlined
+def _solve(matrix, x):
+    """Solve a factorised system for ``x`` in place."""
+    n = len(x)
     for i in range(n):
         for j in range(i):
-            x[i] -= real[i, j] * x[j]
+            x[i] -= matrix[i, j] * x[j]
     for i in range(n - 1, -1, -1):
         for j in range(i + 1, n):
-            x[i] -= real[i, j] * x[j]
-        x[i] *= real[i, i]
+            x[i] -= matrix[i, j] * x[j]
+        x[i] *= matrix[i, i]
 
 
 @compiled
@@ -105,24 +108,18 @@ def improve(work, h):
 
     ``error`` becomes a bound of what this changes at the step's end.
     """
-    residuals, pairs, x, z, n = work.residuals, work.pairs, work.x, work.z, len(work.x)
+    residuals, x, z, n = work.residuals, work.x, work.z, len(work.x)
     for m in range(n):
         x[m] = 0.0
         for j in range(STAGES):
             x[m] += radau.REAL_INVERSE[j] * residuals[j, m]
-    _solve(work)
+    _solve(work.real, x)
     for q in range(PAIRS):
         for m in range(n):
             z[q, m] = 0.0
             for j in range(STAGES):
                 z[q, m] += radau.COMPLEX_INVERSES[q, j] * residuals[j, m]
-        for i in range(n):
-            for j in range(i):
-                z[q, i] -= pairs[q, i, j] * z[q, j]
-        for i in range(n - 1, -1, -1):
-            for j in range(i + 1, n):
-                z[q, i] -= pairs[q, i, j] * z[q, j]
-            z[q, i] *= pairs[q, i, i]
+        _solve(work.pairs[q], z[q])
     for m in range(n):
         place = speed = 0.0
         for i in range(STAGES):
@@ -170,7 +167,7 @@ def estimate(work, h):
     for m in range(n):
         for j in range(n):
             work.x[m] += g * k[m, j] * error[j]
-    _solve(work)
+    _solve(work.real, work.x)
     for m in range(n):
         error[n + m] = work.x[m]
         error[m] += g * work.x[m]

@@ -19,42 +19,11 @@ from numpy.typing import NDArray
 
 from study.compiled import compiled
 from study.contact.friction import friction_branch
-from study.mechanism import stepping
+from study.mechanism import collocation, equations, locating, stepping
 from study.mechanism.angles import angle_of, norm, sine_cosine, sixth_root
-from study.mechanism.collocation import (
-    estimate,
-    factorise,
-    fields,
-    finish,
-    guess,
-    improve,
-    largest,
-    stage,
-)
-from study.mechanism.equations import (
-    APPROACH,
-    BRANCH,
-    CONTACT,
-    DEEP,
-    NUMBER,
-    Laws,
-    current_motion,
-    derive,
-    modes_of,
-    move,
-    record,
-)
+from study.mechanism.equations import APPROACH, BRANCH, CONTACT, DEEP, NUMBER, Laws
 from study.mechanism.free_impact import impact_depth
-from study.mechanism.locating import (
-    NO_EVENT,
-    SURFACES,
-    UPWARDS,
-    evaluate,
-    first_event,
-    mark,
-    measure_peaks,
-    refine,
-)
+from study.mechanism.locating import NO_EVENT, SURFACES, UPWARDS
 from study.mechanism.radau import STAGES
 from study.mechanism.response import ALL_COLUMNS
 from study.mechanism.scene import Scene
@@ -107,17 +76,17 @@ def _weigh(work, modes, joints, driven, tolerance, p, laws):
 def _collocate(work, h, modes, p, laws):
     """Find the accelerations at the points of a step by Newton's method; say if it converged."""
     n, before = 1 + 2 * len(modes), inf
-    factorise(work, h)
+    collocation.factorise(work, h)
     for _ in range(ITERATIONS):
         for i in range(STAGES):
-            stage(i, work, h)
-            motion, _ = move(work.trial, modes, p, laws)
+            collocation.stage(i, work, h)
+            motion, _ = equations.move(work.trial, modes, p, laws)
             for m in range(n):
                 work.residuals[i, m] = motion.accelerations[m] - work.rates[1 + i, m]
                 work.rates[1 + i, n + m] = motion.powers[m]
-            mark(i, motion.joints, work)
-        improve(work, h)
-        size = largest(work)
+            locating.mark(i, motion.joints, work)
+        collocation.improve(work, h)
+        size = collocation.largest(work)
         if not size < before:
             return size < EXACT_ENOUGH
         left = size * size / (before - size) if before < inf else size
@@ -136,8 +105,8 @@ def _try_step(work, h, motion, modes, state, tolerance, p, laws):
     state[stepping.STEPS] += 1
     if not _collocate(work, h, modes, p, laws):
         return inf
-    estimate(work, h)
-    return largest(work)
+    collocation.estimate(work, h)
+    return collocation.largest(work)
 
 
 @compiled
@@ -170,16 +139,16 @@ def _end_step(work, h, modes, p, laws):
     """
     event, of_joint = NO_EVENT, 0
     for attempt in range(3):
-        finish(work, h)
-        motion, parts = move(work.y, modes, p, laws)
-        mark(STAGES - 1, motion.joints, work)
+        collocation.finish(work, h)
+        motion, parts = equations.move(work.y, modes, p, laws)
+        locating.mark(STAGES - 1, motion.joints, work)
         if attempt == 0:
-            event, of_joint, share = first_event(work, h, modes, p, laws)
+            event, of_joint, share = locating.first_event(work, h, modes, p, laws)
         elif attempt == 1:
-            share = refine(event, of_joint, work, h, modes, p, laws)
+            share = locating.refine(event, of_joint, work, h, modes, p, laws)
         if event < 0 or attempt == 2:
             break
-        guess(work, 0.0, share)
+        collocation.guess(work, 0.0, share)
         h *= share
         if not _collocate(work, h, modes, p, laws):
             event = UNSOLVED
@@ -194,7 +163,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
     Rows are filled from the polynomial of the step that they are in; the last step ends at the
     ``horizon``.
     """
-    modes, motion, done = modes_of(work.joints, laws), current_motion(work, p, laws), 0
+    (modes, motion), done = equations.current(work, p, laws), 0
     while done < len(rows):
         t, h = state[stepping.TIME], state[stepping.STEP]
         if rows[done, 0] <= t:
@@ -231,13 +200,13 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
         if _too_deep(work, modes, motion, end, parts, state, (impacts, events), p, laws):
             return done, stepping.TOO_DEEP
         if event < 0:
-            derive(work.y, modes, p, end, parts, work.k)
+            equations.derive(work.y, modes, p, end, parts, work.k)
             motion = end
         else:
             h = _change_mode(
                 event, of_joint, end, parts, state, work, h, p, laws, (impacts, events)
             )
-            modes, motion = modes_of(work.joints, laws), current_motion(work, p, laws)
+            modes, motion = equations.current(work, p, laws)
         state[stepping.STEP] = h
     return done, stepping.FINE
 
@@ -245,9 +214,10 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
 @compiled
 def _read(row, state, work, p, laws):
     """Fill a row of output inside the last step, from its polynomial and in its modes."""
-    modes, length = modes_of(work.was, laws), state[LENGTH]
-    motion, parts = evaluate(work, length, (row[0] - state[BEGAN]) / length, modes, p, laws)
-    record(row, work.trial, modes, motion, parts, p)
+    modes, length = equations.modes_of(work.was, laws), state[LENGTH]
+    share = (row[0] - state[BEGAN]) / length
+    motion, parts = locating.evaluate(work, length, share, modes, p, laws)
+    equations.record(row, work.trial, motion, parts, p, laws)
 
 
 @compiled
@@ -262,7 +232,7 @@ def _begin(work, motion, smooth, ratio):
     for m in range(n):
         work.rates[0, m], work.rates[0, n + m] = motion.accelerations[m], motion.powers[m]
     if smooth:
-        guess(work, 1.0, ratio)
+        collocation.guess(work, 1.0, ratio)
     else:
         for i in range(STAGES):
             for m in range(n):
@@ -283,13 +253,15 @@ def _too_deep(work, modes, start, end, parts, state, table, p, laws):
         number, joint, step = int(work.joints[j, NUMBER]), end.joints[j], state[LENGTH]
         row = events[number, stepping.PEAK]
         at_start = start.joints[j]
-        measure_peaks(j, impacts[number], row, work, state[BEGAN], step, at_start, modes, p, laws)
+        locating.measure_peaks(
+            j, impacts[number], row, work, state[BEGAN], step, at_start, modes, p, laws
+        )
         if max(joint.depth, impacts[number, stepping.PEAK_DEPTH]) > laws[j].clearance:
             state[stepping.LIMIT] = laws[j].clearance
             return True
         if stepping.follow_impact(impacts, state, joint.normal, joint.depth):
             row = stepping.event_row(events, state, stepping.PEAK)
-            record(row, work.y, modes, end, parts, p)
+            equations.record(row, work.y, end, parts, p, laws)
     return False
 
 
@@ -317,7 +289,7 @@ def _change_mode(event, j, motion, parts, state, work, h, p, laws, table):
     if joint[CONTACT] > 0:
         stepping.end_impact(impacts, state, -rates[0])
         row = stepping.event_row(events, state, stepping.END)
-        record(row, y, modes_of(work.joints, laws), motion, parts, p)
+        equations.record(row, y, motion, parts, p, laws)
         ny, nx = sine_cosine(z[1])
         rate, across = rates[0], law.clearance * rates[1]
         z[0], z[1] = law.clearance * nx, law.clearance * ny
@@ -335,7 +307,7 @@ def _change_mode(event, j, motion, parts, state, work, h, p, laws, table):
     stepping.begin_impact(impacts, state, state[stepping.TIME], rates[0])
     impacts[int(joint[NUMBER]), stepping.JOINT] = j
     row = stepping.event_row(events, state, stepping.START)
-    record(row, y, modes_of(work.joints, laws), motion, parts, p)
+    equations.record(row, y, motion, parts, p, laws)
     (ny, nx), phi = sine_cosine(z[1]), (motion.coupler[0], motion.coupler[1])
     joint[DEEP] = impact_depth(j, y[0], phi, nx, ny, rates[0], p, laws)
     return min(h, 0.1 * joint[DEEP] / rates[0])  # a tenth of the time to this depth
@@ -353,10 +325,10 @@ def stepper(
         ("idle", float),
     )
     marks = "marks", float, (STAGES, len(laws), 4)
-    work = np.zeros(1, [*fields(unknowns), *own, marks]).view(np.recarray)[0]
+    work = np.zeros(1, [*collocation.fields(unknowns), *own, marks]).view(np.recarray)[0]
     work.y[0], work.y[unknowns] = scene.initial_crank_angle, scene.starting_speed
     work.y[1:3] = scene.initial_eccentricity
-    accelerations = current_motion(work, p, laws).accelerations
+    accelerations = equations.current(work, p, laws)[1].accelerations
     for j, clearance in enumerate(clearances):
         work.joints[j, DEEP] = clearance
         driven = sqrt(norm(*accelerations[1 + 2 * j : 3 + 2 * j]) * clearance)

@@ -9,6 +9,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from study.mechanism.angles import sine_cosine
 from study.mechanism.scene import Link, Scene
 from study.threads import one_thread
 
@@ -31,6 +32,24 @@ def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.flo
         masses[-2] += shift
     rotary = link.mass_per_length * length**3 / 24 + link.rotary_per_length * length / 2
     return link.mass_per_length * length * masses, rotary * halves
+
+
+def straight_links(
+    scene: Scene, elements: tuple[int, int], eccentricity: float
+) -> tuple[NDArray[np.float64], ...]:
+    """Straight links at t = 0, divided into elements: places and rates, rotations and their rates.
+
+    Places, in m, and their rates have a row (x, y) for each end of an element. The pin has two
+    rotations, in rad, one for each link. ``eccentricity`` is that of the ball along y.
+    """
+    angles, speeds = scene.configuration(eccentricity)
+    lengths = np.repeat([scene.crank_length, scene.coupler_length] / np.array(elements), elements)
+    units = np.repeat([sine_cosine(angle)[::-1] for angle in angles], elements, axis=0)
+    chords = lengths[:, None] * units
+    swept = np.repeat(speeds, elements)[:, None] * chords[:, ::-1] * (-1, 1)
+    places, rates = (np.vstack([(0.0, 0.0), np.cumsum(x, axis=0)]) for x in (chords, swept))
+    ends = np.array(elements) + 1
+    return places, rates, np.repeat(angles, ends), np.repeat(speeds, ends)
 
 
 class Frame:

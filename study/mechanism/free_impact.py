@@ -6,28 +6,19 @@ A stepper's tolerance needs the depth. A contact that lasts much longer is not a
 from math import sqrt
 
 import numpy as np
-from numba.extending import overload
 
-from study.compiled import compiled
+from study.compiled import compiled, inlined
 from study.contact.forces import NODES, WEIGHTS, elastic_force, stored_energy
 from study.mechanism import rigid, stepping, two_joints
 from study.mechanism.angles import direction, sine_cosine
 
 
+@inlined
 def _inverse_mass(j, theta, phi, nx, ny, p, laws):
     """Inverse effective mass of ball against socket along the normal; other joints are free."""
-    raise TypeError("in compiled code only")
-
-
-@overload(_inverse_mass, inline="always")
-def _inverse_mass_compiled(j, theta, phi, nx, ny, p, laws):
     if len(laws) == 1:
-        return lambda j, theta, phi, nx, ny, p, laws: rigid.inverse_effective_mass(
-            theta, laws[0].clearance * ny, nx, ny, 0.0, p
-        )
-    return lambda j, theta, phi, nx, ny, p, laws: two_joints.inverse_effective_mass(
-        j, theta, phi, nx, ny, p
-    )
+        return rigid.inverse_effective_mass(theta, laws[0].clearance * ny, nx, ny, 0.0, p)
+    return two_joints.inverse_effective_mass(j, theta, phi, nx, ny, p)
 
 
 @compiled

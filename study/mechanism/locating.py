@@ -138,7 +138,7 @@ def measure_peaks(j, impact, row, work, t, h, start, modes, p, laws):
                 if normal > impact[stepping.PEAK_FORCE]:
                     impact[stepping.PEAK_FORCE] = normal
                     row[0] = t + share * h
-                    record(row, work.trial, modes, motion, parts, p)
+                    record(row, work.trial, motion, parts, p, laws)
             low, rising = POINTS[i], work.marks[i, j, mark] > 0
 
 

@@ -25,8 +25,8 @@ from study.compiled import compiled
 from study.contact.forces import elastic_force, joint_forces
 from study.contact.friction import friction_branch, friction_factor
 from study.mechanism import stepping
-from study.mechanism.angles import angle_of, direction, norm, sine_cosine
-from study.mechanism.frame import Frame
+from study.mechanism.angles import angle_of, direction, norm
+from study.mechanism.frame import Frame, straight_links
 from study.mechanism.scene import Scene
 
 Method = Literal["centred", "lagged", "unguarded"]
@@ -397,21 +397,15 @@ def _start(scene, frame, ideal, h):
     The links are straight: only gravity and the drive's moment accelerate them. They are unstrained
     too, so that a link that turns stretches, and oscillates axially at first.
     """
-    particles, (e_x, e_y) = len(frame.masses), (0.0, 0.0) if ideal else scene.initial_eccentricity
-    (theta, phi), (omega, psi) = scene.configuration(e_y)
-    places, rates = np.zeros((particles, 2)), np.zeros((particles, 2))
-    of_crank = np.arange(particles - 1) < frame.pin
-    angles, speeds = np.where(of_crank, theta, phi), np.where(of_crank, omega, psi)
-    chords = frame.elements[:, :1] * np.array([sine_cosine(a)[::-1] for a in angles])
-    places[1:] = np.cumsum(chords, axis=0)
-    rates[1:] = np.cumsum(speeds[:, None] * chords[:, ::-1] * (-1, 1), axis=0)
-    of_crank = np.arange(particles + 1) <= frame.pin
-    turns, spins = np.where(of_crank, theta, phi), np.where(of_crank, omega, psi)
+    e_x, e_y = (0.0, 0.0) if ideal else scene.initial_eccentricity
+    elements = frame.pin, len(frame.elements) - frame.pin
+    places, rates, turns, spins = straight_links(scene, elements, e_y)
     slide = np.array([places[-1, 0] - e_x, rates[-1, 0]])
     if scene.crank_speed is None:
         spins[0] -= h / 2 * scene.driving_moment / frame.rotaries[0]
     rates[1:, 1] += h / 2 * scene.gravity
     rates[-1, 1] = 0.0 if ideal else h / 2 * scene.gravity  # the ball is at rest in its socket
     motion = _filled([*places.T, turns, *rates.T, spins], [0.0] * 6, LANES)
-    motion[X, particles:] = 1 + np.arange(motion.shape[1] - particles)  # no two at one place
+    last = len(places)
+    motion[X, last:] = 1 + np.arange(motion.shape[1] - last)  # no two at one place
     return motion, slide

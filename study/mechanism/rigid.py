@@ -9,47 +9,15 @@ follow from the geometry; the coupler points to +x.
 """
 
 from math import sqrt
-from typing import NamedTuple
 
 import numpy as np
 
 from study.compiled import compiled
-from study.contact.forces import joint_forces
-from study.mechanism import stepping
+from study.mechanism import joints, stepping
 from study.mechanism.angles import angle_of, norm, sine_cosine
 
 UNKNOWNS = 3
-NO_FORCES = (0.0,) * 8
-"""What `joint_forces` would return in flight."""
 _UNIT = np.eye(2 * UNKNOWNS)
-
-
-class Contact(NamedTuple):
-    """State of a joint: depth, its rate, sliding speed, and forces."""
-
-    depth: float
-    rate: float
-    sliding: float
-    normal: float
-    tangential: float
-    normal_rate: float
-    """Rate of the normal force."""
-
-
-class Motion(NamedTuple):
-    """Motion and forces of a mechanism at a state (z, z', ...)."""
-
-    accelerations: tuple[float, ...]
-    """z''."""
-    powers: tuple[float, ...]
-    """Powers lost to damping and friction, joint by joint, and the power of the drive."""
-    joints: tuple[Contact, ...]
-    moment: float
-    """Moment of the drive."""
-    coupler: tuple[float, float, float, float]
-    """Sine and cosine of the coupler's angle, its rate and its acceleration."""
-    slider: float
-    """Acceleration of the slider."""
 
 
 @compiled
@@ -58,29 +26,17 @@ def motion(y, mode, p, law):
 
     ``mode`` is (in contact?, friction branch, approach speed).
     """
-    contact, branch, approach = mode
+    contact = mode[0]
     l1, l2, per_l2, per_m3 = p.l1, p.l2, 1 / p.l2, 1 / p.m3  # first: all else waits for them
     (st, ct), omega = sine_cosine(y[0]), y[3]
-    if contact:
-        ny, nx = sine_cosine(y[2])
-        r, rate, spin = law.clearance + y[1], y[4], y[5]
-        ey, wx, wy = r * ny, rate * nx - r * spin * ny, rate * ny + r * spin * nx
-    else:
-        ey, wx, wy = y[2], y[4], y[5]
-        r = sqrt(y[1] * y[1] + ey * ey)
-        nx, ny = (y[1] / r, ey / r) if r > 0 else (1.0, 0.0)
-        rate, spin = wx * nx + wy * ny, (wy * nx - wx * ny) / r if r > 0 else 0.0
+    place = joints.place_of(y[1], y[2], y[4], y[5], contact, law.clearance)
+    nx, ny, r, rate, spin, _, ey, _, wy = place
     sp = (ey - l1 * st) * per_l2
     cp = sqrt(1 - sp * sp)
     psi = (wy - l1 * ct * omega) * per_l2 / cp
     sliding = r * spin + p.r1 * psi
-
-    forces = NO_FORCES
-    if contact and y[1] > 0:
-        state = y[1], rate, sliding, branch, approach
-        forces = joint_forces(law, *state, p.damping, p.friction, p.v0, p.v1)
-    normal, normal_d, normal_r, elastic, _, tangential, _, _ = forces
-    fx, fy = -normal * nx - tangential * ny, -normal * ny + tangential * nx  # on the ball
+    forces = joints.forces_of(y[1], place, sliding, mode, p, law)
+    tangential, (fx, fy) = forces[5], joints.on_ball(place, forces)
 
     # [A11 C; C A22] (theta'', phi'') = (q1, q2): crank and coupler as a double pendulum
     sd, cd = st * cp - ct * sp, ct * cp + st * sp
@@ -97,16 +53,15 @@ def motion(y, mode, p, law):
     slider = -fx * per_m3
     ax = -l1 * (st * alpha + ct * omega * omega) - l2 * (sp * beta + cp * psi * psi) - slider
     ay = l1 * (ct * alpha - st * omega * omega) + l2 * (cp * beta - sp * psi * psi)
-    growth = nx * ax + ny * ay + r * spin * spin
+    growth = joints.growth_of(place, ax, ay)
     accelerations = alpha, ax, ay
     if contact:
         accelerations = alpha, growth, (nx * ay - ny * ax - 2 * rate * spin) * (1 / r)
-    depth, grown = y[1] if contact else r - law.clearance, normal_d * rate + normal_r * growth
-    joint = Contact(depth, rate, sliding, normal, tangential, grown)
-    powers = (normal - elastic) * rate, -tangential * sliding, moment * omega
-    coupler = sp, cp, psi, beta
-    result = Motion(accelerations, powers, (joint,), moment, coupler, slider + 0.0)
-    return result, ((st, ct, nx, ny), (r, spin, wx), (cross, coupling), (ax, ay), forces)
+    depth = y[1] if contact else r - law.clearance
+    joint, lost = joints.contact_of(depth, place, growth, sliding, forces)
+    powers, coupler = (*lost, moment * omega), (sp, cp, psi, beta)
+    result = joints.Motion(accelerations, powers, (joint,), moment, coupler, slider + 0.0)
+    return result, ((st, ct), (cross, coupling), (ax, ay), place, forces)
 
 
 @compiled
@@ -114,30 +69,22 @@ def derive(y, mode, p, motion, parts, k):
     """Fill ``k`` with the derivatives of z'', a column for each of (z, z')."""
     contact = mode[0]
     l1, l2, omega = p.l1, p.l2, y[3]
-    (st, ct, nx, ny), (r, spin, wx), (cross, coupling), (ax, ay), forces = parts
-    normal, normal_d, normal_r, _, _, tangential, tangential_n, tangential_s = forces
+    (st, ct), (cross, coupling), (ax, ay), place, forces = parts
+    nx, ny, r, rate, spin = place[:5]
     alpha, (sp, cp, psi, beta) = motion.accelerations[0], motion.coupler
-    rate = motion.joints[0].rate
-    fx, fy = -normal * nx - tangential * ny, -normal * ny + tangential * nx
+    fx, fy = joints.on_ball(place, forces)
     inverse = 1 / (p.a11 * p.a22 - coupling * coupling)
     per_reach, per_mass = 1 / (l2 * cp), 1 / p.m3
     lean, per_radius = psi * l2 * sp * per_reach, 1 / r if contact else 0.0
     for j in range(2 * UNKNOWNS):
         dt, do = _UNIT[j, 0], _UNIT[j, 3]
-        dr = db = drate = dspin = 0.0
-        if contact:
-            dr, db, drate, dspin = _UNIT[j, 1], _UNIT[j, 2], _UNIT[j, 4], _UNIT[j, 5]
-            dey = dr * ny + r * nx * db
-            dwy = drate * ny + (dr * spin + r * dspin) * nx + wx * db
-        else:
-            dey, dwy = _UNIT[j, 2], _UNIT[j, 5]
+        of_joint = _UNIT[j, 1], _UNIT[j, 2], _UNIT[j, 4], _UNIT[j, 5]
+        change = joints.place_change(*of_joint, place, contact)
+        dr, db, drate, dspin, dey, dwy = change
         dp = (dey - l1 * ct * dt) * per_reach
         dpsi = (dwy + l1 * (st * omega * dt - ct * do)) * per_reach + lean * dp
         dsliding = dr * spin + r * dspin + p.r1 * dpsi
-        dnormal = normal_d * dr + normal_r * drate
-        dtangential = tangential_n * dnormal + tangential_s * dsliding
-        dfx = -dnormal * nx - dtangential * ny + (normal * ny - tangential * nx) * db
-        dfy = -dnormal * ny + dtangential * nx - (normal * nx + tangential * ny) * db
+        dtangential, dfx, dfy = joints.on_ball_change(place, forces, change, dsliding)
         dcross, dcoupling = coupling * (dt - dp), -cross * (dt - dp)
         dq1 = (
             -dcross * psi * psi
@@ -195,28 +142,18 @@ def inverse_effective_mass(theta, ey, dx, dy, arm, p):
 
 
 @compiled
-def on_socket(joint, nx, ny):
-    """Normal and tangential force of a joint, and their sum on the socket along x and y."""
-    normal, tangential = joint.normal, joint.tangential
-    return normal, tangential, normal * nx + tangential * ny, normal * ny - tangential * nx
-
-
-@compiled
-def record(row, y, contact, motion, parts, p):
+def record(row, y, motion, parts, p):
     """Fill a row of output from (z, z', losses, work) and what `motion` returned."""
-    (st, ct, nx, ny), (r, _, wx), _, _, _ = parts
-    (sp, cp, psi, beta), joint = motion.coupler, motion.joints[0]
-    ex, ey = (r * nx, r * ny) if contact else (y[1], y[2])
-    alpha, omega = motion.accelerations[0], y[3]
+    (st, ct), _, _, ball, _ = parts
+    (sp, cp, psi, beta), alpha, omega = motion.coupler, motion.accelerations[0], y[3]
+    place, forces = joints.columns_of(motion.joints[0], ball)
     crank = y[0], omega, alpha, motion.moment
-    speed = -p.l1 * st * omega - p.l2 * sp * psi - wx
-    slider = p.l1 * ct + p.l2 * cp - ex, speed, motion.slider
-    forces = on_socket(joint, nx, ny)
+    speed = -p.l1 * st * omega - p.l2 * sp * psi - ball[7]
+    slider = p.l1 * ct + p.l2 * cp - place[0], speed, motion.slider
     kinetic = 0.5 * (p.a11 * omega * omega + p.a22 * psi * psi + p.m3 * speed * speed)
     kinetic += p.a12 * (ct * cp + st * sp) * omega * psi
     energies = y[8] - p.g1 * st - p.g2 * sp, kinetic, 0.0, y[6], y[7]
-    coupler, place = (angle_of(sp, cp), psi), (ex, ey, joint.depth)
-    stepping.record(row, crank, slider, coupler, place, forces, energies)
+    stepping.record(row, crank, slider, (angle_of(sp, cp), psi), place, forces, energies)
     # the coupler's centre is accelerated by the forces on its two ends
     ax = -p.l1 * (st * alpha + ct * omega * omega) - 0.5 * p.l2 * (sp * beta + cp * psi * psi)
     ay = p.l1 * (ct * alpha - st * omega * omega) + 0.5 * p.l2 * (cp * beta - sp * psi * psi)

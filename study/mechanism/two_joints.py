@@ -13,50 +13,11 @@ from math import sqrt
 import numpy as np
 
 from study.compiled import compiled
-from study.contact.forces import joint_forces
-from study.mechanism import stepping
+from study.mechanism import joints, stepping
 from study.mechanism.angles import angle_of, sine_cosine
-from study.mechanism.rigid import NO_FORCES, Contact, Motion, on_socket
 
 UNKNOWNS = 5
-SLIDER, CRANK = np.arange(2)
-"""Numbers of the joints; from NumPy, as those of `locating`."""
 _UNIT = np.eye(2 * UNKNOWNS)
-
-
-@compiled
-def _place(y, j, contact, clearance):
-    """Normal, reach, its rate, the normal's spin, and eccentricity with its rate, of a joint."""
-    a, b, va, vb = y[1 + 2 * j], y[2 + 2 * j], y[6 + 2 * j], y[7 + 2 * j]
-    if contact:
-        ny, nx = sine_cosine(b)
-        r = clearance + a
-        ex, ey, wx, wy = r * nx, r * ny, va * nx - r * vb * ny, va * ny + r * vb * nx
-        return nx, ny, r, va, vb, ex, ey, wx, wy
-    r = sqrt(a * a + b * b)
-    nx, ny = (a / r, b / r) if r > 0 else (1.0, 0.0)
-    spin = (vb * nx - va * ny) / r if r > 0 else 0.0
-    return nx, ny, r, va * nx + vb * ny, spin, a, b, va, vb
-
-
-@compiled
-def _change(j, direction, place, contact):
-    """Derivatives of a joint's reach, direction, rate and spin, and of e_y, w_y, along (z, z')."""
-    nx, ny, r, _, spin, _, _, wx, _ = place
-    unit = _UNIT[direction]
-    da, db, dva, dvb = unit[1 + 2 * j], unit[2 + 2 * j], unit[6 + 2 * j], unit[7 + 2 * j]
-    if not contact:
-        return 0.0, 0.0, 0.0, 0.0, db, dvb
-    return da, db, dva, dvb, da * ny + r * nx * db, dva * ny + (da * spin + r * dvb) * nx + wx * db
-
-
-@compiled
-def _force(j, y, place, sliding, mode, p, law):
-    """What `joint_forces` finds in a joint, zeros in flight."""
-    if mode[0] and y[1 + 2 * j] > 0:
-        state = y[1 + 2 * j], place[3], sliding, mode[1], mode[2]
-        return joint_forces(law, *state, p.damping, p.friction, p.v0, p.v1)
-    return NO_FORCES
 
 
 @compiled
@@ -68,8 +29,8 @@ def motion(y, modes, p, laws):
     (st, ct), omega, half = sine_cosine(y[0]), y[5], 0.5 * p.l2
     contacts = modes[0][0], modes[1][0]
     places = (
-        _place(y, SLIDER, contacts[0], laws[0].clearance),
-        _place(y, CRANK, contacts[1], laws[1].clearance),
+        joints.place_of(y[1], y[2], y[6], y[7], contacts[0], laws[0].clearance),
+        joints.place_of(y[3], y[4], y[8], y[9], contacts[1], laws[1].clearance),
     )
     sp = (places[0][6] + places[1][6] - p.l1 * st) / p.l2
     cp = sqrt(1 - sp * sp)
@@ -80,13 +41,14 @@ def motion(y, modes, p, laws):
         reach * places[1][4] + p.crank_r1 * omega - arm * psi,
     )
     forces = (
-        _force(SLIDER, y, places[0], slidings[0], modes[0], p, laws[0]),
-        _force(CRANK, y, places[1], slidings[1], modes[1], p, laws[1]),
+        joints.forces_of(y[1], places[0], slidings[0], modes[0], p, laws[0]),
+        joints.forces_of(y[3], places[1], slidings[1], modes[1], p, laws[1]),
     )
-    (n0, t0), (n1, t1) = (forces[0][0], forces[0][5]), (forces[1][0], forces[1][5])
-    # on the balls, of coupler and crank
-    fx0, fy0 = -n0 * places[0][0] - t0 * places[0][1], -n0 * places[0][1] + t0 * places[0][0]
-    fx1, fy1 = -n1 * places[1][0] - t1 * places[1][1], -n1 * places[1][1] + t1 * places[1][0]
+    t0, t1 = forces[0][5], forces[1][5]
+    (fx0, fy0), (fx1, fy1) = (
+        joints.on_ball(places[0], forces[0]),
+        joints.on_ball(places[1], forces[1]),
+    )
 
     push = p.l1 * (ct * fy1 - st * fx1) + p.crank_r1 * t1 - p.own_g1 * ct
     moment, alpha = (-push, 0.0) if p.steady > 0 else (p.moment, (p.moment + push) / p.j1)
@@ -101,29 +63,26 @@ def motion(y, modes, p, laws):
         (end[0] - middle[0] + turn[0], end[1] - middle[1] + turn[1]),
     )
     states = (
-        _of_joint(SLIDER, y, contacts[0], places[0], grown[0], slidings[0], forces[0], laws[0]),
-        _of_joint(CRANK, y, contacts[1], places[1], grown[1], slidings[1], forces[1], laws[1]),
+        _of_joint(y[1], contacts[0], places[0], grown[0], slidings[0], forces[0], laws[0]),
+        _of_joint(y[3], contacts[1], places[1], grown[1], slidings[1], forces[1], laws[1]),
     )
     accelerations = alpha, *states[0][0], *states[1][0]
     powers = *states[0][1], *states[1][1], moment * omega
-    joints, coupler = (states[0][2], states[1][2]), (sp, cp, psi, beta)
-    result = Motion(accelerations, powers, joints, moment, coupler, slider + 0.0)
+    both, coupler = (states[0][2], states[1][2]), (sp, cp, psi, beta)
+    result = joints.Motion(accelerations, powers, both, moment, coupler, slider + 0.0)
     return result, ((st, ct), (sx, sy), grown, places, forces)
 
 
 @compiled
-def _of_joint(j, y, contact, place, grown, sliding, force, law):
-    """Accelerations of a joint's two coordinates, its lost powers, and its state."""
+def _of_joint(first, contact, place, grown, sliding, forces, law):
+    """Accelerations of a joint's coordinates, of which ``first``, its lost powers, its state."""
     (nx, ny, r, rate, spin, _, _, _, _), (ax, ay) = place, grown
-    normal, by_depth, by_rate, elastic, _, tangential, _, _ = force
-    growth = nx * ax + ny * ay + r * spin * spin
-    accelerations = ax, ay
+    accelerations, growth = (ax, ay), joints.growth_of(place, ax, ay)
     if contact:
         accelerations = growth, (nx * ay - ny * ax - 2 * rate * spin) / r
-    depth = y[1 + 2 * j] if contact else r - law.clearance
-    grown_normal = by_depth * rate + by_rate * growth
-    contact_state = Contact(depth, rate, sliding, normal, tangential, grown_normal)
-    return accelerations, ((normal - elastic) * rate, -tangential * sliding), contact_state
+    depth = first if contact else r - law.clearance
+    state, lost = joints.contact_of(depth, place, growth, sliding, forces)
+    return accelerations, lost, state
 
 
 @compiled
@@ -134,13 +93,12 @@ def derive(y, modes, p, motion, parts, k):
     contacts = modes[0][0], modes[1][0]
     omega, half = y[5], 0.5 * p.l2
     arm = places[1][2] + p.crank_r1
-    fy1 = -forces[1][0] * places[1][1] + forces[1][5] * places[1][0]
-    fx1 = -forces[1][0] * places[1][0] - forces[1][5] * places[1][1]
+    fx1, fy1 = joints.on_ball(places[1], forces[1])
     for i in range(2 * UNKNOWNS):
-        dt, do = _UNIT[i, 0], _UNIT[i, 5]
+        dt, do, u = _UNIT[i, 0], _UNIT[i, 5], _UNIT[i]
         changes = (
-            _change(SLIDER, i, places[0], contacts[0]),
-            _change(CRANK, i, places[1], contacts[1]),
+            joints.place_change(u[1], u[2], u[6], u[7], places[0], contacts[0]),
+            joints.place_change(u[3], u[4], u[8], u[9], places[1], contacts[1]),
         )
         dp = (changes[0][4] + changes[1][4] - p.l1 * ct * dt) / (p.l2 * cp)
         dwy = changes[0][5] + changes[1][5] + p.l1 * (st * omega * dt - ct * do)
@@ -150,11 +108,8 @@ def derive(y, modes, p, motion, parts, k):
             changes[0][0] * places[0][4] + places[0][2] * changes[0][3] + p.r1 * dpsi,
             dreach * (spin - psi) + places[1][2] * dspin + p.crank_r1 * do - arm * dpsi,
         )
-        pushes = (
-            _push_change(places[0], forces[0], changes[0], dslidings[0]),
-            _push_change(places[1], forces[1], changes[1], dslidings[1]),
-        )
-        (_, dt0, dfx0, dfy0), (_, dt1, dfx1, dfy1) = pushes
+        dt0, dfx0, dfy0 = joints.on_ball_change(places[0], forces[0], changes[0], dslidings[0])
+        dt1, dfx1, dfy1 = joints.on_ball_change(places[1], forces[1], changes[1], dslidings[1])
         dpush = p.l1 * (ct * dfy1 - st * dfx1 - (st * fy1 + ct * fx1) * dt)
         dpush += p.crank_r1 * dt1 + p.own_g1 * st * dt
         dalpha = 0.0 if p.steady > 0 else dpush / p.j1
@@ -188,19 +143,6 @@ def derive(y, modes, p, motion, parts, k):
 
 
 @compiled
-def _push_change(place, force, change, dsliding):
-    """Derivatives of a joint's normal and tangential force, and of the force on its ball."""
-    nx, ny = place[0], place[1]
-    normal, by_depth, by_rate, _, _, tangential, by_normal, by_sliding = force
-    dnormal = by_depth * change[0] + by_rate * change[2]
-    dtangential = by_normal * dnormal + by_sliding * dsliding
-    turned_x, turned_y = normal * ny - tangential * nx, -normal * nx - tangential * ny
-    dfx = -dnormal * nx - dtangential * ny + turned_x * change[1]
-    dfy = -dnormal * ny + dtangential * nx + turned_y * change[1]
-    return dnormal, dtangential, dfx, dfy
-
-
-@compiled
 def inverse_effective_mass(j, theta, phi, dx, dy, p):
     """Inverse effective mass of a joint's ball against its socket along (dx, dy), in 1/kg.
 
@@ -221,7 +163,7 @@ def inverse_effective_mass(j, theta, phi, dx, dy, p):
 def record(row, y, motion, parts, p):
     """Fill a row of output from (z, z', losses, work) and what `motion` returned."""
     (st, ct), omega, places = parts[0], y[5], parts[3]
-    (sp, cp, psi, _), joints = motion.coupler, motion.joints
+    sp, cp, psi, _ = motion.coupler
     x = p.l1 * ct - places[1][5], p.l1 * st - places[1][6]  # the coupler's socket
     wx, wy = -p.l1 * st * omega - places[1][7], p.l1 * ct * omega - places[1][8]
     speed = wx - p.l2 * sp * psi - places[0][7]
@@ -232,11 +174,6 @@ def record(row, y, motion, parts, p):
     kinetic += 0.5 * p.m2 * (middle[0] * middle[0] + middle[1] * middle[1])
     fall = p.own_g1 * st + p.m2 * p.gravity * (x[1] + 0.5 * p.l2 * sp)
     energies = y[14] - fall, kinetic, 0.0, y[10] + y[12], y[11] + y[13]
-    forces = (
-        on_socket(joints[0], places[0][0], places[0][1]),
-        on_socket(joints[1], places[1][0], places[1][1]),
-    )
-    e = (places[0][5], places[0][6], joints[0].depth), (places[1][5], places[1][6], joints[1].depth)
-    coupler = angle_of(sp, cp), psi
-    stepping.record(row, crank, slider, coupler, e[0], forces[0], energies)
-    stepping.record_crank_joint(row, e[1], forces[1])
+    place, forces = joints.columns_of(motion.joints[0], places[0])
+    stepping.record(row, crank, slider, (angle_of(sp, cp), psi), place, forces, energies)
+    stepping.record_crank_joint(row, *joints.columns_of(motion.joints[1], places[1]))
