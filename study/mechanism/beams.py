@@ -50,8 +50,7 @@ and ``rates`` are the places and rotations at t = 0, and their rates.
 
 def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
     """System with numbers of elements of crank and coupler; an ideal joint fixes ball to slider."""
-    e_x, e_y = (0.0, 0.0) if ideal else scene.initial_eccentricity
-    places, rates, turns, spins = straight_links(scene, elements, e_y)
+    places, rates, turns, spins, slide = straight_links(scene, elements, ideal)
     pin, nodes = elements[0], np.arange(len(places))
     x = 3 * nodes + (nodes > pin)  # x, y and rotation of each node, and a second one of the pin
     rotations = np.insert(x + 2, pin + 1, x[pin] + 3)
@@ -61,7 +60,7 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
     initial, speeds = np.zeros(max(ball) + 1), np.zeros(max(ball) + 1)
     for values, of_nodes, angles in ((initial, places, turns), (speeds, rates, spins)):
         values[x], values[x + 1], values[rotations] = *of_nodes.T, angles
-    initial[ball[3]], speeds[ball[3]] = places[-1, 0] - e_x, rates[-1, 0]
+    initial[ball[3]], speeds[ball[3]] = slide
     held = [0, 1, ball[1]] if ideal else [0, 1]
     initial[held] = speeds[held] = 0.0
     if scene.crank_speed is not None:
@@ -178,6 +177,13 @@ def _contact(q, v, ball, contact, approach, branch, p, law, joint):
 
 
 @compiled
+def _hold(unknowns, matrix, right):
+    """Make a banded system leave some unknowns at 0."""
+    for i in unknowns:
+        right[i], matrix[i], matrix[i, BAND] = 0.0, 0.0, 1.0
+
+
+@compiled
 def _solve(matrix, right):
     """Solve a banded system in place by elimination along the chain, without pivoting."""
     size = len(right)
@@ -268,8 +274,7 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
             for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
                 share = (1 - ALPHA_M) * a1[j] + ALPHA_M * a[j]
                 right[i] -= system.mass[i, BAND + j - i] * share
-        for i in system.held:
-            right[i], matrix[i], matrix[i, BAND] = 0.0, 0.0, 1.0
+        _hold(system.held, matrix, right)
         _solve(matrix, right)
         change = 0.0
         for i in range(size):
@@ -295,6 +300,20 @@ def _copy(source, target):
     """Copy numbers one by one: an assignment of arrays takes seconds to compile."""
     for i in range(len(source)):
         target[i] = source[i]
+
+
+@compiled
+def _follow_contact(state, impacts, before, after, h):
+    """Add what a step in contact loses; say if its force is the largest so far, and if it ended."""
+    for joint in (before, after):
+        damping = (joint[NORMAL] - joint[ELASTIC]) * joint[RATE]
+        state[stepping.LOST_DAMPING] += 0.5 * h * damping
+        state[stepping.LOST_FRICTION] -= 0.5 * h * joint[TANGENTIAL] * joint[SLIDING]
+    largest = stepping.follow_impact(impacts, state, after[NORMAL], after[DEPTH])
+    ended = after[DEPTH] <= 0
+    if ended:
+        stepping.end_impact(impacts, state, -after[RATE])
+    return largest, ended
 
 
 @compiled
@@ -339,14 +358,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
             if new_joint[DEPTH] > p.clearance:
                 state[stepping.LIMIT] = p.clearance
                 return done, stepping.TOO_DEEP
-            for which in (joint, new_joint):
-                damping = (which[NORMAL] - which[ELASTIC]) * which[RATE]
-                state[stepping.LOST_DAMPING] += 0.5 * h * damping
-                state[stepping.LOST_FRICTION] -= 0.5 * h * which[TANGENTIAL] * which[SLIDING]
-            largest = stepping.follow_impact(impacts, state, new_joint[NORMAL], new_joint[DEPTH])
-            ended = new_joint[DEPTH] <= 0
-            if ended:
-                stepping.end_impact(impacts, state, -new_joint[RATE])
+            largest, ended = _follow_contact(state, impacts, joint, new_joint, h)
         _copy(motion[2], motion[3])
         for row in range(3):
             _copy(new[row], motion[row])
@@ -417,23 +429,19 @@ def _start(system):
     motion = np.array([initial, rates, 0 * load, 0 * load])
     force, stiffness = -load, np.zeros_like(mass)
     _internal(motion[0], sections, unknowns, force, stiffness, 1.0)
-    light, free = mass[:, BAND] == 0, ~np.isin(np.arange(len(load)), held)
+    light = mass[:, BAND] == 0
     if light.any():
-        motion[0] -= _solve_for(light & free, stiffness, force)
+        motion[0] -= _solution(stiffness, force, [*held, *np.flatnonzero(~light)])
         force = -load
         _internal(motion[0], sections, unknowns, force, stiffness, 0.0)
-    motion[2:] = _solve_for(~light & free, mass, -force)
+    motion[2:] = _solution(mass, -force, [*held, *np.flatnonzero(light)])
     return motion
 
 
-def _solve_for(some, matrix, right):
-    """Solve a banded system for some unknowns, the others zero."""
-    matrix, right = matrix.copy(), np.where(some, right, 0.0)
-    size = len(right)
-    for i in range(size):
-        for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
-            if not (some[i] and some[j]):
-                matrix[i, BAND + j - i] = float(i == j)
+def _solution(matrix, right, held):
+    """Solution of a banded system, 0 for the unknowns ``held``."""
+    matrix, right = matrix.copy(), right.copy()
+    _hold(np.array(held), matrix, right)
     _solve(matrix, right)
     return right
 

@@ -9,7 +9,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from study.mechanism.angles import sine_cosine
+from study.mechanism.angles import arcsine, sine_cosine
 from study.mechanism.scene import Link, Scene
 from study.threads import one_thread
 
@@ -35,21 +35,27 @@ def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.flo
 
 
 def straight_links(
-    scene: Scene, elements: tuple[int, int], eccentricity: float
+    scene: Scene, elements: tuple[int, int], ideal: bool
 ) -> tuple[NDArray[np.float64], ...]:
-    """Straight links at t = 0, divided into elements: places and rates, rotations and their rates.
+    """Straight links at t = 0, divided into elements, with the ball at rest in its socket.
 
-    Places, in m, and their rates have a row (x, y) for each end of an element. The pin has two
-    rotations, in rad, one for each link. ``eccentricity`` is that of the ball along y.
+    Returns places, in m, and their rates, with a row (x, y) for each end of an element; rotations,
+    in rad, of which the pin has two, one for each link, and their rates; place and rate of the
+    slider. An ``ideal`` joint has no eccentricity.
     """
-    angles, speeds = scene.configuration(eccentricity)
+    e_x, e_y = (0.0, 0.0) if ideal else scene.initial_eccentricity
+    theta, omega = scene.initial_crank_angle, scene.starting_speed
+    st, ct = sine_cosine(theta)
+    phi = arcsine((e_y - scene.crank_length * st) / scene.coupler_length)
+    psi = -scene.crank_length * ct * omega / (scene.coupler_length * sine_cosine(phi)[1])
+    angles, speeds = (theta, phi), (omega, psi)
     lengths = np.repeat([scene.crank_length, scene.coupler_length] / np.array(elements), elements)
     units = np.repeat([sine_cosine(angle)[::-1] for angle in angles], elements, axis=0)
     chords = lengths[:, None] * units
     swept = np.repeat(speeds, elements)[:, None] * chords[:, ::-1] * (-1, 1)
     places, rates = (np.vstack([(0.0, 0.0), np.cumsum(x, axis=0)]) for x in (chords, swept))
-    ends = np.array(elements) + 1
-    return places, rates, np.repeat(angles, ends), np.repeat(speeds, ends)
+    ends, slide = np.array(elements) + 1, np.array([places[-1, 0] - e_x, rates[-1, 0]])
+    return places, rates, np.repeat(angles, ends), np.repeat(speeds, ends), slide
 
 
 class Frame:

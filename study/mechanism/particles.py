@@ -323,12 +323,10 @@ def advance(state, motion, slide, system, workspace, p, law, h, strides, rows, i
             state[stepping.LIMIT] = 2 / system.frequency
             return done, stepping.FAILED
         joint = place, forces, (slide[0], speed, pull)
-        if event >= 0:
-            row = stepping.event_row(events, state, event)
-            _record(row, state, m, system, workspace, joint, p, h)
-        if largest:
-            row = stepping.event_row(events, state, stepping.PEAK)
-            _record(row, state, m, system, workspace, joint, p, h)
+        for which in (event, stepping.PEAK if largest else -1):
+            if which >= 0:
+                row = stepping.event_row(events, state, which)
+                _record(row, state, m, system, workspace, joint, p, h)
         if int(state[stepping.STEPS]) % strides == 0:
             _record(rows[done], state, m, system, workspace, joint, p, h)
             done += 1
@@ -397,10 +395,8 @@ def _start(scene, frame, ideal, h):
     The links are straight: only gravity and the drive's moment accelerate them. They are unstrained
     too, so that a link that turns stretches, and oscillates axially at first.
     """
-    e_x, e_y = (0.0, 0.0) if ideal else scene.initial_eccentricity
     elements = frame.pin, len(frame.elements) - frame.pin
-    places, rates, turns, spins = straight_links(scene, elements, e_y)
-    slide = np.array([places[-1, 0] - e_x, rates[-1, 0]])
+    places, rates, turns, spins, slide = straight_links(scene, elements, ideal)
     if scene.crank_speed is None:
         spins[0] -= h / 2 * scene.driving_moment / frame.rotaries[0]
     rates[1:, 1] += h / 2 * scene.gravity

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 from study import checks
 from study.contact import Material, composite_modulus, material
 from study.contact.damping import Damping, damping_factor
-from study.mechanism.angles import arcsine, sine_cosine
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -135,10 +134,9 @@ class Scene:
                 checks.number(name, value, unit, **limits, scalar=True)
             elif parameter.name in ("ball", "socket"):
                 object.__setattr__(self, parameter.name, material(value))
-        smallest = 1e-9 * self.socket_radius
-        checks.number("clearance", self.clearance, "m", least=smallest, below=self.socket_radius)
+        limits = {"least": 1e-9 * self.socket_radius, "below": self.socket_radius}
+        checks.number("clearance", self.clearance, "m", **limits)
         if self.crank_clearance is not None:
-            limits = {"least": smallest, "below": self.socket_radius}
             checks.number("crank clearance", self.crank_clearance, "m", **limits)
             checks.number("coupler inertia", self.inertias[1], "kg m^2", above=0)
         longest = self.coupler_length - self.clearance - (self.crank_clearance or 0.0)
@@ -195,17 +193,6 @@ class Scene:
             crank if self.crank_inertia is None else self.crank_inertia,
             coupler if self.coupler_inertia is None else self.coupler_inertia,
         )
-
-    def configuration(self, eccentricity: float) -> tuple[tuple[float, float], ...]:
-        """Angles of crank and coupler at t = 0, in rad, and their rates, in rad/s.
-
-        ``eccentricity`` is that of the ball along y, in m; the ball is at rest in its socket.
-        """
-        theta, omega = self.initial_crank_angle, self.starting_speed
-        st, ct = sine_cosine(theta)
-        phi = arcsine((eccentricity - self.crank_length * st) / self.coupler_length)
-        reach = self.coupler_length * sine_cosine(phi)[1]
-        return (theta, phi), (omega, -self.crank_length * ct * omega / reach)
 
     def has_none_of(self, *names: str) -> None:
         """Raise ``ValueError`` if a parameter is given that a model does not have."""
