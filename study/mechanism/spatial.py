@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from study import checks
 from study.contact.damping import Damping, damping_factor
-from study.contact.forces import elastic_force, pack, stored_energy
-from study.contact.friction import friction_branch, friction_factor
+from study.contact.forces import joint_forces, pack, stored_energy
+from study.contact.friction import friction_branch
 from study.contact.joint_law import JointLaw
 from study.contact.laws import LIMIT_MARGIN, AnyLaw
 
@@ -119,17 +119,15 @@ class ClearanceJoint:
         rate = float(velocity @ outwards)
         if isnan(self.approach):
             self.approach = rate if rate > 0 else inf
-        elastic = elastic_force(self.law, depth)[0]
-        normal = elastic * (1 + self.damping_factor * rate / self.approach)  # Eq. 31
         arm = self.ball_radius * outwards
         sliding = velocity - rate * outwards + np.cross(spin, arm)
         speed = np.sqrt(sliding @ sliding)
-        tangential = np.zeros(3)
-        if speed > 0 and normal > 0:  # Eqs. 32 and 33, against the direction of sliding
-            share = friction_factor(speed, friction_branch(speed, *self.speeds), *self.speeds)[0]
-            tangential = -self.friction * normal * share / speed * sliding
-        powers = (normal - elastic) * rate, -tangential @ sliding
-        return tangential - normal * outwards, np.cross(arm, tangential), normal, *powers
+        state = depth, rate, speed, friction_branch(speed, *self.speeds), self.approach
+        numbers = self.damping_factor, self.friction, *self.speeds
+        normal, _, _, elastic, _, tangential, _, _ = joint_forces(self.law, *state, *numbers)
+        drag = tangential / speed * sliding if speed > 0 else np.zeros(3)
+        powers = (normal - elastic) * rate, -drag @ sliding
+        return drag - normal * outwards, np.cross(arm, drag), normal, *powers
 
     def connect(self, system: Any, socket: int, ball: int) -> None:
         """Put the joint between two markers of an Exudyn system, at the centres of both.
