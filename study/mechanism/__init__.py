@@ -4,9 +4,10 @@
 loop, ``advance``. A simulation can therefore show its progress, and keeps what it has when it is
 interrupted. Each impact has three output rows of its own: at its start, largest force and end.
 
-Rigid links (`rigid`, `two_joints`) are stepped by `events`: in contact the depth is a coordinate.
-Flexible links are `particles`, stepped explicitly, or finite elements (`beams`), stepped
-implicitly. They start straight, with the velocities of rigid links. At constant crank speed the
+Rigid links are `rigid` with one clearance joint and `two_joints` with two; `joints` has what is
+the same in each joint. `events` steps them: in contact the depth is a coordinate. Flexible links
+are `particles`, stepped explicitly, or finite elements (`beams`), stepped implicitly. They start
+straight, with the velocities of rigid links (`frame`). At constant crank speed the
 crank's fixed end turns as given; the moment that this takes is an output. Its work is summed
 by the trapezoidal rule, so that the energy balance closes with order 2.
 

@@ -129,13 +129,21 @@ def _try_again(h, state, work):
 
 
 @compiled
+def _is_idle(length, state, work):
+    """Whether too many events in a row, with this one at the end of ``length``, changed no time."""
+    work.idle = work.idle + 1 if length <= 1e-14 * state[stepping.TIME] else 0.0
+    return work.idle > MOST_IDLE
+
+
+@compiled
 def _end_step(work, h, modes, p, laws):
     """End a step of ``h`` at its first event, or as it is.
 
-    Returns the event (`UNSOLVED` if Newton's method found no shorter step) and its joint, the
-    step's length, and what `move` returns at its end. The polynomial of the whole step places the
-    event only as well as the step's error allows. A step that ends near the event places it
-    exactly: it is nearly linear there. The third step ends on the event.
+    Returns the event and its joint, the step's length, and what `move` returns at its end. The
+    event is `UNSOLVED`, and the state that at the start, if Newton's method found no shorter step.
+    The polynomial of the whole step places the event only as well as the step's error allows. A
+    step that ends near the event places it exactly: it is nearly linear there. The third step ends
+    on the event.
     """
     event, of_joint = NO_EVENT, 0
     for attempt in range(3):
@@ -152,6 +160,8 @@ def _end_step(work, h, modes, p, laws):
         h *= share
         if not _collocate(work, h, modes, p, laws):
             event = UNSOLVED
+            for m in range(len(work.y)):
+                work.y[m] = work.start[m]
             break
     return event, of_joint, h, motion, parts
 
@@ -184,19 +194,14 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
         h = _next_step(size, length, state, work)
         event, of_joint, length, end, parts = _end_step(work, length, modes, p, laws)
         if event == UNSOLVED:  # again, with a step that ends before the event
-            for m in range(len(work.y)):
-                work.y[m] = work.start[m]
             state[SIZE] = 0.0
             if _try_again(0.5 * length, state, work):
                 continue
             return done, stepping.FAILED
-        if event >= 0:
-            landing = False
-            work.idle = work.idle + 1 if length <= 1e-14 * t else 0.0
-            if work.idle > MOST_IDLE:
-                return done, stepping.FAILED
+        if event >= 0 and _is_idle(length, state, work):
+            return done, stepping.FAILED
         state[BEGAN], state[LENGTH], state[SIZE] = t, length, size if event < 0 else 0.0
-        state[stepping.TIME] = horizon if landing else t + length
+        state[stepping.TIME] = horizon if landing and event < 0 else t + length
         if _too_deep(work, modes, motion, end, parts, state, (impacts, events), p, laws):
             return done, stepping.TOO_DEEP
         if event < 0:

@@ -68,6 +68,13 @@ def evaluate(work, h, x, modes, p, laws):
 
 
 @compiled
+def _value_at(event, j, x, work, h, modes, p, laws):
+    """Event function of a joint at the share ``x`` of a step."""
+    motion, _ = evaluate(work, h, x, modes, p, laws)
+    return event_value(event, modes[j], _shown(motion.joints[j]), p)
+
+
+@compiled
 def _locate(event, j, low, high, work, h, modes, p, laws):
     """Share of a step, between two, at which an event function turns positive.
 
@@ -75,19 +82,16 @@ def _locate(event, j, low, high, work, h, modes, p, laws):
     twice is halved, so that both ends close in. The share returned is just after the event, so that
     the next mode begins beyond it.
     """
-    before = after = 0.0
-    middle, side, known = low, 0, 0
-    while known < 2 or high - low > 1e-12 + 1e-9 * high:
-        motion, _ = evaluate(work, h, middle, modes, p, laws)
-        value = event_value(event, modes[j], _shown(motion.joints[j]), p)
-        if known == 0:
-            before, middle, known = value, high, 1
-            continue
-        if known == 1:
-            after, known = value, 2
-            if before > -1e-9 * after:  # the mode begins on the event: its value is rounding
-                before = -after
-        elif value < 0:
+    before = _value_at(event, j, low, work, h, modes, p, laws)
+    after, side = _value_at(event, j, high, work, h, modes, p, laws), 0
+    if before > -1e-9 * after:  # the mode begins on the event: its value is rounding
+        before = -after
+    while high - low > 1e-12 + 1e-9 * high:
+        middle = (low * after - high * before) / (after - before)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
+        value = _value_at(event, j, middle, work, h, modes, p, laws)
+        if value < 0:
             after = after / 2 if side < 0 else after
             low, before, side = middle, value, -1
         else:
@@ -95,9 +99,6 @@ def _locate(event, j, low, high, work, h, modes, p, laws):
             high, after, side = middle, value, 1
             if value == 0:
                 break
-        middle = (low * after - high * before) / (after - before)
-        if not low < middle < high:
-            middle = 0.5 * (low + high)
     return high
 
 
@@ -125,12 +126,10 @@ def measure_peaks(j, impact, row, work, t, h, start, modes, p, laws):
     ``row`` is that of output at the peak of the force.
     """
     for event in (FORCE_PEAK, DEPTH_PEAK):
-        force = event == FORCE_PEAK
-        mark = OF_NORMAL_RATE if force else OF_RATE
-        rate = start.normal_rate if force else start.rate
-        low, rising = 0.0, rate > 0
+        low, before = 0.0, event_value(event, modes[j], _shown(start), p)
         for i in range(STAGES):
-            if rising and work.marks[i, j, mark] <= 0:
+            value = event_value(event, modes[j], work.marks[i, j], p)
+            if before < 0 <= value:
                 share = _locate(event, j, low, POINTS[i], work, h, modes, p, laws)
                 motion, parts = evaluate(work, h, share, modes, p, laws)
                 depth, normal = motion.joints[j].depth, motion.joints[j].normal
@@ -139,14 +138,17 @@ def measure_peaks(j, impact, row, work, t, h, start, modes, p, laws):
                     impact[stepping.PEAK_FORCE] = normal
                     row[0] = t + share * h
                     record(row, work.trial, motion, parts, p, laws)
-            low, rising = POINTS[i], work.marks[i, j, mark] > 0
+            low, before = POINTS[i], value
 
 
 @compiled
 def refine(event, j, work, h, modes, p, laws):
-    """Share of a step, which ends close to an event, at which it would end on the event."""
-    motion, _ = evaluate(work, h, 1 - TAIL, modes, p, laws)
-    before = event_value(event, modes[j], _shown(motion.joints[j]), p)
+    """Share of a step, which ends close to an event, at which it would end on the event.
+
+    It is where a line through the event function at the end, and `TAIL` before it, vanishes. A line
+    that leads far away is not trusted: the step stays as it is.
+    """
+    before = _value_at(event, j, 1 - TAIL, work, h, modes, p, laws)
     after = event_value(event, modes[j], work.marks[STAGES - 1, j], p)
     share = 1 - TAIL * after / (after - before)
     return share if abs(share - 1) < 0.1 else 1.0
