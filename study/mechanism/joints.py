@@ -97,19 +97,37 @@ def on_ball_change(place, forces, change, dsliding):
 
 
 @inlined
-def growth_of(place, ax, ay):
-    """Acceleration of the reach, from that of the eccentricity."""
-    nx, ny, r, _, spin, _, _, _, _ = place
-    return nx * ax + ny * ay + r * spin * spin
+def motion_of(first, contact, place, a, sliding, forces, clearance):
+    """Accelerations of a joint's coordinates, in contact the second times r; lost powers; state.
+
+    ``a`` accelerates the eccentricity, and ``first`` is the first coordinate.
+    """
+    (nx, ny, r, rate, spin, _, _, _, _), (ax, ay) = place, a
+    normal, by_depth, by_rate, elastic, _, tangential, _, _ = forces
+    growth = nx * ax + ny * ay + r * spin * spin
+    if contact:
+        ax, ay = growth, nx * ay - ny * ax - 2 * rate * spin
+    depth = first if contact else r - clearance
+    state = Contact(depth, rate, sliding, normal, tangential, by_depth * rate + by_rate * growth)
+    return (ax, ay), ((normal - elastic) * rate, -tangential * sliding), state
 
 
 @inlined
-def contact_of(depth, place, growth, sliding, forces):
-    """State of a joint, and the powers lost in it to damping and friction."""
-    rate = place[3]
-    normal, by_depth, by_rate, elastic, _, tangential, _, _ = forces
-    state = Contact(depth, rate, sliding, normal, tangential, by_depth * rate + by_rate * growth)
-    return state, ((normal - elastic) * rate, -tangential * sliding)
+def acceleration_changes(place, contact, a, da, change, turning):
+    """Derivatives of the accelerations of the coordinates, in contact the second times r.
+
+    ``a`` accelerates the eccentricity, ``da`` are its derivatives, and ``turning`` accelerates the
+    second coordinate.
+    """
+    (nx, ny, r, rate, spin, _, _, _, _), (ax, ay), (dax, day) = place, a, da
+    dr, db, drate, dspin, _, _ = change
+    if not contact:
+        return dax, day
+    grown = (nx * ay - ny * ax) * db + nx * dax + ny * day
+    grown += dr * spin * spin + 2 * r * spin * dspin
+    turned = nx * day - ny * dax - (nx * ax + ny * ay) * db
+    turned -= 2 * (drate * spin + rate * dspin) + turning * dr
+    return grown, turned
 
 
 @inlined

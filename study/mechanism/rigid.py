@@ -30,7 +30,7 @@ def motion(y, mode, p, law):
     l1, l2, per_l2, per_m3 = p.l1, p.l2, 1 / p.l2, 1 / p.m3  # first: all else waits for them
     (st, ct), omega = sine_cosine(y[0]), y[3]
     place = joints.place_of(y[1], y[2], y[4], y[5], contact, law.clearance)
-    nx, ny, r, rate, spin, _, ey, _, wy = place
+    r, spin, ey, wy = place[2], place[4], place[6], place[8]
     sp = (ey - l1 * st) * per_l2
     cp = sqrt(1 - sp * sp)
     psi = (wy - l1 * ct * omega) * per_l2 / cp
@@ -53,12 +53,9 @@ def motion(y, mode, p, law):
     slider = -fx * per_m3
     ax = -l1 * (st * alpha + ct * omega * omega) - l2 * (sp * beta + cp * psi * psi) - slider
     ay = l1 * (ct * alpha - st * omega * omega) + l2 * (cp * beta - sp * psi * psi)
-    growth = joints.growth_of(place, ax, ay)
-    accelerations = alpha, ax, ay
-    if contact:
-        accelerations = alpha, growth, (nx * ay - ny * ax - 2 * rate * spin) * (1 / r)
-    depth = y[1] if contact else r - law.clearance
-    joint, lost = joints.contact_of(depth, place, growth, sliding, forces)
+    own = y[1], contact, place, (ax, ay), sliding, forces, law.clearance
+    (first, second), lost, joint = joints.motion_of(*own)
+    accelerations = alpha, first, second * (1 / r if contact else 1.0)
     powers, coupler = (*lost, moment * omega), (sp, cp, psi, beta)
     result = joints.Motion(accelerations, powers, (joint,), moment, coupler, slider + 0.0)
     return result, ((st, ct), (cross, coupling), (ax, ay), place, forces)
@@ -70,17 +67,17 @@ def derive(y, mode, p, motion, parts, k):
     contact = mode[0]
     l1, l2, omega = p.l1, p.l2, y[3]
     (st, ct), (cross, coupling), (ax, ay), place, forces = parts
-    nx, ny, r, rate, spin = place[:5]
+    r, spin = place[2], place[4]
     alpha, (sp, cp, psi, beta) = motion.accelerations[0], motion.coupler
     fx, fy = joints.on_ball(place, forces)
     inverse = 1 / (p.a11 * p.a22 - coupling * coupling)
     per_reach, per_mass = 1 / (l2 * cp), 1 / p.m3
-    lean, per_radius = psi * l2 * sp * per_reach, 1 / r if contact else 0.0
+    lean, per_radius = psi * l2 * sp * per_reach, 1 / r if contact else 1.0
     for j in range(2 * UNKNOWNS):
         dt, do = _UNIT[j, 0], _UNIT[j, 3]
         of_joint = _UNIT[j, 1], _UNIT[j, 2], _UNIT[j, 4], _UNIT[j, 5]
         change = joints.place_change(*of_joint, place, contact)
-        dr, db, drate, dspin, dey, dwy = change
+        dr, _, _, dspin, dey, dwy = change
         dp = (dey - l1 * ct * dt) * per_reach
         dpsi = (dwy + l1 * (st * omega * dt - ct * do)) * per_reach + lean * dp
         dsliding = dr * spin + r * dspin + p.r1 * dpsi
@@ -112,15 +109,9 @@ def derive(y, mode, p, motion, parts, k):
         )
         day = l1 * (ct * dalpha - st * (alpha * dt + 2 * omega * do) - ct * omega * omega * dt)
         day += l2 * (cp * dbeta - sp * (beta * dp + 2 * psi * dpsi) - cp * psi * psi * dp)
-        k[0, j] = dalpha
-        if contact:
-            k[1, j] = (nx * ay - ny * ax) * db + nx * dax + ny * day
-            k[1, j] += dr * spin * spin + 2 * r * spin * dspin
-            turn = nx * day - ny * dax - (nx * ax + ny * ay) * db
-            turn -= 2 * (drate * spin + rate * dspin) + motion.accelerations[2] * dr
-            k[2, j] = turn * per_radius
-        else:
-            k[1, j], k[2, j] = dax, day
+        both = (ax, ay), (dax, day), change, motion.accelerations[2]
+        first, second = joints.acceleration_changes(place, contact, *both)
+        k[0, j], k[1, j], k[2, j] = dalpha, first, second * per_radius
 
 
 @compiled

@@ -45,10 +45,8 @@ def motion(y, modes, p, laws):
         joints.forces_of(y[3], places[1], slidings[1], modes[1], p, laws[1]),
     )
     t0, t1 = forces[0][5], forces[1][5]
-    (fx0, fy0), (fx1, fy1) = (
-        joints.on_ball(places[0], forces[0]),
-        joints.on_ball(places[1], forces[1]),
-    )
+    fx0, fy0 = joints.on_ball(places[0], forces[0])
+    fx1, fy1 = joints.on_ball(places[1], forces[1])
 
     push = p.l1 * (ct * fy1 - st * fx1) + p.crank_r1 * t1 - p.own_g1 * ct
     moment, alpha = (-push, 0.0) if p.steady > 0 else (p.moment, (p.moment + push) / p.j1)
@@ -62,27 +60,16 @@ def motion(y, modes, p, laws):
         (middle[0] + turn[0] - slider, middle[1] + turn[1]),
         (end[0] - middle[0] + turn[0], end[1] - middle[1] + turn[1]),
     )
-    states = (
-        _of_joint(y[1], contacts[0], places[0], grown[0], slidings[0], forces[0], laws[0]),
-        _of_joint(y[3], contacts[1], places[1], grown[1], slidings[1], forces[1], laws[1]),
-    )
-    accelerations = alpha, *states[0][0], *states[1][0]
-    powers = *states[0][1], *states[1][1], moment * omega
-    both, coupler = (states[0][2], states[1][2]), (sp, cp, psi, beta)
-    result = joints.Motion(accelerations, powers, both, moment, coupler, slider + 0.0)
+    own = y[1], contacts[0], places[0], grown[0], slidings[0], forces[0], laws[0].clearance
+    (first0, second0), lost0, joint0 = joints.motion_of(*own)
+    own = y[3], contacts[1], places[1], grown[1], slidings[1], forces[1], laws[1].clearance
+    (first1, second1), lost1, joint1 = joints.motion_of(*own)
+    r0, r1 = places[0][2] if contacts[0] else 1.0, places[1][2] if contacts[1] else 1.0
+    accelerations = alpha, first0, second0 / r0, first1, second1 / r1
+    powers, coupler = (*lost0, *lost1, moment * omega), (sp, cp, psi, beta)
+    states = joint0, joint1
+    result = joints.Motion(accelerations, powers, states, moment, coupler, slider + 0.0)
     return result, ((st, ct), (sx, sy), grown, places, forces)
-
-
-@compiled
-def _of_joint(first, contact, place, grown, sliding, forces, law):
-    """Accelerations of a joint's coordinates, of which ``first``, its lost powers, its state."""
-    (nx, ny, r, rate, spin, _, _, _, _), (ax, ay) = place, grown
-    accelerations, growth = (ax, ay), joints.growth_of(place, ax, ay)
-    if contact:
-        accelerations = growth, (nx * ay - ny * ax - 2 * rate * spin) / r
-    depth = first if contact else r - law.clearance
-    state, lost = joints.contact_of(depth, place, growth, sliding, forces)
-    return accelerations, lost, state
 
 
 @compiled
@@ -130,16 +117,10 @@ def derive(y, modes, p, motion, parts, k):
         )
         k[0, i] = dalpha
         for j in range(2):
-            (nx, ny, r, rate, spin, _, _, _, _), (ax, ay) = places[j], grown[j]
-            (dr, db, drate, dspin, _, _), (dax, day) = changes[j], dgrown[j]
-            if contacts[j]:
-                k[1 + 2 * j, i] = (nx * ay - ny * ax) * db + nx * dax + ny * day
-                k[1 + 2 * j, i] += dr * spin * spin + 2 * r * spin * dspin
-                turned = nx * day - ny * dax - (nx * ax + ny * ay) * db
-                turned -= 2 * (drate * spin + rate * dspin) + motion.accelerations[2 + 2 * j] * dr
-                k[2 + 2 * j, i] = turned / r
-            else:
-                k[1 + 2 * j, i], k[2 + 2 * j, i] = dax, day
+            both = grown[j], dgrown[j], changes[j], motion.accelerations[2 + 2 * j]
+            first, second = joints.acceleration_changes(places[j], contacts[j], *both)
+            r = places[j][2] if contacts[j] else 1.0
+            k[1 + 2 * j, i], k[2 + 2 * j, i] = first, second / r
 
 
 @compiled
