@@ -38,8 +38,13 @@ def compiled(function: Callable, **options: bool) -> Any:
         numba.config.CACHE_DIR = before
 
 
+def inner(function: Callable) -> Any:
+    """Compile a function that only compiled ones call: without a wrapper for Python."""
+    return compiled(function, no_cpython_wrapper=True)
+
+
 def inlined(function: Callable) -> Any:
-    """Compile a function as a part of the compiled ones that call it; Python cannot.
+    """Compile an `inner` function as a part of those that call it.
 
     It is for small functions that return tuples: to pass these takes longer than to compute them.
     """

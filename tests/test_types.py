@@ -30,7 +30,9 @@ def public_functions(tree):
 
 
 def is_compiled(function):
-    return any(getattr(d, "id", None) in ("compiled", "inlined") for d in function.decorator_list)
+    return any(
+        getattr(d, "id", None) in ("compiled", "inlined", "inner") for d in function.decorator_list
+    )
 
 
 def untyped(function):

@@ -17,7 +17,7 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from study.compiled import compiled
+from study.compiled import compiled, inner
 from study.contact.friction import friction_branch
 from study.mechanism import collocation, equations, locating, stepping
 from study.mechanism.angles import angle_of, norm, sine_cosine, sixth_root
@@ -50,7 +50,7 @@ MOST_IDLE = 100
 ROUNDOFF = 1e-16
 
 
-@compiled
+@inner
 def _weigh(work, modes, joints, driven, tolerance, p, laws):
     """Fill ``weights`` with the inverses of the errors of z and z' that ``tolerance`` allows.
 
@@ -72,7 +72,7 @@ def _weigh(work, modes, joints, driven, tolerance, p, laws):
             weights[at + 1], weights[n + at + 1] = 1 / tolerance, clearance * speed
 
 
-@compiled
+@inner
 def _collocate(work, h, modes, p, laws):
     """Find the accelerations at the points of a step by Newton's method; say if it converged."""
     n, before = 1 + 2 * len(modes), inf
@@ -96,7 +96,7 @@ def _collocate(work, h, modes, p, laws):
     return False
 
 
-@compiled
+@inner
 def _try_step(work, h, motion, modes, state, tolerance, p, laws):
     """Size of the error of a step of ``h``, over the tolerance; infinite if none was found."""
     smooth = state[SIZE] > 0 and h < FAR * state[LENGTH]
@@ -109,7 +109,7 @@ def _try_step(work, h, motion, modes, state, tolerance, p, laws):
     return collocation.largest(work)
 
 
-@compiled
+@inner
 def _next_step(size, length, state, work):
     """Length of the step that follows one with an error of ``size``."""
     growth = SAFETY / sixth_root(size)
@@ -121,21 +121,21 @@ def _next_step(size, length, state, work):
     return h
 
 
-@compiled
+@inner
 def _try_again(h, state, work):
     """Shorten the step to ``h``; say if time still changes by it."""
     state[stepping.STEP], work.most = h, 1.0
     return h > 1e-15 * state[stepping.TIME]
 
 
-@compiled
+@inner
 def _is_idle(length, state, work):
     """Whether too many events in a row, with this one at the end of ``length``, changed no time."""
     work.idle = work.idle + 1 if length <= 1e-14 * state[stepping.TIME] else 0.0
     return work.idle > MOST_IDLE
 
 
-@compiled
+@inner
 def _end_step(work, h, modes, p, laws):
     """End a step of ``h`` at its first event, or as it is.
 
@@ -216,7 +216,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
     return done, stepping.FINE
 
 
-@compiled
+@inner
 def _read(row, state, work, p, laws):
     """Fill a row of output inside the last step, from its polynomial and in its modes."""
     modes, length = equations.modes_of(work.was, laws), state[LENGTH]
@@ -225,7 +225,7 @@ def _read(row, state, work, p, laws):
     equations.record(row, work.trial, motion, parts, p, laws)
 
 
-@compiled
+@inner
 def _begin(work, motion, smooth, ratio):
     """Begin a step at the current state, with guesses of the accelerations at its points."""
     n = len(work.x)
@@ -244,7 +244,7 @@ def _begin(work, motion, smooth, ratio):
                 work.rates[1 + i, m] = work.rates[0, m]
 
 
-@compiled
+@inner
 def _too_deep(work, modes, start, end, parts, state, table, p, laws):
     """Follow the impacts through a step; say if a ball went deeper than one clearance.
 
@@ -270,7 +270,7 @@ def _too_deep(work, modes, start, end, parts, state, table, p, laws):
     return False
 
 
-@compiled
+@inner
 def _attend(j, state, work):
     """Make a joint's impact the current one, with the energy lost in that joint."""
     y, lost = work.y, 2 * len(work.x) + 2 * j
@@ -278,7 +278,7 @@ def _attend(j, state, work):
     state[stepping.AT_HAND] = work.joints[j, NUMBER]
 
 
-@compiled
+@inner
 def _change_mode(event, j, motion, parts, state, work, h, p, laws, table):
     """Begin the mode that follows an event, in its coordinates; return its first step.
 

@@ -10,7 +10,7 @@ from math import inf
 
 import numpy as np
 
-from study.compiled import compiled
+from study.compiled import inner
 from study.mechanism import stepping
 from study.mechanism.collocation import inside
 from study.mechanism.equations import move, record
@@ -26,13 +26,13 @@ TAIL = 0.001
 """Share at the end of a step, which ends close to an event, where the event function is linear."""
 
 
-@compiled
+@inner
 def _shown(joint):
     """Quantities of a joint that show events."""
     return joint.depth, joint.rate, joint.sliding, joint.normal_rate
 
 
-@compiled
+@inner
 def mark(i, joints, work):
     """Keep the quantities that show events at point ``i`` of a step."""
     for j in range(len(joints)):
@@ -42,7 +42,7 @@ def mark(i, joints, work):
         )
 
 
-@compiled
+@inner
 def event_value(event, mode, shown, p):
     """Event function of a joint, negative before the event and positive after it."""
     contact, branch, _ = mode
@@ -60,21 +60,21 @@ def event_value(event, mode, shown, p):
     return bounds[branch + 2] - shown[OF_SLIDING]
 
 
-@compiled
+@inner
 def evaluate(work, h, x, modes, p, laws):
     """Motion and its parts at the share ``x`` of a step, where ``trial`` is the state."""
     inside(work, h, x)
     return move(work.trial, modes, p, laws)
 
 
-@compiled
+@inner
 def _value_at(event, j, x, work, h, modes, p, laws):
     """Event function of a joint at the share ``x`` of a step."""
     motion, _ = evaluate(work, h, x, modes, p, laws)
     return event_value(event, modes[j], _shown(motion.joints[j]), p)
 
 
-@compiled
+@inner
 def _locate(event, j, low, high, work, h, modes, p, laws):
     """Share of a step, between two, at which an event function turns positive.
 
@@ -102,7 +102,7 @@ def _locate(event, j, low, high, work, h, modes, p, laws):
     return high
 
 
-@compiled
+@inner
 def first_event(work, h, modes, p, laws):
     """First event in a step or `NO_EVENT`, its joint, and the share of the step where it is."""
     first, of_joint, share = NO_EVENT, 0, inf
@@ -119,7 +119,7 @@ def first_event(work, h, modes, p, laws):
     return first, of_joint, share
 
 
-@compiled
+@inner
 def measure_peaks(j, impact, row, work, t, h, start, modes, p, laws):
     """Locate peaks of force and depth inside a step that begins at ``t`` with ``start``.
 
@@ -141,7 +141,7 @@ def measure_peaks(j, impact, row, work, t, h, start, modes, p, laws):
             low, before = POINTS[i], value
 
 
-@compiled
+@inner
 def refine(event, j, work, h, modes, p, laws):
     """Share of a step, which ends close to an event, at which it would end on the event.
 
