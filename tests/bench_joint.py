@@ -5,7 +5,7 @@ import pytest
 from benchmarks import charts
 
 from study import contact
-from study.contact import forces, hertz_correction
+from study.contact import hertz_correction, joint_law
 from study.joint import Joint, fem, force_curve, series, whole_curve
 
 DEPTHS = np.linspace(0.025, 0.5, 20)
@@ -66,7 +66,7 @@ def test_law_on_a_thousand_depths(benchmark, law):
 def test_compiled_law_with_stiffness_on_ten_thousand_depths(benchmark, law):
     if law == "tabulated":
         law = contact.tabulated(whole_curve(Joint(200)))
-    packed = forces.pack(law, 9.95e-3, 10e-3, 1.1e11)
+    packed = joint_law.pack(law, 9.95e-3, 10e-3, 1.1e11)
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     charts.add_law(packed, depths)
     benchmark(charts.add_law, packed, depths)

@@ -11,7 +11,7 @@ import pytest
 from benchmarks import charts, flexible_links
 from other_programs import cvode, odes
 
-from study.contact.forces import pack
+from study.contact.joint_law import pack
 from study.measure import explicit, speed
 from study.mechanism import simulate
 

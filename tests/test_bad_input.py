@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from study import checks, choose, cli, contact, dataset, export
 from study.choose import choose_model, model
 from study.claims import statistics, verdicts
-from study.contact import damping, forces
+from study.contact import damping, joint_law
 from study.dataset import fitting
 from study.joint import (
     DimensionalJoint,
@@ -136,13 +136,13 @@ def law_rows():
         damping.damping_factor, damping=("exact", NAME), restitution=(0.5, (*NUMBER, -0.1, 1.1, 0))
     )
     yield from rows(
-        forces.pack,
+        joint_law.pack,
         law=("hertz", (*NAME, print)),
         ball_radius=(9.95e-3, (*POSITIVE, 0.02)),
         socket_radius=(0.01, POSITIVE),
         composite=(1.1e11, POSITIVE),
     )
-    yield from rows(partial(forces.pack, "hertz", 9.95e-3, 0.01, 1e11), n=(1, (1,)))
+    yield from rows(partial(joint_law.pack, "hertz", 9.95e-3, 0.01, 1e11), n=(1, (1,)))
 
 
 def set_without(values, right):

@@ -6,7 +6,7 @@ from math import comb
 import numpy as np
 import pytest
 
-from study.contact.forces import pack
+from study.contact.joint_law import pack
 from study.mechanism import Scene, collocation, radau, rigid
 
 SCENE = Scene()

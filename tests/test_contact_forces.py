@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
 from study import contact
-from study.contact import forces, friction
+from study.contact import forces, friction, joint_law
 from study.contact.damping import DAMPINGS, damping_factor
 from tests.test_laws import VARIANTS
 
@@ -87,7 +87,7 @@ def test_friction_branches_meet_at_the_kinks():
 
 @pytest.mark.parametrize(("name", "options"), VARIANTS)
 def test_compiled_force_is_the_law(name, options):
-    law = forces.pack(name, R1, R2, MODULUS, **options)
+    law = joint_law.pack(name, R1, R2, MODULUS, **options)
     depths = np.array([1e-9, 1e-7, 1e-6, 2.5e-5, R2 - R1])
     found = np.array([forces.elastic_force(law, d) for d in depths])
     sizes = {"ball_radius": R1, "socket_radius": R2, "composite_modulus": MODULUS}
@@ -99,7 +99,7 @@ def test_compiled_force_is_the_law(name, options):
 
 @pytest.mark.parametrize(("name", "options"), VARIANTS)
 def test_stored_energy_is_the_integral_of_the_force(name, options):
-    law = forces.pack(name, R1, R2, MODULUS, **options)
+    law = joint_law.pack(name, R1, R2, MODULUS, **options)
     exact, _ = quad(lambda d: forces.elastic_force(law, d)[0], 0, 2e-5, epsabs=0, epsrel=1e-12)
     assert forces.stored_energy(law, 2e-5) == pytest.approx(exact, rel=1e-9)
     assert forces.stored_energy(law, -1e-6) == 0
@@ -107,7 +107,7 @@ def test_stored_energy_is_the_integral_of_the_force(name, options):
 
 @given(st.floats(1e-7, 5e-5), st.floats(-0.2, 0.2), st.floats(-0.02, 0.02))
 def test_joint_forces_and_their_derivatives(depth, rate, sliding):
-    law = forces.pack("hertz", R1, R2, MODULUS)
+    law = joint_law.pack("hertz", R1, R2, MODULUS)
     branch = friction.friction_branch(sliding, V0, V1)
 
     def at(depth, rate, sliding):

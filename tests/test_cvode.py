@@ -5,7 +5,7 @@ import pytest
 from other_programs import cvode
 
 from study import checks
-from study.contact.forces import pack
+from study.contact.joint_law import pack
 from study.mechanism import Scene, simulate
 
 pytestmark = pytest.mark.skipif(

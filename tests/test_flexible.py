@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from study.contact.forces import pack
+from study.contact.joint_law import pack
 from study.mechanism import MechanismError, Scene, beams, compare, frame, simulate, stable_step
 from study.mechanism.frame import Frame
 from tests.test_mechanism import random_scenes

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study import contact
-from study.contact import JointLaw, forces
+from study.contact import JointLaw, joint_law
 from study.joint import Joint, Material, whole_curve
 from study.mechanism import simulate
 from tests.test_laws import PAPER, VARIANTS
@@ -100,7 +100,7 @@ def test_stiffened_hertz_takes_nothing_of_the_papers_joint_silently():
     with pytest.raises(ValueError, match=message):
         JointLaw("stiffened_hertz", **SIZES)
     with pytest.raises(ValueError, match=message):
-        forces.pack("stiffened_hertz", *SIZES.values())
+        joint_law.pack("stiffened_hertz", *SIZES.values())
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from study import contact, dataset, paths
 from study.contact import LAWS
 from study.contact.damping import DAMPINGS
-from study.contact.forces import pack
+from study.contact.joint_law import pack
 from study.joint import Joint, force_curve
 from study.measure import explicit
 from study.mechanism import MechanismError, Scene, compare, rigid, simulate, stepping

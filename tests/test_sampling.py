@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from study import contact
-from study.contact import forces, sampling
+from study.contact import forces, joint_law, sampling
 from study.mechanism import Scene, rigid, simulate
 
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.1e11
@@ -97,7 +97,7 @@ def test_bad_function_is_one_clear_error(function, message):
 
 @pytest.mark.parametrize("function", [hertz, stopped])
 def test_compiled_force_and_energy_are_the_functions(function):
-    law, clearance = forces.pack(function, R1, R2, MODULUS), R2 - R1
+    law, clearance = joint_law.pack(function, R1, R2, MODULUS), R2 - R1
     depths = clearance * DEPTHS
     found = np.array([forces.elastic_force(law, d) for d in depths])
     of_joint = contact.JointLaw(function, **SIZES)

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from study.choose import choose_model
-from study.contact.forces import pack
+from study.contact.joint_law import pack
 from study.mechanism import Scene, compare, simulate, two_joints
 
 PAPER = Scene()

@@ -14,7 +14,8 @@ from typing import Literal, get_args
 import numpy as np
 
 from study.contact import Material
-from study.contact.forces import elastic_force, pack
+from study.contact.forces import elastic_force
+from study.contact.joint_law import pack
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
 

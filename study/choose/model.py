@@ -24,7 +24,7 @@ from study.choose import links
 from study.choose.law import SHALLOWEST, choose
 from study.choose.links import Quantity
 from study.contact import SOCKET_RATIO, hertz
-from study.contact.forces import pack
+from study.contact.joint_law import pack
 from study.joint import Joint
 from study.mechanism import simulate
 from study.mechanism.compare import motion_nrms

@@ -1,12 +1,10 @@
 """Contact force at one point, compiled for the stepping loops of the mechanism.
 
-A law with its dimensions is packed into one record of numbers, because compiled code that is
+A law with its dimensions is one record of numbers (`joint_law.pack`), because compiled code that is
 kept on disk cannot hold Python functions. The formulas stay in `shapes` and `friction`. A record is
 passed as a pointer. References to an array would be counted at every call, which takes as long as a
-law.
+law. This module does not import the laws: another law compiles nothing again.
 """
-
-from typing import Any
 
 import numpy as np
 from numba.extending import register_jitable
@@ -14,44 +12,10 @@ from numba.extending import register_jitable
 from study.compiled import compiled
 from study.contact import shapes
 from study.contact.friction import friction_factor
-from study.contact.joint_law import JointLaw
-from study.contact.laws import AnyLaw
 
 for _shape in (shapes.cubic, *shapes.SHAPES):  # a call takes as long as a law
     register_jitable(inline="always")(_shape)
 _SAMPLED = len(shapes.SHAPES) - 1
-CAPACITIES = 4096, 65536
-"""How many constants a record may hold; the first is enough for all laws but large tables."""
-
-
-def pack(
-    law: AnyLaw, ball_radius: float, socket_radius: float, composite: float, **options: Any
-) -> np.record:
-    """Record of a law for `elastic_force`; arguments and errors as for `contact.JointLaw`.
-
-    It has the shape's index, the clearance in m, the force scale in N, and the constants with their
-    number.
-    """
-    radii = {"ball_radius": ball_radius, "socket_radius": socket_radius}
-    joint_law = JointLaw(law, **radii, composite_modulus=composite, **options)
-    clearance, (scale, shape, constants) = joint_law.clearance, joint_law.parts
-    capacity = next(size for size in CAPACITIES if size >= len(constants))
-    packed = np.recarray(
-        1,
-        dtype=[
-            ("shape_index", np.int64),
-            ("clearance", float),
-            ("scale", float),
-            ("count", np.int64),
-            ("constants", float, (capacity,)),
-        ],
-    )[0]
-    packed.shape_index, packed.clearance = shapes.SHAPES.index(shape), clearance
-    packed.scale = joint_law.composite_modulus * clearance**2 * scale
-    packed.count = len(constants)
-    packed.constants[:] = 0.0
-    packed.constants[: len(constants)] = constants
-    return packed
 
 
 @compiled

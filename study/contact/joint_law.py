@@ -1,7 +1,7 @@
 """A contact law of one joint in SI units: force, stiffness, and the depth of a force.
 
 The laws of `study.contact.laws` are dimensionless. `JointLaw` adds the joint's dimensions, and the
-inverse.
+inverse, and packs a law for the compiled loops.
 """
 
 from inspect import signature
@@ -18,6 +18,8 @@ from study.contact.laws import LIMIT_MARGIN, AnyLaw, Floats, evaluated, find
 BODIES = ("socket_ratio", "modulus_ratio", "poisson", "socket_poisson")
 """Options of `study.contact.stiffened_hertz` that a joint in SI units must give."""
 _STEPS, _CLOSE = 200, 1e-8  # of Newton's method: most steps (five are usual); last one, relative
+CAPACITIES = 4096, 65536
+"""How many constants a record may hold; the first is enough for all laws but large tables."""
 
 
 class JointLaw:
@@ -140,3 +142,33 @@ class JointLaw:
             if np.all(np.abs(depth - before) <= _CLOSE * depth):
                 return depth
         raise checks.StudyError(f"{self.name} found no depth for a force; does the force increase?")
+
+
+def pack(
+    law: AnyLaw, ball_radius: float, socket_radius: float, composite: float, **options: Any
+) -> np.record:
+    """Record of a law for `forces.elastic_force`; arguments and errors as for `contact.JointLaw`.
+
+    It has the shape's index, the clearance in m, the force scale in N, and the constants with their
+    number.
+    """
+    radii = {"ball_radius": ball_radius, "socket_radius": socket_radius}
+    joint_law = JointLaw(law, **radii, composite_modulus=composite, **options)
+    clearance, (scale, shape, constants) = joint_law.clearance, joint_law.parts
+    capacity = next(size for size in CAPACITIES if size >= len(constants))
+    packed = np.recarray(
+        1,
+        dtype=[
+            ("shape_index", np.int64),
+            ("clearance", float),
+            ("scale", float),
+            ("count", np.int64),
+            ("constants", float, (capacity,)),
+        ],
+    )[0]
+    packed.shape_index, packed.clearance = shapes.SHAPES.index(shape), clearance
+    packed.scale = joint_law.composite_modulus * clearance**2 * scale
+    packed.count = len(constants)
+    packed.constants[:] = 0.0
+    packed.constants[: len(constants)] = constants
+    return packed

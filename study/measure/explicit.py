@@ -196,7 +196,7 @@ def integrate(
     Parameters
     ----------
     law
-        From ``study.contact.forces.pack``.
+        From ``study.contact.joint_law.pack``.
     duration
         In s.
     outputs

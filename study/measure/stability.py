@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact.forces import elastic_force, pack
+from study.contact.forces import elastic_force
+from study.contact.joint_law import pack
 from study.contact.laws import find
 from study.measure import explicit
 from study.measure.limits import bisect

@@ -14,7 +14,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from study import checks
-from study.contact.forces import pack
+from study.contact.joint_law import pack
 from study.contact.laws import AnyLaw, find
 from study.mechanism import beams, events, ideal, particles, scene_law
 from study.mechanism.free_impact import free_durations

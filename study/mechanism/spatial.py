@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 from study import checks
 from study.contact.damping import Damping, damping_factor
-from study.contact.forces import joint_forces, pack, stored_energy
+from study.contact.forces import joint_forces, stored_energy
 from study.contact.friction import friction_branch
-from study.contact.joint_law import JointLaw
+from study.contact.joint_law import JointLaw, pack
 from study.contact.laws import LIMIT_MARGIN, AnyLaw
 
 JOINTS = "clearance joints"  # key of an Exudyn system's variables: joints and their connectors

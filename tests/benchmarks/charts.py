@@ -18,7 +18,8 @@ from benchmarks.timing import COMPILED, PROGRAM, PYTHON
 from study.choose.law import law_options
 from study.compiled import compiled
 from study.contact import LAWS, tabulated
-from study.contact.forces import elastic_force, pack
+from study.contact.forces import elastic_force
+from study.contact.joint_law import pack
 from study.joint import (
     Joint,
     contact_kinematics,

@@ -46,7 +46,7 @@ import numpy as np
 from study import paths
 paths.BUILD = paths.CACHE = pathlib.Path(sys.argv[1])
 sys.path.insert(0, sys.argv[2])
-from study.contact.forces import pack
+from study.contact.joint_law import pack
 from study.measure import explicit
 from study.mechanism import Scene, simulate
 law = pack("hertz", 9.95e-3, 1e-2, 1e11)

@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from study import checks
-from study.contact.forces import pack
+from study.contact.joint_law import pack
 from study.contact.laws import AnyLaw, find
 from study.mechanism import Scene, scene_law
 from study.mechanism.spatial import ClearanceJoint, solve
