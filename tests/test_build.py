@@ -9,6 +9,7 @@ import sys
 import time
 
 import pandas as pd
+import psutil
 import pytest
 from copied import copy_project, environment, study
 
@@ -94,8 +95,11 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
     project = less_data
     (project / "data/force_curves.csv").unlink()
     killed = start_build(project)
-    os.killpg(killed.pid, signal.SIGKILL)
+    workers = psutil.Process(killed.pid).children(recursive=True)
+    assert workers
+    killed.kill()
     killed.communicate()
+    psutil.wait_procs(workers)  # they end with it
     for path in (project / "build/curves").glob("*.csv"):  # whole, or not there
         assert path.read_text().endswith("\n")
     (project / f"data/.part-{socket.gethostname()}-{killed.pid}-x").mkdir()

@@ -192,7 +192,7 @@ def _gather(blocks, scene, laws, law_text, progress=None):
             raise
         complete = False
     numbers = impacts[:, JOINT].astype(int)
-    starts = own[:, EVENTS.index("start")]
+    starts = own[:, EVENTS.index("start")].copy()  # of one layout, with impacts or without
     free = free_durations(starts, impacts, scene.constants(), laws)
     happened = own[:, :, 0] <= rows[-1, 0]  # the others are NaN, or come after an interruption
     names = np.array([EVENTS, [f"crank {kind}" for kind in EVENTS]])[numbers]

@@ -2,14 +2,15 @@
 
 import os
 import re
-import signal
 import sys
+import warnings
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from study import checks, cluster, paths
+from study import checks, paths
 from study.checks import StudyError
+from study.workers import begin, dask_client
 
 
 class Built(NamedTuple):
@@ -55,7 +56,7 @@ def build(
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
     workers = jobs or cpu_count()
-    client = cluster.client(dask_address) if dask_address is not None else None
+    client = dask_client(dask_address) if dask_address is not None else None
     if client:
         workers = sum(client.nthreads().values())
     if not os.access(paths.ROOT, os.W_OK):
@@ -111,9 +112,10 @@ def _prepare(client):
         if client:
             return client.get_executor()
         # Loky ends idle workers after 10 s by default. A build waited for ever when all of them
-        # had ended with a task left: so they stay. They ignore Ctrl-C: this process stops them.
-        ignore = {"initializer": signal.signal, "initargs": (signal.SIGINT, signal.SIG_IGN)}
-        return get_reusable_executor(n_workers, timeout=None, **ignore)
+        # had ended with a task left: so they stay.
+        warnings.filterwarnings("ignore", "A worker was restarted", module="loky")  # it had grown
+        first = {"initializer": begin, "initargs": (os.getpid(),)}
+        return get_reusable_executor(n_workers, timeout=None, **first)
 
     registry.register_parallel_backend(ParallelBackend.CUSTOM, executor)
     pytask_build.get_plugin_manager = plugins  # only pytask's command line takes a plugin

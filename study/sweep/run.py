@@ -10,7 +10,6 @@ import json
 import os
 import signal
 import threading
-import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import Executor, as_completed
 from contextlib import closing, contextmanager
@@ -20,7 +19,7 @@ from typing import Any, NamedTuple
 
 from loky import ProcessPoolExecutor, cpu_count
 
-from study import checks, cluster, paths, provenance
+from study import checks, paths, provenance, workers
 from study.checks import StudyError
 from study.sweep import cases as of_cases
 from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind, Rows
@@ -236,27 +235,16 @@ def _solved(
 def _workers(count: int, dask_address: str | None) -> Iterator[Executor]:
     """Executor of functions; it is stopped with the study."""
     if dask_address is not None:
-        with cluster.client(dask_address) as client:
+        with workers.dask_client(dask_address) as client:
             yield client.get_executor(pure=False)
         return
-    executor = ProcessPoolExecutor(count, initializer=_end_with, initargs=(os.getpid(),))
+    executor = ProcessPoolExecutor(count, initializer=workers.begin, initargs=(os.getpid(),))
     finished = False
     try:
         yield executor
         finished = True
     finally:
         executor.shutdown(kill_workers=not finished)
-
-
-def _end_with(runner):
-    """End this process soon after its runner, which may be killed without ending it."""
-
-    def watch():
-        while os.getppid() == runner:
-            time.sleep(1)
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 @contextmanager
