@@ -13,6 +13,7 @@ other programs are beside it in ``tests/other_programs/``.
 import sys
 from collections.abc import Iterator, Sequence
 from importlib import import_module
+from types import ModuleType
 from typing import Literal, get_args
 
 import numpy as np
@@ -46,12 +47,17 @@ def measure(chart: list[Chart] | None = None, repeats: int = 5) -> Iterator[pd.D
     """
     wanted = [checks.choice("chart", name, CHARTS) for name in chart or CHARTS]
     repeats = checks.whole("repeats", repeats, least=1)
+    charts = benchmarks()
+    return (getattr(charts, name)(3 * repeats if name == "laws" else repeats) for name in wanted)
+
+
+def benchmarks() -> ModuleType:
+    """``tests/benchmarks/charts.py``, which times a chart; `StudyError` without a checkout."""
     folder = paths.ROOT / "tests"
     paths.require_checkout(folder)
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
-    charts = import_module("benchmarks.charts")
-    return (getattr(charts, name)(3 * repeats if name == "laws" else repeats) for name in wanted)
+    return import_module("benchmarks.charts")
 
 
 def pareto_front(rows: pd.DataFrame, error: str = "rms_error", cost: str = "time") -> pd.DataFrame:
