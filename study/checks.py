@@ -6,6 +6,7 @@ guessed.
 
 import math
 from collections.abc import Callable, Collection, Iterable
+from dataclasses import fields
 from typing import Any, TypeVar
 
 import numpy as np
@@ -131,6 +132,15 @@ def depth(name: str, value: ArrayLike, unit: str = "") -> Any:
     if tiny.size:
         number(name, tiny, unit, least=SMALLEST)
     return depths
+
+
+def plain_numbers(record: Any) -> None:
+    """Make NumPy's numbers in the fields of a frozen dataclass Python's: these can be hashed."""
+    for field in fields(record):
+        value = getattr(record, field.name)
+        is_single = isinstance(value, np.generic | np.ndarray) and value.ndim == 0
+        if is_single and value.dtype.kind in "iuf" and not np.ma.is_masked(value):
+            object.__setattr__(record, field.name, float(value))
 
 
 def choice(name: str, value: Any, allowed: Collection[str]) -> Any:

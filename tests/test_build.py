@@ -70,10 +70,9 @@ def start_build(project):
         start_new_session=True,
         preexec_fn=heed_interrupts,
     )
-    deadline, before = time.monotonic() + 300, finished(project)
+    before = finished(project)
     while finished(project) < before + 2:
         assert process.poll() is None
-        assert time.monotonic() < deadline
         time.sleep(0.1)
     return process
 
@@ -109,7 +108,7 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
     assert finished(project) >= done + 2
     assert leftovers(project / "data") == []
     os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate()
     assert process.returncode == 130
     assert err.splitlines()[-1] == "study: interrupted; what was finished is kept"
     assert "Succeeded in" not in (project.parent / "out").read_text()

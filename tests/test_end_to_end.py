@@ -76,18 +76,16 @@ def test_the_same_tasks_run_on_a_dask_cluster(tmp_path):
         for process in reversed(started):
             process.terminate()
         for process in started:
-            process.wait(timeout=30)
+            process.wait()
 
 
 def wait_for_workers(address, count):
     from distributed import Client
 
-    deadline = time.monotonic() + 60
-    while time.monotonic() < deadline:
+    while True:
         try:
-            with Client(address, timeout=2) as client:
-                client.wait_for_workers(count, timeout=30)
+            with Client(address) as client:
+                client.wait_for_workers(count)
                 return
-        except OSError:
+        except OSError:  # the scheduler does not listen yet
             time.sleep(0.2)
-    raise TimeoutError(f"no {count} workers at {address}")

@@ -83,7 +83,7 @@ def test_what_is_fresh_is_found_without_a_runner(project):
 
 
 def change(path):
-    path.write_text(path.read_text() + "# changed\n")
+    path.write_text(path.read_text() + "CHANGED = True\n")
 
 
 def test_a_changed_module_makes_stale_only_what_reaches_it(project):
@@ -271,14 +271,12 @@ def test_an_interrupted_run_keeps_what_was_finished(project):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     try:
-        deadline = time.monotonic() + 120
         while not (begun.exists() and journal.exists() and finished in journal.read_text()):
             assert process.poll() is None
-            assert time.monotonic() < deadline
             time.sleep(0.1)
         process.send_signal(signal.SIGINT)
         release.touch()  # a notebook that has begun is not broken off
-        _, err = process.communicate(timeout=120)
+        _, err = process.communicate()
     finally:
         process.kill()
     assert process.returncode == 130

@@ -395,7 +395,7 @@ def browse(built, tmp_path):
         options = (f"--window-size={width},1000", f"--user-data-dir={tmp_path / 'profile'}")
         command = [CHROMIUM, *FLAGS, *options, "--dump-dom", probe.as_uri() + place]
         try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+            done = subprocess.run(command, capture_output=True, text=True)
         finally:
             if script:
                 probe.unlink()

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 
 import pytest
 
@@ -75,6 +76,21 @@ def test_a_copy_is_set_up_anew_and_so_is_what_moved(tmp_path):
     assert [set_up(copy), set_up(copy), set_up(first)] == [True, False, False]
     first.rename(moved)
     assert [set_up(moved), set_up(moved)] == [True, False]
+
+
+def test_the_program_of_a_copy_does_not_build_the_original(tmp_path):
+    copy = tmp_path / "a copy, é"
+    program, module = copy / ".venv/bin/study", copy / "study/paths.py"
+    for path in (program, module):
+        path.parent.mkdir(parents=True)
+    module.touch()
+    program.write_text("from study.cli import main\n\nmain()\n")
+    command = [sys.executable, program, "list"]
+    environment = os.environ | {"PYTHONPATH": str(paths.ROOT), "PYTHONUTF8": "1"}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (1, "")
+    wanted = f"study: {copy} is a copy whose environment is still that of {paths.ROOT}; set it up"
+    assert done.stderr == f"{wanted} with: make setup\n"
 
 
 def test_a_loop_that_does_not_compile_fails_the_set_up(tmp_path):

@@ -31,7 +31,9 @@ RESOLUTIONS = {"series": (64, 160, 320, 640, 1280), "quadratic": (64, 160), "fin
 DEPTHS = 40  # of a law's error
 SOLVED_FIRST = 1.1
 """Factor on the cost of a table, as its joint is solved first, and measured costs are noisy."""
-FINITE_DEPTHS = 12  # solved with finite kinematics, which take a second for each depth
+FINITE_DEPTHS = (
+    13  # solved with finite kinematics, a second each; odd: first and last are in a table
+)
 DEEPER = (1, 4, 12)
 """Factors of a depth: laws are compared up to the least of these depths that elements resolve. The
 range begins at a twelfth of its end at most, so that the depth itself is within it."""

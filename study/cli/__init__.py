@@ -6,10 +6,11 @@ A user's mistake is one line on standard error and exit status 2; a failure is e
 import re
 import sys
 from difflib import get_close_matches
+from pathlib import Path
 
 import typer
 
-from study import checks
+from study import checks, paths
 from study.cli import build, joint, laws, mechanism, stored, sweep  # noqa: F401  (each adds commands)
 from study.cli.options import INTERRUPTED, InterruptionError, app
 
@@ -23,6 +24,7 @@ def main():
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="replace")  # a line with "?" is better than none
     try:
+        _refuse_copied_program()
         status = app(standalone_mode=False)
     except (UsageError, ValueError) as error:
         text = error.format_message() if isinstance(error, UsageError) else str(error)
@@ -39,6 +41,16 @@ def main():
     if status == INTERRUPTED:  # before a command began
         _complain("interrupted", status)
     sys.exit(status or 0)
+
+
+def _refuse_copied_program():
+    """Refuse the program of a copied checkout, which would build the folder it was copied from."""
+    for copied in Path(sys.argv[0]).resolve().parents[2:3]:  # above .venv/bin
+        if copied != paths.ROOT and (copied / "study/paths.py").is_file():
+            raise checks.StudyError(
+                f"{copied} is a copy whose environment is still that of {paths.ROOT}; set it up "
+                "with: make setup"
+            )
 
 
 def _hinted(text):

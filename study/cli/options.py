@@ -1,13 +1,14 @@
 """The program, options that several commands share, and how a function becomes a command."""
 
 import os
+from functools import partial
 from inspect import Parameter, Signature, getdoc, signature
 from pathlib import Path
 from typing import Literal, get_args, get_type_hints
 
 import typer
 
-from study import paths
+from study import checks, paths
 from study.checks import StudyError
 
 app = typer.Typer(
@@ -133,7 +134,17 @@ def _parameters(own):
         else:
             kind, *_ = *get_args(parameter.annotation), parameter.annotation  # that of a list
             parameter.default.metavar = parameter.default.metavar or METAVARS.get(kind)
+            if kind in (float, int):
+                parameter.default.parser = partial(_number, kind)
             yield parameter
+
+
+def _number(kind, text):
+    """Value of an option that is a number; a default is one already."""
+    try:
+        return checks.read("it", text, kind) if isinstance(text, str) else text
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
 
 
 def flag(name):

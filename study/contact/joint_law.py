@@ -65,6 +65,7 @@ class JointLaw:
         r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
         r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
         self.clearance, self.r2_star = r2 - r1, r2 / (r2 - r1)
+        checks.number("socket_radius over clearance", self.r2_star, above=1)  # 1 by rounding
         self.composite_modulus = checks.number(
             "composite modulus", composite_modulus, "Pa", above=0, scalar=True
         )

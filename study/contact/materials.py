@@ -28,6 +28,7 @@ class Material:
     yield_stress: float | None = field(default=None, compare=False)
 
     def __post_init__(self):
+        checks.plain_numbers(self)
         checks.number("Young's modulus", self.youngs_modulus, "Pa", above=0, scalar=True)
         checks.poisson("Poisson's ratio", self.poisson)
         if self.yield_stress is not None:
@@ -62,7 +63,7 @@ def _of_text(text):
     if row:
         return Material(row["youngs_modulus"], row["poisson"], row["yield_stress"])
     try:
-        values = [float(part) for part in text.split(",")]
+        values = [checks.read("material", part) for part in text.split(",")]
     except ValueError:
         values = []
     if len(values) not in (2, 3):

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular, solveh_banded
 
+from study import checks
 from study.joint import complementarity
 from study.joint.compliance import Compliance, HatFunctions, surface_angles
 from study.threads import one_thread
@@ -36,6 +37,19 @@ TOLERANCE = 1e-7  # of the force between two steps
 MOST_STEPS = 60
 BEYOND = 8  # nodes by which the contact at a smaller depth may reach farther
 LARGEST_R2_STAR = 1e8  # beyond it the gap is lost in the rounding of the surfaces' places
+FEWEST = 4  # nodes in a contact at large displacements: fewer do not converge
+
+
+class UnresolvedError(checks.RangeError):
+    """A contact smaller than the elements can resolve."""
+
+
+def unresolved(depth: float, angles: Floats) -> UnresolvedError:
+    """Error of a contact at a depth_star, with nodes at some angles."""
+    return UnresolvedError(
+        "depth_star must be 0 or so large that the elements resolve the contact, got "
+        f"{depth:.3g} with elements of {np.degrees(angles[1]):.2g} deg"
+    )
 
 
 def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
@@ -183,13 +197,17 @@ def solve_finite(joint: Joint, depths: Floats, ball: Body, socket: Body) -> tupl
     steps. Pressure is per area of the unloaded ball. Steps that do not converge raise
     `study.joint.complementarity.ComplementarityError`.
     """
-    problem, _ = linear(joint, ball.compliance, socket.compliance)
+    problem, axial = linear(joint, ball.compliance, socket.compliance)
     surfaces = _Surfaces(joint, ball, socket)
     pressure = np.zeros((len(depths), len(ball.compliance.angles)))
     force, current = np.zeros(len(depths)), pressure[0]
     for k in np.argsort(depths, kind="stable"):
         if depths[k] > 0:
-            current, force[k] = _iterate(surfaces, depths[k], problem(depths[k])[0], current)
+            matrix, parts = problem(depths[k])
+            gap = (1 + depths[k]) ** np.arange(3) @ parts
+            if np.count_nonzero(_contact(matrix, gap[None], axial, len(axial))[0]) < FEWEST:
+                raise unresolved(depths[k], ball.compliance.angles)
+            current, force[k] = _iterate(surfaces, depths[k], matrix, current)
             pressure[k] = current
     return pressure, force
 

@@ -34,10 +34,6 @@ SOLVERS: tuple[Solver, ...] = get_args(Solver)
 _TIMES = (1.0, 0.97, 1.03)  # factors of a depth at which the error is estimated
 
 
-class UnresolvedError(checks.RangeError):
-    """A contact smaller than the elements can resolve."""
-
-
 @dataclass(frozen=True)
 class ForceCurve:
     """Force against depth of one joint, with what the contact looks like at each depth.
@@ -138,10 +134,7 @@ def force_curve(
         )
     unseen = ((np.minimum(fine, coarse) == 0) & (depths > 0)).any(axis=0)
     if unseen.any():
-        raise UnresolvedError(
-            "depth_star must be 0 or so large that the elements resolve the contact, got "
-            f"{depths[unseen].max():.3g} with elements of {np.degrees(angles[1]):.2g} deg"
-        )
+        raise contact_kinematics.unresolved(depths[unseen].max(), angles)
     relative = np.divide(np.abs(fine - coarse), fine, out=np.zeros_like(fine), where=fine > 0)
     return ForceCurve(
         joint=joint,

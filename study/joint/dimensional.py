@@ -16,7 +16,8 @@ from study import checks
 from study.contact import JointLaw, Material, largest_depth, material, tabulated
 from study.contact.laws import LAWS, AnyLaw, find
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO, Drive, Rim
-from study.joint.curve import UnresolvedError, force_curve
+from study.joint.contact_kinematics import UnresolvedError
+from study.joint.curve import force_curve
 from study.joint.joint import Joint, Kinematics, Layer
 from study.joint.nested_contact import whole_curve
 from study.joint.stress import largest as largest_stress
@@ -103,6 +104,7 @@ class DimensionalJoint:
     kinematics: Kinematics = "linear"
 
     def __post_init__(self) -> None:
+        checks.plain_numbers(self)
         radius = checks.number("socket_radius", self.socket_radius, "m", above=0, scalar=True)
         limits = {"least": LEAST_CLEARANCE * radius, "below": radius}
         checks.number("clearance", self.clearance, "m", **limits, scalar=True)

@@ -34,6 +34,7 @@ class Layer:
     material: Material
 
     def __post_init__(self):
+        checks.plain_numbers(self)
         checks.number("outer_ratio", self.outer_ratio, above=1, most=THICKEST_RATIO, scalar=True)
         checks.instance("material", self.material, Material)
 
@@ -86,6 +87,7 @@ class Joint:
     layers: tuple[Layer, ...] = ()
 
     def __post_init__(self):
+        checks.plain_numbers(self)
         checks.number("r2_star", self.r2_star, above=1, scalar=True)
         thinnest, thickest = THINNEST_RATIO, THICKEST_RATIO
         checks.number("socket_ratio", self.socket_ratio, least=thinnest, most=thickest, scalar=True)

@@ -14,7 +14,9 @@ from scipy.linalg import solve_triangular
 from study import checks
 from study.contact import largest_depth
 from study.joint import contact_kinematics, curve
-from study.joint.curve import ForceCurve, UnresolvedError
+from study.joint.compliance import surface_angles
+from study.joint.contact_kinematics import UnresolvedError
+from study.joint.curve import ForceCurve
 from study.joint.joint import Joint
 from study.threads import one_thread
 
@@ -102,6 +104,10 @@ def _extrapolated(joint, deepest, resolution):
     checks.number("r2_star of a whole curve", joint.r2_star, least=LEAST_R2_STAR)
     checks.number("deepest", deepest, below=largest_depth(joint.r2_star))
     solver, resolution = curve.settings(joint, None, resolution)
+    # Even the contact of a thin incompressible liner ends within twice Hertz's half-angle
+    widest = 2 * np.sqrt(deepest * joint.ball_radius)
+    if widest < surface_angles(resolution // 2)[4 * _FIRST]:
+        raise _unresolved(deepest, resolution)
     meshes = curve.meshes(joint, None, resolution)
     fine, coarse = (_NestedContacts(joint, *bodies, deepest) for bodies in meshes)
     size = min(len(coarse.depth), len(fine.depth[::2]))
@@ -110,17 +116,23 @@ def _extrapolated(joint, deepest, resolution):
         for of_coarse, of_fine in ((coarse.depth, fine.depth), (coarse.force, fine.force))
     )
     reached = np.flatnonzero(depth >= deepest)
+    if not reached.size and size < 4 * _FIRST:
+        raise _unresolved(deepest, resolution)
     if not reached.size:
         raise checks.RangeError(
             "deepest must keep the contact off the socket's rim (half-angle < 90 deg), "
             f"got {deepest:g}"
         )
     if reached[0] < 4 * _FIRST:
-        raise UnresolvedError(
-            f"deepest must be a contact of {4 * _FIRST} elements or more, got {deepest:g}: "
-            f"take a resolution finer than {resolution}"
-        )
+        raise _unresolved(deepest, resolution)
     return depth[: reached[0] + 1], force[: reached[0] + 1], fine, solver
+
+
+def _unresolved(deepest, resolution):
+    return UnresolvedError(
+        f"deepest must be a contact of {4 * _FIRST} elements or more, got {deepest:g}: "
+        f"take a resolution finer than {resolution}"
+    )
 
 
 class _NestedContacts:

@@ -71,7 +71,7 @@ def liner(text: str) -> tuple[float, str]:
     """Thickness in m and material of a liner's text, ``0.5e-3,PTFE``, or raise ``ValueError``."""
     thickness, _, material = text.partition(",")
     try:
-        return float(thickness), material.strip()
+        return checks.read("thickness of liner", thickness), material.strip()
     except ValueError:
         wanted = "liner must be a thickness in m and a material, such as 0.5e-3,PTFE"
         raise ValueError(f"{wanted}, got {text!r}") from None

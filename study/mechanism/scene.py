@@ -122,6 +122,7 @@ class Scene:
     crank_clearance: float | None = _quantity(None, "m", "an ideal joint", above=0)
 
     def __post_init__(self) -> None:
+        checks.plain_numbers(self)
         for parameter in fields(self):
             value, limits = getattr(self, parameter.name), parameter.metadata["limits"]
             name = parameter.name.replace("_", " ")

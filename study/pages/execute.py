@@ -18,6 +18,7 @@ from study.pages.catalogue import Notebook, check_claims
 LONGEST = 1000  # setting, in characters
 _COMMENT = re.compile(r"(.*?)\s*(?:\[([^][]*)\])?")  # meaning and values allowed
 PARAMETERS_VARIABLE = "STUDY_PARAMETERS"  # hands parameters to notebooks/task_notebooks.py
+_OTHER_NUMBER = re.compile(r"\d_\d|\b0[xob]", re.IGNORECASE)  # Python's own: 1_00, 0x64
 
 
 class NotebookError(checks.StudyError):
@@ -87,7 +88,7 @@ def check_parameters(notebooks: list[Notebook], settings: list[str]) -> dict[str
             keys = ", ".join(sorted({key for entries in known.values() for key in entries}))
             raise ValueError(f"parameter must be one of {keys}, got {key!r}")
         try:
-            value = ast.literal_eval(text)
+            value = text if _OTHER_NUMBER.search(text) else ast.literal_eval(text)
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             value = text
         for name in owners:

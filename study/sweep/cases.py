@@ -11,6 +11,7 @@ import csv
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from functools import partial
+from inspect import signature
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -18,17 +19,18 @@ import numpy as np
 
 from study import checks
 from study.checks import StudyError
-from study.contact import tabulated
+from study.contact import SOCKET_RATIO, Material, tabulated
 from study.joint import DimensionalJoint, force_curve, material, whole_curve
 from study.joint.dimensional import usual_depth
 from study.joint.parsing import joint as joint_of_texts
 from study.joint.parsing import liner
 from study.mechanism import Scene
-from study.mechanism.simulate import ready
+from study.mechanism.simulate import BEAM_STEP, ELEMENTS, TOLERANCE, ready, simulate
 
 Kind = Literal["joints", "scenes"]
 Case = dict[str, str]
 Rows = list[list[str]]
+_FORMULA = "=+-@\t\r"  # with which a spreadsheet's formula begins
 NAME, ERROR = "case", "error"
 """First column of every table, the case's name or number, and the last, the reason of a failure."""
 CURVES = {
@@ -101,10 +103,14 @@ def _as_texts(case):
 
 
 def _text(value):
-    """Text of a cell from a Python value; a list has several values, a tuple is one value."""
+    """Text of a cell from a Python value; a list has several values, a tuple is one value.
+
+    None is an empty cell, for the default. A missing number (NaN) is refused where it is read: it
+    may be the result of a calculation.
+    """
     if isinstance(value, list | tuple | np.ndarray):
         return ("," if isinstance(value, tuple) else ";").join(map(_text, value))
-    return "" if value is None or str(value) in ("nan", "<NA>", "NaT") else str(value)
+    return "" if value is None else str(value)
 
 
 def random_cases(count: int, ranges: Mapping[str, str], seed: int = 0) -> list[Case]:
@@ -118,8 +124,9 @@ def random_cases(count: int, ranges: Mapping[str, str], seed: int = 0) -> list[C
     """
     count = checks.whole("number of random cases", count, least=1)
     seed = checks.whole("seed", seed, least=0)
-    if not ranges:
-        raise ValueError("ranges of the random cases must be given")
+    if not isinstance(ranges, Mapping) or not ranges:
+        wanted = "ranges of the random cases must be a mapping of columns to texts"
+        raise ValueError(f"{wanted}, got {checks.shown(ranges)}")
     columns = {name: _range(name, text) for name, text in ranges.items()}
     share = np.random.default_rng(seed).random
     return [{name: at(share()) for name, at in columns.items()} for _ in range(count)]
@@ -127,7 +134,7 @@ def random_cases(count: int, ranges: Mapping[str, str], seed: int = 0) -> list[C
 
 def _range(name, text):
     """Function of a number from 0 to 1 that gives a text within a range."""
-    ends = text.split(":")
+    ends = checks.instance(f"range of {name}", text, str).split(":")
     if len(ends) == 1:
         values = [value.strip() for value in text.split(",")]
         return lambda x: values[int(x * len(values))]
@@ -142,8 +149,10 @@ def _range(name, text):
     return lambda x: f"{low + (high - low) * x:.6g}"
 
 
-def prepared(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
-    """Form of the cases, one of `COLUMNS`, and the key of each case (`Form`).
+def prepared(kind: Kind, cases: list[Case]) -> tuple[str, list[str], list[Case]]:
+    """Form of the cases, one of `COLUMNS`, the key of each case (`Form`), and its complete cells.
+
+    These have the value that is used where the case has none.
 
     Raises
     ------
@@ -158,18 +167,41 @@ def prepared(kind: Kind, cases: list[Case]) -> tuple[str, list[str]]:
     for column in columns:
         checks.choice("column", column, [NAME, *FORMS[form].columns])
     keys: list[str] = []
+    complete: list[Case] = []
     rows: dict[str, int] = {}
     for row, case in enumerate(cases, 1):
         name = case.get(NAME, str(row))
         try:
-            keys.append(_prepare(form, case)[0])
+            key, _, used = _prepare(form, case)
             if name in rows:
                 twice = f"got {name!r} in row {rows[name]} too"
                 raise ValueError(f"{NAME} must be another name in each row, {twice}")
+            if name[0] in _FORMULA and not _is_number(name):
+                raise ValueError(f"{NAME} must not begin as a spreadsheet's formula, got {name!r}")
         except ValueError as error:
             raise ValueError(f"row {row}: {error}") from None
+        keys.append(key)
+        missing = {column: used[column] for column in columns if used.get(column) is not None}
+        complete.append({column: _used_text(value) for column, value in missing.items()} | case)
         rows[name] = row
-    return form, keys
+    return form, keys, complete
+
+
+def _is_number(text):
+    try:
+        checks.read("", text)
+    except ValueError:
+        return False
+    return True
+
+
+def _used_text(value):
+    """Text of a value that a case did not give."""
+    if isinstance(value, Material):
+        value = value.youngs_modulus, value.poisson
+    if isinstance(value, tuple):
+        return ",".join(map(_used_text, value))
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
 def solve(form: str, cases: list[Case]) -> list[Rows]:
@@ -183,15 +215,17 @@ def _rows(form, case):
     try:
         results = _prepare(form, case)[1]()
         cells = [_cells(name, results[name]) for name in columns]
-    except MemoryError:  # not the case's own
-        raise
     except Exception as error:  # written to the table, and counted: the other cases go on
         known = isinstance(error, ValueError | StudyError)
-        text = str(error) if known else f"{type(error).__name__}: {error}"
-        return [[""] * len(columns) + [" ".join(text.split())]]
+        return failed(form, str(error) if known else f"{type(error).__name__}: {error}")
     count = max(map(len, cells))
     full = [column * count if len(column) == 1 else column for column in cells]
     return [[*row, ""] for row in zip(*full, strict=True)]
+
+
+def failed(form: str, reason: str) -> Rows:
+    """The one row of a case that failed."""
+    return [[""] * len(COLUMNS[form]) + [" ".join(reason.split())]]
 
 
 def _cells(name, values):
@@ -201,7 +235,7 @@ def _cells(name, values):
 
 
 def _prepare(form, case):
-    """Key of a case, and the function that solves it (`Form`)."""
+    """Key of a case, the function that solves it, and the values that it uses (`Form`)."""
     for name in FORMS[form].needed:
         if name not in case:
             instead = ", or r2_star" if form == "joints with dimensions" else ""
@@ -219,7 +253,9 @@ def _joint(values):
     if depths is not None:
         checks.number("depth_star", depths, least=0)
     joint = joint_of_texts(**values)
-    return _bodies(joint), partial(_solve_joint, joint, depths)
+    used = vars(joint) | {"poisson": joint.ball.poisson, "socket_poisson": joint.socket.poisson}
+    used |= {"modulus_ratio": joint.modulus_ratio}
+    return _bodies(joint), partial(_solve_joint, joint, depths), used
 
 
 def _bodies(joint):
@@ -244,7 +280,8 @@ def _dimensional_joint(values):
     if len(asked) > 1:
         raise ValueError("either depth or force must be given, not both")
     joint = DimensionalJoint(**values)
-    return _bodies(joint.joint), partial(_solve_dimensional, joint, asked)
+    used = vars(joint) | {"liner": None}
+    return _bodies(joint.joint), partial(_solve_dimensional, joint, asked), used
 
 
 def _solve_dimensional(joint, asked):
@@ -257,7 +294,22 @@ def _scene(values):
     of_scene = {name: values.pop(name) for name in _SCENE if name in values}
     key = repr((of_scene, values)) if values.get("model", "rigid") != "rigid" else ""
     scene = Scene(**of_scene)
-    return key, partial(_simulate, scene, ready(scene, **values))
+    run = ready(scene, **values)
+    return key, partial(_simulate, scene, run), _used_by_scene(scene, **values)
+
+
+def _used_by_scene(scene, model="rigid", joint="clearance", law="hertz", **given):
+    """Values that a simulation uses where none are given, None for what it does not have."""
+    usual = {name: p.default for name, p in signature(simulate).parameters.items()}
+    usual |= {"model": model, "joint": joint, "law": law}
+    if model == "rigid":
+        usual["tolerance"] = TOLERANCE if joint == "clearance" else None
+    else:
+        usual["elements"] = ELEMENTS
+        usual |= {"method": "centred"} if model == "particles" else {"step": BEAM_STEP}
+    usual["socket_ratio"] = SOCKET_RATIO if law == "stiffened_hertz" else None
+    inertias = dict(zip(("crank_inertia", "coupler_inertia"), scene.inertias, strict=True))
+    return usual | vars(scene) | inertias
 
 
 def _simulate(scene, run):
@@ -303,14 +355,17 @@ def _liner(name, text):
 class Form(NamedTuple):
     """How cases of one form are read and solved.
 
-    ``prepare`` takes the values of the columns. It gives a key and a function that solves the case:
-    its results have the names of `COLUMNS`, and more. Cases with the same key share elastic bodies,
-    or are quick: one process solves several of them, and keeps them together.
+    ``prepare`` takes the values of the columns. It gives a key, a function that solves the case,
+    and all values that this uses, by column. The results have the names of `COLUMNS`, and more.
+    Cases with the same key share elastic bodies, or are quick: one process solves several of them,
+    and keeps them together.
     """
 
     columns: tuple[str, ...]
     needed: tuple[str, ...]
-    prepare: Callable[[dict[str, Any]], tuple[str, Callable[[], Mapping[str, Any]]]]
+    prepare: Callable[
+        [dict[str, Any]], tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, Any]]
+    ]
 
 
 _SCENE = {field.name: field.default for field in fields(Scene)}

@@ -12,7 +12,8 @@ import signal
 import threading
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import Executor, as_completed
-from contextlib import closing, contextmanager
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing, contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -61,7 +62,8 @@ def sweep(
         CSV file with a row for each case, or mappings of its columns, such as a table's
         ``to_dict("records")``. Columns are the options of study joint, or those of study simulate
         and the parameters of the scene, and perhaps ``case``, a name. Several depths, forces,
-        layers or liners are separated by semicolons, or are a list.
+        layers or liners are separated by semicolons, or are a list. For an empty cell, or None,
+        the table has the default that was used. NaN is refused.
     kind
         ``joints`` or ``scenes``.
     output
@@ -79,7 +81,9 @@ def sweep(
     ValueError
         For a column or value that is not possible, before any work; names row and column.
     study.checks.StudyError
-        If the Dask scheduler does not answer, or a worker process ends.
+        If the Dask scheduler does not answer, or a worker of it ends.
+    OSError
+        If the disk is full; finished cases are kept.
     KeyboardInterrupt
         If interrupted; the next call goes on.
     """
@@ -90,7 +94,7 @@ def sweep(
     if isinstance(cases, Path) and cases.resolve() == output.resolve():
         raise ValueError(f"output must be another file than the cases, got {output}")
     every_case = of_cases.load(cases)
-    form, bodies = of_cases.prepared(kind, every_case)
+    form, bodies, complete = of_cases.prepared(kind, every_case)
     keys = _keys(form, every_case)
     different = dict(zip(keys, zip(bodies, every_case, strict=True), strict=True))
     output.parent.mkdir(parents=True, exist_ok=True)
@@ -102,12 +106,17 @@ def sweep(
 
         report()
         left = {key: case for key, case in different.items() if key not in part.places}
-        with closing(_solved(form, _tasks(left), jobs, dask_address)) as solved:
-            for key, rows in solved:
-                part.add(key, rows)
-                report()
         names = [case.get(NAME, str(row)) for row, case in enumerate(every_case, 1)]
-        count = _write(output, form, every_case, names, map(part.rows, keys))
+        try:
+            with closing(_solved(form, _tasks(left), jobs, dask_address)) as solved:
+                for key, rows in solved:
+                    part.add(key, rows)
+                    report()
+            count = _write(output, form, complete, names, map(part.rows, keys))
+        except OSError as error:
+            kept = f"{len(part.places)} of {len(different)} cases are kept"
+            why = f"{error.strerror or error}; {kept}, the same command goes on"
+            raise OSError(error.errno, why, str(output)) from None
     named = zip(names, keys, strict=True)
     failures = {name: part.failures[key] for name, key in named if key in part.failures}
     return Swept(len(every_case), count, COLUMNS[form], failures)
@@ -151,7 +160,8 @@ class _Part:
         return self
 
     def __exit__(self, failure, *_):
-        self._file.close()
+        with suppress(OSError):  # a full disk, which was told already
+            self._file.close()
         if failure is None or not self.places:  # finished, or nothing to go on with
             self._path.unlink(missing_ok=True)
 
@@ -216,19 +226,41 @@ def _solved(
             (rows,) = of_cases.solve(form, [case])
             yield key, rows
         return
+    while tasks:
+        tasks = yield from _in_workers(form, tasks, count, dask_address)
+        # Workers take tasks in their order: the case that ended its process is in the first ones
+        for key, case in (item for task in tasks[: 4 * count] for item in task.items()):
+            yield key, _alone(form, case)
+        tasks = tasks[4 * count :]
+
+
+def _in_workers(form, tasks, count, dask_address):
+    """Yield keys and rows; return the tasks that are left where a worker ended."""
     with _workers(count, dask_address) as executor:
         with _without_interrupts():
             running = {
-                executor.submit(of_cases.solve, form, list(task.values())): list(task)
-                for task in tasks
+                executor.submit(of_cases.solve, form, list(task.values())): task for task in tasks
             }
         for future in as_completed(running):
             try:
                 results = future.result()
+            except BrokenProcessPool:
+                return list(running.values())
             except Exception as error:
                 why = f"{type(error).__name__}: {error}"
                 raise StudyError(f"a worker ended; what was finished is kept ({why})") from error
             yield from zip(running.pop(future), results, strict=True)
+    return []
+
+
+def _alone(form, case):
+    """Rows of a case in a process of its own, which may end."""
+    with _workers(1, None) as executor:
+        try:
+            (rows,) = executor.submit(of_cases.solve, form, [case]).result()
+        except BrokenProcessPool:
+            rows = of_cases.failed(form, "its process ended, perhaps for lack of memory")
+    return rows
 
 
 @contextmanager
