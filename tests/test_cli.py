@@ -669,6 +669,19 @@ def test_simulate_states_its_law_and_takes_materials_by_name(run):
     assert "socket_ratio must be left out: hertz has no option" in err
 
 
+def test_simulate_says_how_far_it_can_be_trusted(run):
+    told = run("simulate", "--duration", "0.01")[1].splitlines()[-1]
+    assert told.startswith("A second run, at another tolerance, is the same motion to the end: ")
+    agreement = json.loads(run("simulate", "--duration", "0.01", "--json")[1])["agreement"]
+    assert (agreement["lasts"], agreement["impacts"]) == (True, [9, 9])
+    words = ("crank_clearance=1.7e-4", "damping=flores", "restitution=0.05", "friction=0")
+    words += ("clearance=1.86e-5", "initial_crank_angle=-1.54", "crank_speed=250")
+    scene = [part for word in words for part in ("--scene", word)]
+    told = run("simulate", *scene, "--duration", "0.1")[1].splitlines()[-1]
+    assert re.search(r"is the same motion until 0\.0\d+ s: .*one of many motions", told)
+    assert json.loads(run("simulate", "--joint", "ideal", "--json")[1])["agreement"] is None
+
+
 def test_simulate_help_has_the_scenes_keys_and_units():
     units = {field.name: field.metadata["unit"].replace("1", "-") for field in fields(Scene)}
     keys = ", ".join(f"{key} ({unit})" if unit else key for key, unit in units.items())

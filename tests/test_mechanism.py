@@ -1,6 +1,7 @@
 """The scene, the ideal mechanism, and rigid links with clearance, against independent numbers."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -544,3 +545,47 @@ def test_explicit_steps_have_their_order_before_the_first_impact(scheme, order):
     found = [explicit.integrate(PAPER, HERTZ, 1.6e-3, 4, step, scheme)[1] for step in (4e-4, 2e-4)]
     coarse, fine = (np.abs(values - exact)[1:].max() for values in found)
     assert np.log2(coarse / fine) > order - 0.4
+
+
+CHAOTIC = Scene(
+    **{"restitution": 0.05, "damping": "flores", "friction": 0.0, "gravity": 0.0},
+    **{"clearance": 1.86e-5, "crank_clearance": 1.732e-4, "initial_crank_angle": -1.5356884},
+    crank_speed=252.5646605,
+)
+"""Contacts last, without friction, in both joints; the energy error is 2e-12."""
+
+
+def test_a_response_tells_how_far_it_can_be_trusted():
+    assert simulate(PAPER, model="beams", duration=1e-4).agreement is None
+    assert simulate(PAPER, joint="ideal", duration=1e-3).agreement is None
+    calm = simulate(PAPER, tolerance=1e-8).agreement
+    assert (calm.until, calm.lasts, calm.impacts) == (0.1, True, (9, 9))
+    assert calm.largest_distance < 1e-8
+    assert calm.force_difference < 1e-6
+    assert simulate(PAPER, tolerance=1e-12, duration=0.01).agreement.lasts  # beside a rougher one
+    wild = [simulate(CHAOTIC, duration=0.05, tolerance=t).agreement for t in (1e-6, 1e-8, 1e-10)]
+    assert not any(agreement.lasts for agreement in wild)
+    until = [agreement.until for agreement in wild]
+    assert until == sorted(until)  # errors grow exponentially: each digit buys the same time
+    assert 0.01 < until[0] < until[-1] < 0.03
+    # chaos, not the steps: a start moved by 1e-10 rad leads away as soon
+    moved = CHAOTIC.replace(initial_crank_angle=CHAOTIC.initial_crank_angle + 1e-10)
+    runs = [simulate(scene, duration=0.05, tolerance=1e-12) for scene in (CHAOTIC, moved)]
+    apart = compare.agreement(*runs, CHAOTIC.clearance, CHAOTIC.crank_clearance)
+    assert 0.01 < apart.until < 0.03
+
+
+def test_agreement_finds_where_motions_part():
+    first = simulate(PAPER, duration=0.01, outputs=100)
+    rows = first.rows.copy()
+    column = list(first.columns).index("eccentricity_y")
+    rows[60:, column] += 0.02 * PAPER.clearance
+    parted = compare.agreement(first, replace(first, rows=rows), PAPER.clearance)
+    assert (parted.until, parted.lasts) == (first.time[59], False)
+    assert parted.largest_distance == parted.force_difference == 0
+    rows[60:, column] -= 0.015 * PAPER.clearance
+    same = compare.agreement(first, replace(first, rows=rows), PAPER.clearance)
+    assert same.lasts
+    assert same.largest_distance == pytest.approx(0.005)
+    with pytest.raises(ValueError, match="must have the same times"):
+        compare.agreement(first, simulate(PAPER, duration=0.01, outputs=50), PAPER.clearance)

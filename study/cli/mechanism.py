@@ -107,11 +107,30 @@ def simulate_mechanism(
         "energy_error": response.energy_error,
         "complete": response.complete,
     }
-    _show(end, response, choice, as_json)
+    with working("Simulating once more, at another tolerance"):
+        trust = _trust(response)
+    _show(end, response, choice, trust, as_json)
     if output is not None:  # last, so that the results are printed even if the disk is full
         response.save(output)
     if not response.complete:
         raise cli.InterruptionError(cli.KEPT)
+
+
+def _trust(response):
+    """How long a second run is the same motion, as an object and in words."""
+    agreement = response.agreement
+    if agreement is None:
+        return None, []
+    end, later = "to the end", ""
+    if not agreement.lasts:
+        end = f"until {agreement.until:.6g} s"
+        later = " What follows is one of many motions that begin alike: tiny errors grow."
+    text = (
+        f"A second run, at another tolerance, is the same motion {end}: the ball's places differ "
+        f"by at most {agreement.largest_distance:.1g} clearances, the forces by "
+        f"{agreement.force_difference:.1g}.{later}"
+    )
+    return agreement._asdict(), [text]
 
 
 def _choice(scene, model, **options):
@@ -125,7 +144,7 @@ def _choice(scene, model, **options):
         return choose_model(scene, **options)
 
 
-def _show(end, response, choice, as_json):
+def _show(end, response, choice, trust, as_json):
     from study.mechanism.response import IMPACT_COLUMNS
 
     impacts = {
@@ -134,6 +153,8 @@ def _show(end, response, choice, as_json):
     }
     rows = [dict(zip(impacts, row, strict=True)) for row in zip(*impacts.values(), strict=True)]
     values = {head.split()[0]: value for head, value in end.items()} | {"law": response.law}
+    agreement, in_words = trust
+    values["agreement"] = agreement
     table = {
         f"{name} {IMPACT_COLUMNS.get(name, '')}": impacts[name][:SHOWN]
         for name in ("time", *impacts)
@@ -144,7 +165,7 @@ def _show(end, response, choice, as_json):
         parts = [*_in_words(choice, end["time s"]), *parts]
     if len(rows) > SHOWN:
         parts.append(f"{len(rows) - SHOWN} more contacts: --json prints all.")
-    show(values | {"impacts": rows}, as_json, *parts)
+    show(values | {"impacts": rows}, as_json, *parts, *in_words)
 
 
 def _in_words(choice, duration):

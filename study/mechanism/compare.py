@@ -1,10 +1,81 @@
-"""Comparing responses at the same times: how far they agree, and which is ahead."""
+"""Comparing responses at the same times: how far they agree, which is ahead, and for how long."""
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.mechanism.response import COLUMNS, Response
+
+_PREFIXES = ("", "crank_joint_")  # of the columns of slider's and crank's joint
+SAME = 0.01
+"""Clearances: two places of the ball in its socket that are closer are the same motion."""
+
+
+class Agreement(NamedTuple):
+    """How long two responses are one motion.
+
+    Attributes
+    ----------
+    until
+        Last time of output, in s, up to which both have the ball at the same place (`SAME`), in
+        each clearance joint.
+    lasts
+        Whether that is to the end.
+    largest_distance
+        Between these places until then, in clearances.
+    impacts
+        Numbers of impacts that begin until then, in the first and in the second response.
+    force_difference
+        Largest difference of normal forces until then: of the peaks of impacts that have ended,
+        over the peak, and at the times of output, over the largest one.
+    """
+
+    until: float
+    lasts: bool
+    largest_distance: float
+    impacts: tuple[int, int]
+    force_difference: float
+
+
+def agreement(first: Response, second: Response, *clearances: float) -> Agreement:
+    """How long two responses with the clearances (m) of slider's and crank's joint are one motion.
+
+    Two runs of one scene at other tolerances agree to the end, unless tiny differences grow, as
+    they do in chaotic motion (this study). Raises ``ValueError`` if the times differ.
+    """
+    _same_times(first=first, second=second)
+    distance = np.zeros(len(first.time))
+    for prefix, clearance in zip(_PREFIXES, clearances, strict=False):
+        checks.number("clearance", clearance, "m", above=0, scalar=True)
+        apart = [
+            getattr(first, f"{prefix}eccentricity_{axis}")
+            - getattr(second, f"{prefix}eccentricity_{axis}")
+            for axis in "xy"
+        ]
+        distance = np.maximum(distance, np.hypot(*apart) / clearance)
+    count = int(np.append(distance <= SAME, False).argmin())
+    until = float(first.time[count - 1])
+    begun, peaks = [], []
+    for response in (first, second):
+        columns = response.impact_columns
+        begun.append(int(np.count_nonzero(columns["time"] <= until)))
+        ended = columns["time"] + columns["duration"] <= until
+        peaks.append(columns["peak_force"][ended & np.isfinite(columns["separation_speed"])])
+    pairs = min(map(len, peaks))
+    changes = [*np.abs(peaks[0][:pairs] / peaks[1][:pairs] - 1)]
+    for prefix, _ in zip(_PREFIXES, clearances, strict=False):
+        force, other = (getattr(r, f"{prefix}normal_force")[:count] for r in (first, second))
+        if force.any():
+            changes.append(np.abs(force - other).max() / np.abs(force).max())
+    return Agreement(
+        until=until,
+        lasts=count == len(first.time),
+        largest_distance=float(distance[:count].max()),
+        impacts=(begun[0], begun[1]),
+        force_difference=float(max(changes, default=0.0)),
+    )
 
 
 def normalised_rms(truth: ArrayLike, values: ArrayLike) -> float:

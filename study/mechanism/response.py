@@ -5,7 +5,8 @@ at its start, its largest force and its end.
 """
 
 import csv
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,8 @@ from study import paths
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from study.mechanism.compare import Agreement
 
 COLUMNS = {
     "time": "s",
@@ -91,6 +94,9 @@ class Response:
         False if the simulation was interrupted.
     law
         The contact law and all of its options, in words.
+    second_run
+        Simulates the same at another tolerance, and gives the response and the joints' clearances;
+        None for a model without a tolerance.
     """
 
     rows: NDArray[np.float64]
@@ -100,6 +106,9 @@ class Response:
     event_kinds: tuple[str, ...]
     complete: bool = True
     law: str = ""
+    second_run: Callable[[], tuple["Response", tuple[float, ...]]] | None = field(
+        default=None, repr=False, compare=False
+    )
 
     @property
     def columns(self) -> dict[str, str]:
@@ -161,6 +170,20 @@ class Response:
         if name in ALL_COLUMNS and name in self.columns:
             return self.rows[:, list(self.columns).index(name)]
         raise AttributeError(name)
+
+    @cached_property
+    def agreement(self) -> "Agreement | None":
+        """How long a second run, at another tolerance, is the same motion: how far to trust this.
+
+        It is run at the first use, for rigid links with clearance; None for another model, or after
+        an interruption. The balance of energy is no such evidence: it holds in chaos too.
+        """
+        from study.mechanism.compare import agreement  # which imports this module
+
+        if self.second_run is None or not self.complete:
+            return None
+        second, clearances = self.second_run()
+        return agreement(self, second, *clearances)
 
     @property
     def energy_error(self) -> float:

@@ -24,7 +24,8 @@ from study.mechanism.stepping import JOINT, LOST_BEFORE, add_stored_energy
 
 Model = Literal["rigid", "particles", "beams"]
 JointKind = Literal["clearance", "ideal"]
-TOLERANCE = 1e-8
+TOLERANCE, LEAST_TOLERANCE = 1e-8, 1e-12
+FINER = 100  # times, the tolerance of a second run
 BEAM_STEP = 1e-6
 ELEMENTS = (4, 8)
 MOST_STEPS = 1e10
@@ -148,10 +149,21 @@ def _checked(
         blocks = ideal.blocks(scene, times)
     else:
         tolerance = TOLERANCE if tolerance is None else tolerance
-        checks.number("tolerance", tolerance, least=1e-12, most=1e-2, scalar=True)
+        checks.number("tolerance", tolerance, least=LEAST_TOLERANCE, most=1e-2, scalar=True)
         blocks = events.blocks(scene, laws, times, tolerance)
     law_text = "none" if gapless else scene_law.in_words(scene, law, law_options)
-    return partial(_gather, blocks, scene, laws, law_text)
+    second = None
+    if model == "rigid" and not gapless:
+        same = {"law": law, "duration": duration, "outputs": outputs} | law_options
+        second = partial(_second_run, scene, tolerance, same)
+    return partial(_gather, blocks, scene, laws, law_text, second)
+
+
+def _second_run(scene, tolerance, same):
+    """The same simulation at another tolerance, and the joints' clearances."""
+    other = tolerance / FINER if tolerance >= LEAST_TOLERANCE * FINER else tolerance * FINER
+    gaps = (gap for gap in (scene.clearance, scene.crank_clearance) if gap is not None)
+    return simulate(scene, tolerance=other, **same), tuple(gaps)
 
 
 def _check_motion(scene, model, gapless, duration):
@@ -180,7 +192,7 @@ def _pack(law, scene, clearance, options):
     return packed
 
 
-def _gather(blocks, scene, laws, law_text, progress=None):
+def _gather(blocks, scene, laws, law_text, second_run, progress=None):
     """Run a model to its end or to an interruption."""
     rows, complete, work = None, True, list(COLUMNS).index("work")
     try:
@@ -202,5 +214,12 @@ def _gather(blocks, scene, laws, law_text, progress=None):
         add_stored_energy(table, laws)
     impact_rows = np.column_stack([impacts[:, :LOST_BEFORE], free])
     return Response(
-        rows, impact_rows, tuple(JOINTS[j] for j in numbers), own, kinds, complete, law_text
+        rows,
+        impact_rows,
+        tuple(JOINTS[j] for j in numbers),
+        own,
+        kinds,
+        complete,
+        law_text,
+        second_run,
     )
