@@ -230,6 +230,15 @@ def test_a_failing_cell_stops_its_results_alone(project):
     assert "error" in kinds  # the copy shows where
 
 
+def test_too_few_files_are_named_as_the_cause(project):
+    """Where the kernel cannot even open what shows the error."""
+    few = "import resource\nresource.setrlimit(resource.RLIMIT_NOFILE, (8, 8))\nopen('other')"
+    edit(project, CURVE, LABEL, few)
+    done = study(project, "run", "curve")
+    assert done.returncode == 1
+    assert re.search(rf"failed: {CURVE}, cell In\[2\]: OSError: .*Too many open files", done.stderr)
+
+
 def test_a_notebook_that_saves_something_else_fails(project):
     edit(project, LAW, '"law.csv"', '"lw.csv"')
     done = study(project, "run", "law")

@@ -187,7 +187,8 @@ def execute(notebook: Notebook, settings: dict[str, Any]) -> None:
                 kernel_manager_class=manager(folder, results),
             )
         except papermill.PapermillExecutionError as error:
-            where = f"cell In[{error.exec_count}]: {error.ename}: {error.evalue}"
+            cause = f"{error.ename}: {error.evalue}" if error.evalue else _last_words(executed)
+            where = f"cell In[{error.exec_count}]: {cause}"
             raise NotebookError(f"{notebook.name}, {where}") from None
         except NotJSONError:
             raise NotebookError(f"{notebook.name}: the file is no notebook") from None
@@ -200,3 +201,14 @@ def execute(notebook: Notebook, settings: dict[str, Any]) -> None:
         if extra := ", ".join(sorted(made - wanted)):
             raise NotebookError(f"{notebook.name} saved {extra}, which the catalogue does not name")
         baseline.take_over(results, notebook, settings)
+
+
+def _last_words(executed):
+    """Last line that an executed notebook wrote to stderr: an error without a message of its own.
+
+    So it is where files or memory are too few to show the error.
+    """
+    cells = json.loads(executed.read_text(encoding="utf-8"))["cells"]
+    outputs = [output for cell in cells for output in cell.get("outputs", ())]
+    text = "".join("".join(o["text"]) for o in outputs if o.get("name") == "stderr").strip()
+    return text.splitlines()[-1] if text else "it ended without a message"
