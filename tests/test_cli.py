@@ -39,7 +39,7 @@ from study.joint import (
 )
 from study.joint.joint import KINEMATICS
 from study.measure import speed
-from study.mechanism import Scene, particles, simulate
+from study.mechanism import MechanismError, Scene, particles, simulate
 from study.mechanism.simulate import ELEMENTS, TOLERANCE, JointKind, Model
 from study.pages import catalogue
 from study.sweep.cases import Kind
@@ -667,6 +667,26 @@ def test_simulate_states_its_law_and_takes_materials_by_name(run):
     status, _, err = run("simulate", "--socket-ratio", 1.5)
     assert status == 2
     assert "socket_ratio must be left out: hertz has no option" in err
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (KeyboardInterrupt(), "The second run, which says how far to trust this one, was interrup"),
+        (MechanismError("no step is small enough"), "A second run, at another tolerance, failed"),
+    ],
+)
+def test_a_second_run_that_ends_early_loses_nothing(run, tmp_path, monkeypatch, error, told):
+    def second_run(*_):
+        raise error
+
+    monkeypatch.setattr(sys.modules["study.mechanism.simulate"], "_second_run", second_run)
+    output = tmp_path / "motion.csv"
+    status, out, _ = run("simulate", "--duration", "0.01", "--output", output)
+    assert status == 0
+    assert "9.56716e-07" in out  # the first impact
+    assert out.splitlines()[-1].startswith(told)
+    assert output.is_file()
 
 
 def test_simulate_says_how_far_it_can_be_trusted(run):

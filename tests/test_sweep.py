@@ -408,6 +408,12 @@ def test_a_case_that_ends_its_process_is_named_and_the_others_go_on(tmp_path, mo
     assert table.force_star.notna().sum() == 18
 
 
+def test_a_table_that_cannot_be_begun_is_told_by_its_own_path(tmp_path, command):
+    (tmp_path / "table.csv.part").mkdir()
+    status, out, err = command("joints", "r2_star,depth_star\n50,0.1\n")
+    assert (status, out, err) == (1, "", f"study: {tmp_path / 'table.csv'}: Is a directory\n")
+
+
 def test_a_full_disk_keeps_what_was_finished(tmp_path, command, monkeypatch):
     text, real = "r2_star,depth_star\n50,0.1\n60,0.1\n70,0.1\n", run._Part.add
 

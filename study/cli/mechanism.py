@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from study import checks
+from study.checks import StudyError
 from study.cli import options as cli
 from study.cli.output import named_fields, show, working
 from study.contact import LawName
@@ -117,8 +118,16 @@ def simulate_mechanism(
 
 
 def _trust(response):
-    """How long a second run is the same motion, as an object and in words."""
-    agreement = response.agreement
+    """How long a second run is the same motion, as an object and in words.
+
+    The response is told even where the second run is interrupted or fails.
+    """
+    try:
+        agreement = response.agreement
+    except KeyboardInterrupt:
+        return None, ["The second run, which says how far to trust this one, was interrupted."]
+    except StudyError as error:
+        return None, [f"A second run, at another tolerance, failed: {error}."]
     if agreement is None:
         return None, []
     end, later = "to the end", ""

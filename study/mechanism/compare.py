@@ -63,8 +63,8 @@ def agreement(first: Response, second: Response, *clearances: float) -> Agreemen
         begun.append(int(np.count_nonzero(columns["time"] <= until)))
         ended = columns["time"] + columns["duration"] <= until
         peaks.append(columns["peak_force"][ended & np.isfinite(columns["separation_speed"])])
-    pairs = min(map(len, peaks))
-    changes = [*np.abs(peaks[0][:pairs] / peaks[1][:pairs] - 1)]
+    pairs = zip(*peaks, strict=False)
+    changes = [abs(peak - other) / max(peak, other) for peak, other in pairs if peak != other]
     for prefix, _ in zip(_PREFIXES, clearances, strict=False):
         force, other = (getattr(r, f"{prefix}normal_force")[:count] for r in (first, second))
         if force.any():

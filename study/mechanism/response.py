@@ -176,13 +176,16 @@ class Response:
         """How long a second run, at another tolerance, is the same motion: how far to trust this.
 
         It is run at the first use, for rigid links with clearance; None for another model, or after
-        an interruption. The balance of energy is no such evidence: it holds in chaos too.
+        an interruption. The balance of energy is no such evidence: it holds in chaos too. Ctrl-C in
+        the second run is a ``KeyboardInterrupt``.
         """
         from study.mechanism.compare import agreement  # which imports this module
 
         if self.second_run is None or not self.complete:
             return None
         second, clearances = self.second_run()
+        if not second.complete:
+            raise KeyboardInterrupt
         return agreement(self, second, *clearances)
 
     @property

@@ -145,7 +145,10 @@ class _Part:
     def __init__(self, path: Path, keys: set[str]):
         self.places: dict[str, int] = {}
         self.failures: dict[str, str] = {}
-        self._path, self._file = path, path.open("a+b")
+        try:
+            self._path, self._file = path, path.open("a+b")
+        except OSError as error:  # told with the user's path
+            raise OSError(error.errno, error.strerror, str(path.with_suffix(""))) from None
         self._file.seek(0)
         place, line = 0, b"\n"
         for line in self._file:
