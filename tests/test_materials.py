@@ -74,3 +74,32 @@ def test_a_damaged_table_is_one_clear_error(content, tmp_path, monkeypatch):
     ):
         materials.table()
     materials.table.cache_clear()
+
+
+@pytest.mark.parametrize(
+    ("row", "why"),
+    [
+        ("steel,abc,0.3,,c,s", "row 2: youngs_modulus must be a number, got 'abc'"),
+        ("steel,2_1e10,0.3,,c,s", "row 2: youngs_modulus must be a number, got '2_1e10'"),
+        ("steel,-2e11,0.3,,c,s", "row 2: Young's modulus must be > 0 Pa, got -2e+11 Pa"),
+        ("steel,210,0.3,,c,s", "row 2: Young's modulus must be >= 1e+06 Pa, got 210 Pa: did you"),
+        ("steel,2e11,0.5,,c,s", "row 2: Poisson's ratio must be > -1 and < 0.5, got 0.5"),
+        ("steel,2e11,0.3,nan,c,s", "row 2: yield stress must be finite and > 0 Pa, got nan Pa"),
+        ("BR-ass,2e11,0.3,,c,s", "no other row's name, got 'BR-ass'"),
+        (" - ,2e11,0.3,,c,s", "row 2: name must be letters, digits, spaces, hyphens and dots"),
+        ("=1+2,2e11,0.3,,c,s", "no other row's name, got '=1+2'"),
+        ("<b>,2e11,0.3,,c,s", "no other row's name, got '<b>'"),
+        ("steel,2e11,0.3,,hard, cold,s", "row 2: a source, and as many cells as the head,"),
+        ("steel,2e11,0.3,,c", "row 2: a source, and as many cells as the head, must be given"),
+        ("steel,2e11,0.3,,c,", "row 2: a source, and as many cells as the head, must be given"),
+    ],
+)
+def test_a_wrong_row_of_the_table_is_told(row, why, tmp_path, monkeypatch):
+    monkeypatch.setattr(materials, "MATERIALS", tmp_path / "materials.csv")
+    head = "name,youngs_modulus,poisson,yield_stress,condition,source\nbrass,1e11,0.3,,c,s\n"
+    (tmp_path / "materials.csv").write_text(head + row)
+    materials.table.cache_clear()
+    with pytest.raises(checks.StudyError, match=re.escape(why)) as told:
+        material("brass")
+    materials.table.cache_clear()
+    assert "\n" not in str(told.value)
