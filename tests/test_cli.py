@@ -702,6 +702,13 @@ def test_simulate_says_how_far_it_can_be_trusted(run):
     assert json.loads(run("simulate", "--joint", "ideal", "--json")[1])["agreement"] is None
 
 
+def test_simulate_once_leaves_out_the_second_run(run, monkeypatch):
+    monkeypatch.setattr(sys.modules["study.mechanism.simulate"], "_second_run", pytest.fail)
+    words = ("simulate", "--duration", "0.01", "--once")
+    assert "second run" not in run(*words)[1]
+    assert json.loads(run(*words, "--json")[1])["agreement"] is None
+
+
 def test_simulate_help_has_the_scenes_keys_and_units():
     units = {field.name: field.metadata["unit"].replace("1", "-") for field in fields(Scene)}
     keys = ", ".join(f"{key} ({unit})" if unit else key for key, unit in units.items())

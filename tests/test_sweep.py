@@ -17,7 +17,7 @@ import pytest
 
 from study import cli
 from study.joint import DimensionalJoint, Joint, Material, force_curve, whole_curve
-from study.mechanism import Scene, simulate
+from study.mechanism import MechanismError, Scene, simulate
 from study.sweep import COLUMNS, cases, random_cases, run, sweep
 
 JOINTS = {"r2_star": "20:2000:log", "socket_ratio": "1.1:2", "modulus_ratio": "0.3:3:log"}
@@ -110,6 +110,30 @@ def test_scenes_are_those_of_the_simulation(tmp_path):
     other = table.iloc[1]
     assert other.impacts > 3
     assert other.largest_force != row.largest_force
+
+
+def test_scenes_run_twice_say_until_when_they_can_be_trusted(tmp_path):
+    wild = {"crank_clearance": 1.7e-4, "clearance": 1.86e-5, "crank_speed": 250, "friction": 0}
+    wild |= {"damping": "flores", "restitution": 0.05, "initial_crank_angle": -1.54}
+    given = [{"duration": 0.01}, wild, {"joint": "ideal"}, {"model": "beams", "duration": 1e-4}]
+    once = swept(given, "scenes", tmp_path / "table.csv")[1]
+    found, table = swept(given, "scenes", tmp_path / "table.csv", twice=True)
+    assert found.columns == COLUMNS["scenes run twice"]
+    agreement = simulate(Scene(**wild)).agreement
+    assert 0.001 < agreement.until < 0.1
+    expected = [0.01, agreement.until, np.nan, np.nan]
+    assert table.trusted_until.to_list() == pytest.approx(expected, nan_ok=True)
+    pd.testing.assert_frame_equal(table.drop(columns="trusted_until"), once)
+
+
+def test_a_scene_whose_second_run_fails_is_a_row_with_its_reason(tmp_path, monkeypatch):
+    def second_run(*_):
+        raise MechanismError("no step is small enough")
+
+    monkeypatch.setattr(sys.modules["study.mechanism.simulate"], "_second_run", second_run)
+    found, _ = swept([{"duration": 0.01}], "scenes", tmp_path / "table.csv", twice=True)
+    why = "the second run, at another tolerance, failed: no step is small enough"
+    assert found.failures == {"1": why}
 
 
 def test_more_random_cases_begin_with_the_fewer(tmp_path):
@@ -308,6 +332,7 @@ RANDOM = ("--random", 5)
         ("scenes", "", (*RANDOM, "--range", "friction=a:1"), "range of friction must be a number"),
         ("scenes", "", ("--random", 0, "--range", "friction=0:1"), "random cases must be >= 1"),
         ("scenes", "friction\n0.1", ("--jobs", 0), "jobs must be >= 1, got 0"),
+        ("joints", "r2_star\n50", ("--twice",), "twice must be left out: it is for scenes, got jo"),
     ],
 )
 def test_bad_input_is_one_line_before_any_work(command, tmp_path, kind, text, words, message):

@@ -75,6 +75,9 @@ def simulate_mechanism(
     ),
     output: Path = cli.OUTPUT,
     as_json: bool = cli.JSON,
+    once: bool = cli.option(
+        "Leave out the second run, which says how far to trust the first.", "--once", default=False
+    ),
     **options: SimulationOptions,
 ):
     """Simulate the crank-slider: where it is at the end, and every impact (SI units).
@@ -109,7 +112,7 @@ def simulate_mechanism(
         "complete": response.complete,
     }
     with working("Simulating once more, at another tolerance"):
-        trust = _trust(response)
+        trust = (None, []) if once else _trust(response)
     _show(end, response, choice, trust, as_json)
     if output is not None:  # last, so that the results are printed even if the disk is full
         response.save(output)

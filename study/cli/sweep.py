@@ -36,6 +36,12 @@ def sweep_cases(
     dask_address: str = cli.option(
         "Dask scheduler whose workers solve the cases instead.", "--dask"
     ),
+    twice: bool = cli.option(
+        "Scenes: run each a second time, at another tolerance, for a column that says until when "
+        "both are the same motion. It takes about three times as long.",
+        "--twice",
+        default=False,
+    ),
 ):
     """Solve many joints, or simulate many scenes, from a CSV file of cases or at random.
 
@@ -69,9 +75,8 @@ def sweep_cases(
                 print(text, file=sys.stderr, flush=True)
 
         try:
-            swept = sweep(
-                source, kind, output, jobs=jobs, dask_address=dask_address, progress=progress
-            )
+            processes = {"jobs": jobs, "dask_address": dask_address}
+            swept = sweep(source, kind, output, **processes, progress=progress, twice=twice)
         except KeyboardInterrupt:
             done, every, _ = counts[-1] if counts else (0, 0, 0)
             kept = f"; {done} of {every} cases are kept, the same command goes on"

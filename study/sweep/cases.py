@@ -60,7 +60,15 @@ SCENES = {
     "largest_slider_deviation": ("m", "The same, its largest size at the times of output"),
     "energy_error": ("1", "Largest error of the energy balance, over the largest energy"),
 }
-COLUMNS = {"joints": CURVES, "joints with dimensions": DIMENSIONAL, "scenes": SCENES}
+TWICE = SCENES | {
+    "trusted_until": ("s", "Until then a run at another tolerance is the same motion; rigid links"),
+}
+COLUMNS = {
+    "joints": CURVES,
+    "joints with dimensions": DIMENSIONAL,
+    "scenes": SCENES,
+    "scenes run twice": TWICE,
+}
 """Results of a case, by the form of the cases: column -> unit and meaning."""
 
 
@@ -149,10 +157,12 @@ def _range(name, text):
     return lambda x: f"{low + (high - low) * x:.6g}"
 
 
-def prepared(kind: Kind, cases: list[Case]) -> tuple[str, list[str], list[Case]]:
+def prepared(
+    kind: Kind, cases: list[Case], twice: bool = False
+) -> tuple[str, list[str], list[Case]]:
     """Form of the cases, one of `COLUMNS`, the key of each case (`Form`), and its complete cells.
 
-    These have the value that is used where the case has none.
+    These have the value that is used where the case has none. Scenes may be run ``twice``.
 
     Raises
     ------
@@ -164,6 +174,10 @@ def prepared(kind: Kind, cases: list[Case]) -> tuple[str, list[str], list[Case]]
     form: str = kind
     if kind == "joints" and "r2_star" not in columns:
         form = "joints with dimensions"
+    if checks.flag("twice", twice):
+        if kind != "scenes":
+            raise ValueError(f"twice must be left out: it is for scenes, got {kind}")
+        form = "scenes run twice"
     for column in columns:
         checks.choice("column", column, [NAME, *FORMS[form].columns])
     keys: list[str] = []
@@ -174,8 +188,8 @@ def prepared(kind: Kind, cases: list[Case]) -> tuple[str, list[str], list[Case]]
         try:
             key, _, used = _prepare(form, case)
             if name in rows:
-                twice = f"got {name!r} in row {rows[name]} too"
-                raise ValueError(f"{NAME} must be another name in each row, {twice}")
+                other = f"got {name!r} in row {rows[name]} too"
+                raise ValueError(f"{NAME} must be another name in each row, {other}")
             if name[0] in _FORMULA and not _is_number(name):
                 raise ValueError(f"{NAME} must not begin as a spreadsheet's formula, got {name!r}")
         except ValueError as error:
@@ -290,12 +304,12 @@ def _solve_dimensional(joint, asked):
     return vars(solution) | {"yield_factor": np.min(factors, axis=0) if factors else ""}
 
 
-def _scene(values):
+def _scene(values, twice=False):
     of_scene = {name: values.pop(name) for name in _SCENE if name in values}
     key = repr((of_scene, values)) if values.get("model", "rigid") != "rigid" else ""
     scene = Scene(**of_scene)
     run = ready(scene, **values)
-    return key, partial(_simulate, scene, run), _used_by_scene(scene, **values)
+    return key, partial(_simulate, scene, run, twice), _used_by_scene(scene, **values)
 
 
 def _used_by_scene(scene, model="rigid", joint="clearance", law="hertz", **given):
@@ -312,7 +326,7 @@ def _used_by_scene(scene, model="rigid", joint="clearance", law="hertz", **given
     return usual | vars(scene) | inertias
 
 
-def _simulate(scene, run):
+def _simulate(scene, run, twice):
     response = run()
     if not response.complete:
         raise KeyboardInterrupt
@@ -320,6 +334,10 @@ def _simulate(scene, run):
     angle, crank, coupler = response.crank_angle, scene.crank_length, scene.coupler_length
     ideal = crank * np.cos(angle) + np.sqrt(coupler**2 - (crank * np.sin(angle)) ** 2)
     deviation = np.abs(response.slider_position - ideal)
+    try:
+        agreement = response.agreement if twice else None
+    except StudyError as error:
+        raise StudyError(f"the second run, at another tolerance, failed: {error}") from None
     return {
         "impacts": len(response.impact_rows),
         "largest_depth": impacts["peak_depth"].max(initial=0.0),
@@ -329,6 +347,7 @@ def _simulate(scene, run):
         "mean_slider_deviation": deviation.mean(),
         "largest_slider_deviation": deviation.max(),
         "energy_error": response.energy_error,
+        "trusted_until": "" if agreement is None else agreement.until,
     }
 
 
@@ -374,6 +393,7 @@ _RATIOS = ("r2_star", "socket_ratio", "poisson", "modulus_ratio", "socket_poisso
 _SIZES = ("socket_radius", "clearance", "wall")
 _LAW = ("model", "joint", "law", "method")
 _NUMBERS = ("duration", "tolerance", "step", "socket_ratio")
+_OF_SCENES = (*_LAW, *_NUMBERS, *_SCENE, "outputs", "elements")
 _READ: dict[str, Callable[[str, str], Any]] = {
     **dict.fromkeys((*_SUPPORTS, *_LAW, "damping"), _word),
     **dict.fromkeys(("depth_star", "depth", "force"), _several(checks.read)),
@@ -392,6 +412,7 @@ FORMS = {
         _SIZES,
         _dimensional_joint,
     ),
-    "scenes": Form((*_LAW, *_NUMBERS, *_SCENE, "outputs", "elements"), (), _scene),
+    "scenes": Form(_OF_SCENES, (), _scene),
+    "scenes run twice": Form(_OF_SCENES, (), partial(_scene, twice=True)),
 }
 """By a name of `COLUMNS`."""

@@ -49,6 +49,7 @@ def sweep(
     jobs: int | None = None,
     dask_address: str | None = None,
     progress: Callable[[int, int, int], Any] | None = None,
+    twice: bool = False,
 ) -> Swept:
     """Solve many joints, or simulate many scenes, and write one table.
 
@@ -75,6 +76,9 @@ def sweep(
         Dask scheduler whose workers solve the cases instead.
     progress
         Called with the numbers of different cases: done, all, and failed.
+    twice
+        Run each scene a second time, at another tolerance, for the column ``trusted_until``
+        (`study.mechanism.response.Response.agreement`). This takes about three times as long.
 
     Raises
     ------
@@ -94,7 +98,7 @@ def sweep(
     if isinstance(cases, Path) and cases.resolve() == output.resolve():
         raise ValueError(f"output must be another file than the cases, got {output}")
     every_case = of_cases.load(cases)
-    form, bodies, complete = of_cases.prepared(kind, every_case)
+    form, bodies, complete = of_cases.prepared(kind, every_case, twice)
     keys = _keys(form, every_case)
     different = dict(zip(keys, zip(bodies, every_case, strict=True), strict=True))
     output.parent.mkdir(parents=True, exist_ok=True)
