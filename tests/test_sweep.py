@@ -522,6 +522,7 @@ def test_a_killed_and_an_interrupted_study_go_on(tmp_path):
     killed.kill()
     killed.communicate()
     assert not psutil.wait_procs(workers)[1]  # they end with it
+    done = until(part, done)  # with what it wrote before its end
     interrupted = study(output)
     more = until(part, done + 5)
     os.killpg(interrupted.pid, signal.SIGINT)
