@@ -464,7 +464,7 @@ def test_blocks_are_not_changed_by_the_next_ones():
     def advance(rows, impacts, own):
         state[stepping.IMPACTS] = 1
         impacts[0], own[0] = impacts[0] + 1, rows[0, 0]
-        return len(rows), stepping.FINE
+        return 1, stepping.FINE
 
     state, times = np.zeros(stepping.STATE), np.arange(1.0, 5.0)
     blocks = stepping.advance_in_blocks(advance, times, state, "")
@@ -489,6 +489,29 @@ def test_interruption_leaves_what_was_computed():
     whole = simulate(duration=0.1, outputs=1000)
     assert (response.rows == whole.rows[: len(response.rows)]).all()
     assert response.event_rows[:, 0].max() <= response.time[-1]
+
+
+@pytest.mark.parametrize(
+    ("model", "duration"), [("rigid", 0.01), ("particles", 1e-4), ("beams", 1e-4)]
+)
+def test_an_interruption_is_noticed_between_two_times_of_output(model, duration, monkeypatch):
+    told = []
+
+    def stop(time):
+        told.append(time)
+        if len(told) == 3:
+            raise KeyboardInterrupt
+
+    def run(**more):
+        return simulate(model=model, duration=duration, outputs=1, **more)
+
+    whole = run()
+    monkeypatch.setattr(stepping, "PATIENCE", 0.0)  # the loops return after each step
+    response = run(progress=stop)
+    assert (response.complete, told, len(response.rows)) == (False, [0.0] * 3, 1)
+    slow = run()
+    for rows in ("rows", "impact_rows", "event_rows"):
+        np.testing.assert_array_equal(getattr(slow, rows), getattr(whole, rows))
 
 
 def test_normalised_rms_by_hand():

@@ -370,7 +370,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
             if happened:
                 row = stepping.event_row(events, state, event)
                 _record(row, state, motion, old, system, joint, strain, p)
-        if done == len(rows):
+        if done == len(rows) or state[stepping.STEPS] >= state[stepping.UNTIL]:
             return done, stepping.FINE
 
 

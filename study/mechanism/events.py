@@ -174,7 +174,7 @@ def advance(state, work, p, laws, tolerance, horizon, rows, impacts, events):
     ``horizon``.
     """
     (modes, motion), done = equations.current(work, p, laws), 0
-    while done < len(rows):
+    while done < len(rows) and state[stepping.STEPS] < state[stepping.UNTIL]:
         t, h = state[stepping.TIME], state[stepping.STEP]
         if rows[done, 0] <= t:
             _read(rows[done], state, work, p, laws)

@@ -290,7 +290,7 @@ def advance(state, motion, slide, system, workspace, p, law, h, strides, rows, i
     ``slide`` is (x, x') of the slider.
     """
     (elements, bodies, pin, last, _, ideal, _, _), done, m = system, 0, motion
-    while done < len(rows):
+    while done < len(rows) and state[stepping.STEPS] < state[stepping.UNTIL]:
         if int(state[stepping.IMPACTS]) == len(impacts):
             return done, stepping.FULL
         state[stepping.TIME] = state[stepping.STEPS] * h

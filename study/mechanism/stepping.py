@@ -1,8 +1,8 @@
 """What the compiled loops of all models share: a state, rows of output, impacts, and their blocks.
 
-A loop fills rows, whose first column has the times. It ends when all are filled, when the table of
-impacts is full, or when it fails; the next call goes on from the state. Each impact has three rows
-of output of its own, as output at equal times hides impacts.
+A loop fills rows, whose first column has the times. It ends when all are filled, after a number of
+steps, when the table of impacts is full, or when it fails; the next call goes on from the state.
+Each impact has three rows of output of its own, as output at equal times hides impacts.
 """
 
 from collections.abc import Callable, Iterator
@@ -18,12 +18,12 @@ from study.contact.forces import stored_energy
 from study.mechanism.response import ALL_COLUMNS, COLUMNS, EVENTS
 
 FINE, FULL, TOO_DEEP, FAILED = range(4)
-LOST_DAMPING, LOST_FRICTION, CONTACT, APPROACH, IMPACTS, AT_HAND, STEPS, TIME, STEP, LIMIT = range(
-    4, 14
-)
+LOST_DAMPING, LOST_FRICTION, CONTACT, APPROACH, IMPACTS, AT_HAND = range(4, 10)
+STEPS, UNTIL, TIME, STEP, LIMIT = range(10, 15)
 """Places in every model's state; the first four are the model's own. `AT_HAND` is the number of the
-impact that is followed, `IMPACTS` the number of impacts so far."""
-STATE = 14  # numbers in it
+impact that is followed, `IMPACTS` the number of impacts so far. A loop returns when `STEPS`, the
+number of steps so far, is `UNTIL`."""
+STATE = 15  # numbers in it
 PATIENCE = 0.1  # s, after which a compiled loop returns, so that an interruption is noticed
 # Columns of the impacts while they are computed, after time and approach speed
 PEAK_FORCE, PEAK_DEPTH, DURATION, SEPARATION_SPEED, LOST, LOST_BEFORE, JOINT = range(2, 9)
@@ -139,30 +139,28 @@ def advance_in_blocks(
     """Growing blocks of the rows of output at ``times``, from a model's compiled loop.
 
     ``advance`` takes rows, impacts and the impacts' rows, and returns how many rows it filled and
-    how it ended. It is called for as many rows as take about `PATIENCE`, so that an interruption is
-    noticed. ``columns`` is their number in a row. Raises `MechanismError` with the text
+    how it ended. It is called for as many steps as take about `PATIENCE`, so that an interruption
+    is noticed. ``columns`` is their number in a row. Raises `MechanismError` with the text
     ``failure``, in which ``{}`` stands for the state's `LIMIT`, if ``advance`` failed; and with
     another text if a ball goes deeper than one clearance.
     """
     impacts, events = new_impacts(64, columns)
     rows = np.zeros((len(times), columns))
     rows[:, 0] = times
-    done, some = 0, 1 + len(rows) // 100
+    done, some = 0, 10
     while done < len(rows):
-        first, start = done, perf_counter()
-        while done < min(first + some, len(rows)):
-            filled, status = advance(rows[done : first + some], impacts, events)
-            done += filled
-            if status == FULL:
-                more = zip((impacts, events), new_impacts(len(impacts), columns), strict=True)
-                impacts, events = map(np.vstack, more)
-            elif status != FINE:
-                what = (
-                    failure if status == FAILED else "the depth must stay <= one clearance ({:g} m)"
-                )
-                what = what.format(state[LIMIT])
-                at = f"time {state[TIME]:.9g} s, step {state[STEP]:.4g} s"
-                raise MechanismError(f"{what}; stopped at {at}")
+        start, state[UNTIL] = perf_counter(), state[STEPS] + some
+        filled, status = advance(rows[done:], impacts, events)
+        done += filled
+        if status == FULL:
+            more = zip((impacts, events), new_impacts(len(impacts), columns), strict=True)
+            impacts, events = map(np.vstack, more)
+            continue
+        if status != FINE:
+            deep = "the depth must stay <= one clearance ({:g} m)"
+            what = (failure if status == FAILED else deep).format(state[LIMIT])
+            at = f"time {state[TIME]:.9g} s, step {state[STEP]:.4g} s"
+            raise MechanismError(f"{what}; stopped at {at}")
         some = 1 + int(some * min(10.0, PATIENCE / (perf_counter() - start)))
         number = int(state[IMPACTS])
         yield rows[:done], impacts[:number].copy(), events[:number].copy()
