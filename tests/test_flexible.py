@@ -226,6 +226,12 @@ def test_shorter_steps_converge_with_order_2(model):
     assert order(steps, errors) > 1.5
 
 
+def test_particles_refuse_a_contact_that_takes_too_many_steps():
+    light = PAPER.replace(slider_mass=1e-40)
+    with pytest.raises(ValueError, match=r"limit of stability must be >= 1e-13 s, got .*e-25 s"):
+        simulate(light, model="particles", duration=1e-3)
+
+
 def test_a_step_above_the_limit_says_so():
     message = "step must be <= 4.402e-06 s, the limit of stability, got 5e-06 s"
     with pytest.raises(ValueError, match=re.escape(message)):

@@ -354,9 +354,10 @@ def blocks(
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
     limit = 2 / frequency
-    checks.number("limit of stability", limit, "s", least=1e-10 * times[-1])
     if step is None:
         step = 1 / frequency if ideal else usual_step(scene, law, elements)
+    in_contact = min(limit, 2 * step)
+    checks.number("limit of stability", in_contact, "s", least=1e-10 * times[-1])
     strides, h = stepping.divide(times, step)
     if h > limit and method != "unguarded":
         raise ValueError(f"step must be <= {limit:.4g} s, the limit of stability, got {step:.4g} s")
