@@ -22,6 +22,9 @@ SOFTEST = 1e6
 """Least Young's modulus of a body with dimensions, in Pa: that of soft rubber. A number in GPa is
 below it, and so is one in MPa, except diamond's."""
 
+FORMULA = tuple("=+-@\t\r")
+"""Signs with which a spreadsheet's formula begins."""
+
 
 class StudyError(RuntimeError):
     """A failure that is not wrong input; the message says what failed and how to repair it."""

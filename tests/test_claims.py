@@ -185,6 +185,8 @@ def test_a_changed_claim_changes_its_verdict(change, claim, column, value, verdi
         ("tolerance", "wide", "tolerance of half_angle must be a number >= 0, in percent"),
         ("tolerance", "-1", "tolerance of half_angle must be a number >= 0, in percent"),
         ("claim", "order", "claim order occurs twice"),
+        ("statement", "=1+2", "statement of 'half_angle' must be one line that does not begin as"),
+        ("measure", "a\nb", "one line that does not begin as a spreadsheet's formula, got 'a\\nb'"),
         ("evidence", "nothing", "claim half_angle: figures/nothing.csv is missing; make it with"),
         ("row", "half", "claim half_angle: figures/numbers_00.csv has no quantity 'half'; remake"),
         ("column", "ours", "claim half_angle: figures/numbers_00.csv has no column 'ours'; remake"),

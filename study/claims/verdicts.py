@@ -48,6 +48,12 @@ def load() -> pd.DataFrame:
     for row in claims.itertuples():
         if row.claim in set(claims.claim[: row.Index]):
             raise ClaimError(f"claim {row.claim} occurs twice")
+        for column in ("claim", "part", "where", "statement", "measure"):
+            text = str(getattr(row, column))
+            if not text.isprintable() or text.startswith(checks.FORMULA):
+                wanted = "one line that does not begin as a spreadsheet's formula"
+                shown = f"{column} of {checks.shown(row.claim)} must be {wanted}"
+                raise ClaimError(f"{shown}, got {checks.shown(text)}")
         if not 0 <= row.tolerance < np.inf:
             raise ClaimError(f"tolerance of {row.claim} must be a number >= 0, in percent")
         for column, known in (("kind", KINDS), ("relation", RELATIONS)):

@@ -30,7 +30,6 @@ from study.mechanism.simulate import BEAM_STEP, ELEMENTS, TOLERANCE, ready, simu
 Kind = Literal["joints", "scenes"]
 Case = dict[str, str]
 Rows = list[list[str]]
-_FORMULA = "=+-@\t\r"  # with which a spreadsheet's formula begins
 NAME, ERROR = "case", "error"
 """First column of every table, the case's name or number, and the last, the reason of a failure."""
 CURVES = {
@@ -190,7 +189,7 @@ def prepared(
             if name in rows:
                 other = f"got {name!r} in row {rows[name]} too"
                 raise ValueError(f"{NAME} must be another name in each row, {other}")
-            if name[0] in _FORMULA and not _is_number(name):
+            if name.startswith(checks.FORMULA) and not _is_number(name):
                 raise ValueError(f"{NAME} must not begin as a spreadsheet's formula, got {name!r}")
         except ValueError as error:
             raise ValueError(f"row {row}: {error}") from None
