@@ -8,6 +8,27 @@ from typing import Any
 
 from study.checks import StudyError
 
+_LIMITS = {  # by the flag of ulimit: name in `resource`, unit, least that any notebook needs
+    "-v": ("too little memory", "RLIMIT_AS", 1024, 2_800_000),
+    "-n": ("too few open files", "RLIMIT_NOFILE", 1, 128),
+}
+
+
+def check_limits() -> None:
+    """Refuse limits of this process under which a notebook's kernel dies, or waits for ever.
+
+    It waits where OpenBLAS (until 0.3.30) gets no memory: it asks for it again and again.
+    """
+    if os.name != "posix":
+        return
+    import resource
+
+    for flag, (short, name, unit, least) in _LIMITS.items():
+        allowed, _ = resource.getrlimit(getattr(resource, name))
+        if allowed != resource.RLIM_INFINITY and allowed < least * unit:
+            limit = f"ulimit {flag} is {allowed // unit}, and must be at least {least}"
+            raise StudyError(f"{short} for a build: {limit}")
+
 
 def begin(runner: int) -> None:
     """Prepare a worker: it ignores Ctrl-C, as its runner stops it, and ends soon after its runner.

@@ -239,6 +239,23 @@ def test_too_few_files_are_named_as_the_cause(project):
     assert re.search(rf"failed: {CURVE}, cell In\[2\]: OSError: .*Too many open files", done.stderr)
 
 
+@pytest.mark.parametrize(
+    ("limit", "told"),
+    [
+        ("-v 1200000", "too little memory for a build: ulimit -v is 1200000, "),
+        ("-n 64", "too few open files for a build: ulimit -n is 64, "),
+    ],
+)
+def test_limits_that_are_too_low_are_named_before_a_notebook_runs(project, limit, told):
+    """Else a kernel dies without a message, or OpenBLAS asks for memory for ever."""
+    command = f"ulimit {limit} && exec {sys.executable} -m study.cli run law --force"
+    options = {"env": environment(project), "capture_output": True, "text": True, "timeout": 120}
+    done = subprocess.run(["sh", "-c", command], cwd=project, **options)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.count("\n") == 1
+    assert done.stderr.startswith(f"study: {told}")
+
+
 def test_a_notebook_that_saves_something_else_fails(project):
     edit(project, LAW, '"law.csv"', '"lw.csv"')
     done = study(project, "run", "law")

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from study import checks, paths
 from study.checks import StudyError
-from study.workers import begin, dask_client
+from study.workers import begin, check_limits, dask_client
 
 
 class Built(NamedTuple):
@@ -44,8 +44,8 @@ def build(
     Raises
     ------
     study.checks.StudyError
-        If the folder is read-only or has no task, or the Dask scheduler does not answer or has no
-        workers.
+        If memory or files are limited too much, the folder is read-only or has no task, or the Dask
+        scheduler does not answer or has no workers.
     KeyboardInterrupt
         If interrupted; finished tasks stay finished, and the next call resumes.
     """
@@ -53,6 +53,7 @@ def build(
     from loky import cpu_count, get_reusable_executor
 
     paths.require_checkout(folders[0])
+    check_limits()
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
     workers = jobs or cpu_count()
