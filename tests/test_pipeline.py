@@ -256,6 +256,16 @@ def test_limits_that_are_too_low_are_named_before_a_notebook_runs(project, limit
     assert done.stderr.startswith(f"study: {told}")
 
 
+def test_a_build_beside_another_is_refused(project):
+    fcntl = pytest.importorskip("fcntl")
+    with (project / "build/running").open("a") as running:
+        fcntl.flock(running, fcntl.LOCK_EX)
+        done = study(project, "run", "law", "--force")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == f"study: another build is running in {project}: wait until it ends\n"
+    assert study(project, "run", "law", "--force").returncode == 0
+
+
 def test_a_notebook_that_saves_something_else_fails(project):
     edit(project, LAW, '"law.csv"', '"lw.csv"')
     done = study(project, "run", "law")

@@ -4,6 +4,7 @@ import os
 import re
 import sys
 import warnings
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -44,8 +45,8 @@ def build(
     Raises
     ------
     study.checks.StudyError
-        If memory or files are limited too much, the folder is read-only or has no task, or the Dask
-        scheduler does not answer or has no workers.
+        If memory or files are limited too much, the folder is read-only or has no task, another
+        build is running, or the Dask scheduler does not answer or has no workers.
     KeyboardInterrupt
         If interrupted; finished tasks stay finished, and the next call resumes.
     """
@@ -62,20 +63,21 @@ def build(
         workers = sum(client.nthreads().values())
     if not os.access(paths.ROOT, os.W_OK):
         raise StudyError(f"nothing can be built: the folder {paths.ROOT} is read-only")
-    paths.sweep()
     _prepare(client)
     finished = False
     try:
-        session = pytask.build(
-            paths=folders,
-            config=paths.ROOT / "pyproject.toml",
-            expression=expression,
-            force=force,
-            show_traceback=False,
-            show_capture="no",
-            parallel_backend="custom" if client or workers > 1 else "none",
-            n_workers=workers,
-        )
+        with _alone():
+            paths.sweep()
+            session = pytask.build(
+                paths=folders,
+                config=paths.ROOT / "pyproject.toml",
+                expression=expression,
+                force=force,
+                show_traceback=False,
+                show_capture="no",
+                parallel_backend="custom" if client or workers > 1 else "none",
+                n_workers=workers,
+            )
         finished = session.scheduler is None or not session.scheduler.is_active()
     finally:
         if client:
@@ -85,6 +87,26 @@ def build(
     if not finished:
         raise KeyboardInterrupt  # pytask-parallel swallows it and leaves its tasks undone
     return _outcome(session, folders)
+
+
+@contextmanager
+def _alone():
+    """Refuse to run beside another build, as both would write the same records and results.
+
+    The lock ends with the process that holds it, however that ends.
+    """
+    paths.BUILD.mkdir(exist_ok=True)
+    with (paths.BUILD / "running").open("a") as file:
+        if os.name == "posix":
+            import fcntl
+
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise StudyError(
+                    f"another build is running in {paths.ROOT}: wait until it ends"
+                ) from None
+        yield
 
 
 def _prepare(client):
