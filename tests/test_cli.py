@@ -615,6 +615,17 @@ def test_no_dask_scheduler_is_one_line_and_status_1(run):
     assert err.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("why", "told"), [("", ""), ("Unable to allocate 1 GiB", ": Unable to allocate 1 GiB")]
+)
+def test_too_little_memory_is_one_line_and_status_1(run, monkeypatch, why, told):
+    def load():
+        raise MemoryError(why)
+
+    monkeypatch.setattr(dataset, "load", load)
+    assert run("data", "show") == (1, "", f"study: too little memory{told}\n")
+
+
 def test_interruption_is_one_line_and_status_130(run, monkeypatch, tmp_path):
     def interrupt(*_, **__):
         raise KeyboardInterrupt

@@ -36,6 +36,8 @@ def main():
         _complain(str(error), 1)
     except OSError as error:  # its own text begins with a number
         _complain(f"{error.filename}: {error.strerror}" if error.filename else str(error), 1)
+    except MemoryError as error:
+        _complain(f"too little memory: {error}".rstrip(": "), 1)
     except InterruptionError as kept:
         _complain(f"interrupted{kept}", INTERRUPTED)
     if status == INTERRUPTED:  # before a command began
