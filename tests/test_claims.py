@@ -201,6 +201,16 @@ def test_a_wrong_claim_is_one_clear_error(change, column, value, message):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("content", [None, b"", b"\xe9\n", b"claim,kind\norder,stated\n"])
+def test_a_missing_or_damaged_file_of_claims_is_named(change, content):
+    change("order", "relation", "?")
+    path = paths.DATA / "published/claims.csv"
+    path.unlink() if content is None else path.write_bytes(content)
+    told = "data/published/claims.csv is missing or damaged; restore it with: git checkout -- data/"
+    with pytest.raises(verdicts.ClaimError, match=told):
+        check_claims()
+
+
 @pytest.mark.parametrize("column", ["figure", "evidence"])
 def test_names_that_no_notebook_makes_stop_a_run_at_once(change, column):
     change("half_angle", column, "explianed")

@@ -20,6 +20,10 @@ VERDICTS, RELATIONS = get_args(Verdict), get_args(Relation)
 KINDS = ("stated", "implied only", "used to identify", "can hardly fail")
 """Only the verdict on a stated statement speaks for or against the paper. The others are not said
 in so many words, served to identify the set-up, or hold by construction."""
+COLUMNS = [
+    *("claim", "part", "kind", "where", "statement", "measure", "relation", "expected"),
+    *("tolerance", "figure", "evidence", "row", "column"),
+]
 
 
 class ClaimError(checks.StudyError):
@@ -40,9 +44,14 @@ def load() -> pd.DataFrame:
     Raises
     ------
     ClaimError
-        For a row that cannot be judged.
+        For a row that cannot be judged, or a file that is missing or no such table.
     """
-    claims = pd.read_csv(paths.DATA / "published/claims.csv", keep_default_na=False)
+    name = "data/published/claims.csv"
+    try:
+        claims = pd.read_csv(paths.DATA / "published/claims.csv", keep_default_na=False)[COLUMNS]
+    except (FileNotFoundError, KeyError, ValueError):
+        remedy = f"restore it with: git checkout -- {name}"
+        raise ClaimError(f"{name} is missing or damaged; {remedy}") from None
     published = dataset.published()
     claims["tolerance"] = pd.to_numeric(claims.tolerance, errors="coerce")
     for row in claims.itertuples():
