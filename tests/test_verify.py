@@ -107,6 +107,16 @@ def test_a_file_changed_after_it_was_made_differs(folders):
     assert compare() == ("differs", "figures/fig.csv, changed since it was made here", "")
 
 
+@pytest.mark.parametrize(("name", "left"), [("fig.csv", 0), ("fig.png", 0), ("fig.png", 60)])
+def test_a_kept_file_that_is_damaged_is_named_and_made_again(folders, name, left):
+    make(folders)
+    path = folders / "figures" / name
+    whole = path.read_bytes()
+    path.write_bytes(whole[:left])
+    assert make(folders)[:2] == ("differs", f"figures/{name}, the kept file was damaged")
+    assert path.read_bytes() == whole
+
+
 def test_two_files_are_compared_once(folders, monkeypatch):
     """The comparison is recorded."""
     make(folders)

@@ -126,12 +126,15 @@ def _compare(before, made, numbers):
     """State of a file, and where it differs; ``numbers``: comparison of those an image shows."""
     if filecmp.cmp(before, made, shallow=False):
         return "identical", ""
-    if made.suffix == ".csv":
-        from study.dataset.tolerance import table_differs
+    try:
+        if made.suffix == ".csv":
+            from study.dataset.tolerance import table_differs
 
-        where = table_differs(before, made)
-    else:
-        where = _pixels(before, made, numbers.state)
+            where = table_differs(before, made)
+        else:
+            where = _pixels(before, made, numbers.state)
+    except (OSError, SyntaxError, ValueError):  # Pillow and pandas tell damage by any of them
+        where = "the kept file was damaged"
     return ("differs", f"figures/{made.name}, {where}") if where else ("agrees", "")
 
 
