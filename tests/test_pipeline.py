@@ -256,6 +256,14 @@ def test_limits_that_are_too_low_are_named_before_a_notebook_runs(project, limit
     assert done.stderr.startswith(f"study: {told}")
 
 
+def test_a_catalogue_that_is_no_toml_is_named(project):
+    (project / "notebooks/catalogue.toml").write_text("[[[")
+    done = study(project, "list")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith("study: notebooks/catalogue.toml: ")
+    assert done.stderr.count("\n") == 1
+
+
 def test_a_build_beside_another_is_refused(project):
     fcntl = pytest.importorskip("fcntl")
     with (project / "build/running").open("a") as running:

@@ -144,7 +144,10 @@ def notebook(name: str, entry: Mapping[str, Any]) -> Notebook:
         raise StudyError(f"catalogue.toml: {name}: {error}") from None
 
 
-_ENTRIES = tomllib.loads(FILE.read_text(encoding="utf-8")) if paths.IS_CHECKOUT else {}
+try:
+    _ENTRIES = tomllib.loads(FILE.read_text(encoding="utf-8")) if paths.IS_CHECKOUT else {}
+except ValueError as error:
+    raise StudyError(f"notebooks/catalogue.toml: {error}") from None
 CATALOGUE = tuple(notebook(name, entry) for name, entry in _ENTRIES.items())
 
 
