@@ -64,6 +64,9 @@ clean:
 	@rm -rf $(VENV) build .pytask pytask.lock .hypothesis .benchmarks .ruff_cache
 	@find . -name __pycache__ -prune -exec rm -rf {} +
 
+requirements.lock:
+	@echo "Missing: requirements.lock. Restore it with: git checkout -- requirements.lock" >&2; exit 1
+
 $(READY): requirements.lock pyproject.toml $(ELSEWHERE)
 	@"$(PYTHON)" -c "$(NEW_ENOUGH)" 2>/dev/null || { \
 		echo "Missing: Python >= 3.11. Install it, or name it: make PYTHON=/path/to/python" >&2; \

@@ -1,5 +1,6 @@
 """Who does the work of a build or of a parameter study: processes here, or a Dask cluster."""
 
+import multiprocessing
 import os
 import signal
 import threading
@@ -28,6 +29,15 @@ def check_limits() -> None:
         if allowed != resource.RLIM_INFINITY and allowed < least * unit:
             limit = f"ulimit {flag} is {allowed // unit}, and must be at least {least}"
             raise StudyError(f"{short} for a build: {limit}")
+
+
+def check_several() -> None:
+    """Refuse several processes where they cannot share semaphores, as without ``/dev/shm``."""
+    try:
+        multiprocessing.Semaphore()
+    except OSError as error:
+        why = f"share semaphores in /dev/shm ({error.strerror})"
+        raise StudyError(f"several processes cannot {why}: take --jobs 1") from None
 
 
 def begin(runner: int) -> None:

@@ -93,6 +93,15 @@ def test_the_program_of_a_copy_does_not_build_the_original(tmp_path):
     assert done.stderr == f"{wanted} with: make setup\n"
 
 
+def test_a_missing_lock_is_named_with_its_remedy(tmp_path):
+    for name in ("Makefile", "pyproject.toml"):
+        shutil.copy(paths.ROOT / name, tmp_path)
+    done = subprocess.run(["make", "test"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode != 0
+    remedy = "Missing: requirements.lock. Restore it with: git checkout -- requirements.lock\n"
+    assert done.stderr.startswith(remedy)
+
+
 def test_a_loop_that_does_not_compile_fails_the_set_up(tmp_path):
     for name in ("Makefile", "requirements.lock", "pyproject.toml"):
         shutil.copy(paths.ROOT / name, tmp_path)

@@ -16,6 +16,7 @@ import psutil
 import pytest
 
 from study import cli
+from study.checks import StudyError
 from study.joint import DimensionalJoint, Joint, Material, force_curve, whole_curve
 from study.mechanism import MechanismError, Scene, simulate
 from study.sweep import COLUMNS, cases, random_cases, run, sweep
@@ -437,6 +438,18 @@ def test_a_table_that_cannot_be_begun_is_told_by_its_own_path(tmp_path, command)
     (tmp_path / "table.csv.part").mkdir()
     status, out, err = command("joints", "r2_star,depth_star\n50,0.1\n")
     assert (status, out, err) == (1, "", f"study: {tmp_path / 'table.csv'}: Is a directory\n")
+
+
+def test_processes_that_cannot_share_semaphores_are_refused(tmp_path, monkeypatch):
+    def semaphore():
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    monkeypatch.setattr("multiprocessing.Semaphore", semaphore)
+    joints = [{"r2_star": 200, "poisson": nu, "depth_star": 0.1} for nu in (0.2, 0.3)]
+    wanted = r"semaphores in /dev/shm \(Read-only file system\): take --jobs 1$"
+    with pytest.raises(StudyError, match=wanted):
+        sweep(joints, "joints", tmp_path / "table.csv", jobs=2)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_full_disk_keeps_what_was_finished(tmp_path, command, monkeypatch):

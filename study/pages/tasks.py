@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from study import checks, paths
 from study.checks import StudyError
-from study.workers import begin, check_limits, dask_client
+from study.workers import begin, check_limits, check_several, dask_client
 
 
 class Built(NamedTuple):
@@ -58,6 +58,8 @@ def build(
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
     workers = jobs or cpu_count()
+    if dask_address is None and workers > 1:
+        check_several()
     client = dask_client(dask_address) if dask_address is not None else None
     if client:
         workers = sum(client.nthreads().values())

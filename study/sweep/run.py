@@ -277,6 +277,7 @@ def _workers(count: int, dask_address: str | None) -> Iterator[Executor]:
         with workers.dask_client(dask_address) as client:
             yield client.get_executor(pure=False)
         return
+    workers.check_several()
     executor = ProcessPoolExecutor(count, initializer=workers.begin, initargs=(os.getpid(),))
     finished = False
     try:
