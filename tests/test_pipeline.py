@@ -6,6 +6,7 @@ The notebooks are small ones in a copy of the project; `test_end_to_end` runs re
 import csv
 import json
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -248,7 +249,8 @@ def test_too_few_files_are_named_as_the_cause(project):
 )
 def test_limits_that_are_too_low_are_named_before_a_notebook_runs(project, limit, told):
     """Else a kernel dies without a message, or OpenBLAS asks for memory for ever."""
-    command = f"ulimit {limit} && exec {sys.executable} -m study.cli run law --force"
+    python = shlex.quote(sys.executable)
+    command = f"ulimit {limit} && exec {python} -m study.cli run law --force"
     options = {"env": environment(project), "capture_output": True, "text": True, "timeout": 120}
     done = subprocess.run(["sh", "-c", command], cwd=project, **options)
     assert (done.returncode, done.stdout) == (1, "")
