@@ -466,7 +466,7 @@ def test_blocks_are_not_changed_by_the_next_ones():
         impacts[0], own[0] = impacts[0] + 1, rows[0, 0]
         return 1, stepping.FINE
 
-    state, times = np.zeros(stepping.STATE), np.arange(1.0, 5.0)
+    state, times = stepping.new_state(), np.arange(1.0, 5.0)
     blocks = stepping.advance_in_blocks(advance, times, state, "")
     first = next(blocks)
     kept = [part.copy() for part in first]

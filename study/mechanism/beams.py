@@ -455,7 +455,7 @@ def blocks(
     elements: tuple[int, int],
 ) -> Iterator[stepping.Block]:
     """Blocks of output rows of the scene with links of beam elements, as for particles."""
-    system, p, state = assemble(scene, elements, ideal), scene.constants(), np.zeros(stepping.STATE)
+    system, p, state = assemble(scene, elements, ideal), scene.constants(), stepping.new_state()
     strides, h = stepping.divide(times, step)
     motion, state[stepping.STEP] = _start(system), h
     loop = partial(advance, state, motion, system, p, law, h, strides)

@@ -323,7 +323,7 @@ def stepper(
 ) -> tuple[NDArray[np.float64], Callable]:
     """State at t = 0, and the loop that steps it, for ``advance_in_blocks``; ``horizon`` in s."""
     p, clearances = scene.constants(), (scene.clearance, scene.crank_clearance or 0.0)[: len(laws)]
-    unknowns, state = 1 + 2 * len(laws), np.zeros(stepping.STATE)
+    unknowns, state = 1 + 2 * len(laws), stepping.new_state()
     own = (
         *((name, float, (len(laws), 5)) for name in ("joints", "was")),
         ("most", float),

@@ -365,7 +365,7 @@ def blocks(
     lagged, guarded, last = method != "centred", method != "unguarded", len(frame.elements)
     system = System(rows, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
     motion, slide = _start(scene, frame, ideal, h)
-    workspace, state = np.zeros((MIDDLE_SPIN + 1, motion.shape[1])), np.zeros(stepping.STATE)
+    workspace, state = np.zeros((MIDDLE_SPIN + 1, motion.shape[1])), stepping.new_state()
     state[stepping.STEP] = h
     state[GAP] = norm(motion[X, system.last] - slide[0], motion[Y, system.last]) - scene.clearance
     loop = partial(

@@ -23,7 +23,7 @@ STEPS, UNTIL, TIME, STEP, LIMIT = range(10, 15)
 """Places in every model's state; the first four are the model's own. `AT_HAND` is the number of the
 impact that is followed, `IMPACTS` the number of impacts so far. A loop returns when `STEPS`, the
 number of steps so far, is `UNTIL`."""
-STATE = 15  # numbers in it
+_STATE = 15  # numbers in it
 PATIENCE = 0.1  # s, after which a compiled loop returns, so that an interruption is noticed
 # Columns of the impacts while they are computed, after time and approach speed
 PEAK_FORCE, PEAK_DEPTH, DURATION, SEPARATION_SPEED, LOST, LOST_BEFORE, JOINT = range(2, 9)
@@ -127,6 +127,13 @@ def divide(times: NDArray[np.float64], step: float) -> tuple[int, float]:
     spacing = times[1] - times[0]
     strides = ceil(spacing / step * (1 - 1e-12))
     return strides, spacing / strides
+
+
+def new_state() -> NDArray[np.float64]:
+    """A model's state at the start; its loop goes on until all rows are filled."""
+    state = np.zeros(_STATE)
+    state[UNTIL] = np.inf
+    return state
 
 
 def advance_in_blocks(
