@@ -44,6 +44,9 @@ class DimensionOptions:
 class EitherOptions(cli.JointOptions, DimensionOptions):
     """A joint with dimensions, or without."""
 
+    tilt: float = cli.option(
+        "Angle off the axis, in deg, of the displacement; with --force that of the force."
+    )
     r2_star: float = cli.option(cli.R2_STAR)
     depth_star: list[float] = cli.option(cli.DEPTHS)
     solver: Literal["series", "quadratic", "linear"] = cli.option(
@@ -55,7 +58,7 @@ class EitherOptions(cli.JointOptions, DimensionOptions):
 DIMENSIONS = tuple(DimensionOptions.__annotations__)
 SIZES = ("socket_radius", "clearance", "wall")
 """Options that a joint with dimensions needs."""
-SUPPORTS = ("ball_drive", "rim", "kinematics")
+
 
 
 @cli.command("joint")
@@ -64,15 +67,24 @@ def solve_joint(as_json: bool = cli.JSON, **options: EitherOptions):
 
     With dimensions: --socket-radius, --clearance, --wall and --force or --depth, in SI units, with
     materials by name. Without: --r2-star and --depth-star. Stresses are then in E* dR/R2, and their
-    radius is relative to that of the body's surface.
+    radius is relative to that of the body's surface. With --tilt the ball is pressed off the axis:
+    forces along and across its displacement, positive towards larger tilt, and no stresses.
     """
+    from study.joint.supports import SUPPORTS
+
     if dimensions := [name for name in DIMENSIONS if name in options]:
         why = f"{cli.flag(dimensions[0])} is for a joint with its dimensions"
-        cli.left_out(options, (*DIMENSIONS, *SUPPORTS), why)
-        _solve_dimensional(as_json, **options)
+        cli.left_out(options, (*DIMENSIONS, *SUPPORTS, "tilt"), why)
+        solve = _solve_dimensional
     else:
         _needed(("r2_star", "depth_star"), options, " or, with dimensions, --socket-radius, ...")
-        _solve_dimensionless(as_json, **options)
+        solve = _solve_dimensionless
+    if "tilt" in options:
+        options = {"rim": "free"} | options
+        for name in ("solver", "tolerance"):
+            if name in options:
+                raise ValueError(f"{cli.flag(name)} must be left out beside --tilt")
+    solve(as_json, **options)
 
 
 def _needed(names, options, more=""):
@@ -81,7 +93,9 @@ def _needed(names, options, more=""):
         raise ValueError(f"{' and '.join(missing)} must be given{more}")
 
 
-def _solve_dimensional(as_json, force=None, depth=None, liner=(), tolerance=0.01, **of_joint):
+def _solve_dimensional(
+    as_json, force=None, depth=None, liner=(), tolerance=0.01, tilt=None, **of_joint
+):
     from study.choose.law import TOLERANCES
     from study.joint import DimensionalJoint, parsing
 
@@ -89,17 +103,21 @@ def _solve_dimensional(as_json, force=None, depth=None, liner=(), tolerance=0.01
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
     joint = DimensionalJoint(**of_joint, liner=tuple(map(parsing.liner, liner)))
     with working("Solving the joint"):
+        if tilt is not None:
+            return _show_tilted(joint.solve_tilted(tilt, force=force, depth=depth), as_json)
         solution = joint.solve(force=force, depth=depth)
         values, parts = _described(joint, solution, tolerance)
     show(values, as_json, *parts)
 
 
-def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, **joint):
-    from study.joint import force_curve, parsing
+def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, **joint):
+    from study.joint import force_curve, parsing, tilted_contact
     from study.joint.stress import largest as largest_stress
 
     solved_joint = parsing.joint(r2_star, **joint)
     with working("Solving the joint"):
+        if tilt is not None:
+            return _show_tilted(tilted_contact(solved_joint, depth_star, tilt), as_json)
         curve = force_curve(solved_joint, depth_star, solver=solver)
         stresses = largest_stress(curve)
     names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
@@ -118,6 +136,32 @@ def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, **joint):
         table = depths | {"von_mises_star": stress.pop("star")} | stress
         parts += [f"Largest von Mises stress in the {body}:", table]
     show(values, as_json, *parts)
+
+
+def _show_tilted(contact, as_json):
+    """Show a contact off the axis, whose fields are arrays."""
+    values = {name: x.tolist() for name, x in vars(contact).items() if name != "joint"}
+    low, high = values.pop("contact_edges_deg")
+    values |= {"contact_from_deg": low, "contact_to_deg": high}
+    if "depth_star" in values:
+        table = values
+    else:
+        table = {
+            "depth um": _rounded(contact.depth / MICRO),
+            "tilt deg": _rounded(contact.tilt),
+            "force N": _rounded(contact.force),
+            "transverse N": _rounded(contact.transverse),
+            "stiffness N/um": _rounded(contact.stiffness * MICRO),
+            "transverse_stiffness N/um": _rounded(contact.transverse_stiffness * MICRO),
+            "peak_pressure MPa": _rounded(contact.peak_pressure / MEGA),
+            "at deg": _rounded(contact.peak_angle_deg),
+            "from deg": _rounded(low),
+            "to deg": _rounded(high),
+            "error %": _rounded(contact.error_estimate / PERCENT, 2),
+        }
+    cut = bool(contact.reaches_mouth.any())
+    told = ["The mouth cuts the contact: the pressure has no bound at its edge."] if cut else []
+    show(values, as_json, table, *told)
 
 
 def _prefix(body):
@@ -224,6 +268,7 @@ def _options(joint, deepest):
     """Options of study export that describe a joint without its dimensions."""
     from study.joint import Joint
     from study.joint.dimensional import usual_depth
+    from study.joint.supports import SUPPORTS
 
     numbers = {"r2_star": joint.r2_star, "poisson": joint.ball.poisson}
     if not joint.layers:
@@ -232,7 +277,10 @@ def _options(joint, deepest):
     if deepest > usual_depth(joint):
         numbers["depth_star"] = deepest
     options = [f"{cli.flag(name)} {value:.9g}" for name, value in numbers.items()]
+    usual = Joint(joint.r2_star, ball_drive=joint.ball_drive)
     supports = {name: getattr(joint, name) for name in SUPPORTS}
-    options += [f"{cli.flag(k)} {v}" for k, v in supports.items() if v != getattr(Joint, k)]
+    for name, value in supports.items():
+        if value != getattr(Joint if name == "ball_drive" else usual, name):
+            options.append(f"{cli.flag(name)} {value}")
     layers = filter(None, joint.layers_text.split(";"))
     return " ".join([*options, *(f"--layer {layer.replace(':', ',')}" for layer in layers)])

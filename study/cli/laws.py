@@ -15,7 +15,11 @@ from study.contact import LAWS, LawName
 class LawOptions(cli.MaterialOptions):
     """What stiffened_hertz depends on."""
 
-    ball_drive: Literal["plane", "clamped"] = cli.DRIVE
+    ball_drive: Literal["plane", "clamped"] = cli.option(
+        "Equatorial plane of the half ball: moved along the axis and radially free (plane), or "
+        "clamped to a rigid plate (clamped). [default: plane]",
+        "--drive",
+    )
     rim: cli.Rim = cli.RIM
 
 

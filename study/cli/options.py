@@ -35,7 +35,6 @@ def option(text, *flags, default=None):
     return typer.Option(default, *flags, help=text)
 
 
-Drive = Literal["plane", "clamped", "point"]
 Rim = Literal["mirror", "free"]
 Kinematics = Literal["small", "linear", "finite"]
 JSON = option("Print one JSON object.", "--json", default=False)
@@ -44,13 +43,9 @@ JOBS = option("Processes, by default one per core.")
 NAMES = typer.Argument((), help="Figures, tables or notebooks; default all.", metavar="NAME")
 R2_STAR = "Radius of the socket in clearances, R2/dR, > 1."
 DEPTHS = "Penetration depth in clearances, d/dR; may be repeated."
-DRIVE = option(
-    "Equatorial plane of the half ball: moved along the axis and radially free (plane), clamped to "
-    "a rigid plate (clamped), or moved at its centre alone (point). [default: plane]",
-    "--drive",
-)
 RIM = option(
-    "Edge of the socket at its equator: a mirror plane, or free of traction. [default: mirror]"
+    "Edge of the socket: a mirror plane, or free of traction. [default: mirror for a hemispherical "
+    "socket, fixed all over its outside, half a ball and a load along the axis; else free]"
 )
 
 
@@ -74,8 +69,22 @@ class JointOptions(MaterialOptions):
         "Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer of "
         "the socket: N,N,N; may be repeated, from the inside out."
     )
-    ball_drive: Drive = DRIVE
+    ball_drive: str = option(
+        "Equatorial plane of the half ball: moved along the axis and radially free (plane), clamped "
+        "to a rigid plate (clamped), or moved at its centre alone (point). A whole ball: held at a "
+        "rigid core of 0.2 of its radius (core:0.2), or on its surface within 30 deg of the top "
+        "(neck:30). [default: plane]",
+        "--drive",
+    )
     rim: Rim = RIM
+    opening: float = option(
+        "Polar angle of the socket's mouth from its pole, in deg, 30 to 170. [default: 90]"
+    )
+    backing: str = option(
+        "Where the socket is held: its outside all over (whole), the face of its rim alone (rim), "
+        "or its outside between two polar angles in deg (0,30: a seat; 60,90: a flange). "
+        "[default: whole]"
+    )
     kinematics: Kinematics = option(
         "Which points of the surfaces face each other. small: those at equal angles from the "
         "socket's centre; linear: those that the ball's points have moved to, as in a small-strain "

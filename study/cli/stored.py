@@ -3,6 +3,7 @@
 import os
 import sys
 from pathlib import Path
+from typing import Literal
 
 from study import paths
 from study.cli import options as cli
@@ -20,7 +21,7 @@ class CaseOptions:
         "Group of cases: paper, ratio, poisson, modulus, support, liner or validation."
     )
     case: str = cli.option("One case, with all of its depths.")
-    ball_drive: cli.Drive = cli.option(
+    ball_drive: Literal["plane", "clamped", "point"] = cli.option(
         "Equatorial plane of the half ball, as for study joint.", "--drive"
     )
     rim: cli.Rim = cli.option("Edge of the socket at its equator, as for study joint.")

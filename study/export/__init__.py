@@ -16,6 +16,7 @@ from study.contact import LAWS, LawName, laws, shapes
 from study.export import formulas
 from study.joint import Joint, whole_curve
 from study.joint.dimensional import usual_depth
+from study.joint.supports import SUPPORTS
 
 Exported = Literal[LawName, "tabulated"]
 Format = Literal["c", "matlab", "json", "csv"]
@@ -193,7 +194,5 @@ def _parameters(joint):
         "poisson": [joint.ball.poisson, joint.socket.poisson],
         "modulus_ratio": joint.modulus_ratio,
         **({"layers": joint.layers_text} if joint.layers else {}),
-        "ball_drive": joint.ball_drive,
-        "rim": joint.rim,
-        "kinematics": joint.kinematics,
+        **{name: getattr(joint, name) for name in SUPPORTS},
     }

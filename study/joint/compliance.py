@@ -7,7 +7,7 @@ Young's modulus, and serves every clearance, depth and modulus.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,6 @@ from scipy.sparse import csr_array
 
 from study import checks
 
-Drive = Literal["plane", "clamped", "point"]
-"""How the half ball is displaced: see `study.joint.Joint`."""
-Rim = Literal["mirror", "free"]
-"""What holds the socket's edge at the equator."""
-DRIVES: tuple[Drive, ...] = get_args(Drive)
-RIMS: tuple[Rim, ...] = get_args(Rim)
 Layered = float | tuple[float, ...]
 """One number for a socket of one material, or one for each layer, from the inside out."""
 RESOLUTION = {"series": 320, "quadratic": 160, "finite": 96}
@@ -42,8 +36,8 @@ def graded(length: float, scale: float, count: int) -> NDArray[np.float64]:
     return scale * np.expm1(np.linspace(0, np.log1p(length / scale), count + 1))
 
 
-def surface_angles(resolution: int) -> NDArray[np.float64]:
-    """Polar angles of the surface's nodes, from 0 to pi/2, in rad; shape (resolution + 1,).
+def surface_angles(resolution: int, last: float = np.pi / 2) -> NDArray[np.float64]:
+    """Polar angles of the surface's nodes, from 0 to the last one, in rad; (resolution + 1,).
 
     Their spacing is proportional to angle + 9 deg. The resolution is a multiple of 16, or a
     ``ValueError``.
@@ -51,8 +45,8 @@ def surface_angles(resolution: int) -> NDArray[np.float64]:
     resolution = checks.whole("resolution", resolution, least=16, most=FINEST_RESOLUTION)
     if resolution % 16:
         raise ValueError(f"resolution must be a multiple of 16, got {resolution}")
-    angles = graded(np.pi / 2, _ANGLE_SCALE, resolution)
-    angles[-1] = np.pi / 2
+    angles = graded(last, _ANGLE_SCALE, resolution)
+    angles[-1] = last
     return angles
 
 

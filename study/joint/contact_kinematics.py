@@ -86,7 +86,7 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
     local = np.sqrt(2 / np.pi * (1 - joint.socket.poisson**2) * width)
 
     def problem(depth):
-        moved, unseen, gap = _pairs(joint.r2_star, depth, len(width) - 1)
+        moved, unseen, gap = _pairs(joint.r2_star, depth, len(width) - 1, ball.angles[-1])
         by_socket = moved @ (moved @ socket.between_nodes).T + local[:, None] * unseen * local
         return of_pressure + of_socket * by_socket, gap
 
@@ -98,13 +98,14 @@ PROBLEMS = {"small": small, "linear": linear}
 
 
 @lru_cache(maxsize=64)  # 20 depths on two meshes, and more
-def _pairs(r2_star, depth, resolution):
+def _pairs(r2_star, depth, resolution, last):
     """What moves pressure to the socket's nodes, what this loses, and the gap, for all bodies."""
     # The socket's displacement is wanted where each Gauss point of the ball faces it, and the
     # ball's pressure acts there. ``seen`` has the socket's hats at the points faced, ``moved``
     # their products with the ball's hats. What of the ball's hats no socket's hat can follow is
     # ``unseen``: the ball's mass matrix less its projection on the hats seen.
-    hats, r1, e = HatFunctions(surface_angles(resolution)), 1 - 1 / r2_star, (1 + depth) / r2_star
+    hats = HatFunctions(surface_angles(resolution, last))
+    r1, e = 1 - 1 / r2_star, (1 + depth) / r2_star
     weights = (r1 * hats.areas)[:, None]
     seen = hats.values(_faced(r1, e, hats.points))
     moved = (hats.values(hats.points) * weights).T.tocsr() @ seen

@@ -27,6 +27,7 @@ from study.joint.compliance import (
     surface_angles,
 )
 from study.joint.joint import Joint
+from study.joint.supports import OPENING
 from study.threads import one_thread
 
 Solver = Literal["series", "quadratic", "linear"]
@@ -129,8 +130,8 @@ def force_curve(
     at_rim = pressure[:, -2:].any(axis=1)
     if at_rim.any():
         raise checks.RangeError(
-            "depth_star must keep the contact off the socket's rim (half-angle < 90 deg), "
-            f"got {depths[at_rim].min():g}"
+            "depth_star must keep the contact off the socket's rim (half-angle < "
+            f"{np.degrees(joint.reach):g} deg), got {depths[at_rim].min():g}"
         )
     unseen = ((np.minimum(fine, coarse) == 0) & (depths > 0)).any(axis=0)
     if unseen.any():
@@ -190,7 +191,7 @@ def _solve(joint, solver, depths, resolution):
             for bodies in meshes(joint, solver, resolution)
         ]
     (pressure, fine), (_, coarse) = solutions
-    return surface_angles(resolution), pressure, fine, coarse
+    return surface_angles(resolution, joint.reach), pressure, fine, coarse
 
 
 def _solve_finite(joint, depths, resolution):
@@ -216,7 +217,7 @@ def meshes(
     """
     balls: tuple[Compliance, ...] = ()
     sockets: tuple[Compliance, ...] = ()
-    if joint.ball_drive == "plane" and solver in (None, "series"):
+    if joint.ball_drive == "plane" and joint.opening == OPENING and solver in (None, "series"):
         ball = series.ball_compliance(float(joint.ball.poisson), resolution)
         balls = ball, ball.coarser
     if joint.rim == "mirror" and solver in (None, "series"):
@@ -237,8 +238,8 @@ def meshed(joint: Joint, resolution: int, nodes: int = 6) -> tuple[tuple, tuple]
     """Arguments of the finite-element ball and socket."""
     ratio, poisson, modulus = joint.socket_layers
     return (
-        (float(joint.ball.poisson), joint.ball_drive, resolution, nodes),
-        (ratio, poisson, joint.rim, resolution, nodes, modulus),
+        (float(joint.ball.poisson), joint.ball_drive, resolution, nodes, joint.opening),
+        (ratio, poisson, joint.rim, resolution, nodes, modulus, joint.opening, joint.backing),
     )
 
 

@@ -15,12 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 from study import checks
 from study.contact import JointLaw, Material, largest_depth, material, tabulated
 from study.contact.laws import LAWS, AnyLaw, find
-from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO, Drive, Rim
+from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import force_curve
 from study.joint.joint import Joint, Kinematics, Layer
 from study.joint.nested_contact import whole_curve
 from study.joint.stress import largest as largest_stress
+from study.joint.supports import OPENING, SUPPORTS, Rim
+from study.joint.tilted import tilted_contact, under_force
 
 Floats = NDArray[np.float64]
 Liner = tuple[tuple[float, str | Material], ...]
@@ -69,6 +71,27 @@ class DimensionalSolution:
 
 
 @dataclass(frozen=True)
+class TiltedSolution:
+    """Results of a joint pressed off its axis: arrays in the order asked for, (k,), in SI units.
+
+    As `study.joint.TiltedContact`, with depths in m, forces in N, stiffness in N/m and pressure in
+    Pa. The force is along the displacement, ``transverse`` is across it.
+    """
+
+    depth: Floats
+    tilt: Floats
+    force: Floats
+    transverse: Floats
+    stiffness: Floats
+    transverse_stiffness: Floats
+    peak_pressure: Floats
+    peak_angle_deg: Floats
+    contact_edges_deg: Floats
+    reaches_mouth: NDArray[np.bool_]
+    error_estimate: Floats
+
+
+@dataclass(frozen=True)
 class DimensionalJoint:
     """A spherical clearance joint with its dimensions, in SI units.
 
@@ -89,7 +112,7 @@ class DimensionalJoint:
     liner
         Thickness in m and material of each liner, from the inside out; the socket's material
         makes up the rest of the wall.
-    ball_drive, rim, kinematics
+    ball_drive, rim, kinematics, opening, backing
         As for `study.joint.Joint`.
     """
 
@@ -99,9 +122,11 @@ class DimensionalJoint:
     ball: str | Material = "steel"
     socket: str | Material = "steel"
     liner: Liner = ()
-    ball_drive: Drive = "plane"
-    rim: Rim = "mirror"
+    ball_drive: str = "plane"
+    rim: Rim | None = None
     kinematics: Kinematics = "linear"
+    opening: float = OPENING
+    backing: str = "whole"
 
     def __post_init__(self) -> None:
         checks.plain_numbers(self)
@@ -121,7 +146,7 @@ class DimensionalJoint:
             given["layers"] = (*self._liners(), Layer(ratio, socket))
         else:
             given |= {"socket_ratio": ratio, "socket": socket}
-        given |= {"ball_drive": self.ball_drive, "rim": self.rim, "kinematics": self.kinematics}
+        given |= {name: getattr(self, name) for name in SUPPORTS}
         return Joint(self.socket_radius / self.clearance, **given)
 
     @property
@@ -173,6 +198,50 @@ class DimensionalJoint:
             For a depth or force at which contact would reach the socket's rim; for a contact too
             small to be resolved; unless exactly one of the two is given.
         """
+        asked, name = self._given(depth, force)
+        unit = "m" if name == "depth" else "N"
+        law, curve = self._reaching(name, asked, unit)
+        depths = asked if force is None else np.asarray(law.depth(asked))
+        forces = asked if depth is None else np.asarray(law.force(depths))
+        depth_star = depths / self.clearance
+        solved = self._solved(depth_star, name, asked, unit)
+        off = np.abs(forces / self._force(solved) - 1)
+        return self._solution(law, depths, forces, solved, _error_beside(curve, depth_star) + off)
+
+    def solve_tilted(
+        self, tilt: ArrayLike, *, depth: ArrayLike | None = None, force: ArrayLike | None = None
+    ) -> TiltedSolution:
+        """Solve the joint pressed off its axis: at given depths, in m, or under forces, in N.
+
+        The ``tilt``, in deg off the axis, is the direction of the displacement if depths are given,
+        and of the force if forces are. Errors are those of `study.joint.tilted_contact`, and a
+        ``ValueError`` unless exactly one of the two is given.
+        """
+        given, name = self._given(depth, force)
+        joint, clearance = self.joint, self.clearance
+        modulus = joint.composite_modulus
+        if name == "depth":
+            contact = tilted_contact(joint, given / clearance, tilt)
+        else:
+            contact = under_force(joint, given / (modulus * clearance**2), tilt)
+        force_unit, pressure = modulus * clearance**2, modulus * clearance / self.socket_radius
+        return TiltedSolution(
+            depth=clearance * contact.depth_star,
+            tilt=contact.tilt,
+            force=force_unit * contact.force_star,
+            transverse=force_unit * contact.transverse_star,
+            stiffness=modulus * clearance * contact.stiffness_star,
+            transverse_stiffness=modulus * clearance * contact.transverse_stiffness_star,
+            peak_pressure=pressure * contact.peak_pressure_star,
+            peak_angle_deg=contact.peak_angle_deg,
+            contact_edges_deg=contact.contact_edges_deg,
+            reaches_mouth=contact.reaches_mouth,
+            error_estimate=contact.error_estimate,
+        )
+
+    @staticmethod
+    def _given(depth, force):
+        """Depths or forces, checked, and the name of what is given."""
         if depth is None and force is None:
             raise ValueError("depth or force must be given")
         if depth is not None and force is not None:
@@ -182,13 +251,7 @@ class DimensionalJoint:
         asked = np.atleast_1d(checks.number(name, given, unit, above=0))
         if asked.ndim != 1 or asked.size == 0:
             raise ValueError(f"{name} must be a list of numbers, got shape {asked.shape}")
-        law, curve = self._reaching(name, asked, unit)
-        depths = asked if force is None else np.asarray(law.depth(asked))
-        forces = asked if depth is None else np.asarray(law.force(depths))
-        depth_star = depths / self.clearance
-        solved = self._solved(depth_star, name, asked, unit)
-        off = np.abs(forces / self._force(solved) - 1)
-        return self._solution(law, depths, forces, solved, _error_beside(curve, depth_star) + off)
+        return asked, name
 
     def curve(self) -> DimensionalSolution:
         """The whole curve, at some 50 depths up to one clearance, if the joint can.
@@ -267,8 +330,8 @@ class DimensionalJoint:
                 continue
             except checks.RangeError:
                 raise checks.RangeError(
-                    f"{name} must keep the contact off the socket's rim (half-angle < 90 deg), "
-                    f"got {asked.max():g} {unit}"
+                    f"{name} must keep the contact off the socket's rim (half-angle < "
+                    f"{np.degrees(self.joint.reach):g} deg), got {asked.max():g} {unit}"
                 ) from None
         raise UnresolvedError(
             f"{name} must be so large that elements resolve the contact, got {asked.min():g} "

@@ -30,24 +30,23 @@ from skfem.helpers import ddot, div, dot, eye, grad, mul, sym_grad, trace, trans
 from skfem.models.elasticity import lame_parameters
 
 from study import checks
+from study.joint import supports
 from study.joint.compliance import (
-    DRIVES,
     RESOLUTION,
-    RIMS,
     Compliance,
-    Drive,
     Layered,
-    Rim,
     graded,
     layer_ratios,
     layer_steps,
     layered,
     surface_angles,
 )
+from study.joint.supports import OPENING, RIMS, Rim
 from study.threads import one_thread
 
 Nodes = Literal[6, 3]
 """Nodes of a triangle: with six it follows the rings, with three it has straight edges."""
+Floats = NDArray[np.float64]
 FINEST_RESOLUTION = 320
 """A curve takes 20 s and 2 GB at this resolution; at 1.5 times it takes 80 s and 5 GB."""
 THINNEST_RATIO = 1.02
@@ -56,41 +55,119 @@ THINNEST_RATIO = 1.02
 _DEPTH_SCALE = 0.1  # element size grows from this depth below the surface on, in radii
 _RADIAL_ELEMENTS = 0.1  # elements per unit of graded depth, as a share of the resolution
 _AT_ONCE = 16  # loads that are solved together: what they need stays in the processor's cache
+_TOGETHER = 8  # elements that are added along the surface: they can be halved three times
+_TOUCHING = 1e-9  # rad
+_GROWTH = 0.06  # of each of them over the one before
+_FEWEST, _FEWEST_HELD = 8, 32  # elements of a ring that is not halved; the same around what holds
 _ASPECT = 1.4  # rings are halved once a radial step exceeds this many arc lengths
 
 
-def ball_mesh(resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6) -> MeshTri:
-    """Mesh of the half ball's meridian: unit radius, centre at the origin, pole on +z.
+def ball_mesh(
+    resolution: int = RESOLUTION["quadratic"],
+    nodes: Nodes = 6,
+    drive: str = "plane",
+    opening: float = OPENING,
+) -> MeshTri:
+    """Mesh of the ball's meridian: unit radius, centre at the origin, pole on +z.
 
-    Triangles in the (r, z) plane with boundaries ``surface``, ``axis`` and ``equator``; the
-    surface's vertices come first, in order of polar angle. The ``resolution``, elements along
-    the surface, is a multiple of 16.
+    Triangles in the (r, z) plane with boundaries ``surface``, where contact may be, ``axis`` and
+    those that hold the ball: ``equator``, ``core`` or ``neck``. The surface's vertices come first,
+    in order of polar angle. The ``resolution``, elements along ``surface``, is a multiple of 16.
     """
-    resolution = _checked(resolution, nodes)
-    layers = max(8, round(_RADIAL_ELEMENTS * resolution * np.log1p(1 / _DEPTH_SCALE)))
-    depths = graded(1.0, _DEPTH_SCALE, layers)[:-1]
-    return _ring_mesh(1.0 - depths, surface_angles(resolution), nodes, centre=True)
+    angles = surface_angles(_checked(resolution, nodes), _reach(opening))
+    return meridian_of_ball(angles, drive, nodes)
 
 
 def socket_mesh(
-    ratio: Layered, resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6
+    ratio: Layered,
+    resolution: int = RESOLUTION["quadratic"],
+    nodes: Nodes = 6,
+    opening: float = OPENING,
+    backing: str = "whole",
 ) -> MeshTri:
     """Mesh of the socket's meridian: inner radius 1, outer radius ``ratio`` >= 1.02.
 
-    As `ball_mesh`, with a boundary ``outside`` too. Rings meet the outer radius of every layer,
-    from the inside out.
+    As `ball_mesh`, with boundaries ``rim``, ``outside`` and, between two angles of the backing,
+    ``seat``. Rings meet the outer radius of every layer, from the inside out.
     """
     resolution, ratios = _checked(resolution, nodes), layer_ratios(ratio, THINNEST_RATIO)
     if layer_steps(ratios).min() < 1.05 and resolution < 32:
         raise ValueError(f"resolution must be >= 32 for socket_ratio < 1.05, got {resolution}")
-    radii = np.ones(1)
+    angles = surface_angles(resolution, _reach(opening))
+    return meridian_of_socket(angles, ratios, opening, backing, nodes)
+
+
+def meridian_of_ball(
+    angles: Floats, drive: str, nodes: Nodes = 6, radial: float = _RADIAL_ELEMENTS
+) -> MeshTri:
+    """`ball_mesh` with vertices at given polar angles in rad, where contact may be.
+
+    The number of rings is proportional to ``radial`` and to that of the angles.
+    """
+    kind, size = supports.drive(drive)
+    core = size if kind == "core" else 0.0
+    neck = np.pi - np.radians(size if kind == "neck" else 0.0)
+    held = {"core": (core, core, 0, np.pi), "neck": (1, 1, neck, np.pi)}
+    boundaries = {"surface": (1, 1, 0, angles[-1])}
+    if kind in held:
+        boundaries[kind] = held[kind]
+    else:
+        boundaries["equator"] = 0, 1, np.pi / 2, np.pi / 2
+    depths = _depths(1 - core, 1.0, radial * (len(angles) - 1), 8)
+    radii = 1.0 - (depths if core else depths[:-1])
+    # stresses have no bound at a neck's edge: elements do not grow towards it
+    everywhere = _onward(angles, neck, growth=1e-6) if kind == "neck" else angles
+    everywhere = _onward(everywhere, np.pi / 2 if kind in supports.HALF_BALLS else np.pi)
+    return _ring_mesh(radii, everywhere, nodes, boundaries, centre=not core)
+
+
+def meridian_of_socket(
+    angles: Floats,
+    ratios: Floats,
+    opening: float,
+    backing: str,
+    nodes: Nodes = 6,
+    radial: float = _RADIAL_ELEMENTS,
+) -> MeshTri:
+    """`socket_mesh` with vertices at given polar angles in rad, as for `meridian_of_ball`."""
+    radii, last, resolution = np.ones(1), np.radians(opening), len(angles) - 1
     for outer in ratios:
         start, thickness = radii[-1], outer - radii[-1]
-        scale = start - 1 + _DEPTH_SCALE
-        layers = round(_RADIAL_ELEMENTS * resolution * np.log1p(thickness / scale))
-        depths = graded(thickness, scale, max(resolution // 16, layers, 2))
+        depths = _depths(thickness, start, radial * resolution, max(resolution // 16, 2))
         radii = np.append(radii, start + depths[1:])
-    return _ring_mesh(radii, surface_angles(resolution), nodes, centre=False)
+    boundaries = {
+        "surface": (1, 1, 0, angles[-1]),
+        "rim": (1, radii[-1], last, last),
+        "outside": (radii[-1], radii[-1], 0, last),
+    }
+    everywhere = _onward(angles, last)
+    seat = supports.seat(backing, opening)
+    if seat is None:
+        return _ring_mesh(radii, everywhere, nodes, boundaries)
+    boundaries["seat"] = (radii[-1], radii[-1], *np.radians(seat))
+    return _ring_mesh(radii, everywhere, nodes, boundaries, seat=np.radians(seat))
+
+
+def _reach(opening):
+    """Polar angle to which contact along the axis is meshed, in rad."""
+    return min(np.pi / 2, float(np.radians(opening)))
+
+
+def _depths(thickness, start, elements, fewest):
+    """Depths of the rings of a body or layer, from its inner surface on, at a radius."""
+    scale = abs(start - 1) + _DEPTH_SCALE
+    count = round(elements * np.log1p(thickness / scale))
+    return graded(thickness, scale, max(count, fewest))
+
+
+def _onward(angles, stop, growth=_GROWTH):
+    """Polar angles continued to a stop beyond the last, in elements that grow from its size on."""
+    length, size = stop - angles[-1], angles[-1] - angles[-2]
+    if length < _TOUCHING:
+        return angles
+    count = np.log1p(growth * length / size) / np.log1p(growth)
+    more = graded(length, size / growth, _TOGETHER * int(np.ceil(count / _TOGETHER)))[1:]
+    return np.append(angles, np.append(angles[-1] + more[:-1], stop))
 
 
 def layer_of(mesh: MeshTri, ratio: Layered) -> NDArray[np.intp]:
@@ -238,19 +315,26 @@ class Body:
 @one_thread
 def ball(
     poisson: float = 0.3,
-    drive: Drive = "plane",
+    drive: str = "plane",
     resolution: int = RESOLUTION["quadratic"],
     nodes: Nodes = 6,
+    opening: float = OPENING,
 ) -> Body:
     """Half ball held at its equatorial plane; ``ValueError`` for a value outside its range.
 
-    The ``drive`` is as for `study.joint.Joint`. Under a point load the force depends on the mesh.
+    The ``drive`` is as for `study.joint.Joint`; a core or a neck holds a whole ball. The contact
+    reaches the socket's ``opening``. Under a point load the force depends on the mesh.
     """
-    poisson = checks.poisson("poisson", poisson)
-    held = {"plane": {"equator": "z"}, "clamped": {"equator": "rz"}, "point": {"centre": "z"}}
-    support = held[checks.choice("ball_drive", drive, DRIVES)]
-    lame = lame_parameters(1.0, poisson)
-    return Body(ball_mesh(resolution, nodes), lame, {"axis": "r"} | support)
+    lame = lame_parameters(1.0, checks.poisson("poisson", poisson))
+    mesh = ball_mesh(resolution, nodes, drive, opening)
+    return Body(mesh, lame, {"axis": "r"} | held_ball(drive))
+
+
+def held_ball(drive: str) -> dict[str, str]:
+    """Boundary that holds a ball, and the components of the displacement that it holds."""
+    kind, _ = supports.drive(drive)
+    half = {"plane": {"equator": "z"}, "clamped": {"equator": "rz"}, "point": {"centre": "z"}}
+    return half.get(kind, {kind: "rz"})
 
 
 @lru_cache(maxsize=2)
@@ -262,18 +346,30 @@ def socket(
     resolution: int = RESOLUTION["quadratic"],
     nodes: Nodes = 6,
     modulus: Layered = 1.0,
+    opening: float = OPENING,
+    backing: str = "whole",
 ) -> Body:
-    """Hemispherical socket fixed on its outer sphere; other arguments are as for `ball`.
+    """Socket, hemispherical and fixed on its outer sphere by default; others are as for `ball`.
 
-    ``ratio`` is the socket ratio. Layers are as for `study.joint.series.socket_compliance`.
+    ``ratio`` is the socket ratio; ``opening`` and ``backing`` are as for `study.joint.Joint`.
+    Layers are as for `study.joint.series.socket_compliance`.
     """
-    mirror = checks.choice("rim", rim, RIMS) == "mirror"
-    held = {"axis": "r"} | ({"equator": "z"} if mirror else {}) | {"outside": "rz"}
-    mesh = socket_mesh(ratio, resolution, nodes)
-    ratios, poissons, moduli = layered(ratio, poisson, modulus)
+    mesh = socket_mesh(ratio, resolution, nodes, opening, backing)
+    lame = socket_lame(mesh, *layered(ratio, poisson, modulus))
+    return Body(mesh, lame, {"axis": "r"} | held_socket(rim, backing))
+
+
+def held_socket(rim: Rim, backing: str) -> dict[str, str]:
+    """Boundaries that hold a socket, and the components of the displacement that each holds."""
+    mirror = {"rim": "z"} if checks.choice("rim", rim, RIMS) == "mirror" else {}
+    return mirror | {{"whole": "outside", "rim": "rim"}.get(backing, "seat"): "rz"}
+
+
+def socket_lame(mesh: MeshTri, ratios: Floats, poissons: Floats, moduli: Floats) -> tuple:
+    """Lame's parameters of every element of a `socket_mesh`, each of shape (elements, 1)."""
     of_layers = lame_parameters(moduli, poissons)
     first, second = (of_layer[layer_of(mesh, ratios)][:, None] for of_layer in of_layers)
-    return Body(mesh, (first, second), held)
+    return first, second
 
 
 @lru_cache(maxsize=32)
@@ -292,15 +388,20 @@ def _of(dofs, component):
     return dofs.all([f"u^{'rz'.index(component) + 1}"])
 
 
-def _ring_mesh(radii, angles, nodes, centre):
-    """Triangulate concentric quarter rings, from the surface (radius 1) to the last radius."""
+def _ring_mesh(radii, angles, nodes, boundaries, centre=False, seat=None):
+    """Triangulate concentric rings, from the surface (radius 1) to the last radius.
+
+    Boundaries are named by their least and largest radius, and least and largest polar angle. A
+    seat's ends become vertices of the last ring.
+    """
+    fewest = _FEWEST if centre or seat is None and "core" not in boundaries else _FEWEST_HELD
     points, triangles, first = [_ring(1.0, angles)], [], 0
     for radius, step in zip(radii[1:], np.abs(np.diff(radii)), strict=True):
         outer = first + np.arange(len(angles))
         first = outer[-1] + 1
         arc = radius * np.sqrt((angles[1] - angles[0]) * (angles[-1] - angles[-2]))
         elements = len(angles) - 1
-        if step > _ASPECT * arc and elements % 2 == 0 and elements > 8:
+        if step > _ASPECT * arc and elements % 2 == 0 and elements > fewest:
             angles = angles[::2]
             inner = first + np.arange(len(angles))
             a, b, c = outer[:-2:2], outer[1:-1:2], outer[2::2]
@@ -318,26 +419,45 @@ def _ring_mesh(radii, angles, nodes, centre):
         points.append(np.zeros((2, 1)))
         triangles.append((last[:-1], last[1:], np.full(len(last) - 1, last[-1] + 1)))
     triangles = np.hstack([np.vstack(corners) for corners in triangles])
-    linear = MeshTri(np.ascontiguousarray(np.hstack(points)), np.ascontiguousarray(triangles))
-    boundaries = _boundaries(linear, radii[-1] if not centre else None)
+    points = np.hstack(points)
+    if seat is not None:
+        points = _moved_to(points, seat, angles, radii[-1])
+    linear = MeshTri(np.ascontiguousarray(points), np.ascontiguousarray(triangles))
+    named = _boundaries(linear, boundaries, angles[-1])
     mesh = _curved(linear) if nodes == 6 else linear
-    return mesh.with_boundaries(boundaries)
+    return mesh.with_boundaries(named)
 
 
 def _ring(radius, angles):
-    return radius * np.array([np.sin(angles), np.where(angles == np.pi / 2, 0.0, np.cos(angles))])
+    sine = np.where(angles == np.pi, 0.0, np.sin(angles))
+    return radius * np.array([sine, np.where(angles == np.pi / 2, 0.0, np.cos(angles))])
 
 
-def _boundaries(linear, outer_radius):
-    """Edges of each named boundary."""
+def _moved_to(points, seat, angles, outer):
+    """Points turned about the centre so that vertices of the outer ring are at a seat's ends.
+
+    The nearest vertices move there; all others move in proportion, less towards the surface.
+    """
+    radius, angle = np.hypot(*points), np.arctan2(*points)
+    nearest = angles[np.abs(angles[:, None] - seat).argmin(axis=0)]
+    ends = angles[[0, -1]]
+    wanted = np.interp(angle, [ends[0], *nearest, ends[1]], [ends[0], *seat, ends[1]])
+    return _ring(radius, angle + (radius - 1) / (outer - 1) * (wanted - angle))
+
+
+def _boundaries(linear, wanted, last):
+    """Edges of each named boundary, and of the axis."""
     radius = np.hypot(*linear.p)
+    angle = np.where(radius > 0, np.arctan2(*linear.p), last)  # the centre is on the last ray
 
     def edges(on_boundary):
         return np.flatnonzero(on_boundary[linear.facets].all(axis=0))
 
-    spheres = {"surface": 1.0} | ({"outside": outer_radius} if outer_radius else {})
-    named = {name: edges(np.isclose(radius, r, rtol=1e-12)) for name, r in spheres.items()}
-    return named | {"axis": edges(linear.p[0] == 0), "equator": edges(linear.p[1] == 0)}
+    named = {"axis": edges(linear.p[0] == 0)}
+    for name, (inner, outer, low, high) in wanted.items():
+        within = (radius >= inner - 1e-9) & (radius <= outer + 1e-9)
+        named[name] = edges(within & (angle >= low - 1e-9) & (angle <= high + 1e-9))
+    return {name: edges for name, edges in named.items() if edges.size}
 
 
 def _curved(linear):

@@ -7,17 +7,17 @@ by `study.joint.curve`.
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
+import numpy as np
+
 from study import checks
 from study.contact import SOCKET_RATIO, Material, composite_modulus
 from study.joint.compliance import (
-    DRIVES,
-    RIMS,
     THICKEST_RATIO,
     THINNEST_RATIO,
-    Drive,
-    Rim,
     layer_ratios,
 )
+from study.joint import supports
+from study.joint.supports import OPENING, RIMS, Rim
 
 Kinematics = Literal["small", "linear", "finite"]
 KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
@@ -62,12 +62,22 @@ class Joint:
         innermost material. The composite modulus E* is that of ball and innermost layer.
     ball_drive
         The half ball's equatorial plane is displaced axially and is radially free (``plane``), or
-        fixed (``clamped``); or its centre alone is displaced (``point``), as by a point load.
+        fixed (``clamped``); or its centre alone is displaced (``point``), as by a point load. A
+        whole ball is held at a rigid core, ``core:0.2`` of its radius (0.05 to 0.8), or at a neck,
+        ``neck:30``: its surface within 30 deg of the top (5 to 90).
     rim
-        The socket's edge at the equator is a mirror plane, or traction-free. At R2* = 200 and
-        Poisson's ratio 0.3 the two forces differ by less than 1e-5 up to a socket ratio of 1.25,
-        by 0.7 % at 2, and by 4 % at 3. At Poisson's ratio 0.45 they differ by 0.4 % at a ratio of
-        1.25, and by 1.6 % at 1.5.
+        The socket's edge is a mirror plane, or traction-free. The default is a mirror plane for a
+        hemispherical socket, fixed all over its outside, and half a ball; all others are free. At
+        R2* = 200 and Poisson's ratio 0.3 the two forces differ by less than 1e-5 up to a socket
+        ratio of 1.25, by 0.7 % at 2, and by 4 % at 3. At Poisson's ratio 0.45 they differ by 0.4 %
+        at a ratio of 1.25, and by 1.6 % at 1.5.
+    opening
+        Polar angle of the socket's mouth from its pole, from 30 to 170 deg. Half a ball needs 90
+        deg at most; a neck must stay out of the mouth.
+    backing
+        Where the socket is held: its outside all over (``whole``), the face of its rim alone
+        (``rim``), or its outside between two polar angles in deg: ``0,30`` is a seat at the pole,
+        ``60,90`` a flange.
     kinematics
         ``small``: points at equal angles from the socket's centre face each other. The gap is the
         exact overlap of the rigid spheres; the force acts on the socket's area. ``linear``: a point
@@ -81,10 +91,12 @@ class Joint:
     socket_ratio: float = SOCKET_RATIO
     ball: Material = field(default_factory=Material)
     socket: Material = field(default_factory=Material)
-    ball_drive: Drive = "plane"
-    rim: Rim = "mirror"
+    ball_drive: str = "plane"
+    rim: Rim | None = None
     kinematics: Kinematics = "linear"
     layers: tuple[Layer, ...] = ()
+    opening: float = OPENING
+    backing: str = "whole"
 
     def __post_init__(self):
         checks.plain_numbers(self)
@@ -98,9 +110,38 @@ class Joint:
         for material in (self.socket, *(layer.material for layer in self.layers)):
             ratio = material.youngs_modulus / self.ball.youngs_modulus
             checks.number(name, ratio, least=1 / most, most=most)
-        checks.choice("ball_drive", self.ball_drive, DRIVES)
-        checks.choice("rim", self.rim, RIMS)
         checks.choice("kinematics", self.kinematics, KINEMATICS)
+        self._take_supports()
+
+    def _take_supports(self):
+        """Check what holds ball and socket, and choose the rim if it is not given."""
+        kind, size = supports.drive(self.ball_drive)
+        least, most = supports.OPENINGS
+        most = OPENING if kind in supports.HALF_BALLS else most
+        name = f"opening beside ball_drive {self.ball_drive}"
+        checks.number(name, self.opening, "deg", least=least, most=most, scalar=True)
+        if kind == "neck":
+            most = 180 - size - supports.CLEAR
+            checks.number(name, self.opening, "deg", most=most)
+        supports.seat(self.backing, self.opening)
+        usual = self.usual_supports
+        if self.rim is None:
+            object.__setattr__(self, "rim", "mirror" if usual else "free")
+        checks.choice("rim", self.rim, RIMS if usual else ("free",))
+        if not usual:
+            why = "kinematics of other supports than a hemisphere's"
+            checks.choice(why, self.kinematics, ("small", "linear"))
+
+    @property
+    def usual_supports(self) -> bool:
+        """Whether a hemispherical socket, fixed all over its outside, holds half a ball."""
+        half = supports.drive(self.ball_drive)[0] in supports.HALF_BALLS
+        return half and self.opening == OPENING and self.backing == "whole"
+
+    @property
+    def reach(self) -> float:
+        """Largest polar angle of a contact along the axis, in rad: pi/2, or the mouth's."""
+        return min(np.pi / 2, float(np.radians(self.opening)))
 
     def _take_layers(self):
         """Check the layers, and set what follows from them."""
@@ -179,9 +220,14 @@ class Joint:
 
     def correction_options(self) -> dict[str, Any]:
         """Options of `study.contact.stiffened_hertz`; ``ValueError`` if it is not for the joint."""
-        if self.layers or self.ball_drive == "point":
-            what = "a socket of layers" if self.layers else "ball_drive point"
-            raise checks.RangeError(f"stiffened_hertz is not for {what}")
+        for unsuited, what in (
+            (self.layers, "a socket of layers"),
+            (self.ball_drive not in ("plane", "clamped"), f"ball_drive {self.ball_drive}"),
+            (self.opening != OPENING, f"an opening of {self.opening:g} deg"),
+            (self.backing != "whole", f"backing {self.backing}"),
+        ):
+            if unsuited:
+                raise checks.RangeError(f"stiffened_hertz is not for {what}")
         return {
             "socket_ratio": self.socket_ratio,
             "modulus_ratio": self.modulus_ratio,
@@ -194,8 +240,8 @@ class Joint:
     @property
     def series_applies(self) -> bool:
         """Whether the exact series applies: linear bodies that are symmetric about the equator."""
-        supports = self.ball_drive == "plane" and self.rim == "mirror"
-        return supports and self.kinematics != "finite"
+        exact = self.ball_drive == "plane" and self.rim == "mirror"
+        return exact and self.kinematics != "finite"
 
 
 PAPER_SUPPORTS: dict[str, Any] = {"ball_drive": "clamped", "rim": "free"}

@@ -106,7 +106,7 @@ def _extrapolated(joint, deepest, resolution):
     solver, resolution = curve.settings(joint, None, resolution)
     # Even the contact of a thin incompressible liner ends within twice Hertz's half-angle
     widest = 2 * np.sqrt(deepest * joint.ball_radius)
-    if widest < surface_angles(resolution // 2)[4 * _FIRST]:
+    if widest < surface_angles(resolution // 2, joint.reach)[4 * _FIRST]:
         raise _unresolved(deepest, resolution)
     meshes = curve.meshes(joint, None, resolution)
     fine, coarse = (_NestedContacts(joint, *bodies, deepest) for bodies in meshes)
@@ -120,8 +120,8 @@ def _extrapolated(joint, deepest, resolution):
         raise _unresolved(deepest, resolution)
     if not reached.size:
         raise checks.RangeError(
-            "deepest must keep the contact off the socket's rim (half-angle < 90 deg), "
-            f"got {deepest:g}"
+            "deepest must keep the contact off the socket's rim (half-angle < "
+            f"{np.degrees(joint.reach):g} deg), got {deepest:g}"
         )
     if reached[0] < 4 * _FIRST:
         raise _unresolved(deepest, resolution)

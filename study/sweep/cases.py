@@ -24,6 +24,7 @@ from study.joint import DimensionalJoint, force_curve, material, whole_curve
 from study.joint.dimensional import usual_depth
 from study.joint.parsing import joint as joint_of_texts
 from study.joint.parsing import liner
+from study.joint.supports import SUPPORTS
 from study.mechanism import Scene
 from study.mechanism.simulate import BEAM_STEP, ELEMENTS, TOLERANCE, ready, simulate
 
@@ -273,7 +274,7 @@ def _joint(values):
 
 def _bodies(joint):
     """Key of the compliances of a joint's bodies, or of a joint with large displacements itself."""
-    supports = joint.ball_drive, joint.rim, joint.kinematics
+    supports = tuple(getattr(joint, name) for name in SUPPORTS)
     compliances = supports, joint.socket_layers, joint.ball.poisson
     return repr(joint if joint.kinematics == "finite" else compliances)
 
@@ -387,14 +388,14 @@ class Form(NamedTuple):
 
 
 _SCENE = {field.name: field.default for field in fields(Scene)}
-_SUPPORTS = ("ball_drive", "rim", "kinematics")
 _RATIOS = ("r2_star", "socket_ratio", "poisson", "modulus_ratio", "socket_poisson")
 _SIZES = ("socket_radius", "clearance", "wall")
 _LAW = ("model", "joint", "law", "method")
 _NUMBERS = ("duration", "tolerance", "step", "socket_ratio")
 _OF_SCENES = (*_LAW, *_NUMBERS, *_SCENE, "outputs", "elements")
 _READ: dict[str, Callable[[str, str], Any]] = {
-    **dict.fromkeys((*_SUPPORTS, *_LAW, "damping"), _word),
+    **dict.fromkeys((*SUPPORTS, *_LAW, "damping"), _word),
+    "opening": checks.read,
     **dict.fromkeys(("depth_star", "depth", "force"), _several(checks.read)),
     **dict.fromkeys(("ball", "socket"), _material),
     "layer": _several(_word),
@@ -405,9 +406,9 @@ _READ: dict[str, Callable[[str, str], Any]] = {
 }
 """Column -> function of its name and text that gives its value; other columns are one number."""
 FORMS = {
-    "joints": Form((*_RATIOS, *_SUPPORTS, "layer", "depth_star"), ("r2_star",), _joint),
+    "joints": Form((*_RATIOS, *SUPPORTS, "layer", "depth_star"), ("r2_star",), _joint),
     "joints with dimensions": Form(
-        (*_SIZES, *_SUPPORTS, "ball", "socket", "liner", "depth", "force"),
+        (*_SIZES, *SUPPORTS, "ball", "socket", "liner", "depth", "force"),
         _SIZES,
         _dimensional_joint,
     ),

@@ -1,0 +1,351 @@
+"""A joint pressed off its axis: the forces along and across, from contact on (theta, phi).
+
+The bodies are those of revolution of `study.joint.fem`, about the socket's axis. The ball is
+displaced in a direction off that axis, in the plane phi = 0. Pressure is piecewise linear in both
+angles and symmetric about that plane. Its flexibility comes from the modes of
+`study.joint.fourier`. As along the axis, pressure and gap are complementary in the weak sense, and
+`study.joint.complementarity` finds the contact in a few steps, however fine the grid.
+
+Lengths are in socket radii R2, pressures in E* dR/R2 and displacements in dR inside this module.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse import csr_array
+from skfem.models.elasticity import lame_parameters
+
+from study import checks
+from study.contact import largest_depth
+from study.joint import complementarity, fem, fourier, supports
+from study.joint.compliance import layered
+from study.joint.contact_kinematics import UnresolvedError
+from study.joint.joint import Joint
+from study.threads import one_thread
+
+Floats = NDArray[np.float64]
+RESOLUTION = 48
+"""Default elements along a quarter circle; half of it is solved too."""
+FINEST_RESOLUTION = 96
+LARGEST_TILT = 120.0
+"""In deg: beyond it no joint has a contact that is known here."""
+_RADIAL_ELEMENTS = 0.2  # as in `study.joint.fem`, for elements of equal angles
+_BEYOND = 8.0  # deg by which the ball's nodes go on beyond the mouth
+_LEAST_SHARE = 0.3  # of the deepest overlap: shallower ones are at first left out of the contact
+_FEWEST = 12  # nodes of a contact of half the resolution
+_MOST_STEPS = 40
+_TOLERANCE = 1e-6  # of the force that is asked for
+
+
+@dataclass(frozen=True)
+class TiltedContact:
+    """Contact of a ball that is displaced off the socket's axis, at some depths; arrays (k,).
+
+    Forces are those of the ball on the socket, over E* dR^2, and extrapolated from two grids.
+
+    Attributes
+    ----------
+    depth_star, tilt
+        Displacement beyond first touch over dR, and its direction off the axis in deg.
+    force_star, transverse_star
+        Force along the displacement, and across it in the plane of symmetry: positive towards
+        larger tilt. Where the mouth cuts the contact it is negative.
+    stiffness_star, transverse_stiffness_star
+        Derivatives of the two by a displacement along and across, over E* dR.
+    peak_pressure_star, peak_angle_deg
+        Largest pressure, in E* dR/R2, and its signed polar angle in the plane of symmetry. At the
+        edge of the mouth it grows with the resolution.
+    contact_edges_deg
+        Signed polar angles at which the contact ends in the plane of symmetry; shape (2, k).
+    reaches_mouth
+        Whether the contact is cut by the mouth.
+    error_estimate
+        Estimated relative error of the force.
+    """
+
+    joint: Joint
+    depth_star: Floats
+    tilt: Floats
+    force_star: Floats
+    transverse_star: Floats
+    stiffness_star: Floats
+    transverse_stiffness_star: Floats
+    peak_pressure_star: Floats
+    peak_angle_deg: Floats
+    contact_edges_deg: Floats
+    reaches_mouth: NDArray[np.bool_]
+    error_estimate: Floats
+
+
+@one_thread
+def tilted_contact(
+    joint: Joint, depth_star: ArrayLike, tilt: ArrayLike, resolution: int = RESOLUTION
+) -> TiltedContact:
+    """Contact at given depths of a ball displaced in given directions.
+
+    New bodies take some seconds, then a depth takes a tenth of a second.
+
+    Parameters
+    ----------
+    depth_star
+        Displacement over dR, less one: > 0 and < sqrt(2 R2* - 1) - 1; shape (k,).
+    tilt
+        Direction of the displacement off the axis, from 0 to 120 deg; one number or shape (k,).
+    resolution
+        Elements along a quarter circle, from 32 to 96, a multiple of 16; half of it is solved too.
+
+    Raises
+    ------
+    ValueError
+        For a joint whose ball is free across the axis (``plane`` and ``point``), whose rim is a
+        mirror plane, or whose kinematics are ``finite``; for a value outside its range; for a
+        contact that is too small to be resolved, or a tilt that leaves none.
+    """
+    depths, tilts, resolution = _checked(joint, depth_star, tilt, "depth_star", resolution)
+    checks.number("depth_star", depths, below=largest_depth(joint.r2_star))
+    fine, coarse = (_Contacts(joint, n) for n in (resolution, resolution // 2))
+    solved = [(fine.solve(*at), coarse.solve(*at)) for at in zip(depths, tilts, strict=True)]
+    return _result(joint, depths, tilts, solved)
+
+
+@one_thread
+def under_force(
+    joint: Joint, force_star: ArrayLike, tilt: ArrayLike, resolution: int = RESOLUTION
+) -> TiltedContact:
+    """`tilted_contact` under forces that point off the axis by a tilt; displacements follow.
+
+    Without friction no force can point out of the mouth: its tilt is below the opening.
+    """
+    forces, tilts, resolution = _checked(joint, force_star, tilt, "force_star", resolution)
+    checks.number("tilt of a force", tilts, "deg", below=joint.opening)
+    fine, coarse = (_Contacts(joint, n) for n in (resolution, resolution // 2))
+    found = [_pressed(joint, fine, coarse, *at) for at in zip(forces, tilts, strict=True)]
+    depths, directions = np.array([at for at, _ in found]).T
+    return _result(joint, depths, directions, [solved for _, solved in found])
+
+
+def _checked(joint, values, tilt, name, resolution):
+    """Depths or forces, as many tilts, and the resolution; refuses a joint that is not for them."""
+    checks.instance("joint", joint, Joint)
+    if joint.ball_drive in ("plane", "point"):
+        wanted = "clamped, core:NUMBER or neck:NUMBER"
+        why = f"the ball is free across the axis, got {joint.ball_drive}"
+        raise checks.RangeError(f"ball_drive under a tilted load must be {wanted}: {why}")
+    checks.choice("rim under a tilted load", joint.rim, ("free",))
+    checks.choice("kinematics under a tilted load", joint.kinematics, ("small", "linear"))
+    values = np.atleast_1d(checks.number(name, values, above=0))
+    tilts = np.atleast_1d(checks.number("tilt", tilt, "deg", least=0, most=LARGEST_TILT))
+    if values.ndim != 1 or values.size == 0 or tilts.shape not in ((1,), values.shape):
+        shapes = f"{values.shape} and {tilts.shape}"
+        raise ValueError(f"{name} must be a list, and tilt one number or as many, got {shapes}")
+    checks.whole("resolution", resolution, least=32, most=FINEST_RESOLUTION)
+    if resolution % 16:
+        raise ValueError(f"resolution must be a multiple of 16, got {resolution}")
+    return values, np.broadcast_to(tilts, values.shape), resolution
+
+
+def _pressed(joint, fine, coarse, force, tilt):
+    """Depth and tilt of the displacement under a force, and what is solved there, by Newton."""
+    wanted = force * _direction(tilt)
+    displacement = (1 + (3 * force / (4 * joint.r2_star)) ** (2 / 3)) * _direction(tilt)
+    for _ in range(_MOST_STEPS):
+        depth, towards = np.hypot(*displacement) - 1, np.degrees(np.arctan2(*displacement))
+        solved = fine.solve(depth, towards), coarse.solve(depth, towards)
+        axes = _axes(towards)
+        missing = axes @ wanted - _extrapolated(*(s.force for s in solved))
+        if np.hypot(*missing) < _TOLERANCE * force:
+            return (depth, towards), solved
+        step = np.linalg.solve(solved[0].stiffness, missing)
+        step[0] = np.clip(step[0], -0.6 * depth, 2 * depth)
+        displacement = displacement + axes.T @ step
+    raise complementarity.ComplementarityError(
+        f"no displacement was found under force_star {force:g} at a tilt of {tilt:g} deg"
+    )
+
+
+def _direction(tilt):
+    """Unit vector (x, z) at an angle in deg from the axis z."""
+    return np.array([np.sin(np.radians(tilt)), np.cos(np.radians(tilt))])
+
+
+def _axes(tilt):
+    """Unit vectors along a direction, and across it towards larger tilt, as rows (x, z)."""
+    (x, z) = _direction(tilt)
+    return np.array([[x, z], [z, -x]])
+
+
+def _extrapolated(fine, coarse):
+    return fine + (fine - coarse) / 3  # errors fall with order 2
+
+
+def _result(joint, depths, tilts, solved):
+    """What was solved on the finer and on the coarser grid at each depth, as arrays."""
+    fine = [f for f, _ in solved]
+    force = np.array([_extrapolated(f.force, c.force) for f, c in solved])
+    stiffness = np.array([_extrapolated(f.stiffness, c.stiffness) for f, c in solved])
+    off = np.array([np.hypot(*(f.force - c.force)) for f, c in solved]) / np.hypot(*force.T)
+    cut = np.array([f.reaches_mouth for f in fine])
+    return TiltedContact(
+        joint=joint,
+        depth_star=depths,
+        tilt=tilts,
+        force_star=force[:, 0],
+        transverse_star=force[:, 1],
+        stiffness_star=stiffness[:, 0, 0],
+        transverse_stiffness_star=stiffness[:, 1, 1],
+        peak_pressure_star=np.array([f.peak for f in fine]),
+        peak_angle_deg=np.array([f.peak_angle for f in fine]),
+        contact_edges_deg=np.array([f.edges for f in fine]).T,
+        reaches_mouth=cut,
+        error_estimate=off / np.where(cut, 1, 3),  # with order 1 where the mouth cuts the contact
+    )
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """Contact on one grid: force and stiffness along and across, the rest as in `TiltedContact`."""
+
+    force: Floats
+    stiffness: Floats
+    peak: float
+    peak_angle: float
+    edges: tuple[float, float]
+    reaches_mouth: bool
+
+
+class _Contacts:
+    """Contacts of one joint on one grid of the socket."""
+
+    def __init__(self, joint, resolution):
+        kind, size = supports.drive(joint.ball_drive)
+        self.whole = kind not in supports.HALF_BALLS
+        end = {"core": 180.0 - _BEYOND, "neck": 180.0 - size}.get(kind, 90.0)
+        self.joint, poisson = joint, float(joint.ball.poisson)
+        self.ball = _ball(poisson, joint.ball_drive, joint.opening, end, resolution)
+        self.socket = _socket(joint.socket_layers, joint.opening, joint.backing, resolution)
+        grid = self.socket.grid
+        theta, phi, self.area = grid.points
+        self.hats = grid.values(theta, phi)
+        sine = np.sin(theta)
+        self.normal = np.column_stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)])
+
+    def solve(self, depth, tilt):
+        """`_Solved` at a depth_star, of a displacement at a tilt in deg."""
+        joint, grid = self.joint, self.socket.grid
+        r1, share_of_ball, share_of_socket = joint.ball_radius, *joint.modulus_shares
+        axes = np.insert(_axes(tilt), 1, 0.0, axis=1)
+        centre = (1 + depth) / joint.r2_star * axes[0]
+        # how far the ball's surface is from the socket's centre, and its normal there
+        projected = self.normal @ centre
+        beyond = np.sqrt(np.maximum(r1**2 - centre @ centre + projected**2, 1e-12))
+        surface = projected + beyond
+        facing = (surface[:, None] * self.normal - centre) / r1
+        moves = joint.kinematics == "linear"
+        normal = facing if moves else self.normal
+        place = np.arccos(np.clip(normal[:, 2], -1, 1)), np.arctan2(normal[:, 1], normal[:, 0])
+        gap, met = (1 - surface) * joint.r2_star, place[0] <= self.ball.grid.angles[-1]
+        if self.whole and (gap[~met] < 0).any():
+            raise checks.RangeError(
+                f"depth_star must keep the ball's neck or back out of the mouth, got {depth:g}"
+            )
+        area = self.area * met
+        weighted = csr_array((self.hats * area[:, None]).T)
+        size, gap, cut = weighted.sum(axis=1), weighted @ gap, self.hats.T @ ~met
+        mass = weighted @ self.hats
+        moved = weighted @ self.ball.grid.values(*place)
+        overlap = np.divide(-gap, size, out=np.zeros_like(gap), where=size > 0)
+        if overlap.max() <= 0:
+            raise checks.RangeError(f"tilt must leave a contact inside the mouth, got {tilt:g} deg")
+        wanted, guess = overlap > _LEAST_SHARE * overlap.max(), overlap > 0.5 * overlap.max()
+        while True:
+            nodes = np.flatnonzero(wanted)
+            by_socket = share_of_socket * self.socket.matrix(nodes)
+            by_ball = self._of_ball(moved[nodes], mass[nodes][:, nodes], size[nodes])
+            scale = share_of_ball * (1 / r1 if moves else r1)
+            matrix = by_socket + scale * by_ball
+            pressure, active = complementarity.solve(matrix, gap[nodes], guess[nodes])
+            touching = np.zeros(grid.size)
+            touching[nodes[active]] = 1
+            beside = mass @ touching > 0
+            if not (beside & ~wanted).any():
+                break
+            wanted, guess = wanted | (mass @ (mass @ beside) > 0), touching > 0
+        nodes, pressure = nodes[active], pressure[active]
+        if len(nodes) < _FEWEST:
+            raise UnresolvedError(
+                "depth_star must be so large that the elements resolve the contact, got "
+                f"{depth:.3g}: press along the axis, or take a finer resolution"
+            )
+        loads = (weighted @ (normal @ axes.T))[nodes]
+        closing = facing / (facing * self.normal).sum(axis=1)[:, None]  # the gap's derivative
+        by_pressure = cho_solve(
+            cho_factor(matrix[np.ix_(active, active)]), (weighted @ (closing @ axes.T))[nodes]
+        )
+        signed = np.where(grid.phi < np.pi / 2, 1, -1) * np.degrees(grid.theta)
+        in_plane = grid.ends[nodes] < 1
+        return _Solved(
+            force=2 * joint.r2_star * loads.T @ pressure,
+            stiffness=2 * joint.r2_star * loads.T @ by_pressure,
+            peak=float(pressure.max()),
+            peak_angle=float(signed[nodes[pressure.argmax()]]),
+            edges=_edges(signed[nodes][in_plane], pressure[in_plane], joint.opening, np.degrees(grid.angles[1])),
+            reaches_mouth=bool((grid.ring[nodes] == grid.ring[-1]).any() or cut[nodes].any()),
+        )
+
+    def _of_ball(self, moved, mass, size):
+        """Flexibility of the ball under hats of the socket, of a unit ball."""
+        # displacements are wanted where points of the socket face the ball, whose hats are
+        # lumped; what they do not see acts as on a half-space
+        columns = np.unique(moved.indices)
+        moved = moved[:, columns]
+        spread = moved @ csr_array(np.diag(1 / self.ball.areas[columns]))
+        unseen = (mass - spread @ moved.T).toarray()
+        local = np.sqrt(2 / np.pi * (1 - self.joint.ball.poisson**2) * np.sqrt(size))
+        seen = spread @ (spread @ self.ball.matrix(columns)).T
+        return seen + local[:, None] * unseen * local
+
+
+def _edges(angles, pressure, opening, step):
+    """Where contact ends in the plane of symmetry: signed angles in deg, least and largest.
+
+    Near an edge the pressure's square is linear. ``step`` is that of the nodes' angles.
+    """
+    order = np.argsort(angles)
+    angles, pressure = angles[order], pressure[order]
+    found = []
+    for side, (inner, outer) in ((-1, (1, 0)), (1, (-2, -1))):
+        fall = pressure[inner] ** 2 - pressure[outer] ** 2
+        share = min(pressure[outer] ** 2 / fall, 1.0) if fall > 0 else 0.5
+        found.append(float(np.clip(angles[outer] + side * share * step, -opening, opening)))
+    return tuple(found)
+
+
+@lru_cache(maxsize=8)
+def _angles(opening, end, resolution):
+    """Polar angles of the nodes, up to the mouth and beyond it, and nodes around; in rad."""
+    count = 2 * round(opening / 180 * resolution)
+    step = np.radians(opening) / count
+    further = int(np.radians(max(min(_BEYOND, end - opening), 0)) / step + 1e-6)
+    around = np.ceil(2 * np.pi * np.sin(np.radians(min(opening, 90))) / step / fourier.COARSER)
+    angles = step * np.arange(count + further + 1)
+    return angles[: count + 1], angles, fourier.COARSER * int(around)
+
+
+@lru_cache(maxsize=6)
+def _ball(poisson, drive, opening, end, resolution):
+    _, angles, around = _angles(opening, end, resolution)
+    mesh = fem.meridian_of_ball(angles, drive, radial=_RADIAL_ELEMENTS)
+    lame = lame_parameters(1.0, poisson)
+    return fourier.Surface(mesh, lame, fem.held_ball(drive), fourier.Grid(angles, around))
+
+
+@lru_cache(maxsize=6)
+def _socket(layers, opening, backing, resolution):
+    angles, _, around = _angles(opening, opening, resolution)
+    ratios = np.array(layers[0])
+    mesh = fem.meridian_of_socket(angles, ratios, opening, backing, radial=_RADIAL_ELEMENTS)
+    lame, held = fem.socket_lame(mesh, *layered(*layers)), fem.held_socket("free", backing)
+    return fourier.Surface(mesh, lame, held, fourier.Grid(angles, around))
