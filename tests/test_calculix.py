@@ -81,8 +81,8 @@ def test_the_joint_decides_what_is_held():
         Joint(200, ball_drive="clamped", rim="free", kinematics="finite"), [0.1], 32
     )
     assert usual.count("*STEP") == 2
-    assert "SOCKETEQUATOR, 2, 2" in usual
-    assert "SOCKETEQUATOR, 2, 2" not in other
+    assert "SOCKETRIM, 2, 2" in usual
+    assert "SOCKETRIM, 2, 2" not in other
     assert "BALLEQUATOR, 1, 1" in other
     assert "BALLEQUATOR, 1, 1" not in usual
     assert "NLGEOM" in other

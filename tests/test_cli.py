@@ -24,7 +24,7 @@ from study import cli, contact, dataset, export, paths
 from study.checks import StudyError
 from study.choose import choose_model, links
 from study.cli import joint as joint_command
-from study.cli import laws, mechanism, options, output, sweep
+from study.cli import laws, mechanism, options, output, stored, sweep
 from study.contact import materials
 from study.dataset import store
 from study.joint import (
@@ -32,10 +32,10 @@ from study.joint import (
     Joint,
     Layer,
     Material,
-    compliance,
     curve,
     first_yield,
     force_curve,
+    supports,
 )
 from study.joint.joint import KINEMATICS
 from study.measure import speed
@@ -426,8 +426,8 @@ def test_a_name_unlike_any_other_is_refused_in_a_short_line(run):
 def test_choices_are_those_of_the_library(run):
     simulation = get_type_hints(mechanism.SimulationOptions)
     for choices, names in (
-        (options.Drive, compliance.DRIVES),
-        (options.Rim, compliance.RIMS),
+        (get_type_hints(stored.CaseOptions)["ball_drive"], supports.HALF_BALLS),
+        (options.Rim, supports.RIMS),
         (options.Kinematics, KINEMATICS),
         (get_type_hints(joint_command.EitherOptions)["solver"], curve.SOLVERS),
         (signature(laws.export_law).parameters["form"].annotation, export.SUFFIXES),

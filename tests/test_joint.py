@@ -21,7 +21,8 @@ from study.joint import (
     series,
 )
 from study.joint.complementarity import ComplementarityError
-from study.joint.compliance import RIMS, HatFunctions
+from study.joint.compliance import HatFunctions
+from study.joint.supports import RIMS
 from tests.test_fem import reaction
 
 REFERENCE = pd.read_csv(paths.DATA / "published" / "joint.csv")

@@ -60,7 +60,6 @@ SIZES = ("socket_radius", "clearance", "wall")
 """Options that a joint with dimensions needs."""
 
 
-
 @cli.command("joint")
 def solve_joint(as_json: bool = cli.JSON, **options: EitherOptions):
     """Solve one joint: force, depth, stiffness, pressure, half-angle, error, and stresses.
@@ -103,10 +102,11 @@ def _solve_dimensional(
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
     joint = DimensionalJoint(**of_joint, liner=tuple(map(parsing.liner, liner)))
     with working("Solving the joint"):
-        if tilt is not None:
-            return _show_tilted(joint.solve_tilted(tilt, force=force, depth=depth), as_json)
-        solution = joint.solve(force=force, depth=depth)
-        values, parts = _described(joint, solution, tolerance)
+        if tilt is None:
+            solution = joint.solve(force=force, depth=depth)
+            values, parts = _described(joint, solution, tolerance)
+        else:
+            values, parts = _tilted(joint.solve_tilted(tilt, force=force, depth=depth))
     show(values, as_json, *parts)
 
 
@@ -115,9 +115,12 @@ def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, *
     from study.joint.stress import largest as largest_stress
 
     solved_joint = parsing.joint(r2_star, **joint)
+    if tilt is not None:
+        with working("Solving the joint"):
+            values, parts = _tilted(tilted_contact(solved_joint, depth_star, tilt))
+        show(values, as_json, *parts)
+        return
     with working("Solving the joint"):
-        if tilt is not None:
-            return _show_tilted(tilted_contact(solved_joint, depth_star, tilt), as_json)
         curve = force_curve(solved_joint, depth_star, solver=solver)
         stresses = largest_stress(curve)
     names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
@@ -138,8 +141,8 @@ def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, *
     show(values, as_json, *parts)
 
 
-def _show_tilted(contact, as_json):
-    """Show a contact off the axis, whose fields are arrays."""
+def _tilted(contact):
+    """One JSON object of a contact off the axis, whose fields are arrays, and its parts as text."""
     values = {name: x.tolist() for name, x in vars(contact).items() if name != "joint"}
     low, high = values.pop("contact_edges_deg")
     values |= {"contact_from_deg": low, "contact_to_deg": high}
@@ -161,7 +164,7 @@ def _show_tilted(contact, as_json):
         }
     cut = bool(contact.reaches_mouth.any())
     told = ["The mouth cuts the contact: the pressure has no bound at its edge."] if cut else []
-    show(values, as_json, table, *told)
+    return values, [table, *told]
 
 
 def _prefix(body):

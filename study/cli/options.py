@@ -70,10 +70,10 @@ class JointOptions(MaterialOptions):
         "the socket: N,N,N; may be repeated, from the inside out."
     )
     ball_drive: str = option(
-        "Equatorial plane of the half ball: moved along the axis and radially free (plane), clamped "
-        "to a rigid plate (clamped), or moved at its centre alone (point). A whole ball: held at a "
-        "rigid core of 0.2 of its radius (core:0.2), or on its surface within 30 deg of the top "
-        "(neck:30). [default: plane]",
+        "Equatorial plane of the half ball: moved along the axis and radially free (plane), "
+        "clamped to a rigid plate (clamped), or moved at its centre alone (point). A whole ball: "
+        "held at a rigid core of 0.2 of its radius (core:0.2), or on its surface within 30 deg of "
+        "the top (neck:30). [default: plane]",
         "--drive",
     )
     rim: Rim = RIM

@@ -21,8 +21,8 @@ from study.contact.hertz_correction import (
     UNIT,
 )
 from study.joint import Joint, Material
-from study.joint.compliance import DRIVES, RIMS
 from study.joint.nested_contact import depths_and_forces
+from study.joint.supports import HALF_BALLS, RIMS
 from study.threads import one_thread
 
 LIMITS = {"share": 9, "poisson": 5, "socket_poisson": 6, "socket_ratio": 10, "r2_star": 1}
@@ -53,7 +53,7 @@ def logarithms(socket_poisson: float, counts: dict[str, int]) -> NDArray[np.floa
         ratio, share, poisson, r2_star = (axis[k] for axis, k in zip(axes, at, strict=True))
         ball = Material((1 - poisson**2) / share, poisson)
         socket = Material((1 - socket_poisson**2) / (1 - share), socket_poisson)
-        joint = Joint(r2_star, ratio, ball, socket, DRIVES[drive], RIMS[rim])
+        joint = Joint(r2_star, ratio, ball, socket, HALF_BALLS[drive], RIMS[rim])
         resolution = FINER if joint.series_applies else RESOLUTION
         resolution = COARSER if counts["r2_star"] > 1 else resolution
         solved[*at, drive, rim] = _at_places(joint, *depths_and_forces(joint, DEEPEST, resolution))

@@ -16,11 +16,11 @@ SI units, and `parsing` reads a joint from texts.
 """
 
 from study.contact import Material, material
-from study.joint.supports import Rim
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import ForceCurve, Solver, force_curve
 from study.joint.dimensional import DimensionalJoint, DimensionalSolution
 from study.joint.joint import Joint, Kinematics, Layer, paper_joint
 from study.joint.nested_contact import whole_curve
 from study.joint.stress import FirstYield, LargestStress, first_yield
+from study.joint.supports import Rim
 from study.joint.tilted import TiltedContact, tilted_contact, under_force

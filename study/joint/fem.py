@@ -108,11 +108,9 @@ def meridian_of_ball(
     core = size if kind == "core" else 0.0
     neck = np.pi - np.radians(size if kind == "neck" else 0.0)
     held = {"core": (core, core, 0, np.pi), "neck": (1, 1, neck, np.pi)}
+    equator = {"equator": (0, 1, np.pi / 2, np.pi / 2)}
     boundaries = {"surface": (1, 1, 0, angles[-1])}
-    if kind in held:
-        boundaries[kind] = held[kind]
-    else:
-        boundaries["equator"] = 0, 1, np.pi / 2, np.pi / 2
+    boundaries |= {kind: held[kind]} if kind in held else equator
     depths = _depths(1 - core, 1.0, radial * (len(angles) - 1), 8)
     radii = 1.0 - (depths if core else depths[:-1])
     # stresses have no bound at a neck's edge: elements do not grow towards it
@@ -368,7 +366,7 @@ def held_socket(rim: Rim, backing: str) -> dict[str, str]:
 def socket_lame(mesh: MeshTri, ratios: Floats, poissons: Floats, moduli: Floats) -> tuple:
     """Lame's parameters of every element of a `socket_mesh`, each of shape (elements, 1)."""
     of_layers = lame_parameters(moduli, poissons)
-    first, second = (of_layer[layer_of(mesh, ratios)][:, None] for of_layer in of_layers)
+    first, second = (of_layer[layer_of(mesh, tuple(ratios))][:, None] for of_layer in of_layers)
     return first, second
 
 
@@ -394,7 +392,7 @@ def _ring_mesh(radii, angles, nodes, boundaries, centre=False, seat=None):
     Boundaries are named by their least and largest radius, and least and largest polar angle. A
     seat's ends become vertices of the last ring.
     """
-    fewest = _FEWEST if centre or seat is None and "core" not in boundaries else _FEWEST_HELD
+    fewest = _FEWEST if centre or (seat is None and "core" not in boundaries) else _FEWEST_HELD
     points, triangles, first = [_ring(1.0, angles)], [], 0
     for radius, step in zip(radii[1:], np.abs(np.diff(radii)), strict=True):
         outer = first + np.arange(len(angles))

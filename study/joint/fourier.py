@@ -14,11 +14,17 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
-from skfem import Basis, BilinearForm, ElementTriP1, ElementTriP2, ElementVector, FacetBasis, MeshTri
+from skfem import (
+    Basis,
+    BilinearForm,
+    ElementTriP1,
+    ElementTriP2,
+    ElementVector,
+    FacetBasis,
+    MeshTri,
+)
 
 Floats = NDArray[np.float64]
-COARSER = 16
-"""Most nodes of the finest ring for one of the coarsest: its number of nodes is a multiple."""
 _FIRST, _SOLVED = 5, 10  # modes solved: the first ones, and more up to the last one
 _POLAR, _AROUND = 3, 2  # Gauss points of an element
 _ON_AXIS = {0: (0, 1), 1: (1, 2)}  # unknowns that are zero on the axis; of higher modes all are
@@ -40,8 +46,7 @@ class Grid:
         self.angles, self.around = angles, around
         arc = np.sin(angles[1:]) * 2 * np.pi / around / angles[1]  # over the polar step
         halvings = np.floor(np.log2(np.maximum(1.4 / arc, 1)))
-        most = np.log2(COARSER)
-        self.stride = np.append(around, 2 ** np.minimum(halvings, most).astype(int))
+        self.stride = np.append(around, np.gcd(around, 2 ** halvings.astype(int)))
         counts = np.append(1, around // 2 // self.stride[1:] + 1)
         self.first = np.cumsum(np.append(0, counts))
         self.ring = np.repeat(np.arange(len(angles)), counts)
@@ -113,7 +118,8 @@ class Surface:
         ring, place, ends = grid.ring[nodes], grid.place[nodes], grid.ends[nodes]
         apart, together = np.abs(place[:, None] - place), place[:, None] + place
         mirrored = np.minimum(together, grid.around - together)
-        both = self._kernel[apart, ring[:, None], ring] + self._kernel[mirrored, ring[:, None], ring]
+        of_rings = ring[:, None], ring
+        both = self._kernel[apart, *of_rings] + self._kernel[mirrored, *of_rings]
         return both * np.outer(ends, ends)
 
 
@@ -140,7 +146,10 @@ def flexibility(
         for component in (c for part in components for c in _COMPONENTS[part])
     ]
     # over the logarithm of the radius a mode decays by its number less one, or faster
-    axis, depth = basis.get_dofs(mesh.boundaries["axis"]), np.abs(np.log(np.maximum(np.hypot(*basis.doflocs), _CENTRE)))
+    axis, depth = (
+        basis.get_dofs(mesh.boundaries["axis"]),
+        np.abs(np.log(np.maximum(np.hypot(*basis.doflocs), _CENTRE))),
+    )
     result = np.empty((len(modes), load.shape[1], load.shape[1]))
     for k, m in enumerate(modes):
         on_axis = (_unknowns(basis, axis, c) for c in _ON_AXIS.get(m, (0, 1, 2)))
@@ -172,7 +181,9 @@ def _elastic(u, v, w):
         hoop = ((1 - m) * radial + m * both) / r
         around = both - radial  # u_phi
         return (
-            d_radial[0], hoop, d_axial[1],
+            d_radial[0],
+            hoop,
+            d_axial[1],
             d_radial[1] + d_axial[0],
             -m * radial / r + d_both[0] - d_radial[0] - around / r,
             d_both[1] - d_radial[1] - m * axial / r,

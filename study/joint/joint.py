@@ -11,12 +11,12 @@ import numpy as np
 
 from study import checks
 from study.contact import SOCKET_RATIO, Material, composite_modulus
+from study.joint import supports
 from study.joint.compliance import (
     THICKEST_RATIO,
     THINNEST_RATIO,
     layer_ratios,
 )
-from study.joint import supports
 from study.joint.supports import OPENING, RIMS, Rim
 
 Kinematics = Literal["small", "linear", "finite"]

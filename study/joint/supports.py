@@ -1,7 +1,8 @@
 """What holds ball and socket: how the ball is displaced, where the socket is backed, and its mouth.
 
-Each is a short text or a number, as it is typed. This module reads and checks them;
-`study.joint.fem` meshes what they describe. Angles are polar angles in deg, from the pole at which the ball is pressed.
+Each is a short text or a number, as it is typed. This module reads and checks them, and
+`study.joint.fem` meshes what they describe. Angles are polar angles in deg, from the pole that the
+ball is pressed into.
 """
 
 from typing import Literal, get_args
@@ -61,4 +62,3 @@ def seat(backing: str, opening: float) -> tuple[float, float] | None:
     least = low + _LEAST_SEAT
     checks.number("second angle of backing", high, "deg", least=least, most=opening)
     return low, high
-

@@ -16,11 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse import csr_array
-from skfem.models.elasticity import lame_parameters
 
 from study import checks
 from study.contact import largest_depth
-from study.joint import complementarity, fem, fourier, supports
+from study.joint import complementarity, supports
 from study.joint.compliance import layered
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.joint import Joint
@@ -33,6 +32,7 @@ FINEST_RESOLUTION = 96
 LARGEST_TILT = 120.0
 """In deg: beyond it no joint has a contact that is known here."""
 _RADIAL_ELEMENTS = 0.2  # as in `study.joint.fem`, for elements of equal angles
+_TOGETHER = 16  # nodes around of which coarser rings leave all but one out
 _BEYOND = 8.0  # deg by which the ball's nodes go on beyond the mouth
 _LEAST_SHARE = 0.3  # of the deepest overlap: shallower ones are at first left out of the contact
 _FEWEST = 12  # nodes of a contact of half the resolution
@@ -235,7 +235,7 @@ class _Contacts:
     def solve(self, depth, tilt):
         """`_Solved` at a depth_star, of a displacement at a tilt in deg."""
         joint, grid = self.joint, self.socket.grid
-        r1, share_of_ball, share_of_socket = joint.ball_radius, *joint.modulus_shares
+        r1, (share_of_ball, share_of_socket) = joint.ball_radius, joint.modulus_shares
         axes = np.insert(_axes(tilt), 1, 0.0, axis=1)
         centre = (1 + depth) / joint.r2_star * axes[0]
         # how far the ball's surface is from the socket's centre, and its normal there
@@ -285,13 +285,13 @@ class _Contacts:
             cho_factor(matrix[np.ix_(active, active)]), (weighted @ (closing @ axes.T))[nodes]
         )
         signed = np.where(grid.phi < np.pi / 2, 1, -1) * np.degrees(grid.theta)
-        in_plane = grid.ends[nodes] < 1
+        in_plane, step = grid.ends[nodes] < 1, np.degrees(grid.angles[1])
         return _Solved(
             force=2 * joint.r2_star * loads.T @ pressure,
             stiffness=2 * joint.r2_star * loads.T @ by_pressure,
             peak=float(pressure.max()),
             peak_angle=float(signed[nodes[pressure.argmax()]]),
-            edges=_edges(signed[nodes][in_plane], pressure[in_plane], joint.opening, np.degrees(grid.angles[1])),
+            edges=_edges(signed[nodes[in_plane]], pressure[in_plane], step, joint.opening),
             reaches_mouth=bool((grid.ring[nodes] == grid.ring[-1]).any() or cut[nodes].any()),
         )
 
@@ -308,7 +308,7 @@ class _Contacts:
         return seen + local[:, None] * unseen * local
 
 
-def _edges(angles, pressure, opening, step):
+def _edges(angles, pressure, step, opening):
     """Where contact ends in the plane of symmetry: signed angles in deg, least and largest.
 
     Near an edge the pressure's square is linear. ``step`` is that of the nodes' angles.
@@ -329,13 +329,17 @@ def _angles(opening, end, resolution):
     count = 2 * round(opening / 180 * resolution)
     step = np.radians(opening) / count
     further = int(np.radians(max(min(_BEYOND, end - opening), 0)) / step + 1e-6)
-    around = np.ceil(2 * np.pi * np.sin(np.radians(min(opening, 90))) / step / fourier.COARSER)
+    around = np.ceil(2 * np.pi * np.sin(np.radians(min(opening, 90))) / step / _TOGETHER)
     angles = step * np.arange(count + further + 1)
-    return angles[: count + 1], angles, fourier.COARSER * int(around)
+    return angles[: count + 1], angles, _TOGETHER * int(around)
 
 
 @lru_cache(maxsize=6)
 def _ball(poisson, drive, opening, end, resolution):
+    from skfem.models.elasticity import lame_parameters
+
+    from study.joint import fem, fourier
+
     _, angles, around = _angles(opening, end, resolution)
     mesh = fem.meridian_of_ball(angles, drive, radial=_RADIAL_ELEMENTS)
     lame = lame_parameters(1.0, poisson)
@@ -344,6 +348,8 @@ def _ball(poisson, drive, opening, end, resolution):
 
 @lru_cache(maxsize=6)
 def _socket(layers, opening, backing, resolution):
+    from study.joint import fem, fourier
+
     angles, _, around = _angles(opening, opening, resolution)
     ratios = np.array(layers[0])
     mesh = fem.meridian_of_socket(angles, ratios, opening, backing, radial=_RADIAL_ELEMENTS)

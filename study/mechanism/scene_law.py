@@ -53,8 +53,8 @@ def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
     """A law with all of its options, those given and others; a remark if it is of another joint."""
     own, joint = materials(scene), law.joint
     if joint is not None:
-        of_joint = ("r2_star", "socket_ratio", "ball_drive", "rim", "kinematics")
-        of_joint += () if joint.usual_supports else ("opening", "backing")
+        of_joint = ["r2_star", "socket_ratio", "ball_drive", "rim", "kinematics"]
+        of_joint += [] if joint.usual_supports else ["opening", "backing"]
         used = {name: getattr(joint, name) for name in of_joint}
         used |= own | {"layers": joint.layers_text or None}
     else:

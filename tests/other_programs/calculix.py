@@ -124,7 +124,7 @@ def deck(
         f"*CONTACT PAIR, INTERACTION=CONTACT, TYPE={CONTACTS[contact]}",
         "BALLSURFACE, SOCKETSURFACE",
         *("*BOUNDARY", "BALLAXIS, 1, 1", "SOCKETAXIS, 1, 1", "SOCKETOUTSIDE, 1, 2"),
-        *(["SOCKETEQUATOR, 2, 2"] if joint.rim == "mirror" else []),
+        *(["SOCKETRIM, 2, 2"] if joint.rim == "mirror" else []),
         *(["BALLEQUATOR, 1, 1"] if joint.ball_drive == "clamped" else []),
     ]
     for depth in depth_star:
