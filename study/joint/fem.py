@@ -109,7 +109,7 @@ def meridian_of_ball(
     neck = np.pi - np.radians(size if kind == "neck" else 0.0)
     held = {"core": (core, core, 0, np.pi), "neck": (1, 1, neck, np.pi)}
     equator = {"equator": (0, 1, np.pi / 2, np.pi / 2)}
-    boundaries = {"surface": (1, 1, 0, angles[-1])}
+    boundaries: dict[str, tuple] = {"surface": (1, 1, 0, angles[-1])}
     boundaries |= {kind: held[kind]} if kind in held else equator
     depths = _depths(1 - core, 1.0, radial * (len(angles) - 1), 8)
     radii = 1.0 - (depths if core else depths[:-1])

@@ -336,13 +336,11 @@ def _angles(opening, end, resolution):
 
 @lru_cache(maxsize=6)
 def _ball(poisson, drive, opening, end, resolution):
-    from skfem.models.elasticity import lame_parameters
-
     from study.joint import fem, fourier
 
     _, angles, around = _angles(opening, end, resolution)
     mesh = fem.meridian_of_ball(angles, drive, radial=_RADIAL_ELEMENTS)
-    lame = lame_parameters(1.0, poisson)
+    lame = fem.lame_parameters(1.0, poisson)
     return fourier.Surface(mesh, lame, fem.held_ball(drive), fourier.Grid(angles, around))
 
 
