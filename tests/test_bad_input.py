@@ -184,9 +184,11 @@ def joint_rows():
             socket_ratio=(1.3, (*NUMBER, 1, 0.5, 1e100)),
             ball=(Material(), THING),
             socket=(Material(), (*THING, Material(2e-4), Material(2e30))),
-            ball_drive=("plane", NAME),
-            rim=("mirror", NAME),
+            ball_drive=("plane", (*NAME, "core:2", "neck:x")),
+            rim=("mirror", set_without(NAME, None)),
             kinematics=("linear", NAME),
+            opening=(90.0, (*NUMBER, 29, 91)),
+            backing=("whole", (*NAME, "60,30", "0,95", "0,1")),
         )
     yield from rows(paper_joint, colour=("red", ("red",)))
     yield from rows(material, given=("steel", (*NAME, "1e9", "1,2,3,4")))
@@ -199,8 +201,10 @@ def joint_rows():
         socket=("bronze", (*NAME, object)),
         liner=((), (3, "PTFE", ("PTFE",), ((1e-4,),), ((-1e-4, "PTFE"),), ((1, "PTFE"),))),
         ball_drive=("plane", NAME),
-        rim=("mirror", NAME),
+        rim=("mirror", set_without(NAME, None)),
         kinematics=("linear", NAME),
+        opening=(90.0, (*NUMBER, 29, 91)),
+        backing=("whole", (*NAME, "60,30")),
     )
     sized = DimensionalJoint(0.01, 1e-4, 3e-3)
     wrong = (*set_without(LIST, None), 0, -1, [], np.eye(2), 1e-30, 1e9)

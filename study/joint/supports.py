@@ -34,10 +34,13 @@ def drive(text: str) -> tuple[str, float]:
     Of ``neck:30`` the neck's half-angle in deg, from the top; else 0. A text that is neither, or a
     number outside its range, is a ``ValueError``.
     """
-    if text in HALF_BALLS:
-        return text, 0.0
     kind, colon, number = text.partition(":") if isinstance(text, str) else ("", "", "")
-    ranges = {"core": ("radius of the core over R1", CORES, ""), "neck": ("neck", NECKS, "deg")}
+    if kind in HALF_BALLS and not colon:
+        return kind, 0.0
+    ranges = {
+        "core": ("core of ball_drive", CORES, "R1"),
+        "neck": ("neck of ball_drive", NECKS, "deg"),
+    }
     if kind not in ranges or not colon:
         wanted = ", ".join(DRIVES)
         raise ValueError(f"ball_drive must be one of {wanted}, got {checks.shown(text)}")
@@ -51,7 +54,7 @@ def seat(backing: str, opening: float) -> tuple[float, float] | None:
     None for ``whole`` and ``rim``. A ``ValueError`` for another text, or for angles that are not in
     order or beyond the opening.
     """
-    if backing in BACKINGS:
+    if isinstance(backing, str) and backing in BACKINGS:
         return None
     try:
         low, high = checks.read_several("backing", backing, 2)
