@@ -14,6 +14,7 @@ NO_LAW = {
     "tabulated": "tabulated, the table of this joint's own curve",
     "solver": "none: the joint has to be solved at every depth",
 }
+HELD = "they are largest where that is held, and depend on its details."
 MATERIAL = (
     "Material by its name (listed by study data materials), or by Young's modulus in Pa, Poisson's "
     "ratio and perhaps yield stress in Pa: 210e9,0.3,5e8. [default: steel]"
@@ -138,6 +139,8 @@ def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, *
         values = values | {f"{_prefix(body)}_{name}": stress[name] for name in stress}
         table = depths | {"von_mises_star": stress.pop("star")} | stress
         parts += [f"Largest von Mises stress in the {body}:", table]
+    for body in [name for name in solved_joint.materials if name not in stresses]:
+        parts.append(f"Without stresses of the {body}: {HELD}")
     show(values, as_json, *parts)
 
 
@@ -190,7 +193,7 @@ def _described(joint, solution, tolerance):
     values |= {name: getattr(plain, name) for name in without}
     values["depth_star"] = (solution.depth / joint.clearance).tolist()
     law, text = _law(joint, float(solution.depth.max()), tolerance)
-    parts = [_contact(solution), _stresses(joint, solution), text]
+    parts = [_contact(solution), *_stresses(joint, solution), text]
     if joint.socket_radius >= LARGE:
         parts.append(f"The socket's radius is {joint.socket_radius:g} m: are the sizes in m?")
     return values | law, parts
@@ -208,10 +211,14 @@ def _contact(solution):
 
 
 def _stresses(joint, solution):
-    """Table with a row for each body at each depth."""
+    """Table with a row for each body at each depth, and which bodies it leaves out."""
     strengths = {body: material.yield_stress for body, material in joint.materials.items()}
     rows = [(k, body) for k in range(len(solution.depth)) for body in solution.von_mises]
-    return {
+    if left_out := [body for body in strengths if body not in solution.von_mises]:
+        yield f"Without stresses of the {' and the '.join(left_out)}: {HELD}"
+    if not rows:
+        return
+    yield {
         "depth um": _rounded(solution.depth[k] / MICRO for k, _ in rows),
         "body": [body for _, body in rows],
         "von_mises MPa": _rounded(solution.von_mises[body][k] / MEGA for k, body in rows),

@@ -131,8 +131,9 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
 def largest(curve: ForceCurve) -> dict[str, LargestStress]:
     """Largest von Mises stress in each body, by its name in ``joint.materials``.
 
-    A ball on a ``point`` drive is left out: under a point load stresses have no bound. Elements
-    are searched from `HEIGHT` above the equator on.
+    Left out are a ball that is not held by its equatorial plane, and a socket that is not held all
+    over its outside: at a point, a core or the end of a support, stresses are those of its details.
+    Elements are searched from `HEIGHT` above the equator on, and as far inside the mouth.
     """
     checks.instance("curve", curve, ForceCurve)
     sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
@@ -165,14 +166,16 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     Raises
     ------
     ValueError
-        For materials without a yield stress, a ball on a ``point`` drive, or a depth that the
-        joint cannot have.
+        For materials without a yield stress; for a ball that is not on a ``plane`` or ``clamped``
+        drive, or a socket that is not held all over its outside; for a depth that the joint cannot
+        have.
     """
     from scipy.interpolate import PchipInterpolator  # a quarter of a second, for this alone
     from scipy.optimize import brentq
 
     checks.instance("joint", joint, Joint)
     checks.choice("ball_drive", joint.ball_drive, ("plane", "clamped"))
+    checks.choice("backing", joint.backing, ("whole",))
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     if not any(material.yield_stress for material in joint.materials.values()):
         raise ValueError("joint must have a material with a yield_stress, got none")
@@ -316,18 +319,24 @@ def _of_elements(curve):
 
     nodes = 3 if curve.solver == "linear" else 6
     of_ball, of_socket = meshed(curve.joint, len(curve.angles) - 1, nodes)
-    if curve.joint.ball_drive != "point":
-        yield "ball", _largest_at_nodes(fem.ball(*of_ball), curve.pressure)
+    joint, edge = curve.joint, curve.joint.reach
+    if joint.ball_drive in ("plane", "clamped"):
+        yield "ball", _largest_at_nodes(fem.ball(*of_ball), curve.pressure, edge)
+    if joint.backing != "whole":
+        return
     socket, pressure, inner = fem.socket(*of_socket), contact_kinematics.socket_pressure(curve), 1.0
     for name, outer in zip([*curve.joint.materials][1:], of_socket[0], strict=True):
-        yield name, _largest_at_nodes(socket, pressure, inner, outer)
+        yield name, _largest_at_nodes(socket, pressure, edge, inner, outer)
         inner = outer
 
 
-def _largest_at_nodes(body, pressure, *layer):
+def _largest_at_nodes(body, pressure, edge, *layer):
     radius, angle = body.places
     stress = von_mises(body.stresses(pressure, *layer))
-    at = np.where(radius * np.cos(angle) > HEIGHT, stress, 0).argmax(axis=1)
+    searched = radius * np.cos(angle) > HEIGHT
+    if edge < np.pi / 2:
+        searched &= angle < edge - HEIGHT
+    at = np.where(searched, stress, 0).argmax(axis=1)
     return stress[np.arange(len(at)), at], radius[at], angle[at]
 
 
