@@ -6,7 +6,7 @@ from benchmarks import charts
 
 from study import contact
 from study.contact import hertz_correction, joint_law
-from study.joint import Joint, fem, force_curve, series, whole_curve
+from study.joint import Joint, fem, force_curve, series, tilted, tilted_contact, whole_curve
 
 DEPTHS = np.linspace(0.025, 0.5, 20)
 
@@ -29,6 +29,25 @@ def test_bodies_by_finite_elements(benchmark):
         assert fem.socket(1.19).compliance.flexibility.size
 
     benchmark.pedantic(both, rounds=5, warmup_rounds=1)
+
+
+@pytest.mark.parametrize("body", ["ball", "socket"])
+def test_a_body_by_fourier_modes(benchmark, body):
+    layers = Joint(200).socket_layers
+
+    def made():
+        if body == "ball":
+            return tilted._ball.__wrapped__(0.3, "core:0.2", 90.0, 180.0, tilted.RESOLUTION)
+        return tilted._socket.__wrapped__(layers, 90.0, "whole", tilted.RESOLUTION)
+
+    benchmark.pedantic(made, rounds=3)
+
+
+@pytest.mark.parametrize("depth", [0.1, 0.5, 1.0])
+def test_a_depth_off_the_axis_with_its_error_estimate(benchmark, depth):
+    joint = Joint(200, ball_drive="core:0.2")
+    tilted_contact(joint, 0.1, 30)  # the bodies are cached from here on
+    benchmark.pedantic(tilted_contact, (joint, depth, 30), rounds=5)
 
 
 @pytest.mark.parametrize("kinematics", ["small", "linear", "finite"])
