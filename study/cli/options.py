@@ -78,7 +78,7 @@ class JointOptions(MaterialOptions):
     )
     rim: Rim = RIM
     opening: float = option(
-        "Polar angle of the socket's mouth from its pole, in deg, 30 to 170. [default: 90]"
+        "Polar angle of the socket's mouth from its pole, in deg, 30 to 170. [default: 90.0]"
     )
     backing: str = option(
         "Where the socket is held: its outside all over (whole), the face of its rim alone (rim), "

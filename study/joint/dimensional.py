@@ -135,7 +135,7 @@ class DimensionalJoint:
         checks.number("clearance", self.clearance, "m", **limits, scalar=True)
         limits = {"least": (THINNEST_RATIO - 1) * radius, "most": (THICKEST_RATIO - 1) * radius}
         checks.number("wall", self.wall, "m", **limits, scalar=True)
-        _ = self.joint  # whose errors belong here
+        object.__setattr__(self, "rim", self.joint.rim)  # and errors of the joint belong here
 
     @cached_property
     def joint(self) -> Joint:
