@@ -24,10 +24,12 @@ from study.contact import damping, joint_law
 from study.dataset import fitting
 from study.joint import (
     DimensionalJoint,
+    DirectionalLaw,
     Joint,
     Material,
     UnresolvedError,
     complementarity,
+    directional_law,
     fem,
     first_yield,
     force_curve,
@@ -64,6 +66,7 @@ STATE = np.array([0.1, 3e-5, 4.1e-5, 1.0, 0.0, 0.0])
 SCENE = Scene()
 PACKED = stability.packed(SCENE, "hertz")
 FORCES = [1.0, 2.0, 4.0]
+TWICE = np.full((2, 6, 6), 2.0)
 
 
 def curve_with(**changes):
@@ -217,6 +220,18 @@ def joint_rows():
         resolution=(64, (*set_without(WHOLE, None), 0, 16, 48, 1920)),
         solver=("series", set_without((*NAME, "bem"), None)),
     )
+    core = Joint(200, ball_drive="core:0.2")
+    yield from rows(
+        directional_law,
+        joint=(core, THING),
+        depth_star=(0.3, (*POSITIVE, 0.1, 30)),
+        tilt=(20.0, (*POSITIVE, 121)),
+        resolution=(48, (*WHOLE, 16, 50, 112)),
+    )
+    table = DirectionalLaw(core, *np.array([[0.1, 0.4], [0, 9]]), *np.ones((2, 2, 2)), 0, TWICE)
+    yield from rows(
+        table.force, depth_star=(0.3, (*LIST, 0.5)), tilt=(5.0, (*LIST, 10, -10, [1, 2, 30]))
+    )
     free = partial(force_curve, Joint(200, rim="free"), 0.3)
     yield from rows(free, solver=("quadratic", ("series",)), resolution=(64, (640, 1e6)))
     ratio, poisson = (1.3, (*NUMBER, 1, 1e100)), (0.3, (*NUMBER, 0.5, -1))
@@ -300,6 +315,20 @@ def study_rows():
         form=("c", NAME),
         joint=(Joint(200), THING),
         depth_star=(0.3, set_without((*POSITIVE, 30), None)),
+    )
+    core = Joint(200, ball_drive="core:0.2")
+    yield from rows(
+        partial(export.export, "tabulated", joint=core, depth_star=0.3),
+        form=("c", (*NAME, "json")),
+        tilt=(10.0, (*set_without(POSITIVE, None), 121)),
+    )
+    yield from rows(partial(export.export, form="c", joint=core, tilt=9.0), law=("tabulated", NAME))
+    yield from rows(
+        choose.directions,
+        joint=(core, THING),
+        depth_star=(0.3, (*POSITIVE, 30)),
+        tilt=(10.0, (*POSITIVE, 121)),
+        tolerance=(0.01, (*POSITIVE, 1.1)),
     )
     yield from rows(dataset.load, r2_star=(200, (nan, None, 7, "x")), case=("x", ("x", None, 3)))
     yield from rows(dataset.load, colour=("red", ("red",)))
@@ -595,6 +624,11 @@ COMMANDS = [
     *(("law", law, "--r2-star", 200, "--depth-star", v) for law in contact.LAWS for v in NUMBERS),
     *(("law", "hertz", "--r2-star", value, "--depth-star", 1) for value in (*NUMBERS, "1")),
     *(("export", "--law", "tabulated", "--format", "csv", "--r2-star", v) for v in NUMBERS),
+    *(
+        (*words, "--drive", drive, "--tilt", tilt)
+        for words in (CHOOSE, ("export", "--law", "tabulated", "--format", "c"))
+        for drive, tilt in (("plane", 9), ("point", 9), *(("core:0.2", v) for v in NUMBERS))
+    ),
     ("export", "--law", "tabulated", "--format", "csv", "--modulus-ratio", "1e-15"),
     ("export", "--law", "x", "--format", "csv"),
     ("export", "--law", "tabulated", "--format", "x"),

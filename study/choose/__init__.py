@@ -1,18 +1,29 @@
 """The cheapest law for a joint, and the simplest model for a mechanism.
 
-`choose` compares every law with the solved joint. `choose_model` runs models of rigid links, bounds
-what flexible links would change (`links`), and runs these only if that bound is too large.
-`random_scenes` makes the evidence of the bound.
+`choose` compares every law with the solved joint. `directions` says whether a law along the axis
+serves loads off it. `choose_model` runs models of rigid links, bounds what flexible links would
+change (`links`), and runs these only if that bound is too large. `random_scenes` makes the evidence
+of the bound.
 """
 
 from typing import TYPE_CHECKING, Any
 
 from study.choose.law import Choice, choose, relative_costs
+from study.choose.tilts import Directions, directions
 
 if TYPE_CHECKING:
     from study.choose.model import ModelChoice, ModelError, choose_model
 
-__all__ = ["Choice", "ModelChoice", "ModelError", "choose", "choose_model", "relative_costs"]
+__all__ = [
+    "Choice",
+    "Directions",
+    "ModelChoice",
+    "ModelError",
+    "choose",
+    "choose_model",
+    "directions",
+    "relative_costs",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -79,8 +79,8 @@ def solve_joint(as_json: bool = cli.JSON, **options: EitherOptions):
     else:
         _needed(("r2_star", "depth_star"), options, " or, with dimensions, --socket-radius, ...")
         solve = _solve_dimensionless
+    options = cli.under_tilt(options.get("tilt"), options)
     if "tilt" in options:
-        options = {"rim": "free"} | options
         for name in ("solver", "tolerance"):
             if name in options:
                 raise ValueError(f"{cli.flag(name)} must be left out beside --tilt")
@@ -265,7 +265,7 @@ def _law(joint, largest, tolerance):
         )
     line = None
     if choice.law != "solver":
-        line = f"study export --law {choice.law} --format c {_options(plain, choice.depths[1])}"
+        line = f"study export --law {choice.law} --format c {described(plain, choice.depths[1])}"
         text += (
             f"\nTo take it into another program, with the clearance {joint.clearance:g} m and the "
             f"composite modulus {plain.composite_modulus:.9g} Pa:\n{line}"
@@ -274,7 +274,7 @@ def _law(joint, largest, tolerance):
     return values | {"law_errors": choice.errors, "export": line}, text
 
 
-def _options(joint, deepest):
+def described(joint, deepest):
     """Options of study export that describe a joint without its dimensions."""
     from study.joint import Joint
     from study.joint.dimensional import usual_depth

@@ -46,6 +46,14 @@ YIELDS = (
     "(force_star {force_star:.4g}). All errors are for joints that do not yield."
 )
 
+DIRECTIONS = {True: "One law serves", False: "No one law is known to serve"}
+KNOWN = {"rule": "by the rule that the mouth is far, and all else the same all round"}
+OFF_AXIS = (
+    "{} all directions up to {:g} deg: the force differs from that along the axis by at most "
+    "{:.2g} of it ({})."
+)
+TABLE = " A table of depth and tilt does:\nstudy export --law tabulated --tilt {:g} --format c {}"
+
 
 @cli.command("choose")
 def choose_law(
@@ -59,6 +67,9 @@ def choose_law(
     yield_stress: float = cli.option(
         "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa."
     ),
+    tilt: float = cli.option(
+        "Largest direction of a displacement off the axis, in deg: does one law serve all?"
+    ),
     as_json: bool = cli.JSON,
     **joint: cli.JointOptions,
 ):
@@ -66,11 +77,14 @@ def choose_law(
 
     For a whole mechanism: study simulate --model auto --tolerance ... .
     """
-    from study.choose import choose, relative_costs
+    from study.choose import choose, directions, relative_costs
+    from study.cli.joint import described
     from study.joint import first_yield, parsing
 
+    joint = cli.under_tilt(tilt, joint)
     asked, costs = parsing.joint(r2_star, yield_stress=yield_stress, **joint), relative_costs()
     with working("Solving the joint"):
+        off_axis = tilt is not None and directions(asked, depth_star, tilt, tolerance)
         choice = choose(asked, depth_star, tolerance)
         first = first_yield(asked, depth_star) if yield_stress else None
     laws = sorted(choice.errors, key=costs.get)
@@ -78,10 +92,17 @@ def choose_law(
     sentences = ["For depths of {:g} to {:g} clearances.".format(*choice.depths)]
     if first:
         sentences.append(YIELDS.format(**vars(first)))
+    if off_axis:
+        serves, error, known_by = vars(off_axis).values()
+        how = KNOWN.get(known_by, "solved at the largest depth")
+        sentences.append(OFF_AXIS.format(DIRECTIONS[serves], tilt, error, how))
+        if not serves:
+            sentences[-1] += TABLE.format(tilt, described(asked, depth_star))
     show(
         {"next_cheaper": next(iter(choice.rejected), None)}
         | named_fields(choice)
-        | {"first_yield": vars(first) if first else None},
+        | {"first_yield": vars(first) if first else None}
+        | (vars(off_axis) if off_axis else {}),
         as_json,
         {name: [getattr(choice, name)] for name in names},
         *sentences,
@@ -107,6 +128,10 @@ def export_law(
     depth_star: float = cli.option(
         "Largest depth of the text, in clearances; by default 1, if the joint can go so deep."
     ),
+    tilt: float = cli.option(
+        "Largest direction of a displacement off the axis, in deg: tabulated is then a table of "
+        "depth and tilt, with the forces along and across."
+    ),
     output: Path = cli.OUTPUT,
     r2_star: float = cli.option(cli.R2_STAR, default=200.0),
     **joint: cli.JointOptions,
@@ -120,9 +145,9 @@ def export_law(
     from study.joint import parsing
 
     cli.check_output(output, SUFFIXES[form])
-    asked = parsing.joint(r2_star, **joint)
+    asked = parsing.joint(r2_star, **cli.under_tilt(tilt, joint))
     with working("Solving the joint, and its error"):
-        text = export(law, form, asked, depth_star)
+        text = export(law, form, asked, depth_star, tilt)
     if output is None:
         print(text, end="")
     else:

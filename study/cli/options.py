@@ -168,6 +168,11 @@ def left_out(options, allowed, why):
             raise ValueError(f"{flag(name)} must be left out: {why}")
 
 
+def under_tilt(tilt, options):
+    """Options of a joint; beside a tilt the socket's edge is free unless it is given."""
+    return options if tilt is None else {"rim": "free"} | options
+
+
 def check_output(output, suffix):
     """Refuse a file that has another suffix or cannot be written, before the work."""
     if output is None:

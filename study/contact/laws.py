@@ -191,11 +191,13 @@ def stiffened_hertz(
     """Hertz stiffened by thickness, materials and supports (this study, tabulated).
 
     P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s) and
-    s = sqrt(ds): Hertz's law as ds -> 0. The nine numbers of a joint are looked up once, in
-    ``hertz_correction.csv`` (`study.contact.hertz_correction`). The law is for linear kinematics,
-    ds <= 1 and the ranges of `study.contact.hertz_correction.RANGES`. Its largest error is 0.18 %
-    on 336 random joints, and 0.57 % at the ends of the ranges (notebook 15). Defaults are the
-    paper's socket ratio and equal materials.
+    s = sqrt(ds): Hertz's law as ds -> 0. It is for half a ball, ``plane`` or ``clamped``, in a
+    hemispherical socket (an opening of 90 deg) that is fixed all over its outside (the backing
+    ``whole``), of one material, pressed along the axis. The nine numbers of a joint are looked up
+    once, in ``hertz_correction.csv`` (`study.contact.hertz_correction`). The law is for linear
+    kinematics, ds <= 1 and the ranges of `study.contact.hertz_correction.RANGES`. Its largest error
+    is 0.18 % on 336 random joints, and 0.57 % at the ends of the ranges (notebook 15). Defaults are
+    the paper's socket ratio and equal materials.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from scipy.interpolate import CubicHermiteSpline
 from study import checks, contact
 from study.contact import LAWS, LawName, laws, shapes
 from study.export import formulas
-from study.joint import Joint, whole_curve
+from study.joint import DirectionalLaw, Joint, directional_law, whole_curve
 from study.joint.dimensional import usual_depth
 from study.joint.supports import SUPPORTS
 
@@ -31,9 +31,21 @@ _UNITS = {
     "force_star": "force/(E* dR^2), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
     "stiffness_star": "stiffness/(E* dR), of force over depth",
 }
+_DIRECTION_UNITS = {
+    "depth_star": _UNITS["depth_star"],
+    "tilt": "direction of the displacement off the axis, in deg",
+    "force_star": f"{_UNITS['force_star']}, along the displacement",
+    "transverse_star": "the same across it, towards larger tilt; at -tilt it has the other sign",
+}
 
 
-def export(law: Exported, form: Format, joint: Joint, depth_star: float | None = None) -> str:
+def export(
+    law: Exported,
+    form: Format,
+    joint: Joint,
+    depth_star: float | None = None,
+    tilt: float | None = None,
+) -> str:
     """Text of a law in one of the formats.
 
     Parameters
@@ -46,6 +58,9 @@ def export(law: Exported, form: Format, joint: Joint, depth_star: float | None =
         The one joint that the text is for.
     depth_star
         Largest depth of the text, in clearances; by default 1, if the joint can go so deep.
+    tilt
+        Largest direction of a displacement off the axis, in deg: ``tabulated`` is then the table of
+        depth and tilt of `study.joint.directional_law`, and gives forces along and across.
 
     Raises
     ------
@@ -62,6 +77,10 @@ def export(law: Exported, form: Format, joint: Joint, depth_star: float | None =
     deepest = usual_depth(joint)
     if depth_star is not None:
         deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
+    if tilt is not None:
+        checks.choice("law beside tilt", law, ["tabulated"])
+        checks.choice("format beside tilt", form, ["c", "matlab", "csv"])
+        return _directions(directional_law(joint, deepest, tilt), form)
     content = _Law(law, joint, deepest)
     if form == "json":
         return _json(content)
@@ -93,15 +112,12 @@ class _Law:
 
     def in_words(self):
         """Joint, range and error, a line each."""
-        joint = ", ".join(
-            f"{key} {_plain(value)}" for key, value in _parameters(self.joint).items()
-        )
         error = f"the joint is solved within about {_percent(self.error_of_joint)}."
         if self.name != "tabulated":
             against = f"at most {_percent(self.error)} against the solved joint."
             error = f"{against} {error.capitalize()}"
         return [
-            f"Joint: {joint}.",
+            _joint_in_words(self.joint),
             f"Range: depths from 0 to {self.deepest:g} clearances.",
             f"Error of the force, from {self.least:g} clearances on: {error}",
         ]
@@ -175,6 +191,51 @@ def _interpolation_errors(law, depth, force, stiffness):
     cubic = CubicHermiteSpline(root, force, 2 * root * stiffness)(np.sqrt(between))
     true = law.at(between)[0]
     return linear / true - 1, cubic / true - 1
+
+
+def _directions(law: DirectionalLaw, form):
+    """Text of a table of depth and tilt."""
+    deepest, largest = float(law.depth_star[-1]), float(law.tilt[-1])
+    title = "Contact force of one spherical clearance joint in all directions up to a tilt."
+    words = [
+        _joint_in_words(law.joint),
+        f"Range: depths from 0 to {deepest:g} clearances, tilts from -{largest:g} to {largest:g} "
+        "deg: the direction of the displacement off the socket's axis.",
+        f"Error of the force, from {law.depth_star[0]:.3g} clearances on: the joint is solved, and "
+        f"the table read, within about {_percent(law.error)}; below, it leads to Hertz's law.",
+    ]
+    if form in ("c", "matlab"):
+        (row_steps, column_steps), scale = law.steps, contact.hertz(1.0, law.joint.r2_star)
+        numbers = {"deepest": deepest, "largest": largest, "scale": scale}
+        numbers |= {"row_steps": row_steps, "column_steps": column_steps}
+        texts = {"law": "tabulated", "title": title, "source": _SOURCE}
+        texts |= {"margin": laws.LIMIT_MARGIN} | {k: f"{x!r}" for k, x in numbers.items()}
+        return formulas.of_directions(form, law.table, "\n".join(words), **texts)
+    _, rows, columns = law.table.shape
+    depth = deepest * np.linspace(0, 1, rows - 2)[1:] ** 2
+    tilt = np.linspace(0, largest, columns - 2)
+    along, across = law.force(depth[:, None], tilt)
+    middle = np.array([along, across]) / depth[:, None] ** 1.5
+    middle = (middle[:, 1:] + middle[:, :-1]) / 2
+    middle = (middle[..., 1:] + middle[..., :-1]) / 2
+    between = (np.sqrt(depth[1:]) + np.sqrt(depth[:-1]))[:, None] ** 2 / 4
+    true = np.array(law.force(between, (tilt[1:] + tilt[:-1]) / 2))
+    off = np.hypot(*(middle * between**1.5 - true)) / np.hypot(*true)
+    lines = [
+        f"{title} {_SOURCE}",
+        *words,
+        "Between rows, linear interpolation over sqrt(depth_star) and tilt, of both forces over "
+        f"depth_star^1.5, adds an error of up to {_percent(off.max())}.",
+        *(f"{name} = {meaning}" for name, meaning in _DIRECTION_UNITS.items()),
+    ]
+    grid = np.broadcast_arrays(depth[:, None], tilt, along, across)
+    numbers = (",".join(f"{x:.12g}" for x in row) for row in zip(*map(np.ravel, grid), strict=True))
+    return "\n".join([*(f"# {line}" for line in lines), ",".join(_DIRECTION_UNITS), *numbers, ""])
+
+
+def _joint_in_words(joint):
+    texts = (f"{key} {_plain(value)}" for key, value in _parameters(joint).items())
+    return f"Joint: {', '.join(texts)}."
 
 
 def _percent(error):

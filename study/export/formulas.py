@@ -2,7 +2,8 @@
 
 A formula has lines ``name = expression``, from ``ds`` = depth/dR > 0 to the ``value`` and ``slope``
 of `study.contact.shapes`. It is written for MATLAB's arrays; C gets it without the dots before *
-and /. The templates around it are ``law.c`` and ``law.m``.
+and /. The templates around it are ``law.c`` and ``law.m``. A table of directions
+fills ``directions.c`` or ``directions.m``.
 """
 
 import re
@@ -13,6 +14,7 @@ from string import Template
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from study.contact import shapes
 
@@ -89,16 +91,38 @@ def text(language: Language, shape: Callable, constants: Any, about: str, **valu
     if language == "c":
         lines = [re.sub(r" \.([*/])", r" \1", line) for line in lines]
     names = dict.fromkeys(line.split(" = ")[0] for line in lines)
-    sign = _COMMENTS[language]
-    comment = [part for line in about.split("\n") for part in textwrap.wrap(line, WIDTH) or [""]]
-    template = Path(__file__).with_name(f"law{_SUFFIXES[language]}").read_text(encoding="utf-8")
-    return Template(template).substitute(
-        values,
+    return _filled(
+        "law",
+        language,
+        about,
+        **values,
         body="\n".join(part for line in lines for part in _wrapped(line, language)),
         names=", ".join(names),
         tables=_table(language, constants) if shape is shapes.tabulated else "",
-        described="\n".join(f"{sign}{part}".rstrip() for part in comment),
     )
+
+
+def of_directions(
+    language: Language, tables: NDArray[np.float64], about: str, **values: Any
+) -> str:
+    """Source of the function of `study.joint.DirectionalLaw`, from its table."""
+    begin, end, after = ("    {", "}", ",\n") if language == "c" else ("        ", "", "\n")
+    along, across = (
+        after.join(f"{begin}{', '.join(f'{x:.12g}' for x in row)}{end}" for row in table)
+        for table in tables
+    )
+    _, rows, columns = tables.shape
+    values |= {"rows": rows, "columns": columns, "along": along, "across": across}
+    return _filled("directions", language, about, **values)
+
+
+def _filled(name, language, about, **values):
+    """A template with its values and a comment."""
+    sign = _COMMENTS[language]
+    comment = [part for line in about.split("\n") for part in textwrap.wrap(line, WIDTH) or [""]]
+    template = Path(__file__).with_name(f"{name}{_SUFFIXES[language]}").read_text(encoding="utf-8")
+    described = "\n".join(f"{sign}{part}".rstrip() for part in comment)
+    return Template(template).substitute(values, described=described)
 
 
 def _wrapped(line: str, language: Language) -> list[str]:

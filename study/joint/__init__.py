@@ -11,14 +11,16 @@ which points face each other, and `complementarity` which of them touch. The con
 between two nodes; the force therefore converges with order 2 by either solver.
 
 `curve` solves the depths that are given. `nested_contact` solves a whole curve at once, in some
-30 ms. `stress` finds the stresses inside the bodies, and first yield. `dimensional` is a joint in
-SI units, and `parsing` reads a joint from texts.
+30 ms. `tilted` solves displacements off the axis, and `directions` makes a table of them. `stress`
+finds the stresses inside the bodies, and first yield. `dimensional` is a joint in SI units, and
+`parsing` reads a joint from texts.
 """
 
 from study.contact import Material, material
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import ForceCurve, Solver, force_curve
 from study.joint.dimensional import DimensionalJoint, DimensionalSolution
+from study.joint.directions import DirectionalLaw, directional_law
 from study.joint.joint import Joint, Kinematics, Layer, paper_joint
 from study.joint.nested_contact import whole_curve
 from study.joint.stress import FirstYield, LargestStress, first_yield
