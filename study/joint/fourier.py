@@ -46,7 +46,7 @@ class Grid:
         self.angles, self.around = angles, around
         arc = np.sin(angles[1:]) * 2 * np.pi / around / angles[1]  # over the polar step
         halvings = np.floor(np.log2(np.maximum(1.4 / arc, 1)))
-        self.stride = np.append(around, np.gcd(around, 2 ** halvings.astype(int)))
+        self.stride = np.append(around, np.gcd(around // 2, 2 ** halvings.astype(int)))
         counts = np.append(1, around // 2 // self.stride[1:] + 1)
         self.first = np.cumsum(np.append(0, counts))
         self.ring = np.repeat(np.arange(len(angles)), counts)

@@ -152,7 +152,8 @@ def _pressed(joint, fine, coarse, force, tilt):
     wanted = force * _direction(tilt)
     displacement = (1 + (3 * force / (4 * joint.r2_star)) ** (2 / 3)) * _direction(tilt)
     for _ in range(_MOST_STEPS):
-        depth, towards = np.hypot(*displacement) - 1, np.degrees(np.arctan2(*displacement))
+        towards = max(np.degrees(np.arctan2(*displacement)), 0.0)  # not -1e-15
+        depth = np.hypot(*displacement) - 1
         solved = fine.solve(depth, towards), coarse.solve(depth, towards)
         axes = _axes(towards)
         missing = axes @ wanted - _extrapolated(*(s.force for s in solved))
@@ -257,6 +258,8 @@ class _Contacts:
         mass = weighted @ self.hats
         moved = weighted @ self.ball.grid.values(*place)
         overlap = np.divide(-gap, size, out=np.zeros_like(gap), where=size > 0)
+        if overlap.max() <= 0 and tilt < joint.opening:
+            raise _unresolved(depth)
         if overlap.max() <= 0:
             raise checks.RangeError(f"tilt must leave a contact inside the mouth, got {tilt:g} deg")
         wanted, guess = overlap > _LEAST_SHARE * overlap.max(), overlap > 0.5 * overlap.max()
@@ -275,10 +278,7 @@ class _Contacts:
             wanted, guess = wanted | (mass @ (mass @ beside) > 0), touching > 0
         nodes, pressure = nodes[active], pressure[active]
         if len(nodes) < _FEWEST:
-            raise UnresolvedError(
-                "depth_star must be so large that the elements resolve the contact, got "
-                f"{depth:.3g}: press along the axis, or take a finer resolution"
-            )
+            raise _unresolved(depth)
         loads = (weighted @ (normal @ axes.T))[nodes]
         closing = facing / (facing * self.normal).sum(axis=1)[:, None]  # the gap's derivative
         by_pressure = cho_solve(
@@ -306,6 +306,13 @@ class _Contacts:
         local = np.sqrt(2 / np.pi * (1 - self.joint.ball.poisson**2) * np.sqrt(size))
         seen = spread @ (spread @ self.ball.matrix(columns)).T
         return seen + local[:, None] * unseen * local
+
+
+def _unresolved(depth):
+    return UnresolvedError(
+        "depth_star must be so large that the elements resolve the contact, got "
+        f"{depth:.3g}: press along the axis, or take a finer resolution"
+    )
 
 
 def _edges(angles, pressure, step, opening):
