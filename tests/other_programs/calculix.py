@@ -83,7 +83,7 @@ def force_curve(
     text = deck(joint, ordered[touching], resolution, nodes, penalty, contact)
     force = np.zeros(ordered.shape)
     if touching.any():
-        force[touching] = _SECTORS * joint.r2_star**2 * _run(text, np.count_nonzero(touching))
+        force[touching] = _SECTORS * joint.r2_star**2 * run(text, np.count_nonzero(touching))
     return force[places]
 
 
@@ -111,18 +111,14 @@ def deck(
         *_body("SOCKET", socket, socket.doflocs, (1 + ball.doflocs.shape[1], 1 + ball.nelements)),
     ]
     of_ball, of_socket = joint.modulus_shares
-    lines += _material("BALL", 1 / of_ball, joint.ball.poisson)
+    lines += material("BALL", 1 / of_ball, joint.ball.poisson)
     layer = fem.layer_of(socket, ratios)
     for k, (poisson, modulus) in enumerate(zip(poissons, moduli, strict=True)):
         lines += [f"*ELSET, ELSET=LAYER{k}"]
         lines += [f"{i}," for i in np.flatnonzero(layer == k) + 1 + ball.nelements]
-        lines += _material(f"LAYER{k}", modulus / of_socket, poisson)
+        lines += material(f"LAYER{k}", modulus / of_socket, poisson)
     lines += [
-        "*SURFACE INTERACTION, NAME=CONTACT",
-        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
-        f"{penalty:.12g}",
-        f"*CONTACT PAIR, INTERACTION=CONTACT, TYPE={CONTACTS[contact]}",
-        "BALLSURFACE, SOCKETSURFACE",
+        *pair(penalty, contact),
         *("*BOUNDARY", "BALLAXIS, 1, 1", "SOCKETAXIS, 1, 1", "SOCKETOUTSIDE, 1, 2"),
         *(["SOCKETRIM, 2, 2"] if joint.rim == "mirror" else []),
         *(["BALLEQUATOR, 1, 1"] if joint.ball_drive == "clamped" else []),
@@ -138,7 +134,18 @@ def deck(
     return "\n".join(lines) + "\n"
 
 
-def _material(name, modulus, poisson):
+def pair(penalty, contact):
+    """Contact of ball and socket."""
+    return [
+        "*SURFACE INTERACTION, NAME=CONTACT",
+        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
+        f"{penalty:.12g}",
+        f"*CONTACT PAIR, INTERACTION=CONTACT, TYPE={CONTACTS[contact]}",
+        "BALLSURFACE, SOCKETSURFACE",
+    ]
+
+
+def material(name, modulus, poisson):
     """A material and the set of elements that have it."""
     return [
         *(f"*MATERIAL, NAME={name}", "*ELASTIC", f"{modulus:.12g}, {poisson:.12g}"),
@@ -174,8 +181,8 @@ def _body(name, mesh, places, first):
     return lines
 
 
-def _run(text, count):
-    """Axial reactions at the driven nodes, one per step."""
+def run(text: str, count: int, total: re.Pattern[str] = _TOTAL) -> NDArray[np.float64]:
+    """Reactions at the driven nodes, one row per step: by default the axial ones."""
     program = shutil.which("ccx")
     if program is None:
         raise checks.StudyError("ccx (Debian's calculix-ccx) is not installed")
@@ -184,14 +191,14 @@ def _run(text, count):
         try:
             options = {"capture_output": True, "text": True, "timeout": TIMEOUT, "check": False}
             one_thread = os.environ | {"OMP_NUM_THREADS": "1"}
-            run = subprocess.run([program, "joint"], cwd=folder, env=one_thread, **options)
+            done = subprocess.run([program, "joint"], cwd=folder, env=one_thread, **options)
         except subprocess.TimeoutExpired as error:
             raise checks.StudyError(f"ccx took more than {TIMEOUT:g} s") from error
         results = Path(folder, "joint.dat")
-        forces = _TOTAL.findall(results.read_text()) if results.exists() else []
-    lines = [line.strip() for line in run.stdout.splitlines() if line.strip(" _\n")]
+        forces = total.findall(results.read_text()) if results.exists() else []
+    lines = [line.strip() for line in done.stdout.splitlines() if line.strip(" _\n")]
     wrong = [" ".join(lines[i : i + 2]) for i, line in enumerate(lines) if "*ERROR" in line]
-    if run.returncode or wrong or len(forces) != count:
+    if done.returncode or wrong or len(forces) != count:
         reason = (wrong[:1] or lines[-1:] or ["no output"])[0]
         raise checks.StudyError(f"ccx failed with {len(forces)} of {count} depths solved: {reason}")
     return np.array(forces, dtype=float)

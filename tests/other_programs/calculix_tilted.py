@@ -1,0 +1,150 @@
+"""A joint that is pressed off its axis, in CalculiX: bricks in space, contact by penalty.
+
+Half of a whole ball on a rigid core, and half of its socket, are meshed beside the plane of
+symmetry y = 0. Bricks have 20 nodes, all of them on spheres. Shells of bricks are thin at the
+contact, and at the core: thick ones there make the force 4 % too large. Displacements are small
+ones. Lengths are in socket radii R2 and stresses in E*.
+"""
+
+import re
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from other_programs import calculix
+from study import checks
+from study.joint import Joint, supports
+from study.joint.compliance import graded
+
+_TOTAL = re.compile(r"for set BALLHELD and time\s+\S+\s+(\S+)\s+\S+\s+(\S+)")
+_ROUND = 0.5  # how far the square in the middle of a cap is bent to a disc
+_RINGS = 0.6  # around it, over the elements of half its side
+_DEPTH_SCALE = 0.15  # elements grow from this depth below the surface on
+_FAR, _GROWTH = np.radians(150), 0.3  # where the ball's second cap begins; growth towards it
+
+
+def force(joint: Joint, depth_star: float, tilt: float, **mesh: float) -> NDArray[np.float64]:
+    """Force along the displacement and across it, over E* dR^2; arguments as for `deck`."""
+    (found,) = calculix.run(deck(joint, depth_star, tilt, **mesh), 1, _TOTAL)
+    x, z = np.sin(np.radians(tilt)), np.cos(np.radians(tilt))
+    return 2 * joint.r2_star**2 * np.array([[x, z], [z, -x]]) @ found  # two halves
+
+
+def deck(joint, depth_star, tilt, resolution=3, shells=2, shift=0.3, penalty=3000.0):
+    """CalculiX's input for one depth; the ball starts where it first touches.
+
+    The joint has a core, ``linear`` kinematics, an opening below 90 deg, and a socket of one
+    material. The ``resolution``, at least 3, is bricks along half the side of the square in the
+    middle of the cup; ``shells`` are those of the socket, and half the ball's. By a ``shift`` of up
+    to 0.4 bricks are smaller by (1 - shift)/(1 + shift) at the mouth where phi = 0, and larger
+    opposite. ``penalty`` is pressure per overclosure, in E*/R2.
+    """
+    kind, core = supports.drive(joint.ball_drive)
+    checks.choice("kind of ball_drive", kind, ("core",))
+    checks.choice("kinematics", joint.kinematics, ("linear",))
+    checks.choice("backing", joint.backing, ("whole",))
+    opening = np.radians(checks.number("opening", joint.opening, "deg", below=90))
+    centre = np.array([np.sin(np.radians(tilt)), 0, np.cos(np.radians(tilt))]) / joint.r2_star
+    of_ball, of_socket = joint.modulus_shares
+    half = (1 - core) / 2
+    outer, inner = graded(half, _DEPTH_SCALE, shells), graded(half, core, shells)
+    radii = joint.ball_radius * np.append(1 - outer, core + inner[-2::-1])
+    points, quads, near = _half_sphere(resolution, opening, shift)
+    ball, after = _body("BALL", points, quads[:, ::-1], near, radii, centre, (1, 1))
+    points, quads = _cap(resolution, opening, shift, round(_RINGS * resolution))
+    radii = 1 + graded(joint.socket_ratio - 1, _DEPTH_SCALE, shells)
+    lines = [
+        *ball,
+        *_body("SOCKET", points, quads, len(quads), radii, 0 * centre, after)[0],
+        *calculix.material("BALL", 1 / of_ball, joint.ball.poisson),
+        *calculix.material("SOCKET", 1 / of_socket, joint.socket.poisson),
+        *calculix.pair(penalty, "surface"),
+        *("*BOUNDARY", "BALLPLANE, 2, 2", "SOCKETPLANE, 2, 2", "SOCKETHELD, 1, 3"),
+        *("*STEP, INC=1000", "*STATIC", "1., 1.", "*BOUNDARY"),
+        *(f"BALLHELD, {k}, {k}, {depth_star * part:.12g}" for k, part in enumerate(centre, 1)),
+        *("*NODE PRINT, NSET=BALLHELD, TOTALS=ONLY, FREQUENCY=1000", "RF", "*END STEP"),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _cap(n, angle, shift, rings):
+    """Half a cap about the pole: unit vectors, and quadrilaterals of them.
+
+    A square of 2n by n, bent halfway to a disc, and rings of 4n around it. The points end with
+    those of the rim, from phi = 0 to pi.
+    """
+    i, j = (x.ravel() for x in np.meshgrid(np.arange(-n, n + 1), np.arange(n + 1)))
+    eighths = np.where(np.abs(i) < j, 2 - i / np.maximum(j, 1), j / np.where(i, i, 1) + 4 * (i < 0))
+    disc = np.maximum(np.abs(i), j) * np.exp(0.25j * np.pi * eighths)
+    square = ((1 - _ROUND) * (i + 1j * j) + _ROUND * disc) / (n + rings)
+    number = np.arange(square.size).reshape(n + 1, 2 * n + 1)
+    edge = np.concatenate([number[:n, -1], number[n, :0:-1], number[n::-1, 0]])
+    share = np.arange(1, rings + 1)[:, None] / rings
+    around = (1 - share) * square[edge] + share * np.exp(1j * np.linspace(0, np.pi, 4 * n + 1))
+    quads = [_patch(number), _patch(np.vstack([edge, _numbers(square.size, around)]).T)]
+    flat = np.append(square, around)
+    flat = (flat + shift) / (1 + shift * flat)  # conformal: bricks stay about square
+    return _vectors(angle * np.abs(flat), np.angle(flat)), np.vstack(quads)
+
+
+def _half_sphere(n, angle, shift):
+    """`_cap`, rings and an opposite cap; and how many quadrilaterals are in the first two."""
+    points, quads = _cap(n, angle, shift, round(_RINGS * n))
+    opposite, turned = _cap(n, np.pi - _FAR, shift, n // 2)
+    rim = np.arange(len(points))[-4 * n - 1 :]
+    phi = np.arctan2(points[rim, 1], points[rim, 0])
+    length, size = _FAR - angle, angle / n
+    count = int(np.ceil(np.log1p(_GROWTH * length / size) / np.log1p(_GROWTH)))
+    theta = angle + graded(length, size / _GROWTH, count)[1:-1]
+    theta, phi = np.meshgrid(theta, phi, indexing="ij")
+    between, start = _numbers(len(points), theta), len(points) + theta.size
+    last = start + len(opposite) + np.arange(-4 * n - 1, 0)
+    band = _patch(np.vstack([rim, between, last]).T)
+    every = np.vstack([points, _vectors(theta.ravel(), phi.ravel()), opposite * [1, 1, -1]])
+    return every, np.vstack([quads, band, turned[:, ::-1] + start]), len(quads) + len(band)
+
+
+def _vectors(theta, phi):
+    x, y, z = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
+    return np.column_stack([x, np.where(np.abs(y) < 1e-12, 0, y), z])
+
+
+def _numbers(start, array):
+    return start + np.arange(array.size).reshape(array.shape)
+
+
+def _patch(number):
+    """Quadrilaterals of a structured patch of points."""
+    corners = number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]
+    return np.column_stack([corner.ravel() for corner in corners])
+
+
+def _body(name, points, quads, near, radii, centre, first):
+    """Nodes, bricks and sets of a body, numbered from ``first`` (node, brick) on; and the next.
+
+    Its surface is the first ``near`` quadrilaterals. A brick's nodes are those of its first face,
+    of its second one, the middles of both faces' edges, and those between the faces.
+    """
+    sides = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=2), axis=2)
+    edges, side = np.unique(sides.reshape(-1, 2), axis=0, return_inverse=True)
+    side = side.reshape(-1, 4) + len(points)
+    middles = points[edges].sum(axis=1)
+    shell = np.vstack([points, middles / np.linalg.norm(middles, axis=1)[:, None]])
+    places = [np.vstack([a * shell, (a + b) / 2 * points]) for a, b in pairwise(radii)]
+    next_shell, places = len(places[0]), np.vstack([*places, radii[-1] * shell])
+    brick = np.hstack([quads, quads + next_shell, side, side + next_shell, quads + len(shell)])
+    bricks = np.vstack([brick + k * next_shell for k in range(len(radii) - 1)]) + first[0]
+    numbers = np.arange(len(places)) + first[0]
+    lines = [f"*NODE, NSET={name}"]
+    lines += [
+        f"{k}, {x:.14g}, {y:.14g}, {z:.14g}"
+        for k, (x, y, z) in zip(numbers, places + centre, strict=True)
+    ]
+    lines += [f"*ELEMENT, TYPE=C3D20, ELSET={name}"]
+    for k, nodes in enumerate(bricks.tolist(), first[1]):
+        lines += [", ".join(map(str, [k, *nodes[:10]])) + ",", ", ".join(map(str, nodes[10:]))]
+    lines += [f"*SURFACE, NAME={name}SURFACE", *(f"{first[1] + k}, S1" for k in range(near))]
+    for what, nodes in (("HELD", numbers[-len(shell) :]), ("PLANE", numbers[places[:, 1] == 0])):
+        lines += [f"*NSET, NSET={name}{what}", *(f"{k}," for k in nodes)]
+    return lines, (first[0] + len(places), first[1] + len(bricks))
