@@ -469,7 +469,9 @@ def test_help_names_units(run):
         assert "P/(E* dR^2)" in out or "d/dR" in out
 
 
-UNIT = r"\bin (m|N|deg|Pa|s|kg m\^2)\b|\bclearances?\b|\bratio\b|\bover\b|relative|no unit|local error"
+UNIT = (
+    r"\bin (m|N|deg|Pa|s|kg m\^2)\b|\bclearances?\b|\bratio\b|\bover\b|relative|no unit|local error"
+)
 
 
 def test_every_option_is_explained_and_every_number_has_its_unit(run):
@@ -579,7 +581,10 @@ def test_every_option_is_explained_and_every_number_has_its_unit(run):
         ),
         (["joint", "--r2-star", "9", "--depth-star", "-1"], "depth_star must be >= 0, got -1"),
         (["joint", "--r2-star", "9", "--depth-star", "1", "--poisson", "0.5"], "< 0.5, got 0.5"),
-        (["joint", "--r2-star", "9", "--depth-star", "1", "--drive", "x"], "ball_drive must be one of plane,"),
+        (
+            ["joint", "--r2-star", "9", "--depth-star", "1", "--drive", "x"],
+            "ball_drive must be one of plane,",
+        ),
         (["joint", "--r2star", "9", "--depth-star", "1"], "No such option: --r2star"),
         (["data", "show", "--r2-star", "77"], "r2_star must be one of 20, 40"),
         (["run", "fig99"], "NAME must be one that `study list` shows, got 'fig99'"),

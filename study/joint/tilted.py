@@ -238,16 +238,11 @@ class _Contacts:
         joint, grid = self.joint, self.socket.grid
         r1, (share_of_ball, share_of_socket) = joint.ball_radius, joint.modulus_shares
         axes = np.insert(_axes(tilt), 1, 0.0, axis=1)
-        centre = (1 + depth) / joint.r2_star * axes[0]
-        # how far the ball's surface is from the socket's centre, and its normal there
-        projected = self.normal @ centre
-        beyond = np.sqrt(np.maximum(r1**2 - centre @ centre + projected**2, 1e-12))
-        surface = projected + beyond
-        facing = (surface[:, None] * self.normal - centre) / r1
+        gap, facing = _rigid_ball(joint, self.normal, (1 + depth) / joint.r2_star * axes[0])
         moves = joint.kinematics == "linear"
         normal = facing if moves else self.normal
         place = np.arccos(np.clip(normal[:, 2], -1, 1)), np.arctan2(normal[:, 1], normal[:, 0])
-        gap, met = (1 - surface) * joint.r2_star, place[0] <= self.ball.grid.angles[-1]
+        met = place[0] <= self.ball.grid.angles[-1]
         if self.whole and (gap[~met] < 0).any():
             raise checks.RangeError(
                 f"depth_star must keep the ball's neck or back out of the mouth, got {depth:g}"
@@ -308,6 +303,17 @@ class _Contacts:
         return seen + local[:, None] * unseen * local
 
 
+def _rigid_ball(joint, normal, centre):
+    """Gap in dR between a socket's points and a rigid ball, and the ball's normals that face them.
+
+    Along the socket's ``normal`` (n, 3) the ball, with a ``centre`` off the socket's, ends at a
+    distance from the latter.
+    """
+    along, r1 = normal @ centre, joint.ball_radius
+    distance = along + np.sqrt(np.maximum(r1**2 - centre @ centre + along**2, 1e-12))
+    return (1 - distance) * joint.r2_star, (distance[:, None] * normal - centre) / r1
+
+
 def _unresolved(depth):
     return UnresolvedError(
         "depth_star must be so large that the elements resolve the contact, got "
@@ -322,6 +328,8 @@ def _edges(angles, pressure, step, opening):
     """
     order = np.argsort(angles)
     angles, pressure = angles[order], pressure[order]
+    if len(angles) < 2:
+        angles, pressure = np.repeat(angles, 2), np.repeat(pressure, 2)
     found = []
     for side, (inner, outer) in ((-1, (1, 0)), (1, (-2, -1))):
         fall = pressure[inner] ** 2 - pressure[outer] ** 2
