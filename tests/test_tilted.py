@@ -259,8 +259,8 @@ def pressed(depth=0.5, tilt=10, resolution=32, **changes):
         (lambda: joint(backing="90,60"), "first angle of backing must be >= 0 and <= 85 deg"),
         (lambda: joint(backing="x"), "backing must be whole, rim or two polar angles in deg"),
         (lambda: joint(backing="0,4"), "second angle of backing must be >= 5 and <= 90 deg"),
-        (lambda: joint(ball_drive="core:2"), "radius of the core over R1 must be .* got 2"),
-        (lambda: joint(ball_drive="neck:x"), "neck must be a number, got 'x'"),
+        (lambda: joint(ball_drive="core:2"), "core of ball_drive must be .* got 2"),
+        (lambda: joint(ball_drive="neck:x"), "neck of ball_drive must be a number, got 'x'"),
         (lambda: joint(ball_drive="edge"), "ball_drive must be one of plane, .* got 'edge'"),
         (
             lambda: force_curve(joint(opening=40), 0.9, 64),
