@@ -13,6 +13,7 @@ CHAOTIC = (
     *("fig17", "fig18", "fig19", "fig20", "fig21", "first_impacts", "impacts", "persistence"),
     *("variants", "durations", "agreement", "convergence", "choice_mechanism"),
     *("numbers_08", "numbers_09"),
+    "visited",
     "links",
 )
 """Results of simulated impacts, each of which enlarges the rounding of the one before."""
