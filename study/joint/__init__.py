@@ -10,6 +10,10 @@ sense, so that the contact matrix is symmetric and positive definite. `contact_k
 which points face each other, and `complementarity` which of them touch. The contact's edge lies
 between two nodes; the force therefore converges with order 2 by either solver.
 
+`supports` reads how ball and socket are held. `tilted` presses the ball off the axis: its pressure
+is a Fourier series in the azimuth, each of whose modes is a problem in the meridian (`fourier`).
+`directions` is the table of depth and tilt that follows.
+
 `curve` solves the depths that are given. `nested_contact` solves a whole curve at once, in some
 30 ms. `tilted` solves displacements off the axis, and `directions` makes a table of them. `stress`
 finds the stresses inside the bodies, and first yield. `dimensional` is a joint in SI units, and
