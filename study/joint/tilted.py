@@ -188,7 +188,6 @@ def _result(joint, depths, tilts, solved):
     force = np.array([_extrapolated(f.force, c.force) for f, c in solved])
     stiffness = np.array([_extrapolated(f.stiffness, c.stiffness) for f, c in solved])
     off = np.array([np.hypot(*(f.force - c.force)) for f, c in solved]) / np.hypot(*force.T)
-    cut = np.array([f.reaches_mouth for f in fine])
     return TiltedContact(
         joint=joint,
         depth_star=depths,
@@ -200,8 +199,8 @@ def _result(joint, depths, tilts, solved):
         peak_pressure_star=np.array([f.peak for f in fine]),
         peak_angle_deg=np.array([f.peak_angle for f in fine]),
         contact_edges_deg=np.array([f.edges for f in fine]).T,
-        reaches_mouth=cut,
-        error_estimate=off / np.where(cut, 1, 3),  # with order 1 where the mouth cuts the contact
+        reaches_mouth=np.array([f.reaches_mouth for f in fine]),
+        error_estimate=off / 3,
     )
 
 
