@@ -77,7 +77,7 @@ class Joint:
     backing
         Where the socket is held: its outside all over (``whole``), the face of its rim alone
         (``rim``), or its outside between two polar angles in deg: ``0,30`` is a seat at the pole,
-        ``60,90`` a flange.
+        ``60,90`` a flange. Notebook 01 draws all supports.
     kinematics
         ``small``: points at equal angles from the socket's centre face each other. The gap is the
         exact overlap of the rigid spheres; the force acts on the socket's area. ``linear``: a point
