@@ -1,12 +1,15 @@
 """Contact off the axis: isotropy, the axis itself, Fourier modes, energy, and CalculiX."""
 
+import json
 from functools import cache
 
 import numpy as np
 import pytest
 from skfem import Basis, ElementTriP2, ElementVector
 
+from study import cli
 from study.joint import (
+    DimensionalJoint,
     Joint,
     fem,
     force_curve,
@@ -208,6 +211,46 @@ def test_under_force_is_the_inverse():
     # the mouth yields more than the pole, and there the displacement goes ahead of the force
     assert found.tilt[0] == 0
     assert found.tilt[2] > 70
+
+
+def run(monkeypatch, capsys, words):
+    """Object that `study joint` prints."""
+    monkeypatch.setattr("sys.argv", ["study", "joint", *words.split(), "--json"])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    out, err = capsys.readouterr()
+    assert (ended.value.code, err) == (0, "")
+    return json.loads(out)
+
+
+def test_the_command_gives_the_same_with_dimensions_and_without(monkeypatch, capsys):
+    contact = tilted_contact(CUT, 0.5, 60)
+    options = f"--drive {CORE} --opening 70 --tilt 60"
+    plain = run(monkeypatch, capsys, f"--r2-star 200 --depth-star 0.5 {options}")
+    assert plain["force_star"] == contact.force_star.tolist()
+    assert plain["transverse_star"] == contact.transverse_star.tolist()
+    assert plain["contact_to_deg"] == [70]
+    assert plain["reaches_mouth"] == [True]
+    sizes = "--socket-radius 0.01 --clearance 5e-5 --wall 2.98e-3"
+    sized = run(monkeypatch, capsys, f"{sizes} --depth 2.5e-5 {options}")
+    unit = DimensionalJoint(0.01, 5e-5, 2.98e-3).joint.composite_modulus * 5e-5**2
+    for name in ("force", "transverse"):
+        assert sized[name] == pytest.approx(unit * getattr(contact, f"{name}_star"), rel=1e-9)
+    length = np.hypot(sized["force"][0], sized["transverse"][0])
+    turn = np.degrees(np.arctan2(sized["transverse"][0], sized["force"][0]))
+    turned = options.replace("--tilt 60", f"--tilt {60 + turn}")
+    again = run(monkeypatch, capsys, f"{sizes} --force {length} {turned}")
+    assert again["depth"] == pytest.approx([2.5e-5], rel=1e-5)
+    assert again["tilt"] == pytest.approx([60], abs=1e-3)
+
+
+def test_what_needs_the_axis_is_refused_off_it(monkeypatch, capsys):
+    words = f"study joint --r2-star 200 --depth-star 0.5 --drive {CORE} --tilt 9 --solver linear"
+    monkeypatch.setattr("sys.argv", words.split())
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert ended.value.code == 2
+    assert capsys.readouterr().err == "study: --solver must be left out beside --tilt\n"
 
 
 def joint(**changes):

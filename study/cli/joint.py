@@ -160,9 +160,9 @@ def _tilted(contact):
             "stiffness N/um": _rounded(contact.stiffness * MICRO),
             "transverse_stiffness N/um": _rounded(contact.transverse_stiffness * MICRO),
             "peak_pressure MPa": _rounded(contact.peak_pressure / MEGA),
-            "at deg": _rounded(contact.peak_angle_deg),
-            "from deg": _rounded(low),
-            "to deg": _rounded(high),
+            "peak_at deg": _rounded(contact.peak_angle_deg),
+            "contact_from deg": _rounded(low),
+            "contact_to deg": _rounded(high),
             "error %": _rounded(contact.error_estimate / PERCENT, 2),
         }
     cut = bool(contact.reaches_mouth.any())
