@@ -9,14 +9,13 @@ from typing import Any
 
 from study.checks import StudyError
 
-_LIMITS = {  # by the flag of ulimit: name in `resource`, unit, least that any notebook needs
-    "-v": ("too little memory", "RLIMIT_AS", 1024, 2_800_000),
-    "-n": ("too few open files", "RLIMIT_NOFILE", 1, 128),
-}
+BUILD, SOLVER = 2_800_000, 1_300_000
+"""Memory in KiB that any notebook needs, and the solution of any joint."""
+_FILES = 128  # that a notebook opens
 
 
-def check_limits() -> None:
-    """Refuse limits of this process under which a notebook's kernel dies, or waits for ever.
+def check_limits(memory: int = BUILD) -> None:
+    """Refuse limits of this process under which a notebook or solver dies, or waits for ever.
 
     It waits where OpenBLAS (until 0.3.30) gets no memory: it asks for it again and again.
     """
@@ -24,11 +23,15 @@ def check_limits() -> None:
         return
     import resource
 
-    for flag, (short, name, unit, least) in _LIMITS.items():
+    limits = [("-v", "too little memory", "RLIMIT_AS", 1024, memory)]
+    if memory == BUILD:
+        limits.append(("-n", "too few open files", "RLIMIT_NOFILE", 1, _FILES))
+    what = "build" if memory == BUILD else "solution"
+    for flag, short, name, unit, least in limits:
         allowed, _ = resource.getrlimit(getattr(resource, name))
         if allowed != resource.RLIM_INFINITY and allowed < least * unit:
             limit = f"ulimit {flag} is {allowed // unit}, and must be at least {least}"
-            raise StudyError(f"{short} for a build: {limit}")
+            raise StudyError(f"{short} for a {what}: {limit}")
 
 
 def check_several() -> None:

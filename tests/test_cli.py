@@ -4,6 +4,7 @@ import json
 import os
 import pty
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -629,6 +630,17 @@ def test_too_little_memory_is_one_line_and_status_1(run, monkeypatch, why, told)
 
     monkeypatch.setattr(dataset, "load", load)
     assert run("data", "show") == (1, "", f"study: too little memory{told}\n")
+
+
+def test_a_solution_under_too_low_a_limit_of_memory_is_refused():
+    """Else OpenBLAS asks for memory for ever."""
+    joint = "joint --r2-star 200 --depth-star 0.1 --drive clamped"
+    command = f"ulimit -v 550000 && exec {shlex.quote(sys.executable)} -m study.cli {joint}"
+    done = subprocess.run(["sh", "-c", command], cwd=paths.ROOT, capture_output=True, text=True)
+    told = "study: too little memory for a solution: ulimit -v is 550000, and must be at least "
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith(told)
+    assert done.stderr.count("\n") == 1
 
 
 def test_interruption_is_one_line_and_status_130(run, monkeypatch, tmp_path):

@@ -9,6 +9,8 @@ from textwrap import fill
 
 import typer
 
+from study.workers import SOLVER, check_limits
+
 GAP = "  "
 _DEPTH, _FORCE = "d/dR", "P/(E* dR^2)"
 UNITS = {
@@ -128,6 +130,7 @@ def working(what):
 
     The context is a function that writes another text on this line, such as how far the work is.
     """
+    check_limits(SOLVER)
 
     def tell(text):
         if sys.stderr.isatty():
