@@ -201,6 +201,16 @@ def test_force_is_that_of_calculix_where_the_mouth_cuts_the_contact():
     assert off == sorted(off, reverse=True)
 
 
+def test_a_ball_that_moves_far_still_faces_the_whole_mouth():
+    joint = Joint(10, ball_drive=CORE)  # moved by 0.19 R2, or 11 deg
+    contact = tilted_contact(joint, 0.9, 0, 32)
+    # linear kinematics leave out terms of order 1/R2*^2, not the same ones off the axis
+    assert contact.force_star == pytest.approx(force_curve(joint, 0.9).force_star, rel=1e-2)
+    cut = tilted_contact(joint, 0.9, 90, 32)
+    assert cut.reaches_mouth.all()
+    assert 0.6 < cut.force_star[0] / contact.force_star[0] < 0.75
+
+
 def test_under_force_is_the_inverse():
     force, tilt = np.array([30.0, 100.0, 60.0]), np.array([0.0, 20.0, 60.0])
     found = under_force(CUT, force, tilt, 32)

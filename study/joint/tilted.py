@@ -33,7 +33,8 @@ LARGEST_TILT = 120.0
 """In deg: beyond it no joint has a contact that is known here."""
 _RADIAL_ELEMENTS = 0.2  # as in `study.joint.fem`, for elements of equal angles
 _TOGETHER = 16  # nodes around of which coarser rings leave all but one out
-_BEYOND = 8.0  # deg by which the ball's nodes go on beyond the mouth
+_BEYOND = 8.0  # least deg by which the ball's nodes go on beyond the mouth
+_DEEPEST = 1.0  # depth_star at which they still face the whole mouth
 _LEAST_SHARE = 0.3  # of the deepest overlap: shallower ones are at first left out of the contact
 _FEWEST = 12  # nodes of a contact of half the resolution
 _MOST_STEPS = 40
@@ -223,6 +224,8 @@ class _Contacts:
         kind, size = supports.drive(joint.ball_drive)
         self.whole = kind not in supports.HALF_BALLS
         end = {"core": 180.0 - _BEYOND, "neck": 180.0 - size}.get(kind, 90.0)
+        moved = np.degrees((1 + _DEEPEST) / joint.r2_star)
+        end = min(end, joint.opening + max(_BEYOND, moved))
         self.joint, poisson = joint, float(joint.ball.poisson)
         self.ball = _ball(poisson, joint.ball_drive, joint.opening, end, resolution)
         self.socket = _socket(joint.socket_layers, joint.opening, joint.backing, resolution)
@@ -342,7 +345,7 @@ def _angles(opening, end, resolution):
     """Polar angles of the nodes, up to the mouth and beyond it, and nodes around; in rad."""
     count = 2 * round(opening / 180 * resolution)
     step = np.radians(opening) / count
-    further = int(np.radians(max(min(_BEYOND, end - opening), 0)) / step + 1e-6)
+    further = int(np.radians(max(end - opening, 0)) / step + 1e-6)
     around = np.ceil(2 * np.pi * np.sin(np.radians(min(opening, 90))) / step / _TOGETHER)
     angles = step * np.arange(count + further + 1)
     return angles[: count + 1], angles, _TOGETHER * int(around)
