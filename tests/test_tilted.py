@@ -272,6 +272,11 @@ def pressed(depth=0.5, tilt=10, resolution=32, **changes):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
+        (
+            lambda: under_force(CUT, 1e6, 10, 32),
+            "force_star must be one that the ball bears inside",
+        ),
+        (lambda: under_force(CUT, 50, 69.5, 32), "got 50 at a tilt of 69.5 deg"),
         (lambda: pressed(ball_drive="plane"), "ball_drive under a tilted load must be clamped, "),
         (lambda: pressed(ball_drive="point"), "the ball is free across the axis, got point"),
         (lambda: pressed(ball_drive="clamped"), "rim under a tilted load must be one of free"),

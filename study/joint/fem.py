@@ -74,7 +74,7 @@ def ball_mesh(
     those that hold the ball: ``equator``, ``core`` or ``neck``. The surface's vertices come first,
     in order of polar angle. The ``resolution``, elements along ``surface``, is a multiple of 16.
     """
-    angles = surface_angles(_checked(resolution, nodes), _reach(opening))
+    angles = surface_angles(_checked(resolution, nodes), supports.reach(opening))
     return meridian_of_ball(angles, drive, nodes)
 
 
@@ -93,7 +93,7 @@ def socket_mesh(
     resolution, ratios = _checked(resolution, nodes), layer_ratios(ratio, THINNEST_RATIO)
     if layer_steps(ratios).min() < 1.05 and resolution < 32:
         raise ValueError(f"resolution must be >= 32 for socket_ratio < 1.05, got {resolution}")
-    angles = surface_angles(resolution, _reach(opening))
+    angles = surface_angles(resolution, supports.reach(opening))
     return meridian_of_socket(angles, ratios, opening, backing, nodes)
 
 
@@ -144,11 +144,6 @@ def meridian_of_socket(
         return _ring_mesh(radii, everywhere, nodes, boundaries)
     boundaries["seat"] = (radii[-1], radii[-1], *np.radians(seat))
     return _ring_mesh(radii, everywhere, nodes, boundaries, seat=np.radians(seat))
-
-
-def _reach(opening):
-    """Polar angle to which contact along the axis is meshed, in rad."""
-    return min(np.pi / 2, float(np.radians(opening)))
 
 
 def _depths(thickness, start, elements, fewest):

@@ -7,8 +7,6 @@ by `study.joint.curve`.
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
-import numpy as np
-
 from study import checks
 from study.contact import SOCKET_RATIO, Material, composite_modulus
 from study.joint import supports
@@ -141,7 +139,7 @@ class Joint:
     @property
     def reach(self) -> float:
         """Largest polar angle of a contact along the axis, in rad: pi/2, or the mouth's."""
-        return min(np.pi / 2, float(np.radians(self.opening)))
+        return supports.reach(self.opening)
 
     def _take_layers(self):
         """Check the layers, and set what follows from them."""

@@ -7,6 +7,8 @@ ball is pressed into.
 
 from typing import Literal, get_args
 
+import numpy as np
+
 from study import checks
 
 Rim = Literal["mirror", "free"]
@@ -46,6 +48,11 @@ def drive(text: str) -> tuple[str, float]:
         raise ValueError(f"ball_drive must be one of {wanted}, got {checks.shown(text)}")
     name, (least, most), unit = ranges[kind]
     return kind, checks.number(name, checks.read(name, number), unit, least=least, most=most)
+
+
+def reach(opening: float) -> float:
+    """Largest polar angle in rad of a contact along the axis: pi/2, or that of the mouth in deg."""
+    return min(np.pi / 2, float(np.radians(opening)))
 
 
 def seat(backing: str, opening: float) -> tuple[float, float] | None:

@@ -34,7 +34,7 @@ LARGEST_TILT = 120.0
 _RADIAL_ELEMENTS = 0.2  # as in `study.joint.fem`, for elements of equal angles
 _TOGETHER = 16  # nodes around of which coarser rings leave all but one out
 _BEYOND = 8.0  # least deg by which the ball's nodes go on beyond the mouth
-_DEEPEST = 1.0  # depth_star at which they still face the whole mouth
+_DEEPEST = 1.0  # depth_star at which they still face the whole mouth; largest first guess
 _LEAST_SHARE = 0.3  # of the deepest overlap: shallower ones are at first left out of the contact
 _FEWEST = 12  # nodes of a contact of half the resolution
 _MOST_STEPS = 40
@@ -118,7 +118,9 @@ def under_force(
 ) -> TiltedContact:
     """`tilted_contact` under forces that point off the axis by a tilt; displacements follow.
 
-    Without friction no force can point out of the mouth: its tilt is below the opening.
+    Without friction no force can point out of the mouth: its tilt is below the opening. Other
+    arguments and errors are those of `tilted_contact`; a force that no displacement inside the
+    joint bears is a ``ValueError`` too.
     """
     forces, tilts, resolution = _checked(joint, force_star, tilt, "force_star", resolution)
     checks.number("tilt of a force", tilts, "deg", below=joint.opening)
@@ -150,21 +152,30 @@ def _checked(joint, values, tilt, name, resolution):
 
 def _pressed(joint, fine, coarse, force, tilt):
     """Depth and tilt of the displacement under a force, and what is solved there, by Newton."""
-    wanted = force * _direction(tilt)
-    displacement = (1 + (3 * force / (4 * joint.r2_star)) ** (2 / 3)) * _direction(tilt)
+    wanted, reached = force * _direction(tilt), None
+    first = min((3 * force / (4 * joint.r2_star)) ** (2 / 3), _DEEPEST)  # Hertz's law, about
+    displacement = (1 + first) * _direction(tilt)
     for _ in range(_MOST_STEPS):
         towards = max(np.degrees(np.arctan2(*displacement)), 0.0)  # not -1e-15
         depth = np.hypot(*displacement) - 1
-        solved = fine.solve(depth, towards), coarse.solve(depth, towards)
-        axes = _axes(towards)
+        try:
+            checks.number("depth_star", depth, below=largest_depth(joint.r2_star))
+            solved = fine.solve(depth, towards), coarse.solve(depth, towards)
+        except checks.RangeError:
+            if reached is None:
+                raise
+            displacement = (displacement + reached) / 2  # half the step
+            continue
+        axes, reached = _axes(towards), displacement
         missing = axes @ wanted - _extrapolated(*(s.force for s in solved))
         if np.hypot(*missing) < _TOLERANCE * force:
             return (depth, towards), solved
         step = np.linalg.solve(solved[0].stiffness, missing)
         step[0] = np.clip(step[0], -0.6 * depth, 2 * depth)
         displacement = displacement + axes.T @ step
-    raise complementarity.ComplementarityError(
-        f"no displacement was found under force_star {force:g} at a tilt of {tilt:g} deg"
+    raise checks.RangeError(
+        "force_star must be one that the ball bears inside the mouth, got "
+        f"{force:g} at a tilt of {tilt:g} deg"
     )
 
 
@@ -175,7 +186,7 @@ def _direction(tilt):
 
 def _axes(tilt):
     """Unit vectors along a direction, and across it towards larger tilt, as rows (x, z)."""
-    (x, z) = _direction(tilt)
+    x, z = _direction(tilt)
     return np.array([[x, z], [z, -x]])
 
 
