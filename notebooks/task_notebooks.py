@@ -5,6 +5,7 @@ Long ones and those that others read from begin first, so that no core waits at 
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -13,20 +14,20 @@ from pytask import Product, PythonNode, mark, task
 from study.pages import catalogue, execute, freshness
 
 settings = json.loads(os.environ.get(execute.PARAMETERS_VARIABLE, "{}"))
-
+VARIED = [
+    replace(nb, settings=settings[nb.name]) for nb in catalogue.CATALOGUE if nb.name in settings
+]
 READ = {name for notebook in catalogue.CATALOGUE for name in notebook.reads}
 
-for notebook in catalogue.CATALOGUE:
-    described = freshness.of_notebook(notebook, settings.get(notebook.name, {}))
+for notebook in (*catalogue.CATALOGUE, *VARIED):
+    described = freshness.of_notebook(notebook)
     begins_first = notebook.long or READ & notebook.results.keys()
 
     @(mark.try_first if begins_first else mark.try_last)
-    @task(id=notebook.name)
+    @task(id=notebook.identifier)
     def task_notebook(
-        run: Annotated[
-            tuple, PythonNode(value=(notebook, described.settings), hash=described.digest)
-        ],
+        run: Annotated[catalogue.Notebook, PythonNode(value=notebook, hash=described.digest)],
         reads: list[Path] = described.reads,
         products: Annotated[list[Path], Product] = described.products,
     ):
-        execute.execute(*run)
+        execute.execute(run)

@@ -1,6 +1,6 @@
-"""Records of the study, made from the catalogue: REPRODUCING.md and an RO-Crate for archives.
+"""Records of the study, from catalogue and citation: REPRODUCING.md, RO-Crate, Zenodo's record.
 
-``python paper/records.py`` writes both. Nothing is run: the seconds of a notebook are those
+``python paper/records.py`` writes all three. Nothing is run: the seconds of a notebook are those
 of its executed copy, else those that REPRODUCING.md has already.
 """
 
@@ -9,6 +9,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import yaml
@@ -23,6 +24,7 @@ from study.pages.catalogue import CATALOGUE, Result, results
 REPRODUCING = paths.ROOT / "REPRODUCING.md"
 TEMPLATE = Path(__file__).with_name("reproducing.md")
 CRATE = paths.ROOT / "ro-crate-metadata.json"
+ZENODO = paths.ROOT / ".zenodo.json"
 MIT, CC_BY = "https://spdx.org/licenses/MIT", "https://spdx.org/licenses/CC-BY-4.0"
 PYTHON = "https://www.python.org/"
 FILES = {
@@ -36,6 +38,8 @@ FILES = {
     "pyproject.toml": "the package and what it depends on",
     "requirements.lock": "every package that is needed, pinned by version and hash",
     "notebooks/catalogue.toml": "every notebook with its results",
+    "environment.yml": "the packages for conda",
+    "Dockerfile": "a container that rebuilds everything",
     "paper/paper.typ": "the article; Typst reads its numbers from the results",
     "paper/results.typ": "the results that the article names, read from files",
     "paper/references.yml": "the literature that the article cites",
@@ -44,7 +48,11 @@ FILES = {
     "data/datapackage.json": "Frictionless data package: columns, units and hashes of the data",
 }
 """What is in the crate besides data, notebooks and results: file -> what it is."""
-FOLDERS = {"study": "the Python package: the library and the study", "tests": "tests of all of it"}
+FOLDERS = {
+    "study": "the Python package: the library and the study",
+    "examples": "five short programs that use it",
+    "tests": "tests of all of it",
+}
 _FORMATS = {
     ".cff": "application/yaml",
     ".csv": "text/csv",
@@ -99,14 +107,14 @@ def kept_seconds() -> dict[str, int]:
 def measured_seconds() -> dict[str, int]:
     """Seconds of each notebook whose executed copy is there, as papermill measured them.
 
-    A notebook that failed, or ran with other parameters, is left out.
+    A notebook that failed is left out.
     """
     seconds = {}
     for notebook in CATALOGUE:
         if notebook.executed.is_file():
             content = json.loads(notebook.executed.read_text(encoding="utf-8"))
             run = content["metadata"]["papermill"]
-            if not (run["exception"] or run["parameters"]):
+            if not run["exception"]:
                 seconds[notebook.name] = round(run["duration"])
     return seconds
 
@@ -149,10 +157,8 @@ def crate() -> str:
     """
     paths.require_checkout(paths.NOTEBOOKS)
     study = ROCrate(version="1.2")
-    try:
+    with _complete():
         _describe(study)
-    except KeyError as missing:
-        raise StudyError(f"CITATION.cff must have the key {missing}") from None
     for name, text in FILES.items():
         _file(study, name, text, CC_BY if name.startswith(("data/", "paper/")) else MIT)
     for name, text, made in _DATA.findall((paths.DATA / "README.md").read_text(encoding="utf-8")):
@@ -163,12 +169,39 @@ def crate() -> str:
     return json.dumps(study.metadata.generate(), indent=1, ensure_ascii=False) + "\n"
 
 
+def zenodo() -> str:
+    """Record of the study for Zenodo, from ``CITATION.cff``: text of ``.zenodo.json``.
+
+    Raises
+    ------
+    study.checks.StudyError
+        If ``CITATION.cff`` lacks a key.
+    """
+    with _complete():
+        cited = _cited()
+        (paper,) = cited["references"]
+        record = {
+            "upload_type": cited["type"],
+            "title": cited["title"],
+            "description": cited["abstract"],
+            "creators": [{"name": _name(author)} for author in cited["authors"]],
+            "keywords": cited["keywords"],
+            "version": cited["version"],
+            "publication_date": str(cited["date-released"]),
+            "access_right": "open",
+            "license": cited["license"],
+            "related_identifiers": [{"identifier": paper["url"], "relation": "references"}],
+        }
+    return json.dumps(record, indent=1, ensure_ascii=False) + "\n"
+
+
 def main() -> None:
     """Write the records."""
     seconds = kept_seconds() | measured_seconds()
     if missing := ", ".join(n.name for n in CATALOGUE if n.name not in seconds):
         raise StudyError(f"no time is known of {missing}: `study run` it first")
-    for file, text in ((REPRODUCING, reproducing(seconds)), (CRATE, crate())):
+    written = (REPRODUCING, reproducing(seconds)), (CRATE, crate()), (ZENODO, zenodo())
+    for file, text in written:
         with paths.whole(file) as temporary:
             temporary.write_text(text, encoding="utf-8")
 
@@ -186,9 +219,23 @@ def _table(head, rows):
     return "\n".join([first, f"|{'---|' * len(head)}", *rest])
 
 
+def _cited():
+    """Content of ``CITATION.cff``."""
+    return yaml.safe_load((paths.ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+
+
+@contextmanager
+def _complete():
+    """Name a key that ``CITATION.cff`` lacks."""
+    try:
+        yield
+    except KeyError as missing:
+        raise StudyError(f"CITATION.cff must have the key {missing}") from None
+
+
 def _describe(study):
     """Say what the study is, whose, of when and under which licences, and what it reproduces."""
-    cited = yaml.safe_load((paths.ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    cited = _cited()
     (paper,) = cited["references"]
     names = ", ".join(_name(author) for author in paper["authors"])
     where = f"{paper['journal']} {paper['volume']}({paper['issue']}), {paper['start']}"

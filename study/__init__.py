@@ -11,10 +11,10 @@ A joint with its dimensions, in SI units:
 >>> from study.joint import DimensionalJoint
 >>> bronze = DimensionalJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
 >>> print(f"{bronze.solve(force=3000).depth[0]:.4g} m")
-4.188e-06 m
+4.232e-06 m
 >>> law = bronze.law("stiffened_hertz")
 >>> print(f"{law.force(4.19e-6):.0f} N, {law.stiffness(4.19e-6):.3g} N/m")
-3002 N, 1.2e+09 N/m
+2949 N, 1.18e+09 N/m
 
 A dimensionless joint: depths over the clearance, forces over E* dR^2:
 
@@ -42,14 +42,14 @@ The table of one joint's own curve, and the cached curves:
 >>> len(dataset.load(r2_star=200, kinematics="linear"))
 1432
 
-The crank-slider, with a law by name or any function as a law:
+The crank-slider, with a law by name, a joint with its dimensions or any function as a law:
 
->>> from study.mechanism import Scene, simulate
->>> response = simulate(Scene(restitution=0.9), law="hyperbolic_winkler", duration=0.02)
->>> len(response.impacts)
-10
->>> mine = simulate(Scene(), law=lambda depth, r2_star: 300 * depth**1.5, duration=0.002)
->>> least = choose.choose_model(Scene(), tolerance=0.001)
+>>> from study.mechanism import Scene, paper_scene, simulate
+>>> len(simulate(Scene(restitution=0.9), law="hyperbolic_winkler", duration=0.02).impacts)
+12
+>>> mine = simulate(law=lambda depth, r2_star: 300 * depth**1.5, duration=0.002)
+>>> own = simulate(Scene(socket_radius=12.5e-3, clearance=40e-6), law=bronze, duration=0.002)
+>>> least = choose.choose_model(paper_scene(), tolerance=0.001)
 >>> print(least.model, least.law)
 rigid hertz
 """

@@ -18,7 +18,7 @@ LARGEST, SMALLEST = 1e40, 1e-40
 """Largest size of a number, and least size of one that must be > 0. A law's force in SI units is a
 product of six such numbers and a clearance of 1e-16 radii: it neither overflows nor underflows."""
 
-SOFTEST = 1e6
+SOFTEST = 1e5
 """Least Young's modulus of a body with dimensions, in Pa: that of soft rubber. A number in GPa is
 below it, and so is one in MPa, except diamond's."""
 

@@ -21,8 +21,9 @@ BUILD = ROOT / "build"
 IS_CHECKOUT = (ROOT / "pyproject.toml").is_file()  # else installed, without these folders
 CACHE = BUILD if IS_CHECKOUT else platformdirs.user_cache_path("spherical-clearance-joint-study")
 """What is compiled or found out about the code, and may be deleted."""
-_TEXTS = ("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "data/README.md", "CHANGELOG.md")
-DOCUMENTS = tuple(ROOT / name for name in _TEXTS)
+_TEXTS = ("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "CHANGELOG.md")
+_FOLDERS = ("data/README.md", "examples/README.md")
+DOCUMENTS = tuple(ROOT / name for name in (*_TEXTS, *_FOLDERS))
 """Texts that the report shows beside results."""
 
 RESULTS_VARIABLE = "STUDY_RESULTS"  # folder for results while a notebook runs as a task

@@ -7,20 +7,25 @@ import subprocess
 import sys
 from functools import partial
 
+import numpy as np
 import pytest
 from benchmarks import charts, flexible_links
 from other_programs import cvode, odes
 
 from study.contact.joint_law import pack
+from study.joint import DimensionalJoint
 from study.measure import explicit, speed
 from study.mechanism import simulate
+from study.mechanism.spatial import ClearanceJoint
 
 LAW = pack(
     "hertz", charts.SCENE.ball_radius, charts.SCENE.socket_radius, charts.SCENE.composite_modulus
 )
 SPAN = (charts.DURATION, charts.OUTPUTS)
 RUNS = {
-    "this study, 1e-8": partial(simulate, charts.SCENE, duration=SPAN[0], outputs=SPAN[1]),
+    "this study, 1e-8": partial(
+        simulate, charts.SCENE, law="hertz", duration=SPAN[0], outputs=SPAN[1]
+    ),
     "LSODA, 1e-7": partial(odes.slider_acceleration, "LSODA", charts.SCENE, LAW, *SPAN, 1e-7),
     "velocity Verlet, 1e-6 s": partial(
         explicit.integrate, charts.SCENE, LAW, *SPAN, 1e-6, "velocity Verlet", guarded=False
@@ -63,6 +68,19 @@ def test_first_impact_of_flexible_links(benchmark, method):
     run = flexible_links.call("first impact", method, (n, 2 * n), step)
     benchmark.group, benchmark.name = "first impact within 3 %, flexible links", method
     benchmark.pedantic(run, rounds=7, warmup_rounds=1)
+
+
+@pytest.mark.parametrize("name", ["forces", "Exudyn's user function"])
+def test_joint_in_space(benchmark, name):
+    joint = ClearanceJoint(DimensionalJoint(10e-3, 5e-5, 3e-3), restitution=0.5, friction=0.1)
+    state = [[3.1e-5, 3e-5, 3e-5], [0.01, -0.02, 0.04], [1.0, 2.0, 3.0]]
+    if name == "forces":
+        call = partial(joint.forces, *map(np.array, state))
+    else:
+        place, velocity, spin = state
+        call = partial(joint._resisted, None, 0.0, 0, place, [0.0] * 3, velocity, spin)
+    benchmark.group, benchmark.name = "one call of the joint in space", name
+    benchmark.pedantic(call, rounds=200, iterations=1000, warmup_rounds=5)
 
 
 def test_start_of_stepping_in_a_new_process(benchmark):

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 
+import pytest
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
@@ -31,3 +32,18 @@ def pytest_collection_modifyitems(items):
     By itself xdist begins with the files that have most tests.
     """
     items.sort(key=lambda item: item.path.stem not in LONGEST)
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run a command: status, standard output and error."""
+    from study import cli
+
+    def run(*words):
+        monkeypatch.setattr("sys.argv", ["study", *map(str, words)])
+        with pytest.raises(SystemExit) as stop:
+            cli.main()
+        out, err = capsys.readouterr()
+        return stop.value.code, out, err
+
+    return run

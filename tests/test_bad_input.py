@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from study import checks, choose, cli, contact, dataset, export
 from study.choose import choose_model, model
 from study.claims import statistics, verdicts
-from study.contact import damping, joint_law
+from study.contact import damping, joint_law, power_fit
 from study.dataset import fitting
 from study.joint import (
     DimensionalJoint,
@@ -35,13 +35,16 @@ from study.joint import (
     force_curve,
     material,
     paper_joint,
+    pressure,
     series,
     stress,
     whole_curve,
 )
 from study.joint.compliance import surface_angles
+from study.joint.law_options import law_options
 from study.measure import explicit, limits, stability
-from study.mechanism import MechanismError, Scene, compare, simulate, stable_step
+from study.mechanism import MechanismError, Scene, compare, paper_scene, simulate, stable_step
+from study.mechanism.spatial import ClearanceJoint
 
 ERRORS = (ValueError, TypeError, checks.StudyError)
 
@@ -135,6 +138,11 @@ def law_rows():
         depth_star=(CURVE.depth_star, (*LIST, [0.1, 0.2], np.zeros(40), -CURVE.depth_star)),
         force_star=(CURVE.force_star, (*LIST, [0.1, 0.2], np.zeros(40), -CURVE.force_star)),
     )
+    yield from rows(
+        power_fit.fit_power,
+        depth=([0.1, 0.2], (*LIST, [0.1], [0.1, 0.1], [0.0, 0.1], [0.1, 0.2, 0.3])),
+        force=([1.0, 2.0], (*LIST, [0.1], [0.0, 0.1], [0.1, 0.2, 0.3])),
+    )
     table = contact.tabulated(CURVE)
     yield from rows(table, depth_star=(0.3, (*LIST, 1.1)), r2_star=(200, (*LIST, 100)))
     yield from rows(
@@ -213,6 +221,11 @@ def joint_rows():
     wrong = (*set_without(LIST, None), 0, -1, [], np.eye(2), 1e-30, 1e9)
     yield from rows(sized.solve, depth=(1e-5, wrong))
     yield from rows(sized.solve, force=(100.0, wrong))
+    solution = sized.solve(force=100.0)
+    yield from rows(solution.friction_torque, friction=(0.1, (*NUMBER, -0.1)))
+    path = (100.0, (*NUMBER, -1))
+    yield from rows(solution.wear_depth, coefficient=(1e-15, (*NUMBER, -1)), path=path)
+    yield from rows(pressure.friction_radii, curve=(CURVE, THING))
     yield from rows(
         force_curve,
         joint=(Joint(200), THING),
@@ -314,8 +327,9 @@ def study_rows():
         law=("tabulated", NAME),
         form=("c", NAME),
         joint=(Joint(200), THING),
-        depth_star=(0.3, set_without((*POSITIVE, 30), None)),
+        depth_star=(0.3, (*set_without(LIST, None), 0, -1, 30, [], [0.1, 0.2, 0.3], [0.2, 0.1])),
     )
+    yield from rows(law_options, law=("power", ()), joint=(Joint(200), THING))
     core = Joint(200, ball_drive="core:0.2")
     yield from rows(
         partial(export.export, "tabulated", joint=core, depth_star=0.3),
@@ -379,6 +393,17 @@ def mechanism_rows():
         method=(None, ("centred",)),
     )
     yield from rows(simulate, colour=("red", ("red",)))
+    yield from rows(paper_scene, colour=("red", ("red",)))
+    yield from rows(
+        partial(simulate, law="tabulated", duration=1e-4, outputs=2),
+        wall=(3e-3, POSITIVE),
+        liner=((), (3, "PTFE", ((1e-3,),), ((-1e-3, "PTFE"),))),
+        colour=("red", ("red",)),
+    )
+    yield from rows(
+        partial(simulate, law="tabulated", duration=1e-4, outputs=2),
+        socket_ratio=(1.3, (*NUMBER, 1.0)),
+    )
     for flexible_model in ("particles", "beams"):
         flexible = partial(simulate, model=flexible_model, duration=1e-3, outputs=2)
         yield from rows(
@@ -423,6 +448,16 @@ def mechanism_rows():
         start=(None, set_without((*LIST, [0] * 5), None)),
         approach=(inf, set_without(POSITIVE, inf)),
         guarded=(True, FLAG),
+    )
+    yield from rows(
+        ClearanceJoint,
+        law=(DimensionalJoint(0.01, 1e-4, 3e-3), (*THING, "hertz", Joint(200))),
+        restitution=(0.5, (*NUMBER, -0.1, 1.1, 0)),
+        damping=("exact", NAME),
+        friction=(0.1, (*NUMBER, -0.1)),
+        slow_speed=(1e-4, (*NUMBER, -1, 1)),
+        full_speed=(0.01, POSITIVE),
+        tension=(False, FLAG),
     )
     yield from rows(stable_step, scene=(SCENE, THING), elements=((4, 8), (None, 3, (4,), (4, nan))))
 
@@ -643,6 +678,8 @@ COMMANDS = [
         for name in Scene.__dataclass_fields__
         for value in ("", "x", "nan", "inf", "1e308", "-1e300")
     ),
+    *(("simulate", "--wall", value) for value in (*NUMBERS, "0", "-1", "1e9")),
+    *(("simulate", "--liner", value) for value in ("", "PTFE", "1e-3", "a,PTFE", "1,PTFE")),
     ("simulate", "--scene", "crank_length=1e-9"),
     ("simulate", "--scene", "x=1"),
     ("simulate", "--model", "auto", "--tolerance", "0"),

@@ -5,11 +5,11 @@ import pytest
 from benchmarks import charts, flexible_links
 from other_programs import cables
 
-from study.mechanism import Scene
+from study.mechanism import paper_scene
 
 
 def test_without_shear_only_the_shear_stiffness_changes():
-    scene, stiff = Scene(), flexible_links.shear_stiff(Scene())
+    scene, stiff = paper_scene(), flexible_links.shear_stiff(paper_scene())
     assert stiff.composite_modulus == pytest.approx(scene.composite_modulus, rel=1e-14)
     for body in ("crank", "coupler"):
         link, stiff_link = scene.link(body), stiff.link(body)
@@ -40,7 +40,7 @@ def test_the_rows_of_the_chart_name_joint_mesh_and_step():
 
 def test_cables_of_exudyn_have_the_limit_of_links_without_shear():
     pytest.importorskip("exudyn", reason="Exudyn is not installed")
-    scene = Scene()
+    scene = paper_scene()
     first = cables.first_impact(scene, (4, 8), flexible_links.DURATIONS["first impact"], 1e-6)()
     without, with_shear = (flexible_links.error("first impact", s, first)[1] for s in (False, True))
     assert without < 0.02
@@ -55,4 +55,4 @@ def test_cables_of_exudyn_have_the_limit_of_links_without_shear():
 def test_cables_refuse_a_scene_that_they_have_not():
     pytest.importorskip("exudyn", reason="Exudyn is not installed")
     with pytest.raises(ValueError, match="gravity must be left out"):
-        cables.links(Scene(gravity=9.81), (2, 4), ideal=True)
+        cables.links(paper_scene(gravity=9.81), (2, 4), ideal=True)

@@ -11,8 +11,9 @@ from study.checks import StudyError
 from study.choose import law, links, random_scenes
 from study.choose.law import SHALLOWEST
 from study.choose.model import ModelError, choose_model
+from study.contact.damping import DAMPINGS
 from study.joint import Joint, Layer, Material, force_curve
-from study.mechanism import Scene, compare, simulate
+from study.mechanism import Scene, compare, paper_scene, simulate
 
 MATERIALS = 4
 PER_MATERIAL = 8
@@ -156,13 +157,24 @@ def test_bounds_of_rigid_links_hold_on_scenes_not_used_for_them():
 
 
 def test_scenes_unlike_those_of_the_bounds_are_named():
-    assert links.outside(Scene(), 0.1) == ""
+    assert links.outside(paper_scene(), 0.1) == ""
     assert links.outside(Scene(restitution=1.0), 0.1).startswith("restitution 1 is outside")
-    assert links.outside(Scene(gravity=9.81), 0.1).startswith("gravity 9.81 is not that")
-    assert links.outside(Scene(), 1.0).startswith("duration 1 is outside")
-    choice = choose_model(Scene(gravity=9.81), 0.2, duration=0.05)
+    gravity = paper_scene(gravity=9.81)
+    assert links.outside(gravity, 0.1).startswith("gravity 9.81 is not that")
+    assert links.outside(paper_scene(), 1.0).startswith("duration 1 is outside")
+    choice = choose_model(gravity, 0.2, duration=0.05)
     assert choice.links == "compared"
     assert "gravity" in choice.note
+
+
+@pytest.mark.parametrize("damping", DAMPINGS)
+def test_restitution_is_within_the_random_scenes_if_the_one_delivered_is(damping):
+    least, most = links.RANGES["restitution"]
+    for asked in np.linspace(0.05, 1.0, 20):
+        scene = Scene(damping=damping, restitution=asked)
+        inside = least <= scene.delivered_restitution <= most  # whatever is asked for
+        assert (links.outside(scene, 0.1) == "") == inside
+    assert links.outside(Scene(restitution=0.05), 0.1).startswith("restitution 0.05 is outside")
 
 
 @pytest.mark.parametrize("seed", [2, 5])
@@ -197,13 +209,13 @@ def test_a_scene_that_nothing_can_be_said_of_is_refused(scene, duration, message
 
 
 def test_a_choice_runs_what_it_chose():
-    loose = choose_model(Scene(), 0.05, duration=0.05)
+    loose = choose_model(paper_scene(), 0.06, duration=0.05)
     assert (loose.model, loose.joint) == ("rigid", "ideal")
-    tight = choose_model(Scene(), 1e-3, duration=0.05)
+    tight = choose_model(paper_scene(), 1e-3, duration=0.05)
     assert (tight.model, tight.joint) == ("rigid", "clearance")
     assert tight.error_bound <= 1e-3 < max(row["error_bound"] for row in tight.evidence)
     assert len(tight.simulate().impacts) > 0
-    flexible = choose_model(Scene(link_modulus=1e9), 0.2, duration=0.05, socket_ratio=1.5)
+    flexible = choose_model(paper_scene(link_modulus=1e9), 0.2, duration=0.05, socket_ratio=1.5)
     assert flexible.compliance_ratio > 10
     assert flexible.links == "compared"
 
@@ -217,4 +229,4 @@ def test_a_choice_runs_what_it_chose():
 )
 def test_a_choice_of_model_refuses_what_is_out_of_range(options, message):
     with pytest.raises(ValueError, match=message):
-        choose_model(Scene(), **options)
+        choose_model(paper_scene(), **options)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from study.contact.joint_law import pack
-from study.mechanism import Scene, collocation, radau, rigid
+from study.mechanism import collocation, paper_scene, radau, rigid
 
-SCENE = Scene()
+SCENE = paper_scene()
 HERTZ = pack("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
 MODE = (True, 2, 0.06)
 START = np.array([0.5, 8e-7, 2.1, 11.0, 0.0, 900.0, 0, 0, 0])

@@ -2,6 +2,7 @@
 
 import re
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,7 +11,7 @@ from scipy.integrate import quad, solve_ivp
 
 from study import contact
 from study.contact import forces, friction, joint_law
-from study.contact.damping import DAMPINGS, damping_factor
+from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
 from tests.test_laws import VARIANTS
 
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.1e11
@@ -58,8 +59,11 @@ def test_every_damping_is_elastic_at_one_and_right_close_to_it(damping):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("exact", 0.0), "restitution for damping exact must be >= 0.001, got 0"),
-        (("flores", 0.0), "restitution for damping flores must be >= 0.001, got 0"),
+        (
+            ("exact", 0.0),
+            "restitution for damping exact, unlike hunt-crossley, must be >= 0.001, got 0",
+        ),
+        (("flores", 0.0), "restitution for damping flores, unlike hunt-crossley, must be >= 0.0"),
         (("flores", 1.5), "restitution must be >= 0 and <= 1, got 1.5"),
         (("flores", float("nan")), "restitution must be finite"),
         (("newton", 0.5), "damping must be one of lankarani-nikravesh, hunt-crossley, flores, ex"),
@@ -76,6 +80,21 @@ def test_friction_factor_is_ambrosios(speed):
     factor, slope = friction.friction_factor(speed, branch, V0, V1)
     assert factor == pytest.approx(np.sign(speed) * np.clip((abs(speed) - V0) / (V1 - V0), 0, 1))
     assert slope == (1 / (V1 - V0) if abs(branch) == 1 else 0)
+
+
+@pytest.mark.parametrize("restitution", [1e-3, 0.03, 0.5, 0.7, 0.75, 0.95, 1 - 1e-6, 1 - 1e-12])
+def test_exact_damping_solves_its_equation_to_the_last_digits(restitution):
+    found = damping_factor("exact", restitution)
+    with mpmath.workdps(40):
+        cr = mpmath.mpf(restitution)
+
+        def off(share):  # of the range from 0 to 1/cr
+            return mpmath.log((1 + share / cr) / (1 - share)) - share / cr * (1 + cr)
+
+        low, high = (cr * (found + sign * (1e-15 + 1e-12 * found)) for sign in (-1, 1))
+        assert off(low) < 0
+        assert high >= 1 or off(high) > 0
+    assert delivered_restitution(found) == pytest.approx(restitution, rel=1e-12)
 
 
 def test_friction_branches_meet_at_the_kinks():

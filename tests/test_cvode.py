@@ -6,7 +6,8 @@ from other_programs import cvode
 
 from study import checks
 from study.contact.joint_law import pack
-from study.mechanism import Scene, simulate
+from study.mechanism import paper_scene
+from tests.with_hertz import simulate
 
 pytestmark = pytest.mark.skipif(
     cvode.version() is None, reason="gcc or SUNDIALS 6 (libsundials-dev) is not installed"
@@ -33,7 +34,7 @@ def law_of(scene, name="hertz"):
     ],
 )
 def test_cvode_agrees_with_our_stepper(coordinates, changes):
-    scene, duration, outputs = Scene(**changes), 0.03, 300
+    scene, duration, outputs = paper_scene(**changes), 0.03, 300
     own = simulate(scene, duration=duration, outputs=outputs, tolerance=1e-11)
     arguments = scene, law_of(scene), duration, outputs, 1e-13, coordinates
     acceleration = cvode.slider_acceleration(*arguments)
@@ -43,7 +44,7 @@ def test_cvode_agrees_with_our_stepper(coordinates, changes):
 
 
 def test_another_law_or_tolerance_is_refused():
-    scene = Scene()
+    scene = paper_scene()
     with pytest.raises(ValueError, match="law must be Hertz's, packed, got shape 1"):
         cvode.slider_acceleration(scene, law_of(scene, "winkler"), 0.01, 10, 1e-6)
     for tolerance in (0.0, -1.0, np.nan):
@@ -54,4 +55,4 @@ def test_another_law_or_tolerance_is_refused():
 def test_a_failure_is_told(monkeypatch):
     monkeypatch.setattr(cvode, "RELATIVE", -1.0)
     with pytest.raises(checks.StudyError, match="CVODE failed with status -22"):
-        cvode.slider_acceleration(Scene(), law_of(Scene()), 0.01, 10, 1e-6)
+        cvode.slider_acceleration(paper_scene(), law_of(paper_scene()), 0.01, 10, 1e-6)

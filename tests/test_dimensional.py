@@ -50,7 +50,7 @@ def test_the_joint_without_its_dimensions():
     supported = DimensionalJoint(
         0.01, 1e-4, 3e-3, ball_drive="clamped", rim="free", kinematics="small"
     )
-    wanted = Joint(100, 1.3, steel, steel, "clamped", "free", "small")
+    wanted = Joint(100, 1.3, Material(2.03e11, 0.3), steel, "clamped", "free", "small")
     assert supported.joint == wanted
 
 
@@ -169,10 +169,10 @@ GOOD = {"socket_radius": 0.01, "clearance": 1e-4, "wall": 3e-3}
     [
         ({"socket_radius": 0}, "socket_radius must be > 0 m, got 0 m"),
         ({"clearance": 0.01}, "clearance must be >= 1e-11 and < 0.01 m, got 0.01 m"),
-        ({"clearance": -1e-6}, "clearance must be >= 1e-11"),
+        ({"clearance": -1e-6}, "clearance must be > 0 m, got -1e-06 m: without clearance the ball"),
         ({"wall": 0}, "wall must be >= 1e-06 and <= 9999.99 m, got 0 m"),
         ({"wall": np.nan}, "wall must be finite"),
-        ({"ball": "stele"}, "material must be one of steel, "),
+        ({"ball": "stele"}, "material must be one of steel, bearing steel, "),
         ({"socket": Material(110, 0.3)}, "got 110 Pa: did you mean 110e9?"),
         ({"liner": ("PTFE",)}, "liner must be pairs of a thickness in m and a material"),
         ({"liner": ((-1, "PTFE"),)}, "thickness of liner must be > 0 m, got -1 m"),

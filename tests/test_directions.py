@@ -19,7 +19,7 @@ from study.joint import Joint, Layer, Material, directional_law, tilted_contact,
 
 NECK = Joint(200, ball_drive="neck:30", opening=110)
 CORE = Joint(200, ball_drive="core:0.2", opening=110)
-DEEPEST, TILT, CLEARANCE, MODULUS = 0.4, 25.0, 5e-5, 1.137e11
+DEEPEST, TILT, RADIUS, CLEARANCE, MODULUS = 0.4, 25.0, 1e-2, 5e-5, 1.137e11
 
 
 @pytest.fixture(scope="module")
@@ -100,13 +100,13 @@ def test_the_table_in_c_is_the_law(law, exported, tmp_path):
     for depth, tilt in zip(
         *(np.append(*two) for two in zip(places(200), ends, strict=True)), strict=True
     ):
-        status, along, across = call(depth * CLEARANCE, tilt, CLEARANCE, MODULUS)
+        status, along, across = call(depth * CLEARANCE, tilt, RADIUS, CLEARANCE, MODULUS)
         force, transverse = law.force(depth, tilt)
         assert status == 0
         assert along == pytest.approx(unit * force, rel=1e-9)
         assert across == pytest.approx(unit * transverse, rel=1e-9, abs=1e-9 * unit * force)
-    good = [1e-5, 10.0, CLEARANCE, MODULUS]
-    wrongs = (2.1e-5, np.nan), (26.0, -26.0, np.nan), (0.0, -1.0, np.nan), (0.0, np.inf)
+    good = [1e-5, 10.0, RADIUS, CLEARANCE, MODULUS]
+    wrongs = (2.1e-5, np.nan), (26.0, -26.0, np.nan), (2 * RADIUS,), (0.0, -1.0, np.nan), (0.0,)
     for place, values in enumerate(wrongs):
         for wrong in values:
             arguments = [*good[:place], wrong, *good[place + 1 :]]
@@ -118,9 +118,10 @@ def test_the_table_in_octave_is_the_law(law, exported, tmp_path):
     (tmp_path / "tabulated.m").write_text(exported("matlab"))
     depth, tilt = places(20)
     depths, tilts = (" ".join(f"{x!r}" for x in row.tolist()) for row in (depth * CLEARANCE, tilt))
-    lines = [f"[a, b] = tabulated([{depths}], [{tilts}], {CLEARANCE!r}, {MODULUS!r});"]
+    lines = [f"[a, b] = tabulated([{depths}], [{tilts}], {RADIUS!r}, {CLEARANCE!r}, {MODULUS!r});"]
     lines += ["printf('%.17g\\n', a, b)"]
-    for wrong in ("1, 1, 5e-5, 1e11", "1e-6, 30, 5e-5, 1e11", "[1e-6 0 0], [1 2], 5e-5, 1e11"):
+    for wrong in ("1, 1", "1e-6, 30", "[1e-6 0 0], [1 2]"):
+        wrong += f", {RADIUS!r}, {CLEARANCE!r}, 1e11"
         lines += [f"try, tabulated({wrong}); disp('taken'), catch e, disp('refused'), end"]
     script = tmp_path / "compare.m"
     script.write_text("\n".join(lines))

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from study.contact.joint_law import pack
-from study.mechanism import MechanismError, Scene, beams, compare, frame, simulate, stable_step
+from study.mechanism import MechanismError, beams, compare, frame, paper_scene, stable_step
 from study.mechanism.frame import Frame
 from tests.test_mechanism import random_scenes
+from tests.with_hertz import simulate
 
-PAPER = Scene()
+PAPER = paper_scene()
 FLEXIBLE = ("particles", "beams")
 TWO = {"elements": (2, 4)}
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from study.mechanism import Scene, beams, particles, simulate
+from study.mechanism import beams, paper_scene, particles
+from tests.with_hertz import simulate
 
 FLEXIBLE = ["particles", "beams"]
-PAPER = Scene()
+PAPER = paper_scene()
 STIFF = PAPER.replace(link_modulus=100 * PAPER.youngs_modulus)
 STARTS = [
     {"crank_speed": 30.0},

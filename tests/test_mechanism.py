@@ -8,16 +8,17 @@ import pandas as pd
 import pytest
 from scipy.integrate import solve_ivp
 
-from study import contact, dataset, paths
+from study import contact, dataset, mechanism, paths
 from study.contact import LAWS
 from study.contact.damping import DAMPINGS
 from study.contact.joint_law import pack
 from study.joint import Joint, force_curve
 from study.measure import explicit
-from study.mechanism import MechanismError, Scene, compare, rigid, simulate, stepping
+from study.mechanism import MechanismError, Scene, compare, paper_scene, rigid, stepping
 from study.mechanism.response import EVENTS
+from tests.with_hertz import simulate
 
-PAPER = Scene()
+PAPER = paper_scene()
 HERTZ = pack("hertz", PAPER.ball_radius, PAPER.socket_radius, PAPER.composite_modulus)
 LOSSLESS = PAPER.replace(restitution=1.0, friction=0.0)
 KNOWN = pd.read_csv(paths.DATA / "published/mechanism.csv").set_index(["model", "quantity"]).value
@@ -150,6 +151,41 @@ def test_ideal_joint_force_moves_slider_and_coupler():
     inside = slice(20, -20)
     assert moment[inside] == pytest.approx(4e-4 * turning[inside], abs=2e-3)
     assert np.abs(4e-4 * turning[inside]).max() > 0.1
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.5, 0.9])
+@pytest.mark.parametrize("law", ["stiffened_hertz", "winkler"])
+def test_a_scene_delivers_the_restitution_asked_for(restitution, law):
+    # a moment that hardly acts in the short time of the impact
+    scene = Scene(restitution=restitution, driving_moment=1e-5, friction=0.0)
+    response = mechanism.simulate(scene, law=law, duration=0.6, outputs=2)
+    first = response.impacts.iloc[0]
+    assert first.separation_speed / first.approach_speed == pytest.approx(restitution, abs=1e-3)
+    assert response.restitution == response.delivered_restitution == restitution
+    paper = mechanism.simulate(paper_scene(restitution=restitution), law=law, duration=1e-3)
+    assert paper.restitution == restitution
+    given = {0.3: 0.6842, 0.5: 0.7252, 0.9: 0.9132}[restitution]
+    assert paper.delivered_restitution == pytest.approx(given, abs=1e-4)
+
+
+def test_the_papers_scene_differs_in_its_damping_alone():
+    changed = {"clearance": 1e-4, "restitution": 0.8}
+    assert paper_scene(**changed) == Scene(**changed, damping="lankarani-nikravesh")
+    assert paper_scene(damping="flores").damping == "flores"
+    sources = [
+        s.parameters().set_index("parameter").source["damping"]
+        for s in (Scene(), paper_scene(), Scene(damping="flores"))
+    ]
+    assert sources == [
+        "chosen here, delivers the restitution",
+        "given by the paper, Eq. 31",
+        "chosen here",
+    ]
+    with pytest.raises(
+        ValueError, match="restitution for damping exact, unlike hunt-crossley, must"
+    ):
+        Scene(restitution=0.0)
+    assert paper_scene(restitution=0.0).delivered_restitution > 0.6
 
 
 def test_clearance_with_hertz_is_known():
@@ -397,7 +433,7 @@ def random_scenes(count):
     for _ in range(count):
         size = generator.uniform
         crank = 10 ** size(-2, -0.7)
-        yield Scene(
+        yield paper_scene(
             crank_length=crank,
             coupler_length=crank * size(1.5, 5),
             crank_mass=10 ** size(-1.5, 0.5),
@@ -570,7 +606,7 @@ def test_explicit_steps_have_their_order_before_the_first_impact(scheme, order):
     assert np.log2(coarse / fine) > order - 0.4
 
 
-CHAOTIC = Scene(
+CHAOTIC = paper_scene(
     **{"restitution": 0.05, "damping": "flores", "friction": 0.0, "gravity": 0.0},
     **{"clearance": 1.86e-5, "crank_clearance": 1.732e-4, "initial_crank_angle": -1.5356884},
     crank_speed=252.5646605,

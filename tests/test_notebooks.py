@@ -3,9 +3,11 @@
 import re
 import subprocess
 import sys
+from dataclasses import replace
 
 import nbformat
 import pytest
+from nbformat import v4
 
 from study import paths
 from study.pages import catalogue, execute, freshness
@@ -103,6 +105,30 @@ def test_settings_reach_the_notebooks_that_have_them():
 
 
 @pytest.mark.parametrize(
+    ("settings", "folder"),
+    [
+        ({"r2_star": 100.0}, "r2_star=100"),
+        ({"r2_star": 100.05, "kinematics": "small"}, "kinematics=small,r2_star=100.05"),
+        ({"levels": [1.0, -2.5e-07]}, "levels=1,-2.5e-07"),
+        ({"laws": ["hertz", "a/b:c"]}, "laws=hertz,abc"),
+    ],
+)
+def test_settings_name_a_folder_that_every_system_takes(settings, folder):
+    (notebook,) = catalogue.select(["fig10"])
+    changed = replace(notebook, settings=settings)
+    assert {path.parent for path in changed.products()} == {paths.BUILD / "with" / folder}
+    assert changed.identifier == f"{notebook.name}: {folder}"
+
+
+def test_folders_of_long_settings_have_short_names_that_differ():
+    (notebook,) = catalogue.select(["fig10"])
+    changed = [replace(notebook, settings={"shallow": [*range(100), n]}) for n in (1, 2)]
+    first, second = (notebook.folder.name for notebook in changed)
+    assert first != second
+    assert max(len(first), len(second)) < 255
+
+
+@pytest.mark.parametrize(
     ("setting", "message"),
     [
         (
@@ -129,7 +155,7 @@ def test_wrong_settings_stop_before_anything_runs(setting, message):
 
 def order(names, report=False):
     """Tasks that would be run or are fresh, in order."""
-    needed = freshness.needed(catalogue.select(names), {}, report=report)
+    needed = freshness.needed(catalogue.select(names), report=report)
     made = set()
     every = {path for task in needed for path in task.products}
     for task in needed:
@@ -166,7 +192,7 @@ def test_pytask_has_the_same_tasks_as_the_quick_check():
         "from _pytask.lockfile import _build_task_entry\n"
         "entries = [_build_task_entry(session, task, paths.ROOT) for task in session.tasks]\n"
         "entries = {entry.id: entry for entry in entries}\n"
-        "tasks = freshness.needed(catalogue.CATALOGUE, {}, report=True)\n"
+        "tasks = freshness.needed(catalogue.CATALOGUE, report=True)\n"
         "assert entries.keys() == {task.identifier for task in tasks}\n"
         "for task in tasks:\n"
         "    entry = entries[task.identifier]\n"
@@ -178,3 +204,35 @@ def test_pytask_has_the_same_tasks_as_the_quick_check():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("shown", "refused"),
+    [
+        ({"text/plain": "[]"}, True),
+        ({"text/plain": "Text(0.0, 1.0, 'a title')"}, True),
+        ({"text/plain": "<matplotlib.lines.Line2D at 0x7f>"}, True),
+        ({"text/plain": "[<matplotlib.lines.Line2D at 0x7f>]"}, True),
+        ({"text/plain": "<BarContainer object of 3 artists>"}, True),
+        ({"text/plain": "<Axes: xlabel='depth'>"}, True),
+        ({"text/plain": "0.1818"}, False),
+        ({"text/plain": "depth_star    0.5\nName: 3, dtype: float64"}, False),
+        ({"text/plain": "<IPython.core.display.Markdown object>", "text/markdown": "Yes."}, False),
+        ({"text/plain": "[1 rows x 2 columns]", "text/html": "<table></table>"}, False),
+    ],
+)
+def test_what_a_call_for_a_plot_returns_is_refused(shown, refused, tmp_path, monkeypatch):
+    monkeypatch.setattr(paths, "BUILD", tmp_path)
+    (tmp_path / "notebooks").mkdir()
+    output = v4.new_output("execute_result", shown, execution_count=3)
+    cells = [v4.new_markdown_cell("# Why?"), v4.new_code_cell("axes.plot([])")]
+    cells[1] |= {"outputs": [output], "execution_count": 3}
+    nbformat.write(v4.new_notebook(cells=cells), catalogue.CATALOGUE[0].executed)
+    if not refused:
+        execute.refuse_returned(catalogue.CATALOGUE[0])
+        return
+    wanted = re.escape(
+        f"{catalogue.CATALOGUE[0].name}, cell In[3] shows {shown['text/plain']!r}: end"
+    )
+    with pytest.raises(execute.NotebookError, match=wanted):
+        execute.refuse_returned(catalogue.CATALOGUE[0])

@@ -194,27 +194,37 @@ def test_a_file_changed_by_hand_is_made_again(project):
     assert table.read_bytes() == content
 
 
-def test_other_parameters_are_marked_and_restored(project):
-    first = (project / "figures/curve.csv").read_bytes()
-    done = study(project, "run", "curve", "-p", "scale=100")
+def test_other_parameters_have_a_folder_of_their_own(project):
+    kept = {path: path.read_bytes() for path in (project / "figures").iterdir()}
+    executed = project / f"build/notebooks/{CURVE}.ipynb"
+    kept[executed] = executed.read_bytes()
+    words = ("run", "curve", "law", "-p", "scale=100")
+    done = study(project, *words)
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.splitlines()[-1].endswith("0 differ, 2 other parameters")
-    assert (project / "figures/curve.csv").read_bytes() != first
-    assert study(project, "list", "numbers").stdout.startswith(
-        f"{CURVE}: other parameters: scale=100.0\n"
-    )
-    assert study(project, "list", "law").stdout.startswith(f"{LAW}: fresh\n")
-    again = study(project, "run", "curve", "-p", "scale=100")
-    assert "Nothing was stale" in again.stdout
-    paper = study(project, "paper")
-    assert (paper.returncode, paper.stdout) == (1, "")
-    assert "curve, numbers (scale=100.0)" in paper.stderr
-    assert paper.stderr.endswith(f"restore them with: study run {CURVE}\n")
-    assert not (project / "build/paper.pdf").exists()
-    back = study(project, "run", "curve")
-    assert ran(back) == [CURVE]
-    assert (project / "figures/curve.csv").read_bytes() == first
-    assert study(project, "list", "curve").stdout.startswith(f"{CURVE}: fresh\n")
+    assert re.search(r"^made  build/with/scale=100/curve.png +force over depth$", done.stdout, re.M)
+    assert f"\n      build/with/scale=100/{CURVE}.ipynb\n" in done.stdout
+    assert done.stdout.splitlines()[-1] == "1 results: 1 identical, 0 agree, 0 differ"  # the law
+    made = project / "build/with/scale=100"
+    assert (made / "numbers.csv").read_text().splitlines()[1:] == ["a,100", "b,500"]
+    assert all(path.read_bytes() == content for path, content in kept.items())
+    assert states(project) == dict.fromkeys(NAMES, "fresh")
+    again = study(project, *words)
+    assert "in build/with/scale=100/ and figures/ is up to date" in again.stdout
+    (made / "curve.png").unlink()
+    assert ran(study(project, "run", "curve", "-p", "scale=100.0")) == []
+    assert (made / "curve.png").is_file()
+    assert "Nothing was stale" in study(project, "run").stdout
+
+
+def test_what_reads_results_reads_those_with_the_papers_parameters(project):
+    (project / "figures/numbers.csv").unlink()
+    done = study(project, "run", "curve", "total", "-p", "scale=2", "-p", "digits=3")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert ran(done) == [CURVE]  # as it was, for the total of its numbers
+    with_settings = project / "build/with"
+    assert (with_settings / "digits=3/total.csv").read_text() == "total\n6\n"
+    assert (with_settings / "scale=2/numbers.csv").read_text().endswith("b,10\n")
+    assert states(project) == dict.fromkeys(NAMES, "fresh")
 
 
 def test_a_failing_cell_stops_its_results_alone(project):
@@ -229,6 +239,15 @@ def test_a_failing_cell_stops_its_results_alone(project):
     executed = nbformat.read(project / f"build/notebooks/{CURVE}.ipynb", as_version=4)
     kinds = [output.output_type for cell in executed.cells for output in cell.get("outputs", ())]
     assert "error" in kinds  # the copy shows where
+
+
+def test_a_cell_that_shows_what_a_plot_returns_fails(project):
+    saved = 'figures.save_table(table, "numbers")'
+    edit(project, CURVE, saved, f"{saved}\naxes.plot([0, 1])")
+    done = study(project, "run", "curve", "--force")
+    assert done.returncode == 1
+    assert re.search(rf"failed: {CURVE}, cell In\[\d+\] shows '\[<matplotlib", done.stderr)
+    assert "end its last line with ;" in done.stderr
 
 
 def test_too_few_files_are_named_as_the_cause(project):

@@ -21,6 +21,7 @@ from nbformat import v4
 from study import dataset, paths
 from study.checks import StudyError
 from study.contact import LAWS
+from study.joint import DimensionalJoint
 from study.pages import catalogue, execute, report
 from study.pages.catalogue import CATALOGUE, results
 from study.pages.report import pages as sources_of_pages
@@ -102,7 +103,7 @@ with pytest.MonkeyPatch.context() as patch:
 def show_little(patch, folder):
     """Let the report show a few modules and notebooks only, as each takes long."""
     show(patch, folder)
-    few = tuple(catalogue.select(["trend", "claims", "fig10", "table2"]))
+    few = tuple(catalogue.select(["trend", "claims", "fig10", "table2", "fig02", "judged"]))
     for module in (catalogue, sources_of_pages):
         patch.setattr(module, "CATALOGUE", few)
     library = paths.ROOT / "study"
@@ -191,7 +192,9 @@ def test_nothing_is_loaded_from_outside(built, pages):
         text = style.read_text(encoding="utf-8")
         assert "@import" not in text
         assert not re.search(r"url\(['\"]?(\w+:)?//", text), style
-    assert not re.search(r"fetch\(|XMLHttp|import\(", (built / "_static/plot.js").read_text())
+    for script in ("plot", "elements", "joint", "joint_page"):
+        text = (built / f"_static/{script}.js").read_text(encoding="utf-8")
+        assert not re.search(r"fetch\(|XMLHttp|import\(|innerHTML|https?://(?!www\.w3\.org/)", text)
     options = (built / "_static/documentation_options.js").read_text()
     assert "SHOW_SEARCH_SUMMARY: false" in options  # a summary would be fetched
 
@@ -231,9 +234,29 @@ def test_a_figure_tells_what_to_conclude_and_a_notebook_its_parameters(built):
         for key, (default, allowed, meaning) in execute.parameters(notebook).items():
             allowed = f" [{allowed}]" if allowed else ""
             assert f"<dt><code>{key}</code> = {default}{allowed}</dt><dd>{meaning}</dd>" in page
-    first = (built / "index.html").read_text(encoding="utf-8").partition("</figure>")[0]
-    assert 'src="figures/trend.png"' in first
-    assert "The stiffened Hertz law follows the elastic solution" in first
+    evidence = (built / "evidence.html").read_text(encoding="utf-8")
+    assert 'src="figures/trend.png"' in evidence
+    assert "The stiffened Hertz law follows the elastic solution" in evidence
+
+
+def test_the_front_page_has_three_doors(built, pages):
+    doors = re.search(
+        r'<ul class="gallery doors">.*?</ul>', (built / "index.html").read_text("utf-8"), re.DOTALL
+    )
+    assert Page(doors[0]).links == ["joint.html", "figures.html", "evidence.html"]
+    assert len(Page(doors[0]).loaded) == 3
+    assert "statements.html" in pages[built / "index.html"].links
+
+
+def test_statements_are_counted_once_by_kind(built):
+    """As README counts them: verdicts of the stated ones alone."""
+    for page in ("index.html", "evidence.html", "statements.html"):
+        text = " ".join(re.sub("<[^>]+>", "", (built / page).read_text("utf-8")).split())
+        assert (
+            "3 statements of the paper: 1 reproduced, 1 cannot be decided, 1 contradicted." in text
+        )
+        assert "Beside them 1 checks" not in text
+        assert "Beside them 1 check that does not speak for or against it: 1 only implied" in text
 
 
 @pytest.mark.parametrize("word", ["bronz", "liner", "yield", "matlab"])
@@ -250,16 +273,16 @@ def test_results_come_in_the_papers_order():
 
 
 def test_every_claim_is_shown_and_escaped(built, pages):
-    text = (built / "index.html").read_text(encoding="utf-8")
-    assert "claim-hostile-claim" in pages[built / "index.html"].anchors
+    text = (built / "statements.html").read_text(encoding="utf-8")
+    assert "claim-hostile-claim" in pages[built / "statements.html"].anchors
     for claim in CLAIMS[1:]:
         anchor = make_id(f"claim-{claim['claim']}")
-        assert anchor in pages[built / "index.html"].anchors
+        assert anchor in pages[built / "statements.html"].anchors
         assert claim["statement"] in text
-        assert f"../index.html#{anchor}" in pages[built / "figures/fig10.html"].links
+        assert f"../statements.html#{anchor}" in pages[built / "figures/fig10.html"].links
     for verdict, sign in VERDICTS.items():
         assert f'aria-hidden="true">{sign}</span> {verdict}' in text
-    for page in ("index.html", "figures/fig10.html"):
+    for page in ("statements.html", "figures/fig10.html"):
         text = (built / page).read_text(encoding="utf-8")
         assert "<b>&amp;" not in text
         assert "<script>alert" not in text
@@ -332,6 +355,11 @@ def test_data_hold_every_case_and_law(built):
     assert paper["laws"]["stiffened_hertz"] == pytest.approx(paper["force"], rel=0.005)
     free = by_name["plane-mirror-linear-200"]
     assert free["laws"]["stiffened_hertz"] == pytest.approx(free["force"], rel=0.01)
+
+
+def test_the_page_of_a_joint_is_light(built):
+    own = ("joint.html", "joint_data.js", "_static/joint.js", "_static/joint_page.js")
+    assert sum((built / name).stat().st_size for name in own) < 400e3
 
 
 def test_same_sources_give_the_same_bytes(twice):
@@ -424,6 +452,7 @@ def browse(built, tmp_path):
     "name",
     [
         *("index.html", "figures.html", "figures/fig10.html", f"notebooks/{PROBED}.html"),
+        *("joint.html", "evidence.html", "statements.html"),
         *("data.html", "api/study.contact.laws.html", "docs/readme.html", "search.html"),
     ],
 )
@@ -509,7 +538,7 @@ def test_every_choice_shows_a_curve(browse):
     ("words", "found"),
     [
         ("stiffened hertz laws", "api/study.contact.laws.html#study.contact.laws.stiffened_hertz"),
-        ("statement 1", "index.html#claim-claim-1"),
+        ("statement 1", "statements.html#claim-claim-1"),
         ("paper-linear-200", "data.html#case=paper-linear-200"),
         ("force against depth", "figures/fig10.html#fig-10"),
     ],
@@ -531,7 +560,9 @@ def test_slash_searches(browse):
     assert told(browse("index.html", TELL + script)) == "q"
 
 
-@pytest.mark.parametrize("name", ["index.html", "figures/claims.html", "data.html"])
+@pytest.mark.parametrize(
+    "name", ["index.html", "joint.html", "statements.html", "figures/claims.html", "data.html"]
+)
 def test_pages_fit_a_small_screen(browse, name):
     """Wide tables scroll in their own boxes."""
     script = "tell(document.documentElement.scrollWidth);"
@@ -541,7 +572,7 @@ def test_pages_fit_a_small_screen(browse, name):
 def test_claims_are_filtered_by_verdict(browse):
     script = """
     const shown = () => [...document.querySelectorAll("tr.claim")]
-      .filter((row) => getComputedStyle(row).display !== "none").length;
+      .filter((row) => row.getClientRects().length).length;
     const counts = [shown()];
     for (const radio of document.querySelectorAll("[name=verdict]")) {
       radio.click();
@@ -549,4 +580,74 @@ def test_claims_are_filtered_by_verdict(browse):
     }
     tell(counts);
     """
-    assert told(browse("index.html", TELL + script)) == [4, 4, 1, 1, 2]
+    assert told(browse("statements.html", TELL + script)) == [4, 4, 1, 1, 1]
+
+
+FORM = """
+const form = document.getElementById("joint"), text = (id) => document.getElementById(id).innerText;
+const choose = (name, value) => { form.elements[name].value = value;
+  form.elements[name].dispatchEvent(new Event("input", { bubbles: true })); };
+const refused = () => form.querySelector(".refused").innerText;
+"""
+
+
+def test_a_joint_follows_its_form_and_the_address_follows_it(browse):
+    script = """
+    const found = { first: text("results"), copied: text("texts") };
+    choose("socket", "");
+    found.other = [...form.querySelectorAll("[name^=socket_]:not([name$=mm])")]
+      .map((input) => input.value);
+    found.same = text("results");
+    choose("given", "depth");
+    found.depth = form.elements.value.value;
+    choose("drive", "clamped");
+    found.clamped = text("results");
+    choose("value", "50");
+    found.refused = refused();
+    found.hidden = document.getElementById("found").offsetHeight;
+    choose("value", "");
+    found.empty = refused();
+    setTimeout(() => tell({ ...found, address: location.hash }), 1000);
+    """
+    found = told(browse("joint.html", TELL + FORM + script))
+    assert "4.233 µm, or 0.1058 clearances" in found["first"]
+    assert "1185 N/µm" in found["first"]
+
+    def parsed(command):
+        return [float(word) if word[0].isdigit() else word for word in command.split()]
+
+    readme = (paths.ROOT / "README.md").read_text(encoding="utf-8")
+    for command in ("study export --law stiffened_hertz .*", "study joint --socket-radius .*"):
+        (line,) = re.findall(rf"^{command}$", readme, re.MULTILINE)
+        (copied,) = re.findall(rf"^{command}$", found["copied"], re.MULTILINE)
+        copied = copied.removesuffix(" Copy").replace(' --ball "bearing steel"', "")
+        assert parsed(copied) == parsed(line)
+    assert found["other"] == ["110", "0.34", "160"]
+    assert found["same"] == found["first"]
+    sizes = {"socket_radius": 12.5e-3, "clearance": 40e-6, "wall": 6e-3, "socket": "bronze"}
+    depth = DimensionalJoint(**sizes).law("stiffened_hertz").depth(3000)
+    assert found["depth"] == f"{1e6 * depth:.6g}"
+    assert found["clamped"] != found["first"]
+    assert found["refused"].startswith(
+        "depth of stiffened_hertz must be <= 4e-05 m, got 5e-05 m. The law is not for it; "
+        "this solves the joint: study joint --socket-radius 0.0125"
+    )
+    assert found["hidden"] == 0
+    assert found["empty"] == "value must be a number, got ''"
+    assert "socket=&socket_youngs_modulus_GPa=110&socket_poisson=0.34" in found["address"]
+    assert "drive=clamped" in found["address"]
+
+
+def test_an_address_opens_its_joint_and_its_text_stays_text(browse):
+    place = "#clearance_um=100&ball=cast+iron&rim=free&given=depth&value=50&socket=&"
+    place += "socket_youngs_modulus_GPa=1&socket_poisson=0.4&socket_yield_stress_MPa=20"
+    script = "tell([text('results'), text('texts'), form.elements.value.value, refused()]);"
+    results, texts, value, refused = told(browse("joint.html", TELL + FORM + script, place))
+    assert "50 µm, or 0.5 clearances" in results
+    assert '--ball "cast iron" --socket 1000000000,0.4,20000000 --rim free --depth 0.00005' in texts
+    assert (value, refused) == ("50", "")
+    place = "#drive=%3Cimg%20src%3Dx%20onerror%3Dalert(1)%3E"
+    script = "tell([refused(), document.querySelectorAll('form img').length]);"
+    refused, images = told(browse("joint.html", TELL + FORM + script, place))
+    assert refused.startswith("ball_drive of stiffened_hertz must be one of plane, clamped, got ''")
+    assert images == 0

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 
 from study import contact
 from study.contact import forces, joint_law, sampling
-from study.mechanism import Scene, rigid, simulate
+from study.mechanism import Scene, paper_scene, rigid, simulate
 
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.1e11
 SIZES = {"ball_radius": R1, "socket_radius": R2, "composite_modulus": MODULUS}
@@ -132,7 +132,8 @@ def test_impact_on_a_linear_spring_is_half_an_oscillation():
 @pytest.mark.parametrize("function", [stopped, measured])
 @pytest.mark.parametrize("restitution", [0.5, 1.0])
 def test_energy_balance_closes_with_kinks_in_the_law(function, restitution):
-    response = simulate(Scene(restitution=restitution), law=function, duration=0.03, outputs=3000)
+    scene = paper_scene(restitution=restitution)
+    response = simulate(scene, law=function, duration=0.03, outputs=3000)
     assert response.energy_error < 1e-8
     if function is stopped:
         assert response.impacts.peak_depth.max() > 0.01 * 5e-5  # the stop is met

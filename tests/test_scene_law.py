@@ -6,14 +6,15 @@ from dataclasses import replace
 import pytest
 from other_programs import odes
 
-from study import contact
+from study import contact, mechanism
 from study.choose import choose, choose_model
-from study.joint import Joint, Layer, Material, material, whole_curve
+from study.joint import DimensionalJoint, Joint, Layer, Material, material, whole_curve
 from study.measure import explicit, stability
-from study.mechanism import Scene, simulate
+from study.mechanism import Scene, paper_scene
+from tests.with_hertz import simulate
 
 BRONZE, STEEL = Material(1.1e11, 0.34), Material(2.07e11, 0.3)
-PAPER, MIXED = Scene(), Scene(socket=BRONZE)
+PAPER, MIXED = paper_scene(), paper_scene(socket=BRONZE)
 BRIEF = {"duration": 2e-3, "outputs": 20}
 OPTIONS = {"modulus_ratio": 1.1 / 2.07, "poisson": 0.3, "socket_poisson": 0.34}
 
@@ -42,8 +43,8 @@ def test_parameters_name_a_material_only_where_one_was_given():
 @pytest.mark.parametrize("name", ["youngs_modulus", "link_modulus"])
 def test_a_modulus_in_another_unit_is_a_hint(name):
     shown = name.replace("_", " ")
-    for value, hint in ((210, "210e9"), (0.8, "0.8e9"), (2.1e5, "210e9")):
-        message = f"{shown} must be >= 1e+06 Pa, got {value:g} Pa: did you mean {hint}?"
+    for value, hint in ((210, "210e9"), (0.8, "0.8e9"), (6.9e4, "69e9")):
+        message = f"{shown} must be >= 100000 Pa, got {value:g} Pa: did you mean {hint}?"
         with pytest.raises(ValueError, match=re.escape(message) + "$"):
             Scene(**{name: value})
     assert getattr(Scene(**{name: 1e6}), name) == 1e6
@@ -142,6 +143,103 @@ def test_laws_without_materials_say_what_they_are():
     for law, told in (("hertz", "hertz"), ("steuermann", "steuermann: n 1, radius geometric")):
         assert simulate(MIXED, law=law, **BRIEF).law == told
     assert simulate(MIXED, joint="ideal", **BRIEF).law == "none"
+
+
+def in_si_units(law, scene=PAPER, **options):
+    radii = {"ball_radius": scene.ball_radius, "socket_radius": scene.socket_radius}
+    modulus = {"composite_modulus": scene.composite_modulus}
+    return contact.JointLaw(law, **(radii | modulus | options))
+
+
+@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+def test_a_law_with_dimensions_is_the_law_by_its_name(model):
+    given = {"hertz": {}, "stiffened_hertz": OPTIONS | {"socket_ratio": 1.5}}
+    for name, options in given.items():
+        ours = simulate(MIXED, law=in_si_units(name, MIXED, **options), model=model, **BRIEF)
+        ratio = {"socket_ratio": 1.5} if options else {}
+        named = simulate(MIXED, law=name, model=model, **BRIEF, **ratio)
+        assert ours.rows.tobytes() == named.rows.tobytes()
+        assert ours.law == named.law
+
+
+def test_the_table_of_the_scenes_joint_is_that_of_a_joint_with_dimensions():
+    by_name = simulate(MIXED, law="tabulated", wall=3e-3, **BRIEF)
+    assert by_name.law.startswith("tabulated: r2_star 200, socket_ratio 1.3, ball_drive plane")
+    joint = DimensionalJoint(10e-3, 5e-5, 3e-3, STEEL, BRONZE)
+    for law in (joint, joint.law()):
+        response = simulate(MIXED, law=law, **BRIEF)
+        assert response.rows.tobytes() == by_name.rows.tobytes()
+        assert response.law == by_name.law
+    usual = simulate(MIXED, law="tabulated", **BRIEF)
+    assert "socket_ratio 1.298" in usual.law
+    stiffened = simulate(MIXED, law="stiffened_hertz", **BRIEF).impacts
+    assert usual.impacts.peak_force[0] == pytest.approx(stiffened.peak_force[0], rel=2e-3)
+    assert by_name.agreement.lasts
+
+
+def test_a_liner_is_softer_and_counts_with_its_own_modulus():
+    liner = ((0.5e-3, "PTFE"),)
+    lined = DimensionalJoint(10e-3, 5e-5, 3e-3, STEEL, BRONZE, liner)
+    bare = simulate(MIXED, law="tabulated", wall=3e-3, **BRIEF).impacts
+    modulus = lined.joint.composite_modulus
+    for scene in (PAPER, MIXED):  # without materials, and with those of ball and socket
+        response = simulate(scene, law=lined, **BRIEF)
+        assert response.impacts.peak_force[0] < 0.6 * bare.peak_force[0]
+        assert response.impacts.peak_depth[0] > 1.5 * bare.peak_depth[0]
+        assert response.law.endswith(f"; with its own composite modulus, {modulus:.9g} Pa")
+    by_name = simulate(MIXED, law="tabulated", wall=3e-3, liner=liner, **BRIEF)
+    assert by_name.rows.tobytes() == response.rows.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("scene", "law", "message"),
+    [
+        (
+            PAPER,
+            {"ball_radius": 12.46e-3, "socket_radius": 12.5e-3},
+            "law must be of all clearance joints, the crank's too: give "
+            "Scene(socket_radius=0.0125, clearance=4e-05)",
+        ),
+        (
+            PAPER.replace(crank_clearance=1e-4),
+            {},
+            "law must be of all clearance joints, the crank's too: give "
+            "Scene(socket_radius=0.01, clearance=5e-05)",
+        ),
+        (
+            MIXED,
+            {"composite_modulus": 1e11},
+            "modulus E* of law must be the scene's, 8.04",
+        ),
+    ],
+)
+def test_a_law_of_another_joint_is_refused(scene, law, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        simulate(scene, law=in_si_units("hertz", **law), **BRIEF)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"n": 2}, "option of tabulated must be one of socket_ratio, liner, got 'n'"),
+        ({"wall": 3e-3, "socket_ratio": 1.3}, "must be one of wall, liner, got 'socket_ratio'"),
+        ({"socket_ratio": "thick"}, "socket_ratio must be one number, got 'thick'"),
+        ({"socket_ratio": 0.9}, "wall must be >= 1e-06 and <= 9999.99 m, got -0.001 m"),
+        ({"liner": "PTFE"}, "liner must be pairs of a thickness in m and a material, got 'PTFE'"),
+    ],
+)
+def test_options_of_the_scenes_joint(options, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        simulate(MIXED, law="tabulated", **options, **BRIEF)
+
+
+def test_a_scene_outside_the_range_of_the_default_law_is_told_what_to_take():
+    scene = Scene(poisson=0.1)
+    told = "poisson of stiffened_hertz must be >= 0.2 and <= 0.46, got 0.1; law tabulated is for"
+    with pytest.raises(ValueError, match=re.escape(told)):
+        mechanism.simulate(scene, **BRIEF)
+    assert len(mechanism.simulate(scene, law="tabulated", **BRIEF).impacts) == 1
+    assert mechanism.simulate(scene, joint="ideal", **BRIEF).law == "none"
 
 
 def test_a_law_with_options_inside_is_refused():

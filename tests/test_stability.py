@@ -15,10 +15,11 @@ from study.contact.damping import DAMPINGS, damping_factor, delivered_restitutio
 from study.joint import Joint, Material, complementarity, force_curve, paper_joint
 from study.joint.compliance import surface_angles
 from study.measure import explicit, limits, stability
-from study.mechanism import MechanismError, Scene, particles, rigid, simulate
+from study.mechanism import MechanismError, Scene, paper_scene, particles, rigid
 from study.mechanism.frame import Frame
+from tests.with_hertz import simulate
 
-PAPER = Scene()
+PAPER = paper_scene()
 SLIPPERY = PAPER.replace(friction=0.0)
 SETTLED = 0.03  # s
 
@@ -121,7 +122,7 @@ def test_an_explicit_step_beyond_its_limit_is_refused(pressed, scheme, approach)
 @pytest.mark.parametrize("band", [1e-3, 1e-4])
 @pytest.mark.parametrize("scheme", ["symplectic Euler", "lagged"])
 def test_friction_that_sticks_limits_the_step_as_predicted(scheme, band):
-    scene = Scene(friction=3.0, slow_speed=0.0, full_speed=band)
+    scene = paper_scene(friction=3.0, slow_speed=0.0, full_speed=band)
     state = stability.lasting_contact(scene, "hertz", 0.8 * SETTLED)
     limit = 2 / stability.oscillator(scene, "hertz", state)["friction_rate"]
     seen = stability.observed_step(scene.replace(restitution=1.0), "hertz", state, scheme)
@@ -129,7 +130,7 @@ def test_friction_that_sticks_limits_the_step_as_predicted(scheme, band):
 
 
 def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
-    scene = Scene(friction=3.0, slow_speed=0.0, full_speed=1e-3, restitution=1.0)
+    scene = paper_scene(friction=3.0, slow_speed=0.0, full_speed=1e-3, restitution=1.0)
     state = stability.lasting_contact(scene, "hertz", 0.8 * SETTLED)
     rate = stability.oscillator(scene, "hertz", state)["friction_rate"]
     numbers, p = stability.packed(scene, "hertz"), scene.constants()
@@ -230,7 +231,7 @@ def test_a_slow_contact_that_is_driven_apart_pulls_and_the_response_tells():
 
 def test_approach_speeds_go_with_the_root_of_the_moment_down_to_nothing():
     for moment in (1.0, 1e-6, 1e-15):
-        scene = Scene(driving_moment=moment)
+        scene = paper_scene(driving_moment=moment)
         r = simulate(scene, duration=0.02 / moment**0.5, outputs=20)
         assert r.impacts.approach_speed[0] == pytest.approx(0.0809780828 * moment**0.5, rel=1e-7)
         assert (r.impacts.approach_speed > 0).all()
@@ -301,7 +302,7 @@ def test_friction_that_turns_into_a_jump_costs_steps_but_keeps_the_answer():
     assert (np.diff(steps) >= 0).all()
     assert steps[0] < steps[-1] < 3 * steps[0]  # of a linear transition of 1e-4 m/s
     lost = [
-        simulate(Scene(slow_speed=1e-4, full_speed=1e-4 + band), duration=0.1, outputs=1)
+        simulate(paper_scene(slow_speed=1e-4, full_speed=1e-4 + band), duration=0.1, outputs=1)
         for band in (1e-6, 1e-9, 1e-13)
     ]
     lost = [response.lost_friction[-1] for response in lost]

@@ -10,7 +10,18 @@ import pytest
 
 from study import paths
 
-LISTED = ("*.py", "*.md", "*.toml", "*.lock", "*.cff", "*.json", "*.ipynb", "Makefile")
+LISTED = (
+    "*.py",
+    "*.md",
+    "*.toml",
+    "*.lock",
+    "*.cff",
+    "*.json",
+    "*.ipynb",
+    "*.yml",
+    "*.yaml",
+    "Makefile",
+)
 
 
 def texts():

@@ -239,9 +239,9 @@ def test_the_command_gives_the_same_with_dimensions_and_without(monkeypatch, cap
     assert plain["transverse_star"] == contact.transverse_star.tolist()
     assert plain["contact_to_deg"] == [70]
     assert plain["reaches_mouth"] == [True]
-    sizes = "--socket-radius 0.01 --clearance 5e-5 --wall 2.98e-3"
+    sizes = "--socket-radius 0.01 --clearance 5e-5 --wall 2.98e-3 --ball steel"
     sized = run(monkeypatch, capsys, f"{sizes} --depth 2.5e-5 {options}")
-    unit = DimensionalJoint(0.01, 5e-5, 2.98e-3).joint.composite_modulus * 5e-5**2
+    unit = DimensionalJoint(0.01, 5e-5, 2.98e-3, "steel").joint.composite_modulus * 5e-5**2
     for name in ("force", "transverse"):
         assert sized[name] == pytest.approx(unit * getattr(contact, f"{name}_star"), rel=1e-9)
     length = np.hypot(sized["force"][0], sized["transverse"][0])

@@ -8,9 +8,10 @@ from scipy.integrate import solve_ivp
 
 from study.choose import choose_model
 from study.contact.joint_law import pack
-from study.mechanism import Scene, compare, simulate, two_joints
+from study.mechanism import compare, paper_scene, two_joints
+from tests.with_hertz import simulate
 
-PAPER = Scene()
+PAPER = paper_scene()
 BOTH = PAPER.replace(crank_clearance=8e-5)
 STARTS = {
     "moment": {},

@@ -38,7 +38,7 @@ def make(folders, scale=1.0, label="force"):
     axes.plot(table.x, table.force)
     axes.set_ylabel(label)
     figures.save(figure, "fig", table)
-    baseline.take_over(folders / "work", NOTEBOOK, {})
+    baseline.take_over(folders / "work", NOTEBOOK)
     return compare()
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import typer
 
 from study import checks, paths
-from study.cli import build, joint, laws, mechanism, stored, sweep  # noqa: F401  (each adds commands)
+from study.cli import build, cite, joint, laws, mechanism, stored, sweep  # noqa: F401  (commands)
 from study.cli.options import INTERRUPTED, InterruptionError, app
 
 _LISTED = re.compile(r"\bone of (?P<known>.+), got '(?P<asked>[^'=]+)[^']*'$")

@@ -1,6 +1,7 @@
 """Commands for notebooks, their results, the paper and the report."""
 
 import sys
+from dataclasses import replace
 
 import typer
 
@@ -22,14 +23,18 @@ def run_notebooks(
     """Run the stale notebooks and compare their figures and tables with those in figures/.
 
     A result that agrees stays as it is. One that differs is replaced and named, with exit status 1.
+    With other parameters the results go to build/with/KEY=VALUE/, and figures/ stays as it is.
     """
     from study.pages import catalogue, execute
 
     if settings and not names:  # or every notebook that has the parameter would run with it
         raise ValueError(f"-p must be given with a NAME, as in: study run fig10 -p {settings[0]}")
     selected = catalogue.select(names)
-    parameters = execute.check_parameters(selected, settings)
-    _compare(_make(selected, parameters, jobs=jobs, force=force, dask_address=dask_address))
+    chosen = execute.check_parameters(selected, settings)
+    selected = [replace(notebook, settings=chosen[notebook.name]) for notebook in selected]
+    compared = _make(selected, jobs=jobs, force=force, dask_address=dask_address)
+    if compared:
+        _compare(compared)
 
 
 @cli.command("verify")
@@ -64,10 +69,7 @@ def _compare(selected):
 
 @cli.command("paper")
 def typeset_paper():
-    """Typeset the paper, build/paper.pdf, from the results in figures/ as they are.
-
-    Results made with other parameters than the paper's are refused.
-    """
+    """Typeset the paper, build/paper.pdf, from the results in figures/ as they are."""
     from study.pages.typeset import typeset
 
     typeset()
@@ -79,24 +81,26 @@ def write_report(jobs: int = cli.JOBS):
     """Bring everything up to date: figures, tables, paper, and the report, build/report/."""
     from study.pages.catalogue import CATALOGUE
 
-    selected = _make(CATALOGUE, {}, report=True, jobs=jobs)
+    selected = _make(CATALOGUE, report=True, jobs=jobs)
     print("Figures and tables are in figures/, the paper is build/paper.pdf.")
     print("The report to browse: build/report/index.html")
     _compare(selected)
 
 
-def _make(selected, parameters, **how):
-    """Run notebooks and print what was made; return those selected and those that ran."""
+def _make(selected, **how):
+    """Run notebooks and print what was made; return those to compare, selected or run."""
     from study.pages import catalogue, execute
+    from study.provenance import name
 
     paths.require_checkout(paths.NOTEBOOKS)
-    built = execute.run(selected, parameters, **how)
+    built = execute.run(selected, **how)
     made, every = built.made, catalogue.CATALOGUE
-    for notebook in every:
-        if notebook.name in made:
+    for notebook in (*every, *(notebook for notebook in selected if notebook.settings)):
+        if notebook.identifier in made:
+            folder = name(notebook.folder)
             for result in notebook.results.values():
-                print(f"made  figures/{result.files[-1]:<{len(result.name) + 5}} {result.shows}")
-            print(f"      build/notebooks/{notebook.path.name}")
+                print(f"made  {folder}/{result.files[-1]:<{len(result.name) + 5}} {result.shows}")
+            print(f"      {name(notebook.executed)}")
     for task, file in (("typeset", "paper.pdf"), ("report", "report/index.html")):
         if task in made:
             print(f"made  build/{file}")
@@ -104,7 +108,8 @@ def _make(selected, parameters, **how):
     if not made:
         names = ", ".join(notebook.name for notebook in selected)
         of = f" of {names}" if len(selected) < len(every) else ""
-        say(f"Nothing was stale: every figure and table{of} in figures/ is up to date.")
+        folders = " and ".join(dict.fromkeys(f"{name(nb.folder)}/" for nb in selected))
+        say(f"Nothing was stale: every figure and table{of} in {folders} is up to date.")
     return [notebook for notebook in every if notebook in selected or notebook.name in made]
 
 
@@ -115,15 +120,11 @@ def list_results(names: list[str] = cli.NAMES):
     With a NAME also the parameters of its notebook, with defaults and ranges. Without one plain
     CSV, if the output is not a terminal.
     """
-    from study.pages import baseline, catalogue, freshness
+    from study.pages import catalogue, freshness
 
     selected = catalogue.select(names)
-    stale = freshness.stale(freshness.needed(selected, {}))
-    states = {}
-    for notebook in selected:
-        settings = baseline.shown_with(notebook)
-        state = "stale" if notebook.name in stale else "fresh"
-        states[notebook.name] = f"other parameters: {settings}" if settings else state
+    stale = freshness.stale(freshness.needed(selected))
+    states = {nb.name: "stale" if nb.name in stale else "fresh" for nb in selected}
     if names or sys.stdout.isatty():
         for notebook in selected:
             shown = [name for name in notebook.results if name in names] or notebook.results

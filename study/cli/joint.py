@@ -1,5 +1,7 @@
 """The command for a joint, with its dimensions in SI units or without: study joint."""
 
+import shlex
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -17,29 +19,38 @@ NO_LAW = {
 HELD = "they are largest where that is held, and depend on its details."
 MATERIAL = (
     "Material by its name (listed by study data materials), or by Young's modulus in Pa, Poisson's "
-    "ratio and perhaps yield stress in Pa: 210e9,0.3,5e8. [default: steel]"
+    "ratio and perhaps yield stress in Pa: 210e9,0.3,5e8. [default: {}]"
 )
 
 
-class DimensionOptions:
-    """A joint with dimensions."""
+class SizeOptions:
+    """Dimensions of a joint, and its materials."""
 
     socket_radius: float = cli.option("Inner radius of the socket, in m.")
     clearance: float = cli.option("Radius of the socket minus that of the ball, in m.")
-    wall: float = cli.option(
-        "Thickness of the socket beyond its inner radius, liners included, in m."
-    )
+    wall: float = cli.WALL
+    ball: str = cli.option(MATERIAL.format("bearing steel"))
+    socket: str = cli.option(MATERIAL.format("steel"))
+    liner: list[str] = cli.LINER
+
+
+class DimensionOptions(SizeOptions):
+    """A joint with dimensions, and what is asked of it."""
+
     force: list[float] = cli.option("Contact force in N; may be repeated.")
     depth: list[float] = cli.option("Penetration depth in m; may be repeated.")
-    ball: str = cli.option(MATERIAL)
-    socket: str = cli.option(MATERIAL)
-    liner: list[str] = cli.option(
-        "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be repeated, "
-        "from the inside out."
-    )
     tolerance: float = cli.option(
         "Largest relative error of the law that is chosen. [default: 0.01]"
     )
+    friction: float = cli.option(
+        "Coefficient of friction (no unit), for the torques of a ball that slides all over its "
+        "contact as it turns about the load (spin), or about an axis across it (tilt)."
+    )
+    wear: float = cli.option(
+        "Wear coefficient in m^2/N, for Archard's wear depth at the peak of an unchanged pressure."
+    )
+    path: float = cli.option("Sliding path of the wear, in m.")
+    plot: Path = cli.option("Figure of force and pressure to write: .png, .svg or .pdf.")
 
 
 class EitherOptions(cli.JointOptions, DimensionOptions):
@@ -56,9 +67,10 @@ class EitherOptions(cli.JointOptions, DimensionOptions):
     )
 
 
-DIMENSIONS = tuple(DimensionOptions.__annotations__)
+DIMENSIONS = (*SizeOptions.__annotations__, *DimensionOptions.__annotations__)
 SIZES = ("socket_radius", "clearance", "wall")
 """Options that a joint with dimensions needs."""
+OF_PRESSURE = {"friction": "", "wear": "m^2/N", "path": "m"}  # and their units
 
 
 @cli.command("joint")
@@ -70,18 +82,15 @@ def solve_joint(as_json: bool = cli.JSON, **options: EitherOptions):
     radius is relative to that of the body's surface. With --tilt the ball is pressed off the axis:
     forces along and across its displacement, positive towards larger tilt, and no stresses.
     """
-    from study.joint.supports import SUPPORTS
-
     if dimensions := [name for name in DIMENSIONS if name in options]:
-        why = f"{cli.flag(dimensions[0])} is for a joint with its dimensions"
-        cli.left_out(options, (*DIMENSIONS, *SUPPORTS, "tilt"), why)
+        _only_sizes(options, dimensions[0], (*DIMENSIONS, "tilt"))
         solve = _solve_dimensional
     else:
         _needed(("r2_star", "depth_star"), options, " or, with dimensions, --socket-radius, ...")
         solve = _solve_dimensionless
     options = cli.under_tilt(options.get("tilt"), options)
     if "tilt" in options:
-        for name in ("solver", "tolerance"):
+        for name in ("solver", "tolerance", "friction", "wear", "path", "plot"):
             if name in options:
                 raise ValueError(f"{cli.flag(name)} must be left out beside --tilt")
     solve(as_json, **options)
@@ -93,26 +102,57 @@ def _needed(names, options, more=""):
         raise ValueError(f"{' and '.join(missing)} must be given{more}")
 
 
-def _solve_dimensional(
-    as_json, force=None, depth=None, liner=(), tolerance=0.01, tilt=None, **of_joint
-):
-    from study.choose.law import TOLERANCES
+def _only_sizes(options, first, allowed):
+    """Refuse what a joint with its dimensions does not have."""
+    from study.joint.supports import SUPPORTS
+
+    why = f"{cli.flag(first)} is for a joint with its dimensions"
+    cli.left_out(options, (*allowed, *SUPPORTS), why)
+
+
+def sized(options):
+    """Joint with dimensions of a command's options: `SizeOptions`, and its supports."""
     from study.joint import DimensionalJoint, parsing
 
+    first = next(name for name in SizeOptions.__annotations__ if name in options)
+    _only_sizes(options, first, SizeOptions.__annotations__)
+    _needed(SIZES, options)
+    liners = tuple(map(parsing.liner, options.get("liner", ())))
+    return DimensionalJoint(**options | {"liner": liners})
+
+
+def _solve_dimensional(
+    as_json, force=None, depth=None, tolerance=0.01, tilt=None, plot=None, **of_joint
+):
+    from study.choose.law import TOLERANCES
+
+    of_pressure = {name: of_joint.pop(name) for name in OF_PRESSURE if name in of_joint}
+    for name, value in of_pressure.items():
+        checks.number(name, value, OF_PRESSURE[name], least=0)
+    if "wear" in of_pressure or "path" in of_pressure:
+        _needed(("wear", "path"), of_pressure)
+    if plot is not None:
+        cli.check_output(plot, ".png", ".svg", ".pdf", name="plot")
+        from study.cli.plot import draw_joint  # now: it may lack a package
     _needed(SIZES, of_joint)
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
-    joint = DimensionalJoint(**of_joint, liner=tuple(map(parsing.liner, liner)))
+    joint = sized(of_joint)
     with working("Solving the joint"):
         if tilt is None:
             solution = joint.solve(force=force, depth=depth)
-            values, parts = _described(joint, solution, tolerance)
+            limits = _limits_of(joint, solution, **of_pressure)
+            values, parts = _described(joint, solution, limits, tolerance, typed(of_joint))
+            more, table = _of_pressure(solution, **of_pressure)
+            values, parts = values | more, [parts[0], *table, *parts[1:]]
+            if plot is not None:
+                draw_joint(solution, plot)
         else:
             values, parts = _tilted(joint.solve_tilted(tilt, force=force, depth=depth))
     show(values, as_json, *parts)
 
 
 def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, **joint):
-    from study.joint import force_curve, parsing, tilted_contact
+    from study.joint import applicability, force_curve, parsing, tilted_contact
     from study.joint.stress import largest as largest_stress
 
     solved_joint = parsing.joint(r2_star, **joint)
@@ -141,6 +181,9 @@ def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, *
         parts += [f"Largest von Mises stress in the {body}:", table]
     for body in [name for name in solved_joint.materials if name not in stresses]:
         parts.append(f"Without stresses of the {body}: {HELD}")
+    exceeded = applicability.of_curve(curve)
+    values = values | {"applicability": [applicability.in_short(found) for found in exceeded]}
+    parts += _limits(solved_joint, curve.depth_star, exceeded)
     show(values, as_json, *parts)
 
 
@@ -175,8 +218,19 @@ def _prefix(body):
     return f"von_mises_{body.replace(' ', '_')}"
 
 
-def _described(joint, solution, tolerance):
+def typed(options):
+    """Options of a joint with its dimensions, as they are typed."""
+    words = []
+    for name, value in options.items():
+        for one in value if isinstance(value, list) else [value]:
+            words += [cli.flag(name), f"{one:.9g}" if isinstance(one, float) else shlex.quote(one)]
+    return " ".join(words)
+
+
+def _described(joint, solution, limits, tolerance, typed):
     """One JSON object of a solved joint, and its parts as text."""
+    from study.joint import applicability
+
     plain = joint.joint
     columns = ("depth", "force", "stiffness", "contact_half_angle_deg", "peak_pressure")
     values = {name: getattr(solution, name).tolist() for name in (*columns, "error_estimate")}
@@ -192,11 +246,51 @@ def _described(joint, solution, tolerance):
     without = ("r2_star", "socket_ratio", "modulus_ratio", "composite_modulus")
     values |= {name: getattr(plain, name) for name in without}
     values["depth_star"] = (solution.depth / joint.clearance).tolist()
-    law, text = _law(joint, float(solution.depth.max()), tolerance)
-    parts = [_contact(solution), *_stresses(joint, solution), text]
+    values["applicability"] = [applicability.in_short(found) for found in limits]
+    law, text = _law(joint, float(solution.depth.max()), tolerance, typed)
+    power, two_numbers = _power(joint, solution.depth)
+    parts = [_contact(solution), *_stresses(joint, solution), text, two_numbers]
+    parts += _limits(plain, solution.depth, limits)
     if joint.socket_radius >= LARGE:
         parts.append(f"The socket's radius is {joint.socket_radius:g} m: are the sizes in m?")
-    return values | law, parts
+    return values | power | law, parts
+
+
+HELD_HOW = {
+    "whole": "The socket's outside is held rigidly.",
+    "rim": "The face of the socket's rim is held rigidly.",
+}
+
+
+def _limits(joint, depth, limits):
+    """What the numbers are for, and which limits they exceed."""
+    from study.joint import applicability
+
+    seat = f"The socket's outside is held rigidly at polar angles of {joint.backing} deg."
+    held = HELD_HOW.get(joint.backing, seat)
+    yield f"{held} Bodies are smooth and elastic, without friction; the load is along the axis."
+    ordered = [limits[k] for k in np.argsort(depth)]
+    for sentence in applicability.worst(ordered):
+        yield f"Beyond a limit: {sentence}"
+
+
+def _power(joint, depths):
+    """K and n over the depths, or over a tenth of the largest to it, as JSON and in words."""
+    least, most = float(depths.min()), float(depths.max())
+    least = least if least <= most / 2 else most / 10
+    law = joint.power_law((least, most))
+    values = {
+        "coefficient": law.coefficient,
+        "coefficient_mm": law.coefficient_mm,
+        "exponent": law.exponent,
+        "error": law.error,
+        "depths": law.depths,
+    }
+    low, high = _rounded((least / MICRO, most / MICRO))
+    return {"power_law": values}, (
+        f"As F = k d^n, within {_percent(law.error)} from {low:g} to {high:g} um: n = "
+        f"{law.exponent:.5g} and k = {law.coefficient:.5g} N/m^n = {law.coefficient_mm:.5g} N/mm^n."
+    )
 
 
 def _contact(solution):
@@ -208,6 +302,31 @@ def _contact(solution):
         "peak_pressure MPa": _rounded(solution.peak_pressure / MEGA),
         "error %": _rounded(solution.error_estimate / PERCENT, 2),
     }
+
+
+def _limits_of(joint, solution, friction=0.0, wear=0.0, path=0.0):
+    """Limits of each contact, with those of its friction and wear."""
+    from study.joint import applicability
+
+    shares = friction * solution.friction_radius["spin"] / joint.socket_radius
+    worn = solution.wear_depth(wear, path).max(axis=1) / joint.clearance
+    return [
+        found | applicability.friction_limit(share) | applicability.wear_limit(depth)
+        for found, share, depth in zip(solution.limits, shares, worn, strict=True)
+    ]
+
+
+def _of_pressure(solution, friction=None, wear=None, path=None):
+    """Friction torques and wear depths, in SI units and as a table, if they are asked for."""
+    values, table = {}, {"depth um": _rounded(solution.depth / MICRO)}
+    if friction is not None:
+        for motion, torque in solution.friction_torque(friction).items():
+            values[f"{motion}_torque"] = torque.tolist()
+            table[f"{motion}_torque N m"] = _rounded(torque)
+    if wear is not None:
+        depth = solution.wear_depth(wear, path).max(axis=1)
+        values["wear_depth"], table["wear_depth um"] = depth.tolist(), _rounded(depth / MICRO)
+    return values, [table] if values else []
 
 
 def _stresses(joint, solution):
@@ -240,9 +359,10 @@ def _percent(error):
     return f"{error / PERCENT:.2g} %"
 
 
-def _law(joint, largest, tolerance):
+def _law(joint, largest, tolerance, typed):
     """The cheapest law within the tolerance up to a depth, as JSON and in words."""
     from study.choose.law import choose_beside
+    from study.joint.dimensional import usual_depth
 
     plain = joint.joint
     try:
@@ -265,32 +385,9 @@ def _law(joint, largest, tolerance):
         )
     line = None
     if choice.law != "solver":
-        line = f"study export --law {choice.law} --format c {described(plain, choice.depths[1])}"
-        text += (
-            f"\nTo take it into another program, with the clearance {joint.clearance:g} m and the "
-            f"composite modulus {plain.composite_modulus:.9g} Pa:\n{line}"
-        )
+        line = f"study export --law {choice.law} --format c {typed}"
+        if choice.depths[1] > usual_depth(plain):
+            line += f" --depth {joint.clearance * choice.depths[1]:.9g}"
+        text += f"\nTo take it into another program:\n{line}"
     values = {"law": choice.law, "law_error_bound": choice.error_bound, "law_depths": depths}
     return values | {"law_errors": choice.errors, "export": line}, text
-
-
-def described(joint, deepest):
-    """Options of study export that describe a joint without its dimensions."""
-    from study.joint import Joint
-    from study.joint.dimensional import usual_depth
-    from study.joint.supports import SUPPORTS
-
-    numbers = {"r2_star": joint.r2_star, "poisson": joint.ball.poisson}
-    if not joint.layers:
-        numbers |= {"socket_ratio": joint.socket_ratio, "modulus_ratio": joint.modulus_ratio}
-        numbers |= {"socket_poisson": joint.socket.poisson}
-    if deepest > usual_depth(joint):
-        numbers["depth_star"] = deepest
-    options = [f"{cli.flag(name)} {value:.9g}" for name, value in numbers.items()]
-    usual = Joint(joint.r2_star, ball_drive=joint.ball_drive)
-    supports = {name: getattr(joint, name) for name in SUPPORTS}
-    for name, value in supports.items():
-        if value != getattr(Joint if name == "ball_drive" else usual, name):
-            options.append(f"{cli.flag(name)} {value}")
-    layers = filter(None, joint.layers_text.split(";"))
-    return " ".join([*options, *(f"--layer {layer.replace(':', ',')}" for layer in layers)])

@@ -8,6 +8,7 @@ import typer
 
 from study import paths
 from study.cli import options as cli
+from study.cli.joint import SizeOptions
 from study.cli.output import named_fields, show, working
 from study.contact import LAWS, LawName
 
@@ -78,8 +79,8 @@ def choose_law(
     For a whole mechanism: study simulate --model auto --tolerance ... .
     """
     from study.choose import choose, directions, relative_costs
-    from study.cli.joint import described
-    from study.joint import first_yield, parsing
+    from study.cli.joint import typed
+    from study.joint import applicability, first_yield, force_curve, parsing
 
     joint = cli.under_tilt(tilt, joint)
     asked, costs = parsing.joint(r2_star, yield_stress=yield_stress, **joint), relative_costs()
@@ -87,9 +88,12 @@ def choose_law(
         off_axis = tilt is not None and directions(asked, depth_star, tilt, tolerance)
         choice = choose(asked, depth_star, tolerance)
         first = first_yield(asked, depth_star) if yield_stress else None
+        contact = force_curve(asked, [depth_star])
     laws = sorted(choice.errors, key=costs.get)
     names = ("law", "error_bound", "relative_cost", "options")
     sentences = ["For depths of {:g} to {:g} clearances.".format(*choice.depths)]
+    exceeded = applicability.of_curve(contact)
+    sentences += [f"Beyond a limit: {text}" for text in applicability.worst(exceeded)]
     if first:
         sentences.append(YIELDS.format(**vars(first)))
     if off_axis:
@@ -97,11 +101,13 @@ def choose_law(
         how = KNOWN.get(known_by, "solved at the largest depth")
         sentences.append(OFF_AXIS.format(DIRECTIONS[serves], tilt, error, how))
         if not serves:
-            sentences[-1] += TABLE.format(tilt, described(asked, depth_star))
+            table = {"r2_star": r2_star, "depth_star": depth_star} | joint
+            sentences[-1] += TABLE.format(tilt, typed(table))
     show(
         {"next_cheaper": next(iter(choice.rejected), None)}
         | named_fields(choice)
         | {"first_yield": vars(first) if first else None}
+        | {"applicability": applicability.in_short(exceeded[0])}
         | (vars(off_axis) if off_axis else {}),
         as_json,
         {name: [getattr(choice, name)] for name in names},
@@ -115,39 +121,59 @@ def choose_law(
     )
 
 
+class SizedOptions(cli.JointOptions, SizeOptions):
+    """A joint with its dimensions, or without."""
+
+
 @cli.command("export")
 def export_law(
     law: Literal[LawName, "tabulated"] = cli.option(
         "Name of a law, or tabulated: the force-depth curve of the joint.", default=cli.NEEDED
     ),
-    form: Literal["c", "matlab", "json", "csv"] = cli.option(
-        "Function (C; MATLAB and Octave), formula and numbers (JSON), or force over depth (CSV).",
+    form: Literal[
+        "c", "matlab", "modelica", "json", "csv", "exudyn", "adams", "mujoco"
+    ] = cli.option(
+        "Function (C; MATLAB and Octave; Modelica), formula and numbers (JSON), force over depth "
+        "(CSV), or an element of Exudyn, Adams or MuJoCo; these and Modelica need dimensions.",
         "--format",
         default=cli.NEEDED,
     ),
-    depth_star: float = cli.option(
-        "Largest depth of the text, in clearances; by default 1, if the joint can go so deep."
+    depth_star: list[float] = cli.option(
+        "Largest depth of the text, in clearances, or given twice its range: that of power's fit "
+        "and of the errors. [default: 1, if the joint can go so deep; for a fit 0.05 and 0.5]"
     ),
+    depth: list[float] = cli.option("The same in m, for a joint with its dimensions."),
     tilt: float = cli.option(
         "Largest direction of a displacement off the axis, in deg: tabulated is then a table of "
         "depth and tilt, with the forces along and across."
     ),
     output: Path = cli.OUTPUT,
-    r2_star: float = cli.option(cli.R2_STAR, default=200.0),
-    **joint: cli.JointOptions,
+    r2_star: float = cli.option(f"{cli.R2_STAR} [default: 200]"),
+    **joint: SizedOptions,
 ):
     """Export a law, for one joint, to another program: to standard output or a file.
 
-    The text states joint, range, units, and the law's largest error
-    against the solved joint.
+    The joint is described as for study joint, with its dimensions or without. The text states
+    joint, range, units, and the law's largest error against the solved joint.
     """
+    from study.cli.joint import sized
     from study.export import SUFFIXES, export
     from study.joint import parsing
 
     cli.check_output(output, SUFFIXES[form])
-    asked = parsing.joint(r2_star, **cli.under_tilt(tilt, joint))
+    joint = cli.under_tilt(tilt, joint)
+    if any(name in joint for name in SizeOptions.__annotations__):
+        asked = sized(joint | ({"r2_star": r2_star} if r2_star else {}))
+        depths = [value / asked.clearance for value in depth or ()]
+        if depth and depth_star:
+            raise ValueError("either --depth or --depth-star must be given, not both")
+        depth_star = depth_star or depths
+    else:
+        if depth:
+            raise ValueError("--depth must be left out: it is for a joint with its dimensions")
+        asked = parsing.joint(200.0 if r2_star is None else r2_star, **joint)
     with working("Solving the joint, and its error"):
-        text = export(law, form, asked, depth_star, tilt)
+        text = export(law, form, asked, sorted(depth_star or ()) or None, tilt)
     if output is None:
         print(text, end="")
     else:

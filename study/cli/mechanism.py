@@ -28,7 +28,8 @@ SCENE = (
     "driving_moment (N m), socket_radius (m), crank_inertia (kg m^2), coupler_inertia (kg m^2), "
     "ball (Pa, -), socket (Pa, -), link_modulus (Pa), density (kg/m^3), damping, gravity (m/s^2), "
     "initial_eccentricity (m), initial_crank_angle (rad), initial_crank_speed (rad/s), "
-    "crank_speed (rad/s), crank_clearance (m)."
+    "crank_speed (rad/s), crank_clearance (m). Only the usual damping, exact, delivers the "
+    "restitution; others are lankarani-nikravesh (the paper's), hunt-crossley and flores."
 )
 
 
@@ -42,7 +43,12 @@ class SimulationOptions:
         "Joint between coupler and slider; the scene has that of crank and coupler. "
         "[default: clearance]"
     )
-    law: LawName = cli.option("Contact law. [default: hertz]")
+    law: Literal[LawName, "tabulated"] = cli.option(
+        "Contact law; tabulated, the usual one beside --wall or --liner: that of the scene's "
+        "joint, solved. [default: stiffened_hertz]"
+    )
+    wall: float = cli.WALL
+    liner: list[str] = cli.LINER
     duration: float = cli.option("Simulated time, in s. [default: 0.1]")
     outputs: int = cli.option(
         "Number of equal intervals between the times of output. [default: 1000]"
@@ -87,11 +93,18 @@ def simulate_mechanism(
     """
     from study import mechanism
     from study.compiled import is_kept
+    from study.contact import SOCKET_RATIO
+    from study.mechanism.limits import limits
 
     changed = _scene(scene, inertia)
     cli.check_output(output, ".csv")
     if "elements" in options:
         options["elements"] = checks.read_several("--elements", options["elements"], kind=int)
+    if options.keys() & {"wall", "liner"}:
+        from study.joint import parsing
+
+        options.setdefault("law", "tabulated")
+        options["liner"] = tuple(map(parsing.liner, options.get("liner", ())))
     parameters = signature(mechanism.simulate).parameters
     if options.get("model") == "auto":
         choice = _choice(changed, **options)
@@ -99,7 +112,7 @@ def simulate_mechanism(
     else:
         choice, run = None, partial(mechanism.simulate, changed, **options)
         why = f"model {options.get('model', parameters['model'].default)} has none"
-        cli.left_out(options, [*parameters, "socket_ratio"], why)  # some laws have it
+        cli.left_out(options, [*parameters, "socket_ratio", "wall", "liner"], why)  # of some laws
     total = options.get("duration", parameters["duration"].default)
     is_compiled = is_kept(Path(mechanism.__file__).with_name("rigid.py"))
     with working("Simulating" if is_compiled else "Compiling the stepping loops, once") as tell:
@@ -111,9 +124,10 @@ def simulate_mechanism(
         "energy_error": response.energy_error,
         "complete": response.complete,
     }
+    exceeded = limits(changed, response, options.get("socket_ratio", SOCKET_RATIO))
     with working("Simulating once more, at another tolerance"):
         trust = (None, []) if once else _trust(response)
-    _show(end, response, choice, trust, as_json)
+    _show(end, response, choice, trust, exceeded, as_json)
     if output is not None:  # last, so that the results are printed even if the disk is full
         response.save(output)
     if not response.complete:
@@ -156,7 +170,8 @@ def _choice(scene, model, **options):
         return choose_model(scene, **options)
 
 
-def _show(end, response, choice, trust, as_json):
+def _show(end, response, choice, trust, exceeded, as_json):
+    from study.joint import applicability
     from study.mechanism.response import IMPACT_COLUMNS
 
     impacts = {
@@ -164,9 +179,11 @@ def _show(end, response, choice, trust, as_json):
         for name, column in response.impact_columns.items()
     }
     rows = [dict(zip(impacts, row, strict=True)) for row in zip(*impacts.values(), strict=True)]
+    asked, delivered = response.restitution, response.delivered_restitution
     values = {head.split()[0]: value for head, value in end.items()} | {"law": response.law}
+    values |= {"restitution": asked, "delivered_restitution": delivered}
     agreement, in_words = trust
-    values["agreement"] = agreement
+    values |= {"agreement": agreement, "applicability": applicability.in_short(exceeded)}
     table = {
         f"{name} {IMPACT_COLUMNS.get(name, '')}": impacts[name][:SHOWN]
         for name in ("time", *impacts)
@@ -175,8 +192,11 @@ def _show(end, response, choice, trust, as_json):
     if choice:
         values["choice"] = named_fields(choice)
         parts = [*_in_words(choice, end["time s"]), *parts]
+    if rows and abs(delivered - asked) > 0.005:
+        parts.append(f"Damping delivers the restitution {delivered:.3g}, not {asked:g}.")
     if len(rows) > SHOWN:
         parts.append(f"{len(rows) - SHOWN} more contacts: --json prints all.")
+    parts += [f"Beyond a limit: {text}" for text in exceeded.values()]
     show(values | {"impacts": rows}, as_json, *parts, *in_words)
 
 

@@ -43,6 +43,14 @@ JOBS = option("Processes, by default one per core.")
 NAMES = typer.Argument((), help="Figures, tables or notebooks; default all.", metavar="NAME")
 R2_STAR = "Radius of the socket in clearances, R2/dR, > 1."
 DEPTHS = "Penetration depth in clearances, d/dR; may be repeated."
+WALL = option(
+    "Thickness of the socket beyond its inner radius, liners included, in m; its outside is held "
+    "rigidly."
+)
+LINER = option(
+    "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be repeated, from "
+    "the inside out."
+)
 RIM = option(
     "Edge of the socket: a mirror plane, or free of traction. [default: mirror for a hemispherical "
     "socket, fixed all over its outside, half a ball and a load along the axis; else free]"
@@ -173,13 +181,13 @@ def under_tilt(tilt, options):
     return options if tilt is None else {"rim": "free"} | options
 
 
-def check_output(output, suffix):
+def check_output(output, *suffixes, name="output"):
     """Refuse a file that has another suffix or cannot be written, before the work."""
     if output is None:
         return
-    if output.suffix != suffix:
-        raise ValueError(f"--output must end in {suffix}, got {output}")
+    if output.suffix not in suffixes:
+        raise ValueError(f"{flag(name)} must end in {' or '.join(suffixes)}, got {output}")
     if not output.parent.is_dir() or not os.access(output.parent, os.W_OK | os.X_OK):
-        raise ValueError(f"--output must be in a folder that can be written to, got {output}")
+        raise ValueError(f"{flag(name)} must be in a folder that can be written to, got {output}")
     if output.is_dir():
-        raise ValueError(f"--output must be a file, got the folder {output}")
+        raise ValueError(f"{flag(name)} must be a file, got the folder {output}")

@@ -2,10 +2,11 @@
 
 import os
 import sys
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal
 
-from study import paths
+from study import checks, paths
 from study.cli import options as cli
 from study.cli.output import columns, fail, say, show_table, working
 
@@ -17,6 +18,15 @@ class CaseOptions:
     socket_ratio: list[float] = cli.option(
         "Outer over inner radius of the socket; may be repeated."
     )
+    poisson_ball: list[float] = cli.option("Poisson's ratio of the ball; may be repeated.")
+    poisson_socket: list[float] = cli.option("Poisson's ratio of the socket; may be repeated.")
+    modulus_ratio: list[float] = cli.option(
+        "Young's modulus of the socket over that of the ball; may be repeated."
+    )
+    layers: str = cli.option(
+        "Layers of the socket, as the table shows them: outer radius over R2, Young's modulus over "
+        "the ball's, Poisson's ratio, such as 1.25:0.005:0.4;1.4375:0.55:0.3."
+    )
     group: str = cli.option(
         "Group of cases: paper, ratio, poisson, modulus, support, liner or validation."
     )
@@ -26,19 +36,44 @@ class CaseOptions:
     )
     rim: cli.Rim = cli.option("Edge of the socket at its equator, as for study joint.")
     kinematics: cli.Kinematics = cli.option("Which points face each other, as for study joint.")
+    solver: Literal["series", "quadratic"] = cli.option("How it was solved, as for study joint.")
 
 
 @cli.command("show", group=cli.data_app)
 def show_data(**values: CaseOptions):
     """Show a summary of the cases with the given values, or every depth of one case.
 
+    For a number that none of them has, the nearest one is shown, as standard error then says.
     Plain CSV if the output is not a terminal.
     """
     from study import dataset
 
-    cases, case = dataset.load(**values), "case" in values
+    cases, case = _nearest(values) if values else dataset.load(), "case" in values
     rows = cases.loc[:, "depth_star":] if case else dataset.summary(cases)
     show_table(rows.to_dict("list"), f"{len(rows)} {'depths' if case else 'cases'}.")
+
+
+def _nearest(values):
+    """Cases that have the given words, and the given numbers or the nearest to them."""
+    from study import dataset
+
+    every, words = dataset.load(), {k: v for k, v in values.items() if isinstance(v, str)}
+    checks.choice("group", words.get("group", "paper"), tuple(every.group.unique()))
+    if (case := words.get("case")) is not None and case not in set(every.case):
+        near = " or ".join(get_close_matches(case, every.case.unique(), 3))
+        hint = f": did you mean {near}?" if near else ""
+        raise ValueError(f"case must be one that `study data show` lists, got {case!r}{hint}")
+    cases = dataset.load(**words)
+    for column in (column for column in values if column not in words):
+        limits = {"least": every[column].min(), "most": every[column].max()}
+        found = []
+        for number in checks.number(column, values[column], **limits):
+            found.append(cases[column][(cases[column] - number).abs().idxmin()])
+            if found[-1] != number:
+                told = f"no such case has {column} {number:.9g}: shown is the nearest"
+                print(f"study: {told}, {found[-1]:.9g}", file=sys.stderr)
+        cases = cases[cases[column].isin(found)]
+    return cases
 
 
 @cli.command("materials", group=cli.data_app)

@@ -9,6 +9,7 @@ from study.contact.laws import (
     hertz,
     hyperbolic_winkler,
     liu,
+    power,
     sampled,
     steuermann,
     stiffened_hertz,

@@ -1,44 +1,47 @@
 """Damping of the normal contact force: F_N = P(d) (1 + D d'/v0).
 
 v0 is the approach speed at the start of the impact, kept until the surfaces part. D is the damping
-factor; four rules give it from the coefficient of restitution cr.
+factor; four rules give it from the coefficient of restitution cr. Only ``exact`` delivers it.
 """
 
 from collections.abc import Callable
-from math import expm1, log1p
+from functools import lru_cache
+from math import inf, log1p
 from typing import Literal
 
 from study import checks
 
 Damping = Literal["lankarani-nikravesh", "hunt-crossley", "flores", "exact"]
-_SMALL = 1e-6  # damping factor below which the first order is exact to rounding
 POWERS = range(2, 60)  # of a series that converges as 0.5^k
 
 
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Root of a function that is < 0 at ``low`` and > 0 at ``high``, halved to the last digit."""
+    while low < (middle := (low + high) / 2) < high:
+        if function(middle) < 0:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _surplus(factor: float, restitution: float) -> float:
+    """Value of ln((1+D)/(1-cr D)) - D (1 + cr), over D^2 in a series: 0 where D delivers cr."""
+    if factor <= 0.5:  # where the logarithms cancel
+        return sum(((-1) ** (k + 1) + restitution**k) * factor ** (k - 2) / k for k in POWERS)
+    share = restitution * factor
+    return log1p(factor) - log1p(-share) - factor - share if share < 1 else inf
+
+
+@lru_cache(maxsize=1024)
 def exact(restitution: float) -> float:
     """Factor D with which a free impact has the restitution cr, whatever the force P(d).
 
     D (1 + cr) = ln((1+D)/(1-cr D)) follows from dv/dd of the free impact (this study).
     """
-    from scipy.optimize import brentq  # its import takes a third of a second
-
     if restitution == 1:
         return 0.0
-    if restitution > 0.8:  # series of the logarithms over D^2: no cancellation as cr -> 1
-
-        def series(factor):
-            return sum(((-1) ** (k + 1) + restitution**k) * factor ** (k - 2) / k for k in POWERS)
-
-        return brentq(series, 0.0, 0.5, xtol=1e-15 * (1 - restitution))
-
-    def factor(w):  # w = -ln(1 - cr D) reaches D -> 1/cr without cancellation
-        return -expm1(-w) / restitution
-
-    def surplus(w):
-        return log1p(factor(w)) + w - (1 + restitution) * factor(w)
-
-    high = (1 + restitution) / restitution
-    return factor(brentq(surplus, 1e-3 * restitution, high, xtol=1e-15))
+    return _root(lambda factor: _surplus(factor, restitution), 0.0, 1 / restitution)
 
 
 DAMPINGS: dict[Damping, Callable[[float], float]] = {
@@ -58,7 +61,7 @@ def damping_factor(damping: Damping, restitution: float) -> float:
     checks.choice("damping", damping, DAMPINGS)
     cr = checks.number("restitution", restitution, least=0, most=1, scalar=True)
     if damping in ("flores", "exact"):
-        checks.number(f"restitution for damping {damping}", cr, least=1e-3)
+        checks.number(f"restitution for damping {damping}, unlike hunt-crossley,", cr, least=1e-3)
     return DAMPINGS[damping](cr)
 
 
@@ -67,12 +70,5 @@ def delivered_restitution(factor: float) -> float:
 
     The root of D (1 + cr) = ln((1 + D)/(1 - cr D)) below 1/D, where the force would vanish.
     """
-    if checks.number("factor", factor, least=0, scalar=True) < _SMALL:
-        return 1.0 - 2 / 3 * factor
-    from scipy.optimize import brentq
-
-    def surplus(w):  # cr = (1 - e^-w)/D: no cancellation near 1/D
-        return log1p(factor) + w - factor + expm1(-w)
-
-    low = 1e-3 * factor / (1 + factor)
-    return -expm1(-brentq(surplus, low, 1 + factor, xtol=1e-15)) / factor
+    factor = checks.number("factor", factor, least=0, scalar=True)
+    return _root(lambda restitution: _surplus(factor, restitution), 0.0, 1.0)

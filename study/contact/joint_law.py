@@ -40,8 +40,12 @@ class JointLaw:
 
     Attributes
     ----------
+    dimensionless
+        The law without dimensions, as of `study.contact.LAWS`.
     deepest
         Largest depth of the law, in m; infinite for a law without a limit.
+    joint
+        The `study.joint.DimensionalJoint` that it is a law of, else None.
     parts
         Scale, shape and the shape's constants of the dimensionless law.
 
@@ -61,9 +65,10 @@ class JointLaw:
         **options: Any,
     ) -> None:
         dimensionless = find(law)
-        self.name = dimensionless.parts.__name__
+        self.dimensionless, self.name = dimensionless, dimensionless.parts.__name__
         r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
         r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
+        self.ball_radius, self.socket_radius, self.joint = r1, r2, None
         self.clearance, self.r2_star = r2 - r1, r2 / (r2 - r1)
         checks.number("socket_radius over clearance", self.r2_star, above=1)  # 1 by rounding
         self.composite_modulus = checks.number(
@@ -144,32 +149,35 @@ class JointLaw:
                 return depth
         raise checks.StudyError(f"{self.name} found no depth for a force; does the force increase?")
 
+    def packed(self) -> np.record:
+        """Record for `forces.elastic_force`.
+
+        It has the shape's index, the clearance in m, the force scale in N, and the constants with
+        their number.
+        """
+        scale, shape, constants = self.parts
+        capacity = next(size for size in CAPACITIES if size >= len(constants))
+        packed = np.recarray(
+            1,
+            dtype=[
+                ("shape_index", np.int64),
+                ("clearance", float),
+                ("scale", float),
+                ("count", np.int64),
+                ("constants", float, (capacity,)),
+            ],
+        )[0]
+        packed.shape_index, packed.clearance = shapes.SHAPES.index(shape), self.clearance
+        packed.scale = self._unit(0) * scale
+        packed.count = len(constants)
+        packed.constants[:] = 0.0
+        packed.constants[: len(constants)] = constants
+        return packed
+
 
 def pack(
     law: AnyLaw, ball_radius: float, socket_radius: float, composite: float, **options: Any
 ) -> np.record:
-    """Record of a law for `forces.elastic_force`; arguments and errors as for `contact.JointLaw`.
-
-    It has the shape's index, the clearance in m, the force scale in N, and the constants with their
-    number.
-    """
+    """Record of a law for `forces.elastic_force`; arguments and errors as of `JointLaw`."""
     radii = {"ball_radius": ball_radius, "socket_radius": socket_radius}
-    joint_law = JointLaw(law, **radii, composite_modulus=composite, **options)
-    clearance, (scale, shape, constants) = joint_law.clearance, joint_law.parts
-    capacity = next(size for size in CAPACITIES if size >= len(constants))
-    packed = np.recarray(
-        1,
-        dtype=[
-            ("shape_index", np.int64),
-            ("clearance", float),
-            ("scale", float),
-            ("count", np.int64),
-            ("constants", float, (capacity,)),
-        ],
-    )[0]
-    packed.shape_index, packed.clearance = shapes.SHAPES.index(shape), clearance
-    packed.scale = joint_law.composite_modulus * clearance**2 * scale
-    packed.count = len(constants)
-    packed.constants[:] = 0.0
-    packed.constants[: len(constants)] = constants
-    return packed
+    return JointLaw(law, **radii, composite_modulus=composite, **options).packed()

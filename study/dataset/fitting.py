@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from study import checks
 from study.contact import LAWS, LawName, shapes
 from study.contact.laws import AREA_COEFFICIENTS
+from study.contact.power_fit import USUAL_RANGE, fit_power
 from study.dataset.paper import PAPER_KINEMATICS, R2_STAR
 
 FITTED_LAWS: dict[str, tuple[LawName, dict]] = {
@@ -90,6 +91,16 @@ def _rounded(value):
     return float(f"{value:.{DIGITS}g}")
 
 
+def _power(curves):
+    """Fit of the power law: its exponent at the R2* of Table 2, and the line of its coefficient."""
+    least, most = USUAL_RANGE
+    inside = curves[curves.depth_star.between(least - 1e-9, most + 1e-9)]
+    cases = {r2_star: (c.depth_star, c.force_star) for r2_star, c in inside.groupby("r2_star")}
+    exponent = _rounded(fit_power(*cases[R2_STAR]).exponent)
+    factors = [fit_power(*case, exponent).coefficient for case in cases.values()]
+    return surrogate(list(cases), factors) | {"exponent": exponent}
+
+
 def liu_coefficient(
     force_star: ArrayLike, published_determination: float, unit: ArrayLike
 ) -> float:
@@ -117,7 +128,7 @@ def liu_coefficient(
 
 
 def fit_laws(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict[str, float]]:
-    """Content of ``coefficients.json``: the paper's fitted laws, for 20 <= R2* <= 300.
+    """Content of ``coefficients.json``: laws fitted in the paper's joint, for 20 <= R2* <= 300.
 
     ``curves`` are those of the dataset; ``published`` is ``data/published/tables.csv``, for Liu's
     law.
@@ -133,4 +144,5 @@ def fit_laws(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict[st
         fits[law] = surrogate(cases.r2_star, cases.f1)
     force, (unit, _) = sampled(curves[curves.r2_star == R2_STAR]), shapes.liu(SAMPLE[1:], ())
     slope = liu_coefficient(force, liu_determination, unit)
-    return fits | {"liu": {"slope": _rounded(slope), "intercept": 0.0}}
+    fits["liu"] = {"slope": _rounded(slope), "intercept": 0.0}
+    return fits | {"power": _power(curves[curves.r2_star <= LARGEST_R2_STAR])}

@@ -3,9 +3,13 @@
 Bodies are solved once for many joints: some 10,000 joints take two minutes. In the limit of large
 R2* the grid is fine. The changes with a smaller R2* are smooth and take few places.
 `study.contact.hertz_correction` evaluates the table; notebook 15 has its errors on other joints.
+The report's page of a joint has a like table of half-angle and peak pressure. In four minutes
+``python -m study.dataset.hertz_correction > study/pages/report/contact_size.csv`` makes it.
 """
 
+import itertools
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -21,13 +25,15 @@ from study.contact.hertz_correction import (
     UNIT,
 )
 from study.joint import Joint, Material
-from study.joint.nested_contact import depths_and_forces
+from study.joint.nested_contact import depths_and_forces, whole_curve
 from study.joint.supports import HALF_BALLS, RIMS
 from study.threads import one_thread
 
+Parts = Sequence[NDArray[np.float64]] | NDArray[np.float64]
 LIMITS = {"share": 9, "poisson": 5, "socket_poisson": 6, "socket_ratio": 10, "r2_star": 1}
 CHANGES = {"share": 9, "poisson": 5, "socket_poisson": 4, "socket_ratio": 6, "r2_star": 3}
-"""Places of the joint's coordinates in the table: for infinite R2*, and for changes with R2*."""
+SIZES = {"share": 6, "poisson": 5, "socket_poisson": 4, "socket_ratio": 8, "r2_star": 3}
+"""Places of the coordinates: for infinite R2*, changes with R2*, half-angle and pressure."""
 _ORDER = ("socket_poisson", "socket_ratio", "share", "poisson", "r2_star")
 RESOLUTION = 128  # of the table's joints
 FINER = 320  # of those with the default supports, on which the changes by supports build
@@ -39,25 +45,28 @@ SMALLEST = 8e-5  # coefficient of the table
 
 
 @one_thread
-def logarithms(socket_poisson: float, counts: dict[str, int]) -> NDArray[np.float64]:
+def logarithms(
+    socket_poisson: float, counts: dict[str, int], of: Callable[[Joint], Any] | None = None
+) -> NDArray[np.float64]:
     """Logarithms of S at `PLACES`, of the joints with one socket's Poisson's ratio.
 
     Axes: socket ratio, share, Poisson's ratio of the ball and R2* of `grid`; clamped ball, no or
-    yes; free rim, no or yes; place.
+    yes; free rim, no or yes; place. With ``of`` its numbers for each joint instead.
     """
     places = grid(counts)
-    shares = np.clip(places["share"], 2e-9, 1 - 2e-9)  # nearly rigid
-    axes = places["socket_ratio"], shares, places["poisson"], places["r2_star"]
-    solved = np.empty((*(len(axis) for axis in axes), 2, 2, len(PLACES)))
-    for *at, drive, rim in np.ndindex(solved.shape[:-1]):
-        ratio, share, poisson, r2_star = (axis[k] for axis, k in zip(axes, at, strict=True))
+    places["share"] = np.clip(places["share"], 2e-9, 1 - 2e-9)  # nearly rigid
+    axes: list[Any] = [*(places[name] for name in _ORDER[1:]), HALF_BALLS[:2], RIMS]
+    solved: list[Any] = []
+    for ratio, share, poisson, r2_star, drive, rim in itertools.product(*axes):
         ball = Material((1 - poisson**2) / share, poisson)
         socket = Material((1 - socket_poisson**2) / (1 - share), socket_poisson)
-        joint = Joint(r2_star, ratio, ball, socket, HALF_BALLS[drive], RIMS[rim])
+        joint = Joint(r2_star, ratio, ball, socket, drive, rim)
         resolution = FINER if joint.series_applies else RESOLUTION
         resolution = COARSER if counts["r2_star"] > 1 else resolution
-        solved[*at, drive, rim] = _at_places(joint, *depths_and_forces(joint, DEEPEST, resolution))
-    return solved
+        if of is None:
+            depth, force = depths_and_forces(joint, DEEPEST, resolution)
+        solved.append(of(joint) if of else _at_places(depth, force / hertz(depth, r2_star)))
+    return np.reshape(solved, (*map(len, axes), *np.shape(solved[0])))
 
 
 def grid(counts: dict[str, int]) -> dict[str, NDArray[np.float64]]:
@@ -81,9 +90,9 @@ def grid(counts: dict[str, int]) -> dict[str, NDArray[np.float64]]:
     return values
 
 
-def _at_places(joint, depth, force):
+def _at_places(depth: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArray[np.float64]:
     """Ln S at `PLACES`, from the best polynomial in u for S - 1, which is 0 at u = 0."""
-    factor, root = force / hertz(depth, joint.r2_star), np.sqrt(depth)
+    root = np.sqrt(depth)
     powers = np.arange(1, len(PLACES) + 1)
     terms = (root / (1 + root))[:, None] ** powers / factor[:, None]
     coefficients = np.linalg.lstsq(terms, 1 - 1 / factor, rcond=None)[0]
@@ -91,20 +100,21 @@ def _at_places(joint, depth, force):
 
 
 def table(
-    limits: Sequence[NDArray[np.float64]], changes: Sequence[NDArray[np.float64]]
+    limits: Parts, changes: Parts = (), smallest: float = SMALLEST, counts: dict[str, int] = LIMITS
 ) -> pd.DataFrame:
     """Table of `study.contact.hertz_correction`: Chebyshev coefficients, without small ones.
 
-    Both arguments are `logarithms` for each Poisson's ratio of the socket: on the grid of `LIMITS`,
-    for infinite R2*, and on that of `CHANGES`, of which only the changes with R2* are used.
+    The first two are `logarithms` for each Poisson's ratio of the socket: on the grid of `LIMITS`,
+    for infinite R2*, or of other ``counts``; and on that of `CHANGES`, of which only the changes
+    with R2* are used.
     """
-    terms = np.zeros((*(max(LIMITS[n], CHANGES[n]) for n in DEGREES), 2, 2, len(PLACES)))
-    for part, counts in ((limits, LIMITS), (changes, CHANGES)):
-        shape = [counts[name] for name in _ORDER]
+    terms = np.zeros((*(max(counts[n], CHANGES[n]) for n in DEGREES), 2, 2, len(PLACES)))
+    for part, places in ((limits, counts), (changes, CHANGES))[: 2 if len(changes) else 1]:
+        shape = [places[name] for name in _ORDER]
         values = np.reshape(part, (*shape, *terms.shape[5:])).transpose(2, 3, 0, 1, 4, 5, 6, 7)
-        values = values - values[:, :, :, :, :1] if counts is CHANGES else values
+        values = values - values[:, :, :, :, :1] if places is CHANGES else values
         for axis, name in enumerate(DEGREES):
-            orders = np.arange(counts[name])
+            orders = np.arange(places[name])
             at = np.cos(np.pi * np.outer(orders[::-1], orders) / max(orders[-1], 1))
             values = np.moveaxis(np.tensordot(np.linalg.inv(at), values, (1, axis)), 0, axis)
         terms[tuple(slice(n) for n in values.shape)] += values
@@ -113,9 +123,30 @@ def table(
     terms[..., 1, 1, :] -= terms[..., 1, 0, :] + terms[..., 0, 1, :] - terms[..., 0, 0, :]
     terms[..., 1, 0, :] -= terms[..., 0, 0, :]
     terms[..., 0, 1, :] -= terms[..., 0, 0, :]
-    kept = np.argwhere(np.abs(terms).max(axis=-1) >= SMALLEST)
-    places = [f"at_{k}" for k in range(1, len(PLACES) + 1)]
+    kept = np.argwhere(np.abs(terms).max(axis=-1) >= smallest)
+    named = [f"at_{k}" for k in range(1, len(PLACES) + 1)]
     whole = np.rint(terms[tuple(kept.T)] / UNIT).astype(int)
-    rows = pd.DataFrame(np.hstack([kept, whole]), columns=[*DEGREES, *SUPPORTS, *places])
+    rows = pd.DataFrame(np.hstack([kept, whole]), columns=[*DEGREES, *SUPPORTS, *named])
     first = [*SUPPORTS, *DEGREES]
-    return rows.sort_values(first)[first + places]
+    return rows.sort_values(first)[first + named]
+
+
+def sizes() -> pd.DataFrame:
+    """Table of half-angle and peak pressure over Hertz's sqrt(ds R2/R1), and 2/pi of it."""
+
+    def logarithms_of(joint):
+        curve = whole_curve(joint, DEEPEST, RESOLUTION)
+        of_hertz = np.sqrt(curve.depth_star / joint.ball_radius)
+        found = np.radians(curve.contact_half_angle_deg), np.pi / 2 * curve.peak_pressure_star
+        return [_at_places(curve.depth_star, values / of_hertz) for values in found]
+
+    solved = [logarithms(nu, SIZES, logarithms_of) for nu in grid(SIZES)["socket_poisson"]]
+    parts = dict(
+        zip(("half_angle", "peak_pressure"), np.moveaxis(np.array(solved), -2, 0), strict=True)
+    )
+    tables = {name: table(part, (), 5e-4, SIZES) for name, part in parts.items()}
+    return pd.concat(tables, names=["quantity"]).reset_index("quantity")
+
+
+if __name__ == "__main__":
+    print(sizes().to_csv(index=False, lineterminator="\n"), end="")

@@ -1,11 +1,13 @@
-"""Laws as text that other programs can use: C, MATLAB, JSON or CSV.
+"""Laws as text that other programs can use: functions, tables, and elements of programs.
 
 Each text is for one joint. It states the joint, the range of depths, the units, and the law's
-largest error there against the solved joint. The functions take SI units and check their arguments.
-The C function is C89 and needs the standard library only; the MATLAB one runs in GNU Octave too.
+largest error there against the solved joint. The text of a joint with dimensions has them as
+constants; that of a joint without takes them as arguments, and refuses another R2*. The C function
+is C89 and needs the standard library only; the MATLAB one runs in GNU Octave too.
 """
 
 import json
+from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -13,19 +15,41 @@ from scipy.interpolate import CubicHermiteSpline
 
 from study import checks, contact
 from study.contact import LAWS, LawName, laws, shapes
-from study.export import formulas
-from study.joint import DirectionalLaw, Joint, directional_law, whole_curve
+from study.contact.power_fit import USUAL_RANGE
+from study.export import elements, formulas
+from study.joint import DimensionalJoint, DirectionalLaw, Joint, directional_law, whole_curve
 from study.joint.dimensional import usual_depth
+from study.joint.law_options import law_options
 from study.joint.supports import SUPPORTS
 
 Exported = Literal[LawName, "tabulated"]
-Format = Literal["c", "matlab", "json", "csv"]
-SUFFIXES: dict[Format, str] = {"c": ".c", "matlab": ".m", "json": ".json", "csv": ".csv"}
+Format = Literal["c", "matlab", "modelica", "json", "csv", "exudyn", "adams", "mujoco"]
+SUFFIXES: dict[Format, str] = {
+    "c": ".c",
+    "matlab": ".m",
+    "modelica": ".mo",
+    "json": ".json",
+    "csv": ".csv",
+    "exudyn": ".py",
+    "adams": ".txt",
+    "mujoco": ".xml",
+}
+FUNCTIONS = {"power": "power_law"}
+"""Law -> name of its function, where it is not the law's: MATLAB has a power."""
+LAW_OF: dict[Format, str] = {"adams": "power", "mujoco": "tabulated"}
+"""Formats of one law only: Adams takes k and n; MuJoCo's cubic is fitted to the solved curve."""
 SHALLOWEST = 0.005
 """Least depth_star of the stated error: below, the force is less than 1/1000 of that at 0.5."""
 ROWS = 400  # of a CSV beside its first, in equal steps of sqrt(depth_star)
 _BETWEEN = 8  # places between rows at which interpolation is checked
 _SOURCE = "Spherical clearance joint study; see CITATION.cff there."
+_SI_UNITS = {"depth": "m", "force": "N", "stiffness": "N/m, of force over depth"}
+_OF_SIZES = {
+    "socket_radius": "m, R2",
+    "clearance": "m, dR = R2 - R1",
+    "wall": "m, from R2 to the outside of the socket",
+    "composite_modulus": "Pa, E*",
+}
 _UNITS = {
     "depth_star": "depth/dR, dR = R2 - R1 the clearance",
     "force_star": "force/(E* dR^2), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
@@ -42,8 +66,8 @@ _DIRECTION_UNITS = {
 def export(
     law: Exported,
     form: Format,
-    joint: Joint,
-    depth_star: float | None = None,
+    joint: Joint | DimensionalJoint,
+    depth_star: float | Sequence[float] | None = None,
     tilt: float | None = None,
 ) -> str:
     """Text of a law in one of the formats.
@@ -53,11 +77,15 @@ def export(
     law
         Name of a law, or ``tabulated``: the force-depth curve of the joint.
     form
-        Function (C; MATLAB and Octave), formula and numbers (JSON), or force over depth (CSV).
+        Function (C; MATLAB and Octave; Modelica, with a component), formula and numbers (JSON),
+        force over depth (CSV), or an element of a program: `Exudyn`_'s hollow sphere or user
+        function, Adams' IMPACT, MuJoCo's tendon.
     joint
-        The one joint that the text is for.
+        The one joint that the text is for. Modelica and the elements need its dimensions.
     depth_star
-        Largest depth of the text, in clearances; by default 1, if the joint can go so deep.
+        Largest depth of the text, in clearances; or the least and the largest, between which
+        ``power`` and MuJoCo's cubic are fitted and errors are stated. By default the largest is 1,
+        if the joint can go so deep, and for a fit 0.05 and 0.5.
     tilt
         Largest direction of a displacement off the axis, in deg: ``tabulated`` is then the table of
         depth and tilt of `study.joint.directional_law`, and gives forces along and across.
@@ -65,44 +93,70 @@ def export(
     Raises
     ------
     ValueError
-        For an unknown law or format, a joint that ``stiffened_hertz`` is not for, or a depth beyond
-        the range of the law or the joint.
+        For an unknown law or format, a law that the format or the joint does not have, or a depth
+        beyond the range of the law or the joint.
+
+    .. _Exudyn: https://exudyn.readthedocs.io
     """
     checks.choice("law", law, [*LAWS, "tabulated"])
     checks.choice("format", form, SUFFIXES)
-    checks.instance("joint", joint, Joint)
+    if not isinstance(joint, DimensionalJoint):
+        checks.instance("joint", joint, Joint)
+        checks.choice("format of a joint without dimensions", form, formulas.DIMENSIONLESS)
+    checks.choice(f"law of format {form}", law, [LAW_OF.get(form, law)])
+    plain = joint.joint if isinstance(joint, DimensionalJoint) else joint
     if law == "stiffened_hertz":
-        checks.choice("kinematics of stiffened_hertz", joint.kinematics, ("linear",))
-        joint.correction_options()  # refused before the joint is solved
-    deepest = usual_depth(joint)
-    if depth_star is not None:
-        deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
+        checks.choice("kinematics of stiffened_hertz", plain.kinematics, ("linear",))
+        plain.correction_options()  # refused before the joint is solved
+    fitted = law == "power" or form == "mujoco"
+    least, deepest = _range(depth_star, plain, fitted)
     if tilt is not None:
         checks.choice("law beside tilt", law, ["tabulated"])
         checks.choice("format beside tilt", form, ["c", "matlab", "csv"])
-        return _directions(directional_law(joint, deepest, tilt), form)
-    content = _Law(law, joint, deepest)
+        return _directions(directional_law(plain, deepest, tilt), form, joint)
+    content = _Law(law, joint, plain, least, deepest)
     if form == "json":
         return _json(content)
-    return _csv(content) if form == "csv" else _function(content, form)
+    if form == "csv":
+        return _csv(content)
+    if form in elements.ELEMENTS and not (form == "exudyn" and law != "power"):
+        title = "A spherical clearance joint."
+        return elements.ELEMENTS[form](content, title=title, source=_SOURCE)
+    return _function(content, form)
+
+
+def _range(depth_star, joint, fitted):
+    """Least and largest depth of a text."""
+    if depth_star is None:
+        least, deepest = USUAL_RANGE if fitted else (None, usual_depth(joint))
+    else:
+        given = np.atleast_1d(checks.number("depth_star", depth_star, above=0))
+        if given.shape not in ((1,), (2,)):
+            wanted = "depth_star must be one depth, or the least and the largest"
+            raise ValueError(f"{wanted}, got {checks.shown(depth_star)}")
+        least, deepest = given[0] if len(given) == 2 else None, float(given[-1])
+    if least is None:
+        least = deepest / 10 if fitted else min(SHALLOWEST, deepest / 12)
+    return checks.number("least depth_star", least, above=0, below=deepest, scalar=True), deepest
 
 
 class _Law:
     """What every format has of a law: its parts for the joint, its range, its error."""
 
-    def __init__(self, name, joint, deepest):
-        self.name, self.joint, self.deepest = name, joint, deepest
-        options = joint.correction_options() if name == "stiffened_hertz" else {}
+    def __init__(self, name, joint, plain, least, deepest):
+        self.name, self.joint, self.least, self.deepest = name, plain, least, deepest
+        self.sized = joint if joint is not plain else None
+        curve = whole_curve(plain, deepest)
+        self.exact = contact.tabulated(curve)
+        depths = np.linspace(np.sqrt(least), np.sqrt(deepest), ROWS) ** 2
+        options = {}
         if name != "tabulated":
-            LAWS[name](deepest, joint.r2_star, **options)  # refuses a depth beyond its range
-        curve = whole_curve(joint, deepest)
-        exact = contact.tabulated(curve)
-        law = exact if name == "tabulated" else LAWS[name]
-        self.scale, self.shape, self.constants = law.parts(joint.r2_star, **options)
-        self.least = min(SHALLOWEST, deepest / 12)
+            options = law_options(name, plain, depths, self.exact(depths))
+            LAWS[name](deepest, plain.r2_star, **options)  # refuses a depth beyond its range
+        law = self.exact if name == "tabulated" else LAWS[name]
+        self.scale, self.shape, self.constants = law.parts(plain.r2_star, **options)
         estimates = curve.error_estimate[curve.depth_star >= self.least]
-        depths = np.linspace(np.sqrt(self.least), np.sqrt(deepest), ROWS) ** 2
-        self.error = float(np.abs(self.at(depths)[0] / exact(depths) - 1).max())
+        self.error = float(np.abs(self.at(depths)[0] / self.exact(depths) - 1).max())
         self.error_of_joint = float(estimates.max())
 
     def at(self, depth):
@@ -110,16 +164,18 @@ class _Law:
         value, slope = self.shape(depth, self.constants)
         return self.scale * value, self.scale * slope
 
-    def in_words(self):
-        """Joint, range and error, a line each."""
-        error = f"the joint is solved within about {_percent(self.error_of_joint)}."
-        if self.name != "tabulated":
-            against = f"at most {_percent(self.error)} against the solved joint."
-            error = f"{against} {error.capitalize()}"
+    def in_words(self, error=None):
+        """Joint, range and error, a line each; another error is that of a fit to the law."""
+        if error is None and self.name != "tabulated":
+            error = self.error
+        text = f"the joint is solved within about {_percent(self.error_of_joint)}."
+        if error is not None:
+            text = f"at most {_percent(error)} against the solved joint. {text.capitalize()}"
         return [
-            _joint_in_words(self.joint),
+            _joint_in_words(self.joint, self.sized),
             f"Range: depths from 0 to {self.deepest:g} clearances.",
-            f"Error of the force, from {self.least:g} clearances on: {error}",
+            f"Error of the force, from {self.least:g} clearances on: {text}",
+            "The law is elastic, smooth and without friction, for a load along the axis.",
         ]
 
 
@@ -128,13 +184,14 @@ def _function(law, language):
         language,
         law.shape,
         law.constants,
-        "\n".join([*law.in_words(), "", f"Formula: {formulas.words(law.shape)}."]),
-        law=law.name,
+        "\n".join([*law.in_words(), "", f"Formula: {formulas.words(law.shape, law.constants)}."]),
+        law=FUNCTIONS.get(law.name, law.name),
         title=f"Contact force of one spherical clearance joint: {law.name}.",
         source=_SOURCE,
         deepest=f"{law.deepest!r}",
         margin=laws.LIMIT_MARGIN,
         scale=f"{float(law.scale)!r}",
+        **formulas.of_joint(language, law.name, law.joint, law.sized),
     )
 
 
@@ -142,8 +199,8 @@ def _json(law):
     content = {
         "law": law.name,
         "source": _SOURCE,
-        "formula": formulas.words(law.shape),
-        "units": _UNITS,
+        "formula": formulas.words(law.shape, law.constants),
+        "units": _UNITS | (_OF_SIZES if law.sized else {}),
         "joint": _parameters(law.joint),
         "range": {"depth_star": [0, law.deepest]},
         "error": {
@@ -152,11 +209,14 @@ def _json(law):
             "of_solved_joint": law.error_of_joint,
         },
         "scale": float(law.scale),
+        **_sizes(law.sized),
     }
     constants = np.asarray(law.constants, dtype=float)
     if law.shape is shapes.tabulated:
         content["root_depth_star"] = (np.arange(len(constants) // 2) / constants[0]).tolist()
         content |= {"stiffening": constants[1::2].tolist(), "slope": constants[2::2].tolist()}
+    elif law.shape is shapes.power:
+        content["exponent"] = float(constants[0])
     elif constants.size:  # from the highest power of the shape's polynomial
         content["coefficients"] = constants[::-1].tolist()
     return json.dumps(content, indent=2) + "\n"
@@ -168,17 +228,23 @@ def _csv(law):
     force[1:], stiffness[1:] = law.at(depth[1:])
     errors = _interpolation_errors(law, depth, force, stiffness)
     linear, cubic = (_percent(np.abs(error).max()) for error in errors)
+    units = _UNITS
+    if law.sized:
+        units, modulus = _SI_UNITS, law.joint.composite_modulus
+        depth, stiffness = law.sized.clearance * depth, modulus * law.sized.clearance * stiffness
+        force = modulus * law.sized.clearance**2 * force
+    names = list(units)
     lines = [
         f"Contact force of one spherical clearance joint: {law.name}. {_SOURCE}",
         *law.in_words(),
         f"Between rows, linear interpolation over depth adds an error of up to {linear}.",
-        "A cubic Hermite spline over sqrt(depth_star), with the slopes 2 sqrt(depth_star) "
-        f"stiffness_star, adds {cubic}.",
-        *(f"{name} = {meaning}" for name, meaning in _UNITS.items()),
+        f"A cubic Hermite spline over sqrt({names[0]}), with the slopes 2 sqrt({names[0]}) "
+        f"{names[2]}, adds {cubic}.",
+        *(f"{name} = {meaning}" for name, meaning in units.items()),
     ]
     rows = zip(depth, force, stiffness, strict=True)
     numbers = (",".join(f"{x:.12g}" for x in row) for row in rows)
-    return "\n".join([*(f"# {line}" for line in lines), ",".join(_UNITS), *numbers, ""])
+    return "\n".join([*(f"# {line}" for line in lines), ",".join(units), *numbers, ""])
 
 
 def _interpolation_errors(law, depth, force, stiffness):
@@ -193,12 +259,13 @@ def _interpolation_errors(law, depth, force, stiffness):
     return linear / true - 1, cubic / true - 1
 
 
-def _directions(law: DirectionalLaw, form):
+def _directions(law: DirectionalLaw, form, joint):
     """Text of a table of depth and tilt."""
     deepest, largest = float(law.depth_star[-1]), float(law.tilt[-1])
     title = "Contact force of one spherical clearance joint in all directions up to a tilt."
+    sized = joint if isinstance(joint, DimensionalJoint) else None
     words = [
-        _joint_in_words(law.joint),
+        _joint_in_words(law.joint, sized),
         f"Range: depths from 0 to {deepest:g} clearances, tilts from -{largest:g} to {largest:g} "
         "deg: the direction of the displacement off the socket's axis.",
         f"Error of the force, from {law.depth_star[0]:.3g} clearances on: the joint is solved, and "
@@ -210,6 +277,7 @@ def _directions(law: DirectionalLaw, form):
         numbers |= {"row_steps": row_steps, "column_steps": column_steps}
         texts = {"law": "tabulated", "title": title, "source": _SOURCE}
         texts |= {"margin": laws.LIMIT_MARGIN} | {k: f"{x!r}" for k, x in numbers.items()}
+        texts |= formulas.of_joint(form, "tabulated", law.joint, sized, first=3)
         return formulas.of_directions(form, law.table, "\n".join(words), **texts)
     _, rows, columns = law.table.shape
     depth = deepest * np.linspace(0, 1, rows - 2)[1:] ** 2
@@ -233,9 +301,21 @@ def _directions(law: DirectionalLaw, form):
     return "\n".join([*(f"# {line}" for line in lines), ",".join(_DIRECTION_UNITS), *numbers, ""])
 
 
-def _joint_in_words(joint):
-    texts = (f"{key} {_plain(value)}" for key, value in _parameters(joint).items())
+def _joint_in_words(joint, sized=None):
+    texts = [f"{key} {_plain(value)}" for key, value in _parameters(joint).items()]
+    if sized:
+        sizes = _sizes(sized).items()
+        units = {name: text.split(",")[0] for name, text in _OF_SIZES.items()}
+        texts = [*(f"{name} {value:.9g} {units[name]}" for name, value in sizes), *texts]
     return f"Joint: {', '.join(texts)}."
+
+
+def _sizes(sized):
+    """Dimensions of a joint that has them."""
+    if sized is None:
+        return {}
+    values = {name: getattr(sized, name) for name in ("socket_radius", "clearance", "wall")}
+    return values | {"composite_modulus": float(sized.joint.composite_modulus)}
 
 
 def _percent(error):
@@ -245,7 +325,9 @@ def _percent(error):
 
 
 def _plain(value: Any) -> str:
-    return " and ".join(f"{x:g}" for x in value) if isinstance(value, list) else f"{value}"
+    if isinstance(value, list):
+        return " and ".join(f"{x:g}" for x in value)
+    return f"{value:.9g}" if isinstance(value, float) else f"{value}"
 
 
 def _parameters(joint):

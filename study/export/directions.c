@@ -4,9 +4,7 @@ $described
  *
  * depth              penetration depth, m; no force where it is negative
  * tilt               direction of the displacement off the axis, deg
- * clearance          dR = R2 - R1, m
- * composite_modulus  E*, Pa; 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
- * along, across      results, N: along the displacement, and across it towards larger tilt
+$about_inputs * along, across      results, N: along the displacement, and across it towards larger tilt
  *
  * Returns 0, or the number of an argument out of range (nothing is written then).
  */
@@ -29,14 +27,12 @@ static void weigh(double x, double weight[4])
     weight[3] = x * x * (x - 1) / 2;
 }
 
-int $law(double depth, double tilt, double clearance, double composite_modulus,
+int $law(double depth, double tilt, $inputs
     double *along, double *across)
 {
     double ds, x, y, scale, by_row[4], by_column[4];
-    int row, column, a, b;
-
-    if (!(clearance > 0 && clearance <= DBL_MAX)) return 3;
-    if (!(composite_modulus > 0 && composite_modulus <= DBL_MAX)) return 4;
+    int row, column, a, b;$sizes
+$checks
     ds = depth / clearance;
     if (!(ds <= $deepest * (1 + $margin))) return 1;
     if (!(fabs(tilt) <= $largest * (1 + $margin))) return 2;

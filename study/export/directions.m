@@ -1,22 +1,14 @@
-function [along, across] = $law(depth, tilt, clearance, composite_modulus)
+function [along, across] = $law(depth, tilt$inputs)
 % $title
 % $source
 $described
 %
 % depth              penetration depths, m, any shape; no force where they are negative
 % tilt               directions of the displacement off the axis, deg, one or as many
-% clearance          dR = R2 - R1, m
-% composite_modulus  E*, Pa; 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
-% along, across      N, along the displacement, and across it towards larger tilt
+$about_inputs% along, across      N, along the displacement, and across it towards larger tilt
 %
 % An argument out of range is an error. For MATLAB and GNU Octave.
-
-    if ~(isscalar(clearance) && clearance > 0 && isfinite(clearance))
-        error('$law:clearance', 'clearance must be one number > 0 m');
-    end
-    if ~(isscalar(composite_modulus) && composite_modulus > 0 && isfinite(composite_modulus))
-        error('$law:modulus', 'composite_modulus must be one number > 0 Pa');
-    end
+$sizes$checks
     if isscalar(tilt)
         tilt = repmat(tilt, size(depth));
     end

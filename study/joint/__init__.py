@@ -16,8 +16,9 @@ is a Fourier series in the azimuth, each of whose modes is a problem in the meri
 
 `curve` solves the depths that are given. `nested_contact` solves a whole curve at once, in some
 30 ms. `tilted` solves displacements off the axis, and `directions` makes a table of them. `stress`
-finds the stresses inside the bodies, and first yield. `dimensional` is a joint in SI units, and
-`parsing` reads a joint from texts.
+finds the stresses inside the bodies, and first yield; `pressure` has friction torque and wear.
+`applicability` says in words which limits a contact exceeds, and `law_options` fits a law to a
+joint. `dimensional` is a joint in SI units, and `parsing` reads a joint from texts.
 """
 
 from study.contact import Material, material

@@ -15,11 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 from study import checks
 from study.contact import JointLaw, Material, largest_depth, material, tabulated
 from study.contact.laws import LAWS, AnyLaw, find
+from study.contact.power_fit import DEPTHS, USUAL_RANGE, fit_power
+from study.joint import applicability
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import force_curve
 from study.joint.joint import Joint, Kinematics, Layer
+from study.joint.law_options import law_options
 from study.joint.nested_contact import whole_curve
+from study.joint.pressure import friction_radii
 from study.joint.stress import largest as largest_stress
 from study.joint.supports import OPENING, SUPPORTS, Rim
 from study.joint.tilted import tilted_contact, under_force
@@ -57,6 +61,15 @@ class DimensionalSolution:
     yield_factor
         Yield stress over largest von Mises stress of each body, which yields below 1; None for a
         material without a yield stress. Beyond yield the other numbers are for elastic bodies.
+    limits
+        Limits of the solution that each contact exceeds, `study.joint.applicability.limits`.
+    angle_deg, pressure
+        Polar angles in deg, shape (n,), and the contact pressure there in Pa, shape (k, n).
+    friction_radius
+        Of a ball that turns about the load (``spin``) or across it (``tilt``) and slides all over
+        its contact, in m (`study.joint.pressure.friction_radii`).
+    law
+        Table of the joint's curve that reaches every depth.
     """
 
     depth: Floats
@@ -68,6 +81,26 @@ class DimensionalSolution:
     von_mises: dict[str, Floats]
     von_mises_place: dict[str, tuple[str, ...]]
     yield_factor: dict[str, Floats | None]
+    limits: tuple[applicability.Limits, ...]
+    angle_deg: Floats
+    pressure: Floats
+    friction_radius: dict[str, Floats]
+    law: JointLaw
+
+    def friction_torque(self, friction: float) -> dict[str, Floats]:
+        """Torque in N m, as of ``friction_radius``, at a coefficient of friction >= 0; (k,)."""
+        mu = checks.number("friction", friction, least=0, scalar=True)
+        return {motion: mu * self.force * r for motion, r in self.friction_radius.items()}
+
+    def wear_depth(self, coefficient: float, path: float) -> Floats:
+        """Archard's wear depth h = k p s at every angle, in m, shape (k, n).
+
+        The ``coefficient`` k >= 0 is a body's worn volume over force and sliding path, in m^2/N
+        (Archard, J. Appl. Phys. 24 (1953) 981-988); all places slide the ``path`` s >= 0, in m. The
+        pressure is taken as unchanged. In truth wear widens the contact: h is for little wear.
+        """
+        k = checks.number("wear coefficient", coefficient, "m^2/N", least=0, scalar=True)
+        return k * checks.number("path", path, "m", least=0, scalar=True) * self.pressure
 
 
 @dataclass(frozen=True)
@@ -92,6 +125,33 @@ class TiltedSolution:
 
 
 @dataclass(frozen=True)
+class PowerLaw:
+    """A joint's force as k d^n over a range of depths, for programs that ask for k and n.
+
+    Attributes
+    ----------
+    coefficient
+        k in N/m^n.
+    exponent
+        n, without a unit.
+    error
+        Largest relative error in the range, against the solved joint.
+    depths
+        Least and largest depth of the range, in m. Beyond it the error grows fast.
+    """
+
+    coefficient: float
+    exponent: float
+    error: float
+    depths: tuple[float, float]
+
+    @property
+    def coefficient_mm(self) -> float:
+        """The coefficient k, in N/mm^n."""
+        return self.coefficient * 1e-3**self.exponent
+
+
+@dataclass(frozen=True)
 class DimensionalJoint:
     """A spherical clearance joint with its dimensions, in SI units.
 
@@ -105,7 +165,7 @@ class DimensionalJoint:
         Radius of the socket less that of the ball, in m.
     wall
         Thickness of the socket beyond its inner radius, liners included, in m; its outside is
-        fixed.
+        held rigidly.
     ball, socket
         Material by its name (listed by study data materials), or by Young's modulus in Pa,
         Poisson's ratio and perhaps yield stress in Pa: 210e9,0.3,5e8. In Python also a `Material`.
@@ -119,7 +179,7 @@ class DimensionalJoint:
     socket_radius: float
     clearance: float
     wall: float
-    ball: str | Material = "steel"
+    ball: str | Material = "bearing steel"
     socket: str | Material = "steel"
     liner: Liner = ()
     ball_drive: str = "plane"
@@ -131,6 +191,12 @@ class DimensionalJoint:
     def __post_init__(self) -> None:
         checks.plain_numbers(self)
         radius = checks.number("socket_radius", self.socket_radius, "m", above=0, scalar=True)
+        if checks.number("clearance", self.clearance, "m", scalar=True) <= 0:
+            raise checks.RangeError(
+                f"clearance must be > 0 m, got {self.clearance:g} m: without clearance the ball "
+                "touches all round, which is another problem; give the least clearance that the "
+                "tolerances or wear leave, socket's less ball's radius"
+            )
         limits = {"least": LEAST_CLEARANCE * radius, "below": radius}
         checks.number("clearance", self.clearance, "m", **limits, scalar=True)
         limits = {"least": (THINNEST_RATIO - 1) * radius, "most": (THICKEST_RATIO - 1) * radius}
@@ -176,16 +242,33 @@ class DimensionalJoint:
         ----------
         law
             Key of ``study.contact.LAWS``, or a law itself. ``stiffened_hertz`` gets its options
-            from the joint; the paper's laws have the coefficients of the paper's own joint. The
-            default is a table to a depth of at least one clearance, if the joint can.
+            from the joint, and ``power`` is fitted to it over the usual range of `power_law`. The
+            paper's laws have the coefficients of the paper's own joint. The default is a table to a
+            depth of at least one clearance, if the joint can.
         """
         if law is None:
             return self._table(usual_depth(self.joint))[0]
-        options = {}
-        if find(law) is LAWS["stiffened_hertz"]:
+        name = next((name for name in LAWS if LAWS[name] is find(law)), "")
+        if name == "stiffened_hertz":
             checks.choice("kinematics of stiffened_hertz", self.kinematics, ("linear",))
-            options = self.joint.correction_options()
-        return self._in_si_units(law, **options)
+        return self._in_si_units(law, **law_options(name, self.joint))
+
+    def power_law(self, depths: tuple[float, float] | None = None) -> PowerLaw:
+        """The force as k d^n, fitted to the solved joint in the maximum norm of its relative error.
+
+        Parameters
+        ----------
+        depths
+            Least and largest depth of the range, in m; by default 0.05 and 0.5 clearances.
+        """
+        if depths is None:
+            depths = USUAL_RANGE[0] * self.clearance, USUAL_RANGE[1] * self.clearance
+        low, high = depths
+        least = checks.number("least depth", low, "m", above=0, scalar=True)
+        most = checks.number("largest depth", high, "m", above=least, scalar=True)
+        law, _ = self._reaching("depth", np.array([most]), "m")
+        places = np.geomspace(least, most, DEPTHS)
+        return PowerLaw(*fit_power(places, law.force(places)), depths=(least, most))
 
     def solve(
         self, *, depth: ArrayLike | None = None, force: ArrayLike | None = None
@@ -272,6 +355,25 @@ class DimensionalJoint:
         bodies = dict(zip(self.joint.materials, strengths, strict=True))
         pressure = modulus * self.clearance / self.socket_radius
         stresses = {bodies[name]: pressure * stress.von_mises for name, stress in largest.items()}
+        factors = {
+            body: strength / stress if (strength := strengths[body].yield_stress) else None
+            for body, stress in stresses.items()
+        }
+        moduli = {body: material.youngs_modulus for body, material in strengths.items()}
+        soft, softest = applicability.modulus_limit(moduli), min(moduli.values())
+        limits = tuple(
+            applicability.limits(
+                self.joint,
+                depth / self.clearance,
+                solved.contact_half_angle_deg[k],
+                yield_factor={body: f[k] for body, f in factors.items() if f is not None},
+                depth=depth,
+                strain=pressure * solved.peak_pressure_star[k] / softest,
+            )
+            | soft
+            for k, depth in enumerate(depths)
+        )
+        radii = friction_radii(solved)
         return DimensionalSolution(
             depth=depths,
             force=forces,
@@ -281,10 +383,12 @@ class DimensionalJoint:
             error_estimate=errors,
             von_mises=stresses,
             von_mises_place={bodies[name]: stress.place for name, stress in largest.items()},
-            yield_factor={
-                body: strength / stress if (strength := strengths[body].yield_stress) else None
-                for body, stress in stresses.items()
-            },
+            yield_factor=factors,
+            limits=limits,
+            angle_deg=np.degrees(solved.angles),
+            pressure=pressure * solved.pressure,
+            friction_radius={motion: self.socket_radius * r for motion, r in radii.items()},
+            law=law,
         )
 
     def _reaching(self, name, asked, unit):
@@ -311,13 +415,15 @@ class DimensionalJoint:
         return self._in_si_units(tabulated(curve)), curve
 
     def _in_si_units(self, law, **options):
-        return JointLaw(
+        in_si_units = JointLaw(
             law,
             ball_radius=self.socket_radius - self.clearance,
             socket_radius=self.socket_radius,
             composite_modulus=self.joint.composite_modulus,
             **options,
         )
+        in_si_units.joint = self
+        return in_si_units
 
     def _solved(self, depth_star, name, asked, unit):
         """The joint solved at depths, on finer elements where a contact is very small."""

@@ -17,8 +17,8 @@ cannot hold Python functions. `angles` says why its sines are its own.
 
 from study.mechanism.particles import stable_step
 from study.mechanism.response import Response
-from study.mechanism.scene import Scene
+from study.mechanism.scene import Scene, paper_scene
 from study.mechanism.simulate import simulate
 from study.mechanism.stepping import MechanismError
 
-__all__ = ["MechanismError", "Response", "Scene", "simulate", "stable_step"]
+__all__ = ["MechanismError", "Response", "Scene", "paper_scene", "simulate", "stable_step"]

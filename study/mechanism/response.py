@@ -94,6 +94,8 @@ class Response:
         False if the simulation was interrupted.
     law
         The contact law and all of its options, in words.
+    restitution, delivered_restitution
+        Of a free impact: asked for in the scene, and what its damping delivers.
     second_run
         Simulates the same at another tolerance, and gives the response and the joints' clearances;
         None for a model without a tolerance.
@@ -106,6 +108,8 @@ class Response:
     event_kinds: tuple[str, ...]
     complete: bool = True
     law: str = ""
+    restitution: float = 1.0
+    delivered_restitution: float = 1.0
     second_run: Callable[[], tuple["Response", tuple[float, ...]]] | None = field(
         default=None, repr=False, compare=False
     )

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from study import checks
 from study.contact import Material, composite_modulus, material
-from study.contact.damping import Damping, damping_factor
+from study.contact.damping import Damping, damping_factor, delivered_restitution
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Body = Literal["crank", "coupler"]
+PAPER_DAMPING: Damping = "lankarani-nikravesh"
 ROD = "assumed, uniform rod about its centre, m L^2/12"
 Constants = namedtuple(
     "Constants",
@@ -45,7 +46,7 @@ class Scene:
     in the slider, which does not turn. There may be a second one between crank and coupler, with
     the ball on the crank's end and the socket in the coupler. At t = 0 the balls are at rest in
     their sockets; by default nothing moves, and both links lie on +x. All is in SI units, see
-    `parameters`.
+    `parameters`. A value outside its range is a ``ValueError``.
 
     Attributes
     ----------
@@ -61,7 +62,8 @@ class Scene:
     link_modulus
         Young's modulus of the links alone; None: that of the material.
     damping
-        Rule for the damping factor.
+        Rule for the damping factor. Only ``exact`` delivers the restitution, of at least 0.001; the
+        others are ``lankarani-nikravesh`` (the paper's), ``hunt-crossley`` and ``flores``.
     slow_speed, full_speed
         Tolerance speeds v0 and v1 of the friction law.
     gravity
@@ -76,11 +78,6 @@ class Scene:
         materials, damping and friction are those of the other joint. None: an ideal joint.
     initial_eccentricity
         Place of the ball's centre in the slider's socket at t = 0, inside the clearance.
-
-    Raises
-    ------
-    ValueError
-        For a value outside its range.
     """
 
     crank_length: float = _quantity(0.05, "m", "Table 3", above=0)
@@ -107,7 +104,7 @@ class Scene:
     density: float = _quantity(
         7850.0, "kg/m^3", "assumed, steel, with square sections from mass and length", above=0
     )
-    damping: Damping = _quantity("lankarani-nikravesh", "", "given by the paper, Eq. 31")  # noqa: RUF009
+    damping: Damping = _quantity("exact", "", "chosen here, delivers the restitution")  # noqa: RUF009
     gravity: float = _quantity(0.0, "m/s^2", "assumed, none", least=-1e6, most=1e6)
     initial_eccentricity: tuple[float, float] = _quantity(
         (0.0, 0.0), "m", "assumed, concentric, and at rest"
@@ -186,6 +183,12 @@ class Scene:
         return damping_factor(self.damping, self.restitution)
 
     @property
+    def delivered_restitution(self) -> float:
+        """Restitution of a free impact with the scene's damping; ``exact``: that asked for."""
+        exact = self.damping == "exact"
+        return self.restitution if exact else delivered_restitution(self.damping_factor)
+
+    @property
     def inertias(self) -> tuple[float, float]:
         """Moments of inertia of crank and coupler about their centres, in kg m^2."""
         crank = self.crank_mass * self.crank_length**2 / 12
@@ -204,10 +207,7 @@ class Scene:
     def link(self, body: Body) -> Link:
         """Beam of a flexible link.
 
-        Raises
-        ------
-        ValueError
-            If the link's moment of inertia is below that of a thin rod, the least of a beam.
+        A moment of inertia below that of a thin rod, the least of a beam, is a ``ValueError``.
         """
         checks.choice("body", body, get_args(Body))
         length, mass = getattr(self, f"{body}_length"), getattr(self, f"{body}_mass")
@@ -260,6 +260,8 @@ class Scene:
                 value = f"{value.youngs_modulus:.9g}, {value.poisson:.9g}"
             text = value if isinstance(value, str) else f"{value:.9g}"
             unit, source = parameter.metadata["unit"], parameter.metadata["source"]
+            if parameter.name == "damping" and value != parameter.default:
+                source = "given by the paper, Eq. 31" if value == PAPER_DAMPING else "chosen here"
             where = (source, "given by the paper") if "Table" in source else ("-", source)
             rows.append((parameter.name.replace("_", " "), text, unit, *where))
         return pd.DataFrame(rows, columns=["parameter", "value", "unit", "table", "source"])
@@ -284,3 +286,8 @@ class Scene:
     def replace(self, **changes: Any) -> "Scene":
         """Copy with some attributes changed."""
         return replace(self, **changes)
+
+
+def paper_scene(**changes: Any) -> Scene:
+    """The paper's scene, whose damping delivers another restitution; ``changes`` are of `Scene`."""
+    return Scene(**({"damping": PAPER_DAMPING} | changes))

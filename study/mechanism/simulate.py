@@ -9,21 +9,25 @@ from collections.abc import Callable
 from functools import partial
 from inspect import signature
 from math import sqrt
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
 from study import checks
-from study.contact.joint_law import pack
-from study.contact.laws import AnyLaw, find
+from study.contact.joint_law import JointLaw, pack
+from study.contact.laws import LAWS, AnyLaw
 from study.mechanism import beams, events, ideal, particles, scene_law
 from study.mechanism.free_impact import free_durations
 from study.mechanism.response import COLUMNS, EVENTS, JOINTS, Response
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import JOINT, LOST_BEFORE, add_stored_energy
 
+if TYPE_CHECKING:
+    from study.joint import DimensionalJoint
+
 Model = Literal["rigid", "particles", "beams"]
 JointKind = Literal["clearance", "ideal"]
+LAW = "stiffened_hertz"
 TOLERANCE, LEAST_TOLERANCE = 1e-8, 1e-12
 FINER = 100  # times, the tolerance of a second run
 BEAM_STEP = 1e-6
@@ -39,7 +43,7 @@ def simulate(
     *,
     model: Model = "rigid",
     joint: JointKind = "clearance",
-    law: AnyLaw = "hertz",
+    law: "AnyLaw | JointLaw | DimensionalJoint" = LAW,
     duration: float = 0.1,
     outputs: int = 1000,
     tolerance: float | None = None,
@@ -54,13 +58,15 @@ def simulate(
     Parameters
     ----------
     scene
-        By default the paper's.
+        By default `Scene()`; the paper's is `study.mechanism.paper_scene()`.
     joint
         Joint between coupler and slider; the scene has that of crank and coupler.
     law
         Contact law. A key of ``study.contact.LAWS``, a law itself such as ``tabulated(curve)``, or
         a function of (``depth_star``, ``r2_star``) that returns force_star
-        (`study.contact.sampled`).
+        (`study.contact.sampled`). ``tabulated`` is the table of the scene's joint, solved. Or a
+        `study.contact.JointLaw` or `study.joint.DimensionalJoint` of the scene's sizes, and of its
+        materials unless these are the default.
     duration
         In s.
     outputs
@@ -80,7 +86,8 @@ def simulate(
         Called with the simulated time, in s, every tenth of a second or so.
     **law_options
         Options of the law. Those of materials (``modulus_ratio``, ``poisson`` and
-        ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene.
+        ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene. ``tabulated`` has
+        ``wall`` or ``socket_ratio``, and ``liner`` (`study.joint.DimensionalJoint`).
 
     Returns
     -------
@@ -132,9 +139,11 @@ def _checked(
             raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
     _check_motion(scene, model, gapless, duration)
     outputs = checks.whole("outputs", outputs, least=1, most=10**6)
-    gaps, law = (scene.clearance, scene.crank_clearance), find(law)
-    options = scene_law.options(scene, law, law_options)
-    laws = tuple(_pack(law, scene, gap, options) for gap in gaps if gap is not None)
+    if gapless and isinstance(law, str) and law == LAW and not law_options:
+        law = "hertz"  # nothing touches: the range of the default law does not matter
+    plain, options, modulus, law_text = scene_law.in_scene(scene, law, law_options)
+    gaps = tuple(gap for gap in (scene.clearance, scene.crank_clearance) if gap is not None)
+    laws = tuple(_pack(plain, scene, gap, modulus, options) for gap in gaps)
     times = duration * np.arange(outputs + 1) / outputs
     pair = particles.numbers_of_elements(ELEMENTS if elements is None else elements)
     if step is not None:
@@ -151,19 +160,17 @@ def _checked(
         tolerance = TOLERANCE if tolerance is None else tolerance
         checks.number("tolerance", tolerance, least=LEAST_TOLERANCE, most=1e-2, scalar=True)
         blocks = events.blocks(scene, laws, times, tolerance)
-    law_text = "none" if gapless else scene_law.in_words(scene, law, law_options)
     second = None
     if model == "rigid" and not gapless:
         same = {"law": law, "duration": duration, "outputs": outputs} | law_options
-        second = partial(_second_run, scene, tolerance, same)
-    return partial(_gather, blocks, scene, laws, law_text, second)
+        second = partial(_second_run, scene, tolerance, gaps, same)
+    return partial(_gather, blocks, scene, laws, "none" if gapless else law_text, second)
 
 
-def _second_run(scene, tolerance, same):
+def _second_run(scene, tolerance, gaps, same):
     """The same simulation at another tolerance, and the joints' clearances."""
     other = tolerance / FINER if tolerance >= LEAST_TOLERANCE * FINER else tolerance * FINER
-    gaps = (gap for gap in (scene.clearance, scene.crank_clearance) if gap is not None)
-    return simulate(scene, tolerance=other, **same), tuple(gaps)
+    return simulate(scene, tolerance=other, **same), gaps
 
 
 def _check_motion(scene, model, gapless, duration):
@@ -181,10 +188,14 @@ def _check_motion(scene, model, gapless, duration):
     checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)
 
 
-def _pack(law, scene, clearance, options):
+def _pack(law, scene, clearance, modulus, options):
     """Packed law in a joint of the scene; it must reach a depth of one clearance."""
     radius = scene.socket_radius
-    packed = pack(law, radius - clearance, radius, scene.composite_modulus, **options)
+    try:
+        packed = pack(law, radius - clearance, radius, modulus, **options)
+    except checks.RangeError as error:
+        more = "; law tabulated is for other joints too" if law is LAWS[LAW] else ""
+        raise checks.RangeError(f"{error}{more}") from None
     try:
         law(1.0, radius / clearance, **options)
     except checks.RangeError as error:
@@ -213,13 +224,6 @@ def _gather(blocks, scene, laws, law_text, second_run, progress=None):
         table[:, work] -= rows[0, work]
         add_stored_energy(table, laws)
     impact_rows = np.column_stack([impacts[:, :LOST_BEFORE], free])
-    return Response(
-        rows,
-        impact_rows,
-        tuple(JOINTS[j] for j in numbers),
-        own,
-        kinds,
-        complete,
-        law_text,
-        second_run,
-    )
+    joints = tuple(JOINTS[j] for j in numbers)
+    told = law_text, scene.restitution, scene.delivered_restitution, second_run
+    return Response(rows, impact_rows, joints, own, kinds, complete, *told)

@@ -7,11 +7,14 @@ body on it, ``tests/other_programs/multibody.py`` puts it into the paper's crank
 Another program takes the force P(d) from `study export`. Let e point from the socket's centre to
 the ball's, with n = e/abs(e). The depth is d = abs(e) - dR and its rate d' = n . e'. The normal
 force on the ball is -N n with N = P(d) (1 + D d'/d0'), where d0' is the rate at the start of this
-contact. The sliding velocity v is that of the ball's surface at R1 n, spin included. Friction on
-the ball is T = -mu c(abs(v)) N v/abs(v), with the moment R1 n x T.
+contact. The sliding velocity v is that of the ball's surface at R1 n. Friction on the ball is
+T = -mu c(abs(v)) N v/abs(v), with the moment R1 n x T. Its spin s about n has the moment
+-mu c(r abs(s)) N r n s/abs(s), with a friction radius r (`study.joint.pressure`). Each is as if it
+were alone: a ball that slides and spins at once has less of both.
 """
 
-from math import inf, isnan, nan
+from functools import partial
+from math import inf, isnan, nan, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -19,17 +22,78 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from study import checks
-from study.contact.damping import Damping, damping_factor
+from study.compiled import compiled
+from study.contact import JointLaw
+from study.contact.damping import Damping, damping_factor, delivered_restitution
 from study.contact.forces import joint_forces, stored_energy
-from study.contact.friction import friction_branch
-from study.contact.joint_law import JointLaw, pack
-from study.contact.laws import LIMIT_MARGIN, AnyLaw
+from study.contact.friction import friction_branch, friction_factor
+from study.contact.laws import LIMIT_MARGIN
+from study.joint import DimensionalJoint
 
 JOINTS = "clearance joints"  # key of an Exudyn system's variables: joints and their connectors
 COLUMNS = ["time", "depth", "normal_force", "approach_speed"]
 COLUMNS += ["elastic", "lost_damping", "lost_friction"]
 """Of a joint's history: s, m, N, m/s, and energies in J."""
 Vector = NDArray[np.float64]
+
+
+@compiled
+def ball_forces(
+    laws, radii, pulls, r1, deepest, step, damping, mu, v0, v1, approach, x, y, z, vx, vy, vz, *spin
+):
+    """Force and torque on the ball, normal force, powers lost; depth and approach speed.
+
+    Friction radii are given at every ``step`` of the depth's root. Arguments from x on are place,
+    velocity and angular velocity of the ball. An array with the law is faster passed than the law.
+    """
+    law = laws[0]
+    reach = sqrt(x * x + y * y + z * z)
+    depth = reach - law.clearance
+    if not 0 < depth <= deepest:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, depth, approach
+    (nx, ny, nz), (wx, wy, wz) = (x / reach, y / reach, z / reach), spin
+    rate, turning = vx * nx + vy * ny + vz * nz, wx * nx + wy * ny + wz * nz
+    if isnan(approach):
+        approach = rate if rate > 0 else inf
+    sx = vx - rate * nx + r1 * (wy * nz - wz * ny)
+    sy = vy - rate * ny + r1 * (wz * nx - wx * nz)
+    sz = vz - rate * nz + r1 * (wx * ny - wy * nx)
+    speed = sqrt(sx * sx + sy * sy + sz * sz)
+    state = depth, rate, speed, friction_branch(speed, v0, v1), approach
+    normal, _, _, elastic, _, drag, _, _ = joint_forces(law, *state, damping, mu, v0, v1)
+    normal = normal if pulls else max(normal, 0.0)
+    share = drag / speed if speed > 0 else 0.0
+    tx, ty, tz = share * sx, share * sy, share * sz
+
+    place = sqrt(depth) / step
+    k = min(int(place), len(radii) - 2)
+    radius = radii[k] + (place - k) * (radii[k + 1] - radii[k])
+    slip = radius * turning
+    factor, _ = friction_factor(slip, friction_branch(slip, v0, v1), v0, v1)
+    moment = -mu * max(normal, 0.0) * radius * factor
+    force = tx - normal * nx, ty - normal * ny, tz - normal * nz
+    torque = (
+        r1 * (ny * tz - nz * ty) + moment * nx,
+        r1 * (nz * tx - nx * tz) + moment * ny,
+        r1 * (nx * ty - ny * tx) + moment * nz,
+    )
+    lost = (normal - elastic) * rate, -drag * speed - moment * turning
+    return *force, *torque, normal, *lost, depth, approach
+
+
+def _friction_radii(law, joint):
+    """Friction radii in spin, in m, at equal steps of the root of the depth; the step; how deep.
+
+    They are those of the joint's solved pressure, and without a joint those of Hertz's.
+    """
+    if joint is None:
+        hertz = 3 * pi / 16 * sqrt(law.ball_radius * law.socket_radius / law.clearance)
+        return np.array([0, hertz]), 1.0, law.deepest  # it is linear in the root
+    curve = joint.curve()
+    roots = np.append(0, np.sqrt(curve.depth))
+    table = np.linspace(0, roots[-1], len(roots))
+    radii = np.interp(table, roots, np.append(0, curve.friction_radius["spin"]))
+    return radii, table[1], min(law.deepest, float(curve.depth[-1]))
 
 
 class ClearanceJoint:
@@ -41,19 +105,22 @@ class ClearanceJoint:
 
     Parameters
     ----------
-    ball_radius, socket_radius
-        In m.
-    composite_modulus
-        E*, in Pa.
     law
-        As of `study.contact.JointLaw`; ``options`` are the law's.
+        A law of a joint in SI units, or a joint, for the table of its own curve. With friction, a
+        law of a `study.joint.DimensionalJoint` reaches no deeper than that table: the joint's
+        solved pressure gives the friction radius. For other laws it is that of Hertz's pressure.
     restitution, damping
-        Damping of Eq. 31, and its rule, as of `study.mechanism.Scene`.
+        Damping of Eq. 31, and its rule, as of `study.mechanism.Scene`; ``exact`` delivers the
+        restitution asked for.
     friction, slow_speed, full_speed
         Friction of Eqs. 32 and 33, its tolerance speeds in m/s.
+    tension
+        Whether the force may pull, as Eq. 31 does where the ball leaves fast, or is 0 there.
 
     Attributes
     ----------
+    delivered_restitution
+        Restitution of a free impact with this damping.
     rows
         A tuple for the start and every step so far, columns as of `history`.
 
@@ -65,33 +132,28 @@ class ClearanceJoint:
 
     def __init__(
         self,
-        ball_radius: float,
-        socket_radius: float,
-        composite_modulus: float,
-        law: AnyLaw = "hertz",
+        law: JointLaw | DimensionalJoint,
         *,
         restitution: float = 1.0,
-        damping: Damping = "lankarani-nikravesh",
+        damping: Damping = "exact",
         friction: float = 0.0,
         slow_speed: float = 1e-4,
         full_speed: float = 0.01,
-        **options: Any,
+        tension: bool = False,
     ) -> None:
-        checked = JointLaw(
-            law,
-            ball_radius=ball_radius,
-            socket_radius=socket_radius,
-            composite_modulus=composite_modulus,
-            **options,
-        )
-        self.name, self.deepest = checked.name, checked.deepest
-        self.law = pack(law, ball_radius, socket_radius, composite_modulus, **options)
-        self.ball_radius, self.clearance = ball_radius, self.law.clearance
-        self.damping_factor = damping_factor(damping, restitution)
-        self.friction = checks.number("friction", friction, least=0, scalar=True)
+        factor = damping_factor(damping, restitution)
+        mu = checks.number("friction", friction, least=0, scalar=True)
         full = checks.number("full speed", full_speed, "m/s", above=0, scalar=True)
         slow = checks.number("slow speed", slow_speed, "m/s", least=0, below=full, scalar=True)
-        self.speeds = slow, full
+        pulls = bool(checks.flag("tension", tension))
+        if isinstance(law, DimensionalJoint):
+            law = law.law()
+        self.law = checks.instance("law", law, JointLaw)
+        self.delivered_restitution = delivered_restitution(factor)
+        radii, step, self.deepest = _friction_radii(law, law.joint if mu > 0 else None)
+        self._packed = law.packed()
+        numbers = law.ball_radius, self.deepest * (1 + LIMIT_MARGIN), step, factor, mu, slow, full
+        self._on_ball = partial(ball_forces, np.array([self._packed]), radii, pulls, *numbers)
         self._begin()
 
     def _begin(self) -> None:
@@ -105,29 +167,25 @@ class ClearanceJoint:
         """Force and torque on the ball in N and N m, normal force, powers lost to each in W.
 
         ``place`` and ``velocity`` are those of the ball's centre from the socket's, ``spin`` its
-        angular velocity; SI units. Raises `study.checks.StudyError` for a depth outside
-        the law's range.
+        angular velocity; SI units, shape (3,). Raises `study.checks.StudyError` for a depth outside
+        the range of the law.
         """
-        distance = np.sqrt(place @ place)
-        depth = distance - self.clearance
-        if depth <= 0:
-            return np.zeros(3), np.zeros(3), 0.0, 0.0, 0.0
+        found = self._found(place.tolist(), velocity.tolist(), spin.tolist())
+        both = np.array(found[:6])
+        return both[:3], both[3:], *found[6:9]
+
+    def _found(self, place, velocity, spin):
+        """What `ball_forces` returns at three vectors, which are lists."""
+        found = self._on_ball(self.approach, *place, *velocity, *spin)
+        depth, self.approach = found[-2:]
         if not depth <= self.deepest * (1 + LIMIT_MARGIN):
-            wanted = f"depth of {self.name} must stay <= {self.deepest:g} m"
+            wanted = f"depth of {self.law.name} must stay <= {self.deepest:g} m"
             raise checks.StudyError(f"{wanted}, got {depth:g} m")
-        outwards = place / distance
-        rate = float(velocity @ outwards)
-        if isnan(self.approach):
-            self.approach = rate if rate > 0 else inf
-        arm = self.ball_radius * outwards
-        sliding = velocity - rate * outwards + np.cross(spin, arm)
-        speed = np.sqrt(sliding @ sliding)
-        state = depth, rate, speed, friction_branch(speed, *self.speeds), self.approach
-        numbers = self.damping_factor, self.friction, *self.speeds
-        normal, _, _, elastic, _, tangential, _, _ = joint_forces(self.law, *state, *numbers)
-        drag = tangential / speed * sliding if speed > 0 else np.zeros(3)
-        powers = (normal - elastic) * rate, -drag @ sliding
-        return drag - normal * outwards, np.cross(arm, drag), normal, *powers
+        return found
+
+    def _resisted(self, system, time, number, place, _, velocity, spin, *unused):
+        """Exudyn's user function: what the connector resists."""
+        return [-x for x in self._found(place, velocity, spin)[:6]]
 
     def connect(self, system: Any, socket: int, ball: int) -> None:
         """Put the joint between two markers of an Exudyn system, at the centres of both.
@@ -142,20 +200,16 @@ class ClearanceJoint:
         kind = exu.OutputVariableType
         kinds = kind.DisplacementLocal, kind.VelocityLocal, kind.AngularVelocityLocal
 
-        def force(system, time, number, place, _, velocity, spin, *unused):
-            force, torque, *_ = self.forces(*map(np.array, (place, velocity, spin)))
-            return [*-force, *-torque]  # Exudyn counts what the connector resists
-
         def after_a_step(system, time):
             for joint, number in system.variables[JOINTS]:
-                joint._note(time, *(np.array(system.GetObjectOutput(number, k)) for k in kinds))
+                joint._note(time, *(system.GetObjectOutput(number, k) for k in kinds))
             return True
 
         joints = system.variables.setdefault(JOINTS, [])
         if any(joint is self for joint, _ in joints):
             raise ValueError("joint must be connected once, got it twice in one system")
         connector = item.ObjectConnectorRigidBodySpringDamper(
-            markerNumbers=[socket, ball], springForceTorqueUserFunction=force
+            markerNumbers=[socket, ball], springForceTorqueUserFunction=self._resisted
         )
         joints.append((self, system.AddObject(connector)))
         self._begin()
@@ -163,15 +217,14 @@ class ClearanceJoint:
 
     def _note(self, time, place, velocity, spin):
         """Add a row for the state at the end of a step, or at the start."""
-        depth = np.sqrt(place @ place) - self.clearance
+        *_, normal, damping, friction, depth, _ = self._found(*map(list, (place, velocity, spin)))
         if depth <= 0:
             self.approach = nan
-        _, _, normal, *powers = self.forces(place, velocity, spin)
-        lost = np.zeros(2)
+        powers, lost = (damping, friction), np.zeros(2)
         if self.rows:  # by the trapezoidal rule
             lost = self.rows[-1][-2:] + (time - self.rows[-1][0]) * np.add(powers, self._powers) / 2
         approach = nan if self.approach == inf else self.approach
-        self.rows.append((time, depth, normal, approach, stored_energy(self.law, depth), *lost))
+        self.rows.append((time, depth, normal, approach, stored_energy(self._packed, depth), *lost))
         self._powers = powers
 
     def history(self) -> pd.DataFrame:

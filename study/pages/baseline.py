@@ -8,18 +8,18 @@ they stay as they are; otherwise the new file replaces the one there, which is p
 import filecmp
 import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple, get_args
 
 from study import paths, provenance
 from study.pages.catalogue import Notebook
 
 BASELINE = paths.BUILD / "baseline"
 LEVELS = 8  # of 255: largest difference of two pixels that agree
-State = Literal["identical", "agrees", "differs", "other parameters", "not made here"]
+State = Literal["identical", "agrees", "differs", "not made here"]
 STATES: tuple[State, ...] = get_args(State)
-"""``other parameters``: what differs for that reason. ``not made here``: there is no record."""
+"""``not made here``: there is no record."""
 _PLURAL = {"agrees": "agree", "differs": "differ"}
 
 
@@ -31,13 +31,12 @@ class Comparison(NamedTuple):
     sha256: str = ""  # of the file that was in ``figures/`` after the comparison
 
 
-def take_over(folder: Path, notebook: Notebook, settings: Mapping[str, Any]) -> None:
-    """Take over a notebook's results, which it made in a folder with some settings.
+def take_over(folder: Path, notebook: Notebook) -> None:
+    """Take over a notebook's results, which it made in a folder.
 
     Files that differ replace the baseline's.
     """
-    _, last = _recorded(notebook)
-    compared = {}
+    last, compared = _recorded(notebook), {}
     for name in notebook.files():  # the numbers of a figure before its image
         made, aside, shown = folder / name, BASELINE / name, paths.FIGURES / name
         if aside.is_file() and _is_as_recorded(name, last):  # else it was put back by hand
@@ -50,37 +49,29 @@ def take_over(folder: Path, notebook: Notebook, settings: Mapping[str, Any]) -> 
             paths.copy(shown, aside)
             paths.copy(made, shown)
         compared[name] = Comparison(state, where, provenance.sha256_of(shown))
-    _record(notebook, settings, compared)
+    _record(notebook, compared)
 
 
 def accept(notebook: Notebook) -> None:
     """Take a notebook's results, as they are in ``figures/``, for the baseline from now on."""
-    settings, compared = _recorded(notebook)
+    compared = _recorded(notebook)
     for name in compared:
         sha256 = provenance.sha256_of(paths.FIGURES / name)
         compared[name] = Comparison("identical", sha256=sha256)
         (BASELINE / name).unlink(missing_ok=True)
-    _record(notebook, settings, compared)
+    _record(notebook, compared)
 
 
 def compare(notebooks: Sequence[Notebook]) -> list[Comparison]:
     """How the results of notebooks, as made last, compare with the baseline: their worst files."""
     return [
         max(
-            (_as_shown(name, *_recorded(notebook)) for name in result.files),
+            (_as_shown(name, _recorded(notebook)) for name in result.files),
             key=lambda file: STATES.index(file.state),
         )
         for notebook in notebooks
         for result in notebook.results.values()
     ]
-
-
-def shown_with(notebook: Notebook) -> str:
-    """Parameters, other than the defaults, with which its results in ``figures/`` were made."""
-    settings, compared = _recorded(notebook)
-    as_made = [name for name in compared if compared[name].state != "agrees"]
-    shown = any(_is_as_recorded(name, compared) for name in as_made)
-    return ", ".join(f"{key}={value}" for key, value in settings.items()) if shown else ""
 
 
 def summary(comparisons: list[Comparison]) -> str:
@@ -91,19 +82,17 @@ def summary(comparisons: list[Comparison]) -> str:
     return f"{len(comparisons)} results: {', '.join(counted)}"
 
 
-def _record(notebook, settings, compared):
-    """Keep how a notebook's files compared, and with which parameters they were made."""
-    with paths.whole(BASELINE / f"{notebook.name}.json") as record:
-        record.write_text(json.dumps([settings, compared]), encoding="utf-8")
+def _record(notebook, compared):
+    """Keep how a notebook's files compared."""
+    with paths.whole(BASELINE / f"{notebook.name}.compared.json") as record:
+        record.write_text(json.dumps(compared), encoding="utf-8")
 
 
 def _recorded(notebook):
-    """Parameters other than the defaults, and comparison by file; empty if not made here."""
-    record = BASELINE / f"{notebook.name}.json"
-    if not record.is_file():
-        return {}, {}
-    settings, compared = json.loads(record.read_text(encoding="utf-8"))
-    return settings, {name: Comparison(*fields) for name, fields in compared.items()}
+    """Comparison by file; empty if not made here."""
+    record = BASELINE / f"{notebook.name}.compared.json"
+    compared = json.loads(record.read_text(encoding="utf-8")) if record.is_file() else {}
+    return {name: Comparison(*fields) for name, fields in compared.items()}
 
 
 def _is_as_recorded(name, compared):
@@ -111,14 +100,12 @@ def _is_as_recorded(name, compared):
     return name in compared and provenance.sha256_of(paths.FIGURES / name) == compared[name].sha256
 
 
-def _as_shown(name, settings, compared):
+def _as_shown(name, compared):
     """Comparison of one file as it is in ``figures/``."""
     if name not in compared:
         return Comparison("not made here")
     if not _is_as_recorded(name, compared):
         return Comparison("differs", f"figures/{name}, changed since it was made here")
-    if settings and compared[name].state == "differs":
-        return Comparison("other parameters")
     return compared[name]
 
 

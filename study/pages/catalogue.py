@@ -14,6 +14,7 @@ from study import paths, provenance
 from study.checks import StudyError
 
 FILE = paths.NOTEBOOKS / "catalogue.toml"
+LONGEST_FOLDER = 100  # name of a folder for settings, in characters
 
 
 @dataclass(frozen=True)
@@ -88,12 +89,31 @@ class Notebook:
         Results of other notebooks whose numbers it reads.
     long
         Whether it takes longer than most, so that it begins first.
+    settings
+        Parameters other than the defaults; none in the catalogue.
     """
 
     name: str
     results: dict[str, Result] = field(default_factory=dict)
     reads: list[str] = field(default_factory=list)
     long: bool = False
+    settings: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def identifier(self) -> str:
+        """Its name, with the settings if it has any: ``03-force: r2_star=100``."""
+        return f"{self.name}: {self.folder.name}" if self.settings else self.name
+
+    @property
+    def folder(self) -> Path:
+        """Where its results go: ``figures/``, or ``build/with/r2_star=100/`` for such settings."""
+        if not self.settings:
+            return paths.FIGURES
+        stated = ",".join(f"{key}={value}" for key, value in sorted(self.settings.items()))
+        name = re.sub(r"[^\w.,=+-]", "", re.sub(r"\.0\b", "", stated))
+        if len(name) > LONGEST_FOLDER:  # which not every file system takes
+            name = f"{name[:LONGEST_FOLDER]}-{provenance.sha256(name.encode())[:10]}"
+        return paths.BUILD / "with" / name
 
     @property
     def path(self) -> Path:
@@ -109,7 +129,8 @@ class Notebook:
     @property
     def executed(self) -> Path:
         """Where the executed copy goes."""
-        return paths.BUILD / "notebooks" / f"{self.name}.ipynb"
+        folder = self.folder if self.settings else paths.BUILD / "notebooks"
+        return folder / self.path.name
 
     def files(self) -> list[str]:
         """File names of its results."""
@@ -117,7 +138,7 @@ class Notebook:
 
     def products(self) -> list[Path]:
         """Files it makes: those of its results, and its executed copy."""
-        return [*(paths.FIGURES / name for name in self.files()), self.executed]
+        return [*(self.folder / name for name in self.files()), self.executed]
 
     def inputs(self) -> list[Path]:
         """Itself, the code it reaches by imports, and the data that this reads."""
@@ -191,7 +212,7 @@ def with_sources(notebooks: Sequence[Notebook]) -> list[Notebook]:
     ordered = {}
     for notebook in notebooks:
         makers = [nb for nb in CATALOGUE if set(nb.results) & set(notebook.reads)]
-        ordered |= {nb.name: nb for nb in (*with_sources(makers), notebook)}
+        ordered |= {nb.identifier: nb for nb in (*with_sources(makers), notebook)}
     return list(ordered.values())
 
 

@@ -18,6 +18,9 @@ from study.pages.catalogue import Notebook, check_claims
 LONGEST = 1000  # setting, in characters
 _COMMENT = re.compile(r"(.*?)\s*(?:\[([^][]*)\])?")  # meaning and values allowed
 PARAMETERS_VARIABLE = "STUDY_PARAMETERS"  # hands parameters to notebooks/task_notebooks.py
+_RETURNED = re.compile(
+    r"\[|Text\(|<\w*(matplotlib|Axes|Container)|\(array\("
+)  # by a call for a plot
 _OTHER_NUMBER = re.compile(r"\d_\d|\b0[xob]", re.IGNORECASE)  # Python's own: 1_00, 0x64
 
 
@@ -123,13 +126,11 @@ def check_range(key: str, value: Any, allowed: str) -> None:
             checks.choice(f"parameter {key}", item, tuple(names))
 
 
-def run(
-    notebooks: list[Notebook], settings: dict[str, dict], *, report: bool = False, **options: Any
-) -> tasks.Built:
+def run(notebooks: list[Notebook], *, report: bool = False, **options: Any) -> tasks.Built:
     """Run stale notebooks, and the stale ones that they read from, as pytask tasks.
 
-    The settings are those of `check_parameters`, the options those of `study.pages.tasks.build`.
-    Paper and report need all notebooks. If nothing is stale, pytask is not loaded.
+    The options are those of `study.pages.tasks.build`. Paper and report need all notebooks. If
+    nothing is stale, pytask is not loaded.
 
     Raises
     ------
@@ -138,7 +139,7 @@ def run(
     study.checks.StudyError
         If data are damaged or a claim cannot be judged, or as for `study.pages.tasks.build`.
     """
-    needed = freshness.needed(notebooks, settings, report=report)
+    needed = freshness.needed(notebooks, report=report)
     for notebook in notebooks:
         if not notebook.path.is_file():
             raise NotebookError(f"notebooks/{notebook.path.name} is missing")
@@ -151,17 +152,21 @@ def run(
 
     dataset.verify_files()  # before notebooks run for minutes
     check_claims()
+    settings = {nb.name: nb.settings for nb in notebooks if nb.settings}
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
     if options.get("jobs") is None and len(notebooks) == 1 and not notebooks[0].reads:
         options["jobs"] = 1  # a worker would only have to start
-    selected = "task_report" if report else " or ".join(f"[{nb.name}]" for nb in notebooks)
+    # an expression of pytask cannot have "=" or ","
+    names = (f"[{nb.name}{':' if nb.settings else ']'}" for nb in notebooks)
+    selected = "task_report" if report else " or ".join(names)
     return tasks.build([paths.NOTEBOOKS, *([paths.PAPER] if report else [])], selected, **options)
 
 
-def execute(notebook: Notebook, settings: dict[str, Any]) -> None:
-    """Execute one notebook; its executed copy lands in ``build/notebooks``.
+def execute(notebook: Notebook) -> None:
+    """Execute one notebook with its settings, and keep its executed copy.
 
-    Its results are compared with the baseline (`baseline.take_over`) if every cell succeeds.
+    If every cell succeeds, its results are compared with the baseline (`baseline.take_over`).
+    Those made with settings go to a folder of their own.
 
     Raises
     ------
@@ -181,7 +186,7 @@ def execute(notebook: Notebook, settings: dict[str, Any]) -> None:
             papermill.execute_notebook(
                 notebook.path,
                 executed,
-                parameters=settings,
+                parameters=notebook.settings,
                 kernel_name="python3",
                 progress_bar=False,
                 kernel_manager_class=manager(folder, results),
@@ -195,12 +200,27 @@ def execute(notebook: Notebook, settings: dict[str, Any]) -> None:
         finally:
             if executed.is_file():
                 paths.copy(executed, notebook.executed)
+        refuse_returned(notebook)
         wanted, made = set(notebook.files()), {path.name for path in results.iterdir()}
         if missing := ", ".join(sorted(wanted - made)):
             raise NotebookError(f"{notebook.name} did not save {missing}")
         if extra := ", ".join(sorted(made - wanted)):
             raise NotebookError(f"{notebook.name} saved {extra}, which the catalogue does not name")
-        baseline.take_over(results, notebook, settings)
+        if notebook.settings:
+            for name in notebook.files():
+                paths.copy(results / name, notebook.folder / name)
+        else:
+            baseline.take_over(results, notebook)
+
+
+def refuse_returned(notebook: Notebook) -> None:
+    """Refuse an executed notebook with what a call for a plot returns, by a `NotebookError`."""
+    for cell in json.loads(notebook.executed.read_text(encoding="utf-8"))["cells"]:
+        for data in (output.get("data", {}) for output in cell.get("outputs", ())):
+            text = "".join(data["text/plain"]) if [*data] == ["text/plain"] else ""
+            if _RETURNED.match(text):
+                where = f"{notebook.name}, cell In[{cell['execution_count']}]"
+                raise NotebookError(f"{where} shows {checks.shown(text)}: end its last line with ;")
 
 
 def _last_words(executed):

@@ -32,7 +32,7 @@ class Task:
     Attributes
     ----------
     name
-        Name of the notebook, ``typeset`` or ``report``.
+        Identifier of the notebook, ``typeset`` or ``report``.
     identifier
         Its name in ``pytask.lock``: file, function and name.
     inputs
@@ -75,11 +75,12 @@ class Task:
         )
 
 
-def of_notebook(notebook: Notebook, settings: Mapping[str, Any]) -> Task:
-    """Task of a notebook that is run with some parameters."""
-    identifier = f"notebooks/task_notebooks.py::task_notebook[{notebook.name}]"
-    reads = [paths.FIGURES / f"{name}.csv" for name in notebook.reads]
-    return Task(notebook.name, identifier, notebook.inputs, reads, notebook.products(), settings)
+def of_notebook(notebook: Notebook) -> Task:
+    """Task of a notebook with its settings. It reads results that were made without any."""
+    name, products = notebook.identifier, notebook.products()
+    identifier = f"notebooks/task_notebooks.py::task_notebook[{name}]"
+    reads = [paths.FIGURES / f"{result}.csv" for result in notebook.reads]
+    return Task(name, identifier, notebook.inputs, reads, products, notebook.settings)
 
 
 def of_paper() -> Task:
@@ -99,15 +100,12 @@ def of_report() -> Task:
     return Task("report", identifier, lambda: inputs, reads, [INDEX], words=True)
 
 
-def needed(
-    notebooks: Sequence[Notebook], settings: Mapping[str, dict], *, report: bool = False
-) -> list[Task]:
+def needed(notebooks: Sequence[Notebook], *, report: bool = False) -> list[Task]:
     """Tasks of notebooks and of those that they read from, in an order in which they can be run.
 
-    The settings are those of some notebooks by name. Paper and report need all notebooks.
+    Paper and report need all notebooks.
     """
-    ordered = catalogue.with_sources(notebooks)
-    tasks = [of_notebook(notebook, settings.get(notebook.name, {})) for notebook in ordered]
+    tasks = [of_notebook(notebook) for notebook in catalogue.with_sources(notebooks)]
     return [*tasks, of_paper(), of_report()] if report else tasks
 
 

@@ -7,8 +7,7 @@ import typst
 
 from study import paths
 from study.checks import StudyError
-from study.pages import baseline, freshness
-from study.pages.catalogue import CATALOGUE
+from study.pages import freshness
 
 SOURCE = paths.PAPER / "paper.typ"
 PDF = freshness.PDF
@@ -22,11 +21,9 @@ def typeset(source: Path = SOURCE, output: Path = PDF) -> None:
     Raises
     ------
     study.checks.StudyError
-        If a number, figure or reference is missing, or Typst warns; the message names it. If a
-        result was made with other parameters than the paper's.
+        If a number, figure or reference is missing, or Typst warns; the message names it.
     """
     paths.require_checkout(paths.PAPER)
-    _refuse_other_parameters()
     try:
         pdf, warnings = typst.compile_with_warnings(
             source, root=paths.ROOT, ignore_system_fonts=True, format="pdf"
@@ -37,17 +34,6 @@ def typeset(source: Path = SOURCE, output: Path = PDF) -> None:
         raise StudyError(_in_one_line(warnings[0]))
     with paths.whole(output) as temporary:
         temporary.write_bytes(pdf)
-
-
-def _refuse_other_parameters():
-    others = [(made, shown) for made in CATALOGUE if (shown := baseline.shown_with(made))]
-    if others:
-        named = [f"{', '.join(made.results)} ({shown})" for made, shown in others]
-        remedy = f"study run {' '.join(made.name for made, _ in others)}"
-        raise StudyError(
-            f"the paper cannot show results made with other parameters, {'; '.join(named)}; "
-            f"restore them with: {remedy}"
-        )
 
 
 def _in_one_line(problem) -> str:

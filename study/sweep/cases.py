@@ -20,19 +20,21 @@ import numpy as np
 from study import checks
 from study.checks import StudyError
 from study.contact import SOCKET_RATIO, Material, tabulated
-from study.joint import DimensionalJoint, force_curve, material, whole_curve
+from study.joint import DimensionalJoint, applicability, force_curve, material, whole_curve
 from study.joint.dimensional import usual_depth
 from study.joint.parsing import joint as joint_of_texts
 from study.joint.parsing import liner
 from study.joint.supports import SUPPORTS
 from study.mechanism import Scene
-from study.mechanism.simulate import BEAM_STEP, ELEMENTS, TOLERANCE, ready, simulate
+from study.mechanism.limits import limits
+from study.mechanism.simulate import BEAM_STEP, ELEMENTS, LAW, TOLERANCE, ready, simulate
 
 Kind = Literal["joints", "scenes"]
 Case = dict[str, str]
 Rows = list[list[str]]
 NAME, ERROR = "case", "error"
 """First column of every table, the case's name or number, and the last, the reason of a failure."""
+APPLICABILITY = ("1", "Limits that are exceeded (study joint and simulate have them in words)")
 CURVES = {
     "depth_star": ("1", "Penetration depth d/dR"),
     "force_star": ("1", "Force P/(E* dR^2)"),
@@ -40,6 +42,7 @@ CURVES = {
     "contact_half_angle_deg": ("deg", "Polar angle of the contact's edge"),
     "peak_pressure_star": ("1", "Largest pressure p R2/(E* dR)"),
     "error_estimate": ("1", "Estimated relative error of the force"),
+    "applicability": APPLICABILITY,
 }
 DIMENSIONAL = {
     "depth": ("m", "Penetration depth"),
@@ -49,16 +52,19 @@ DIMENSIONAL = {
     "peak_pressure": ("Pa", "Largest contact pressure"),
     "error_estimate": ("1", "Estimated relative error of the force"),
     "yield_factor": ("1", "Yield stress over von Mises stress, of the body nearest to yield"),
+    "applicability": APPLICABILITY,
 }
 SCENES = {
     "impacts": ("1", "Contacts that begin"),
     "largest_depth": ("m", "Largest penetration depth"),
     "largest_force": ("N", "Largest normal force in a clearance joint"),
     "energy_lost": ("J", "Lost by damping and friction in the joints"),
+    "delivered_restitution": ("1", "Of a free impact, by the damping of the scene"),
     "last_separation": ("s", "Time at which the surfaces part for the last time"),
     "mean_slider_deviation": ("m", "From ideal joints at the same crank angle, mean of its size"),
     "largest_slider_deviation": ("m", "The same, its largest size at the times of output"),
     "energy_error": ("1", "Largest error of the energy balance, over the largest energy"),
+    "applicability": APPLICABILITY,
 }
 TWICE = SCENES | {
     "trusted_until": ("s", "Until then a run at another tolerance is the same motion; rigid links"),
@@ -75,10 +81,7 @@ COLUMNS = {
 def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
     """Cases from a CSV file, or from mappings, as texts; empty texts are left out.
 
-    Raises
-    ------
-    ValueError
-        If there are none, for a file that is not CSV text, or a row of another length.
+    No case, a file that is not CSV text, and a row of another length are a ``ValueError``.
     """
     rows = _from_csv(cases) if isinstance(cases, Path) else [_as_texts(case) for case in cases]
     if not rows:
@@ -162,12 +165,8 @@ def prepared(
 ) -> tuple[str, list[str], list[Case]]:
     """Form of the cases, one of `COLUMNS`, the key of each case (`Form`), and its complete cells.
 
-    These have the value that is used where the case has none. Scenes may be run ``twice``.
-
-    Raises
-    ------
-    ValueError
-        For a column, or a value, that is not possible; names row and column.
+    These have the value that is used where the case has none. Scenes may be run ``twice``. The
+    ``ValueError`` of a column, or a value, that is not possible names row and column.
     """
     checks.choice("kind", kind, get_args(Kind))
     columns = list(dict.fromkeys(name for case in cases for name in case))
@@ -245,6 +244,8 @@ def failed(form: str, reason: str) -> Rows:
 def _cells(name, values):
     if isinstance(values, str):
         return [values]
+    if isinstance(values, list):
+        return values
     return [f"{value:.9g}" for value in np.atleast_1d(checks.number(name, values))]
 
 
@@ -281,10 +282,12 @@ def _bodies(joint):
 
 def _solve_joint(joint, depths):
     if depths is not None:
-        return vars(force_curve(joint, depths)) | {"stiffness_star": ""}
-    curve = whole_curve(joint, usual_depth(joint))
-    slope = tabulated(curve)(curve.depth_star, joint.r2_star, derivative=True)
-    return vars(curve) | {"stiffness_star": slope}
+        curve, slope = force_curve(joint, depths), ""
+    else:
+        curve = whole_curve(joint, usual_depth(joint))
+        slope = tabulated(curve)(curve.depth_star, joint.r2_star, derivative=True)
+    short = [applicability.in_short(found) for found in applicability.of_curve(curve)]
+    return vars(curve) | {"stiffness_star": slope, "applicability": short}
 
 
 def _dimensional_joint(values):
@@ -301,7 +304,9 @@ def _dimensional_joint(values):
 def _solve_dimensional(joint, asked):
     solution = joint.solve(**asked) if asked else joint.curve()
     factors = [factor for factor in solution.yield_factor.values() if factor is not None]
-    return vars(solution) | {"yield_factor": np.min(factors, axis=0) if factors else ""}
+    short = [applicability.in_short(found) for found in solution.limits]
+    nearest = np.min(factors, axis=0) if factors else ""
+    return vars(solution) | {"yield_factor": nearest, "applicability": short}
 
 
 def _scene(values, twice=False):
@@ -312,7 +317,7 @@ def _scene(values, twice=False):
     return key, partial(_simulate, scene, run, twice), _used_by_scene(scene, **values)
 
 
-def _used_by_scene(scene, model="rigid", joint="clearance", law="hertz", **given):
+def _used_by_scene(scene, model="rigid", joint="clearance", law=LAW, **given):
     """Values that a simulation uses where none are given, None for what it does not have."""
     usual = {name: p.default for name, p in signature(simulate).parameters.items()}
     usual |= {"model": model, "joint": joint, "law": law}
@@ -321,7 +326,8 @@ def _used_by_scene(scene, model="rigid", joint="clearance", law="hertz", **given
     else:
         usual["elements"] = ELEMENTS
         usual |= {"method": "centred"} if model == "particles" else {"step": BEAM_STEP}
-    usual["socket_ratio"] = SOCKET_RATIO if law == "stiffened_hertz" else None
+    thick = law in (LAW, "tabulated") and "wall" not in given
+    usual["socket_ratio"] = SOCKET_RATIO if thick else None
     inertias = dict(zip(("crank_inertia", "coupler_inertia"), scene.inertias, strict=True))
     return usual | vars(scene) | inertias
 
@@ -343,10 +349,12 @@ def _simulate(scene, run, twice):
         "largest_depth": impacts["peak_depth"].max(initial=0.0),
         "largest_force": impacts["peak_force"].max(initial=0.0),
         "energy_lost": response.lost_damping[-1] + response.lost_friction[-1],
+        "delivered_restitution": response.delivered_restitution,
         "last_separation": response.last_separation,
         "mean_slider_deviation": deviation.mean(),
         "largest_slider_deviation": deviation.max(),
         "energy_error": response.energy_error,
+        "applicability": applicability.in_short(limits(scene, response)),
         "trusted_until": "" if agreement is None else agreement.until,
     }
 
@@ -391,8 +399,8 @@ _SCENE = {field.name: field.default for field in fields(Scene)}
 _RATIOS = ("r2_star", "socket_ratio", "poisson", "modulus_ratio", "socket_poisson")
 _SIZES = ("socket_radius", "clearance", "wall")
 _LAW = ("model", "joint", "law", "method")
-_NUMBERS = ("duration", "tolerance", "step", "socket_ratio")
-_OF_SCENES = (*_LAW, *_NUMBERS, *_SCENE, "outputs", "elements")
+_NUMBERS = ("duration", "tolerance", "step", "socket_ratio", "wall")
+_OF_SCENES = (*_LAW, *_NUMBERS, *_SCENE, "outputs", "elements", "liner")
 _READ: dict[str, Callable[[str, str], Any]] = {
     **dict.fromkeys((*SUPPORTS, *_LAW, "damping"), _word),
     "opening": checks.read,

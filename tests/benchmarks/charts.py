@@ -15,7 +15,6 @@ from other_programs import calculix, cvode, multibody, odes
 
 from benchmarks import flexible_links, timing
 from benchmarks.timing import COMPILED, PROGRAM, PYTHON
-from study.choose.law import law_options
 from study.compiled import compiled
 from study.contact import LAWS, tabulated
 from study.contact.forces import elastic_force
@@ -30,9 +29,10 @@ from study.joint import (
     whole_curve,
 )
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
+from study.joint.law_options import law_options
 from study.measure import explicit
 from study.measure.speed import OURS
-from study.mechanism import Scene, simulate
+from study.mechanism import paper_scene, simulate
 from study.mechanism.compare import normalised_rms
 
 RADII = (9.95e-3, 10e-3, 1.1e11)  # of the laws' calls: R1, R2 in m, E* in Pa
@@ -41,7 +41,7 @@ FINEST = 224  # elements along the surface of the curve that the laws are judged
 FREE = Joint(200, 1.3)  # of the solvers: a radially free ball, for which the series is exact
 LAW_DEPTHS = np.linspace(0.025, 1, 40)
 CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
-SCENE, DURATION, OUTPUTS = Scene(), 0.3, 3000
+SCENE, DURATION, OUTPUTS = paper_scene(), 0.3, 3000
 SOLVERS = (  # method and its resolution
     *(("series", n) for n in (320, 32, 64, 160, 640)),
     *(("six-node triangles", n) for n in (32, 64, 96, 160, 224)),
@@ -153,7 +153,7 @@ def steppers(
     runs = [run for run in runs if run[-1] is not None]
     truth, seconds = _ours(1e-11), {}
     if compile_times:
-        seconds[OURS] = timing.compile_time("simulate(duration=1e-5, outputs=1)")
+        seconds[OURS] = timing.compile_time("simulate(law='hertz', duration=1e-5, outputs=1)")
         call = "explicit.integrate(Scene(), law, 1e-5, 1, 1e-6, 'RK4')"
         seconds |= dict.fromkeys(explicit.SCHEMES, timing.compile_time(call))
     explicit.integrate(SCENE, law, 1e-5, 1, 1e-6, "RK4")  # compiles, as what calls from Python
@@ -208,7 +208,7 @@ def flexible(repeats: int = 3, chosen: Sequence[flexible_links.Run] | None = Non
 
 def _ours(tolerance):
     options = {"duration": DURATION, "outputs": OUTPUTS, "tolerance": tolerance}
-    return simulate(SCENE, **options).slider_acceleration[1:]
+    return simulate(SCENE, law="hertz", **options).slider_acceleration[1:]
 
 
 def _explicit(law, step, scheme):

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from other_programs import cables
 
-from study.mechanism import Scene, simulate
+from study.mechanism import Scene, paper_scene, simulate
 from study.mechanism.compare import normalised_rms
 from study.mechanism.frame import Frame
 
@@ -75,7 +75,8 @@ def judged(
     scene: Scene | None = None,
 ) -> NDArray[np.float64]:
     """Slider's positions in m, or the first impact's time in s and largest force in N."""
-    options: dict[str, Any] = {"model": model, "elements": elements, "step": step}
+    scene = paper_scene() if scene is None else scene
+    options: dict[str, Any] = {"law": "hertz", "model": model, "elements": elements, "step": step}
     if joint == "ideal joint":
         options |= {"joint": "ideal", "duration": DURATIONS[joint], "outputs": OUTPUTS}
         return simulate(scene, **options).slider_position[1:]
@@ -85,7 +86,7 @@ def judged(
 
 def longest_step(joint: Joint, elements: Elements, scene: Scene | None = None) -> float:
     """Limit of stability of the particles' step out of contact, in s."""
-    scene = Scene() if scene is None else scene
+    scene = paper_scene() if scene is None else scene
     ideal = joint == "ideal joint"
     end_mass = scene.slider_mass if ideal else 0.0
     return 2 / Frame(scene, elements).highest_frequency(end_mass, held=ideal)
@@ -94,14 +95,14 @@ def longest_step(joint: Joint, elements: Elements, scene: Scene | None = None) -
 @cache
 def truth(joint: Joint, shear: bool = True) -> NDArray[np.float64]:
     """Limit of `judged`: particles of a fine mesh, with or without shear."""
-    scene = Scene() if shear else shear_stiff(Scene())
+    scene = paper_scene() if shear else shear_stiff(paper_scene())
     step = SHARES[1] * longest_step(joint, FINEST[joint], scene)
     return judged("particles", joint, FINEST[joint], step, scene)
 
 
 def error(joint: Joint, shear: bool, values: NDArray[np.float64]) -> NDArray[np.float64]:
     """NRMS of the slider's position over its change since the start; or two relative errors."""
-    exact, scene = truth(joint, shear), Scene()
+    exact, scene = truth(joint, shear), paper_scene()
     if joint == "first impact":
         return np.abs(values / exact - 1)
     start = scene.crank_length + scene.coupler_length
@@ -133,5 +134,5 @@ def call(
     if method != "ANCF cables":
         return partial(judged, method, joint, elements, step)
     if joint == "ideal joint":
-        return cables.ideal_joint(Scene(), elements, DURATIONS[joint], OUTPUTS, step)
-    return cables.first_impact(Scene(), elements, DURATIONS[joint], step)
+        return cables.ideal_joint(paper_scene(), elements, DURATIONS[joint], OUTPUTS, step)
+    return cables.first_impact(paper_scene(), elements, DURATIONS[joint], step)

@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from study import checks
-from study.contact.joint_law import pack
+from study.contact.joint_law import JointLaw, pack
 from study.contact.laws import AnyLaw, find
 from study.mechanism import Scene, scene_law
 from study.mechanism.spatial import ClearanceJoint, solve
@@ -162,17 +162,15 @@ def crank_slider(
     s, (system, at, slider) = scene, links(scene)
     law = find(law)
     options = scene_law.options(scene, law, options)
+    sizes = {name: getattr(s, name) for name in ("ball_radius", "socket_radius")}
     joint = ClearanceJoint(
-        s.ball_radius,
-        s.socket_radius,
-        s.composite_modulus,
-        law,
+        JointLaw(law, **sizes, composite_modulus=s.composite_modulus, **options),
         restitution=s.restitution,
         damping=s.damping,
         friction=s.friction,
         slow_speed=s.slow_speed,
         full_speed=s.full_speed,
-        **options,
+        tension=True,  # as in the plane
     )
     joint.connect(system, at("slider", 0), at("coupler", s.coupler_length / 2))
     stored = sensor(system, slider, "Position")

@@ -1,9 +1,9 @@
 """The dataset's cases and the laws at their depths, for the plot in the page."""
 
 from study import checks, dataset
-from study.choose.law import law_options
 from study.contact import LAWS
 from study.dataset import design, store
+from study.joint.law_options import law_options
 from study.pages.figures import LOOKS
 
 PARAMETERS = {

@@ -13,11 +13,11 @@ from jinja2 import Environment, PackageLoader
 from study import checks, paths
 from study.dataset.store import CURVES, PACKAGE
 from study.pages import catalogue
-from study.pages.baseline import shown_with
 from study.pages.catalogue import CATALOGUE
 from study.pages.execute import parameters
 from study.pages.freshness import PDF
 from study.pages.report.curves import curves
+from study.pages.report.joint import joint_data
 
 DOCUMENTS = [path.relative_to(paths.ROOT).as_posix() for path in paths.DOCUMENTS]
 KINDS = ("claim", "figure", "table", "case")
@@ -76,7 +76,7 @@ class _Sources:
             loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True
         )
         self._templates.globals |= {"results": self._results, "verdicts": VERDICTS}
-        self._templates.globals |= {"parameters": parameters, "shown_with": shown_with}
+        self._templates.globals |= {"parameters": parameters}
         self._macros = self._templates.get_template("macros.html").module
         self._modules = {}
         for path in modules():
@@ -96,11 +96,13 @@ class _Sources:
 
     def write(self, claims):
         """Write all of them, and return the places."""
-        self._page("index.md", claims=claims, documents=[self._pages_of[d] for d in DOCUMENTS])
+        documents = [self._pages_of[name] for name in DOCUMENTS]
+        for page in ("index.md", "evidence.md", "statements.md"):
+            self._page(page, claims=claims, documents=documents)
         paths.copy(PDF, self._pages / "paper.pdf")
         for claim in claims:
             title = f"{claim['claim']}: {claim['statement']}"
-            self._place(title, "claim", "index", claim["anchor"])
+            self._place(title, "claim", "statements", claim["anchor"])
         self._page("figures.md")
         for result in self._results:
             judged = [claim for claim in claims if result.name in claim["shown_by"]]
@@ -117,6 +119,8 @@ class _Sources:
         for name in DOCUMENTS:
             text = (paths.ROOT / name).read_text(encoding="utf-8")
             _write(f"{self._folder}{self._pages_of[name]}", self._linked(text, dirname(name)))
+        _write_numbers(self._pages / "joint_data.js", "JOINT_DATA", joint := joint_data())
+        self._page("joint.md", materials=joint["materials"])
         self._data()
         self._library()
         return self._places
@@ -174,8 +178,7 @@ class _Sources:
     def _data(self):
         """Write the page of the dataset, and the numbers that its plot shows."""
         shown = curves()
-        text = json.dumps(shown, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-        _write(self._pages / "data.js", f"window.STUDY_DATA={text};\n")
+        _write_numbers(self._pages / "data.js", "STUDY_DATA", shown)
         for file in (CURVES, PACKAGE):
             paths.copy(file, self._pages / "data" / file.name)
         package = json.loads(PACKAGE.read_text(encoding="utf-8"))
@@ -192,6 +195,11 @@ class _Sources:
             inner = [n for n in self._modules.values() if n.rpartition(".")[0] == name]
             self._page("module.rst", f"api/{name}.rst", name=name, inner=inner)
         self._page("library.md", lines=lines)
+
+
+def _write_numbers(path, name, numbers):
+    text = json.dumps(numbers, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    _write(path, f"window.{name}={text};\n")
 
 
 def _write(path, text):

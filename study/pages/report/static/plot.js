@@ -1,7 +1,7 @@
 // Force-depth curves of the dataset's cases, and laws over them. The page's hash is the view.
 "use strict";
 (() => {
-  const { parameters, looks, depths, cases } = window.STUDY_DATA;
+  const { parameters, looks, depths, cases } = window.STUDY_DATA, { svg: shape, html } = window.ELEMENTS;
   const form = document.getElementById("plot"), keys = Object.keys(parameters);
   const names = Object.keys(looks).filter((name) => name !== "exact");
   const boxes = Object.fromEntries([...form.elements.law].map((box) => [box.value, box]));
@@ -12,6 +12,7 @@
     o: "M-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0Z", s: "M-3-3H3V3H-3Z", v: "M-3.6-3H3.6L0 3.6Z",
     "^": "M-3.6 3H3.6L0-3.6Z", D: "M0-4L4 0L0 4L-4 0Z",
     P: "M-1.4-4H1.4V-1.4H4V1.4H1.4V4H-1.4V1.4H-4V-1.4H-1.4Z",
+    "<": "M-4 0L4-4V4Z",
     X: "M-4-2.2L-2.2-4L0-1.8L2.2-4L4-2.2L1.8 0L4 2.2L2.2 4L0 1.8L-2.2 4L-4 2.2L-1.8 0Z",
   };
   const state = { case: "paper-linear-200", laws: ["hertz", "hyperbolic_winkler", "stiffened_hertz"],
@@ -84,25 +85,28 @@
     const across = scale(logs[0] ? x : [0, ...x], logs[0], left, right);
     const all = series.flatMap(([, values]) => values).filter((value) => !logs[1] || value > 0);
     const up = scale(logs[1] ? all : [0, ...all], logs[1], bottom, top);
-    let text = "";
-    for (const t of across.ticks) text += `<path class="grid" d="M${across(t)} ${top}V${bottom}"/>` +
-      `<text x="${across(t)}" y="${bottom + 16}" text-anchor="middle">${t}</text>`;
-    for (const t of up.ticks) text += `<path class="${t === 0 ? "axis" : "grid"}" d="M${left} ${up(t)}H${right}"/>` +
-      `<text x="${left - 6}" y="${up(t) + 4}" text-anchor="end">${Math.abs(t) >= 1e5 ? t.toExponential(0) : t}</text>`;
-    text += `<path class="axis" d="M${left} ${top}V${bottom}H${right}"/>` +
-      `<text x="${(left + right) / 2}" y="${height - 6}" text-anchor="middle">penetration depth δ* = δ/ΔR (clearances)</text>` +
-      `<text x="4" y="14">${label}</text>` + `<path class="cursor" d="M${across(x[state.at])} ${top}V${bottom}"/>`;
+    const path = (kind, d) => shape("path", { class: kind, d });
+    const words = (text, x, y, anchor = "start") => shape("text", { x, y, "text-anchor": anchor }, text);
+    const parts = [];
+    for (const t of across.ticks)
+      parts.push(path("grid", `M${across(t)} ${top}V${bottom}`), words(t, across(t), bottom + 16, "middle"));
+    for (const t of up.ticks) parts.push(path(t === 0 ? "axis" : "grid", `M${left} ${up(t)}H${right}`),
+      words(Math.abs(t) >= 1e5 ? t.toExponential(0) : t, left - 6, up(t) + 4, "end"));
+    parts.push(path("axis", `M${left} ${top}V${bottom}H${right}`),
+      words("penetration depth δ* = δ/ΔR (clearances)", (left + right) / 2, height - 6, "middle"),
+      words(label, 4, 14), path("cursor", `M${across(x[state.at])} ${top}V${bottom}`));
     for (const [name, values] of series) {
-      const look = looks[name], points = [];
+      const look = looks[name], points = [], named = { "data-name": name };
       values.forEach((value, k) => { if (!logs[1] || value > 0) points.push([across(x[k]).toFixed(1), up(value).toFixed(1), k]); });
-      if (look.line !== "none") text += `<path class="line" data-name="${name}" fill="none" stroke="${look.color}" ` +
-        `stroke-dasharray="${DASHES[look.line]}" d="M${points.map(([a, b]) => `${a} ${b}`).join("L")}"/>`;
+      if (look.line !== "none") parts.push(shape("path", { ...named, class: "line", fill: "none", stroke: look.color,
+        "stroke-dasharray": DASHES[look.line], d: `M${points.map(([a, b]) => `${a} ${b}`).join("L")}` }));
       const every = look.line === "none" ? 1 : 6, first = look.line === "none" ? 0 : 1 + names.indexOf(name) % 6;
-      text += `<g class="marks" data-name="${name}" fill="${look.color}">` + points.filter(([, , k]) => k % every === first % every)
-        .map(([a, b]) => `<path transform="translate(${a} ${b})" d="${MARKERS[look.marker]}"/>`).join("") + "</g>";
+      const marks = points.filter(([, , k]) => k % every === first % every)
+        .map(([a, b]) => shape("path", { transform: `translate(${a} ${b})`, d: MARKERS[look.marker] }));
+      parts.push(shape("g", { ...named, class: "marks", fill: look.color }, ...marks));
     }
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    svg.innerHTML = text;
+    svg.replaceChildren(...parts);
     svg.onpointermove = svg.onpointerdown = (event) => {
       const at = (event.clientX - svg.getBoundingClientRect().left) * width / svg.clientWidth;
       const gaps = x.map((depth) => Math.abs(across(depth) - at)), k = gaps.indexOf(Math.min(...gaps));
@@ -130,13 +134,14 @@
       shown.map((law) => [law, x.map((_, k) => error(item, law, k))]), [logs[0], false]);
     const table = document.getElementById("values"), rows = [["exact", item.force], ...shown.map((law) => [law, item.laws[law]])];
     table.caption.textContent = `At a depth of ${digits(x[state.at])} clearances, ${state.at + 1} of ${x.length}`;
-    table.tBodies[0].innerHTML = rows.map(([name, values]) => `<tr><td>${looks[name].label}</td><td class="num">${digits(values[state.at])}</td>` +
-      `<td class="num">${name === "exact" ? "" : percent(error(item, name, state.at))}</td></tr>`).join("");
+    table.tBodies[0].replaceChildren(...rows.map(([name, values]) => html("tr", {}, html("td", {}, looks[name].label),
+      html("td", { class: "num" }, digits(values[state.at])),
+      html("td", { class: "num" }, name === "exact" ? "" : percent(error(item, name, state.at))))));
     const missing = names.filter((law) => item.undefined[law]).map((law) => [looks[law].label + " is not defined here", item.undefined[law]]);
-    document.getElementById("case").innerHTML = [["Case", item.name], ["Solver", item.solver],
+    const told = [["Case", item.name], ["Solver", item.solver],
       ["Half-angle of the contact at the largest depth", `${item.half_angle} degrees, at ${x.at(-1)} clearances`],
-      ["Estimated error of the force", `at most ${digits(item.error)} %`], ...missing]
-      .map(([term, text]) => `<dt>${term}</dt><dd>${text}</dd>`).join("");
+      ["Estimated error of the force", `at most ${digits(item.error)} %`], ...missing];
+    document.getElementById("case").replaceChildren(...told.flatMap(([term, text]) => [html("dt", {}, term), html("dd", {}, text)]));
   }
 
   function save() {  // the view in the address, not at every move: browsers allow few changes in a short time
@@ -175,8 +180,9 @@
   form.addEventListener("submit", (event) => event.preventDefault());
   for (const law of names) {
     const look = looks[law];
-    boxes[law].parentElement.querySelector("svg").innerHTML = `<path class="line" stroke="${look.color}" stroke-dasharray="${DASHES[look.line]}" d="M0 7H34"/>` +
-      `<path transform="translate(17 7)" fill="${look.color}" d="${MARKERS[look.marker]}"/>`;
+    boxes[law].parentElement.querySelector("svg").replaceChildren(
+      shape("path", { class: "line", stroke: look.color, "stroke-dasharray": DASHES[look.line], d: "M0 7H34" }),
+      shape("path", { transform: "translate(17 7)", fill: look.color, d: MARKERS[look.marker] }));
   }
   window.addEventListener("hashchange", read);
   window.addEventListener("resize", draw);

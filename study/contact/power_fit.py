@@ -1,0 +1,60 @@
+"""The power law k d^n that is closest to a force over a range of depths.
+
+Programs for multibody dynamics ask for the two numbers k and n. The fit is in the maximum norm of
+the relative error, so that its error is known at every depth of the range.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from study import checks
+
+DEPTHS = 60  # in equal ratios, at which a law is fitted
+USUAL_RANGE = 0.05, 0.5
+"""Depths in clearances: where the paper's example and its finite elements are."""
+
+
+class PowerFit(NamedTuple):
+    """Force = ``coefficient`` depth^``exponent``, with its largest relative ``error``."""
+
+    coefficient: float
+    exponent: float
+    error: float
+
+
+def fit_power(depth: ArrayLike, force: ArrayLike, exponent: float | None = None) -> PowerFit:
+    """Power law with the least maximum of the relative error, exactly.
+
+    The error is (m - 1)/(m + 1), where m is the largest over the smallest ratio of law and force.
+    ln m is convex and piecewise linear in n. Its least value is at the slope between two of the
+    points in logarithms.
+
+    Parameters
+    ----------
+    depth, force
+        Shape (n,), all > 0, in any units; at least two different depths.
+    exponent
+        Given, if only the coefficient is to be fitted.
+
+    Raises
+    ------
+    ValueError
+        For lists of other lengths, or a value that is not > 0.
+    """
+    depths, forces = checks.same_length(2, depth=depth, force=force)
+    checks.number("depth", depths, above=0)
+    checks.number("force", forces, above=0)
+    x, y = np.log(depths), np.log(forces)
+    if exponent is None:
+        first, second = np.triu_indices(len(x), 1)
+        apart = x[first] != x[second]
+        if not apart.any():
+            raise ValueError(f"depth must have two different values, got only {depths[0]:g}")
+        slopes = ((y[second] - y[first])[apart]) / ((x[second] - x[first])[apart])
+        exponent = slopes[np.ptp(y - slopes[:, None] * x, axis=1).argmin()]
+    ratio = np.exp(y - exponent * x)
+    least, most = ratio.min(), ratio.max()
+    coefficient = 2 / (1 / least + 1 / most)
+    return PowerFit(float(coefficient), float(exponent), float((most - least) / (most + least)))

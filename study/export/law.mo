@@ -1,0 +1,45 @@
+// $title
+// $source
+$described
+//
+// The function is plain Modelica; the model needs the Modelica Standard Library 4.
+within;
+package ClearanceJoint "Contact of one spherical clearance joint, law $law"
+  constant Real socket_radius(unit = "m") = $socket_radius;
+  constant Real clearance(unit = "m") = $clearance;
+  constant Real composite_modulus(unit = "Pa") = $composite_modulus;
+$tables
+  function contact_force "Contact force and stiffness at a penetration depth"
+    input Real depth(unit = "m");
+    output Real force(unit = "N");
+    output Real stiffness(unit = "N/m");
+  protected
+    Real ds, scale, $names;
+  algorithm
+    ds := depth / clearance;
+    assert(ds <= $deepest * (1 + $margin), "the depth is beyond the range of the law");
+    if ds <= 0 then
+      force := 0;
+      stiffness := 0;
+      return;
+    end if;
+$body
+    scale := composite_modulus * clearance * $scale;
+    force := scale * clearance * value;
+    stiffness := scale * slope;
+  end contact_force;
+
+  model Joint "Ball in a socket: frame_a at the socket's centre, frame_b at the ball's"
+    extends Modelica.Mechanics.MultiBody.Interfaces.PartialTwoFrames;
+    Real eccentricity[3](each unit = "m") = frame_b.r_0 - frame_a.r_0;
+    Real distance(unit = "m") = sqrt(eccentricity * eccentricity);
+    Real force[3](each unit = "N") "On the socket, in the world's frame";
+  equation
+    force = if distance > clearance then
+      contact_force(distance - clearance) * eccentricity / distance else zeros(3);
+    frame_a.f = -Modelica.Mechanics.MultiBody.Frames.resolve2(frame_a.R, force);
+    frame_b.f = Modelica.Mechanics.MultiBody.Frames.resolve2(frame_b.R, force);
+    frame_a.t = zeros(3);
+    frame_b.t = zeros(3);
+  end Joint;
+end ClearanceJoint;

@@ -1,0 +1,33 @@
+"""Options of a law for a joint: what `stiffened_hertz` looks up, and what `power` is fitted to."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from study import checks
+from study.contact import tabulated
+from study.contact.power_fit import DEPTHS, USUAL_RANGE, fit_power
+from study.joint.joint import Joint
+from study.joint.nested_contact import whole_curve
+
+
+def law_options(
+    law: str,
+    joint: Joint,
+    depth_star: ArrayLike | None = None,
+    force_star: ArrayLike | None = None,
+) -> dict[str, object]:
+    """Options of a law of `study.contact.LAWS`; `RangeError` if the law is not for the joint.
+
+    ``power`` is fitted to exact forces at the given depths, by default those of the solved joint
+    from 0.05 to 0.5 clearances.
+    """
+    checks.instance("joint", joint, Joint)
+    if law == "stiffened_hertz":
+        return joint.correction_options()
+    if law != "power":
+        return {}
+    if depth_star is None or force_star is None:
+        depth_star = np.geomspace(*USUAL_RANGE, DEPTHS)
+        force_star = tabulated(whole_curve(joint, USUAL_RANGE[1]))(depth_star)
+    fit = fit_power(depth_star, force_star)
+    return {"coefficient": fit.coefficient, "exponent": fit.exponent}

@@ -1,0 +1,36 @@
+"""The numbers of the page of a joint of one's own: tables, ranges, materials, the law's errors."""
+
+from pathlib import Path
+
+from study import checks
+from study.contact import hertz_correction, materials, shapes
+from study.contact.laws import LIMIT_MARGIN
+from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
+from study.joint.dimensional import LEAST_CLEARANCE
+from study.joint.supports import HALF_BALLS, RIMS
+from study.pages import catalogue
+
+COPIED = ("UNIT", "DIGITS", "LEAST_R2_STAR", "RANGES")
+SIZES = Path(__file__).with_name("contact_size.csv")
+LEAST_STRESS = 0.8  # a body's largest von Mises stress, at least, over that of a confined layer
+
+
+def joint_data() -> dict:
+    """Every number that ``joint.js`` computes with, as the library has it; tables as CSV."""
+    (judged,) = (result for result in catalogue.results() if result.name == "judged")
+    head, *rows = judged.rows()
+    errors = sorted((float(row[head.index("largest_percent")]), row[0].split()[0]) for row in rows)
+    return {
+        "tables": [path.read_text(encoding="utf-8") for path in (hertz_correction.TABLE, SIZES)],
+        **{name.lower(): getattr(hertz_correction, name) for name in COPIED},
+        "to_powers": hertz_correction._POWERS.tolist(),
+        "deepest": shapes.LIMITS[shapes.stiffened],
+        "margin": LIMIT_MARGIN,
+        "least_clearance": LEAST_CLEARANCE,
+        "walls": [THINNEST_RATIO - 1, THICKEST_RATIO - 1],
+        "choices": {"ball_drive": HALF_BALLS[:2], "rim": RIMS},
+        "softest": checks.SOFTEST,
+        "least_stress": LEAST_STRESS,
+        "materials": materials.table(),
+        "judged": {group: largest for largest, group in errors},
+    }

@@ -1,0 +1,133 @@
+// The page of a joint of one's own: its form, its address, results, plot and texts to copy.
+"use strict";
+(() => {
+  const { law: lawOf, general, read, number } = window.STIFFENED_HERTZ, { svg, html } = window.ELEMENTS;
+  const { judged, least_stress, materials } = window.JOINT_DATA;
+  const form = document.getElementById("joint"), fields = form.elements, part = (id) => document.getElementById(id);
+  const MICRO = 1e-6, ROUGHNESS = 0.1 * MICRO, BODIES = ["ball", "socket"], UNITS = { mm: 1e-3, um: MICRO, GPa: 1e9, MPa: 1e6 };
+  let found = {}, saving = 0;
+
+  const few = (value, digits = 4) => general(+value.toPrecision(digits));
+  const rounded = (value) => +value.toPrecision(12);
+  const known = (body) => materials.find((row) => row.name === fields[body].value);
+  const numbersOf = (body) => ["youngs_modulus_GPa", "poisson", "yield_stress_MPa"].map((name) => `${body}_${name}`);
+
+  function si(name, as) {  // a field's number in SI units, by the end of its name
+    const unit = as ?? name.split("_").at(-1), plain = name.replace(`_${unit}`, "");
+    return rounded(read(plain, fields[name].value) * (UNITS[unit] ?? 1));
+  }
+
+  function material(body) {  // as study joint takes it
+    const names = numbersOf(body).filter((name, k) => k < 2 || fields[name].value);
+    return known(body) ? fields[body].value : names.map((name) => si(name)).join();
+  }
+
+  function showMaterial(body) {  // another one begins with the numbers of the last
+    numbersOf(body).forEach((name, k) => {
+      const value = known(body)?.[["youngs_modulus", "poisson", "yield_stress"][k]], unit = UNITS[name.split("_").at(-1)] ?? 1;
+      if (known(body)) fields[name].value = value && rounded(value / unit);
+      fields[name].parentElement.hidden = Boolean(known(body));
+    });
+  }
+
+  function list(id, pairs, copied) {  // terms and texts; those to copy with a button
+    part(id).replaceChildren(...pairs.flatMap(([term, text]) => {
+      const code = html(copied ? "code" : "span", {}, text), button = html("button", { type: "button" }, "Copy");
+      button.addEventListener("click", () => {
+        getSelection().selectAllChildren(code);
+        if (document.execCommand("copy")) button.textContent = "Copied";
+      });
+      return [html("dt", {}, term), html("dd", {}, code, ...(copied ? [" ", button] : []))];
+    }));
+  }
+
+  const supports = () => (fields.drive.value === "clamped" ? " --drive clamped" : "") + (fields.rim.value === "free" ? " --rim free" : "");
+  const quoted = (text) => text.includes(" ") ? `"${text}"` : text;
+
+  function draw() {
+    let message = "", command = "";
+    try {
+      const depthGiven = fields.given.value === "depth", asked = si("value", depthGiven ? "um" : "N");
+      const joint = { socket_radius: si("socket_radius_mm"), clearance: si("clearance_um"), wall: si("wall_mm"),
+        ball: material("ball"), socket: material("socket"), ball_drive: fields.drive.value, rim: fields.rim.value };
+      command = `study joint --socket-radius ${joint.socket_radius} --clearance ${joint.clearance} --wall ${joint.wall} ` +
+        `--ball ${quoted(joint.ball)} --socket ${quoted(joint.socket)}${supports()} --${fields.given.value} ${asked}`;
+      number(fields.given.value, asked, depthGiven ? "m" : "N", { ">": 0 });
+      const law = lawOf(joint), depth = depthGiven ? asked : law.depth(asked), [from, to] = [si("from"), si("to")];
+      found = { law, depth, force: law.force(depth), size: law.size(depth), from, to, power: law.power(from, to), command };
+      show(found);
+    } catch (error) {
+      const outside = error.message.includes("stiffened_hertz") ? `. The law is not for it; this solves the joint: ${command}` : "";
+      [message, found] = [error.message + outside, {}];
+    }
+    form.querySelector(".refused").textContent = message;
+    form.classList.toggle("without", Boolean(message));
+  }
+
+  function show({ law, depth, force, size, from, to, power: { k, n, error }, command }) {
+    const perMm = general(k * 1000 ** -n), off = 100 * (law.hertz(depth) / force - 1), nine = (value) => general(value, 9);
+    list("results", [
+      ["Depth", `${few(depth / MICRO)} µm, or ${few(depth / law.clearance)} clearances`],
+      ["Force", `${few(force)} N`],
+      ["Stiffness", `${few(law.stiffness(depth) * MICRO)} N/µm`],
+      ["Half-angle of the contact", `${few(size.half_angle)}°`],
+      ["Peak pressure", `${few(size.peak_pressure * MICRO)} MPa`],
+      ["Error of the force", `at most ${few(judged.validation, 2)} % on random joints, ${few(judged.ends, 2)} % at the ends of the law's ranges`],
+      [`Power law F = k dⁿ from ${from} to ${to} clearances`, `n = ${general(n)}, k = ${general(k)} N/mⁿ = ${perMm} N/mmⁿ`],
+      ["Largest error of the power law", `${few(100 * error, 2)} %`],
+    ]);
+    const least = ({ poisson }) => least_stress * (1 - 2 * poisson) / (1 - poisson) * size.peak_pressure;  // von Mises stress, by the tests
+    const yields = BODIES.filter((body) => law.bodies[body].yield_stress && least(law.bodies[body]) > law.bodies[body].yield_stress);
+    const sentences = [
+      "The bodies are elastic and smooth, without friction. The load is along the axis.",
+      "The outside of the socket is held rigidly.",
+      Math.abs(off) < 1 ? `Hertz's law holds within ${few(Math.abs(off), 2)} %.` : `Hertz's law gives a force that is ${few(Math.abs(off), 2)} % too ${off < 0 ? "small" : "large"}.`,
+      law.socket_ratio - 1 < size.half_angle * Math.PI / 180 ? "The wall is thinner than the contact's half-width: the force depends on what holds its outside." : "",
+      size.half_angle > 75 ? "The contact reaches near the mouth, where it matters how the rim is held." : "",
+      ...yields.map((body) => `The ${body} yields: its largest von Mises stress would be more than ${few(least(law.bodies[body]) * MICRO, 2)} MPa.`),
+      "For the stresses take study joint, below.",
+      depth < 20 * ROUGHNESS ? `A roughness of ${ROUGHNESS / MICRO} µm (RMS) is not small beside the depth.` : "",
+    ];
+    part("applies").replaceChildren(...sentences.filter(Boolean).map((text) => html("li", {}, text)));
+    list("texts", [
+      ["To solve the joint, with stresses", command],
+      ["The law for another program", command.replace("joint", "export --law stiffened_hertz --format c").replace(/ --(force|depth) .*/, "")],
+      ["The power law for Adams, in N and mm, with markers at the centres", `-IMPACT(-DM(ball, socket), -VR(ball, socket), -${nine(1000 * law.clearance)}, ${perMm}, ${general(n)}, 0, ${nine(1000 * law.clearance)})`],
+      ["The power law for Modelica, in N and m", `f = if d > 0 then ${general(k)}*d^${general(n)} else 0;`],
+    ], true);
+    const most = Math.min(law.deepest, 1.2 * Math.max(depth, to * law.clearance)), highest = 1.05 * Math.max(law.force(most), law.hertz(most));
+    const [left, right, top, bottom] = [70, 590, 24, 290], x = (d) => left + (right - left) * d / most, y = (f) => bottom - (bottom - top) * f / highest;
+    const words = (text, x, y, anchor = "middle") => svg("text", { x, y, "text-anchor": anchor }, text);
+    const ticks = (end) => {  // some six round numbers
+      const unit = 10 ** Math.floor(Math.log10(end / 5)), step = unit * [1, 2, 5, 10].find((m) => m * unit >= end / 6);
+      return Array.from({ length: Math.floor(end / step) + 1 }, (_, k) => +(k * step).toPrecision(6));
+    };
+    const line = (name, of, start, end) => svg("path", { class: `line ${name}`, d: "M" + Array.from({ length: 101 }, (_, k) =>
+      start + k / 100 * (end - start)).map((d) => `${x(d).toFixed(1)} ${y(of(d)).toFixed(1)}`).join("L") });
+    part("curve").setAttribute("aria-label", `Force over depth: ${few(force)} N at ${few(depth / MICRO)} µm`);
+    part("curve").replaceChildren(
+      ...ticks(most / MICRO).map((t) => words(general(t), x(t * MICRO), bottom + 16)), words("depth, µm", (left + right) / 2, bottom + 34),
+      ...ticks(highest).flatMap((t) => [svg("path", { class: "grid", d: `M${left} ${y(t)}H${right}` }), words(general(t), left - 6, y(t) + 4, "end")]), words("force, N", 4, 14, "start"),
+      svg("path", { class: "axis", d: `M${left} ${top}V${bottom}H${right}` }),
+      line("hertz", law.hertz, 0, most), line("law", law.force, 0, most),
+      line("power", (d) => k * d ** n, from * law.clearance, Math.min(to * law.clearance, most)), svg("circle", { class: "point", cx: x(depth), cy: y(force), r: 5 }));
+  }
+
+  function open() {  // the joint of the address
+    form.reset();
+    for (const [name, value] of new URLSearchParams(location.hash.slice(1))) if (fields[name]) fields[name].value = value;
+    BODIES.forEach(showMaterial);
+    draw();
+  }
+
+  form.addEventListener("input", ({ target }) => {
+    if (BODIES.includes(target.name)) showMaterial(target.name);
+    if (target.name === "given" && found.law) fields.value.value = few(target.value === "depth" ? found.depth / MICRO : found.force, 6);
+    draw();
+    clearTimeout(saving);  // browsers allow few changes of the address in a short time
+    saving = setTimeout(() => history.replaceState(null, "", "#" + new URLSearchParams(new FormData(form))), 200);
+  });
+  form.addEventListener("submit", (event) => event.preventDefault());
+  window.addEventListener("hashchange", open);
+  open();
+})();

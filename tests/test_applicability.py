@@ -1,0 +1,100 @@
+"""Limits of the solution: each is told where it is passed, and only there."""
+
+import json
+
+import numpy as np
+import pytest
+
+from study.joint import DimensionalJoint, Joint, Material
+from study.joint.applicability import in_short, limits, worst
+from study.mechanism import Scene, simulate
+from study.mechanism.limits import limits as mechanism_limits
+
+THICK = Joint(200, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("key", "inside", "beyond"),
+    [
+        ("yield", {"yield_factor": {"ball": 1.01}}, {"yield_factor": {"ball": 0.99}}),
+        ("depth", {"depth_star": 1.0}, {"depth_star": 1.01}),
+        ("strain", {"strain": 0.049}, {"strain": 0.051}),
+        ("mouth", {"half_angle_deg": 84}, {"half_angle_deg": 86}),
+        ("roughness", {"depth": 2.1e-6}, {"depth": 1.9e-6}),
+    ],
+)
+def test_each_limit_alone(key, inside, beyond):
+    usual = {"depth_star": 0.5, "half_angle_deg": 44.0}
+    assert limits(THICK, **(usual | inside)) == {}
+    found = limits(THICK, **(usual | beyond))
+    assert list(found) == [key]
+    assert in_short(found) == key
+
+
+def test_friction_that_may_bear_a_part_of_the_force(run):
+    words = ["joint", "--socket-radius", 12.5e-3, "--clearance", 40e-6, "--wall", 6e-3]
+    _, out, _ = run(*words, "--depth", 4e-6, "--friction", 0.01, "--json")
+    assert json.loads(out)["applicability"] == ["inside"]
+    _, out, _ = run(*words, "--depth", 4e-6, "--friction", 0.3)
+    assert "Friction, which is left out, may bear 6.1 % of the force." in out
+
+
+def test_a_wall_thinner_than_the_contact_is_told():
+    assert "backing" in limits(Joint(200, 1.3), 0.1, 20.0)
+    assert limits(Joint(200, 1.4), 0.1, 20.0) == {}
+    assert limits(Joint(200, 1.3, backing="0,30"), 0.1, 20.0) == {}
+
+
+def test_the_deepest_contact_speaks_but_of_roughness_the_shallowest():
+    several = [limits(THICK, d, 20.0, depth=d * 1e-7) for d in (1.5, 2.0)]
+    said = worst(several)
+    assert any("2 clearances" in text for text in said)
+    assert any("1.5e-07 m" in text for text in said)
+
+
+def test_a_solution_tells_each_of_its_depths():
+    joint = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+    found = joint.solve(depth=[1e-6, 4e-6, 60e-6]).limits
+    assert [in_short(each) for each in found] == ["roughness", "inside", "yield; depth; backing"]
+    assert joint.solve(depth=60e-6).yield_factor["socket"][0] < 1
+
+
+def test_the_command_says_what_is_exceeded(run):
+    words = ["--socket-radius", 12.5e-3, "--clearance", 40e-6, "--wall", 2e-3]
+    _, out, _ = run("joint", *words, "--depth", 312e-6)
+    assert "Beyond a limit: The socket yields: its strength is 0.0" in out
+    assert "7.8 clearances" in out
+    assert "The socket's outside is held rigidly." in out
+    _, out, _ = run("joint", *words, "--depth", 312e-6, "--json")
+    assert json.loads(out)["applicability"] == ["yield; depth; mouth; backing"]
+    _, out, _ = run("choose", "--r2-star", 200, "--depth-star", 0.5, "--tolerance", 0.01)
+    assert "Beyond a limit: The wall" in out
+
+
+def test_soft_bodies_are_solved_and_asked_about(run):
+    words = ["--socket-radius", 12.5e-3, "--clearance", 40e-6, "--wall", 6e-3]
+    _, out, _ = run("joint", *words, "--socket", "5e5,0.45", "--force", 0.2)
+    assert "Young's modulus of the socket is 500000 Pa: is it meant in Pa?" in out
+    hard = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "2e6,0.45").law().force(4e-6)
+    soft = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "5e5,0.45").law().force(4e-6)
+    assert soft == pytest.approx(hard * 5e5 / 2e6, rel=1e-3)
+    assert np.isfinite(soft)
+
+
+def test_limits_of_a_simulation(run):
+    short = ["simulate", "--duration", 0.01, "--outputs", 10, "--once"]
+    _, out, _ = run(*short)
+    assert "Beyond a limit: The depth of 7.7e-07 m is below 20 times" in out
+    pressed = ["--scene", "youngs_modulus=1.5e8", "--duration", 0.1, "--law", "power"]
+    _, out, _ = run(
+        "simulate", *pressed, "--scene", "driving_moment=0.8", "--outputs", 10, "--once"
+    )
+    assert "to which the law power was fitted" in out
+    response = simulate(duration=0.01, outputs=10)
+    soft = Scene(socket=Material(5e5, 0.45, yield_stress=10.0))
+    assert in_short(mechanism_limits(soft, response)) == "modulus; roughness; yield"
+    for unlike in (
+        {"socket_radius": 5.2e-5, "ball": "steel"},
+        {"ball": "1e5,0.3", "socket": "1e22,0.3"},
+    ):
+        assert "joint" in mechanism_limits(Scene(**unlike), response)

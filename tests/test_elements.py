@@ -1,0 +1,129 @@
+"""Exported elements in their programs: the depth under a force is that of the joint.
+
+Exudyn, MuJoCo and Rumoca (a Modelica compiler) are optional (the extra other-programs); Adams' line
+is read back.
+"""
+
+import re
+
+import pytest
+from scipy.optimize import brentq
+
+from study import paths
+from study.export import SUFFIXES, export
+from study.joint import DimensionalJoint
+
+BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+FORCES = 5e3, 3e4  # inside the range of the fits, 0.05 to 0.5 clearances
+TABLE_ERROR = 1e-5  # of a text with the joint's own table
+DAMPING = 1e5  # N s/m, so that a ball of 1 kg comes to rest
+
+
+def stated_error(text):
+    """The error that a text states, relative."""
+    return float(re.search(r"at\s+most ([\d.]+) %", re.sub(r"\n[!#/* ]*", " ", text))[1]) / 100
+
+
+def assert_depth(depth, force, error):
+    """A depth is as good as an error of the force allows, whose exponent is above 1.5."""
+    assert depth == pytest.approx(BRONZE.law().depth(force), rel=error / 1.5 + 1e-6)
+
+
+@pytest.mark.parametrize("law", ["power", "tabulated"])
+def test_exudyn(law):
+    exudyn = pytest.importorskip("exudyn")
+    from exudyn import itemInterface as item  # noqa: N813
+
+    text, module = export(law, "exudyn", BRONZE), {}
+    exec(text, module)
+    error = stated_error(text) if law == "power" else TABLE_ERROR
+    for force in FORCES:
+        system = exudyn.SystemContainer().AddSystem()
+        ground = system.AddObject(item.ObjectGround())
+        start = [BRONZE.clearance + 0.9 * BRONZE.law().depth(force), 0, 0, 0, 0, 0]
+        node = system.AddNode(item.NodeRigidBodyRxyz(referenceCoordinates=start))
+        of_body = {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0]}
+        body = system.AddObject(item.ObjectRigidBody(nodeNumber=node, **of_body))
+        socket, ball = (
+            system.AddMarker(item.MarkerBodyRigid(bodyNumber=b)) for b in (ground, body)
+        )
+        module["add_joint"](system, socket, ball)
+        damper = item.ObjectConnectorCartesianSpringDamper(damping=[DAMPING] * 3)
+        damper.markerNumbers = [socket, ball]
+        system.AddObject(damper)
+        system.AddLoad(item.Force(markerNumber=ball, loadVector=[force, 0, 0]))
+        system.Assemble()
+        settings = exudyn.SimulationSettings()
+        settings.timeIntegration.numberOfSteps = 1000
+        settings.timeIntegration.endTime = 5e-3
+        settings.solutionSettings.writeSolutionToFile = False
+        system.SolveDynamic(settings)
+        place = system.GetNodeOutput(node, exudyn.OutputVariableType.Position)
+        assert_depth(place[0] - BRONZE.clearance, force, error)
+
+
+def test_mujoco():
+    mujoco = pytest.importorskip("mujoco")
+    text = export("tabulated", "mujoco", BRONZE)
+    tendon = re.search(r"<tendon>.*</tendon>", text, re.DOTALL)[0]
+    ball = '<body><freejoint/><geom size="0.01" mass="1"/><site name="ball"/></body>'
+    world = f'<worldbody><site name="socket"/>{ball}</worldbody>'
+    model = mujoco.MjModel.from_xml_string(f"<mujoco>{world}{tendon}</mujoco>")
+    data = mujoco.MjData(model)
+
+    def force_at(depth):
+        data.qpos[0] = BRONZE.clearance + depth
+        mujoco.mj_forward(model, data)
+        return -data.qfrc_passive[0]
+
+    assert force_at(-1e-6) == 0
+    for force in FORCES:
+        depth = brentq(lambda d, f=force: force_at(d) - f, 0, 0.5 * BRONZE.clearance, xtol=1e-15)
+        assert_depth(depth, force, stated_error(text))
+
+
+@pytest.mark.parametrize("law", ["power", "stiffened_hertz", "tabulated"])
+def test_modelica(law):
+    """The function runs; the component, which needs the standard library, is parsed."""
+    rumoca = pytest.importorskip("rumoca")
+    text = export(law, "modelica", BRONZE)
+    assert not rumoca.validate_source(text)
+    assert rumoca.validate_source(text.replace("algorithm", "algorithmus"))
+    function = text.replace("within;", "")[: text.index("  model Joint") - len("within;")]
+    error = TABLE_ERROR if law == "tabulated" else stated_error(text)
+    for force in FORCES:
+        press = f"""
+            model Press
+              Real microns(start = 1, fixed = true) "so that tolerances are small beside it";
+              Real force;
+              Real stiffness;
+            equation
+              (force, stiffness) = ClearanceJoint.contact_force(1e-6 * microns);
+              der(microns) = 1e6 * ({force} - force) / stiffness;
+            end Press;"""
+        model = rumoca.Session().loads(f"{function}end ClearanceJoint;{press}", model="Press")
+        assert_depth(1e-6 * model.simulate(t=40)["microns"][-1], force, error)
+
+
+def test_adams():
+    text = export("power", "adams", BRONZE)
+    line = text.splitlines()[-1]
+    x, speed, ends, k, n, damping, _ = (
+        re.fullmatch(r"-IMPACT\((.*)\)", line)[1].replace("(ball, socket)", "").split(", ")
+    )
+    assert (x, speed, damping) == ("-DM", "-VR", "0")
+    assert float(ends) == pytest.approx(-1e3 * BRONZE.clearance)
+    for force in FORCES:
+        depth = 1e-3 * (force / float(k)) ** (1 / float(n))  # k in N/mm^n
+        assert_depth(depth, force, stated_error(text))
+
+
+def test_the_page_about_other_programs_shows_what_is_written(run):
+    page = (paths.ROOT / "examples/README.md").read_text(encoding="utf-8")
+    command, shown = re.findall(r"```(?:sh|text)\n(.*?)\n```", page)
+    status, out, _ = run(*command.split()[1:])
+    assert status == 0
+    assert out.splitlines()[-1] == shown
+    (error,) = re.findall(r"they are within ([\d.]+) %", page)
+    assert float(error) == pytest.approx(100 * stated_error(out))
+    assert all(f"`{form}`" in page or f"`{form}`," in page for form in SUFFIXES)

@@ -1,0 +1,43 @@
+"""Each example runs by itself, in another folder, and prints the number that is expected of it."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from study import paths
+
+EXAMPLES = paths.ROOT / "examples"
+EXPECTED = {
+    "curve_of_a_joint": (r"^ *4\.066 +(\S+)", 2805, 1),
+    "liner": (r"has (\S+) of the stiffness", 0.351, 0.001),
+    "pendulum": (r"largest force: (\S+) N", 301.6, 0.1),
+    "tolerance_of_the_clearance": (r"standard deviation: (\S+) um", 0.247, 0.001),
+    "two_numbers_for_adams": (r"^2 to 20 um: .* n = (\S+),", 1.6526, 1e-4),
+}
+"""Where the number is in the text, the number, and how far off it may be."""
+
+
+def test_every_example_has_its_number():
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == EXPECTED.keys()
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_an_example_prints_its_number(name, tmp_path):
+    if name == "pendulum":
+        pytest.importorskip("exudyn")
+    plot = tmp_path / "plot.png"
+    done = subprocess.run(
+        [sys.executable, EXAMPLES / f"{name}.py", plot],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(paths.ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    pattern, number, off = EXPECTED[name]
+    (found,) = re.findall(pattern, done.stdout, re.MULTILINE)
+    assert float(found) == pytest.approx(number, abs=off)
+    assert plot.exists() == (name == "tolerance_of_the_clearance")

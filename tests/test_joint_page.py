@@ -1,0 +1,195 @@
+"""The page of a joint of one's own: its JavaScript, in a browser or in node, against Python."""
+
+import json
+import re
+import shutil
+import subprocess
+from html import unescape
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from study.joint import DimensionalJoint, whole_curve
+from study.pages.report import joint as page_of_joint
+
+STATIC = Path(page_of_joint.__file__).parent / "static"
+CHROMIUM = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+)
+NODE = shutil.which("node")
+RANGE = 0.05, 0.5
+COUNT = 24  # joints that are solved, most by finite elements
+RUN = """
+const run = ({ joint, depth, force }) => {
+  try {
+    const law = window.STIFFENED_HERTZ.law(joint), at = depth ?? law.depth(force);
+    return { depth: at, force: law.force(at), stiffness: law.stiffness(at), deepest: law.deepest,
+      power: law.power(...RANGE), ...law.size(at), inverse: law.depth(law.force(at)) };
+  } catch (error) { return { refused: error.message }; }
+};
+const told = JSON.stringify(GIVEN.map(run));
+"""
+
+
+@pytest.fixture(scope="module")
+def computed(tmp_path_factory):
+    """Run the page's script on many joints at once."""
+
+    def computed(given):
+        folder = tmp_path_factory.mktemp("joint")
+        head = f"window.JOINT_DATA = {json.dumps(page_of_joint.joint_data())};\n"
+        law = (STATIC / "joint.js").read_text(encoding="utf-8")
+        run = RUN.replace("GIVEN", json.dumps(given)).replace("RANGE", json.dumps(RANGE))
+        if CHROMIUM:
+            parts = (head, law, f"{run} document.body.textContent = told;")
+            page = folder / "page.html"
+            scripts = "".join(f"<script>{part}</script>" for part in parts)
+            page.write_text(f"<body>{scripts}</body>", encoding="utf-8")
+            options = ("--headless=new", "--no-sandbox", "--disable-gpu", "--dump-dom")
+            command = [CHROMIUM, *options, f"--user-data-dir={folder}/profile", page.as_uri()]
+            done = subprocess.run(command, capture_output=True, text=True)
+            told = unescape(done.stdout.partition("<body>")[2].partition("</body>")[0])
+        elif NODE:
+            script = folder / "page.js"
+            lines = ["globalThis.window = globalThis;", head, law, run, "console.log(told);"]
+            script.write_text("\n".join(lines), encoding="utf-8")
+            told = subprocess.run([NODE, script], capture_output=True, text=True).stdout
+        else:
+            pytest.skip("neither Chromium nor node found")
+        return json.loads(told)
+
+    return computed
+
+
+def random_joint(rng, stiffest=12.0, largest_r2_star=5.0):
+    """Dimensions and materials of a joint in the law's range."""
+    radius = 10 ** rng.uniform(-3, 0)
+    ball, socket = (
+        f"{10 ** rng.uniform(8, stiffest):.6g},{rng.uniform(0.2, 0.46):.4g}" for _ in range(2)
+    )
+    return {
+        "socket_radius": radius,
+        "clearance": radius / 10 ** rng.uniform(1.31, largest_r2_star),
+        "wall": radius * (0.1 + 10 ** rng.uniform(-3, 1.5)),
+        "ball": ball,
+        "socket": socket,
+        "ball_drive": str(rng.choice(["plane", "clamped"])),
+        "rim": str(rng.choice(["mirror", "free"])),
+    }
+
+
+@pytest.fixture(scope="module")
+def joints():
+    """Joints with a depth or a force each, and their laws in Python."""
+    rng, given = np.random.default_rng(2024), []
+    for k in range(200):
+        joint = random_joint(rng)
+        law = DimensionalJoint(**joint).law("stiffened_hertz")
+        depth = law.deepest * 10 ** rng.uniform(-4, 0)
+        asked = {"depth": depth} if k % 2 else {"force": law.force(depth)}
+        given.append(({"joint": joint} | asked, law))
+    return given
+
+
+@pytest.fixture(scope="module")
+def found(computed, joints):
+    return computed([given for given, _ in joints])
+
+
+def test_force_depth_and_stiffness_are_pythons(found, joints):
+    for of_page, (given, law) in zip(found, joints, strict=True):
+        depth = given.get("depth", of_page["depth"])
+        assert of_page["depth"] == pytest.approx(given.get("depth") or law.depth(given["force"]))
+        if "force" in given:
+            assert depth == pytest.approx(law.depth(given["force"]), rel=1e-9)
+        assert of_page["force"] == pytest.approx(law.force(depth), rel=1e-9)
+        assert of_page["stiffness"] == pytest.approx(law.stiffness(depth), rel=1e-9)
+        assert of_page["inverse"] == pytest.approx(depth, rel=1e-9)
+        assert of_page["deepest"] == pytest.approx(law.deepest, rel=1e-12)
+
+
+def test_the_power_law_has_the_least_largest_error(found, joints):
+    """As the nearest of all exponents on 60 depths; its error is met at both signs."""
+    for of_page, (_, law) in list(zip(found, joints, strict=True))[::8]:
+        depth = law.clearance * np.geomspace(*RANGE, 60)
+        logarithm, force = np.log(depth), np.log(law.force(depth))
+        best = minimize_scalar(
+            lambda n, x=logarithm, y=force: np.ptp(n * x - y),
+            bounds=(1, 4),
+            method="bounded",
+            options={"xatol": 1e-9},
+        )
+        k, n, error = (of_page["power"][name] for name in ("k", "n", "error"))
+        off = k * depth**n / law.force(depth) - 1
+        assert [off.max(), -off.min()] == pytest.approx([error, error], abs=1e-9)
+        assert error == pytest.approx(np.tanh(best.fun / 2), rel=1e-4)
+        assert error <= np.tanh(best.fun / 2) * (1 + 1e-9)
+
+
+def test_half_angle_and_pressure_are_the_solvers(computed):
+    """At depths at which a node is the contact's edge, where the half-angle is most exact."""
+    rng, given, wanted = np.random.default_rng(7), [], []
+    for _ in range(COUNT):
+        joint = random_joint(rng, 11, 3.5)
+        of_python = DimensionalJoint(**joint)
+        curve = whole_curve(of_python.joint)
+        first, last = np.searchsorted(curve.depth_star, [0.01, 1.0])
+        k = rng.integers(first, last)
+        depth = curve.depth_star[k] * of_python.clearance
+        unit = of_python.joint.composite_modulus / of_python.joint.r2_star
+        given.append({"joint": joint, "depth": depth})
+        wanted.append([curve.contact_half_angle_deg[k], unit * curve.peak_pressure_star[k]])
+    sizes = [[of["half_angle"], of["peak_pressure"]] for of in computed(given)]
+    off = np.abs(np.array(sizes) / wanted - 1)
+    assert off.max() < 0.01
+
+
+USUAL = {"socket_radius": 0.0125, "clearance": 4e-5, "wall": 0.006, "ball": "steel"}
+USUAL |= {"socket": "bronze", "ball_drive": "plane", "rim": "mirror"}
+WRONG = [
+    *({"socket_radius": value} for value in (0, -1)),
+    *({"clearance": value} for value in (0, -1e-5, 0.0125, 1, 0.002)),
+    *({"wall": value} for value in (-1, 0, 1e-7, 0.001, 2e4)),
+    *({"ball": text} for text in ("", "steal", "210e9", "210,0.3", "0,0.3", "2e11,0.5")),
+    *({"socket": text} for text in ("2e11,0.3,0", "2e11,-1", "1e7,0.1", "2e11,0.48", "1,2,3,4")),
+    *({"socket": text} for text in ("2e11,x", "1e9,0.3,", "1e22,0.3")),
+    *({"rim": text} for text in ("held", "")),
+    *({"depth": value} for value in (4.1e-5, 1.0)),
+    *({"force": value} for value in (-1.0, 1e9)),
+]
+
+
+def test_what_python_refuses_the_page_refuses_in_the_same_words(computed):
+    given = [({"joint": USUAL, "depth": 1e-6} | split(wrong)) for wrong in WRONG]
+    for case, of_page in zip(given, computed(given), strict=True):
+        with pytest.raises(ValueError, match=" must be ") as refused:
+            law = DimensionalJoint(**case["joint"]).law("stiffened_hertz")
+            if "force" in case:
+                law.depth(case["force"])
+            law.force(case["depth"])
+        words = re.split(": did you mean|: without clearance", str(refused.value))[0]
+        assert of_page["refused"] == words.replace("rim must", "rim of stiffened_hertz must")
+
+
+def split(wrong):
+    """A wrong value of the joint, or a wrong depth or force."""
+    if wrong.keys() & {"depth", "force"}:
+        return {"depth": None} | wrong
+    return {"joint": USUAL | wrong}
+
+
+def test_the_largest_stress_is_more_than_the_page_takes():
+    """That of a confined layer is (1 - 2 nu)/(1 - nu) of the pressure."""
+    rng = np.random.default_rng(3)
+    for k in range(24):
+        sizes = {"socket_radius": 1.0, "clearance": 10 ** -(1.4 + k / 12), "wall": 0.101}
+        poisson = {body: rng.uniform(0.2, 0.46) for body in ("ball", "socket")}
+        ball, socket = 1e11, 1e11 * 10 ** rng.uniform(-2.5, 2.5)
+        materials = {"ball": f"{ball},{poisson['ball']}", "socket": f"{socket},{poisson['socket']}"}
+        joint = DimensionalJoint(**sizes, **materials)
+        solved = joint.solve(depth=joint.clearance * np.array([0.01, 0.1, 0.4, 1.0]))
+        for body, stress in solved.von_mises.items():
+            layer = (1 - 2 * poisson[body]) / (1 - poisson[body]) * solved.peak_pressure
+            assert (stress > page_of_joint.LEAST_STRESS * layer).all()

@@ -1,0 +1,103 @@
+"""The power law k d^n: its fit, its error, and its units."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+
+from study.contact import LAWS, tabulated
+from study.contact.power_fit import USUAL_RANGE, fit_power
+from study.dataset.fitting import fit_laws
+from study.joint import DimensionalJoint, Joint, paper_joint, whole_curve
+from study.joint.law_options import law_options
+
+BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+
+
+@pytest.mark.parametrize(
+    ("depths", "exponent", "error"),
+    [((0.05, 0.5), 1.654, 0.0048), ((0.01, 0.1), 1.641, 0.0097), ((0.1, 1), 1.628, 0.0195)],
+)
+def test_the_papers_joint(depths, exponent, error):
+    """Numbers of an independent fit to an independent solution."""
+    depth = np.geomspace(*depths, 60)
+    fit = fit_power(depth, tabulated(whole_curve(paper_joint()))(depth))
+    assert fit.exponent == pytest.approx(exponent, abs=6e-4)
+    assert fit.error == pytest.approx(error, rel=0.02)
+    if depths == USUAL_RANGE:
+        assert fit.coefficient == pytest.approx(644.0, abs=0.2)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(st.floats(0.5, 2.0), min_size=3, max_size=9), st.floats(1.0, 2.5))
+def test_no_other_power_has_a_smaller_largest_error(factors, exponent):
+    depth = np.geomspace(1.0, 10.0, len(factors))
+    force = depth**exponent * factors
+    fit = fit_power(depth, force)
+
+    def largest(numbers):
+        return np.abs(np.exp(numbers[0]) * depth ** numbers[1] / force - 1).max()
+
+    start = [np.log(fit.coefficient), fit.exponent]
+    assert largest(start) == pytest.approx(fit.error, rel=1e-9, abs=1e-12)
+    better = minimize(largest, start, method="Nelder-Mead").fun
+    assert better >= fit.error - 1e-9
+
+
+def test_a_power_is_found_exactly():
+    depth = np.geomspace(1e-7, 1e-5, 20)
+    fit = fit_power(depth, 3e12 * depth**1.6)
+    assert fit.coefficient == pytest.approx(3e12, rel=1e-9)
+    assert fit.exponent == pytest.approx(1.6, rel=1e-12)
+    assert fit.error < 1e-12
+
+
+def test_numbers_in_metres_and_in_millimetres_are_one_law():
+    law = BRONZE.power_law()
+    depth = np.geomspace(*law.depths, 7)
+    force = law.coefficient * depth**law.exponent
+    assert law.coefficient_mm * (1e3 * depth) ** law.exponent == pytest.approx(force, rel=1e-12)
+    assert np.abs(force / BRONZE.law().force(depth) - 1).max() < 1.0001 * law.error
+    assert BRONZE.law("power").force(depth) == pytest.approx(force, rel=1e-4)
+
+
+def test_the_default_is_the_paper_s_joint():
+    for r2_star in (20, 60, 200, 300):
+        depth = np.geomspace(*USUAL_RANGE, 60)
+        exact = tabulated(whole_curve(paper_joint(r2_star)))(depth)
+        assert np.abs(LAWS["power"](depth, r2_star) / exact - 1).max() < 0.012
+        own = law_options("power", paper_joint(r2_star))
+        assert np.abs(LAWS["power"](depth, r2_star, **own) / exact - 1).max() < 0.006
+
+
+def test_the_kept_fit_is_that_of_the_dataset():
+    import pandas as pd
+
+    from study import dataset, paths
+    from study.contact.laws import fitted_coefficients
+
+    published = pd.read_csv(paths.DATA / "published/tables.csv")
+    assert fit_laws(dataset.load(), published)["power"] == fitted_coefficients()["power"]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: fit_power([1.0], [1.0]), "must be lists of the same length >= 2"),
+        (lambda: fit_power([1.0, 1.0], [1.0, 2.0]), "depth must have two different values"),
+        (lambda: fit_power([0.0, 1.0], [1.0, 2.0]), "depth must be > 0, got 0"),
+        (lambda: fit_power([1.0, 2.0], [1.0, -2.0]), "force must be > 0, got -2"),
+        (lambda: LAWS["power"](0.1, 200, exponent=1.5), "must be given together"),
+        (
+            lambda: LAWS["power"](0.1, 200, exponent=0.5, coefficient=1.0),
+            "exponent of power must be >= 1 and <= 3, got 0.5",
+        ),
+        (lambda: BRONZE.power_law((2e-6, 1e-6)), "largest depth must be > 2e-06 m, got 1e-06 m"),
+        (lambda: BRONZE.power_law((0, 1e-6)), "least depth must be > 0 m, got 0 m"),
+        (lambda: law_options("stiffened_hertz", Joint(200, backing="rim")), "stiffened_hertz"),
+    ],
+)
+def test_bad_input(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
