@@ -39,13 +39,11 @@ def test_what_the_paper_computed():
     table = kept("table2").query("law != 'liu' and quantity in ('1 - determination', 'RMSE')")
     rms = 100 * np.sqrt((table.relative_difference**2).mean())
     assert len(table) == 8
-    assert [rms] == pytest.approx(claimed(r"Table 2 within ([\d.]+) % \(RMS\)"), abs=0.005)
+    assert [rms] == pytest.approx(claimed(r"eight of them within ([\d.]+) % \(RMS\)"), abs=0.005)
 
 
 def test_how_good_its_law_is():
-    low, high, soft = claimed(
-        r"right to a tenth for depths from (\S+) to (\S+) .*? it is (\d+) % too"
-    )
+    low, high, soft = claimed(r"within 10 % for depths from (\S+) to (\S+) .*? it is (\d+) % too")
     table = kept("trend", "depth_star")
     error = 100 * (table.hyperbolic_winkler / table.exact - 1)
     good = error.index[error.abs() <= 10]
@@ -70,9 +68,10 @@ def test_which_law_is_right():
 
 
 def test_which_statements_hold():
-    counts = claimed(r"Of (\d+) statements (\d+) are reproduced. (\d+) are contra")
+    counts = claimed(r"Of (\d+) statements (\d+) are reproduced. (\d+) are contra\w+; (\d+) hang")
     verdicts = kept("claims").query("kind == 'stated'").verdict.value_counts()
-    assert [verdicts.sum(), verdicts["reproduced"], verdicts["contradicted"]] == counts
+    kinds = ["reproduced", "contradicted", "cannot be decided"]
+    assert [verdicts.sum(), *verdicts[kinds]] == counts
 
 
 def test_what_a_mechanism_needs():

@@ -530,7 +530,8 @@ def test_every_choice_shows_a_curve(browse):
     tell([count, empty]);
     """
     count, empty = told(browse("data.html", TELL + LINE + script))
-    assert count == sum(len({c[key] for c in curves()["cases"]}) for key in PARAMETERS)
+    cases = curves()["cases"]
+    assert count == sum(len({case[key] for case in cases}) for key in PARAMETERS)
     assert empty == []
 
 

@@ -1,28 +1,34 @@
 """The paper's checkable statements, each judged by numbers from this study's results.
 
 ``data/published/claims.csv`` holds the statements in our own words. Each names the result, row and
-column of the number that judges it, what that number should be, and how far off it may be. The
-notebooks compute the numbers. The tests, not the verdicts, judge whether the results are right.
+column of the number that judges it, what that number should be, and how far off it may be. Where
+the paper leaves something open, there is a number for every reading; where it states no bound,
+the bound is ours, from half to twice a usual one. One rule judges all rows: a statement is
+reproduced if it holds in every reading and with every bound, contradicted if it holds in none.
+The notebooks compute the numbers. The tests, not the verdicts, judge whether they are right.
 """
 
 from collections.abc import Sequence
 from functools import cache
+from itertools import combinations, product
 from typing import Literal, get_args
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from study import checks, dataset, paths
 
 Verdict = Literal["contradicted", "cannot be decided", "reproduced"]
-Relation = Literal["=", "<", ">", "?"]
+Relation = Literal["=", "<", ">"]
 VERDICTS, RELATIONS = get_args(Verdict), get_args(Relation)
 KINDS = ("stated", "implied only", "used to identify", "can hardly fail")
 """Only the verdict on a stated statement speaks for or against the paper. The others are not said
-in so many words, served to identify the set-up, or hold by construction."""
+in so many words, served to identify the set-up or follow from what did, or nearly any result
+would meet them."""
 COLUMNS = [
     *("claim", "part", "kind", "where", "statement", "measure", "relation", "expected"),
-    *("tolerance", "figure", "evidence", "row", "column"),
+    *("tolerance", "assumes", "figure", "evidence", "row", "column"),
 ]
 
 
@@ -38,54 +44,63 @@ def load() -> pd.DataFrame:
     pandas.DataFrame
         Columns ``claim``, ``part``, ``kind`` (of `KINDS`), ``where`` (in the paper),
         ``statement`` (our words), ``measure`` (the number that judges it), ``evidence``, ``row``
-        and ``column`` (where that number is, see `readings`), ``relation``, ``expected`` (a
-        number), ``tolerance`` (percent of ``expected``) and ``figure`` (a result that shows it).
+        and ``column`` (where that number is, see `readings`), ``relation``, ``expected`` and
+        ``tolerance`` (percent of ``expected``), as text: a number, or two as ``5 to 20`` where the
+        bound is ours, ``assumes`` (what the number takes for granted), ``figure`` (a result that
+        shows it) and ``bounds`` (pairs of numbers: expected, tolerance).
 
     Raises
     ------
     ClaimError
         For a row that cannot be judged, or a file that is missing or no such table.
     """
-    name = "data/published/claims.csv"
+    name, as_text = "data/published/claims.csv", {"keep_default_na": False, "dtype": str}
     try:
-        claims = pd.read_csv(paths.DATA / "published/claims.csv", keep_default_na=False)[COLUMNS]
+        claims = pd.read_csv(paths.DATA / "published/claims.csv", **as_text)[COLUMNS]
     except (FileNotFoundError, KeyError, ValueError):
         remedy = f"restore it with: git checkout -- {name}"
         raise ClaimError(f"{name} is missing or damaged; {remedy}") from None
-    published = dataset.published()
-    claims["tolerance"] = pd.to_numeric(claims.tolerance, errors="coerce")
+    published, bounds = dataset.published(), []
     for row in claims.itertuples():
         if row.claim in set(claims.claim[: row.Index]):
             raise ClaimError(f"claim {row.claim} occurs twice")
-        for column in ("claim", "part", "where", "statement", "measure"):
+        for column in ("claim", "part", "where", "statement", "measure", "assumes"):
             text = str(getattr(row, column))
             if not text.isprintable() or text.startswith(checks.FORMULA):
                 wanted = "one line that does not begin as a spreadsheet's formula"
                 shown = f"{column} of {checks.shown(row.claim)} must be {wanted}"
                 raise ClaimError(f"{shown}, got {checks.shown(text)}")
-        if not 0 <= row.tolerance < np.inf:
-            raise ClaimError(f"tolerance of {row.claim} must be a number >= 0, in percent")
         for column, known in (("kind", KINDS), ("relation", RELATIONS)):
             value = getattr(row, column)
             if value not in known:
                 listed = ", ".join(known)
                 raise ClaimError(f"{column} of {row.claim} must be one of {listed}, got {value!r}")
-    claims["expected"] = [_expected(r.claim, r.expected, published) for r in claims.itertuples()]
-    return claims
+        bounds.append(_bounds(row, published))
+    shown = [" to ".join(dict.fromkeys(f"{number:g}" for number, _ in pairs)) for pairs in bounds]
+    return claims.assign(expected=shown, bounds=bounds)
 
 
-def _expected(claim, text, published):
-    """A number, or the published one that ``where/row/quantity`` names; never 0."""
-    key = tuple(text.split("/"))
+def _bounds(claim, published):
+    """Pairs of an expected number and a tolerance in percent, with which a claim is judged."""
+    key, numbers = tuple(claim.expected.split("/")), {}
     if len(key) == 3 and key not in published.index:
-        raise ClaimError(f"claim {claim} expects {text}, which data/published/tables.csv lacks")
-    try:
-        value = float(published[key] if len(key) == 3 else text)
-    except ValueError:
-        raise ClaimError(f"expected of {claim} must be a number, got {text!r}") from None
-    if value == 0 or not np.isfinite(value):
-        raise ClaimError(f"expected of {claim} must not be 0 (tolerances are relative), got {text}")
-    return value
+        lacking = "which data/published/tables.csv lacks"
+        raise ClaimError(f"claim {claim.claim} expects {claim.expected}, {lacking}")
+    texts = {"expected": claim.expected, "tolerance": claim.tolerance}
+    if len(key) == 3:
+        texts["expected"] = published[key]
+    for column, text in texts.items():
+        try:
+            numbers[column] = [float(part) for part in str(text).split(" to ")]
+        except ValueError:
+            wanted = "must be a number, or two as 5 to 20"
+            raise ClaimError(f"{column} of {claim.claim} {wanted}, got {text!r}") from None
+    if not all(value != 0 and np.isfinite(value) for value in numbers["expected"]):
+        told = f"expected of {claim.claim} must not be 0 (tolerances are relative)"
+        raise ClaimError(f"{told}, got {claim.expected}")
+    if not all(0 <= value < np.inf for value in numbers["tolerance"]):
+        raise ClaimError(f"tolerance of {claim.claim} must be a number >= 0, in percent")
+    return list(product(numbers["expected"], numbers["tolerance"]))
 
 
 @cache
@@ -134,8 +149,9 @@ def judge() -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        That of `load` without ``row`` and ``column``, and ``found`` (readings with their numbers,
-        as text), ``lowest``, ``highest`` and ``verdict``; ordered by kind, then by verdict.
+        That of `load` without ``row``, ``column`` and ``assumes``, and ``found`` (readings with
+        their numbers, as text), ``lowest``, ``highest``, ``verdict`` and ``hangs_on`` (see
+        `hangs_on`); ordered by kind, then by verdict.
 
     Raises
     ------
@@ -144,7 +160,7 @@ def judge() -> pd.DataFrame:
     """
     result.cache_clear()
     claims = load()
-    judged = claims.drop(columns=["row", "column"]).join(
+    judged = claims.drop(columns=["row", "column", "assumes", "bounds"]).join(
         pd.DataFrame(map(_judge, claims.itertuples()))
     )
     for name, order in (("verdict", VERDICTS), ("kind", KINDS)):
@@ -159,34 +175,71 @@ def _judge(claim):
     except ClaimError as error:
         raise ClaimError(f"claim {claim.claim}: {error}") from None
     values = list(numbers.values())
+    held = holds(values, claim.relation, claim.bounds)
     return {
         "found": "; ".join(f"{reading}: {value:.4g}" for reading, value in numbers.items()),
         "lowest": min(values),
         "highest": max(values),
-        "verdict": verdict(values, claim.relation, claim.expected, claim.tolerance),
+        "verdict": verdict(values, claim.relation, claim.bounds),
+        "hangs_on": "; ".join(hangs_on(list(numbers), held)) or claim.assumes,
     }
 
 
-def verdict(
-    values: Sequence[float], relation: Relation, expected: float, tolerance: float
-) -> Verdict:
-    """Verdict on one claim from its numbers, one per reading.
-
-    ``reproduced`` if every reading holds, ``contradicted`` if none does, and ``cannot be
-    decided`` if some do: the verdict then depends on what the paper does not say.
+def holds(
+    values: Sequence[float], relation: Relation, bounds: Sequence[tuple[float, float]]
+) -> NDArray[np.bool_]:
+    """Whether a statement holds: shape (readings, bounds).
 
     Parameters
     ----------
     relation
-        The number should equal ``expected`` (``=``), not exceed it (``<``), or not be less (``>``).
-        With ``?`` the paper's text cannot decide. ``expected`` is not 0.
-    tolerance
-        Deviation from ``expected``, in percent of it, up to which a reading holds.
+        The number should equal the expected one (``=``), not exceed it (``<``), or not be less
+        (``>``).
+    bounds
+        Expected numbers, not 0, and deviations in percent of them up to which a reading holds.
     """
-    if relation == "?":
-        return "cannot be decided"
-    excess = (np.asarray(values) - expected) / abs(expected) * 100
-    holds = {"=": np.abs(excess), "<": excess, ">": -excess}[relation] <= tolerance
-    if holds.all():
+    expected, tolerance = np.asarray(bounds, float).T
+    excess = (np.asarray(values)[:, None] - expected) / np.abs(expected) * 100
+    return {"=": np.abs(excess), "<": excess, ">": -excess}[relation] <= tolerance
+
+
+def verdict(
+    values: Sequence[float], relation: Relation, bounds: Sequence[tuple[float, float]]
+) -> Verdict:
+    """Verdict on one claim from its numbers, one per reading; parameters as for `holds`.
+
+    ``reproduced`` if it holds in every reading with every bound, ``contradicted`` if in none, and
+    ``cannot be decided`` otherwise: the verdict then depends on what the paper does not say. That
+    is so, too, if readings lie on both sides of a number that is stated.
+    """
+    held = holds(values, relation, bounds)
+    if held.all():
         return "reproduced"
-    return "cannot be decided" if holds.any() else "contradicted"
+    between = relation == "=" and min(values) < min(bounds)[0] < max(values)
+    return "cannot be decided" if held.any() or between else "contradicted"
+
+
+def hangs_on(readings: Sequence[str], held: NDArray[np.bool_]) -> list[str]:
+    """What decides whether a statement holds: parts of its readings' names, or the bound.
+
+    Parameters
+    ----------
+    readings
+        Names, in parts: ``rigid links, 50 ms``.
+    held
+        From `holds`.
+
+    Returns
+    -------
+    list of str
+        As ``50 ms or 200 ms``: a change of this part alone changes whether it holds.
+    """
+    parts, found = [name.split(", ") for name in readings], {}
+    for (one, first), (other, second) in combinations(zip(parts, held, strict=True), 2):
+        apart = [k for k, pair in enumerate(zip(one, other, strict=True)) if len(set(pair)) > 1]
+        if len(apart) == 1 and (first != second).any():
+            found.setdefault(apart[0], {}).update({one[apart[0]]: None, other[apart[0]]: None})
+    decisive = [" or ".join(names) for _, names in sorted(found.items())]
+    if (held.any(axis=1) & ~held.all(axis=1)).any():
+        decisive.append("the bound, which is ours")
+    return decisive

@@ -2,6 +2,7 @@
 
 from study import checks, dataset
 from study.contact import LAWS
+from study.contact.power_fit import USUAL_RANGE
 from study.dataset import design, store
 from study.joint.law_options import law_options
 from study.pages.figures import LOOKS
@@ -23,7 +24,7 @@ def curves() -> dict:
     """Cases, laws and their looks, as ``plot.js`` takes them, with 5 digits.
 
     ``depths`` are lists of depths, of which a case names one by its number; ``undefined`` says
-    why a law does not apply.
+    why a law does not apply. The power law is fitted to the case's own forces in its usual range.
     """
     frames = dict(iter(dataset.load().sort_values("depth_star").groupby("case")))
     depths, cases = {}, []
@@ -37,9 +38,11 @@ def curves() -> dict:
         case["depths"] = depths.setdefault(tuple(map(_rounded, depth)), len(depths))
         case["force"] = [_rounded(force) for force in frame["force_star"]]
         case["laws"], case["undefined"] = {}, {}
+        usual = frame[frame["depth_star"].between(*USUAL_RANGE)]
+        fitted_to = usual["depth_star"], usual["force_star"]
         for law, function in LAWS.items():
             try:
-                force = function(depth, joint.r2_star, **law_options(law, joint))
+                force = function(depth, joint.r2_star, **law_options(law, joint, *fitted_to))
                 case["laws"][law] = [_rounded(value) for value in force]
             except ValueError as error:
                 case["undefined"][law] = str(error)

@@ -26,7 +26,7 @@ VERDICTS = {"contradicted": "✗", "cannot be decided": "?", "reproduced": "✓"
 """Verdict -> sign, as colour alone must not distinguish verdicts."""
 GROUPS = {
     "implied only": "Only implied by the paper",
-    "used to identify": "Used to identify the set-up",
+    "used to identify": "Used to identify the set-up, or following from what was",
     "can hardly fail": "Can hardly fail",
 }
 """Kinds of claims that do not speak for or against the paper, in words."""
