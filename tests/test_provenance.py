@@ -49,6 +49,7 @@ def test_imports_inside_functions_count(tmp_path):
         ("study/measure/speed.py", ["16", "26"]),
         ("study/claims/verdicts.py", ["21"]),
         ("study/claims/identification.py", ["04", "13"]),
+        ("study/claims/table_alone.py", ["04", "13"]),
         ("study/mechanism/beams.py", ["08", "09", "10", "11", "16", "17", "18", "28"]),
         ("study/mechanism/scene.py", ["07", "08", "09", "10", "11", "16", "17", "18", "26", "28"]),
         ("study/pages/figures.py", [f"{n:02d}" for n in range(30)]),

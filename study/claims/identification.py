@@ -2,10 +2,12 @@
 
 A candidate is a socket ratio, a drive, kinematics, elements, the depths of the sample, and the
 area element of f2. For each one the coefficient of determination and the RMSE of the rows with
-known formulas are compared with the published ones. A likelihood under a stated error ranks them.
+known formulas are compared with the published ones. They are functions of six sums of the forces.
+`study.claims.table_alone` infers what needs no elastic solution.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from itertools import product
 from typing import Any
 
@@ -13,27 +15,33 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.optimize import least_squares
 
 from study import contact
-from study.claims import statistics
+from study.claims.table_alone import ROWS, known_forces
 from study.contact.laws import AREA_COEFFICIENTS, Area
 from study.dataset import fitting
 from study.dataset.fitting import LARGEST_DEPTH, R2_STAR
 from study.joint import force_curve, paper_joint
 
-ROWS = ("hertz", "steuermann", "winkler", "hyperbolic_winkler")
-"""Rows of Table 2 that count; Liu's formula is reconstructed from its own row."""
 NUMBERS = tuple(f"{quantity} {law}" for law in ROWS for quantity in ("1 - determination", "RMSE"))
 """The eight numbers that are compared."""
 SAMPLINGS = {f"{n}, from 0": np.linspace(0, LARGEST_DEPTH, n) for n in (19, 20, 21, 22, 39)} | {
     f"{n}, without 0": np.linspace(0, LARGEST_DEPTH, n + 1)[1:] for n in (19, 20, 21)
 }
+USUAL = "21, from 0"
 FACTORS = {"1": 1.0, "19/18": 19 / 18}
 """Of 1 - determination: the latter is that of an adjusted coefficient."""
 RATIOS = tuple(np.round(1 + np.geomspace(0.05, 2.0, 13), 4).tolist())
+SUMS = ("force", "force^2", *ROWS[:3], *AREA_COEFFICIENTS.values())
+"""Sums over a sample: of the forces, of their squares, and of the force times each law."""
+FREE_SCALE = (0.5, 2.0)
+"""Range of a common factor on all forces."""
+_BANDS = 8  # of the ratios: a fit begins in each
 _DEPTHS = np.linspace(0.1, LARGEST_DEPTH**0.5, 32) ** 2
 
 Forces = NDArray[np.float64]
+Range = tuple[float, float]
 
 
 def forces(
@@ -50,120 +58,173 @@ def forces(
     return contact.tabulated(curve)(sample)
 
 
-def table_2(
-    sample: Forces, force: Forces, area: Area = "flat", lower: float = 0.0
-) -> dict[str, Forces]:
+def table_2(sample: Forces, force: Forces, area: Area = "flat") -> dict[str, Forces]:
     """Forces of the five laws of Table 2, the Winkler ones fitted to forces at a sample of depths.
 
     Parameters
     ----------
     area
         Area element of the hyperbolic law.
-    lower
-        Share by which the fitted coefficients are lowered.
     """
     options = {law: {} for law in contact.PAPER_LAWS} | {"hyperbolic_winkler": {"area": area}}
     for law, name in (("winkler", "winkler"), ("hyperbolic_winkler", AREA_COEFFICIENTS[area])):
-        options[law]["coefficient"] = (1 - lower) * fitting.coefficient(name, sample, force)
+        options[law]["coefficient"] = fitting.coefficient(name, sample, force)
     return {law: contact.LAWS[law](sample, R2_STAR, **options[law]) for law in options}
+
+
+@lru_cache
+def _laws(sampling):
+    """Forces of the laws of `SUMS` at a sample of depths; of the fitted ones, their shapes."""
+    sample = SAMPLINGS[sampling]
+    fitted = {law: fitting.shape(law, sample) for law in SUMS[4:]}
+    return dict(zip(ROWS[:2], known_forces(sample), strict=True)) | fitted
+
+
+def sums(sampling: str, force: Forces) -> dict[str, float]:
+    """`SUMS` of the forces at one of `SAMPLINGS`."""
+    products = {law: float(values @ force) for law, values in _laws(sampling).items()}
+    return {"force": float(force.sum()), "force^2": float(force @ force)} | products
 
 
 def deviations(
     published: pd.DataFrame,
-    sample: Forces,
-    force: Forces,
+    sampling: str,
+    sums: Mapping[str, Any],
     area: Area = "flat",
-    lower: float = 0.0,
     factor: float = 1.0,
-) -> dict[str, float]:
+    scale: Any = 1.0,
+    shifts: Sequence[Any] = (0.0, 0.0),
+) -> dict[str, Any]:
     """Deviations of Table 2's numbers from the published ones: ln(ours/published).
 
     Parameters
     ----------
     published
         `study.dataset.published_table_2`.
+    sums
+        `SUMS` at one of `SAMPLINGS`, each a number or an array.
+    area
+        Area element of the hyperbolic law.
     factor
-        Of 1 - determination, by the paper's definition; all else is as for `table_2`.
+        Of 1 - determination, by the paper's definition.
+    scale
+        Common factor of all elastic forces.
+    shifts
+        Relative changes of the coefficients of Winkler's and the hyperbolic law, from those of
+        least squares.
     """
-    laws, logarithms = table_2(sample, force, area, lower), {}
-    for law in ROWS:
-        missing = factor * (1 - statistics.determination_as_published(force, laws[law]))
-        stated = 1 - published.determination[law], published.RMSE[law]
-        logarithms[f"1 - determination {law}"] = np.log(missing / stated[0])
-        logarithms[f"RMSE {law}"] = np.log(statistics.rmse(force, laws[law]) / stated[1])
+    laws, logarithms = _laws(sampling), {}
+    count = len(SAMPLINGS[sampling])
+    determination, rmse = published.determination.to_dict(), published.RMSE.to_dict()
+    about_mean = sums["force^2"] - sums["force"] ** 2 / count
+    names = (*ROWS[:3], AREA_COEFFICIENTS[area])
+    for law, name, shift in zip(ROWS, names, (None, None, *shifts), strict=True):
+        squares = laws[name] @ laws[name]
+        coefficient = 1 / scale if shift is None else (1 + shift) * sums[name] / squares
+        missing = factor * (sums["force"] - coefficient * laws[name].sum()) ** 2 / about_mean
+        errors = sums["force^2"] - 2 * coefficient * sums[name] + coefficient**2 * squares
+        logarithms[f"1 - determination {law}"] = np.log(missing / (1 - determination[law]))
+        logarithms[f"RMSE {law}"] = np.log(scale * np.sqrt(errors / count) / rmse[law])
     return logarithms
 
 
-def misfit(deviations: pd.DataFrame) -> pd.Series:
-    """RMS of the deviations of `NUMBERS`, in every row of a frame."""
-    return np.sqrt((deviations[list(NUMBERS)] ** 2).mean(axis=1))
+def misfit(deviations: Mapping[str, Any]) -> Any:
+    """RMS of the deviations of `NUMBERS`, each a number or an array."""
+    return np.sqrt(sum(deviations[number] ** 2 for number in NUMBERS) / len(NUMBERS))
 
 
-def scan(published: pd.DataFrame, ratios: Sequence[float] = RATIOS, **set_up: Any) -> pd.DataFrame:
-    """Deviations of Table 2 by socket ratio, sampling, area and factor, for one set-up.
+def shifted_misfit(
+    published: pd.DataFrame, sums: Mapping[str, Any], shifts: Forces, scale: float = 1.0
+) -> Any:
+    """Least `misfit` for the sample `USUAL` if each fitted coefficient has one of some shifts.
 
-    ``published`` is as for `deviations`, the set-up as for `forces`.
+    ``sums`` are numbers, or arrays of shape (n,); other arguments are as for `deviations`.
     """
+    sums = {name: np.asarray(value)[..., None] for name, value in sums.items()}
+    off = deviations(published, USUAL, sums, scale=scale, shifts=(shifts, shifts))
+    squares = [off[f"1 - determination {law}"] ** 2 + off[f"RMSE {law}"] ** 2 for law in ROWS]
+    return np.sqrt(sum(of_law.min(axis=-1) for of_law in squares) / len(NUMBERS))
+
+
+def scan(ratios: Sequence[float] = RATIOS, **set_up: Any) -> pd.DataFrame:
+    """`SUMS` by socket ratio and sampling, for one set-up; this is as for `forces`."""
     rows, grid = [], np.linspace(0, LARGEST_DEPTH, 401)
     for ratio in ratios:
         truth = CubicSpline(grid, forces(grid, socket_ratio=ratio, **set_up))
-        for name, area, factor in product(SAMPLINGS, AREA_COEFFICIENTS, FACTORS):
-            key = {"ratio": ratio, "sampling": name, "area": area, "factor": factor}
-            sample = SAMPLINGS[name]
-            off = deviations(published, sample, truth(sample), area, factor=FACTORS[factor])
-            rows.append(key | off)
+        for name, sample in SAMPLINGS.items():
+            rows.append({"ratio": ratio, "sampling": name} | sums(name, truth(sample)))
     return pd.DataFrame(rows)
 
 
-def profile(candidate: pd.DataFrame, count: int = 4001) -> pd.DataFrame:
+def between(scanned: pd.DataFrame) -> tuple[Any, float, float]:
+    """`SUMS` between the ratios of a scan: function of ln(ratio), its least and largest argument.
+
+    ``scanned`` has the rows of `scan` for one sampling.
+    """
+    x = np.log(scanned.ratio.to_numpy())
+    curve = CubicSpline(x, np.log(scanned[list(SUMS)]))
+
+    def at(place):
+        return dict(zip(SUMS, np.moveaxis(np.exp(curve(place)), -1, 0), strict=True))
+
+    return at, x[0], x[-1]
+
+
+def profile(
+    published: pd.DataFrame, scanned: pd.DataFrame, count: int = 4001, **reading: Any
+) -> pd.DataFrame:
     """Deviations and ``misfit`` of one candidate over the socket ratio, between those of its scan.
 
     Parameters
     ----------
-    candidate
-        Rows of `scan` for one sampling, area and factor.
+    scanned
+        As for `between`.
     count
         Number of ratios, in equal steps of ln(ratio).
+    **reading
+        Area, factor and scale of `deviations`.
     """
-    x = np.log(candidate.ratio.to_numpy())
-    fine = np.linspace(x[0], x[-1], count)
-    values = CubicSpline(x, candidate[list(NUMBERS)])(fine)
-    table = pd.DataFrame({"ratio": np.exp(fine)} | dict(zip(NUMBERS, values.T, strict=True)))
-    return table.assign(misfit=misfit(table))
+    at, first, last = between(scanned)
+    x = np.linspace(first, last, count)
+    off = deviations(published, scanned.sampling.iloc[0], at(x), **reading)
+    return pd.DataFrame({"ratio": np.exp(x)} | off | {"misfit": misfit(off)})
 
 
-def likelihood(deviations: pd.DataFrame, sigma: float) -> pd.DataFrame:
-    """Best ratio, misfit and evidence of every candidate, best first.
+def freed(published: pd.DataFrame, scanned: pd.DataFrame, **reading: Any) -> dict[str, float]:
+    """``best_ratio`` and ``scale`` of least ``misfit``, both free; arguments as for `profile`."""
+    at, first, last = between(scanned)
+    sampling = scanned.sampling.iloc[0]
+    low, high = np.array([[first, last], np.log(FREE_SCALE)]).T
 
-    Parameters
-    ----------
-    deviations
-        From `scan`, with any further columns that name the set-up.
-    sigma
-        Standard deviation of the deviations that unstated details may cause.
+    def off(x, log_scale):
+        return deviations(published, sampling, at(x), scale=np.exp(log_scale), **reading)
 
-    Returns
-    -------
-    pandas.DataFrame
-        ``best_ratio``, ``low`` and ``high`` (central 95 % of the likelihood over ln(ratio)),
-        ``misfit`` at the best ratio, and ``evidence``: the mean likelihood over ln(ratio)
-        relative to that of the best candidate.
+    grids = np.meshgrid(*np.linspace(low, high, 66)[1:-1].T, indexing="ij")
+    bands = misfit(off(*grids)).reshape(_BANDS, -1).argmin(axis=1)  # the least in each
+    bands += np.arange(_BANDS) * grids[0].size // _BANDS
+    tight = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12)
+    ends = []
+    for start in np.stack(grids, axis=-1).reshape(-1, 2)[bands]:
+        x = least_squares(lambda x: list(off(*x).values()), start, bounds=(low, high), **tight).x
+        ends.append({"best_ratio": np.exp(x[0]), "scale": np.exp(x[1]), "misfit": misfit(off(*x))})
+    return min(ends, key=lambda end: end["misfit"])
+
+
+def ranked(published: pd.DataFrame, scans: pd.DataFrame, scale_free: bool = False) -> pd.DataFrame:
+    """``best_ratio`` and ``misfit`` of every candidate, best first; with its scale if that is free.
+
+    ``scans`` are from `scan`, with any further columns that name the set-up.
     """
-    names = [c for c in deviations.columns if c not in ("ratio", *NUMBERS)]
+    names = [column for column in scans.columns if column not in ("ratio", *SUMS)]
     rows = []
-    for key, candidate in deviations.groupby(names, sort=False):
-        table = profile(candidate)
-        exponent = -len(NUMBERS) * table.misfit**2 / (2 * sigma**2)
-        weight = np.exp(exponent - exponent.max())
-        low, high = np.interp([0.025, 0.975], np.cumsum(weight) / weight.sum(), table.ratio)
-        judged = {
-            "best_ratio": table.ratio[exponent.idxmax()],
-            "low": low,
-            "high": high,
-            "misfit": table.misfit.min(),
-            "evidence": np.log(weight.mean()) + exponent.max(),
-        }
-        rows.append(dict(zip(names, key, strict=True)) | judged)
-    table = pd.DataFrame(rows).sort_values("evidence", ascending=False, ignore_index=True)
-    table["evidence"] = np.exp(table.evidence - table.evidence.max())
-    return table
+    for key, scanned in scans.groupby(names, sort=False):
+        for area, factor in product(AREA_COEFFICIENTS, FACTORS):
+            reading = {"area": area, "factor": FACTORS[factor]}
+            if scale_free:
+                best = freed(published, scanned, **reading)
+            else:
+                over = profile(published, scanned, **reading)
+                best = over.loc[over.misfit.idxmin(), ["ratio", "misfit"]]
+                best = {"best_ratio": best.ratio, "misfit": best.misfit}
+            rows.append(dict(zip(names, key, strict=True)) | reading | {"factor": factor} | best)
+    return pd.DataFrame(rows).sort_values("misfit", kind="stable", ignore_index=True)

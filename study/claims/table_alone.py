@@ -1,0 +1,143 @@
+"""What Table 2 of the paper says by itself, without any elastic solution.
+
+Its input are the printed numbers, the formulas of Hertz and Steuermann, which have no parameter,
+the shapes of the fitted laws, R2*, and a list of depths. `printed` holds the numbers with every
+combination of their last digits' rounding, so that each function gives arrays: the value that
+follows from the numbers as printed comes first, and `interval` adds its least and largest.
+"""
+
+from itertools import product
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from study import checks, contact
+from study.dataset import fitting
+from study.dataset.fitting import R2_STAR
+
+ROWS = ("hertz", "steuermann", "winkler", "hyperbolic_winkler")
+"""Rows of Table 2 with known formulas; Liu's is reconstructed from its own row."""
+HALF_DIGIT = 5e-5
+"""Half of the last digit that Table 2 prints."""
+
+Numbers = NDArray[np.float64]
+Printed = dict[str, tuple[Numbers, Numbers]]
+
+
+def printed(published: pd.DataFrame) -> Printed:
+    """1 - determination and RMSE of each of `ROWS`, each of shape (257,).
+
+    The first element is as printed, the others are the 2^8 corners of what rounds to it.
+    ``published`` is `study.dataset.published_table_2`.
+    """
+    checks.frame("published", published, ("determination", "RMSE"))
+    corners = np.array([[0.0] * 8, *product((-HALF_DIGIT, HALF_DIGIT), repeat=8)]).T
+    return {
+        law: (1 - published.determination[law] + corners[k], published.RMSE[law] + corners[k + 4])
+        for k, law in enumerate(ROWS)
+    }
+
+
+def interval(values: ArrayLike) -> dict[str, float]:
+    """The first value, which is that of the numbers as printed, with the least and the largest."""
+    numbers = checks.number("values", values)
+    if np.ndim(numbers) != 1 or not np.size(numbers):
+        raise ValueError(f"values must be a list of numbers, got {checks.shown(values)}")
+    return {"value": numbers[0], "low": numbers.min(), "high": numbers.max()}
+
+
+def known_forces(depths: ArrayLike) -> tuple[Numbers, Numbers]:
+    """Forces of Hertz's and Steuermann's laws at some depths, as this study reads them."""
+    return contact.hertz(depths, R2_STAR), contact.steuermann(depths, R2_STAR)
+
+
+def totals(
+    table: Printed,
+    depths: ArrayLike,
+    factor: float = 1.0,
+    known: tuple[ArrayLike, ArrayLike] | None = None,
+    opposite: bool = False,
+) -> tuple[Numbers, Numbers]:
+    """Sum of the elastic forces y, and sum of (y - mean)^2, from two coefficients of determination.
+
+    With 1 - determination = (sum of errors)^2/sum (y - mean)^2, the roots of the two are in the
+    ratio of the laws' summed errors.
+
+    Parameters
+    ----------
+    table
+        From `printed`.
+    depths
+        Those of the sample, shape (n,).
+    factor
+        By which 1 - determination was multiplied before it was printed.
+    known
+        Forces of Hertz's and Steuermann's laws, by default `known_forces`.
+    opposite
+        Whether one of the two laws is too small on average and the other one too large.
+    """
+    (sample,) = checks.same_length(2, depths=depths)
+    checks.number("factor", factor, above=0, scalar=True)
+    hertz, steuermann = (np.sum(force) for force in known or known_forces(sample))
+    root = np.sqrt(table["hertz"][0] / table["steuermann"][0])
+    root = -root if checks.flag("opposite", opposite) else root
+    force = (hertz - root * steuermann) / (1 - root)
+    return force, factor * (force - hertz) ** 2 / table["hertz"][0]
+
+
+def coefficients(
+    table: Printed, law: str, depths: ArrayLike, factor: float = 1.0, **reading
+) -> tuple[Numbers, Numbers]:
+    """Coefficient of a fitted law by its determination, and by its RMSE.
+
+    The latter is that of least squares: n RMSE^2 = sum y^2 - c^2 sum f^2. The former has the sign
+    of the law's mean error that brings the two nearer.
+
+    Parameters
+    ----------
+    law
+        A key of `study.dataset.fitting.FITTED_LAWS`.
+    **reading
+        As for `totals`, like the other arguments.
+    """
+    force, about_mean = totals(table, depths, factor, **reading)
+    shape = fitting.shape(law, depths)
+    missing, rmse = table["winkler" if law == "winkler" else "hyperbolic_winkler"]
+    squares = about_mean + force**2 / len(shape)
+    by_rmse = np.sqrt((squares - len(shape) * rmse**2) / (shape @ shape))
+    error = np.sqrt(missing * about_mean / factor)
+    both = np.array([force - error, force + error]) / shape.sum()
+    nearer = np.abs(both / by_rmse - 1)[:, 0].argmin()
+    return both[nearer], by_rmse
+
+
+def disagreement(
+    table: Printed, law: str, depths: ArrayLike, factor: float = 1.0, **reading
+) -> Numbers:
+    """How far the two `coefficients` of a law are apart, in percent; 0 for the paper's sample."""
+    by_determination, by_rmse = coefficients(table, law, depths, factor, **reading)
+    return 100 * (by_determination / by_rmse - 1)
+
+
+def forces(
+    table: Printed, law: str, depths: ArrayLike, factor: float = 1.0
+) -> tuple[Numbers, Numbers]:
+    """Forces at the depths, shape (n, 257), and the sum of squares by which others may differ.
+
+    The table gives the products of the elastic forces with 1, with Hertz's law by its RMSE, and
+    with Winkler's and another fitted ``law``. The forces are the part of the elastic ones within
+    these four. What their sum of squares leaves belongs to the rest: if it is negative, no forces
+    at all meet the table.
+    """
+    total, about_mean = totals(table, depths, factor)
+    squares, hertz = about_mean + total**2 / np.size(depths), known_forces(depths)[0]
+    products = [total, (squares + hertz @ hertz - len(hertz) * table["hertz"][1] ** 2) / 2]
+    basis = [np.ones(len(hertz)), hertz]
+    for fitted in ("winkler", law):
+        basis.append(fitting.shape(fitted, depths))
+        by_rmse = coefficients(table, fitted, depths, factor)[1]
+        products.append(by_rmse * (basis[-1] @ basis[-1]))
+    directions, mixed = np.linalg.qr(np.array(basis).T)
+    parts = np.linalg.solve(mixed.T, np.array(products))
+    return directions @ parts, squares - np.sum(parts**2, axis=0)
