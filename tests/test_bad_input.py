@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 from study import checks, choose, cli, contact, dataset, export
 from study.choose import choose_model, model
-from study.claims import statistics, verdicts
+from study.claims import statistics, table_alone, verdicts
 from study.contact import damping, joint_law, power_fit
 from study.dataset import fitting
 from study.joint import (
@@ -271,6 +271,29 @@ def joint_rows():
     )
 
 
+def table_2_rows():
+    published = dataset.published_table_2()
+    table = table_alone.printed(published)
+    yield from rows(table_alone.printed, published=(published, (*TABLE, published[1:])))
+    yield from rows(table_alone.interval, values=(FORCES, (*LIST, 1.0, [], np.eye(2))))
+    sample = {
+        "table": (table, (None, 3, {}, [1, 2], {"hertz": table["hertz"]})),
+        "depths": (FORCES, (*LIST, 0.1, [0.1], np.eye(2))),
+        "factor": (1.0, POSITIVE),
+    }
+    known = table_alone.known_forces([0.1, 0.2, 0.4])
+    yield from rows(
+        table_alone.totals,
+        **sample,
+        known=(known, (3, "x", known[:1], ([nan, 1, 2], known[1]), ([1], known[1]))),
+        opposite=(False, FLAG),
+    )
+    sample["depths"] = ([0.1, 0.2, 0.3, 0.4, 0.5], sample["depths"][1])
+    for function in (table_alone.coefficients, table_alone.disagreement, table_alone.forces):
+        names = ("winkler", *NAME) if function is table_alone.forces else NAME
+        yield from rows(function, law=("hyperbolic_winkler", names), **sample)
+
+
 def study_rows():
     pair = (FORCES, (*LIST, 1.0, [1.0], [1, 2], np.eye(2)))
     for measure in (
@@ -293,6 +316,7 @@ def study_rows():
         size=(20, WHOLE[:-1]),
         predictors=(1, (*WHOLE, 19)),
     )
+    yield from table_2_rows()
     curve = pd.DataFrame({"r2_star": 200, "depth_star": [0.1, 0.2], "force_star": [1, 2]})
     yield from rows(
         fitting.coefficient,

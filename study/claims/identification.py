@@ -200,8 +200,10 @@ def freed(published: pd.DataFrame, scanned: pd.DataFrame, **reading: Any) -> dic
         return deviations(published, sampling, at(x), scale=np.exp(log_scale), **reading)
 
     grids = np.meshgrid(*np.linspace(low, high, 66)[1:-1].T, indexing="ij")
-    bands = misfit(off(*grids)).reshape(_BANDS, -1).argmin(axis=1)  # the least in each
-    bands += np.arange(_BANDS) * grids[0].size // _BANDS
+    errors = misfit(off(*grids)).ravel()
+    bands = errors.reshape(_BANDS, -1).argmin(axis=1)  # the least in each
+    bands += np.arange(_BANDS) * errors.size // _BANDS
+    bands = bands[errors[bands] < 3 * errors.min()]
     tight = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12)
     ends = []
     for start in np.stack(grids, axis=-1).reshape(-1, 2)[bands]:

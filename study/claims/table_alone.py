@@ -13,6 +13,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks, contact
+from study.contact.laws import AREA_COEFFICIENTS
 from study.dataset import fitting
 from study.dataset.fitting import R2_STAR
 
@@ -32,11 +33,17 @@ def printed(published: pd.DataFrame) -> Printed:
     ``published`` is `study.dataset.published_table_2`.
     """
     checks.frame("published", published, ("determination", "RMSE"))
+    _has_rows("published", published.index)
     corners = np.array([[0.0] * 8, *product((-HALF_DIGIT, HALF_DIGIT), repeat=8)]).T
     return {
         law: (1 - published.determination[law] + corners[k], published.RMSE[law] + corners[k + 4])
         for k, law in enumerate(ROWS)
     }
+
+
+def _has_rows(name, rows):
+    if missing := set(ROWS) - set(rows):
+        raise ValueError(f"{name} must have the rows {', '.join(ROWS)}, got none for {missing}")
 
 
 def interval(values: ArrayLike) -> dict[str, float]:
@@ -77,9 +84,15 @@ def totals(
     opposite
         Whether one of the two laws is too small on average and the other one too large.
     """
-    (sample,) = checks.same_length(2, depths=depths)
+    _has_rows("table", table if isinstance(table, dict) else ())
     checks.number("factor", factor, above=0, scalar=True)
-    hertz, steuermann = (np.sum(force) for force in known or known_forces(sample))
+    (sample,) = checks.same_length(2, depths=depths)
+    if not isinstance(known, tuple | None) or (known is not None and len(known) != 2):
+        raise ValueError(f"known must be the forces of two laws, got {checks.shown(known)}")
+    sums = [
+        checks.same_length(depths=sample, known=f)[1].sum() for f in known or known_forces(sample)
+    ]
+    hertz, steuermann = sums
     root = np.sqrt(table["hertz"][0] / table["steuermann"][0])
     root = -root if checks.flag("opposite", opposite) else root
     force = (hertz - root * steuermann) / (1 - root)
@@ -130,6 +143,7 @@ def forces(
     these four. What their sum of squares leaves belongs to the rest: if it is negative, no forces
     at all meet the table.
     """
+    checks.choice("law", law, tuple(AREA_COEFFICIENTS.values()))
     total, about_mean = totals(table, depths, factor)
     squares, hertz = about_mean + total**2 / np.size(depths), known_forces(depths)[0]
     products = [total, (squares + hertz @ hertz - len(hertz) * table["hertz"][1] ** 2) / 2]
