@@ -13,6 +13,7 @@ from pytask import Product, PythonNode, mark, task
 
 from study import paths, provenance
 from study.choose import random_scenes
+from study.claims import set_ups
 from study.dataset import design, fitting, hertz_correction, record, store
 
 MADE = record.to_make()
@@ -27,6 +28,8 @@ DESIGN = [paths.ROOT / "study/dataset/design.py"]
 DESCRIBED = [*record.GENERATED, store.MATERIALS, *store.PUBLISHED]
 SCENES, AT_ONCE = list(random_scenes.draw(0)), 10
 LINKS = [paths.BUILD / f"links/scenes-{k:03d}.csv" for k in range(0, len(SCENES), AT_ONCE)]
+DRAWN = [*set_ups.draw(), *set_ups.FOUND]
+SET_UPS = [paths.BUILD / f"set_ups/{one.number:03d}.csv" for one in DRAWN]
 
 
 def decided_by(path, *more):
@@ -116,6 +119,29 @@ for k, part in enumerate(LINKS):
 if store.LINKS in MADE:
 
     def task_links(parts: list[Path] = LINKS, table: Annotated[Path, Product] = store.LINKS):
+        record.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
+
+
+for one, part in zip(DRAWN, SET_UPS, strict=True):
+    if store.SET_UPS not in MADE:
+        break
+
+    @mark.try_last
+    @task(id=f"set-up-{part.stem}")
+    def task_set_ups(
+        decided: Annotated[str, decided_by(store.SET_UPS, one)],
+        one: tuple = one,
+        coefficients: Path = store.COEFFICIENTS,
+        correction: Path = store.TABLE,
+        part: Annotated[Path, Product] = part,
+    ):
+        with paths.whole(part) as temporary:
+            set_ups.run([one]).to_csv(temporary, index=False)
+
+
+if store.SET_UPS in MADE:
+
+    def task_runs(parts: list[Path] = SET_UPS, table: Annotated[Path, Product] = store.SET_UPS):
         record.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
 
 

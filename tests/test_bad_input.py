@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 from study import checks, choose, cli, contact, dataset, export
 from study.choose import choose_model, model
-from study.claims import statistics, table_alone, verdicts
+from study.claims import search, statistics, table_alone, verdicts
 from study.contact import damping, joint_law, power_fit
 from study.dataset import fitting
 from study.joint import (
@@ -43,7 +43,15 @@ from study.joint import (
 from study.joint.compliance import surface_angles
 from study.joint.law_options import law_options
 from study.measure import explicit, limits, stability
-from study.mechanism import MechanismError, Scene, compare, paper_scene, simulate, stable_step
+from study.mechanism import (
+    MechanismError,
+    Scene,
+    compare,
+    measures,
+    paper_scene,
+    simulate,
+    stable_step,
+)
 from study.mechanism.spatial import ClearanceJoint
 
 ERRORS = (ValueError, TypeError, checks.StudyError)
@@ -65,6 +73,8 @@ GOOD = {"ball_radius": 9.95e-3, "socket_radius": 0.01, "composite_modulus": 1.1e
 CURVE = force_curve(Joint(200), np.linspace(0.025, 1, 40) ** 2, 64)
 BODIES = series.ball_compliance(0.3, 64), series.socket_compliance(1.3, 0.3, 64)
 RESPONSE = simulate(duration=1e-3, outputs=10)
+IDEAL = simulate(joint="ideal", duration=1e-3, outputs=10)
+RUNS = dataset.set_ups().dropna(subset="energy_error").head(2)
 STATE = np.array([0.1, 3e-5, 4.1e-5, 1.0, 0.0, 0.0])
 SCENE = Scene()
 PACKED = stability.packed(SCENE, "hertz")
@@ -461,6 +471,16 @@ def mechanism_rows():
         values=(FORCES, (*LIST, [1, 2])),
     )
     yield from rows(compare.lead, response=(RESPONSE, THING), ideal=(RESPONSE, THING))
+    yield from rows(
+        measures.measures,
+        response=(RESPONSE, THING),
+        ideal=(IDEAL, (*THING, RESPONSE)),
+        end=(1e-3, (*set_without(POSITIVE, None), 1e-4, 1.0)),
+        early=(5e-4, (*POSITIVE, 1.0)),
+    )
+    yield from rows(search.held, runs=(RUNS, (*THING, RUNS[["model"]])))
+    yield from rows(search.group, runs=(RUNS, THING))
+    yield from rows(search.never_together, holds=(search.held(RUNS), THING))
     yield from rows(
         explicit.integrate,
         scene=(SCENE, THING),

@@ -37,6 +37,7 @@ SMALLER = {
         )
     ],
     "choose/random_scenes": [("COUNT = 160", "COUNT = 3")],
+    "claims/set_ups": [("MECHANISMS = 64", "MECHANISMS = 2"), ("(0.05, 1.0)", "(0.05, 0.06)")],
 }
 DESCRIBE = "from study.dataset import record; record.write_description()"
 
@@ -150,7 +151,7 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
     assert study(project, "data", "build").stdout == again.stdout
 
 
-OTHERS = ("data/links.csv", "study/contact/hertz_correction.csv")
+OTHERS = ("data/links.csv", "data/set_ups.csv", "study/contact/hertz_correction.csv")
 
 
 def test_a_project_in_which_no_task_is_found_is_an_error(tmp_path):

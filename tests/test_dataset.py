@@ -155,6 +155,7 @@ READERS = {
     "force_curves.csv": dataset.load,
     "published/joint.csv": dataset.reference_forces,
     "links.csv": dataset.links,
+    "set_ups.csv": dataset.set_ups,
 }
 
 
@@ -163,7 +164,7 @@ def test_damaged_and_missing_files_are_named_with_a_remedy(copy, name):
     path, readers = copy / name, [READERS[name], dataset.verify_files]
     path.write_text(path.read_text().replace("2", "3", 1))
     remedy = f"git checkout -- data/{name} data/datapackage.json"
-    if name in ("force_curves.csv", "links.csv"):  # the rebuild is the second remedy
+    if name in ("force_curves.csv", "links.csv", "set_ups.csv"):  # the rebuild is the second remedy
         remedy += ", or rebuild it with: study data build"
     for read in readers:
         with pytest.raises(dataset.DatasetError, match=rf"data/{name} is damaged.*{remedy}$"):
@@ -222,7 +223,7 @@ def to(value, *keys):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (to([], "resources"), "does not describe data/force_curves.csv, data/links.csv, data/publ"),
+        (to([], "resources"), "does not describe data/force_curves.csv, data/links.csv, data/set_"),
         (to({}, "resources"), "does not describe data/force_curves.csv"),
         (to(None, "resources"), "is damaged"),
         (to("text", "resources"), "is damaged"),
@@ -305,6 +306,7 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
                 "study/contact/coefficients.json",
                 "study/contact/hertz_correction.csv",
                 "data/links.csv",
+                "data/set_ups.csv",
             ],
         ),
         ("dataset/fitting", "DIGITS = 7", "DIGITS = 6", ["study/contact/coefficients.json"]),
@@ -315,6 +317,8 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
             ["study/contact/hertz_correction.csv"],
         ),
         ("choose/random_scenes", "COUNT = 160", "COUNT = 161", ["data/links.csv"]),
+        ("claims/set_ups", "MECHANISMS = 64", "MECHANISMS = 32", ["data/set_ups.csv"]),
+        ("claims/search", "never_together", "never_both", []),
         ("pages/figures", '"lines.linewidth": 1.5', '"lines.linewidth": 2', []),
         ("choose/model", "SHALLOWEST)", "2 * SHALLOWEST)", []),
     ],
@@ -342,14 +346,14 @@ def test_changed_code_makes_out_of_date_what_reaches_it(made, module, old, new, 
 
 def test_what_is_made_from_other_files_is_made_with_them(made):
     store.CURVES.unlink()
-    assert record.to_make() == {store.CURVES, store.COEFFICIENTS, store.PACKAGE}
+    assert record.to_make() == {store.CURVES, store.COEFFICIENTS, store.SET_UPS, store.PACKAGE}
     shutil.copy(ROOT / "data/force_curves.csv", store.CURVES)
     with store.MATERIALS.open("a") as table:
         table.write("\n")
     assert record.to_make() == {store.PACKAGE}
     record.write_description()
     store.TABLE.write_text(store.TABLE.read_text().replace("1", "2", 1))
-    assert record.to_make() == {store.TABLE, store.LINKS, store.PACKAGE}
+    assert record.to_make() == {store.TABLE, store.LINKS, store.SET_UPS, store.PACKAGE}
 
 
 def test_nothing_is_made_again_but_from_nothing(made, monkeypatch):

@@ -113,7 +113,7 @@ def build_data(
         from study.pages import tasks
 
         fail(tasks.build([paths.DATA], jobs=jobs).failures)
-    print("The dataset is up to date: data/force_curves.csv, links.csv and datapackage.json.")
+    print("The dataset is up to date: data/force_curves.csv, links.csv, set_ups.csv and more.")
 
 
 @cli.command("measure", keeps=True)

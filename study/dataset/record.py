@@ -24,10 +24,15 @@ GENERATED = {
     store.COEFFICIENTS: "dataset/fitting",
     store.TABLE: "dataset/hertz_correction",
     store.LINKS: "choose/random_scenes",
+    store.SET_UPS: "claims/set_ups",
 }
 """Generated file -> module whose imports lead to all code that decides it."""
-MADE_FROM = {store.COEFFICIENTS: [store.CURVES, store.TABLES], store.LINKS: [store.TABLE]}
-"""Generated file -> data that decide it too."""
+MADE_FROM = {
+    store.COEFFICIENTS: [store.CURVES, store.TABLES],
+    store.LINKS: [store.TABLE],
+    store.SET_UPS: [store.TABLE, store.COEFFICIENTS],
+}
+"""Generated file -> data that decide it too; what is made from another comes after it."""
 
 
 def to_make() -> set[Path]:
@@ -46,7 +51,8 @@ def to_make() -> set[Path]:
     package = _undamaged()
     made = {path for path in GENERATED if not store.is_as_stated(path, package)}
     made |= set(out_of_date())
-    made |= {path for path, data in MADE_FROM.items() if made & set(data)}
+    for path, data in MADE_FROM.items():
+        made |= {path} if made & set(data) else set()
     if made or not store.is_as_stated(store.MATERIALS, package):
         made.add(store.PACKAGE)
     return made

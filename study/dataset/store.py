@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 CURVES = paths.DATA / "force_curves.csv"
 LINKS = paths.DATA / "links.csv"
+SET_UPS = paths.DATA / "set_ups.csv"
 TABLES = paths.DATA / "published/tables.csv"
 REFERENCES = paths.DATA / "published/joint.csv"
 OTHERS = paths.DATA / "published/others.csv"
@@ -159,6 +160,11 @@ def links() -> pd.DataFrame:
     return _read(LINKS)
 
 
+def set_ups() -> pd.DataFrame:
+    """Numbers of the crank-slider in many set-ups: a row for each run, see ``data/README.md``."""
+    return _read(SET_UPS)
+
+
 def _read(path, **options):
     """A table of the dataset, if it has the hash that the description states."""
     verify(path, read_package())
@@ -188,7 +194,7 @@ def read_package() -> dict[str, Any]:
         raise DatasetError(f"{name} is missing; {remedy}") from None
     except (ValueError, KeyError, TypeError, AttributeError):
         raise DatasetError(f"{name} is damaged; {remedy}") from None
-    needed = (CURVES, LINKS, *PUBLISHED, *LIBRARY)
+    needed = (CURVES, LINKS, SET_UPS, *PUBLISHED, *LIBRARY)
     if missing := [provenance.name(path) for path in needed if path not in stated]:
         raise DatasetError(f"{name} does not describe {', '.join(missing)}; {remedy}")
     return package

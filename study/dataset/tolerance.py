@@ -15,6 +15,7 @@ CHAOTIC = (
     *("numbers_08", "numbers_09"),
     "visited",
     "links",
+    "set_ups",
 )
 """Results of simulated impacts, each of which enlarges the rounding of the one before."""
 CHAOTIC_TOLERANCE = 1e-3

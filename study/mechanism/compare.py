@@ -45,7 +45,7 @@ def agreement(first: Response, second: Response, *clearances: float) -> Agreemen
     Two runs of one scene at other tolerances agree to the end, unless tiny differences grow, as
     they do in chaotic motion (this study). Raises ``ValueError`` if the times differ.
     """
-    _same_times(first=first, second=second)
+    same_times(first=first, second=second)
     distance = np.zeros(len(first.time))
     for prefix, clearance in zip(_PREFIXES, clearances, strict=False):
         checks.number("clearance", clearance, "m", above=0, scalar=True)
@@ -104,7 +104,7 @@ def motion_nrms(truth: Response, response: Response, column: str) -> float:
     study.checks.RangeError
         If the column of the truth does not change.
     """
-    _same_times(truth=truth, response=response)
+    same_times(truth=truth, response=response)
     checks.choice("column", column, tuple(COLUMNS))
     return normalised_rms(getattr(truth, column), getattr(response, column))
 
@@ -114,12 +114,13 @@ def lead(response: Response, ideal: Response) -> NDArray[np.float64]:
 
     Negative where it is behind, 0 where the ideal one rests.
     """
-    _same_times(response=response, ideal=ideal)
+    same_times(response=response, ideal=ideal)
     ahead, speed = response.crank_angle - ideal.crank_angle, ideal.crank_speed
     return np.divide(ahead, speed, out=np.zeros_like(ahead), where=speed != 0)
 
 
-def _same_times(**responses):
+def same_times(**responses: Response) -> None:
+    """Raise ``ValueError`` for responses at other times; their names are used in the message."""
     for name, response in responses.items():
         checks.instance(name, response, Response)
     first, second = responses.values()

@@ -1,0 +1,79 @@
+"""Which of the paper's statements on its Figs. 17 to 21 hold in each run of `study.claims.set_ups`.
+
+The statements, their numbers' names and what is expected of these are those of
+``data/published/claims.csv``. Nothing here simulates.
+"""
+
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+
+from study import checks
+from study.claims import verdicts
+
+RUNS = {
+    "rigid": "rigid links",
+    "particles": "particles",
+    "beams": "finite elements",
+    "schemes": "particles, other schemes",
+}
+"""Groups of runs: models of the links, and particles in schemes that may feed energy in."""
+
+
+MEASURES = {"time with impacts": ("last separation", "time in which the force swings")}
+"""Number of a claim -> names of the measures of a run that may be meant by it."""
+
+
+def statements() -> pd.DataFrame:
+    """The paper's statements on Figs. 17 to 21: rows of `study.claims.verdicts.load`."""
+    claims = verdicts.load()
+    claims = claims[(claims.part == "crank-slider") & claims["where"].str.contains("Fig")]
+    return claims.reset_index(drop=True)
+
+
+def held(runs: pd.DataFrame, claims: pd.DataFrame | None = None) -> pd.DataFrame:
+    """Whether each statement holds in each run: a column for each claim, missing if not measured.
+
+    It holds if one of its measures does, with one of the bounds: a run has the benefit of doubt.
+
+    Parameters
+    ----------
+    runs
+        Rows of `study.claims.set_ups.run`, of runs that were finished.
+    claims
+        Rows of `statements`, the default.
+
+    Raises
+    ------
+    study.claims.verdicts.ClaimError
+        If the runs lack the number of a claim.
+    """
+    checks.instance("runs", runs, pd.DataFrame)
+    claims = statements() if claims is None else checks.instance("claims", claims, pd.DataFrame)
+    columns = {}
+    for claim in claims.itertuples():
+        meant = list(MEASURES.get(claim.row, [claim.row]))
+        if not set(meant) <= set(runs):
+            raise verdicts.ClaimError(f"claim {claim.claim}: the runs have no {claim.row!r}")
+        holds = [
+            verdicts.holds(runs[name], claim.relation, claim.bounds).any(axis=1) for name in meant
+        ]
+        columns[claim.claim] = pd.array(np.any(holds, axis=0), dtype="boolean")
+        if claim.claim.startswith("methods_agree"):  # needs both flexible models
+            columns[claim.claim][runs[claim.row].isna().to_numpy()] = pd.NA
+    return pd.DataFrame(columns, index=runs.index)
+
+
+def group(runs: pd.DataFrame) -> pd.Series:
+    """The group of each run, of `RUNS`."""
+    checks.instance("runs", runs, pd.DataFrame)
+    return runs.model.where(runs.kind != "schemes", "schemes")
+
+
+def never_together(holds: pd.DataFrame) -> list[tuple[str, str]]:
+    """Pairs of statements that each hold in some run, but never in the same one."""
+    checks.instance("holds", holds, pd.DataFrame)
+    some = holds.fillna(False).astype(bool)
+    ever = [claim for claim in some if some[claim].any()]
+    return [pair for pair in combinations(ever, 2) if not some[list(pair)].all(axis=1).any()]

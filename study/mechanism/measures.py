@@ -1,0 +1,124 @@
+"""Numbers that judge what the paper says of its Figs. 17 to 21: one response beside the ideal one.
+
+Their names are those that the rows of ``data/published/claims.csv`` give to the quantities. What
+must be computed from two models at once is left out (`study.mechanism.compare.motion_nrms`).
+"""
+
+import numpy as np
+
+from study import checks
+from study.mechanism.compare import normalised_rms, same_times
+from study.mechanism.response import Response
+
+EARLY = 0.01
+"""Time in s that counts as the beginning of the motion, for accelerations and impacts."""
+WINDOW = 1e-3
+"""Time in s in which the force swings once or not."""
+QUARTER, PER_DEGREE = 18, 5  # parts of a quarter of a turn, and degrees in each
+_TINY = 1e-9  # of a window or of the duration: times of output have rounding errors
+
+
+def measures(
+    response: Response, ideal: Response, end: float | None = None, early: float = EARLY
+) -> dict[str, float]:
+    """Numbers of a response with clearance beside one with an ideal joint, by their names.
+
+    Percentages are of the time from 0 to ``end``, except where the name says otherwise. A number
+    that does not exist, such as the direction of a contact that never was, is NaN.
+
+    Parameters
+    ----------
+    response, ideal
+        At the same times, of one model and one scene.
+    end
+        Time in s up to which the motion counts; None: all of it.
+    early
+        Time in s of the numbers named ``early`` or ``first 10 ms``.
+
+    Raises
+    ------
+    ValueError
+        If the times differ, for a time that the responses do not reach or that is shorter than a
+        `WINDOW`, or if the ideal joint has no force.
+    """
+    same_times(response=response, ideal=ideal)
+    last = float(ideal.time[-1])
+    checks.number("duration", last, "s", least=WINDOW)
+    if end is None:
+        end = last
+    checks.number("end", end, "s", least=WINDOW, most=last, scalar=True)
+    checks.number("early", early, "s", above=0, most=last, scalar=True)
+    if not ideal.normal_force[ideal.time <= early].any():
+        raise ValueError("ideal must have a force in its joint at the beginning, got none")
+    part = ideal.time <= end * (1 + _TINY)
+    return (
+        _motion(response, ideal, part, ideal.time <= early * (1 + _TINY))
+        | _forces(response, ideal, part, end, early)
+        | _path(response, part)
+    )
+
+
+def _motion(response, ideal, part, early):
+    """How far the slider is ahead, and its acceleration."""
+    series = ("slider_position", "slider_velocity", "slider_acceleration")
+    curves = [getattr(ideal, name) for name in series]
+    slopes = [*curves[1:], np.gradient(curves[-1], ideal.time)]
+    ahead = [
+        100 * float(((getattr(response, name) - curve) * slope > 0)[part].mean())
+        for name, curve, slope in zip(series, curves, slopes, strict=True)
+    ]
+    usual, loose = ideal.slider_acceleration, response.slider_acceleration
+    peak = np.abs(loose[early]).max() / np.abs(usual[early]).max()
+    return {
+        "time for which the slider is ahead": ahead[0],
+        "time for which the slider's velocity is ahead": ahead[1],
+        "time for which the slider's acceleration is ahead": ahead[2],
+        "acceleration, difference of clearance and ideal joint": 100
+        * normalised_rms(usual[part], loose[part]),
+        "largest early acceleration over that of the ideal joint": float(peak),
+    }
+
+
+def _forces(response, ideal, part, end, early):
+    """Impacts and normal force in the slider's joint."""
+    impacts = response.impact_columns
+    ended = np.isfinite(impacts["separation_speed"]) & (impacts["joint"] == "slider")
+    start, peak = impacts["time"][ended], impacts["peak_force"][ended]
+    parted = start + impacts["duration"][ended]
+    loose, usual = response.normal_force, ideal.normal_force
+    largest = max(loose[part].max(), peak[start <= end].max(initial=0.0))
+    first = peak[start <= early].max(initial=0.0) / usual[ideal.time <= early].max()
+    number = np.floor(ideal.time / WINDOW + _TINY).astype(int)
+    begins = np.flatnonzero(np.diff(number, prepend=-1))[: int(end / WINDOW + _TINY) + 1]
+    swings = [
+        (np.maximum.reduceat(force, begins) - np.minimum.reduceat(force, begins))[:-1]
+        for force in (loose, usual)
+    ]
+    return {
+        "force over that of the ideal joint": float(largest / usual[part].max()),
+        "impact force over that of the ideal joint, first 10 ms": float(first),
+        "last separation": 100 * float(parted[start <= end].max(initial=0.0)) / end,
+        "time in which the force swings": 100 * float((swings[0] > 2 * swings[1]).mean()),
+    }
+
+
+def _path(response, part):
+    """Where the ball is in contact."""
+    x, y = response.eccentricity_x, response.eccentricity_y
+    touches = (response.depth > 0) & part
+    angle = np.degrees(np.arctan2(y, x))[touches] % 360
+    count = np.histogram(angle, np.arange(0, 361, PER_DEGREE))[0]
+    quarters = np.convolve(np.append(count, count[: QUARTER - 1]), np.ones(QUARTER), "valid")
+    kinds = np.array(response.event_kinds)
+    columns = list(response.columns)
+    first = response.event_rows[kinds == "start"][:1]
+    place = first[:, columns.index("eccentricity_x")], first[:, columns.index("eccentricity_y")]
+    below = -100 * place[1] / np.hypot(*place)
+    return {
+        "time in contact": 100 * float(touches.sum() / part.sum()),
+        "arc that the contact covers": float(np.unique(angle // 1).size),
+        "time of contact in the most visited quarter": 100 * float(quarters.max() / len(angle))
+        if len(angle)
+        else np.nan,
+        "first touch below the centre": float(below[0]) if len(below) else np.nan,
+    }
