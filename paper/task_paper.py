@@ -1,4 +1,4 @@
-"""Two tasks after the notebooks: the paper, and the report that shows everything."""
+"""Two tasks after the notebooks: paper and supplement, and the report that shows everything."""
 
 from pathlib import Path
 from typing import Annotated
@@ -15,7 +15,7 @@ def task_typeset(
     results: list[Path] = PAPER.reads,
     output: Annotated[list[Path], Product] = PAPER.products,
 ):
-    typeset.typeset(output=output[0])
+    typeset.typeset_all()
 
 
 def task_report(

@@ -1,4 +1,4 @@
-"""The paper: every number read, nothing missing, the same bytes."""
+"""Paper and supplement: every number read, nothing missing, the same bytes."""
 
 import re
 import shutil
@@ -11,17 +11,41 @@ from study.checks import StudyError
 from study.pages import typeset
 
 TEXT = typeset.SOURCE.read_text(encoding="utf-8")
+SUPPLEMENT = paths.PAPER / "supplement.typ"
+BOTH = TEXT + SUPPLEMENT.read_text(encoding="utf-8")
 
 
-def test_the_paper_is_typeset_twice_to_the_same_bytes(tmp_path):
+@pytest.mark.parametrize("source", [typeset.SOURCE, SUPPLEMENT], ids=lambda path: path.stem)
+def test_it_is_typeset_twice_to_the_same_bytes(tmp_path, source):
     first, second = tmp_path / "first.pdf", tmp_path / "second.pdf"
-    typeset.typeset(output=first)
-    typeset.typeset(output=second)
+    typeset.typeset(source, first)
+    typeset.typeset(source, second)
     assert first.read_bytes() == second.read_bytes()
     assert first.read_bytes().startswith(b"%PDF")
     assert str(paths.ROOT).encode() not in first.read_bytes()
-    pages = typst.compile(typeset.SOURCE, root=paths.ROOT, ignore_system_fonts=True, format="svg")
-    assert 8 <= len(pages) <= 10
+
+
+def test_the_article_has_at_most_eight_pages():
+    pages = typst.compile(typeset.SOURCE, format="svg", **typeset.options())
+    assert 7 <= len(pages) <= 8
+
+
+def test_no_result_is_typed():
+    """Typed are set-ups, such as a depth of 0.5, and the bounds that a question names."""
+    text = re.sub(r'"[^"]*"|`[^`]*`|//.*|(?:doi|preprints.org|width:) \S+', "", BOTH)
+    typed = set(re.findall(r"(?<![\w.])(\d+(?:\.\d+)?) %", text))
+    assert typed == {"0.1", "1", "5", "10", "30"}
+    typed = set(re.findall(r"(?<![\w.])\d+\.\d{3,}", text))
+    assert typed == {"0.025", "0.001", "0.4999", "0.393"}  # set-ups, a height
+
+
+def test_the_article_names_sections_that_the_supplement_has():
+    named = set(re.findall(r'#S\("(\w+)"\)', TEXT))
+    parts = re.findall(r'#part\("(\w+)"\)', SUPPLEMENT.read_text(encoding="utf-8"))
+    look = (paths.PAPER / "look.typ").read_text(encoding="utf-8")
+    assert named
+    assert named <= set(parts)
+    assert parts == re.findall(r'^  (\w+): "', look, re.MULTILINE)  # in the order of their numbers
 
 
 def copy(tmp_path, monkeypatch, old, new):
@@ -53,7 +77,7 @@ def copy(tmp_path, monkeypatch, old, new):
 )
 def test_what_is_missing_stops_the_paper(tmp_path, monkeypatch, old, new):
     source = copy(tmp_path, monkeypatch, old, new)
-    with pytest.raises(StudyError, match=r"^paper/(paper|results|numbers)\.typ, line \d+: "):
+    with pytest.raises(StudyError, match=r"^paper/(paper|look|results|numbers)\.typ, line \d+: "):
         typeset.typeset(source, tmp_path / "paper.pdf")
     assert not (tmp_path / "paper.pdf").exists()
 
@@ -78,8 +102,10 @@ def test_the_references_asked_of_such_a_paper_are_cited():
     keys = re.findall(r"^(\w+):$", entries, re.MULTILINE)
     assert len(keys) >= 16
     for key in keys:
-        assert f"@{key}" in TEXT, key
+        assert f"@{key}" in BOTH, key
     without = {"yao2024", "steuermann1939", "pytask", "papermill"}  # have none that is known
-    without |= {"ciavarella2007", "mak2002", "jin1999", "rockerarm"}  # in what could be read
+    without |= {"ciavarella2007", "mak2002", "jin1999"}  # in what could be read
     for key, entry in zip(keys, re.split(r"^\w+:\n", entries, flags=re.MULTILINE)[1:], strict=True):
         assert ("doi:" in entry) != (key in without), key
+        assert "  author: [" in entry, key
+        assert "not seen" not in entry, key

@@ -43,6 +43,7 @@ CLAIMS = [
 ]
 CLAIMS[0] |= {"statement": HOSTILE, "found": "<b>: 1; <i>: 2", "claim": "hostile <claim>"}
 PROBED = "03-force-against-depth"
+PDFS = ("paper.pdf", "supplement.pdf")
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +76,8 @@ def results_shown(tmp_path_factory):
     probed.cells.append(v4.new_code_cell("x = 1", outputs=outputs))
     probed.metadata["papermill"] = {"output_path": str(paths.ROOT / "build")}
     nbformat.write(probed, executed / f"{PROBED}.ipynb")
-    (folder / "paper.pdf").write_bytes(b"%PDF-1.4\n%%EOF\n")
+    for name in PDFS:
+        (folder / name).write_bytes(b"%PDF-1.4\n%%EOF\n")
     return folder
 
 
@@ -83,7 +85,7 @@ def show(patch, folder):
     """Let the report show the results of a folder."""
     patch.setattr(paths, "FIGURES", folder / "figures")
     patch.setattr(paths, "BUILD", folder)
-    patch.setattr(sources_of_pages, "PDF", folder / "paper.pdf")
+    patch.setattr(sources_of_pages, "PDFS", [folder / name for name in PDFS])
 
 
 PACKAGES = ("", "contact", "claims", "pages", "pages/report")

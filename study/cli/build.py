@@ -69,11 +69,11 @@ def _compare(selected):
 
 @cli.command("paper")
 def typeset_paper():
-    """Typeset the paper, build/paper.pdf, from the results in figures/ as they are."""
-    from study.pages.typeset import typeset
+    """Typeset build/paper.pdf and build/supplement.pdf from the results in figures/ as they are."""
+    from study.pages.typeset import typeset_all
 
-    typeset()
-    print("made  build/paper.pdf")
+    typeset_all()
+    print("made  build/paper.pdf and build/supplement.pdf")
 
 
 @cli.command("report", keeps=True)
@@ -101,7 +101,8 @@ def _make(selected, **how):
             for result in notebook.results.values():
                 print(f"made  {folder}/{result.files[-1]:<{len(result.name) + 5}} {result.shows}")
             print(f"      {name(notebook.executed)}")
-    for task, file in (("typeset", "paper.pdf"), ("report", "report/index.html")):
+    both = "paper.pdf and build/supplement.pdf"
+    for task, file in (("typeset", both), ("report", "report/index.html")):
         if task in made:
             print(f"made  build/{file}")
     fail(built.failures)

@@ -17,10 +17,14 @@ from study.pages import catalogue
 from study.pages.catalogue import CATALOGUE, Notebook
 
 LOCK = paths.ROOT / "pytask.lock"
-PDF = paths.BUILD / "paper.pdf"
+PDFS = (paths.BUILD / "paper.pdf", paths.BUILD / "supplement.pdf")
 INDEX = paths.BUILD / "report/index.html"
 _SHOWN_DATA = (paths.DATA / "force_curves.csv", paths.DATA / "datapackage.json")
-_PRINTED_DATA = (paths.DATA / "published/tables.csv", contact.laws.COEFFICIENTS)
+_PRINTED_DATA = (
+    paths.DATA / "published/tables.csv",
+    contact.laws.COEFFICIENTS,
+    contact.hertz_correction.TABLE,
+)
 _PRINTED = (".typ", ".yml")
 _IN_REPORT = (".py", ".html", ".md", ".rst", ".css", ".js", ".json", ".csv")
 
@@ -84,18 +88,18 @@ def of_notebook(notebook: Notebook) -> Task:
 
 
 def of_paper() -> Task:
-    """Task of the paper, which reads the results."""
+    """Task of the paper and its supplement, which read the results."""
     text = [path for path in sorted(paths.PAPER.iterdir()) if path.suffix in _PRINTED]
     inputs = (*text, *_SHOWN_DATA, *_PRINTED_DATA)
     shown = [paths.FIGURES / name for notebook in CATALOGUE for name in notebook.files()]
-    return Task("typeset", "paper/task_paper.py::task_typeset", lambda: inputs, shown, [PDF])
+    return Task("typeset", "paper/task_paper.py::task_typeset", lambda: inputs, shown, PDFS)
 
 
 def of_report() -> Task:
     """Task of the report, which shows everything."""
     library = [path for path in (paths.ROOT / "study").rglob("*.*") if path.suffix in _IN_REPORT]
     inputs = (*sorted(library), *paths.DOCUMENTS, catalogue.FILE, *_SHOWN_DATA)
-    reads = [path for notebook in CATALOGUE for path in notebook.products()] + [PDF]
+    reads = [path for notebook in CATALOGUE for path in notebook.products()] + [*PDFS]
     identifier = "paper/task_paper.py::task_report"
     return Task("report", identifier, lambda: inputs, reads, [INDEX], words=True)
 

@@ -1,20 +1,28 @@
-"""The paper as PDF: Typst reads text, figures and numbers; a missing one is an error."""
+"""Paper and supplement as PDF: Typst reads text, figures, numbers; a missing one is an error."""
 
 import re
 from pathlib import Path
+from typing import Any
 
 import typst
 
-from study import paths
+from study import paths, provenance
 from study.checks import StudyError
+from study.contact import hertz_correction
 from study.pages import freshness
 
 SOURCE = paths.PAPER / "paper.typ"
-PDF = freshness.PDF
+PDF = freshness.PDFS[0]
+
+
+def typeset_all() -> None:
+    """Typeset the paper and its supplement."""
+    for pdf in freshness.PDFS:
+        typeset(paths.PAPER / f"{pdf.stem}.typ", pdf)
 
 
 def typeset(source: Path = SOURCE, output: Path = PDF) -> None:
-    """Typeset the paper from the results in ``figures/`` and the data; same bytes every time.
+    """Typeset a text from the results in ``figures/`` and the data; same bytes every time.
 
     Only Typst's own fonts are used, and no date is written. The source is inside the project.
 
@@ -25,15 +33,19 @@ def typeset(source: Path = SOURCE, output: Path = PDF) -> None:
     """
     paths.require_checkout(paths.PAPER)
     try:
-        pdf, warnings = typst.compile_with_warnings(
-            source, root=paths.ROOT, ignore_system_fonts=True, format="pdf"
-        )
+        pdf, warnings = typst.compile_with_warnings(source, format="pdf", **options())
     except typst.TypstError as error:
         raise StudyError(_in_one_line(error)) from None
     if warnings:
         raise StudyError(_in_one_line(warnings[0]))
     with paths.whole(output) as temporary:
         temporary.write_bytes(pdf)
+
+
+def options() -> dict[str, Any]:
+    """Options of Typst's compiler: where files are, its own fonts, and a hash, which it has not."""
+    inputs = {"law_table": provenance.sha256_of(hertz_correction.TABLE)}
+    return {"root": paths.ROOT, "ignore_system_fonts": True, "sys_inputs": inputs}
 
 
 def _in_one_line(problem) -> str:

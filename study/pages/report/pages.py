@@ -15,7 +15,7 @@ from study.dataset.store import CURVES, PACKAGE
 from study.pages import catalogue
 from study.pages.catalogue import CATALOGUE
 from study.pages.execute import parameters
-from study.pages.freshness import PDF
+from study.pages.freshness import PDFS
 from study.pages.report.curves import curves
 from study.pages.report.joint import joint_data
 
@@ -99,7 +99,8 @@ class _Sources:
         documents = [self._pages_of[name] for name in DOCUMENTS]
         for page in ("index.md", "evidence.md", "statements.md"):
             self._page(page, claims=claims, documents=documents)
-        paths.copy(PDF, self._pages / "paper.pdf")
+        for pdf in PDFS:
+            paths.copy(pdf, self._pages / pdf.name)
         for claim in claims:
             title = f"{claim['claim']}: {claim['statement']}"
             self._place(title, "claim", "statements", claim["anchor"])
