@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from study.contact.joint_law import pack
-from study.mechanism import MechanismError, beams, compare, frame, paper_scene, stable_step
+from study.mechanism import (
+    MechanismError,
+    beams,
+    compare,
+    frame,
+    paper_scene,
+    stable_step,
+    stepping,
+)
 from study.mechanism.frame import Frame
 from tests.test_mechanism import random_scenes
 from tests.with_hertz import simulate
@@ -296,3 +304,14 @@ def test_outputs_at_every_step_lose_none_when_the_table_of_impacts_grows(model):
     response = simulate(scene, **options)
     assert len(response.impacts) > 64
     assert (np.diff(response.crank_angle[1:]) != 0).all()  # no step is recorded twice
+
+
+@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+def test_where_a_loop_is_interrupted_changes_no_bit(model, monkeypatch):
+    """Compiled loops return after some time, so that Ctrl-C is noticed, and begin anew."""
+    options, rows = {} if model == "rigid" else TWO, []
+    for patience in (0.0, np.inf):
+        monkeypatch.setattr(stepping, "PATIENCE", patience)
+        response = simulate(PAPER, model=model, duration=0.05, outputs=500, **options)
+        rows.append(response.rows)
+    assert np.array_equal(*rows)

@@ -331,7 +331,8 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
     )
     if p.steady and state[stepping.STEPS] == 0:
         _drive(state, _reaction(CRANK, old, motion, system.mass), motion[1, CRANK], 0.0)
-    tolerance = NEWTON_TOLERANCE * law.clearance + 1e-13 * abs(motion[0, system.ball[3]])
+    far = abs(system.initial[system.ball[3]])  # of the start: a loop may begin anew at any step
+    tolerance = NEWTON_TOLERANCE * law.clearance + 1e-13 * far
     while True:
         if int(state[stepping.IMPACTS]) == len(impacts):
             return done, stepping.FULL
