@@ -302,6 +302,9 @@ def table_2_rows():
     for function in (table_alone.coefficients, table_alone.disagreement, table_alone.forces):
         names = ("winkler", *NAME) if function is table_alone.forces else NAME
         yield from rows(function, law=("hyperbolic_winkler", names), **sample)
+    sample["depths"] = (fitting.SAMPLE, sample["depths"][1])
+    law = ("hyperbolic_winkler", ("winkler", *NAME))
+    yield from rows(table_alone.needed_rounding, law=law, **sample)
 
 
 def study_rows():

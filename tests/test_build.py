@@ -151,7 +151,8 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
     assert study(project, "data", "build").stdout == again.stdout
 
 
-OTHERS = ("data/links.csv", "data/set_ups.csv", "study/contact/hertz_correction.csv")
+OTHERS = ("data/links.csv", "study/contact/hertz_correction.csv")
+"""What is not made from the curves; set_ups.csv is, by way of the coefficients."""
 
 
 def test_a_project_in_which_no_task_is_found_is_an_error(tmp_path):

@@ -46,7 +46,7 @@ def test_what_cannot_speak_for_or_against_the_paper_stands_apart():
         == "can hardly fail"
     ).all()
     implied = ["two_parameters", "moduli_by_modulus", "poisson_by_modulus"]
-    implied += ["restitution", "shape_beats_hertz"]
+    implied += ["restitution", "shape_beats_hertz", "half_angle"]
     assert set(kind[kind == "implied only"].index) == set(implied)
     table_2 = ROWS[ROWS["where"] == "Table 2"]
     assert len(table_2) == 15

@@ -110,3 +110,20 @@ def test_of_the_samples_two_survive():
     assert len(good) == 4
     rest = table.drop(good.index)
     assert (rest.disagreement_percent.abs() - rest.uncertainty_percent).min() > 0.5
+
+
+def test_all_eight_numbers_leave_one_list_of_depths_and_one_area():
+    found = pd.read_csv(paths.FIGURES / "table_alone.csv").set_index(["quantity", "reading"])
+    needed = found.value["half digits by which Table 2 must be off"]
+    assert needed["21 depths, disc"] < 1
+    assert needed.drop("21 depths, disc").min() > 50
+
+
+@pytest.mark.parametrize("off", [0.9998, 1.0002])
+def test_a_table_of_known_forces_needs_no_other_digits(off):
+    force = 200 * (fitting.SAMPLE / 0.5) ** 1.65
+    table = table_alone.printed(made(fitting.SAMPLE, force, 12))
+    assert table_alone.needed_rounding(table, DISC, fitting.SAMPLE) < 1e-3
+    missing, rmse = table["steuermann"]
+    table["steuermann"] = missing, off * rmse
+    assert table_alone.needed_rounding(table, DISC, fitting.SAMPLE) > 2  # not rounding

@@ -32,10 +32,13 @@ def statements() -> pd.DataFrame:
     return claims.reset_index(drop=True)
 
 
-def held(runs: pd.DataFrame, claims: pd.DataFrame | None = None) -> pd.DataFrame:
+def held(
+    runs: pd.DataFrame, claims: pd.DataFrame | None = None, strictly: bool = False
+) -> pd.DataFrame:
     """Whether each statement holds in each run: a column for each claim, missing if not measured.
 
     It holds if one of its measures does, with one of the bounds: a run has the benefit of doubt.
+    Strictly it holds if all do, as in `study.claims.verdicts`.
 
     Parameters
     ----------
@@ -50,16 +53,16 @@ def held(runs: pd.DataFrame, claims: pd.DataFrame | None = None) -> pd.DataFrame
         If the runs lack the number of a claim.
     """
     checks.instance("runs", runs, pd.DataFrame)
+    checks.flag("strictly", strictly)
     claims = statements() if claims is None else checks.instance("claims", claims, pd.DataFrame)
     columns = {}
     for claim in claims.itertuples():
         meant = list(MEASURES.get(claim.row, [claim.row]))
         if not set(meant) <= set(runs):
             raise verdicts.ClaimError(f"claim {claim.claim}: the runs have no {claim.row!r}")
-        holds = [
-            verdicts.holds(runs[name], claim.relation, claim.bounds).any(axis=1) for name in meant
-        ]
-        columns[claim.claim] = pd.array(np.any(holds, axis=0), dtype="boolean")
+        by = [verdicts.holds(runs[name], claim.relation, claim.bounds) for name in meant]
+        holds = np.all(by, axis=(0, 2)) if strictly else np.any(by, axis=(0, 2))
+        columns[claim.claim] = pd.array(holds, dtype="boolean")
         if claim.claim.startswith("methods_agree"):  # needs both flexible models
             columns[claim.claim][runs[claim.row].isna().to_numpy()] = pd.NA
     return pd.DataFrame(columns, index=runs.index)

@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import minimize
 
 from study import checks, contact
 from study.contact.laws import AREA_COEFFICIENTS
@@ -155,3 +156,53 @@ def forces(
     directions, mixed = np.linalg.qr(np.array(basis).T)
     parts = np.linalg.solve(mixed.T, np.array(products))
     return directions @ parts, squares - np.sum(parts**2, axis=0)
+
+
+def needed_rounding(table: Printed, law: str, depths: ArrayLike, factor: float = 1.0) -> float:
+    """Half digits by which printed numbers must be off for any forces to have all eight.
+
+    At most 1 is rounding. The eight numbers give the sum of the squared forces, and the products
+    of the forces with 1 and with four laws, whose factors need not be those of least squares. So
+    forces exist if their part within these has no larger sum of squares. Parameters are as for
+    `forces`.
+
+    Raises
+    ------
+    study.checks.StudyError
+        If no such digits are found.
+    """
+    checks.choice("law", law, tuple(AREA_COEFFICIENTS.values()))
+    totals(table, depths, factor)  # the arguments are right
+    stated = np.array([[column[0] for column in table[name]] for name in ROWS]).T
+    fitted = [fitting.shape(name, depths) for name in ("winkler", law)]
+    laws = np.array([*known_forces(depths), *fitted])
+    count, sums = laws.shape[1], laws.sum(axis=1)
+    directions = np.linalg.qr(np.array([np.ones(count), *laws]).T)[1]
+
+    def rest(changed):
+        """Sum of squares that is left to other forces; below 0 there are none."""
+        missing, rmse = stated + HALF_DIGIT * changed[:8].reshape(2, 4)
+        root = np.sqrt(missing[0] / missing[1])
+        total = (sums[0] - root * sums[1]) / (1 - root)
+        about_mean = factor * (total - sums[0]) ** 2 / missing[0]
+        factors = np.append([1.0, 1.0], total / sums[2:])
+        factors[2:] -= np.sqrt(missing[2:] * about_mean / factor) / sums[2:]
+        squares = about_mean + total**2 / count
+        errors = count * rmse**2 - squares - factors**2 * (laws**2).sum(axis=1)
+        parts = np.linalg.solve(directions.T, np.append(total, -errors / (2 * factors)))
+        return squares - parts @ parts
+
+    unit = abs(rest(np.zeros(8)))
+    if rest(np.zeros(8)) >= 0:
+        return 0.0
+    limits = [lambda x: rest(x) / unit, lambda x: x[8] - x[:8], lambda x: x[8] + x[:8]]
+    limits = [{"type": "ineq", "fun": limit} for limit in limits]
+    start = np.append(np.zeros(8), 1.0)
+    options = {"maxiter": 500, "ftol": 1e-10}
+    positive = [(-0.9 * number / HALF_DIGIT, None) for number in stated.ravel()] + [(0, None)]
+    found = minimize(
+        lambda x: x[8], start, method="SLSQP", bounds=positive, constraints=limits, options=options
+    )
+    if not found.success or abs(rest(found.x)) > 1e-6 * unit:
+        raise checks.StudyError(f"no digits near Table 2's were found: {found.message}")
+    return float(found.x[8])

@@ -53,7 +53,7 @@ def _excess(old, new, result, column):
     numbers = [pd.to_numeric(values, errors="coerce").to_numpy(float) for values in (old, new)]
     both = changed & np.isfinite(numbers).all(axis=0)
     if both.any():
-        size = np.nanmax(np.abs(numbers), axis=0)
+        size = np.fmax(*np.abs(numbers))  # NaN where both are
         limit = OF_DIFFERENCES + TOLERANCE * size
         if result in CHAOTIC:
             limit = CHAOTIC_TOLERANCE * (size + 1e-3 * np.nanmax(size))
