@@ -1,9 +1,11 @@
-"""The dataset's tasks: the curve of each case, then table, fitted laws, links and description.
+"""The dataset's tasks: curves of cases, their table, fitted laws, links, set-ups, description.
 
 Only what is damaged, out of date or made from that has tasks: the rest need not be solved.
 """
 
+import hashlib
 import json
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -32,9 +34,16 @@ DRAWN = [*set_ups.draw(), *set_ups.FOUND]
 SET_UPS = [paths.BUILD / f"set_ups/{one.number:03d}.csv" for one in DRAWN]
 
 
-def decided_by(path, *more):
-    """A value that changes with the code that decides a file, and with what else is given."""
-    return PythonNode(value=repr((CODE[path], *more)), hash=True)
+def decided_by(path, value=None):
+    """A value for a task, which is stale if it or the code that decides a file changes.
+
+    It is no default of the task: pytask takes all defaults for one, by the name of any of them.
+    """
+    return PythonNode(value=value, hash=partial(_digest, CODE[path]))
+
+
+def _digest(code, value):
+    return hashlib.sha256(repr((code, value)).encode()).hexdigest()
 
 
 for cases, part in zip(BATCHES, PARTS, strict=True):
@@ -43,8 +52,7 @@ for cases, part in zip(BATCHES, PARTS, strict=True):
 
     @task(id=part.stem)
     def task_curves(
-        decided: Annotated[str, decided_by(store.CURVES, cases)],
-        cases: list[tuple] = cases,
+        cases: Annotated[list[tuple], decided_by(store.CURVES, cases)],
         part: Annotated[Path, Product] = part,
     ):
         with paths.whole(part) as temporary:
@@ -61,7 +69,7 @@ if store.CURVES in MADE:
 if store.COEFFICIENTS in MADE:
 
     def task_coefficients(
-        decided: Annotated[str, decided_by(store.COEFFICIENTS)],
+        decided: Annotated[None, decided_by(store.COEFFICIENTS)],
         table: Path = store.CURVES,
         published: Path = store.TABLES,
         coefficients: Annotated[Path, Product] = store.COEFFICIENTS,
@@ -79,8 +87,7 @@ for counts, parts in ((hertz_correction.LIMITS, LIMITS), (hertz_correction.CHANG
         @mark.try_first  # they take the longest
         @task(id=part.stem)
         def task_hertz_correction(
-            decided: Annotated[str, decided_by(store.TABLE, float(nu), counts)],
-            of: tuple = (float(nu), counts),
+            of: Annotated[tuple, decided_by(store.TABLE, (float(nu), counts))],
             part: Annotated[Path, Product] = part,
         ):
             with paths.whole(part) as temporary:
@@ -90,7 +97,7 @@ for counts, parts in ((hertz_correction.LIMITS, LIMITS), (hertz_correction.CHANG
 if store.TABLE in MADE:
 
     def task_hertz_correction_table(
-        decided: Annotated[str, decided_by(store.TABLE)],
+        decided: Annotated[None, decided_by(store.TABLE)],
         limits: list[Path] = LIMITS,
         changes: list[Path] = CHANGES,
         table: Annotated[Path, Product] = store.TABLE,
@@ -107,8 +114,7 @@ for k, part in enumerate(LINKS):
     @mark.try_last  # meanwhile coefficients are fitted to the curves
     @task(id=part.stem)
     def task_scenes(
-        decided: Annotated[str, decided_by(store.LINKS, some)],
-        scenes: list = some,
+        scenes: Annotated[list, decided_by(store.LINKS, some)],
         correction: Path = store.TABLE,
         part: Annotated[Path, Product] = part,
     ):
@@ -129,8 +135,7 @@ for one, part in zip(DRAWN, SET_UPS, strict=True):
     @mark.try_last
     @task(id=f"set-up-{part.stem}")
     def task_set_ups(
-        decided: Annotated[str, decided_by(store.SET_UPS, one)],
-        one: tuple = one,
+        one: Annotated[set_ups.SetUp, decided_by(store.SET_UPS, one)],
         coefficients: Path = store.COEFFICIENTS,
         correction: Path = store.TABLE,
         part: Annotated[Path, Product] = part,
