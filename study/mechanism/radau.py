@@ -1,8 +1,8 @@
 """Constants of Radau's rule with five points (Radau IIA), of order 9: literals.
 
 They follow from the rule alone (Hairer and Wanner, Solving Ordinary Differential Equations II, sec.
-IV.5). `tests/test_collocation.py` computes them again, in fractions. As literals they have the same
-bits on every processor.
+IV.5). `tests/mechanism/test_collocation.py` computes them again, in fractions. As literals they
+have the same bits on every processor.
 """
 
 import numpy as np

@@ -1,0 +1,146 @@
+"""Damping, friction and the compiled contact force against what they are meant to be."""
+
+import re
+
+import mpmath
+import numpy as np
+import pytest
+from helpers.laws import VARIANTS
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad, solve_ivp
+
+from study import contact
+from study.contact import forces, friction, joint_law
+from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
+
+R1, R2, MODULUS = 9.95e-3, 10e-3, 1.1e11
+V0, V1 = 1e-4, 1e-2
+
+
+def rebound(factor):
+    """Separation over approach speed of a free unit mass on P = d^1.5 with damping."""
+
+    def slopes(_, y):
+        return y[1], -(max(y[0], 0.0) ** 1.5) * (1 + factor * y[1])
+
+    def parted(_, y):
+        return y[0]
+
+    parted.terminal, parted.direction = True, -1
+    path = solve_ivp(slopes, (0, 1e3), (0.0, 1.0), events=parted, rtol=1e-10, atol=1e-13)
+    return -path.y_events[0][0][1]
+
+
+@pytest.mark.parametrize("restitution", [0.05, 0.2, 0.5, 0.9, 0.999])
+def test_exact_damping_delivers_its_restitution(restitution):
+    assert rebound(damping_factor("exact", restitution)) == pytest.approx(restitution, abs=1e-7)
+
+
+def test_exact_damping_at_one_half_and_at_its_ends():
+    assert damping_factor("exact", 0.5) == pytest.approx(1.43275, abs=5e-6)
+    assert damping_factor("exact", 1.0) == 0
+    for cr in (1e-3, 1e-2):  # D -> 1/cr: the surfaces barely part
+        assert damping_factor("exact", cr) == pytest.approx(1 / cr, rel=1e-9)
+    for cr in (1 - 1e-6, 1 - 1e-9):  # D -> 3 (1 - cr) / 2, as Hunt and Crossley
+        assert damping_factor("exact", cr) == pytest.approx(1.5 * (1 - cr), rel=1e-5)
+
+
+def test_lankarani_nikravesh_does_not_deliver_its_restitution():
+    assert rebound(damping_factor("lankarani-nikravesh", 0.5)) == pytest.approx(0.725, abs=5e-4)
+
+
+@pytest.mark.parametrize("damping", DAMPINGS)
+def test_every_damping_is_elastic_at_one_and_right_close_to_it(damping):
+    assert damping_factor(damping, 1.0) == 0
+    assert rebound(damping_factor(damping, 0.99)) == pytest.approx(0.99, abs=8e-4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ("exact", 0.0),
+            "restitution for damping exact, unlike hunt-crossley, must be >= 0.001, got 0",
+        ),
+        (("flores", 0.0), "restitution for damping flores, unlike hunt-crossley, must be >= 0.0"),
+        (("flores", 1.5), "restitution must be >= 0 and <= 1, got 1.5"),
+        (("flores", float("nan")), "restitution must be finite"),
+        (("newton", 0.5), "damping must be one of lankarani-nikravesh, hunt-crossley, flores, ex"),
+    ],
+)
+def test_bad_damping_is_one_clear_error(arguments, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        damping_factor(*arguments)
+
+
+@given(st.floats(-0.03, 0.03))
+def test_friction_factor_is_ambrosios(speed):
+    branch = friction.friction_branch(speed, V0, V1)
+    factor, slope = friction.friction_factor(speed, branch, V0, V1)
+    assert factor == pytest.approx(np.sign(speed) * np.clip((abs(speed) - V0) / (V1 - V0), 0, 1))
+    assert slope == (1 / (V1 - V0) if abs(branch) == 1 else 0)
+
+
+@pytest.mark.parametrize("restitution", [1e-3, 0.03, 0.5, 0.7, 0.75, 0.95, 1 - 1e-6, 1 - 1e-12])
+def test_exact_damping_solves_its_equation_to_the_last_digits(restitution):
+    found = damping_factor("exact", restitution)
+    with mpmath.workdps(40):
+        cr = mpmath.mpf(restitution)
+
+        def off(share):  # of the range from 0 to 1/cr
+            return mpmath.log((1 + share / cr) / (1 - share)) - share / cr * (1 + cr)
+
+        low, high = (cr * (found + sign * (1e-15 + 1e-12 * found)) for sign in (-1, 1))
+        assert off(low) < 0
+        assert high >= 1 or off(high) > 0
+    assert delivered_restitution(found) == pytest.approx(restitution, rel=1e-12)
+
+
+def test_friction_branches_meet_at_the_kinks():
+    for speed, one, other in ((V0, 0, 1), (V1, 1, 2), (-V0, 0, -1), (-V1, -1, -2)):
+        left = friction.friction_factor(speed, one, V0, V1)[0]
+        right = friction.friction_factor(speed, other, V0, V1)[0]
+        assert left == pytest.approx(right, abs=1e-14)
+
+
+@pytest.mark.parametrize(("name", "options"), VARIANTS)
+def test_compiled_force_is_the_law(name, options):
+    law = joint_law.pack(name, R1, R2, MODULUS, **options)
+    depths = np.array([1e-9, 1e-7, 1e-6, 2.5e-5, R2 - R1])
+    found = np.array([forces.elastic_force(law, d) for d in depths])
+    sizes = {"ball_radius": R1, "socket_radius": R2, "composite_modulus": MODULUS}
+    of_joint = contact.JointLaw(name, **sizes, **options)
+    close = 1e-11 if name == "stiffened_hertz" else 1e-13  # its nine numbers, up to 1e4, cancel
+    assert found[:, 0] == pytest.approx(of_joint.force(depths), rel=close)
+    assert found[:, 1] == pytest.approx(of_joint.stiffness(depths), rel=close)
+
+
+@pytest.mark.parametrize(("name", "options"), VARIANTS)
+def test_stored_energy_is_the_integral_of_the_force(name, options):
+    law = joint_law.pack(name, R1, R2, MODULUS, **options)
+    exact, _ = quad(lambda d: forces.elastic_force(law, d)[0], 0, 2e-5, epsabs=0, epsrel=1e-12)
+    assert forces.stored_energy(law, 2e-5) == pytest.approx(exact, rel=1e-9)
+    assert forces.stored_energy(law, -1e-6) == 0
+
+
+@given(st.floats(1e-7, 5e-5), st.floats(-0.2, 0.2), st.floats(-0.02, 0.02))
+def test_joint_forces_and_their_derivatives(depth, rate, sliding):
+    law = joint_law.pack("hertz", R1, R2, MODULUS)
+    branch = friction.friction_branch(sliding, V0, V1)
+
+    def at(depth, rate, sliding):
+        return forces.joint_forces(law, depth, rate, sliding, branch, 0.1, 0.6, 0.05, V0, V1)
+
+    normal, by_depth, by_rate, elastic, stiffness, tangential, by_normal, by_sliding = at(
+        depth, rate, sliding
+    )
+    assert normal == pytest.approx(elastic * (1 + 6 * rate), rel=1e-12)
+    assert tangential * sliding <= 0 or normal < 0
+    h = 1e-6
+    assert by_depth == pytest.approx(stiffness * (1 + 6 * rate), rel=1e-12)
+    change = at(depth, rate + h, sliding)[0] - at(depth, rate - h, sliding)[0]
+    assert by_rate == pytest.approx(change / (2 * h), rel=1e-6)
+    change = at(depth, rate, sliding + h)[5] - at(depth, rate, sliding - h)[5]
+    assert by_sliding == pytest.approx(change / (2 * h), rel=1e-5, abs=1e-9 * abs(normal))
+    assert by_normal * normal == pytest.approx(tangential, abs=1e-12 * abs(normal))

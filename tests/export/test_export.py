@@ -1,0 +1,302 @@
+"""Exported laws are the laws: C compiled, MATLAB run in Octave, JSON and CSV read back."""
+
+import ctypes
+import io
+import json
+import re
+import subprocess
+
+import numpy as np
+import pandas as pd
+import pytest
+from helpers.programs import COMPILER, OCTAVE, needs_compiler, needs_octave
+from scipy.interpolate import CubicHermiteSpline
+
+from study import contact
+from study.contact import LAWS
+from study.contact.power_fit import USUAL_RANGE
+from study.export import FUNCTIONS, LAW_OF, SUFFIXES, export, formulas
+from study.joint import DimensionalJoint, Joint, Layer, Material, whole_curve
+from study.joint.law_options import law_options
+
+R1, R2, MODULUS = 9.95e-3, 10e-3, 1.137e11
+EXPORTED = [*LAWS, "tabulated"]
+BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+UNEQUAL = Joint(20, 1.1, Material(2e11, 0.3), Material(7e10, 0.34), "clamped", "free")
+JOINTS = (
+    Joint(200),
+    UNEQUAL,
+    Joint(1e5, 8.0, Material(2e11, 0.46), Material(2e9, 0.46)),
+)
+
+
+def in_python(law, joint, deepest=1.0):
+    """Dimensionless force and stiffness, of depths."""
+    function = LAWS.get(law) or contact.tabulated(whole_curve(joint, deepest))
+    options = law_options(law, joint)
+    if law == "power":  # fitted at the text's own places
+        least = USUAL_RANGE[0] if deepest == USUAL_RANGE[1] else deepest / 10
+        depth = np.linspace(np.sqrt(least), np.sqrt(deepest), 400) ** 2
+        exact = contact.tabulated(whole_curve(joint, deepest))(depth)
+        options = law_options(law, joint, depth, exact)
+    return [
+        lambda ds, derivative=derivative: function(
+            ds, joint.r2_star, derivative=derivative, **options
+        )
+        for derivative in (False, True)
+    ]
+
+
+@pytest.fixture
+def compiled(tmp_path):
+    """Compile an exported law without any warning; returns a function of its arguments."""
+
+    def compiled(law, joint):
+        source, library = tmp_path / "law.c", tmp_path / "law.so"
+        source.write_text(export(law, "c", joint))
+        words = ["-std=c89", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O2", "-shared", "-fPIC"]
+        subprocess.run([COMPILER, *words, source, "-o", library, "-lm"], check=True)
+        function = getattr(ctypes.CDLL(library), FUNCTIONS.get(law, law))
+
+        def call(*arguments):
+            force, stiffness = ctypes.c_double(-1), ctypes.c_double(-1)
+            inputs = [ctypes.c_double(x) for x in arguments]
+            status = function(*inputs, ctypes.byref(force), ctypes.byref(stiffness))
+            return status, force.value, stiffness.value
+
+        return call
+
+    return compiled
+
+
+def deepest_of(law):
+    """Largest depth of a text, in clearances, if none is asked for."""
+    return USUAL_RANGE[1] if law == "power" else 1.0
+
+
+@needs_compiler
+@pytest.mark.parametrize("law", EXPORTED)
+@pytest.mark.parametrize("joint", JOINTS[:2])
+def test_law_in_c_is_the_law(compiled, law, joint):
+    last = deepest_of(law)
+    function, (force_star, stiffness_star) = compiled(law, joint), in_python(law, joint, last)
+    clearance = R2 / joint.r2_star
+    for depth in clearance * np.random.default_rng(1).uniform(-0.1, last, 100):
+        status, force, stiffness = function(depth, R2, clearance, MODULUS)
+        assert status == 0
+        expected = MODULUS * clearance**2 * force_star(depth / clearance)
+        assert force == pytest.approx(expected, rel=1e-9)
+        expected = MODULUS * clearance * stiffness_star(depth / clearance)
+        assert stiffness == pytest.approx(expected, rel=1e-9)
+
+
+@needs_compiler
+@pytest.mark.parametrize("law", EXPORTED)
+def test_law_in_c_refuses_what_is_out_of_range(compiled, law):
+    function = compiled(law, Joint(200))
+    good = [1e-5, R2, 5e-5, MODULUS]
+    other_joints, sizes = (3 * R2, R2 * (1 + 2e-6), np.nan), (-1.0, 0.0, np.nan)
+    for place, wrongs in enumerate(((6e-5, np.nan), other_joints, sizes, (0.0, np.inf))):
+        for wrong in wrongs:
+            status, force, stiffness = function(*good[:place], wrong, *good[place + 1 :])
+            assert status == place + 1
+            assert (force, stiffness) == (-1, -1)
+    assert function(-1e-5, *good[1:]) == (0, 0, 0)
+
+
+@needs_compiler
+@pytest.mark.parametrize("law", EXPORTED)
+def test_a_depth_of_the_whole_clearance_is_in_range(compiled, law):
+    function = compiled(law, Joint(200))
+    clearance = R2 - R1  # in rounded numbers 5e-5/clearance is above 1
+    last = deepest_of(law)
+    status, force, _ = function(5e-5 * last, R2, clearance, MODULUS)
+    assert status == 0
+    expected = MODULUS * clearance**2 * in_python(law, Joint(200), last)[0](last)
+    assert force == pytest.approx(expected, rel=1e-8)
+
+
+@needs_octave
+def test_every_law_in_octave_is_the_law(tmp_path):
+    """All in one run: an array of depths of any shape, and what is refused."""
+    joint, clearance, lines, expected = Joint(200, 1.4), R2 / 200, [], {}
+    shares = np.array([[-0.1, 0.0, 1e-9, 0.003], [0.02, 0.37, 0.8, 1.0]])
+    for law in EXPORTED:
+        depths = clearance * deepest_of(law) * shares
+        name = FUNCTIONS.get(law, law)
+        (tmp_path / f"{name}.m").write_text(export(law, "matlab", joint))
+        found = in_python(law, joint, deepest_of(law))
+        found = zip(found, (clearance**2, clearance), strict=True)
+        expected[law] = [MODULUS * unit * of(depths / clearance) for of, unit in found]
+        shown = "; ".join(" ".join(f"{x!r}" for x in row) for row in depths.tolist())
+        call = f"{name}([{shown}], {R2!r}, {clearance!r}, {MODULUS!r})"
+        lines += [f"[force, stiffness] = {call};", "disp(size(force))"]
+        lines += ["printf('%.17g\\n', force, stiffness)"]
+        for wrong in (
+            "1, 1, 5e-3, 1e11",
+            "1e-5, 2, 5e-3, 1e11",
+            "1e-5, 1, -5e-3, 1e11",
+            "1e-5, 1, 5e-3, NaN",
+            "NaN, 1, 5e-3, 1e11",
+        ):
+            lines += [f"try, {name}({wrong}); disp('taken'), catch e, disp('refused'), end"]
+    script = tmp_path / "compare_laws.m"
+    script.write_text("\n".join(lines))
+    words = [OCTAVE, "--quiet", "--no-init-file", "--no-gui", str(script)]
+    done = subprocess.run(words, cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert "warning" not in done.stderr
+    told = iter(done.stdout.split("\n"))
+    for law in EXPORTED:
+        assert next(told).split() == ["2", "4"]
+        for values in expected[law]:
+            found = [float(next(told)) for _ in range(8)]
+            assert found == pytest.approx(values.T.ravel().tolist(), rel=1e-9)
+        assert [next(told) for _ in range(5)] == ["refused"] * 5
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+def test_json_holds_coefficients_and_formula(joint):
+    content = json.loads(export("stiffened_hertz", "json", joint))
+    assert content["range"] == {"depth_star": [0, 1]}
+    ds = 0.37
+    u = ds**0.5 / (1 + ds**0.5)
+    stiffening = sum(c * u**k for k, c in enumerate([1, *content["coefficients"]]))
+    expected = contact.stiffened_hertz(ds, joint.r2_star, **joint.correction_options())
+    assert content["scale"] * ds**1.5 * stiffening == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", EXPORTED)
+@pytest.mark.parametrize("deepest", [None, 0.3])
+def test_csv_is_the_law_at_its_depths_and_says_how_to_interpolate(law, deepest):
+    text = export(law, "csv", Joint(200), deepest)
+    table = pd.read_csv(io.StringIO(text), comment="#")
+    assert list(table.columns) == ["depth_star", "force_star", "stiffness_star"]
+    last = deepest or deepest_of(law)
+    assert table.depth_star.iloc[[0, -1]].tolist() == [0, last]
+    force, stiffness = in_python(law, Joint(200), last)
+    depth = table.depth_star.to_numpy()
+    assert table.force_star.tolist() == pytest.approx(force(depth), rel=1e-9)
+    assert table.stiffness_star[1:].tolist() == pytest.approx(stiffness(depth[1:]), rel=1e-9)
+    least = last / 10 if law == "power" else 0.005
+    between = np.linspace(np.sqrt(least), np.sqrt(last), 3000) ** 2
+    told = [float(line.split()[-2]) / 100 for line in text.splitlines() if " adds " in line]
+    root = np.sqrt(depth)
+    spline = CubicHermiteSpline(root, table.force_star, 2 * root * table.stiffness_star)
+    for found, bound in zip(
+        (np.interp(between, depth, table.force_star), spline(np.sqrt(between))), told, strict=True
+    ):
+        assert np.abs(found / force(between) - 1).max() < 1.001 * bound + 1e-9
+
+
+@pytest.mark.parametrize("form", formulas.DIMENSIONLESS)
+@pytest.mark.parametrize("law", ["hertz", "tabulated"])
+def test_every_format_states_joint_range_error_and_units(law, form):
+    liner, housing = Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material(2e11, 0.3))
+    text = export(law, form, Joint(80, layers=(liner, housing)), 0.5)
+    words = ["1.125:0.0025:0.46;1.5:1:0.3", "mirror", "0.5", "E*", "solved"]
+    assert all(word in text for word in words)
+
+
+@pytest.mark.parametrize("form", SUFFIXES)
+def test_a_text_of_a_joint_with_dimensions_has_them(form):
+    text = export(LAW_OF.get(form, "power"), form, BRONZE)
+    words = re.sub(r"[^\w.+-]+", " ", text)  # whatever the comments' signs, lines and quotes
+    for word in ("socket_radius 0.0125", "clearance 4e-05", "wall 0.006"):
+        assert word in words
+    modulus = BRONZE.joint.composite_modulus
+    assert f"{modulus:.9g}" in text or f"{float(modulus)!r}" in text
+
+
+@needs_compiler
+@pytest.mark.parametrize("law", EXPORTED)
+def test_law_in_c_of_a_joint_with_dimensions(compiled, law):
+    function, last = compiled(law, BRONZE), deepest_of(law)
+    force_star, stiffness_star = in_python(law, BRONZE.joint, last)
+    modulus = BRONZE.joint.composite_modulus
+    for share in np.linspace(-0.1, last, 23):
+        status, force, stiffness = function(share * 40e-6)
+        assert status == 0
+        assert force == pytest.approx(modulus * 40e-6**2 * force_star(share), rel=1e-9)
+        assert stiffness == pytest.approx(modulus * 40e-6 * stiffness_star(share), rel=1e-9)
+    assert function(40e-6 * last * 1.01) == (1, -1, -1)
+
+
+def test_csv_of_a_joint_with_dimensions_is_in_si_units():
+    table = pd.read_csv(io.StringIO(export("tabulated", "csv", BRONZE)), comment="#")
+    assert list(table.columns) == ["depth", "force", "stiffness"]
+    law = BRONZE.law()
+    assert table.force[1:].to_numpy() == pytest.approx(law.force(table.depth[1:]), rel=1e-9)
+    assert table.stiffness[1:].to_numpy() == pytest.approx(law.stiffness(table.depth[1:]), rel=1e-9)
+
+
+def test_power_is_fitted_in_the_range_that_is_asked_for():
+    content = json.loads(export("power", "json", BRONZE, (0.01, 0.1)))
+    fitted = BRONZE.power_law((0.4e-6, 4e-6))
+    assert content["exponent"] == pytest.approx(fitted.exponent, rel=1e-3)
+    assert content["error"]["against_solved_joint"] == pytest.approx(fitted.error, rel=0.02)
+    assert content["error"]["from_depth_star"] == 0.01
+    assert content["range"] == {"depth_star": [0, 0.1]}
+
+
+def test_the_stated_error_is_the_laws():
+    joint = Joint(75, 1.4)
+    content = json.loads(export("hertz", "json", joint, 0.4))
+    depth = np.linspace(0.005, 0.4, 1000)
+    exact = contact.tabulated(whole_curve(joint, 0.4))(depth)
+    off = np.abs(contact.hertz(depth, 75) / exact - 1).max()
+    assert content["error"]["against_solved_joint"] == pytest.approx(off, rel=1e-3)
+    table = json.loads(export("tabulated", "json", joint, 0.4))["error"]
+    assert table["against_solved_joint"] == 0
+    assert 0 < table["of_solved_joint"] < 1e-3
+
+
+def test_tabulated_json_describes_its_joint():
+    joint = Joint(200, 1.4, Material(2e11, 0.3), Material(7e10, 0.33))
+    content = json.loads(export("tabulated", "json", joint))
+    assert content["joint"]["socket_ratio"] == 1.4
+    assert len(content["stiffening"]) == len(content["root_depth_star"]) == len(content["slope"])
+    assert content["stiffening"][0] == 1
+
+
+def test_every_shape_of_a_law_has_its_formula():
+    for law in LAWS.values():
+        _, shape, constants = law.parts(200.0)
+        assert formulas.words(shape, constants)
+        text = formulas.text("c", shape, constants, "", **FILLED)
+        assert text.index("    value = ") < text.index("    slope = ")
+
+
+FILLED = dict.fromkeys(("law", "title", "source", "deepest", "margin", "scale"), "1")
+FILLED |= dict.fromkeys(("inputs", "about_inputs", "checks", "sizes"), "")
+
+
+def test_bad_input_is_one_clear_error():
+    with pytest.raises(ValueError, match=r"law must be one of hertz, .*, tabulated, got 'hooke'"):
+        export("hooke", "c", Joint(200))
+    with pytest.raises(ValueError, match="format must be one of c, matlab, modelica, json, csv"):
+        export("tabulated", "xml", Joint(200))
+    with pytest.raises(ValueError, match="stiffened_hertz is not for ball_drive point"):
+        export("stiffened_hertz", "c", Joint(200, ball_drive="point"))
+    with pytest.raises(ValueError, match="kinematics of stiffened_hertz must be one of linear"):
+        export("stiffened_hertz", "csv", Joint(200, kinematics="finite"))
+    with pytest.raises(ValueError, match="socket_ratio of stiffened_hertz must be >= 1.1"):
+        export("stiffened_hertz", "json", Joint(200, 1.05))
+    with pytest.raises(ValueError, match="depth_star of stiffened_hertz must be <= 1, got 2"):
+        export("stiffened_hertz", "json", Joint(200), 2.0)
+    with pytest.raises(ValueError, match="depth_star must be > 0, got 0"):
+        export("hertz", "json", Joint(200), 0.0)
+    with pytest.raises(ValueError, match="least depth_star must be > 0 and < 0.1, got 0.2"):
+        export("power", "json", Joint(200), (0.2, 0.1))
+    with pytest.raises(ValueError, match="depth_star must be one depth, or the least"):
+        export("power", "json", Joint(200), (0.1, 0.2, 0.3))
+    with pytest.raises(ValueError, match="format of a joint without dimensions must be one of c,"):
+        export("power", "adams", Joint(200))
+    with pytest.raises(ValueError, match="law of format adams must be one of power, got 'hertz'"):
+        export("hertz", "adams", BRONZE)
+
+
+@pytest.mark.parametrize("law", ["hertz", "tabulated"])
+def test_a_socket_little_larger_than_its_clearance_has_a_depth_of_its_own(law):
+    """At R2* = 2 the contact would be at the rim before one clearance."""
+    _, deepest = json.loads(export(law, "json", Joint(2)))["range"]["depth_star"]
+    assert 0.5 < deepest < 0.73

@@ -1,0 +1,217 @@
+"""Sockets of several layers: against one layer, closed forms, elements, CalculiX and limits."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.bodies import of_socket
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from other_programs import calculix
+
+from study.joint import Joint, Layer, Material, fem, force_curve, series
+
+EVEN = np.arange(0, 10_001, 2)
+STEEL, PTFE = Material(2e11, 0.3), Material(5e8, 0.46)
+HOUSED = Layer(1.125, PTFE), Layer(1.5, STEEL)  # 2 mm in 6 mm, around R2 = 16 mm
+OTHER = Material(2.1e11)
+RIGID = 1e9
+DEPTHS = np.array([0.1, 0.3, 1.0])
+
+
+@pytest.mark.parametrize("ratios", [(1.25, 1.5), (1.1, 1.5), (1.1, 1.3, 1.5), (1.499, 1.5)])
+@pytest.mark.parametrize("poisson", [-0.3, 0.3, 0.49])
+def test_layers_of_one_material_are_one_layer(ratios, poisson):
+    one = of_socket(EVEN, 1.5, poisson)
+    several = of_socket(EVEN, ratios, (poisson,) * len(ratios))
+    assert np.abs(several / one - 1).max() < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("supports", "tolerance"), [({}, 1e-10), ({"ball_drive": "clamped", "rim": "free"}, 1e-5)]
+)
+def test_a_socket_of_one_material_in_layers_is_the_socket(supports, tolerance):
+    one = Joint(80, 1.5, **supports)
+    three = Joint(80, layers=tuple(Layer(q, Material()) for q in (1.1, 1.3, 1.5)), **supports)
+    resolution = 64 if supports else None  # meshes differ in their rings
+    forces = [force_curve(joint, DEPTHS, resolution).force_star for joint in (one, three)]
+    assert forces[1] == pytest.approx(forces[0], rel=tolerance)
+
+
+def lame(ratios, poissons, moduli):
+    """Displacement of a shell of two layers under unit pressure inside, fixed outside."""
+    (q, b), rows, right = ratios, [], [-1.0, 0.0, 0.0, 0.0]
+    stress = [  # of A r + B/r^2, over A and over B r^-3
+        (e / (1 - 2 * nu), -2 * e / (1 + nu)) for e, nu in zip(moduli, poissons, strict=True)
+    ]
+    (a1, b1), (a2, b2) = stress
+    rows = [[a1, b1, 0, 0], [q, q**-2, -q, -(q**-2)]]
+    rows += [[a1, b1 * q**-3, -a2, -b2 * q**-3], [0, 0, b, b**-2]]
+    return np.linalg.solve(rows, right)[:2].sum()
+
+
+def test_two_layers_under_uniform_pressure_widen_as_lame():
+    case = (1.1, 1.6), (0.2, 0.45), (1.0, 30.0)
+    assert of_socket(EVEN[:1], *case) == pytest.approx(lame(*case))
+
+
+def test_amplitudes_meet_every_condition():
+    ratios, poissons, moduli = (1.05, 1.3, 2.0), (0.2, 0.45, 0.3), (1.0, 7.0, 0.2)
+    orders = np.array([0, 2, 10, 200])
+    sides = []
+    for solid in series.socket(orders, ratios, poissons, moduli):
+        for radius in (solid.inner, solid.outer):
+            units = [solid.inner, solid.inner, solid.twice_shear, solid.twice_shear]
+            sides.append(solid.state(radius) * np.array(units)[:, None])
+    several = np.array([[True], [False], [True], [False]]) | (orders > 0)  # P_0 has no slope
+    assert sides[0][2] == pytest.approx(-np.ones(4))
+    assert np.abs(sides[0][3][1:]).max() < 1e-12
+    for inner, outer in ((sides[1], sides[2]), (sides[3], sides[4])):
+        assert inner[several] == pytest.approx(outer[several], rel=1e-9, abs=1e-12)
+    assert np.abs(sides[5][:2][several[:2]]).max() < 1e-12
+
+
+def test_no_order_overflows_however_thin_thick_stiff_or_soft():
+    orders = np.arange(0, 100_001, 2)
+    for ratios in ((1.0001, 1.0003, 1.5), (1.1, 1e3, 1e6), (1e5, 1.1e5, 1e6)):
+        for moduli in ((1.0, 1e9, 1e-9), (1.0, 1e-9, 1e9)):
+            found = of_socket(orders, ratios, (0.3, 0.499, -0.5), moduli)
+            assert np.isfinite(found).all()
+            assert (found > 0).all()
+
+
+@pytest.mark.parametrize(
+    ("layers", "r2_star"),
+    [
+        (HOUSED, 80),
+        ((Layer(1.02, PTFE), Layer(1.3, STEEL)), 1000),
+        ((Layer(1.3, STEEL), Layer(1.5, PTFE)), 80),
+    ],
+)
+@pytest.mark.parametrize("kinematics", ["small", "linear"])
+def test_elements_agree_with_the_series(layers, r2_star, kinematics):
+    joint = Joint(r2_star, layers=layers, kinematics=kinematics)
+    exact = force_curve(joint, DEPTHS, 640).force_star
+    curve = force_curve(joint, DEPTHS, 160, "quadratic")
+    assert np.abs(curve.force_star / exact - 1).max() < 1e-3
+
+
+@pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
+@pytest.mark.parametrize("supports", [{}, {"ball_drive": "clamped", "rim": "free"}])
+def test_calculix_agrees(supports):
+    joint = Joint(200, layers=HOUSED, **supports)
+    force = calculix.force_curve(joint, [0.3, 1.0], 32)
+    assert force == pytest.approx(force_curve(joint, [0.3, 1.0]).force_star, rel=3e-3)
+
+
+@pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
+def test_calculix_agrees_at_large_displacements():
+    joint = Joint(80, layers=HOUSED, kinematics="finite")
+    force = calculix.force_curve(joint, 0.1, 32)
+    assert force == pytest.approx(force_curve(joint, 0.1, 64).force_star, rel=5e-3)
+
+
+def liner(thickness, poisson, r2_star=1e6):
+    """A liner between a rigid ball and a rigid backing."""
+    return Joint(r2_star, 1 + thickness, socket=Material(2e11 / RIGID, poisson))
+
+
+def thin_liner_force(depth, r2_star, thickness, poisson):
+    """Force of Winkler's springs between a rigid ball and a rigid backing, by quadrature."""
+    cosine, weight = np.polynomial.legendre.leggauss(40)
+    edge = 1 / (1 + depth[:, None])  # springs are compressed where cos(theta) is above it
+    x = edge + (1 - edge) * (1 + cosine) / 2
+    pressure = x * (1 + depth[:, None]) - 1
+    stiffness = (1 - poisson) * (1 - poisson**2) / ((1 + poisson) * (1 - 2 * poisson) * thickness)
+    return np.pi * r2_star * stiffness * ((1 - edge) * pressure * x) @ weight
+
+
+@pytest.mark.parametrize(("poisson", "expected"), [(0.3, 1.0013), (0.45, 0.992)])
+def test_a_thin_liner_is_as_an_independent_series_has_it(poisson, expected):
+    depth = np.array([0.2, 0.5, 1.0])
+    limit = thin_liner_force(depth, 1e6, 0.01, poisson)
+    ratio = force_curve(liner(0.01, poisson), depth, 640).force_star / limit
+    assert ratio == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
+def test_a_thin_compressible_liner_goes_to_winklers_springs(poisson):
+    depth, errors = np.array([0.1, 0.5, 1.0]), []
+    for thickness in (3e-3, 1e-3, 3e-4):
+        force = force_curve(liner(thickness, poisson), depth, 640).force_star
+        limit = thin_liner_force(depth, 1e6, thickness, poisson)
+        errors.append(np.abs(force / limit - 1).max())
+    assert errors[0] > 2 * errors[1] > 4 * errors[2]
+    assert errors[2] < 6e-4
+
+
+def test_a_stiff_housing_is_a_rigid_backing():
+    backed = Joint(200, 1.1, socket=PTFE)
+    rigid = force_curve(backed, DEPTHS).force_star
+    differences = []
+    for modulus in (2e11, 2e13, 2e15):
+        layers = Layer(1.1, PTFE), Layer(1.4, Material(modulus))
+        differences.append(1 - force_curve(Joint(200, layers=layers), DEPTHS).force_star / rigid)
+    assert (differences[0] > 0).all()
+    for k in (1, 2):
+        assert 100**k * differences[k] == pytest.approx(differences[0], rel=0.1)
+
+
+def test_what_follows_from_the_layers():
+    joint = Joint(80, layers=HOUSED)
+    assert (joint.socket_ratio, joint.socket) == (1.5, PTFE)
+    assert joint.modulus_ratio == 0.0025
+    assert joint.layers_text == "1.125:0.0025:0.46;1.5:1:0.3"
+    assert joint.socket_layers == ((1.125, 1.5), (0.46, 0.3), (1.0, 400.0))
+    assert replace(joint, r2_star=90) == Joint(90, layers=HOUSED)
+    assert Joint(80).layers_text == ""
+    assert force_curve(joint, 0.3).columns()["layers"] == joint.layers_text
+
+
+@settings(max_examples=25)
+@given(
+    r2_star=st.floats(20, 1e4),
+    steps=st.lists(st.floats(1.002, 1.5), min_size=2, max_size=4),
+    poisson=st.floats(-0.3, 0.49),
+    stiffer=st.lists(st.floats(1e-3, 1e3), min_size=4, max_size=4),
+    kinematics=st.sampled_from(["small", "linear"]),
+)
+def test_any_lined_joint_stiffens_with_depth(r2_star, steps, poisson, stiffer, kinematics):
+    each = zip(np.cumprod(steps).tolist(), stiffer, strict=False)
+    layers = tuple(Layer(q, Material(2e11 * e, poisson)) for q, e in each)
+    curve = force_curve(Joint(r2_star, layers=layers, kinematics=kinematics), [0.2, 0.4, 0.6], 64)
+    assert (np.diff(curve.force_star, 2, prepend=0) > 0).all()
+    assert (np.diff(curve.contact_half_angle_deg) > 0).all()
+    assert (np.diff(curve.peak_pressure_star) > 0).all()
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Layer(1.0, STEEL), "outer_ratio must be > 1 and <= 1e.*, got 1"),
+        (lambda: Layer([1.2], STEEL), "outer_ratio must be one number"),
+        (lambda: Layer(1.2, "steel"), "material must be a Material, got 'steel'"),
+        (lambda: Joint(80, layers=list(HOUSED)), "layers must be a tuple of Layer, got"),
+        (lambda: Joint(80, layers=None), "layers must be a tuple of Layer, got None"),
+        (lambda: Joint(80, layers=(1.2,)), "each of layers must be a Layer, got 1.2"),
+        (lambda: Joint(80, 1.4, layers=HOUSED), "socket_ratio must be left out beside layers"),
+        (lambda: Joint(80, socket=OTHER, layers=HOUSED), "socket must be left out beside layers"),
+        (lambda: Joint(80, layers=HOUSED[::-1]), "over that of the layer inside must be >= 1.0001"),
+        (lambda: Joint(80, layers=(Layer(1.00001, STEEL),)), "socket_ratio must be >= 1.0001"),
+        (
+            lambda: Joint(80, layers=(*HOUSED, Layer(1.6, Material(1.0)))),
+            "Young's modulus of the socket over that of the ball must be >= 1e-09",
+        ),
+        (
+            lambda: force_curve(Joint(80, layers=(Layer(1.01, PTFE), HOUSED[1]), rim="free"), 0.1),
+            "socket_ratio must be >= 1.02 and <= 1e.*, got 1.01",
+        ),
+        (lambda: series.socket_compliance((1.1, 1.2), 0.3), "socket_ratio and poisson and modulus"),
+        (lambda: series.socket(EVEN, (1.1, 1.2), (0.3, 0.5)), "poisson must be > -1"),
+        (lambda: fem.socket((1.1, 1.2), (0.3, 0.3), modulus=(1, 0)), "modulus must be > 0, got 0"),
+        (lambda: fem.socket_mesh((1.2, 1.1)), "over that of the layer inside must be >= 1.02"),
+    ],
+)
+def test_bad_input_is_one_clear_error(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()

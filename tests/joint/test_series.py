@@ -1,0 +1,167 @@
+"""The exact series against closed forms, half-spaces, and the finite elements."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from helpers.bodies import of_socket
+
+from study.joint import Joint, fem, force_curve, series
+from study.joint.compliance import HatFunctions, surface_angles
+
+EVEN = np.arange(0, 10_001, 2)
+
+
+def of_ball(orders, poisson):
+    """Inward displacement of a ball's surface under the pressures P_n(cos theta)."""
+    return -series.ball(orders, poisson).state(1.0)[0]
+
+
+@pytest.mark.parametrize("poisson", [-0.5, 0.0, 0.3, 0.49])
+def test_ball_under_uniform_pressure_shrinks_as_lame(poisson):
+    assert of_ball(EVEN[:1], poisson) == pytest.approx(1 - 2 * poisson)
+
+
+@pytest.mark.parametrize("ratio", [1.0001, 1.2, 3.0])
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
+def test_socket_under_uniform_pressure_widens_as_lame(ratio, poisson):
+    lame = poisson / ((1 + poisson) * (1 - 2 * poisson))
+    shear = 1 / (2 * (1 + poisson))
+    system = [[ratio, ratio**-2], [3 * lame + 2 * shear, -4 * shear]]  # A r + B/r^2
+    expected = np.linalg.solve(system, [0.0, -1.0]).sum()
+    assert of_socket(EVEN[:1], ratio, poisson) == pytest.approx(expected)
+
+
+def modes_residual(orders, poisson, radius, which):
+    """Largest residual of radial equilibrium of one mode, from differences in the radius."""
+    step = 1e-4
+    at = [series.modes(orders, poisson, radius + k * step, 2.0) for k in (-1, 0, 1)]
+    radial, _, normal, shear = (np.array([a[q][which] for a in at]) for q in range(4))
+    n, r = orders, radius
+    lame = poisson / (1 - 2 * poisson)  # over 2 G: stresses below are over 2 G as well
+    strain = radial[1] / r
+    divergence = (radial[2] - radial[0]) / (2 * step) + 2 * strain
+    divergence -= n * (n + 1) * at[1][1][which] / r
+    around = 2 * lame * divergence + 2 * strain - n * (n + 1) * at[1][1][which] / r  # both hoops
+    slope = (normal[2] - normal[0]) / (2 * step)
+    residual = slope + (2 * normal[1] - around) / r - n * (n + 1) * shear[1] / r
+    return np.abs(residual / (np.abs(slope) + np.abs(normal[1])))
+
+
+@pytest.mark.parametrize("which", range(4))
+def test_modes_are_in_equilibrium(which):
+    orders = np.array([2, 4, 10, 20])
+    assert modes_residual(orders, 0.3, 1.3, which).max() < 1e-5
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
+def test_high_orders_are_those_of_a_half_space(poisson):
+    # a wave of pressure p on a half-space of modulus 1 displaces it by 2 (1 - nu^2) p / k
+    limit = 2 * (1 - poisson**2)
+    last = EVEN[-1:]
+    for receptance in (
+        of_ball(last, poisson),
+        of_socket(last, 1.1, poisson),
+        of_socket(last, 50.0, poisson),
+    ):
+        assert receptance * last == pytest.approx(limit, rel=2e-4)
+
+
+def test_no_order_overflows():
+    orders = np.arange(0, 100_001, 2)
+    for receptance in (
+        of_ball(orders, 0.3),
+        of_socket(orders, 1.0001, 0.3),
+        of_socket(orders, 50.0, 0.3),
+    ):
+        assert np.isfinite(receptance).all()
+        assert (receptance > 0).all()
+
+
+def test_hat_coefficients_are_the_integrals():
+    angles = surface_angles(16)
+    coefficients = series.hat_coefficients(16, 60)
+    hats = HatFunctions(angles)
+    for order in (0, 2, 10, 60):
+        legendre = np.polynomial.legendre.Legendre.basis(order)
+        # finer quadrature than that of the hats: each element in 8 parts
+        fine = np.interp(np.arange(16 * 8 + 1) / 8, np.arange(17), angles)
+        parts = HatFunctions(fine)
+        weights = parts.integrate(lambda t: legendre(np.cos(t)))  # noqa: B023
+        expected = (2 * order + 1) / (2 * np.pi) * hats.values(fine).T @ weights
+        assert coefficients[order // 2] == pytest.approx(expected, rel=1e-10, abs=1e-12)
+
+
+def work(compliance):
+    """Work of one smooth pressure, interpolated by the hats, against its displacement."""
+    pressure = np.exp(-(compliance.angles**2) / 0.05)
+    return pressure @ compliance.flexibility @ pressure
+
+
+@pytest.mark.parametrize("body", ["ball", "socket"])
+@pytest.mark.parametrize(("nodes", "order"), [(6, 2.8), (3, 1.7)])
+def test_finite_elements_converge_to_the_series(body, nodes, order):
+    # work has twice the energy norm's order: 4 for quadratic displacements, less the kinks of
+    # the load, and 2 for linear ones
+    errors = []
+    for n in (64, 128):
+        if body == "ball":
+            exact, found = series.ball_compliance(0.3, n), fem.ball(0.3, "plane", n, nodes)
+        else:
+            exact = series.socket_compliance(1.2, 0.3, n)
+            found = fem.socket(1.2, 0.3, "mirror", n, nodes)
+        errors.append(abs(work(found.compliance) / work(exact) - 1))
+    assert np.log2(errors[0] / errors[1]) > order
+    assert errors[-1] < (2e-5 if nodes == 6 else 4e-3)
+
+
+def compliances(orders, resolution, monkeypatch):
+    """Compliances of a ball and of a socket by a number of orders per element."""
+    monkeypatch.setattr(series, "ORDERS", orders)
+    bodies = series.ball_compliance, partial(series.socket_compliance, 1.2)
+    for known in (series.ball_compliance, series.socket_compliance):
+        known.cache_clear()
+    return [compliance(0.3, resolution) for compliance in bodies]
+
+
+def test_series_has_converged_with_its_last_order(monkeypatch):
+    smooth, usual_orders = np.exp(-(surface_angles(320) ** 2) / 0.01), series.ORDERS
+    more = compliances(2 * usual_orders, 320, monkeypatch)
+    for full, usual in zip(more, compliances(usual_orders, 320, monkeypatch), strict=True):
+        full, usual = full.flexibility, usual.flexibility
+        assert smooth @ usual @ smooth == pytest.approx(smooth @ full @ smooth, rel=1e-9)
+        assert np.diag(usual) == pytest.approx(np.diag(full), rel=2e-3)
+
+
+def test_more_orders_change_neither_force_nor_peak_pressure(monkeypatch):
+    joint, found = Joint(200, 1.1), []
+    for orders in (4 * series.ORDERS, series.ORDERS):  # the usual ones stay cached
+        monkeypatch.setattr(series, "ORDERS", orders)
+        for known in (series.ball_compliance, series.socket_compliance):
+            known.cache_clear()
+        found.append(force_curve(joint, np.linspace(0.02, 1, 15), 128))
+    more, usual = found
+    assert usual.force_star == pytest.approx(more.force_star, rel=1e-6)
+    assert usual.peak_pressure_star == pytest.approx(more.peak_pressure_star, rel=1e-5)
+
+
+def test_coarser_hats_are_those_of_half_the_resolution(monkeypatch):
+    usual = series.ORDERS
+    coarse = compliances(2 * usual, 32, monkeypatch)  # as many orders in all
+    for fine, expected in zip(compliances(usual, 64, monkeypatch), coarse, strict=True):
+        assert fine.coarser.angles == pytest.approx(expected.angles, abs=1e-12)
+        most = expected.flexibility.max()
+        assert fine.coarser.flexibility == pytest.approx(expected.flexibility, abs=1e-12 * most)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: series.ball_compliance(0.5), "poisson must be > -1 and < 0.5, got 0.5"),
+        (lambda: series.ball_compliance(resolution=50), "resolution must be a multiple of 16"),
+        (lambda: series.socket_compliance(1.0), "socket_ratio must be >= 1.0001 and <= 1e"),
+    ],
+)
+def test_bad_input_is_one_clear_error(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()

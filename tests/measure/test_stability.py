@@ -1,0 +1,458 @@
+"""Where methods fail: predicted and observed limits, and how the software meets each of them."""
+
+import re
+
+import mpmath
+import numpy as np
+import pandas as pd
+import pytest
+from helpers.with_hertz import simulate
+from scipy.integrate import solve_ivp
+
+from study import contact, paths
+from study.checks import RangeError
+from study.contact import shapes
+from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
+from study.joint import Joint, Material, complementarity, force_curve, paper_joint
+from study.joint.compliance import surface_angles
+from study.measure import explicit, limits, stability
+from study.mechanism import MechanismError, Scene, paper_scene, particles, rigid
+from study.mechanism.frame import Frame
+
+PAPER = paper_scene()
+SLIPPERY = PAPER.replace(friction=0.0)
+SETTLED = 0.03  # s
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    """Rigid links pressed steadily: their state, and the contact as an oscillator."""
+    state = stability.lasting_contact(SLIPPERY, "hertz", SETTLED)
+    return state, stability.oscillator(SLIPPERY, "hertz", state)
+
+
+# Explicit steps
+
+
+def test_oscillator_is_the_linearised_equation(pressed):
+    state, contact_ = pressed
+    numbers, p = stability.packed(SLIPPERY, "hertz"), SLIPPERY.constants()
+    reach = np.hypot(state[1], state[2])
+    y = np.array([state[0], contact_["depth"], np.arctan2(state[2], state[1]), state[3], 0, 0])
+    slopes, piece = np.zeros((3, 6)), (True, 0, 1e-4)
+    rigid.derive(y, piece, p, *rigid.motion(y, piece, p, numbers), slopes)
+    rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * 1e-4)
+    assert reach > numbers.clearance
+    assert slopes[1, 1] == pytest.approx(-(contact_["frequency"] ** 2), rel=1e-4)
+    assert slopes[1, 4] == pytest.approx(-rate, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("scheme", "rate", "expected"),
+    [
+        *((scheme, 0.0, 2.0) for scheme in explicit.SCHEMES[:4]),
+        ("RK4", 0.0, 2 * 2**0.5),
+        ("lagged", 3.0, (13**0.5 - 3.0)),  # (h w)^2 + 2 h c/m = 4
+        ("lagged", 1e4, 2e-4),
+        ("velocity Verlet", 1e4, 2e-4),
+        ("RK4", 1e4, 2.7853e-4),
+        ("centred", 1e4, 2.0),
+    ],
+)
+def test_limits_of_the_linear_oscillator(scheme, rate, expected):
+    assert stability.step_limit(scheme, 1.0, rate) == pytest.approx(expected, rel=2e-4)
+
+
+@pytest.mark.parametrize("scheme", explicit.SCHEMES)
+@pytest.mark.parametrize(("law", "moment"), [("hertz", 0.5), ("hyperbolic_winkler", 0.05)])
+def test_stiffness_limits_the_step_as_predicted(law, moment, scheme):
+    scene = SLIPPERY.replace(driving_moment=moment)
+    state = stability.lasting_contact(scene, law, SETTLED * (0.5 / moment) ** 0.5)
+    limit = stability.step_limit(scheme, stability.oscillator(scene, law, state)["frequency"])
+    seen = stability.observed_step(scene.replace(restitution=1.0), law, state, scheme)
+    assert seen == pytest.approx(limit, rel=0.03)
+
+
+@pytest.mark.parametrize("approach", [1e-2, 1e-3, 1e-5])
+@pytest.mark.parametrize("scheme", [s for s in explicit.SCHEMES if s != "centred"])
+def test_damping_limits_the_step_as_predicted(pressed, scheme, approach):
+    state, contact_ = pressed
+    rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * approach)
+    limit = stability.step_limit(scheme, contact_["frequency"], rate)
+    seen = stability.observed_step(SLIPPERY, "hertz", state, scheme, approach)
+    assert seen == pytest.approx(limit, rel=0.16)
+
+
+def test_centred_velocity_is_not_limited_by_damping_until_its_fixed_point_fails(pressed):
+    state, contact_ = pressed
+    seen = [stability.observed_step(SLIPPERY, "hertz", state, "centred", v) for v in (1e-3, 1e-6)]
+    assert seen[0] == pytest.approx(2 / contact_["frequency"], rel=0.03)
+    share = seen[1] * SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * 1e-6)
+    assert share > 100
+    assert seen[1] < 1.5 / contact_["frequency"]
+
+
+def test_an_explicit_run_that_leaves_the_clearance_says_so(pressed):
+    state, _ = pressed
+    numbers = stability.packed(SLIPPERY, "hertz")
+    with pytest.raises(MechanismError, match=r"the depth must stay <= one clearance \(5e-05 m\)"):
+        explicit.integrate(
+            SLIPPERY, numbers, 0.02, 1000, 2e-5, "velocity Verlet", state, 1e-5, guarded=False
+        )
+
+
+@pytest.mark.parametrize("approach", [np.inf, 1e-5])
+@pytest.mark.parametrize("scheme", explicit.SCHEMES)
+def test_an_explicit_step_beyond_its_limit_is_refused(pressed, scheme, approach):
+    state, contact_ = pressed
+    numbers = stability.packed(SLIPPERY, "hertz")
+    rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * approach)
+    limit = min(stability.step_limit(scheme, contact_["frequency"], rate), 100 / max(rate, 1e-9))
+
+    def run(step):
+        outputs = round(20 * limit / step)
+        duration = outputs * step
+        explicit.integrate(SLIPPERY, numbers, duration, outputs, step, scheme, state, approach)
+
+    run(0.6 * limit)
+    with pytest.raises(MechanismError, match="the step must stay <= .* s, the limit of stability"):
+        run(1.05 * limit)
+
+
+@pytest.mark.parametrize("band", [1e-3, 1e-4])
+@pytest.mark.parametrize("scheme", ["symplectic Euler", "lagged"])
+def test_friction_that_sticks_limits_the_step_as_predicted(scheme, band):
+    scene = paper_scene(friction=3.0, slow_speed=0.0, full_speed=band)
+    state = stability.lasting_contact(scene, "hertz", 0.8 * SETTLED)
+    limit = 2 / stability.oscillator(scene, "hertz", state)["friction_rate"]
+    seen = stability.observed_step(scene.replace(restitution=1.0), "hertz", state, scheme)
+    assert seen == pytest.approx(limit, rel=0.15)
+
+
+def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
+    scene = paper_scene(friction=3.0, slow_speed=0.0, full_speed=1e-3, restitution=1.0)
+    state = stability.lasting_contact(scene, "hertz", 0.8 * SETTLED)
+    rate = stability.oscillator(scene, "hertz", state)["friction_rate"]
+    numbers, p = stability.packed(scene, "hertz"), scene.constants()
+    (angle, ex, ey), slopes, piece = state[:3], np.zeros((3, 6)), (True, 1, np.inf)
+    still = np.array([angle, np.hypot(ex, ey) - numbers.clearance, np.arctan2(ey, ex), 0, 0, 0])
+    rigid.derive(still, piece, p, *rigid.motion(still, piece, p, numbers), slopes)
+    assert rate == pytest.approx(np.abs(np.linalg.eigvals(slopes[:3, 3:])).max(), rel=1e-9)
+    moving = np.array([*state[:3], 1.0, *(0.02 * state[1:3] / np.hypot(ex, ey))])
+    assert stability.oscillator(scene, "hertz", moving)["friction_rate"] == rate
+
+
+def test_links_limit_the_step_as_predicted():
+    """In the results of notebook 17; y is rounded there."""
+    numbers = pd.read_csv(paths.FIGURES / "stability_steps.csv").query("panel == 'c'")
+    limits_of = numbers.pivot(index="x", columns="series", values="y")
+    assert list(limits_of.index) == [1, 2, 4, 8, 16, 32]
+    assert limits_of.observed.to_numpy() == pytest.approx(limits_of.frame.to_numpy(), rel=5e-3)
+    estimate = limits_of[["axial", "shear", "bending"]].min(axis=1)
+    assert estimate[4:].to_numpy() == pytest.approx(limits_of.frame[4:].to_numpy(), rel=0.02)
+    for x in (4, 16):
+        frame = 2 / Frame(PAPER, (x, 2 * x)).highest_frequency(PAPER.slider_mass, True)
+        assert limits_of.frame[x] == pytest.approx(frame, rel=5e-3)
+
+
+@pytest.mark.parametrize("joint", ["ideal", "clearance"])
+def test_particles_refuse_too_long_a_step_and_unguarded_ones_end_in_an_error(joint):
+    options = {"model": "particles", "joint": joint, "step": 1e-5, "duration": 0.01}
+    with pytest.raises(ValueError, match="step must be <= 1.101e-06 s, the limit of stability"):
+        simulate(**options)
+    with pytest.raises(MechanismError, match=r"must stay <= .*; stopped at time \S+ s, step 1e-05"):
+        simulate(method="unguarded", **options)
+
+
+def test_unguarded_particles_below_the_limits_are_the_lagged_ones():
+    options = {"model": "particles", "duration": 0.01, "step": 1e-6}
+    lagged, unguarded = (simulate(method=m, **options) for m in ("lagged", "unguarded"))
+    assert lagged.motion.equals(unguarded.motion)
+
+
+# Damping
+
+
+def free_impact(factor, pull=0.0, depth=0.0, speed=1.0, power=1.5):
+    """Speed at the end of x'' = -x^p (1 + D x') - pull, and largest tension over largest load."""
+
+    def motion(t, y):
+        return y[1], -(max(y[0], 0.0) ** power) * (1 + factor * y[1]) - pull
+
+    def parting(t, y):
+        return y[0]
+
+    parting.terminal, parting.direction = True, -1
+    options = {"method": "LSODA", "rtol": 1e-9, "atol": 1e-12, "max_step": 0.02}
+    places, speeds = solve_ivp(motion, (0, 1e3), (depth, speed), events=parting, **options).y
+    force = np.maximum(places, 0.0) ** power * (1 + factor * speeds)
+    return -speeds[-1], max(-force.min(), 0.0) / force.max()
+
+
+@pytest.mark.parametrize("rule", DAMPINGS)
+@pytest.mark.parametrize("power", [1.5, 2.0])
+@pytest.mark.parametrize("asked", [0.1, 0.5, 0.9])
+def test_delivered_restitution_is_that_of_an_integrated_impact(rule, power, asked):
+    factor = damping_factor(rule, asked)
+    separation, tension = free_impact(factor, power=power)
+    assert delivered_restitution(factor) == pytest.approx(separation, abs=1e-7)
+    assert tension == 0
+    if rule == "exact":
+        assert separation == pytest.approx(asked, abs=1e-7)
+
+
+def test_delivered_restitution_at_its_ends():
+    assert delivered_restitution(0.0) == 1
+    below, above = delivered_restitution(0.99e-6), delivered_restitution(1.01e-6)
+    assert above < below
+    assert below - above == pytest.approx(2 / 3 * 0.02e-6, abs=1e-9)
+    assert delivered_restitution(1e3) == pytest.approx(1e-3, rel=1e-9)
+
+
+def test_a_slow_contact_that_is_driven_apart_pulls_and_the_response_tells():
+    assert free_impact(0.3, 1.0, depth=1.0, speed=0.0)[1] == 0
+    assert free_impact(100, 1.0, depth=1.0, speed=0.0)[1] == pytest.approx(1, abs=0.01)
+
+    def pulls(factor):
+        return free_impact(factor, 10.0, 1.0, 0.0)[1] > 1e-9
+
+    onset = limits.bisect(pulls, 0.05, 50, 20)
+    assert onset == pytest.approx(1 / np.sqrt(2 * (0.4 + 10)), rel=0.03)  # undamped
+    start = (-PAPER.clearance * (1 - 1e-8), 0.0)
+    scene = PAPER.replace(initial_eccentricity=start)
+    r = simulate(scene, model="beams", duration=0.003, outputs=3000)
+    assert r.normal_force.min() < -0.5
+    assert (r.tangential_force[r.normal_force < 0] == 0).all()
+    assert r.energy_error < 1e-5
+
+
+# Slow approach
+
+
+def test_approach_speeds_go_with_the_root_of_the_moment_down_to_nothing():
+    for moment in (1.0, 1e-6, 1e-15):
+        scene = paper_scene(driving_moment=moment)
+        r = simulate(scene, duration=0.02 / moment**0.5, outputs=20)
+        assert r.impacts.approach_speed[0] == pytest.approx(0.0809780828 * moment**0.5, rel=1e-7)
+        assert (r.impacts.approach_speed > 0).all()
+        assert r.energy_error < 1e-9
+    assert r.impacts.approach_speed.min() < 1e-14
+
+
+@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+def test_a_ball_that_starts_almost_in_touch_rests_there(model):
+    truth = simulate(duration=0.003, outputs=30)
+    for gap in (1e-6, 1e-10, 1e-13):
+        scene = PAPER.replace(initial_eccentricity=(-PAPER.clearance * (1 - gap), 0.0))
+        r = simulate(scene, model=model, duration=0.003, outputs=30)
+        assert 0 < r.impacts.approach_speed[0] < 1e-5
+        assert r.impacts.peak_force.max() < 12
+        assert r.energy_error < 1e-5
+        assert r.slider_position[-1] == pytest.approx(truth.slider_position[-1], abs=1e-4)
+
+
+def test_grazing_approach_speed_goes_with_the_gap_to_three_quarters():
+    speeds = []
+    for gap in (1e-6, 1e-10):
+        scene = PAPER.replace(initial_eccentricity=(-PAPER.clearance * (1 - gap), 0.0))
+        speeds.append(simulate(scene, duration=0.001, outputs=2).impacts.approach_speed[0])
+    assert speeds[0] / speeds[1] == pytest.approx(1e4**0.75, rel=1e-3)
+
+
+def test_a_gap_lost_in_rounding_is_refused():
+    with pytest.raises(ValueError, match="initial eccentricity must be < 5e-05 m"):
+        Scene(initial_eccentricity=(PAPER.clearance, 0.0))
+    for share in (1 - 1e-16, 1 - 1e-14):
+        with pytest.raises(ValueError, match="initial eccentricity must be < 5e-05 m"):
+            PAPER.replace(initial_eccentricity=(-PAPER.clearance * share, 0.0))
+    near = PAPER.replace(initial_eccentricity=(-PAPER.clearance * (1 - 1e-13), 0.0))
+    assert simulate(near, duration=1e-3).complete
+
+
+def test_particles_meet_with_an_approach_speed_above_zero():
+    generator = np.random.default_rng(1)
+    for _ in range(2000):
+        gap = -(10.0 ** generator.uniform(-30, -6)) * (generator.random() < 0.9)
+        h = 10.0 ** generator.uniform(-9, -5)
+        rate = (-gap + 10.0 ** generator.uniform(-30, -6)) / h  # ends in contact
+        before = rate * generator.uniform(-3, 3)
+        part, approach = particles._meet(gap, rate, before, h)
+        assert approach > 0
+        assert 0 <= part <= 1 + 1e-9
+
+
+@pytest.mark.parametrize("scheme", explicit.SCHEMES)
+def test_an_explicit_step_that_meets_while_leaving_is_not_damped(scheme):
+    """A ball that turns back within the step that touches: no approach speed to divide by."""
+    numbers, clearance = stability.packed(SLIPPERY, "hertz"), SLIPPERY.clearance
+    for rate in (0.0, -1e-12, -1e-6):
+        start = np.array([0.5, clearance * (1 + 1e-7), 0.0, 0.0, rate, 0.0])
+        pull, depth = explicit.integrate(SLIPPERY, numbers, 2e-3, 200, 1e-6, scheme, start)
+        assert np.isfinite(pull).all()
+        assert depth.max() < 0.01 * clearance
+        assert np.abs(pull).max() < 300
+
+
+# Friction
+
+
+def test_friction_that_turns_into_a_jump_costs_steps_but_keeps_the_answer():
+    numbers = pd.read_csv(paths.FIGURES / "stability_impacts.csv").query("panel == 'f'")
+    steps = numbers.sort_values("x", ascending=False).y.to_numpy()
+    assert (np.diff(steps) >= 0).all()
+    assert steps[0] < steps[-1] < 3 * steps[0]  # of a linear transition of 1e-4 m/s
+    lost = [
+        simulate(paper_scene(slow_speed=1e-4, full_speed=1e-4 + band), duration=0.1, outputs=1)
+        for band in (1e-6, 1e-9, 1e-13)
+    ]
+    lost = [response.lost_friction[-1] for response in lost]
+    assert lost == pytest.approx([lost[0]] * 3, rel=1e-6)
+    with pytest.raises(ValueError, match="slow speed must be >= 0 and < 0.0001 m/s"):
+        Scene(slow_speed=1e-4, full_speed=1e-4)
+
+
+# Chaos
+
+
+def impact_times(scene, x, duration):
+    moved = scene.replace(initial_eccentricity=(x, 0.0))
+    return simulate(moved, duration=duration, outputs=2, tolerance=1e-12).impacts.time.to_numpy()
+
+
+def test_runs_with_loss_can_be_repeated_and_those_without_cannot():
+    calm = [impact_times(PAPER, x, 0.05) for x in (0.0, 1e-9)]
+    assert calm[0] == pytest.approx(calm[1], abs=1e-7)
+    first, near, far = (
+        impact_times(PAPER.replace(restitution=0.99), x, 0.06)[:25] for x in (0.0, 1e-11, 1e-9)
+    )
+    near, far = (np.maximum.accumulate(np.abs(times - first)) for times in (near, far))
+    growing = far < 0.05 * np.diff(first, prepend=0.0).min()
+    slopes = [
+        np.polyfit(np.flatnonzero(growing), np.log(apart[growing]), 1)[0] for apart in (near, far)
+    ]
+    assert np.exp(slopes) == pytest.approx([1.9, 1.9], abs=0.3)
+
+
+# The contact solver
+
+
+def test_pivoting_takes_few_steps_and_too_few_end_in_an_error():
+    for seed in range(30):
+        generator = np.random.default_rng(seed)
+        for size in (10, 40, 160):
+            root = generator.normal(size=(size, size))
+            problem = root @ root.T + 1e-3 * np.eye(size), generator.normal(size=size)
+            complementarity.solve(*problem, max_pivots=10)
+    matrix, vector = np.array([[2.0, 1.9], [1.9, 2.0]]), np.array([-1.0, -0.5])
+    with pytest.raises(complementarity.ComplementarityError, match="did not converge: residual"):
+        complementarity.solve(matrix, vector, max_pivots=1)
+
+
+def test_no_contact_has_no_force():
+    curve = force_curve(Joint(200), [0.0, 0.5], resolution=64)
+    assert curve.force_star[0] == curve.contact_half_angle_deg[0] == curve.error_estimate[0] == 0
+    assert curve.force_star[1] > 0
+
+
+@pytest.mark.parametrize(
+    ("r2_star", "reach", "message"),
+    [
+        (1.5, 2**0.5 - 1, "depth_star must be < 0.414214"),
+        (20, 3.623, "depth_star must keep the contact off the socket's rim"),
+        (200, 6.183, "depth_star must keep the contact off the socket's rim"),
+    ],
+)
+def test_contact_is_solved_up_to_the_rim_and_refused_there(r2_star, reach, message):
+    assert force_curve(Joint(r2_star), 0.999 * reach, resolution=64).force_star > 0
+    with pytest.raises(RangeError, match=re.escape(message)):
+        force_curve(Joint(r2_star), 1.001 * reach, resolution=64)
+
+
+@pytest.mark.parametrize("resolution", [32, 128])
+def test_smallest_contact_is_that_of_one_hat(resolution):
+    pole = surface_angles(resolution // 2)[1]
+    smallest = 0.15 * pole**2 / 0.97
+    true = force_curve(Joint(200), 1.01 * smallest, resolution=640).force_star
+    coarse = force_curve(Joint(200), 1.01 * smallest, resolution=resolution)
+    assert coarse.force_star == pytest.approx(true, rel=0.05)
+    assert coarse.error_estimate > 0.5  # the coarser mesh has only just seen it
+    with pytest.raises(RangeError, match="so large that the elements resolve the contact"):
+        force_curve(Joint(200), 0.99 * smallest, resolution=resolution)
+
+
+def test_extreme_radii_are_solved_or_the_estimate_warns():
+    for r2_star in (2.0, 20.0, 1e6, 1e12):
+        depth = 0.5 * min(1, (2 * r2_star - 1) ** 0.5 - 1)
+        assert force_curve(Joint(r2_star), depth, resolution=160).error_estimate < 2e-3
+    for r2_star in (1.001, 1.01):
+        depth = 0.5 * ((2 * r2_star - 1) ** 0.5 - 1)
+        coarse = force_curve(Joint(r2_star), depth, resolution=64)
+        fine = force_curve(Joint(r2_star), depth, resolution=640)
+        apart = abs(coarse.force_star / fine.force_star - 1)
+        assert apart < 3 * coarse.error_estimate  # it warns, though of less than it misses
+        assert coarse.error_estimate > 0.01
+    with pytest.raises(ValueError, match="r2_star must be > 1"):
+        Joint(1.0)
+
+
+def test_three_node_triangles_lock_and_six_node_ones_do_not():
+    for poisson, least, most in ((0.3, 0.002, 0.02), (0.4999, 0.4, 0.7)):
+        material = Material(poisson=poisson)
+        joint = Joint(200, ball=material, socket=material)
+        true = force_curve(joint, 0.1).force_star
+        linear = force_curve(joint, 0.1, resolution=64, solver="linear")
+        quadratic = force_curve(joint, 0.1, resolution=64, solver="quadratic")
+        assert least < linear.force_star / true - 1 < most
+        assert quadratic.force_star == pytest.approx(true, rel=0.006)
+        assert quadratic.error_estimate > abs(quadratic.force_star / true - 1)
+    assert linear.error_estimate > 0.1  # it warns, though of less than it misses
+    with pytest.raises(ValueError, match="Poisson's ratio must be > -1 and < 0.5, got 0.5"):
+        Material(poisson=0.5)
+
+
+# The laws
+
+
+@pytest.mark.parametrize("area", shapes.BRACKETS)
+@pytest.mark.parametrize("depth", [1e-30, 1e-12, 1e-4, 1.0, np.pi**2 / 8])
+def test_series_of_the_bracket_is_exact_where_the_printed_one_cancels(area, depth):
+    with mpmath.workdps(80):
+        a, ds = mpmath.sqrt(2 * mpmath.mpf(depth)), mpmath.mpf(depth)
+        sphere = mpmath.mpf(1) / 2 - mpmath.sin(2 * a) / (2 * a) + mpmath.sin(a) ** 2 / (2 * a**2)
+        flat = 6 / a * mpmath.sin(a) + (6 / a**2 - 2) * mpmath.cos(a) - 1 - 6 / a**2
+        true = float(ds * sphere if area == "sphere" else 2 * ds * flat)
+    assert shapes.hyperbolic(depth, shapes.BRACKETS[area])[0] == pytest.approx(true, rel=1e-14)
+
+
+def test_laws_end_where_they_are_defined():
+    assert contact.hyperbolic_winkler(np.pi**2 / 8, 200) > contact.hyperbolic_winkler(1.23, 200)
+    assert contact.stiffened_hertz(1.0, 200) > 0
+    with pytest.raises(ValueError, match="depth_star of hyperbolic_winkler must be <= 1.2337"):
+        contact.hyperbolic_winkler(1.24, 200)
+    with pytest.raises(ValueError, match="depth_star of stiffened_hertz must be <= 1, got 1.1"):
+        contact.stiffened_hertz(1.1, 200)
+
+
+def test_laws_that_extrapolate_beyond_one_clearance_are_this_far_off():
+    true = force_curve(paper_joint(), 1.2).force_star[0]
+    errors = {name: contact.LAWS[name](1.2, 200) / true - 1 for name in contact.PAPER_LAWS}
+    assert errors["hyperbolic_winkler"] == pytest.approx(0.17, abs=0.01)
+    assert errors["winkler"] == pytest.approx(0.58, abs=0.02)
+    assert all(-0.7 < errors[name] < -0.3 for name in ("hertz", "steuermann", "liu"))
+
+
+def test_steuermann_of_any_order_is_finite_and_settles():
+    for radius in ("geometric", "profile"):
+        for r2_star in (1.01, 200, 1e6):
+            forces = [contact.steuermann(0.5, r2_star, n=n, radius=radius) for n in (1, 10, 49, 50)]
+            assert np.isfinite(forces).all()
+            assert forces[3] == pytest.approx(forces[2], rel=2e-3)
+    with pytest.raises(ValueError, match="n must be >= 1 and <= 50, got 51"):
+        contact.steuermann(0.5, 200, n=51)
+
+
+def test_rows_of_the_table_hold_numbers_as_text():
+    rows = [("a limit", "if so", 2.0, 1.23456, "s", ""), ("other", "", "none", 0, "", "nothing")]
+    table = limits.table(rows)
+    assert table.predicted.tolist() == ["2", "none"]
+    assert table.observed.tolist() == ["1.23", "0"]

@@ -1,0 +1,317 @@
+"""Flexible links: particles and finite elements against beam theory, each other and rigid links."""
+
+import re
+
+import numpy as np
+import pytest
+from helpers.scenes import random_scenes
+from helpers.with_hertz import simulate
+
+from study.contact.joint_law import pack
+from study.mechanism import (
+    MechanismError,
+    beams,
+    compare,
+    frame,
+    paper_scene,
+    stable_step,
+    stepping,
+)
+from study.mechanism.frame import Frame
+
+PAPER = paper_scene()
+FLEXIBLE = ("particles", "beams")
+TWO = {"elements": (2, 4)}
+
+
+@pytest.mark.parametrize("elements", [2, 3, 8])
+def test_particles_have_mass_and_inertia_of_their_link(elements):
+    link = PAPER.replace(coupler_inertia=4e-4).link("coupler")
+    masses, rotaries = frame.lump(link, elements)
+    places = np.linspace(-0.06, 0.06, elements + 1)
+    assert masses.sum() == pytest.approx(0.21, rel=1e-13)
+    assert masses @ places**2 + rotaries.sum() == pytest.approx(4e-4, rel=1e-12)
+    assert masses.min() > 0
+
+
+def test_a_single_element_has_its_mass_at_its_ends():
+    masses, rotaries = frame.lump(PAPER.link("coupler"), 1)
+    assert masses.tolist() == pytest.approx([0.105, 0.105])
+    assert rotaries.sum() == pytest.approx(0.21 * 0.12**2 / 12)
+
+
+def test_flexible_links_need_the_inertia_of_a_rod():
+    with pytest.raises(ValueError, match=r"coupler inertia of a flexible link must be >= 0.000252"):
+        PAPER.replace(coupler_inertia=1e-4).link("coupler")
+
+
+def straight(elements):
+    """System and band of stiffness of the finite elements at rest, with the slider free."""
+    system = beams.assemble(PAPER, elements, ideal=False)
+    force, band = np.zeros(len(system.initial)), np.zeros((len(system.initial), 2 * beams.BAND + 1))
+    beams._internal(system.initial, system.sections, system.unknowns, force, band, 1.0)
+    assert np.abs(force).max() < 1e-6
+    return system, band
+
+
+def dense(band):
+    size = len(band)
+    matrix = np.zeros((size, size))
+    for i in range(size):
+        for j in range(max(0, i - beams.BAND), min(size, i + beams.BAND + 1)):
+            matrix[i, j] = band[i, beams.BAND + j - i]
+    return matrix
+
+
+@pytest.mark.parametrize("elements", [1, 4])
+def test_finite_elements_bend_as_beam_theory(elements):
+    """The coupler as a cantilever: ball free, pin held, a force across its end."""
+    system, band = straight((1, elements))
+    stiffness, link = dense(band), PAPER.link("coupler")
+    first = len(system.initial) - 1 - 3 * elements  # behind the pin's rotation, before the slider
+    free = np.arange(first, len(system.initial) - 1)
+    load = np.zeros(len(free))
+    load[-2] = 1.0
+    bent = np.linalg.solve(stiffness[np.ix_(free, free)], load)[-2]
+    theory = link.length**3 / (3 * link.bending) + link.length / link.shear
+    assert bent == pytest.approx(theory, rel=1e-9)
+
+
+def test_finite_elements_mass_is_consistent():
+    system, _ = straight((2, 4))
+    mass = dense(system.mass)
+    assert mass == pytest.approx(mass.T)
+    moved = np.zeros(len(system.initial))
+    moved[[*np.unique(system.unknowns[:, [0, 3]]), system.ball[3]]] = 1.0
+    assert moved @ mass @ moved == pytest.approx(0.3 + 0.21 + 0.14, rel=1e-12)
+
+
+def test_tangent_of_finite_elements_is_the_derivative():
+    system = beams.assemble(PAPER, (2, 3), ideal=False)
+    generator = np.random.default_rng(1)
+    q = system.initial + 0.01 * generator.standard_normal(len(system.initial))
+    q[system.unknowns[:, [2, 5]]] += 2.0  # far from straight
+
+    def force(q):
+        forces, band = np.zeros(len(q)), np.zeros((len(q), 2 * beams.BAND + 1))
+        beams._internal(q, system.sections, system.unknowns, forces, band, 1.0)
+        return forces, band
+
+    tangent = dense(force(q)[1])
+    for j in range(len(q)):
+        step = np.zeros(len(q))
+        step[j] = 1e-7
+        change = (force(q + step)[0] - force(q - step)[0]) / 2e-7
+        assert tangent[:, j] == pytest.approx(change, abs=1e-7 * np.abs(tangent).max())
+
+
+def test_contact_tangent_of_finite_elements_is_the_derivative():
+    s = PAPER
+    law = pack("hertz", s.ball_radius, s.socket_radius, s.composite_modulus)
+    p = s.constants()
+    ball = np.array([0, 1, 2, 3])
+    q, v = np.array([3e-5, -4.1e-5, 0.3, 0.0]), np.array([0.02, 0.01, 0.5, 0.015])
+
+    def forces(q, v):
+        joint = np.zeros(10)
+        stiff, damp = beams._contact(q, v, ball, True, 0.05, beams.ANY, p, law, joint)
+        moment = s.ball_radius * joint[beams.TANGENTIAL]
+        return np.array([-joint[beams.FORCE_X], -joint[beams.FORCE_Y], moment]), stiff, damp
+
+    _, stiff, damp = forces(q, v)
+    assert abs(forces(q, v)[0][2]) > 0.01
+    for j in range(3):
+        step = np.zeros(4)
+        step[j] = 1e-12
+        change = (forces(q + step, v)[0] - forces(q - step, v)[0]) / 2e-12
+        assert stiff[:, j] == pytest.approx(change, rel=1e-3, abs=1e-3 * np.abs(stiff).max())
+        step[j] = 1e-8
+        change = (forces(q, v + step)[0] - forces(q, v - step)[0]) / 2e-8
+        assert damp[:, j] == pytest.approx(change, rel=1e-5, abs=1e-6 * np.abs(damp).max())
+
+
+def test_frequency_of_particles_bounds_the_step():
+    links = Frame(PAPER, (2, 4))
+    limit = stable_step(PAPER, (2, 4))
+    assert limit == 2 / links.highest_frequency(0.0, held=False)
+    assert 1e-6 < limit < 1e-5
+    below = simulate(model="particles", joint="ideal", step=0.98 * limit, duration=0.02, **TWO)
+    assert below.energy_error < 1e-4
+
+
+def distance(one, other):
+    """Largest distance between two sliders, relative to the way of the other."""
+    x, way = other.slider_position, np.ptp(other.slider_position)
+    return np.abs(one.slider_position - x).max() / way
+
+
+def order(x, y):
+    """Slope of y over x in logarithms."""
+    return np.polyfit(np.log(x), np.log(y), 1)[0]
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_stiff_links_move_as_rigid_ones(model):
+    options = {"joint": "ideal", "duration": 1e-3, "outputs": 100}
+    rigid, apart, factors = simulate(**options), [], [10, 100, 1000]
+    step = {"step": 2.5e-7} if model == "beams" else {}
+    for factor in factors:
+        stiff = PAPER.replace(link_modulus=factor * PAPER.youngs_modulus)
+        apart.append(distance(simulate(stiff, model=model, **options, **step, **TWO), rigid))
+    assert order(factors, apart) == pytest.approx(-1, abs=0.1)
+    assert apart[-1] < 1e-4
+
+
+def test_flexible_models_come_to_each_other_with_order_2():
+    options, numbers, apart = {"joint": "ideal", "duration": 1e-3, "outputs": 100}, [2, 4, 8], []
+    for n in numbers:
+        common = options | {"elements": (n, 2 * n)}
+        beams_ = simulate(model="beams", step=2.5e-7, **common)
+        apart.append(distance(simulate(model="particles", **common), beams_))
+    assert order(numbers, apart) == pytest.approx(-2, abs=0.25)
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_flexible_links_with_an_ideal_joint(model):
+    options = {"joint": "ideal", "duration": 0.05, "outputs": 20000}
+    rigid, r = simulate(**options), simulate(model=model, **options)
+    assert r.energy_error < 1e-5
+    assert r.impacts.empty
+    assert compare.motion_nrms(rigid, r, "slider_position") < 2e-4
+    assert compare.motion_nrms(rigid, r, "slider_velocity") < 5e-3
+    smooth = np.ones(800) / 800  # 2 ms, over the links' ringing
+    for column in ("force_x", "force_y"):
+        one, other = (np.convolve(getattr(x, column), smooth, "valid") for x in (r, rigid))
+        assert one == pytest.approx(other, abs=0.12 * np.abs(other).max())
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_flexible_links_with_clearance(model):
+    scene = PAPER.replace(gravity=9.81)
+    options = {"duration": 0.03, "outputs": 300}
+    rigid, r = simulate(scene, **options), simulate(scene, model=model, **options)
+    assert len(r.impacts) > len(rigid.impacts)
+    first, truth = r.impacts.iloc[0], rigid.impacts.iloc[0]
+    assert first.time == pytest.approx(truth.time, rel=5e-3)
+    assert first.approach_speed == pytest.approx(truth.approach_speed, rel=0.1)
+    assert compare.motion_nrms(rigid, r, "slider_position") < 1e-3
+    assert r.energy_error < 1e-5
+    assert r.lost_damping[-1] == pytest.approx(rigid.lost_damping[-1], rel=0.5)
+    assert (r.normal_force[r.depth <= 0] == 0).all()
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_nearly_rigid_links_impact_as_rigid_ones(model):
+    stiff = PAPER.replace(link_modulus=1000 * PAPER.youngs_modulus)
+    options = {"duration": 0.002, "outputs": 10}
+    truth = simulate(**options).impacts.iloc[0]
+    own = {} if model == "particles" else {"step": 1e-7}
+    first = simulate(stiff, model=model, **TWO, **own, **options).impacts.iloc[0]
+    assert first.time == pytest.approx(truth.time, rel=1e-4)
+    assert first.approach_speed == pytest.approx(truth.approach_speed, rel=5e-3)
+    for column in ("peak_force", "peak_depth", "separation_speed", "lost"):
+        assert first[column] == pytest.approx(truth[column], rel=0.03)
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_initial_eccentricity_and_mirrored_drive(model):
+    scene = PAPER.replace(initial_eccentricity=(1e-5, -3e-5))
+    r = simulate(scene, model=model, duration=0.005, outputs=50, **TWO)
+    assert r.eccentricity_x[0] == pytest.approx(1e-5, rel=1e-9)
+    assert r.eccentricity_y[0] == pytest.approx(-3e-5, rel=1e-9)
+    other = scene.replace(initial_eccentricity=(1e-5, 3e-5), driving_moment=-0.5)
+    mirrored = simulate(other, model=model, duration=0.005, outputs=50, **TWO)
+    assert mirrored.slider_position == pytest.approx(r.slider_position, abs=1e-9)
+    assert mirrored.impacts.time[0] == pytest.approx(r.impacts.time[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_shorter_steps_converge_with_order_2(model):
+    """Places after one impact, against a much shorter step."""
+    options = {"model": model, "duration": 0.002, "outputs": 20, **TWO}
+    steps = np.array([8e-7, 4e-7, 2e-7])
+    truth = simulate(step=2.5e-8, **options).slider_position[-1]
+    errors = [abs(simulate(step=h, **options).slider_position[-1] - truth) for h in steps]
+    assert order(steps, errors) > 1.5
+
+
+def test_particles_refuse_a_contact_that_takes_too_many_steps():
+    light = PAPER.replace(slider_mass=1e-40)
+    with pytest.raises(ValueError, match=r"limit of stability must be >= 1e-13 s, got .*e-25 s"):
+        simulate(light, model="particles", duration=1e-3)
+
+
+def test_a_step_above_the_limit_says_so():
+    message = "step must be <= 4.402e-06 s, the limit of stability, got 5e-06 s"
+    with pytest.raises(ValueError, match=re.escape(message)):
+        simulate(model="particles", step=5e-6, **TWO)
+
+
+def test_lagged_velocity_in_stiff_damping_says_when_and_what_limit():
+    message = r"the step must stay <= 3.8\d\de-06 s, the limit of stability; stopped at time 0.01"
+    with pytest.raises(MechanismError, match=message):
+        simulate(model="particles", method="lagged", step=3.9e-6, **TWO)
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_too_deep_a_contact_says_when(model):
+    with pytest.raises(
+        MechanismError, match=r"the depth must stay <= .*; stopped at time 0.0\d+ s, step "
+    ):
+        soft = PAPER.replace(youngs_modulus=1e6, driving_moment=25.0, link_modulus=2e11)
+        simulate(soft, model=model, **TWO)
+
+
+def test_many_impacts_fit_in_the_table():
+    scene = PAPER.replace(restitution=1.0, friction=0.0)
+    for model in ("rigid", *FLEXIBLE):
+        r = simulate(scene, model=model, duration=0.1, **({} if model == "rigid" else TWO))
+        assert len(r.impacts) > 64
+        assert (np.diff(r.impacts.time) > 0).all()
+        assert r.energy_error < 1e-4
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_flexible_links_of_random_scenes(model):
+    ended = 0
+    for scene in random_scenes(20):
+        eased = scene.replace(friction=0.5 * scene.friction)  # Newton's method may fail beyond 0.5
+        try:
+            r = simulate(eased, model=model, duration=0.02, outputs=20, **TWO)
+        except MechanismError as error:
+            assert "the depth must stay" in str(error)  # noqa: PT017
+            continue
+        ended += 1
+        assert np.isfinite(r.motion.drop(columns="event").to_numpy()).all()
+        assert (r.impacts.approach_speed > 0).all()
+        assert r.energy_error < 1e-2
+    assert ended > 15
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_weight_rests_on_the_slide(model):
+    """Stiff links in strong gravity: the ideal joint's force is that of rigid links."""
+    scene = PAPER.replace(gravity=1000.0, link_modulus=1e3 * PAPER.youngs_modulus)
+    options = {"joint": "ideal", "duration": 0.002, "outputs": 2000}
+    rigid, r = simulate(scene, **options), simulate(scene, model=model, **TWO, **options)
+    assert r.force_y.mean() == pytest.approx(rigid.force_y.mean(), rel=0.03)
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_outputs_at_every_step_lose_none_when_the_table_of_impacts_grows(model):
+    scene = PAPER.replace(restitution=1.0, friction=0.0)
+    options = {"model": model, "duration": 0.1, "step": 2e-6, "outputs": 50_000, **TWO}
+    response = simulate(scene, **options)
+    assert len(response.impacts) > 64
+    assert (np.diff(response.crank_angle[1:]) != 0).all()  # no step is recorded twice
+
+
+@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+def test_where_a_loop_is_interrupted_changes_no_bit(model, monkeypatch):
+    """Compiled loops return after some time, so that Ctrl-C is noticed, and begin anew."""
+    options, rows = {} if model == "rigid" else TWO, []
+    for patience in (0.0, np.inf):
+        monkeypatch.setattr(stepping, "PATIENCE", patience)
+        response = simulate(PAPER, model=model, duration=0.05, outputs=500, **options)
+        rows.append(response.rows)
+    assert np.array_equal(*rows)

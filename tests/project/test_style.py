@@ -1,0 +1,64 @@
+"""The repository as text: ruff, and nothing that belongs to one machine only."""
+
+import itertools
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from study import paths
+
+
+def tracked():
+    """Every file that git tracks, whatever its suffix."""
+    listed = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=paths.ROOT, capture_output=True, text=True
+    )
+    assert listed.returncode == 0, listed.stderr
+    return [paths.ROOT / name for name in listed.stdout.split("\0") if name]
+
+
+@pytest.mark.parametrize("words", [["check"], ["format", "--check"]])
+def test_ruff(words):
+    command = [sys.executable, "-m", "ruff", *words, "--no-cache", str(paths.ROOT)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_lock_pins_every_package_by_hash_and_names_no_index():
+    lock = (paths.ROOT / "requirements.lock").read_text()
+    pinned = re.findall(r"^\S+==\S+.*\\$", lock, re.MULTILINE)
+    assert len(pinned) > 100
+    assert len(pinned) == len(re.findall(r"^\S", lock, re.MULTILINE)) - 2  # two comment lines
+    assert "://" not in lock
+    assert "index-url" not in lock
+
+
+def test_no_path_of_a_machine():
+    root = str(paths.ROOT)
+    for path in filter(Path.is_file, tracked()):
+        content = path.read_bytes()
+        assert root.encode() not in content, path
+        assert not re.search(rb"/(home|Users)/\w+/", content), path
+
+
+def test_contributing_names_every_room_and_package():
+    text = (paths.ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    project = tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    rooms = {path.parent.name for path in (paths.ROOT / "study").glob("*/__init__.py")}
+    assert not [room for room in rooms if f"`{room}" not in text]
+    optional = project["project"]["optional-dependencies"].values()
+    for package in itertools.chain(project["project"]["dependencies"], *optional):
+        if package.startswith(project["project"]["name"]):  # an extra of its own
+            continue
+        assert re.search(rf"\b{package.split('>=')[0]}\b", text), package
+
+
+def test_make_help_names_every_target():
+    text = (paths.ROOT / "Makefile").read_text(encoding="utf-8")
+    (line,) = re.findall(r"^\.PHONY: help (.+)$", text, re.M)
+    assert re.findall(r'@echo "make (\w+) ', text) == line.split()
+    assert "setup" in line.split()
