@@ -9,9 +9,9 @@ from difflib import get_close_matches
 from pathlib import Path
 
 import typer
+from typer.main import get_group
 
 from study import checks, paths
-from study.cli import build, cite, joint, laws, mechanism, stored, sweep  # noqa: F401  (commands)
 from study.cli.options import INTERRUPTED, InterruptionError, app
 
 _LISTED = re.compile(r"\bone of (?P<known>.+), got '(?P<asked>[^'=]+)[^']*'$")
@@ -25,7 +25,7 @@ def main():
         stream.reconfigure(errors="replace")  # a line with "?" is better than none
     try:
         _refuse_copied_program()
-        status = app(standalone_mode=False)
+        status = get_group(app)(standalone_mode=False)
     except (UsageError, ValueError) as error:
         text = error.format_message() if isinstance(error, UsageError) else str(error)
         if text.startswith("Usage:"):  # a command group alone: its help is the answer

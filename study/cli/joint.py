@@ -6,9 +6,12 @@ from typing import Literal
 
 import numpy as np
 
-from study import checks
+from study import checks, parameters
 from study.cli import options as cli
 from study.cli.output import show, working
+from study.joint import DimensionalJoint, RatioJoint
+from study.joint.curve import SOLVERS
+from study.joint.supports import Configuration
 
 MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
 LARGE = 1.0  # m: a socket's radius that is probably in mm
@@ -17,64 +20,62 @@ NO_LAW = {
     "solver": "none: the joint has to be solved at every depth",
 }
 HELD = "they are largest where that is held, and depend on its details."
-MATERIAL = (
-    "Material by its name (listed by study data materials), or by Young's modulus in Pa, Poisson's "
-    "ratio and perhaps yield stress in Pa: 210e9,0.3,5e8. [default: {}]"
-)
-
-
-class SizeOptions:
-    """Dimensions of a joint, and its materials."""
-
-    socket_radius: float = cli.option("Inner radius of the socket, in m.")
-    clearance: float = cli.option("Radius of the socket minus that of the ball, in m.")
-    wall: float = cli.WALL
-    ball: str = cli.option(MATERIAL.format("bearing steel"))
-    socket: str = cli.option(MATERIAL.format("steel"))
-    liner: list[str] = cli.LINER
-
-
-class DimensionOptions(SizeOptions):
-    """A joint with dimensions, and what is asked of it."""
-
-    force: list[float] = cli.option("Contact force in N; may be repeated.")
-    depth: list[float] = cli.option("Penetration depth in m; may be repeated.")
-    tolerance: float = cli.option(
-        "Largest relative error of the law that is chosen. [default: 0.01]"
-    )
-    friction: float = cli.option(
-        "Coefficient of friction (no unit), for the torques of a ball that slides all over its "
-        "contact as it turns about the load (spin), or about an axis across it (tilt)."
-    )
-    wear: float = cli.option(
-        "Wear coefficient in m^2/N, for Archard's wear depth at the peak of an unchanged pressure."
-    )
-    path: float = cli.option("Sliding path of the wear, in m.")
-    plot: Path = cli.option("Figure of force and pressure to write: .png, .svg or .pdf.")
-
-
-class EitherOptions(cli.JointOptions, DimensionOptions):
-    """A joint with dimensions, or without."""
-
-    tilt: float = cli.option(
-        "Angle off the axis, in deg, of the displacement; with --force that of the force."
-    )
-    r2_star: float = cli.option(cli.R2_STAR)
-    depth_star: list[float] = cli.option(cli.DEPTHS)
-    solver: Literal["series", "quadratic", "linear"] = cli.option(
-        "Exact Legendre series of both bodies, or finite elements: six-node (quadratic) or "
-        "three-node (linear) triangles."
-    )
-
-
-DIMENSIONS = (*SizeOptions.__annotations__, *DimensionOptions.__annotations__)
+SIZED = cli.options_of(DimensionalJoint)
+"""Options of a joint with its dimensions."""
+RELATIVE = cli.options_of(RatioJoint)
+"""Options of a joint without dimensions."""
+ASKED = {
+    "force": (list[float], cli.option("Contact force in N; may be repeated.")),
+    "depth": (list[float], cli.option("Penetration depth in m; may be repeated.")),
+    "tolerance": (
+        float,
+        cli.option("Largest relative error of the law that is chosen. [default: 0.01]"),
+    ),
+    "friction": (
+        float,
+        cli.option(
+            "Coefficient of friction (no unit), for the torques of a ball that slides all over its "
+            "contact as it turns about the load (spin), or about an axis across it (tilt)."
+        ),
+    ),
+    "wear": (
+        float,
+        cli.option(
+            "Wear coefficient in m^2/N, for Archard's wear depth at the peak of an unchanged "
+            "pressure."
+        ),
+    ),
+    "path": (float, cli.option("Sliding path of the wear, in m.")),
+    "plot": (Path, cli.option("Figure of force and pressure to write: .png, .svg or .pdf.")),
+}
+"""What may be asked of a joint with dimensions."""
+EITHER = RELATIVE | SIZED | ASKED
+EITHER |= {
+    "tilt": (
+        float,
+        cli.option(
+            "Angle off the axis, in deg, of the displacement; with --force that of the force."
+        ),
+    ),
+    "depth_star": (list[float], cli.option(cli.DEPTHS)),
+    "solver": (
+        Literal[SOLVERS],
+        cli.option(
+            "Exact Legendre series of both bodies, or finite elements: six-node (quadratic) or "
+            "three-node (linear) triangles."
+        ),
+    ),
+}
+CONFIGURATION = tuple(parameters.described(Configuration))
 SIZES = ("socket_radius", "clearance", "wall")
 """Options that a joint with dimensions needs."""
+OF_SIZED = tuple(name for name in SIZED if name not in CONFIGURATION)
+"""Options that only a joint with dimensions has."""
 OF_PRESSURE = {"friction": "", "wear": "m^2/N", "path": "m"}  # and their units
 
 
 @cli.command("joint")
-def solve_joint(as_json: bool = cli.JSON, **options: EitherOptions):
+def solve_joint(as_json: bool = cli.JSON, **options: EITHER):
     """Solve one joint: force, depth, stiffness, pressure, half-angle, error, and stresses.
 
     With dimensions: --socket-radius, --clearance, --wall and --force or --depth, in SI units, with
@@ -82,11 +83,11 @@ def solve_joint(as_json: bool = cli.JSON, **options: EitherOptions):
     radius is relative to that of the body's surface. With --tilt the ball is pressed off the axis:
     forces along and across its displacement, positive towards larger tilt, and no stresses.
     """
-    if dimensions := [name for name in DIMENSIONS if name in options]:
-        _only_sizes(options, dimensions[0], (*DIMENSIONS, "tilt"))
+    if dimensions := [name for name in (*OF_SIZED, *ASKED) if name in options]:
+        _only_sizes(options, dimensions[0], (*OF_SIZED, *ASKED, "tilt"))
         solve = _solve_dimensional
     else:
-        _needed(("r2_star", "depth_star"), options, " or, with dimensions, --socket-radius, ...")
+        needed(("r2_star", "depth_star"), options, " or, with dimensions, --socket-radius, ...")
         solve = _solve_dimensionless
     options = cli.under_tilt(options.get("tilt"), options)
     if "tilt" in options:
@@ -96,7 +97,8 @@ def solve_joint(as_json: bool = cli.JSON, **options: EitherOptions):
     solve(as_json, **options)
 
 
-def _needed(names, options, more=""):
+def needed(names, options, more=""):
+    """Refuse options among which one is missing."""
     missing = [cli.flag(name) for name in names if name not in options]
     if missing:
         raise ValueError(f"{' and '.join(missing)} must be given{more}")
@@ -104,21 +106,16 @@ def _needed(names, options, more=""):
 
 def _only_sizes(options, first, allowed):
     """Refuse what a joint with its dimensions does not have."""
-    from study.joint.supports import SUPPORTS
-
     why = f"{cli.flag(first)} is for a joint with its dimensions"
-    cli.left_out(options, (*allowed, *SUPPORTS), why)
+    cli.left_out(options, (*allowed, *CONFIGURATION), why)
 
 
 def sized(options):
-    """Joint with dimensions of a command's options: `SizeOptions`, and its supports."""
-    from study.joint import DimensionalJoint, parsing
-
-    first = next(name for name in SizeOptions.__annotations__ if name in options)
-    _only_sizes(options, first, SizeOptions.__annotations__)
-    _needed(SIZES, options)
-    liners = tuple(map(parsing.liner, options.get("liner", ())))
-    return DimensionalJoint(**options | {"liner": liners})
+    """Joint with dimensions of a command's options: `SIZED`."""
+    first = next(name for name in OF_SIZED if name in options)
+    _only_sizes(options, first, OF_SIZED)
+    needed(SIZES, options)
+    return DimensionalJoint(**options)
 
 
 def _solve_dimensional(
@@ -130,11 +127,11 @@ def _solve_dimensional(
     for name, value in of_pressure.items():
         checks.number(name, value, OF_PRESSURE[name], least=0)
     if "wear" in of_pressure or "path" in of_pressure:
-        _needed(("wear", "path"), of_pressure)
+        needed(("wear", "path"), of_pressure)
     if plot is not None:
         cli.check_output(plot, ".png", ".svg", ".pdf", name="plot")
         from study.cli.plot import draw_joint  # now: it may lack a package
-    _needed(SIZES, of_joint)
+    needed(SIZES, of_joint)
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
     joint = sized(of_joint)
     with working("Solving the joint"):
@@ -152,10 +149,10 @@ def _solve_dimensional(
 
 
 def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, **joint):
-    from study.joint import applicability, force_curve, parsing, tilted_contact
+    from study.joint import applicability, force_curve, tilted_contact
     from study.joint.stress import largest as largest_stress
 
-    solved_joint = parsing.joint(r2_star, **joint)
+    solved_joint = RatioJoint(r2_star=r2_star, **joint).joint()
     if tilt is not None:
         with working("Solving the joint"):
             values, parts = _tilted(tilted_contact(solved_joint, depth_star, tilt))
@@ -256,18 +253,11 @@ def _described(joint, solution, limits, tolerance, typed):
     return values | power | law, parts
 
 
-HELD_HOW = {
-    "whole": "The socket's outside is held rigidly.",
-    "rim": "The face of the socket's rim is held rigidly.",
-}
-
-
 def _limits(joint, depth, limits):
     """What the numbers are for, and which limits they exceed."""
     from study.joint import applicability
 
-    seat = f"The socket's outside is held rigidly at polar angles of {joint.backing} deg."
-    held = HELD_HOW.get(joint.backing, seat)
+    held = joint.backing.in_words()
     yield f"{held} Bodies are smooth and elastic, without friction; the load is along the axis."
     ordered = [limits[k] for k in np.argsort(depth)]
     for sentence in applicability.worst(ordered):

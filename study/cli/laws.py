@@ -8,29 +8,22 @@ import typer
 
 from study import paths
 from study.cli import options as cli
-from study.cli.joint import SizeOptions
+from study.cli.joint import OF_SIZED, RELATIVE, SIZED, needed, sized, typed
 from study.cli.output import named_fields, show, working
 from study.contact import LAWS, LawName
+from study.joint import RatioJoint
 
-
-class LawOptions(cli.MaterialOptions):
-    """What stiffened_hertz depends on."""
-
-    ball_drive: Literal["plane", "clamped"] = cli.option(
-        "Equatorial plane of the half ball: moved along the axis and radially free (plane), or "
-        "clamped to a rigid plate (clamped). [default: plane]",
-        "--drive",
-    )
-    rim: cli.Rim = cli.RIM
+_OF_STIFFENED = ("socket_ratio", "modulus_ratio", "poisson", "socket_poisson", "ball_drive", "rim")
+"""What stiffened_hertz depends on."""
 
 
 @cli.command("law")
 def evaluate_law(
     name: LawName = typer.Argument(help=f"One of {', '.join(LAWS)}.", metavar="NAME"),
-    r2_star: float = cli.option(cli.R2_STAR, default=cli.NEEDED),
+    r2_star: float = cli.option("Socket radius over clearance, R2/dR, > 1.", default=cli.NEEDED),
     depth_star: list[float] = cli.option(cli.DEPTHS, default=cli.NEEDED),
     as_json: bool = cli.JSON,
-    **options: LawOptions,
+    **options: cli.options_of(RatioJoint, *_OF_STIFFENED),
 ):
     """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths.
 
@@ -58,7 +51,6 @@ TABLE = " A table of depth and tilt does:\nstudy export --law tabulated --tilt {
 
 @cli.command("choose")
 def choose_law(
-    r2_star: float = cli.option(cli.R2_STAR, default=cli.NEEDED),
     depth_star: float = cli.option(
         "Largest depth of the scene, in clearances.", default=cli.NEEDED
     ),
@@ -72,18 +64,18 @@ def choose_law(
         "Largest direction of a displacement off the axis, in deg: does one law serve all?"
     ),
     as_json: bool = cli.JSON,
-    **joint: cli.JointOptions,
+    **joint: RELATIVE,
 ):
     """Choose the cheapest law that is accurate enough for a joint, with the evidence.
 
     For a whole mechanism: study simulate --model auto --tolerance ... .
     """
     from study.choose import choose, directions, relative_costs
-    from study.cli.joint import typed
-    from study.joint import applicability, first_yield, force_curve, parsing
+    from study.joint import applicability, first_yield, force_curve
 
+    needed(("r2_star",), joint)
     joint = cli.under_tilt(tilt, joint)
-    asked, costs = parsing.joint(r2_star, yield_stress=yield_stress, **joint), relative_costs()
+    asked, costs = RatioJoint(**joint).joint(yield_stress), relative_costs()
     with working("Solving the joint"):
         off_axis = tilt is not None and directions(asked, depth_star, tilt, tolerance)
         choice = choose(asked, depth_star, tolerance)
@@ -101,7 +93,7 @@ def choose_law(
         how = KNOWN.get(known_by, "solved at the largest depth")
         sentences.append(OFF_AXIS.format(DIRECTIONS[serves], tilt, error, how))
         if not serves:
-            table = {"r2_star": r2_star, "depth_star": depth_star} | joint
+            table = joint | {"depth_star": depth_star}
             sentences[-1] += TABLE.format(tilt, typed(table))
     show(
         {"next_cheaper": next(iter(choice.rejected), None)}
@@ -119,10 +111,6 @@ def choose_law(
             "relative_cost": [costs[law] for law in laws],
         },
     )
-
-
-class SizedOptions(cli.JointOptions, SizeOptions):
-    """A joint with its dimensions, or without."""
 
 
 @cli.command("export")
@@ -148,22 +136,19 @@ def export_law(
         "depth and tilt, with the forces along and across."
     ),
     output: Path = cli.OUTPUT,
-    r2_star: float = cli.option(f"{cli.R2_STAR} [default: 200]"),
-    **joint: SizedOptions,
+    **joint: RELATIVE | SIZED,
 ):
     """Export a law, for one joint, to another program: to standard output or a file.
 
     The joint is described as for study joint, with its dimensions or without. The text states
     joint, range, units, and the law's largest error against the solved joint.
     """
-    from study.cli.joint import sized
     from study.export import SUFFIXES, export
-    from study.joint import parsing
 
     cli.check_output(output, SUFFIXES[form])
     joint = cli.under_tilt(tilt, joint)
-    if any(name in joint for name in SizeOptions.__annotations__):
-        asked = sized(joint | ({"r2_star": r2_star} if r2_star else {}))
+    if any(name in joint for name in OF_SIZED):
+        asked = sized(joint)
         depths = [value / asked.clearance for value in depth or ()]
         if depth and depth_star:
             raise ValueError("either --depth or --depth-star must be given, not both")
@@ -171,7 +156,7 @@ def export_law(
     else:
         if depth:
             raise ValueError("--depth must be left out: it is for a joint with its dimensions")
-        asked = parsing.joint(200.0 if r2_star is None else r2_star, **joint)
+        asked = RatioJoint(**joint).joint()
     with working("Solving the joint, and its error"):
         text = export(law, form, asked, sorted(depth_star or ()) or None, tilt)
     if output is None:

@@ -1,16 +1,18 @@
 """The command for the crank-slider: simulate."""
 
-from dataclasses import fields
 from functools import partial
 from inspect import signature
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_type_hints
 
 from study import checks
 from study.checks import StudyError
 from study.cli import options as cli
 from study.cli.output import named_fields, show, working
 from study.contact import LawName
+from study.joint import DimensionalJoint
+from study.mechanism import Scene
+from study.parameters import described
 
 SHOWN = 20  # impacts in a printed table
 END = {
@@ -22,14 +24,10 @@ END = {
 }
 """What is printed of the end -> the response's column."""
 SCENE = (
-    "KEY=VALUE of the scene; may be repeated; KEY (unit): crank_length (m), crank_mass (kg), "
-    "coupler_length (m), coupler_mass (kg), slider_mass (kg), clearance (m), youngs_modulus (Pa), "
-    "poisson (-), restitution (-), friction (-), slow_speed (m/s), full_speed (m/s), "
-    "driving_moment (N m), socket_radius (m), crank_inertia (kg m^2), coupler_inertia (kg m^2), "
-    "ball (Pa, -), socket (Pa, -), link_modulus (Pa), density (kg/m^3), damping, gravity (m/s^2), "
-    "initial_eccentricity (m), initial_crank_angle (rad), initial_crank_speed (rad/s), "
-    "crank_speed (rad/s), crank_clearance (m). Only the usual damping, exact, delivers the "
-    "restitution; others are lankarani-nikravesh (the paper's), hunt-crossley and flores."
+    "KEY=VALUE of a mechanism parameter; may be repeated; KEY (unit): "
+    + ", ".join(f"{name} ({about.unit or '-'})" for name, about in described(Scene).items())
+    + ". The default damping, exact, delivers the restitution; others are lankarani-nikravesh (the "
+    "paper's), hunt-crossley and flores."
 )
 
 
@@ -47,8 +45,6 @@ class SimulationOptions:
         "Contact law; tabulated, the usual one beside --wall or --liner: that of the scene's "
         "joint, solved. [default: stiffened_hertz]"
     )
-    wall: float = cli.WALL
-    liner: list[str] = cli.LINER
     duration: float = cli.option("Simulated time, in s. [default: 0.1]")
     outputs: int = cli.option(
         "Number of equal intervals between the times of output. [default: 1000]"
@@ -73,18 +69,21 @@ class SimulationOptions:
     )
 
 
+OPTIONS = {
+    name: (kind, getattr(SimulationOptions, name))
+    for name, kind in get_type_hints(SimulationOptions).items()
+} | cli.options_of(DimensionalJoint, "wall", "liner")
+
+
 @cli.command("simulate")
 def simulate_mechanism(
     scene: list[str] = cli.option(SCENE, default=()),
-    inertia: str = cli.option(
-        "Inertias of crank and coupler about their centres, in kg m^2: I1,I2. [default: rods]"
-    ),
     output: Path = cli.OUTPUT,
     as_json: bool = cli.JSON,
     once: bool = cli.option(
         "Leave out the second run, which says how far to trust the first.", "--once", default=False
     ),
-    **options: SimulationOptions,
+    **options: OPTIONS,
 ):
     """Simulate the crank-slider: where it is at the end, and every impact (SI units).
 
@@ -96,15 +95,12 @@ def simulate_mechanism(
     from study.contact import SOCKET_RATIO
     from study.mechanism.limits import limits
 
-    changed = _scene(scene, inertia)
+    changed = _scene(scene)
     cli.check_output(output, ".csv")
     if "elements" in options:
         options["elements"] = checks.read_several("--elements", options["elements"], kind=int)
     if options.keys() & {"wall", "liner"}:
-        from study.joint import parsing
-
         options.setdefault("law", "tabulated")
-        options["liner"] = tuple(map(parsing.liner, options.get("liner", ())))
     parameters = signature(mechanism.simulate).parameters
     if options.get("model") == "auto":
         choice = _choice(changed, **options)
@@ -215,18 +211,13 @@ def _in_words(choice, duration):
     ]
 
 
-def _scene(settings, inertia):
-    """The paper's scene with settings ``KEY=VALUE`` and the inertias changed."""
-    from study.mechanism import Scene
-
-    known, texts = [field.name for field in fields(Scene)], {}
+def _scene(settings):
+    """The default mechanism with settings ``KEY=VALUE`` changed."""
+    known, values = described(Scene), {}
     for setting in settings:
         key, equals, text = setting.partition("=")
         if not equals or key not in known:
             names = ", ".join(known)
             raise ValueError(f"--scene must be KEY=VALUE with KEY one of {names}, got {setting!r}")
-        texts[key] = text
-    rods = {"crank_inertia": None, "coupler_inertia": None}
-    if inertia not in (None, "rods"):
-        rods = dict(zip(rods, checks.read_several("--inertia", inertia), strict=True))
-    return Scene.read(texts, **rods)
+        values[key] = known[key].read(key, text)
+    return Scene(**values)

@@ -1,17 +1,65 @@
-"""The program, options that several commands share, and how a function becomes a command."""
+"""The program, options that several commands share, and how a function becomes a command.
+
+A command's module is loaded when the command is called: `COMMANDS` has the modules, and the
+sentences that ``study --help`` shows.
+"""
 
 import os
+from collections.abc import Mapping
 from functools import partial
+from importlib import import_module
 from inspect import Parameter, Signature, getdoc, signature
 from pathlib import Path
-from typing import Literal, get_args, get_type_hints
+from typing import Any, Literal, get_args
 
 import typer
+from typer.core import TyperGroup
+from typer.main import get_command_from_info
 
-from study import checks, paths
+from study import checks, parameters, paths
 from study.checks import StudyError
 
+COMMANDS = {
+    "run": ("build", "Run outdated notebooks and compare their figures and tables."),
+    "verify": ("build", "Say which results that were last made here agree with the kept ones."),
+    "paper": ("build", "Typeset build/paper.pdf and build/supplement.pdf from the results."),
+    "report": ("build", "Bring everything up to date: figures, tables, paper and report."),
+    "list": ("build", "List every figure and table by notebook: what it shows."),
+    "data": ("stored", "The cached force-depth curves."),
+    "measure": ("stored", "Time laws, solvers and steppers on this machine."),
+    "joint": ("joint", "Solve one joint: force, depth, stiffness, pressure and stresses."),
+    "law": ("laws", "Evaluate a contact law."),
+    "choose": ("laws", "Choose the cheapest law that is accurate enough for a joint."),
+    "export": ("laws", "Export a law, for one joint, to another program."),
+    "simulate": ("mechanism", "Simulate the crank-slider: its motion and every impact."),
+    "sweep": ("sweep", "Solve many joints, or simulate many scenes, into one table."),
+    "cite": ("cite", "Print what to cite."),
+}
+"""Command -> its module, and what it does."""
+
+
+class _LazyGroup(TyperGroup):
+    """The program, which loads the module of a command when it is needed."""
+
+    def list_commands(self, ctx):
+        return list(COMMANDS)
+
+    def get_command(self, ctx, name):
+        if name not in COMMANDS:
+            return None
+        import_module(f"study.cli.{COMMANDS[name][0]}")
+        if name == "data":
+            return typer.main.get_group(data_app)
+        (info,) = (info for info in app.registered_commands if info.name == name)
+        return get_command_from_info(info, pretty_exceptions_short=True, rich_markup_mode=None)
+
+    def format_commands(self, ctx, formatter):
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+
 app = typer.Typer(
+    cls=_LazyGroup,
     help="Contact force laws for spherical clearance joints: rebuild, inspect, evaluate.",
     no_args_is_help=True,
     add_completion=False,
@@ -19,7 +67,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 data_app = typer.Typer(help="The cached force-depth curves.", no_args_is_help=True)
-app.add_typer(data_app, name="data")
 
 INTERRUPTED = 130  # typer's status after Ctrl-C
 KEPT = "; what was finished is kept"
@@ -28,76 +75,37 @@ NEEDED = ...  # the default of an option that must be given
 
 METAVARS = {float: "NUMBER", int: "COUNT", str: "TEXT", Path: "FILE"}
 """What the help shows for the value of an option, by its type."""
+Options = Mapping[str, tuple[Any, Any]]
+"""Type and option of each parameter of a command, by name."""
 
 
 def option(text, *flags, default=None):
-    """Option with its help. Without a default it is None, or absent from a class of options."""
+    """Option with its help. Without a default it is None, or absent from a command's ``**``."""
     return typer.Option(default, *flags, help=text)
 
 
-Rim = Literal["mirror", "free"]
-Kinematics = Literal["small", "linear", "finite"]
+def options_of(owner, *names):
+    """Options of a class's or function's parameters (`study.parameters`), all or some of them."""
+    every = parameters.described(owner)
+    return {name: _option_of(owner, name, every[name]) for name in names or every}
+
+
+def _option_of(owner, name, about):
+    kind = Literal[about.choices] if about.choices else about.typed
+    kind = str if about.several == "," else kind
+    text = f"{about.meaning}, in {about.unit}" if about.unit else about.meaning
+    if about.range and not about.choices:
+        text = f"{text}, {about.range}"
+    default = parameters.default_of(owner, name)
+    text = f"{text}. [default: {default}]" if default else f"{text}."
+    return (list[kind] if about.several == ";" else kind), option(text)
+
+
 JSON = option("Print one JSON object.", "--json", default=False)
 OUTPUT = option("File to write.")
 JOBS = option("Processes, by default one per core.")
 NAMES = typer.Argument((), help="Figures, tables or notebooks; default all.", metavar="NAME")
-R2_STAR = "Radius of the socket in clearances, R2/dR, > 1."
 DEPTHS = "Penetration depth in clearances, d/dR; may be repeated."
-WALL = option(
-    "Thickness of the socket beyond its inner radius, liners included, in m; its outside is held "
-    "rigidly."
-)
-LINER = option(
-    "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be repeated, from "
-    "the inside out."
-)
-RIM = option(
-    "Edge of the socket: a mirror plane, or free of traction. [default: mirror for a hemispherical "
-    "socket, fixed all over its outside, half a ball and a load along the axis; else free]"
-)
-
-
-class MaterialOptions:
-    """Ball and socket, each of one material, without dimensions."""
-
-    socket_ratio: float = option("Outer over inner radius of the socket. [default: 1.298]")
-    modulus_ratio: float = option(
-        "Young's modulus of the socket over that of the ball. [default: 1.0]"
-    )
-    poisson: float = option(
-        "Poisson's ratio of the ball, and of the socket unless it differs (no unit). [default: 0.3]"
-    )
-    socket_poisson: float = option("Poisson's ratio of the socket, if it differs (no unit).")
-
-
-class JointOptions(MaterialOptions):
-    """A joint without dimensions."""
-
-    layer: list[str] = option(
-        "Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer of "
-        "the socket: N,N,N; may be repeated, from the inside out."
-    )
-    ball_drive: str = option(
-        "Equatorial plane of the half ball: moved along the axis and radially free (plane), "
-        "clamped to a rigid plate (clamped), or moved at its centre alone (point). A whole ball: "
-        "held at a rigid core of 0.2 of its radius (core:0.2), or on its surface within 30 deg of "
-        "the top (neck:30). [default: plane]",
-        "--drive",
-    )
-    rim: Rim = RIM
-    opening: float = option(
-        "Polar angle of the socket's mouth from its pole, in deg, 30 to 170. [default: 90.0]"
-    )
-    backing: str = option(
-        "Where the socket is held: its outside all over (whole), the face of its rim alone (rim), "
-        "or its outside between two polar angles in deg (0,30: a seat; 60,90: a flange). "
-        "[default: whole]"
-    )
-    kinematics: Kinematics = option(
-        "Which points of the surfaces face each other. small: those at equal angles from the "
-        "socket's centre; linear: those that the ball's points have moved to, as in a small-strain "
-        "analysis with contact on moved surfaces; finite: large displacements. [default: linear]"
-    )
 
 
 class InterruptionError(Exception):
@@ -107,7 +115,8 @@ class InterruptionError(Exception):
 def command(name, group=app, keeps=False):
     """Decorate a function as a command; its parameters are the command's options.
 
-    The annotation of ``**`` is a class of further options. The function gets those that are given.
+    The annotation of ``**`` is a mapping of further `Options`. The function gets those that are
+    given.
     A command that ``keeps`` finished work when it is interrupted does so unless --output is given.
     """
 
@@ -140,13 +149,12 @@ def command(name, group=app, keeps=False):
 
 
 def _parameters(own):
-    """Parameters of a function, and those of the class that annotates its ``**``."""
+    """Parameters of a function, and those of the options that annotate its ``**``."""
     for parameter in own:
         if parameter.kind is parameter.VAR_KEYWORD:
-            further = parameter.annotation
             yield from _parameters(
-                Parameter(k, Parameter.KEYWORD_ONLY, annotation=v, default=getattr(further, k))
-                for k, v in get_type_hints(further).items()
+                Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind, default=default)
+                for name, (kind, default) in parameter.annotation.items()
             )
         else:
             kind, *_ = *get_args(parameter.annotation), parameter.annotation  # that of a list
@@ -166,7 +174,7 @@ def _number(kind, text):
 
 def flag(name):
     """Option of a parameter, as it is typed."""
-    return "--drive" if name == "ball_drive" else f"--{name.replace('_', '-')}"
+    return f"--{name.replace('_', '-')}"
 
 
 def left_out(options, allowed, why):

@@ -1,8 +1,10 @@
 """Commands for what is stored: the dataset, and the times of laws, solvers and steppers."""
 
+import json
 import os
 import sys
 from difflib import get_close_matches
+from itertools import takewhile
 from pathlib import Path
 from typing import Literal
 
@@ -11,36 +13,26 @@ from study.cli import options as cli
 from study.cli.output import columns, fail, say, show_table, working
 
 
-class CaseOptions:
-    """Values that cases have."""
-
-    r2_star: list[float] = cli.option("Radius of the socket in clearances, R2/dR; may be repeated.")
-    socket_ratio: list[float] = cli.option(
-        "Outer over inner radius of the socket; may be repeated."
-    )
-    poisson_ball: list[float] = cli.option("Poisson's ratio of the ball; may be repeated.")
-    poisson_socket: list[float] = cli.option("Poisson's ratio of the socket; may be repeated.")
-    modulus_ratio: list[float] = cli.option(
-        "Young's modulus of the socket over that of the ball; may be repeated."
-    )
-    layers: str = cli.option(
-        "Layers of the socket, as the table shows them: outer radius over R2, Young's modulus over "
-        "the ball's, Poisson's ratio, such as 1.25:0.005:0.4;1.4375:0.55:0.3."
-    )
-    group: str = cli.option(
-        "Group of cases: paper, ratio, poisson, modulus, support, liner or validation."
-    )
-    case: str = cli.option("One case, with all of its depths.")
-    ball_drive: Literal["plane", "clamped", "point"] = cli.option(
-        "Equatorial plane of the half ball, as for study joint.", "--drive"
-    )
-    rim: cli.Rim = cli.option("Edge of the socket at its equator, as for study joint.")
-    kinematics: cli.Kinematics = cli.option("Which points face each other, as for study joint.")
-    solver: Literal["series", "quadratic"] = cli.option("How it was solved, as for study joint.")
+def _case_options():
+    """Options of the columns by which cases are chosen, as ``datapackage.json`` describes them."""
+    try:
+        package = json.loads((paths.DATA / "datapackage.json").read_text(encoding="utf-8"))
+        fields = package["resources"][0]["schema"]["fields"]
+        columns = {field["name"]: field for field in fields}
+    except (OSError, ValueError, LookupError):  # loading the data says so
+        return {}
+    options = {}
+    for name in takewhile(lambda name: name != "depth_star", columns):
+        text, words = columns[name]["description"], columns[name]["constraints"].get("enum")
+        if columns[name]["type"] == "number":
+            options[name] = list[float], cli.option(f"{text}; may be repeated.")
+        else:
+            options[name] = Literal[tuple(words)] if words else str, cli.option(f"{text}.")
+    return options
 
 
 @cli.command("show", group=cli.data_app)
-def show_data(**values: CaseOptions):
+def show_data(**values: _case_options()):
     """Show a summary of the cases with the given values, or every depth of one case.
 
     For a number that none of them has, the nearest one is shown, as standard error then says.
@@ -58,7 +50,6 @@ def _nearest(values):
     from study import dataset
 
     every, words = dataset.load(), {k: v for k, v in values.items() if isinstance(v, str)}
-    checks.choice("group", words.get("group", "paper"), tuple(every.group.unique()))
     if (case := words.get("case")) is not None and case not in set(every.case):
         near = " or ".join(get_close_matches(case, every.case.unique(), 3))
         hint = f": did you mean {near}?" if near else ""

@@ -5,37 +5,38 @@ its own data sheets as a `Material`.
 """
 
 import csv
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from study import checks
+from study import checks, parameters
+from study.parameters import parameter
 
 MATERIALS = Path(__file__).with_name("materials.csv")
 
 
+@parameters.documented
 @dataclass(frozen=True)
 class Material:
-    """An isotropic, linear elastic material: Young's modulus > 0, in Pa, Poisson's ratio < 0.5.
+    """An isotropic, linear elastic material.
 
-    The yield stress, > 0, in Pa, is for `study.joint.first_yield`. Forces do not depend on it:
-    materials that differ only in it are equal.
+    The yield stress is for `study.joint.first_yield`. Forces do not depend on it: materials that
+    differ only in it are equal.
     """
 
-    youngs_modulus: float = 2e11
-    poisson: float = 0.3
-    yield_stress: float | None = field(default=None, compare=False)
+    youngs_modulus: float = parameter(2e11, "Young's modulus", "Pa", above=0)
+    poisson: float = parameter(0.3, "Poisson's ratio", above=-1, below=0.5)
+    yield_stress: float | None = parameter(None, "Yield stress", "Pa", above=0, compare=False)
 
     def __post_init__(self):
-        checks.plain_numbers(self)
-        checks.number("Young's modulus", self.youngs_modulus, "Pa", above=0, scalar=True)
-        checks.poisson("Poisson's ratio", self.poisson)
-        if self.yield_stress is not None:
-            checks.number("yield stress", self.yield_stress, "Pa", above=0, scalar=True)
+        parameters.take(self)
+
+    def __str__(self):
+        return f"{self.youngs_modulus:.9g},{self.poisson:.9g}"
 
 
-def material(given: str | Material) -> Material:
+def material(given: str | Material, name: str = "material") -> Material:
     """Material from its name or its numbers, or a material itself, checked.
 
     Parameters
@@ -43,6 +44,8 @@ def material(given: str | Material) -> Material:
     given
         A name of `table`, in which case, hyphens and spaces do not count; or Young's modulus in Pa,
         Poisson's ratio and perhaps a yield stress in Pa, ``210e9,0.3,5e8``; or a `Material`.
+    name
+        What the material is of, for a message.
 
     Raises
     ------
@@ -50,29 +53,28 @@ def material(given: str | Material) -> Material:
         For an unknown name, with the known ones, or a value outside its range. The least Young's
         modulus is `study.checks.SOFTEST`.
     """
-    given = _of_text(given) if isinstance(given, str) else given
-    checks.youngs_modulus(
-        "Young's modulus", checks.instance("material", given, Material).youngs_modulus
-    )
+    given = read_material(name, given) if isinstance(given, str) else given
+    modulus = checks.instance(name, given, Material).youngs_modulus
+    checks.youngs_modulus(f"Young's modulus of {name}", modulus)
     return given
 
 
-def _of_text(text):
+def read_material(name: str, text: str) -> Material:
+    """Material of a text, as of `material`, for a parameter of some name."""
     known = {_plain(row["name"]): row for row in table()}
-    row = known.get(_plain(text))
-    if row:
+    if row := known.get(_plain(text)):
         return Material(row["youngs_modulus"], row["poisson"], row["yield_stress"])
     try:
-        values = [checks.read("material", part) for part in text.split(",")]
+        values = [checks.read(name, part) for part in text.split(",")]
     except ValueError:
         values = []
     if len(values) not in (2, 3):
         names = ", ".join(row["name"] for row in table())
         raise ValueError(
-            f"material must be one of {names}, or its Young's modulus in Pa and Poisson's ratio, "
+            f"{name} must be one of {names}, or its Young's modulus in Pa and Poisson's ratio, "
             f"such as 210e9,0.3, got {checks.shown(text)}"
         )
-    checks.youngs_modulus("Young's modulus", values[0])
+    checks.youngs_modulus(f"Young's modulus of {name}", values[0])
     return Material(*values)
 
 

@@ -18,16 +18,17 @@ is a Fourier series in the azimuth, each of whose modes is a problem in the meri
 30 ms. `tilted` solves displacements off the axis, and `directions` makes a table of them. `stress`
 finds the stresses inside the bodies, and first yield; `pressure` has friction torque and wear.
 `applicability` says in words which limits a contact exceeds, and `law_options` fits a law to a
-joint. `dimensional` is a joint in SI units, and `parsing` reads a joint from texts.
+joint. `dimensional` is a joint in SI units, `ratio_joint` one by ratios, as commands state it.
 """
 
 from study.contact import Material, material
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import ForceCurve, Solver, force_curve
-from study.joint.dimensional import DimensionalJoint, DimensionalSolution
+from study.joint.dimensional import DimensionalJoint, DimensionalSolution, Liner
 from study.joint.directions import DirectionalLaw, directional_law
-from study.joint.joint import Joint, Kinematics, Layer, paper_joint
+from study.joint.joint import Joint, Layer, paper_joint
 from study.joint.nested_contact import whole_curve
+from study.joint.ratio_joint import RatioJoint
 from study.joint.stress import FirstYield, LargestStress, first_yield
-from study.joint.supports import Rim
+from study.joint.supports import Kinematics, Rim
 from study.joint.tilted import TiltedContact, tilted_contact, under_force

@@ -9,6 +9,7 @@ from math import radians
 
 from study.joint.curve import ForceCurve
 from study.joint.joint import Joint
+from study.joint.supports import WholeOutside
 
 DEEPEST = 1.0
 """Largest depth_star up to which the solution was compared with other programs."""
@@ -76,7 +77,7 @@ def limits(
             "deg, where it depends on the shape of the edge."
         )
     wall = joint.socket_ratio - 1
-    if joint.backing == "whole" and wall < radians(half_angle_deg):
+    if isinstance(joint.backing, WholeOutside) and wall < radians(half_angle_deg):
         found["backing"] = (
             f"The wall, of {wall:.2g} radii, is thinner than the contact's half-width: the force "
             "depends on what holds its outside, which is rigid here."

@@ -7,17 +7,12 @@ Young's modulus, and serves every clearance, depth and modulus.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 from scipy.sparse import csr_array
 
-from study import checks
-
-Layered = float | tuple[float, ...]
-"""One number for a socket of one material, or one for each layer, from the inside out."""
 RESOLUTION = {"series": 320, "quadratic": 160, "finite": 96}
 """Default elements along the quarter circle: series, finite elements, large displacements."""
 FINEST_RESOLUTION = 1280
@@ -39,46 +34,11 @@ def graded(length: float, scale: float, count: int) -> NDArray[np.float64]:
 def surface_angles(resolution: int, last: float = np.pi / 2) -> NDArray[np.float64]:
     """Polar angles of the surface's nodes, from 0 to the last one, in rad; (resolution + 1,).
 
-    Their spacing is proportional to angle + 9 deg. The resolution is a multiple of 16, or a
-    ``ValueError``.
+    Their spacing is proportional to angle + 9 deg. The resolution is a multiple of 16.
     """
-    resolution = checks.whole("resolution", resolution, least=16, most=FINEST_RESOLUTION)
-    if resolution % 16:
-        raise ValueError(f"resolution must be a multiple of 16, got {resolution}")
     angles = graded(last, _ANGLE_SCALE, resolution)
     angles[-1] = last
     return angles
-
-
-def layer_ratios(ratio: Layered, thinnest: float = THINNEST_RATIO) -> NDArray[np.float64]:
-    """Outer radii of a socket's layers over its inner radius, shape (layers,), checked.
-
-    Each is at least ``thinnest`` times that of the layer inside, or a ``ValueError``.
-    """
-    limits: dict[str, Any] = {"least": thinnest, "most": THICKEST_RATIO}
-    ratios = np.atleast_1d(checks.number("socket_ratio", ratio, **limits))
-    checks.number("socket_ratio over that of the layer inside", layer_steps(ratios), **limits)
-    return ratios
-
-
-def layer_steps(ratios: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Outer over inner radius of each layer, from the outer radii over the innermost one."""
-    return ratios / np.append(1.0, ratios[:-1])
-
-
-def layered(ratio: Layered, poisson: Layered, modulus: Layered) -> NDArray[np.float64]:
-    """Outer ratios, Poisson's ratios and Young's moduli of a socket's layers, checked.
-
-    Shape (3, layers); a single modulus holds for all layers. A value outside its range, or lists of
-    different lengths, are a ``ValueError``.
-    """
-    ratios = layer_ratios(ratio)
-    poissons = np.atleast_1d(checks.number("poisson", poisson, above=-1, below=0.5))
-    moduli = np.atleast_1d(checks.number("modulus", modulus, above=0))
-    if moduli.size == 1:
-        moduli = np.broadcast_to(moduli, ratios.shape)
-    checks.same_length(socket_ratio=ratios, poisson=poissons, modulus=moduli)
-    return np.array([ratios, poissons, moduli])
 
 
 @dataclass(frozen=True)

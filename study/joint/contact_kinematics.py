@@ -21,7 +21,7 @@ from study.threads import one_thread
 
 if TYPE_CHECKING:
     from study.joint.curve import ForceCurve
-    from study.joint.fem import Body
+    from study.joint.fem import MeshedBody
     from study.joint.joint import Joint
 
 Problem = Callable[[float], tuple[NDArray[np.float64], NDArray[np.float64]]]
@@ -189,7 +189,9 @@ def factor(matrix: Floats, right: Floats) -> tuple[Floats, Floats]:
 
 
 @one_thread
-def solve_finite(joint: Joint, depths: Floats, ball: Body, socket: Body) -> tuple[Floats, Floats]:
+def solve_finite(
+    joint: Joint, depths: Floats, ball: MeshedBody, socket: MeshedBody
+) -> tuple[Floats, Floats]:
     """Pressures (k, n) and forces (k,) at large displacements.
 
     At each depth the `linear` contact problem is solved some ten times, with the gap of the

@@ -18,16 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from study import checks
 from study.contact import largest_depth
 from study.joint import contact_kinematics, series
-from study.joint.compliance import (
-    FINEST_RESOLUTION,
-    RESOLUTION,
-    Compliance,
-    layer_ratios,
-    layer_steps,
-    surface_angles,
-)
+from study.joint.bodies import layer_steps
+from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION, Compliance, surface_angles
 from study.joint.joint import Joint
-from study.joint.supports import OPENING
 from study.threads import one_thread
 
 Solver = Literal["series", "quadratic", "linear"]
@@ -68,17 +61,7 @@ class ForceCurve:
 
     def columns(self) -> dict[str, Any]:
         """The curve as columns of a table, a row per depth, as in `study.dataset.load`."""
-        joint = self.joint
-        return {
-            "r2_star": joint.r2_star,
-            "socket_ratio": joint.socket_ratio,
-            "poisson_ball": joint.ball.poisson,
-            "poisson_socket": joint.socket.poisson,
-            "modulus_ratio": joint.modulus_ratio,
-            "layers": joint.layers_text,
-            "ball_drive": joint.ball_drive,
-            "rim": joint.rim,
-            "kinematics": joint.kinematics,
+        return self.joint.columns() | {
             "solver": self.solver,
             "depth_star": self.depth_star,
             "force_star": self.force_star,
@@ -158,19 +141,20 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
     if solver == "series" and not joint.series_applies:
         raise ValueError(
             "solver must be quadratic or linear for this joint: the series needs ball_drive "
-            f"plane, rim mirror and kinematics small or linear, got {joint.ball_drive}, "
-            f"{joint.rim} and {joint.kinematics}"
+            "plane, rim mirror and small displacements, got "
+            f"{', '.join(map(str, joint.configuration.values()))}"
         )
-    if solver == "linear" and joint.kinematics == "finite":
+    if solver == "linear" and joint.has_large_displacements:
         raise ValueError("solver must be quadratic for kinematics finite, got 'linear'")
     usual, least, most = RESOLUTION["series"], 32, FINEST_RESOLUTION
     if solver != "series":
         from study.joint import fem
 
-        ratios = layer_ratios(joint.socket_layers[0], fem.THINNEST_RATIO)
+        steps = layer_steps(joint.socket_body.layers[0])
+        checks.number("outer over inner radius of a layer", steps, least=fem.THINNEST_RATIO)
         usual, most = RESOLUTION["quadratic"], fem.FINEST_RESOLUTION
-        least = 64 if layer_steps(ratios).min() < 1.05 else 32
-    if joint.kinematics == "finite":
+        least = 64 if steps.min() < 1.05 else 32
+    if joint.has_large_displacements:
         checks.number("r2_star", joint.r2_star, most=contact_kinematics.LARGEST_R2_STAR)
         usual = RESOLUTION["finite"]
     resolution = usual if resolution is None else resolution
@@ -182,7 +166,7 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
 
 def _solve(joint, solver, depths, resolution):
     """Nodal angles, pressures (k, n), and forces (m, k) at `_TIMES` the depths by both meshes."""
-    if joint.kinematics == "finite":
+    if joint.has_large_displacements:
         solutions = [_solve_finite(joint, depths, n) for n in (resolution, resolution // 2)]
     else:
         problem = contact_kinematics.PROBLEMS[joint.kinematics]
@@ -198,8 +182,7 @@ def _solve_finite(joint, depths, resolution):
     """Pressures and forces at `_TIMES` the depths by one mesh."""
     from study.joint import fem
 
-    of_ball, of_socket = meshed(joint, resolution)
-    ball, socket = fem.ball(*of_ball), fem.socket(*of_socket)
+    ball, socket = (fem.meshed(body, resolution) for body in (joint.ball_body, joint.socket_body))
     pressure, force = contact_kinematics.solve_finite(joint, depths, ball, socket)
     linear = contact_kinematics.linear(joint, ball.compliance, socket.compliance)
     _, beside = contact_kinematics.solve(joint, depths, *linear, _TIMES)
@@ -215,32 +198,17 @@ def meshes(
     Each is solved by its best solver if none is given. Coarser finite elements are solved too; the
     series is projected on coarser hats.
     """
-    balls: tuple[Compliance, ...] = ()
-    sockets: tuple[Compliance, ...] = ()
-    if joint.ball_drive == "plane" and joint.opening == OPENING and solver in (None, "series"):
-        ball = series.ball_compliance(float(joint.ball.poisson), resolution)
-        balls = ball, ball.coarser
-    if joint.rim == "mirror" and solver in (None, "series"):
-        ratio, poisson, modulus = joint.socket_layers
-        socket = series.socket_compliance(ratio, poisson, resolution, modulus=modulus)
-        sockets = socket, socket.coarser
-    if not (balls and sockets):
-        from study.joint import fem
+    nodes: Literal[6, 3] = 3 if solver == "linear" else 6
+    bodies = []
+    for body in (joint.ball_body, joint.socket_body):
+        if body.by_series and solver in (None, "series"):
+            finer = series.compliance(body, resolution)
+            bodies.append((finer, finer.coarser))
+        else:
+            from study.joint import fem
 
-        nodes = 3 if solver == "linear" else 6
-        bodies = [meshed(joint, n, nodes) for n in (resolution, resolution // 2)]
-        balls = balls or tuple(fem.ball_compliance(*ball) for ball, _ in bodies)
-        sockets = sockets or tuple(fem.socket_compliance(*socket) for _, socket in bodies)
-    return zip(balls, sockets, strict=True)
-
-
-def meshed(joint: Joint, resolution: int, nodes: int = 6) -> tuple[tuple, tuple]:
-    """Arguments of the finite-element ball and socket."""
-    ratio, poisson, modulus = joint.socket_layers
-    return (
-        (float(joint.ball.poisson), joint.ball_drive, resolution, nodes, joint.opening),
-        (ratio, poisson, joint.rim, resolution, nodes, modulus, joint.opening, joint.backing),
-    )
+            bodies.append([fem.compliance(body, n, nodes) for n in (resolution, resolution // 2)])
+    return zip(*bodies, strict=True)
 
 
 def _edge(angles, pressure):

@@ -12,24 +12,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from study import checks
+from study import checks, parameters
 from study.contact import JointLaw, Material, largest_depth, material, tabulated
 from study.contact.laws import LAWS, AnyLaw, find
+from study.contact.materials import read_material
 from study.contact.power_fit import DEPTHS, USUAL_RANGE, fit_power
 from study.joint import applicability
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import force_curve
-from study.joint.joint import Joint, Kinematics, Layer
+from study.joint.joint import Joint, Layer
 from study.joint.law_options import law_options
 from study.joint.nested_contact import whole_curve
 from study.joint.pressure import friction_radii
 from study.joint.stress import largest as largest_stress
-from study.joint.supports import OPENING, SUPPORTS, Rim
+from study.joint.supports import Configuration
 from study.joint.tilted import tilted_contact, under_force
+from study.parameters import parameter
 
 Floats = NDArray[np.float64]
-Liner = tuple[tuple[float, str | Material], ...]
 LEAST_CLEARANCE = 1e-9
 """Over the socket's radius: a smaller clearance is lost in the rounding of the radii."""
 _whole_curve = lru_cache(maxsize=16)(whole_curve)  # the same for every yield stress and size
@@ -152,68 +153,103 @@ class PowerLaw:
 
 
 @dataclass(frozen=True)
-class DimensionalJoint:
+class Liner:
+    """A liner inside a socket: its thickness in m, and its material."""
+
+    thickness: float = parameter(..., "thickness of liner", "m", above=0)
+    material: Material = parameter(..., "material of liner", kind=Material, parse=read_material)
+
+    def __post_init__(self) -> None:
+        parameters.take(self)
+        material(self.material, "liner")
+
+    def __str__(self) -> str:
+        return f"{self.thickness:.9g},{self.material}"
+
+
+def _read_liner(name: str, text: str) -> Liner:
+    """Liner of a text, ``0.5e-3,PTFE``."""
+    thickness, _, of = text.partition(",")
+    try:
+        return Liner(checks.read(name, thickness), of.strip())
+    except checks.RangeError:
+        raise
+    except ValueError as error:
+        wanted = f"{name} must be a thickness in m and a material, such as 0.5e-3,PTFE"
+        raise ValueError(f"{wanted}, got {text!r}: {error}") from None
+
+
+def _of_material(default: str, body: str) -> Any:
+    return parameter(
+        default,
+        f"Material of the {body} by its name (listed by study data materials), or by Young's "
+        "modulus in Pa, Poisson's ratio and perhaps yield stress in Pa: 210e9,0.3,5e8",
+        kind=Material,
+        parse=read_material,
+    )
+
+
+@parameters.documented
+@dataclass(frozen=True)
+class DimensionalJoint(Configuration):
     """A spherical clearance joint with its dimensions, in SI units.
 
     A value outside its range is a ``ValueError``.
 
-    Attributes
-    ----------
-    socket_radius
-        Inner radius of the socket, in m.
-    clearance
-        Radius of the socket less that of the ball, in m.
-    wall
-        Thickness of the socket beyond its inner radius, liners included, in m; its outside is
-        held rigidly.
-    ball, socket
-        Material by its name (listed by study data materials), or by Young's modulus in Pa,
-        Poisson's ratio and perhaps yield stress in Pa: 210e9,0.3,5e8. In Python also a `Material`.
-    liner
-        Thickness in m and material of each liner, from the inside out; the socket's material
-        makes up the rest of the wall.
-    ball_drive, rim, kinematics, opening, backing
-        As for `study.joint.Joint`.
+    Examples
+    --------
+    >>> joint = DimensionalJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
+    >>> print(f"{joint.solve(force=3000).depth[0]:.4g} m")
+    4.232e-06 m
     """
 
-    socket_radius: float
-    clearance: float
-    wall: float
-    ball: str | Material = "bearing steel"
-    socket: str | Material = "steel"
-    liner: Liner = ()
-    ball_drive: str = "plane"
-    rim: Rim | None = None
-    kinematics: Kinematics = "linear"
-    opening: float = OPENING
-    backing: str = "whole"
+    socket_radius: float = parameter(..., "Inner radius of the socket", "m", above=0)
+    clearance: float = parameter(..., "Radius of the socket less that of the ball", "m")
+    wall: float = parameter(
+        ..., "Thickness of the socket beyond its inner radius, liners included", "m"
+    )
+    ball: Material | str = _of_material("bearing steel", "ball")
+    socket: Material | str = _of_material("steel", "socket")
+    liner: tuple[Liner | str, ...] = parameter(
+        (),
+        "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be repeated, "
+        "from the inside out. The socket's material makes up the rest of the wall",
+        kind=Liner,
+        parse=_read_liner,
+        several=";",
+    )
 
     def __post_init__(self) -> None:
-        checks.plain_numbers(self)
-        radius = checks.number("socket_radius", self.socket_radius, "m", above=0, scalar=True)
-        if checks.number("clearance", self.clearance, "m", scalar=True) <= 0:
+        parameters.take(self)
+        if self.clearance <= 0:
             raise checks.RangeError(
                 f"clearance must be > 0 m, got {self.clearance:g} m: without clearance the ball "
                 "touches all round, which is another problem; give the least clearance that the "
                 "tolerances or wear leave, socket's less ball's radius"
             )
+        radius = self.socket_radius
         limits = {"least": LEAST_CLEARANCE * radius, "below": radius}
-        checks.number("clearance", self.clearance, "m", **limits, scalar=True)
+        checks.number("clearance", self.clearance, "m", **limits)
         limits = {"least": (THINNEST_RATIO - 1) * radius, "most": (THICKEST_RATIO - 1) * radius}
-        checks.number("wall", self.wall, "m", **limits, scalar=True)
+        checks.number("wall", self.wall, "m", **limits)
+        inside = sum(liner.thickness for liner in self.liner)
+        checks.number("wall around the liner", self.wall, "m", above=inside)
+        for body in ("ball", "socket"):
+            material(getattr(self, body), body)
         object.__setattr__(self, "rim", self.joint.rim)  # and errors of the joint belong here
 
     @cached_property
     def joint(self) -> Joint:
         """The joint without its dimensions."""
-        given: dict[str, Any] = {"ball": material(self.ball)}
-        socket, ratio = material(self.socket), 1 + self.wall / self.socket_radius
+        ratio, given = 1 + self.wall / self.socket_radius, self.configuration
         if self.liner:
-            given["layers"] = (*self._liners(), Layer(ratio, socket))
+            inside = np.cumsum([liner.thickness for liner in self.liner]) / self.socket_radius
+            pairs = zip(1 + inside, self.liner, strict=True)
+            liners = [Layer(outer, liner.material) for outer, liner in pairs]
+            given["layers"] = (*liners, Layer(ratio, self.socket))
         else:
-            given |= {"socket_ratio": ratio, "socket": socket}
-        given |= {name: getattr(self, name) for name in SUPPORTS}
-        return Joint(self.socket_radius / self.clearance, **given)
+            given |= {"socket_ratio": ratio, "socket": self.socket}
+        return Joint(self.socket_radius / self.clearance, ball=self.ball, **given)
 
     @property
     def materials(self) -> dict[str, Material]:
@@ -221,19 +257,6 @@ class DimensionalJoint:
         liners = [f"liner {k}" for k in range(1, len(self.liner) + 1)]
         values = self.joint.materials.values()
         return dict(zip(["ball", *liners, "socket"], values, strict=True))
-
-    def _liners(self):
-        """The liners as layers of a `Joint`."""
-        radius, inside, layers = self.socket_radius, 0.0, []
-        for liner in self.liner if isinstance(self.liner, tuple | list) else [None]:
-            if not isinstance(liner, tuple | list) or len(liner) != 2:
-                wanted = "liner must be pairs of a thickness in m and a material"
-                raise ValueError(f"{wanted}, got {checks.shown(self.liner)}")
-            thickness, of_liner = liner
-            inside += checks.number("thickness of liner", thickness, "m", above=0, scalar=True)
-            layers.append(Layer(1 + inside / radius, material(of_liner)))
-        checks.number("wall around the liner", self.wall, "m", above=inside)
-        return layers
 
     def law(self, law: AnyLaw | None = None) -> JointLaw:
         """A law of this joint, in SI units: by default the table of its own solved curve.

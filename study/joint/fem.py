@@ -9,7 +9,7 @@ triangles converges with order 3 to 4. Contact is solved by `study.joint.curve`.
 
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,19 +29,9 @@ from skfem import (
 from skfem.helpers import ddot, div, dot, eye, grad, mul, sym_grad, trace, transpose
 from skfem.models.elasticity import lame_parameters
 
-from study import checks
-from study.joint import supports
-from study.joint.compliance import (
-    RESOLUTION,
-    Compliance,
-    Layered,
-    graded,
-    layer_ratios,
-    layer_steps,
-    layered,
-    surface_angles,
-)
-from study.joint.supports import OPENING, RIMS, Rim
+from study.joint.bodies import Ball, Socket
+from study.joint.compliance import RESOLUTION, Compliance, graded, surface_angles
+from study.joint.supports import Core, Neck, Sector, reach
 from study.threads import one_thread
 
 Nodes = Literal[6, 3]
@@ -62,74 +52,52 @@ _FEWEST, _FEWEST_HELD = 8, 32  # elements of a ring that is not halved; the same
 _ASPECT = 1.4  # rings are halved once a radial step exceeds this many arc lengths
 
 
-def ball_mesh(
-    resolution: int = RESOLUTION["quadratic"],
-    nodes: Nodes = 6,
-    drive: str = "plane",
-    opening: float = OPENING,
-) -> MeshTri:
+def ball_mesh(ball: Ball, resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6) -> MeshTri:
     """Mesh of the ball's meridian: unit radius, centre at the origin, pole on +z.
 
     Triangles in the (r, z) plane with boundaries ``surface``, where contact may be, ``axis`` and
     those that hold the ball: ``equator``, ``core`` or ``neck``. The surface's vertices come first,
     in order of polar angle. The ``resolution``, elements along ``surface``, is a multiple of 16.
     """
-    angles = surface_angles(_checked(resolution, nodes), supports.reach(opening))
-    return meridian_of_ball(angles, drive, nodes)
+    return meridian_of_ball(ball, surface_angles(resolution, reach(ball.opening)), nodes)
 
 
 def socket_mesh(
-    ratio: Layered,
-    resolution: int = RESOLUTION["quadratic"],
-    nodes: Nodes = 6,
-    opening: float = OPENING,
-    backing: str = "whole",
+    socket: Socket, resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6
 ) -> MeshTri:
-    """Mesh of the socket's meridian: inner radius 1, outer radius ``ratio`` >= 1.02.
+    """Mesh of the socket's meridian, of inner radius 1, as `ball_mesh`.
 
-    As `ball_mesh`, with boundaries ``rim``, ``outside`` and, between two angles of the backing,
-    ``seat``. Rings meet the outer radius of every layer, from the inside out.
+    Its boundaries are ``surface``, ``axis``, ``rim``, ``outside`` and, if it is held in a sector,
+    ``seat``. Rings meet the outer radius of every layer, each >= 1.02 of the inner one.
     """
-    resolution, ratios = _checked(resolution, nodes), layer_ratios(ratio, THINNEST_RATIO)
-    if layer_steps(ratios).min() < 1.05 and resolution < 32:
-        raise ValueError(f"resolution must be >= 32 for socket_ratio < 1.05, got {resolution}")
-    angles = surface_angles(resolution, supports.reach(opening))
-    return meridian_of_socket(angles, ratios, opening, backing, nodes)
+    return meridian_of_socket(socket, surface_angles(resolution, reach(socket.opening)), nodes)
 
 
 def meridian_of_ball(
-    angles: Floats, drive: str, nodes: Nodes = 6, radial: float = _RADIAL_ELEMENTS
+    ball: Ball, angles: Floats, nodes: Nodes = 6, radial: float = _RADIAL_ELEMENTS
 ) -> MeshTri:
     """`ball_mesh` with vertices at given polar angles in rad, where contact may be.
 
     The number of rings is proportional to ``radial`` and to that of the angles.
     """
-    kind, size = supports.drive(drive)
-    core = size if kind == "core" else 0.0
-    neck = np.pi - np.radians(size if kind == "neck" else 0.0)
-    held = {"core": (core, core, 0, np.pi), "neck": (1, 1, neck, np.pi)}
-    equator = {"equator": (0, 1, np.pi / 2, np.pi / 2)}
-    boundaries: dict[str, tuple] = {"surface": (1, 1, 0, angles[-1])}
-    boundaries |= {kind: held[kind]} if kind in held else equator
+    support = ball.support
+    core = support.radius if isinstance(support, Core) else 0.0
     depths = _depths(1 - core, 1.0, radial * (len(angles) - 1), 8)
     radii = 1.0 - (depths if core else depths[:-1])
-    # stresses have no bound at a neck's edge: elements do not grow towards it
-    everywhere = _onward(angles, neck, growth=1e-6) if kind == "neck" else angles
-    everywhere = _onward(everywhere, np.pi / 2 if kind in supports.HALF_BALLS else np.pi)
+    everywhere = angles
+    if isinstance(support, Neck):  # stresses have no bound at its edge: elements do not grow
+        everywhere = _onward(angles, support.edge, growth=1e-6)
+    everywhere = _onward(everywhere, np.pi / 2 if support.is_half else np.pi)
+    boundaries = {"surface": (1, 1, 0, angles[-1])} | support.boundaries
     return _ring_mesh(radii, everywhere, nodes, boundaries, centre=not core)
 
 
 def meridian_of_socket(
-    angles: Floats,
-    ratios: Floats,
-    opening: float,
-    backing: str,
-    nodes: Nodes = 6,
-    radial: float = _RADIAL_ELEMENTS,
+    socket: Socket, angles: Floats, nodes: Nodes = 6, radial: float = _RADIAL_ELEMENTS
 ) -> MeshTri:
     """`socket_mesh` with vertices at given polar angles in rad, as for `meridian_of_ball`."""
-    radii, last, resolution = np.ones(1), np.radians(opening), len(angles) - 1
-    for outer in ratios:
+    radii, last, resolution = np.ones(1), np.radians(socket.opening), len(angles) - 1
+    for outer in socket.layers[0]:
         start, thickness = radii[-1], outer - radii[-1]
         depths = _depths(thickness, start, radial * resolution, max(resolution // 16, 2))
         radii = np.append(radii, start + depths[1:])
@@ -138,12 +106,11 @@ def meridian_of_socket(
         "rim": (1, radii[-1], last, last),
         "outside": (radii[-1], radii[-1], 0, last),
     }
-    everywhere = _onward(angles, last)
-    seat = supports.seat(backing, opening)
-    if seat is None:
-        return _ring_mesh(radii, everywhere, nodes, boundaries)
-    boundaries["seat"] = (radii[-1], radii[-1], *np.radians(seat))
-    return _ring_mesh(radii, everywhere, nodes, boundaries, seat=np.radians(seat))
+    everywhere, seat = _onward(angles, last), None
+    if isinstance(socket.support, Sector):
+        seat = np.radians([socket.support.first, socket.support.last])
+        boundaries["seat"] = (radii[-1], radii[-1], *seat)
+    return _ring_mesh(radii, everywhere, nodes, boundaries, seat=seat)
 
 
 def _depths(thickness, start, elements, fewest):
@@ -163,19 +130,12 @@ def _onward(angles, stop, growth=_GROWTH):
     return np.append(angles, np.append(angles[-1] + more[:-1], stop))
 
 
-def layer_of(mesh: MeshTri, ratio: Layered) -> NDArray[np.intp]:
+def layer_of(mesh: MeshTri, ratios: Floats) -> NDArray[np.intp]:
     """Which layer each element of a `socket_mesh` is in, from 0 inside; shape (elements,)."""
-    middle = np.hypot(*mesh.p[:, mesh.t]).mean(axis=0)
-    return np.searchsorted(np.atleast_1d(ratio), middle)
+    return np.searchsorted(ratios, np.hypot(*mesh.p[:, mesh.t]).mean(axis=0))
 
 
-def _checked(resolution, nodes):
-    if checks.whole("nodes", nodes, least=3, most=6) not in (3, 6):
-        raise ValueError(f"nodes must be 3 or 6, got {nodes}")
-    return checks.whole("resolution", resolution, least=16, most=FINEST_RESOLUTION)
-
-
-class Body:
+class MeshedBody:
     """An elastic body of unit radius and unit Young's modulus, meshed and factorised.
 
     Its Lame parameters ``lame`` are numbers, or arrays of shape (elements, 1). ``held`` maps a
@@ -304,77 +264,32 @@ class Body:
         return [csr_array((v, places), shape=shape) for v in np.concatenate(values, axis=1)]
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=4)
 @one_thread
-def ball(
-    poisson: float = 0.3,
-    drive: str = "plane",
-    resolution: int = RESOLUTION["quadratic"],
-    nodes: Nodes = 6,
-    opening: float = OPENING,
-) -> Body:
-    """Half ball held at its equatorial plane; ``ValueError`` for a value outside its range.
-
-    The ``drive`` is as for `study.joint.Joint`; a core or a neck holds a whole ball. The contact
-    reaches the socket's ``opening``. Under a point load the force depends on the mesh.
-    """
-    lame = lame_parameters(1.0, checks.poisson("poisson", poisson))
-    mesh = ball_mesh(resolution, nodes, drive, opening)
-    return Body(mesh, lame, {"axis": "r"} | held_ball(drive))
+def meshed(
+    body: Ball | Socket, resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6
+) -> MeshedBody:
+    """A ball or a socket, meshed and factorised; a point load's force depends on the mesh."""
+    mesh = (ball_mesh if isinstance(body, Ball) else socket_mesh)(body, resolution, nodes)
+    return MeshedBody(mesh, lame_of(body, mesh), {"axis": "r"} | body.held)
 
 
-def held_ball(drive: str) -> dict[str, str]:
-    """Boundary that holds a ball, and the components of the displacement that it holds."""
-    kind, _ = supports.drive(drive)
-    half = {"plane": {"equator": "z"}, "clamped": {"equator": "rz"}, "point": {"centre": "z"}}
-    return half.get(kind, {kind: "rz"})
-
-
-@lru_cache(maxsize=2)
-@one_thread
-def socket(
-    ratio: Layered,
-    poisson: Layered = 0.3,
-    rim: Rim = "mirror",
-    resolution: int = RESOLUTION["quadratic"],
-    nodes: Nodes = 6,
-    modulus: Layered = 1.0,
-    opening: float = OPENING,
-    backing: str = "whole",
-) -> Body:
-    """Socket, hemispherical and fixed on its outer sphere by default; others are as for `ball`.
-
-    ``ratio`` is the socket ratio; ``opening`` and ``backing`` are as for `study.joint.Joint`.
-    Layers are as for `study.joint.series.socket_compliance`.
-    """
-    mesh = socket_mesh(ratio, resolution, nodes, opening, backing)
-    lame = socket_lame(mesh, *layered(ratio, poisson, modulus))
-    return Body(mesh, lame, {"axis": "r"} | held_socket(rim, backing))
-
-
-def held_socket(rim: Rim, backing: str) -> dict[str, str]:
-    """Boundaries that hold a socket, and the components of the displacement that each holds."""
-    mirror = {"rim": "z"} if checks.choice("rim", rim, RIMS) == "mirror" else {}
-    return mirror | {{"whole": "outside", "rim": "rim"}.get(backing, "seat"): "rz"}
-
-
-def socket_lame(mesh: MeshTri, ratios: Floats, poissons: Floats, moduli: Floats) -> tuple:
-    """Lame's parameters of every element of a `socket_mesh`, each of shape (elements, 1)."""
+def lame_of(body: Ball | Socket, mesh: MeshTri) -> tuple:
+    """Lame's parameters of a body: numbers, or of every element of a socket, (elements, 1)."""
+    if isinstance(body, Ball):
+        return lame_parameters(1.0, body.poisson)
+    ratios, poissons, moduli = body.layers
     of_layers = lame_parameters(moduli, poissons)
-    first, second = (of_layer[layer_of(mesh, tuple(ratios))][:, None] for of_layer in of_layers)
+    first, second = (of_layer[layer_of(mesh, ratios)][:, None] for of_layer in of_layers)
     return first, second
 
 
-@lru_cache(maxsize=32)
-def ball_compliance(*args: Any, **kwargs: Any) -> Compliance:
-    """`Compliance` of a `ball`; same arguments, same errors."""
-    return ball(*args, **kwargs).compliance
-
-
-@lru_cache(maxsize=32)
-def socket_compliance(*args: Any, **kwargs: Any) -> Compliance:
-    """`Compliance` of a `socket`; same arguments, same errors."""
-    return socket(*args, **kwargs).compliance
+@lru_cache(maxsize=64)
+def compliance(
+    body: Ball | Socket, resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6
+) -> Compliance:
+    """`Compliance` of a ball or a socket."""
+    return meshed(body, resolution, nodes).compliance
 
 
 def _of(dofs, component):

@@ -87,8 +87,8 @@ class Grid:
 class Surface:
     """Flexibility of a body's surface between the nodes of a `Grid`: unit radius, unit modulus.
 
-    Mesh, Lame's parameters and what is held are as for `study.joint.fem.Body`; the mesh has the
-    grid's polar angles. ``areas`` are the integrals of the nodes' functions, shape (nodes,).
+    Mesh, Lame's parameters and what is held are as for `study.joint.fem.MeshedBody`; the mesh has
+    the grid's polar angles. ``areas`` are the integrals of the nodes' functions, shape (nodes,).
     """
 
     def __init__(self, mesh: MeshTri, lame: tuple, held: dict[str, str], grid: Grid):
@@ -130,7 +130,7 @@ def flexibility(
 
     w_j cos(m phi) is the inward displacement under the hat function of pressure h_j cos(m phi);
     integrals are per radian of phi. Mesh, Lame's parameters and what is held are as for
-    `study.joint.fem.Body`.
+    `study.joint.fem.MeshedBody`.
     """
     element = ElementVector(ElementTriP2(), 3)
     basis = Basis(mesh, element, intorder=4)

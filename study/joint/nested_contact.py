@@ -60,7 +60,7 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
     """
     checks.instance("joint", joint, Joint)
     deepest = checks.number("deepest", deepest, above=0, scalar=True)
-    if joint.kinematics == "finite":
+    if joint.has_large_displacements:
         depths = np.linspace(0, np.sqrt(deepest), _FINITE + 1)[1:] ** 2
         return curve.force_curve(joint, depths, resolution)
     depth, force, fine, solver = _extrapolated(joint, deepest, resolution)

@@ -14,16 +14,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from study import checks
-from study.joint.compliance import (
-    RESOLUTION,
-    Compliance,
-    HatFunctions,
-    Layered,
-    layer_steps,
-    layered,
-    surface_angles,
-)
+from study.joint.bodies import Ball, Socket, layer_steps
+from study.joint.compliance import RESOLUTION, Compliance, HatFunctions, surface_angles
 from study.threads import one_thread
 
 ORDERS = 16
@@ -57,59 +49,41 @@ class Solid:
         return (at_radius[:, : len(amplitudes)] * amplitudes).sum(axis=1)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=64)
 @one_thread
-def ball_compliance(poisson: float = 0.3, resolution: int = RESOLUTION["series"]) -> Compliance:
-    """Compliance of a solid ball that is symmetric about its equatorial plane.
+def compliance(body: Ball | Socket, resolution: int = RESOLUTION["series"]) -> Compliance:
+    """Compliance of a solid ball, or of a shell fixed on its outer sphere.
 
-    The ``resolution`` is the number of pressure elements along the quarter circle, a multiple of
-    16. The series ends after `ORDERS` per element. A value outside its range is a ``ValueError``.
-    """
-    return _compliance(resolution, lambda orders: -ball(orders, poisson).state(1.0)[0])
-
-
-@lru_cache(maxsize=32)
-@one_thread
-def socket_compliance(
-    ratio: Layered,
-    poisson: Layered = 0.3,
-    resolution: int = RESOLUTION["series"],
-    modulus: Layered = 1.0,
-) -> Compliance:
-    """Compliance of a shell fixed on its outer sphere, symmetric about the equator.
-
-    As `ball_compliance`; ``ratio`` is the outer over the inner radius, >= 1.0001. Each layer, from
-    the inside out, has its ratio to the innermost radius, Poisson's ratio and Young's ``modulus``;
-    a first modulus of 1 makes it the unit.
+    The body is symmetric about its equatorial plane. The ``resolution`` is the number of pressure
+    elements along the quarter circle, a multiple of 16. The series ends after `ORDERS` per element.
     """
 
     def receptance(orders):
-        return socket(orders, ratio, poisson, modulus)[0].state(1.0)[0]
+        """Displacement of the surface against the pressure."""
+        if isinstance(body, Ball):
+            return -ball(orders, body.poisson).state(1.0)[0]
+        return socket(orders, body)[0].state(1.0)[0]
 
     return _compliance(resolution, receptance)
 
 
 def ball(orders: ArrayLike, poisson: float) -> Solid:
     """A solid ball, of which only the two regular `modes` are felt."""
-    n, nu = np.asarray(orders, dtype=float), checks.poisson("poisson", poisson)
+    n, nu = np.asarray(orders, dtype=float), poisson
     pressure = np.array([[-(1 + nu)], [0.0]])  # radial stress over 2 G, and shear
     surface = modes(n, nu, 1.0)[2:, :2].transpose(2, 0, 1)
     return Solid(n, 0.0, 1.0, nu, 1 / (1 + nu), np.linalg.solve(surface, pressure)[:, :, 0].T)
 
 
-def socket(
-    orders: ArrayLike, ratio: Layered, poisson: Layered, modulus: Layered = 1.0
-) -> list[Solid]:
+def socket(orders: ArrayLike, body: Socket) -> list[Solid]:
     """The layers of a socket from the inside out, under the pressure inside and fixed outside.
-
-    Ratios, Poisson's ratios and moduli are those of `socket_compliance`.
 
     The flexibility of a sphere is a 2x2 matrix of displacement over radius per stress. From the
     outside in, that of a layer's inner sphere follows from that of its outer one; the fixed sphere
     has none. Stresses then lead from the inside out.
     """
     n = np.asarray(orders, dtype=float)
-    ratios, poissons, moduli = layered(ratio, poisson, modulus)
+    ratios, poissons, moduli = body.layers
     flexibility, passed_on = np.zeros((2, 2)), []
     layers = list(zip(layer_steps(ratios), poissons, moduli / (1 + poissons), strict=True))
     for step, nu, twice_shear in reversed(layers):

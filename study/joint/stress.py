@@ -17,9 +17,10 @@ from study import checks
 from study.contact import largest_depth
 from study.joint import contact_kinematics, series
 from study.joint.compliance import graded
-from study.joint.curve import ForceCurve, force_curve, meshed
+from study.joint.curve import ForceCurve, force_curve
 from study.joint.joint import Joint
 from study.joint.nested_contact import whole_curve
+from study.joint.supports import WholeOutside
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
@@ -139,7 +140,7 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
     sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
     by_body, peak = {}, curve.peak_pressure_star
     edge = np.sin(np.radians(curve.contact_half_angle_deg))
-    *interfaces, outer = curve.joint.socket_layers[0]
+    *interfaces, outer = curve.joint.socket_body.ratio
     for body, (stress, radius, angle) in sought:
         place = np.full(len(stress), "below the surface", dtype=object)
         place[np.abs(radius - 1) <= _NEAR * edge] = "at the surface"
@@ -174,8 +175,11 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     from scipy.optimize import brentq
 
     checks.instance("joint", joint, Joint)
-    checks.choice("ball_drive", joint.ball_drive, ("plane", "clamped"))
-    checks.choice("backing", joint.backing, ("whole",))
+    if not (joint.ball_drive.by_plane and isinstance(joint.backing, WholeOutside)):
+        raise checks.RangeError(
+            "first yield is known for a ball_drive of plane or clamped and a backing of whole "
+            f"alone, got {joint.ball_drive} and {joint.backing}"
+        )
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     if not any(material.yield_stress for material in joint.materials.values()):
         raise ValueError("joint must have a material with a yield_stress, got none")
@@ -208,7 +212,7 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
 @lru_cache(maxsize=8)
 def _solved(joint, deepest):
     """Curve to a depth, or somewhat beyond, and its `largest`: the same for every yield stress."""
-    if joint.kinematics == "finite":
+    if joint.has_large_displacements:
         curve = force_curve(joint, np.linspace(_LEAST_ROOT, np.sqrt(deepest), 12) ** 2)
     else:
         curve = whole_curve(joint, deepest)
@@ -230,8 +234,8 @@ def hertz_von_mises(poisson: float) -> float:
 
 def _solids(joint, count):
     """The joint's bodies by their names, under pressures of the first even orders."""
-    orders, layers = 2 * np.arange(count), joint.socket_layers
-    solids = series.ball(orders, joint.ball.poisson), *series.socket(orders, *layers)
+    orders = 2 * np.arange(count)
+    solids = series.ball(orders, joint.ball.poisson), *series.socket(orders, joint.socket_body)
     return dict(zip(joint.materials, solids, strict=True))
 
 
@@ -318,14 +322,15 @@ def _of_elements(curve):
     from study.joint import fem
 
     nodes = 3 if curve.solver == "linear" else 6
-    of_ball, of_socket = meshed(curve.joint, len(curve.angles) - 1, nodes)
-    joint, edge = curve.joint, curve.joint.reach
-    if joint.ball_drive in ("plane", "clamped"):
-        yield "ball", _largest_at_nodes(fem.ball(*of_ball), curve.pressure, edge)
-    if joint.backing != "whole":
+    joint, edge, resolution = curve.joint, curve.joint.reach, len(curve.angles) - 1
+    if joint.ball_drive.by_plane:
+        ball = fem.meshed(joint.ball_body, resolution, nodes)
+        yield "ball", _largest_at_nodes(ball, curve.pressure, edge)
+    if not isinstance(joint.backing, WholeOutside):
         return
-    socket, pressure, inner = fem.socket(*of_socket), contact_kinematics.socket_pressure(curve), 1.0
-    for name, outer in zip([*curve.joint.materials][1:], of_socket[0], strict=True):
+    socket = fem.meshed(joint.socket_body, resolution, nodes)
+    pressure, inner = contact_kinematics.socket_pressure(curve), 1.0
+    for name, outer in zip([*joint.materials][1:], joint.socket_body.ratio, strict=True):
         yield name, _largest_at_nodes(socket, pressure, edge, inner, outer)
         inner = outer
 

@@ -1,74 +1,257 @@
-"""What holds ball and socket: how the ball is displaced, where the socket is backed, and its mouth.
+"""What holds ball and socket, as objects, and the opening of the socket.
 
-Each is a short text or a number, as it is typed. This module reads and checks them, and
-`study.joint.fem` meshes what they describe. Angles are polar angles in deg, from the pole that the
-ball is pressed into.
+A support has the boundaries of the meridian's mesh that it holds, and the components of the
+displacement that are zero there (`study.joint.fem`). On the command line, in tables and in Python
+it may be given as a text, such as ``core:0.2``, which is also how it is written. Angles are polar
+angles in deg, from the pole that the ball is pressed into.
 """
 
-from typing import Literal, get_args
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
-from study import checks
+from study import checks, parameters
+from study.parameters import parameter
 
 Rim = Literal["mirror", "free"]
-"""What holds the socket's edge: a mirror plane, or nothing."""
 RIMS: tuple[Rim, ...] = get_args(Rim)
-HALF_BALLS = ("plane", "clamped", "point")
-"""Drives of half a ball, by its equatorial plane or its centre."""
-DRIVES = (*HALF_BALLS, "core:NUMBER", "neck:NUMBER")
-"""Every drive, as it is typed."""
-BACKINGS = ("whole", "rim")
-"""Backings that need no angles: the outside all over, or the face of the rim alone."""
-OPENING = 90.0
+Kinematics = Literal["small", "linear", "finite"]
+KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
+HEMISPHERE = 90.0
 """Opening of a hemispherical socket, in deg."""
-SUPPORTS = ("ball_drive", "rim", "kinematics", "opening", "backing")
-"""Attributes of a joint that say how it is held, and which points of it face each other."""
-OPENINGS = (30.0, 170.0)
-CORES, NECKS = (0.05, 0.8), (5.0, 90.0)
-CLEAR = 5.0  # deg: least angle between neck and mouth
-_LEAST_SEAT = 5.0  # deg: a narrower one is smaller than the elements outside
+CLEAR = 5.0
+"""Least angle between neck and rim, and least width of a sector, in deg."""
+Boundary = tuple[float, float, float, float]
+"""Least and largest radius, over the body's own, and least and largest polar angle in rad."""
 
 
-def drive(text: str) -> tuple[str, float]:
-    """Kind of a ball's drive, and its number: of ``core:0.2`` the core's radius over R1.
+@dataclass(frozen=True)
+class _Support:
+    """A support that is written as its word and its numbers."""
 
-    Of ``neck:30`` the neck's half-angle in deg, from the top; else 0. A text that is neither, or a
-    number outside its range, is a ``ValueError``.
-    """
-    kind, colon, number = text.partition(":") if isinstance(text, str) else ("", "", "")
-    if kind in HALF_BALLS and not colon:
-        return kind, 0.0
-    ranges = {
-        "core": ("core of ball_drive", CORES, "R1"),
-        "neck": ("neck of ball_drive", NECKS, "deg"),
-    }
-    if kind not in ranges or not colon:
-        wanted = ", ".join(DRIVES)
-        raise ValueError(f"ball_drive must be one of {wanted}, got {checks.shown(text)}")
-    name, (least, most), unit = ranges[kind]
-    return kind, checks.number(name, checks.read(name, number), unit, least=least, most=most)
+    word: ClassVar[str]
+    held: ClassVar[dict[str, str]]
+    """Boundary of the mesh -> components of the displacement that are zero there."""
+
+    def __post_init__(self):
+        parameters.take(self)
+
+    def __str__(self):
+        numbers = ",".join(f"{getattr(self, of.name):.9g}" for of in fields(self))
+        return f"{self.word}:{numbers}" if numbers else self.word
+
+
+@dataclass(frozen=True)
+class BallSupport(_Support):
+    """How the ball is held and moved; half a ball by its equatorial plane, unless stated."""
+
+    is_half: ClassVar[bool] = True
+    is_free_across: ClassVar[bool] = False
+    """Whether nothing holds the ball across the axis."""
+    by_plane: ClassVar[bool] = False
+    """Whether the equatorial plane is held all over, so that stresses nearby are bounded."""
+
+    @property
+    def boundaries(self) -> dict[str, Boundary]:
+        """Boundaries of the ball's meridian by which it may be held."""
+        return {"equator": (0, 1, np.pi / 2, np.pi / 2)}
+
+
+class GuidedPlate(BallSupport):
+    """A plate that displaces the equatorial plane along the axis, where it may slide."""
+
+    word, held, is_free_across, by_plane = "plane", {"equator": "z"}, True, True
+
+
+class ClampedPlate(BallSupport):
+    """A plate to which the equatorial plane is clamped."""
+
+    word, held, by_plane = "clamped", {"equator": "rz"}, True
+
+
+class CentrePoint(BallSupport):
+    """Displacement of the ball's centre alone, as by a point load."""
+
+    word, held, is_free_across = "point", {"centre": "z"}, True
+
+
+@dataclass(frozen=True)
+class Core(BallSupport):
+    """A rigid core that holds a whole ball."""
+
+    radius: float = parameter(..., "radius of the core over the ball's", least=0.05, most=0.8)
+
+    word, held, is_half = "core", {"core": "rz"}, False
+
+    @property
+    def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
+        return {"core": (self.radius, self.radius, 0, np.pi)}
+
+
+@dataclass(frozen=True)
+class Neck(BallSupport):
+    """A rigid neck that holds a whole ball on its surface, within an angle from the top."""
+
+    half_angle: float = parameter(..., "half-angle of the neck", "deg", least=5, most=90)
+
+    word, held, is_half = "neck", {"neck": "rz"}, False
+
+    @property
+    def edge(self) -> float:
+        """Polar angle of the neck's edge, in rad."""
+        return np.pi - np.radians(self.half_angle)
+
+    @property
+    def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
+        return {"neck": (1, 1, self.edge, np.pi)}
+
+
+@dataclass(frozen=True)
+class SocketSupport(_Support):
+    """Where the socket is held rigidly."""
+
+    def in_words(self) -> str:
+        """A sentence that says it."""
+        raise NotImplementedError
+
+
+class WholeOutside(SocketSupport):
+    """The socket's outside all over."""
+
+    word, held = "whole", {"outside": "rz"}
+
+    def in_words(self) -> str:  # noqa: D102
+        return "The socket's outside is held rigidly."
+
+
+class RimFace(SocketSupport):
+    """The face of the rim alone."""
+
+    word, held = "rim", {"rim": "rz"}
+
+    def in_words(self) -> str:  # noqa: D102
+        return "The face of the socket's rim is held rigidly."
+
+
+@dataclass(frozen=True)
+class Sector(SocketSupport):
+    """The outside between two polar angles: a seat at the pole, or a flange."""
+
+    first: float = parameter(..., "first polar angle of the sector", "deg", least=0)
+    last: float = parameter(..., "last polar angle of the sector", "deg", most=170)
+
+    word, held = "sector", {"seat": "rz"}
+
+    def __post_init__(self):
+        super().__post_init__()
+        checks.number("last polar angle of the sector", self.last, "deg", least=self.first + CLEAR)
+
+    def in_words(self) -> str:  # noqa: D102
+        angles = f"{self.first:g} to {self.last:g} deg"
+        return f"The socket's outside is held rigidly at polar angles of {angles}."
+
+
+BALL_SUPPORTS: tuple[type[BallSupport], ...] = (GuidedPlate, ClampedPlate, CentrePoint, Core, Neck)
+SOCKET_SUPPORTS: tuple[type[SocketSupport], ...] = (WholeOutside, RimFace, Sector)
+
+
+def _parser(kinds):
+    """Parser of a text such as ``core:0.2``, for `study.parameters.Parameter`."""
+    known = {kind.word: kind for kind in kinds}
+    forms = [":".join([k.word, ",".join("NUMBER" for _ in fields(k))]).rstrip(":") for k in kinds]
+
+    def parse(name: str, text: str) -> Any:
+        word, colon, numbers = text.partition(":")
+        kind = known.get(word)
+        if kind is None or bool(colon) != bool(fields(kind)):
+            raise ValueError(f"{name} must be one of {', '.join(forms)}, got {checks.shown(text)}")
+        if not colon:
+            return kind()
+        return kind(*checks.read_several(name, numbers, len(fields(kind))))
+
+    return parse
 
 
 def reach(opening: float) -> float:
-    """Largest polar angle in rad of a contact along the axis: pi/2, or that of the mouth in deg."""
+    """Largest polar angle of a contact along the axis, in rad: pi/2, or that of the rim in deg."""
     return min(np.pi / 2, float(np.radians(opening)))
 
 
-def seat(backing: str, opening: float) -> tuple[float, float] | None:
-    """Polar angles, in deg, between which a backing such as ``60,90`` holds the socket's outside.
+@dataclass(frozen=True, kw_only=True)
+class Configuration:
+    """How ball and socket are held, and which points of their surfaces face each other."""
 
-    None for ``whole`` and ``rim``. A ``ValueError`` for another text, or for angles that are not in
-    order or beyond the opening.
-    """
-    if isinstance(backing, str) and backing in BACKINGS:
-        return None
-    try:
-        low, high = checks.read_several("backing", backing, 2)
-    except (ValueError, AttributeError):
-        wanted = "whole, rim or two polar angles in deg, such as 60,90"
-        raise ValueError(f"backing must be {wanted}, got {checks.shown(backing)}") from None
-    checks.number("first angle of backing", low, "deg", least=0, most=opening - _LEAST_SEAT)
-    least = low + _LEAST_SEAT
-    checks.number("second angle of backing", high, "deg", least=least, most=opening)
-    return low, high
+    ball_drive: BallSupport | str = parameter(
+        GuidedPlate(),
+        "How the ball is held and moved. The equatorial plane of half a ball is moved along the "
+        "axis by a plate on which it slides (plane) or to which it is clamped (clamped), or its "
+        "centre alone is moved (point). A whole ball is held at a rigid core of 0.2 of its radius "
+        "(core:0.2), or on its surface within 30 deg of the top (neck:30)",
+        parse=_parser(BALL_SUPPORTS),
+        kind=BallSupport,
+    )
+    rim: Rim | None = parameter(
+        None,
+        "Edge of the socket: a mirror plane, or free of traction",
+        choices=RIMS,
+        otherwise="mirror for a hemispherical socket that is held all over its outside, half a "
+        "ball and a load along the axis; else free",
+    )
+    kinematics: Kinematics = parameter(
+        "linear",
+        "Which points of the surfaces face each other. small: those at equal angles from the "
+        "socket's centre; the force acts on the socket's area. linear: those that the ball's "
+        "points have moved to, as in a small-strain analysis with contact on moved surfaces; the "
+        "force acts on the ball's area. finite: large displacements, with Saint Venant and "
+        "Kirchhoff's material. They differ by terms of order 1/R2*",
+        choices=KINEMATICS,
+    )
+    opening: float = parameter(
+        HEMISPHERE, "Polar angle of the socket's rim from its pole", "deg", least=30, most=170
+    )
+    backing: SocketSupport | str = parameter(
+        WholeOutside(),
+        "Where the socket is held rigidly: its outside all over (whole), the face of its rim alone "
+        "(rim), or its outside between two polar angles in deg (sector:0,30 is a seat at the pole, "
+        "sector:60,90 a flange)",
+        parse=_parser(SOCKET_SUPPORTS),
+        kind=SocketSupport,
+    )
+
+    @property
+    def configuration(self) -> dict[str, Any]:
+        """Values of these parameters by name."""
+        return {of.name: getattr(self, of.name) for of in fields(Configuration)}
+
+    @property
+    def is_hemispherical(self) -> bool:
+        """Whether a hemispherical socket, held all over its outside, takes half a ball."""
+        half, whole = self.ball_drive.is_half, isinstance(self.backing, WholeOutside)
+        return half and self.opening == HEMISPHERE and whole
+
+    @property
+    def has_large_displacements(self) -> bool:
+        """Whether displacements are not small beside the bodies."""
+        return self.kinematics == "finite"
+
+    @property
+    def reach(self) -> float:
+        """Largest polar angle of a contact along the axis, in rad: pi/2, or that of the rim."""
+        return reach(self.opening)
+
+    def _check_configuration(self) -> None:
+        """Check parameters against each other, and choose the rim if it is not given."""
+        ball, name = self.ball_drive, f"opening beside ball_drive {self.ball_drive}"
+        most = HEMISPHERE if ball.is_half else 180.0
+        if isinstance(ball, Neck):
+            most = 180 - ball.half_angle - CLEAR
+        checks.number(name, self.opening, "deg", most=most)
+        if isinstance(self.backing, Sector):
+            checks.number("last angle of backing", self.backing.last, "deg", most=self.opening)
+        if self.rim is None:
+            object.__setattr__(self, "rim", "mirror" if self.is_hemispherical else "free")
+        if not self.is_hemispherical:
+            checks.choice("rim of other supports than a hemisphere's", self.rim, ("free",))
+            why = "kinematics of other supports than a hemisphere's"
+            checks.choice(why, self.kinematics, KINEMATICS[:2])

@@ -19,10 +19,10 @@ from scipy.sparse import csr_array
 
 from study import checks
 from study.contact import largest_depth
-from study.joint import complementarity, supports
-from study.joint.compliance import layered
+from study.joint import complementarity
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.joint import Joint
+from study.joint.supports import KINEMATICS, Neck
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
@@ -133,12 +133,12 @@ def under_force(
 def _checked(joint, values, tilt, name, resolution):
     """Depths or forces, as many tilts, and the resolution; refuses a joint that is not for them."""
     checks.instance("joint", joint, Joint)
-    if joint.ball_drive in ("plane", "point"):
+    if joint.ball_drive.is_free_across:
         wanted = "clamped, core:NUMBER or neck:NUMBER"
         why = f"the ball is free across the axis, got {joint.ball_drive}"
         raise checks.RangeError(f"ball_drive under a tilted load must be {wanted}: {why}")
     checks.choice("rim under a tilted load", joint.rim, ("free",))
-    checks.choice("kinematics under a tilted load", joint.kinematics, ("small", "linear"))
+    checks.choice("kinematics under a tilted load", joint.kinematics, KINEMATICS[:2])
     values = np.atleast_1d(checks.number(name, values, above=0))
     tilts = np.atleast_1d(checks.number("tilt", tilt, "deg", least=0, most=LARGEST_TILT))
     if values.ndim != 1 or values.size == 0 or tilts.shape not in ((1,), values.shape):
@@ -232,14 +232,15 @@ class _Contacts:
     """Contacts of one joint on one grid of the socket."""
 
     def __init__(self, joint, resolution):
-        kind, size = supports.drive(joint.ball_drive)
-        self.whole = kind not in supports.HALF_BALLS
-        end = {"core": 180.0 - _BEYOND, "neck": 180.0 - size}.get(kind, 90.0)
+        support, self.joint = joint.ball_drive, joint
+        self.whole = not support.is_half
+        end = 180.0 - _BEYOND if self.whole else 90.0
+        if isinstance(support, Neck):
+            end = 180.0 - support.half_angle
         moved = np.degrees((1 + _DEEPEST) / joint.r2_star)
         end = min(end, joint.opening + max(_BEYOND, moved))
-        self.joint, poisson = joint, float(joint.ball.poisson)
-        self.ball = _ball(poisson, joint.ball_drive, joint.opening, end, resolution)
-        self.socket = _socket(joint.socket_layers, joint.opening, joint.backing, resolution)
+        self.ball = _ball(joint.ball_body, end, resolution)
+        self.socket = _socket(joint.socket_body, resolution)
         grid = self.socket.grid
         theta, phi, self.area = grid.points
         self.hats = grid.values(theta, phi)
@@ -363,21 +364,19 @@ def _angles(opening, end, resolution):
 
 
 @lru_cache(maxsize=6)
-def _ball(poisson, drive, opening, end, resolution):
+def _ball(ball, end, resolution):
     from study.joint import fem, fourier
 
-    _, angles, around = _angles(opening, end, resolution)
-    mesh = fem.meridian_of_ball(angles, drive, radial=_RADIAL_ELEMENTS)
-    lame = fem.lame_parameters(1.0, poisson)
-    return fourier.Surface(mesh, lame, fem.held_ball(drive), fourier.Grid(angles, around))
+    _, angles, around = _angles(ball.opening, end, resolution)
+    mesh = fem.meridian_of_ball(ball, angles, radial=_RADIAL_ELEMENTS)
+    return fourier.Surface(mesh, fem.lame_of(ball, mesh), ball.held, fourier.Grid(angles, around))
 
 
 @lru_cache(maxsize=6)
-def _socket(layers, opening, backing, resolution):
+def _socket(socket, resolution):
     from study.joint import fem, fourier
 
-    angles, _, around = _angles(opening, opening, resolution)
-    ratios = np.array(layers[0])
-    mesh = fem.meridian_of_socket(angles, ratios, opening, backing, radial=_RADIAL_ELEMENTS)
-    lame, held = fem.socket_lame(mesh, *layered(*layers)), fem.held_socket("free", backing)
-    return fourier.Surface(mesh, lame, held, fourier.Grid(angles, around))
+    angles, _, around = _angles(socket.opening, socket.opening, resolution)
+    mesh = fem.meridian_of_socket(socket, angles, radial=_RADIAL_ELEMENTS)
+    lame, grid = fem.lame_of(socket, mesh), fourier.Grid(angles, around)
+    return fourier.Surface(mesh, lame, socket.held, grid)

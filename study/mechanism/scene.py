@@ -5,14 +5,15 @@ field of `Scene` has its unit, its range and its source.
 """
 
 from collections import namedtuple
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, replace
 from math import hypot, pi
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from study import checks
+from study import checks, parameters
 from study.contact import Material, composite_modulus, material
 from study.contact.damping import Damping, damping_factor, delivered_restitution
+from study.contact.materials import read_material
+from study.parameters import parameter
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,125 +34,177 @@ Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear 
 """Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
 
 
-def _quantity(default: Any, unit: str, source: str, **limits: float) -> Any:
-    """Field of the scene; ``limits`` as for ``study.checks.number``."""
-    return field(default=default, metadata={"unit": unit, "source": source, "limits": limits})
+def _of_body(body: str) -> Any:
+    return parameter(
+        None,
+        f"Material of the {body}, by name or by Young's modulus and Poisson's ratio",
+        "Pa, 1",
+        kind=Material,
+        parse=read_material,
+        otherwise="youngs_modulus and poisson",
+        source=f"chosen here, of the {body} alone",
+    )
 
 
+@parameters.documented
 @dataclass(frozen=True)
 class Scene:
-    """A crank-slider in a plane, with its slide along +x through the crank's axis.
+    """Mechanism parameters: a crank-slider in a plane, with its slide along +x.
 
-    The clearance joint is between coupler and slider. The ball is on the coupler's end, the socket
-    in the slider, which does not turn. There may be a second one between crank and coupler, with
-    the ball on the crank's end and the socket in the coupler. At t = 0 the balls are at rest in
-    their sockets; by default nothing moves, and both links lie on +x. All is in SI units, see
-    `parameters`. A value outside its range is a ``ValueError``.
-
-    Attributes
-    ----------
-    crank_inertia, coupler_inertia
-        Moment of inertia about the link's own centre; None: uniform rod.
-    clearance, socket_radius
-        The ball's radius is the difference.
-    youngs_modulus, poisson
-        Of ball, socket and links.
-    ball, socket
-        Materials of their own, or the name or numbers of one (`study.joint.material`); None:
-        ``youngs_modulus`` and ``poisson``.
-    link_modulus
-        Young's modulus of the links alone; None: that of the material.
-    damping
-        Rule for the damping factor. Only ``exact`` delivers the restitution, of at least 0.001; the
-        others are ``lankarani-nikravesh`` (the paper's), ``hunt-crossley`` and ``flores``.
-    slow_speed, full_speed
-        Tolerance speeds v0 and v1 of the friction law.
-    gravity
-        Acceleration along -y.
-    crank_speed
-        Constant speed at which the crank is driven, whatever moment this takes. Leave out
-        ``driving_moment`` and ``initial_crank_speed`` then. None: driven by ``driving_moment``.
-    initial_crank_angle, initial_crank_speed
-        At t = 0, the angle from +x.
-    crank_clearance
-        Clearance of a second joint, between crank and coupler, for rigid links. Its socket radius,
-        materials, damping and friction are those of the other joint. None: an ideal joint.
-    initial_eccentricity
-        Place of the ball's centre in the slider's socket at t = 0, inside the clearance.
+    The slide passes through the crank's axis. The clearance joint is between coupler and slider.
+    The ball is on the coupler's end, the socket in the slider, which does not turn. There may be a
+    second one between crank and coupler, with the ball on the crank's end and the socket in the
+    coupler. At t = 0 the balls are at rest in their sockets; by default nothing moves, and both
+    links lie on +x. All is in SI units, see `parameters`. A value outside its range is a
+    ``ValueError``.
     """
 
-    crank_length: float = _quantity(0.05, "m", "Table 3", above=0)
-    crank_mass: float = _quantity(0.3, "kg", "Table 3", above=0)
-    coupler_length: float = _quantity(0.12, "m", "Table 3", above=0)
-    coupler_mass: float = _quantity(0.21, "kg", "Table 3", above=0)
-    slider_mass: float = _quantity(0.14, "kg", "Table 3", above=0)
-    clearance: float = _quantity(5e-5, "m", "Table 3", above=0)
-    youngs_modulus: float = _quantity(207e9, "Pa", "Table 4")
-    poisson: float = _quantity(0.3, "1", "Table 4", above=-1, below=0.5)
-    restitution: float = _quantity(0.5, "1", "Table 4")
-    friction: float = _quantity(0.05, "1", "Table 4", least=0)
-    slow_speed: float = _quantity(1e-4, "m/s", "Table 4", least=0)
-    full_speed: float = _quantity(0.01, "m/s", "Table 4", above=0)
-    driving_moment: float = _quantity(0.5, "N m", "Table 4", least=-1e6, most=1e6)
-    socket_radius: float = _quantity(
-        10e-3, "m", "assumed, R2* = 200, the paper's static case", above=0
+    crank_length: float = parameter(0.05, "Length of the crank", "m", above=0, source="Table 3")
+    crank_mass: float = parameter(0.3, "Mass of the crank", "kg", above=0, source="Table 3")
+    coupler_length: float = parameter(0.12, "Length of the coupler", "m", above=0, source="Table 3")
+    coupler_mass: float = parameter(0.21, "Mass of the coupler", "kg", above=0, source="Table 3")
+    slider_mass: float = parameter(0.14, "Mass of the slider", "kg", above=0, source="Table 3")
+    clearance: float = parameter(
+        5e-5, "Radius of the socket less that of the ball", "m", above=0, source="Table 3"
     )
-    crank_inertia: float | None = _quantity(None, "kg m^2", ROD, least=0)
-    coupler_inertia: float | None = _quantity(None, "kg m^2", ROD, least=0)
-    ball: Material | str | None = _quantity(None, "Pa, 1", "chosen here, of the ball alone")  # noqa: RUF009
-    socket: Material | str | None = _quantity(None, "Pa, 1", "chosen here, of the socket alone")  # noqa: RUF009
-    link_modulus: float | None = _quantity(None, "Pa", "assumed, that of ball and socket")
-    density: float = _quantity(
-        7850.0, "kg/m^3", "assumed, steel, with square sections from mass and length", above=0
+    youngs_modulus: float = parameter(
+        207e9, "Young's modulus of ball, socket and links", "Pa", source="Table 4"
     )
-    damping: Damping = _quantity("exact", "", "chosen here, delivers the restitution")  # noqa: RUF009
-    gravity: float = _quantity(0.0, "m/s^2", "assumed, none", least=-1e6, most=1e6)
-    initial_eccentricity: tuple[float, float] = _quantity(
-        (0.0, 0.0), "m", "assumed, concentric, and at rest"
+    poisson: float = parameter(
+        0.3, "Poisson's ratio of ball, socket and links", above=-1, below=0.5, source="Table 4"
     )
-    initial_crank_angle: float = _quantity(
-        0.0, "rad", "given by the paper: links on +x", least=-2 * pi, most=2 * pi
+    restitution: float = parameter(
+        0.5,
+        "Coefficient of restitution, from 0.001 for damping exact and flores",
+        least=0,
+        most=1,
+        source="Table 4",
     )
-    initial_crank_speed: float = _quantity(
-        0.0, "rad/s", "given by the paper: from rest", least=-1e6, most=1e6
+    friction: float = parameter(0.05, "Coefficient of friction", least=0, source="Table 4")
+    slow_speed: float = parameter(
+        1e-4,
+        "Sliding speed v0 below which there is no friction",
+        "m/s",
+        least=0,
+        source="Table 4",
     )
-    crank_speed: float | None = _quantity(None, "rad/s", "no such drive", least=-1e6, most=1e6)
-    crank_clearance: float | None = _quantity(None, "m", "an ideal joint", above=0)
+    full_speed: float = parameter(
+        0.01, "Sliding speed v1 from which on friction is full", "m/s", above=0, source="Table 4"
+    )
+    driving_moment: float = parameter(
+        0.5, "Moment that drives the crank", "N m", least=-1e6, most=1e6, source="Table 4"
+    )
+    socket_radius: float = parameter(
+        10e-3,
+        "Radius of the socket",
+        "m",
+        above=0,
+        source="assumed, R2* = 200, the paper's static case",
+    )
+    crank_inertia: float | None = parameter(
+        None,
+        "Moment of inertia of the crank about its centre",
+        "kg m^2",
+        least=0,
+        otherwise="that of a uniform rod",
+        source=ROD,
+    )
+    coupler_inertia: float | None = parameter(
+        None,
+        "Moment of inertia of the coupler about its centre",
+        "kg m^2",
+        least=0,
+        otherwise="that of a uniform rod",
+        source=ROD,
+    )
+    ball: Material | str | None = _of_body("ball")
+    socket: Material | str | None = _of_body("socket")
+    link_modulus: float | None = parameter(
+        None,
+        "Young's modulus of the links alone",
+        "Pa",
+        otherwise="youngs_modulus",
+        source="assumed, that of ball and socket",
+    )
+    density: float = parameter(
+        7850.0,
+        "Density of the links, whose sections are squares",
+        "kg/m^3",
+        above=0,
+        source="assumed, steel, with square sections from mass and length",
+    )
+    damping: Damping = parameter(
+        "exact",
+        "Rule for the damping factor; only exact delivers the restitution, lankarani-nikravesh is "
+        "the paper's",
+        choices=get_args(Damping),
+        source="chosen here, delivers the restitution",
+    )
+    gravity: float = parameter(
+        0.0, "Acceleration along -y", "m/s^2", least=-1e6, most=1e6, source="assumed, none"
+    )
+    initial_eccentricity: tuple[float, float] = parameter(
+        (0.0, 0.0),
+        "Place of the ball's centre in the slider's socket at t = 0, inside the clearance",
+        "m",
+        several=",",
+        count=2,
+        source="assumed, concentric, and at rest",
+    )
+    initial_crank_angle: float = parameter(
+        0.0,
+        "Angle of the crank from +x at t = 0",
+        "rad",
+        least=-2 * pi,
+        most=2 * pi,
+        source="given by the paper: links on +x",
+    )
+    initial_crank_speed: float = parameter(
+        0.0,
+        "Speed of the crank at t = 0",
+        "rad/s",
+        least=-1e6,
+        most=1e6,
+        source="given by the paper: from rest",
+    )
+    crank_speed: float | None = parameter(
+        None,
+        "Constant speed of the crank, whatever moment this takes, instead of driving_moment and "
+        "initial_crank_speed",
+        "rad/s",
+        least=-1e6,
+        most=1e6,
+        source="no such drive",
+    )
+    crank_clearance: float | None = parameter(
+        None,
+        "Clearance of a second joint between crank and coupler, for rigid links, of the same "
+        "socket radius, materials, damping and friction",
+        "m",
+        above=0,
+        otherwise="an ideal joint",
+        source="an ideal joint",
+    )
 
     def __post_init__(self) -> None:
-        checks.plain_numbers(self)
-        for parameter in fields(self):
-            value, limits = getattr(self, parameter.name), parameter.metadata["limits"]
-            name = parameter.name.replace("_", " ")
-            unit = parameter.metadata["unit"].removeprefix("1")
-            if value is None and parameter.default is None:
-                continue
-            if unit == "Pa":
-                checks.youngs_modulus(name, value)
-            elif limits:
-                checks.number(name, value, unit, **limits, scalar=True)
-            elif parameter.name in ("ball", "socket"):
-                object.__setattr__(self, parameter.name, material(value))
+        parameters.take(self)
+        for body in ("ball", "socket"):
+            if getattr(self, body) is not None:
+                material(getattr(self, body), body)
         limits = {"least": 1e-9 * self.socket_radius, "below": self.socket_radius}
         checks.number("clearance", self.clearance, "m", **limits)
         if self.crank_clearance is not None:
-            checks.number("crank clearance", self.crank_clearance, "m", **limits)
-            checks.number("coupler inertia", self.inertias[1], "kg m^2", above=0)
+            checks.number("crank_clearance", self.crank_clearance, "m", **limits)
+            checks.number("coupler_inertia", self.inertias[1], "kg m^2", above=0)
         longest = self.coupler_length - self.clearance - (self.crank_clearance or 0.0)
-        checks.number("crank length", self.crank_length, "m", below=longest)
-        checks.number("slow speed", self.slow_speed, "m/s", least=0, below=self.full_speed)
+        checks.number("crank_length", self.crank_length, "m", below=longest)
+        checks.number("slow_speed", self.slow_speed, "m/s", below=self.full_speed)
         damping_factor(self.damping, self.restitution)
         for name in ("driving_moment", "initial_crank_speed"):
             if self.crank_speed is not None and getattr(self, name) != getattr(Scene, name):
-                raise ValueError(f"{name.replace('_', ' ')} must be left out with a crank speed")
-        pair = self.initial_eccentricity
-        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-            shown = checks.shown(pair)
-            raise ValueError(f"initial eccentricity must be two numbers, in m, got {shown}")
-        for axis, value in zip("xy", pair, strict=True):
-            checks.number(f"{axis} of initial eccentricity", value, "m", scalar=True)
+                raise ValueError(f"{name} must be left out with a crank_speed")
         inside = self.clearance - 4e-16 * self.socket_radius  # R2 - R1 is known no better
-        checks.number("initial eccentricity", hypot(*pair), "m", below=inside)
+        checks.number("initial_eccentricity", hypot(*self.initial_eccentricity), "m", below=inside)
 
     @property
     def ball_radius(self) -> float:
@@ -246,42 +299,25 @@ class Scene:
         """
         import pandas as pd
 
-        values = {parameter.name: getattr(self, parameter.name) for parameter in fields(self)}
+        values = dict(vars(self))
         values["crank_inertia"], values["coupler_inertia"] = self.inertias
         values["link_modulus"] = self.link_modulus or self.youngs_modulus
         values["initial_eccentricity"] = hypot(*self.initial_eccentricity)
         if self.crank_speed is not None:
             values["driving_moment"] = values["initial_crank_speed"] = None
         rows = []
-        for parameter, value in zip(fields(self), values.values(), strict=True):
-            if value is None:  # what the scene does not have
+        for name, about in parameters.described(Scene).items():
+            if (value := values[name]) is None:  # what the scene does not have
                 continue
-            if isinstance(value, Material):
-                value = f"{value.youngs_modulus:.9g}, {value.poisson:.9g}"
-            text = value if isinstance(value, str) else f"{value:.9g}"
-            unit, source = parameter.metadata["unit"], parameter.metadata["source"]
-            if parameter.name == "damping" and value != parameter.default:
+            text = f"{value:.9g}" if isinstance(value, float) else str(value)
+            unit, source = about.unit or "1", about.source
+            if name == "damping":
+                unit = ""
+            if name == "damping" and value != Scene.damping:
                 source = "given by the paper, Eq. 31" if value == PAPER_DAMPING else "chosen here"
             where = (source, "given by the paper") if "Table" in source else ("-", source)
-            rows.append((parameter.name.replace("_", " "), text, unit, *where))
+            rows.append((name.replace("_", " "), text, unit, *where))
         return pd.DataFrame(rows, columns=["parameter", "value", "unit", "table", "source"])
-
-    @classmethod
-    def read(cls, texts: Mapping[str, str], **others: Any) -> "Scene":
-        """Scene from texts, such as a command's options or the cells of a table.
-
-        ``others`` are values for parameters without a text.
-        """
-        kinds = {parameter.name: type(parameter.default) for parameter in fields(cls)}
-        values = dict(others)
-        for name, text in texts.items():
-            if kinds[name] is tuple:
-                values[name] = checks.read_several(name, text)
-            elif kinds[name] is str or name in ("ball", "socket"):
-                values[name] = text
-            else:
-                values[name] = checks.read(name, text)
-        return cls(**values)
 
     def replace(self, **changes: Any) -> "Scene":
         """Copy with some attributes changed."""

@@ -19,15 +19,13 @@ import numpy as np
 
 from study import checks
 from study.checks import StudyError
-from study.contact import SOCKET_RATIO, Material, tabulated
-from study.joint import DimensionalJoint, applicability, force_curve, material, whole_curve
+from study.contact import SOCKET_RATIO, tabulated
+from study.joint import DimensionalJoint, RatioJoint, applicability, force_curve, whole_curve
 from study.joint.dimensional import usual_depth
-from study.joint.parsing import joint as joint_of_texts
-from study.joint.parsing import liner
-from study.joint.supports import SUPPORTS
 from study.mechanism import Scene
 from study.mechanism.limits import limits
 from study.mechanism.simulate import BEAM_STEP, ELEMENTS, LAW, TOLERANCE, ready, simulate
+from study.parameters import Parameter, described
 
 Kind = Literal["joints", "scenes"]
 Case = dict[str, str]
@@ -182,6 +180,7 @@ def prepared(
     keys: list[str] = []
     complete: list[Case] = []
     rows: dict[str, int] = {}
+    read = FORMS[form].columns
     for row, case in enumerate(cases, 1):
         name = case.get(NAME, str(row))
         try:
@@ -195,7 +194,7 @@ def prepared(
             raise ValueError(f"row {row}: {error}") from None
         keys.append(key)
         missing = {column: used[column] for column in columns if used.get(column) is not None}
-        complete.append({column: _used_text(value) for column, value in missing.items()} | case)
+        complete.append({c: read[c].written(v) for c, v in missing.items()} | case)
         rows[name] = row
     return form, keys, complete
 
@@ -206,15 +205,6 @@ def _is_number(text):
     except ValueError:
         return False
     return True
-
-
-def _used_text(value):
-    """Text of a value that a case did not give."""
-    if isinstance(value, Material):
-        value = value.youngs_modulus, value.poisson
-    if isinstance(value, tuple):
-        return ",".join(map(_used_text, value))
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
 def solve(form: str, cases: list[Case]) -> list[Rows]:
@@ -256,7 +246,7 @@ def _prepare(form, case):
             instead = ", or r2_star" if form == "joints with dimensions" else ""
             raise ValueError(f"{name} must be given{instead}")
     values = {
-        name: _READ.get(name, checks.read)(name, text)
+        name: FORMS[form].columns[name].read(name, text)
         for name, text in case.items()
         if name != NAME
     }
@@ -267,17 +257,17 @@ def _joint(values):
     depths = values.pop("depth_star", None)
     if depths is not None:
         checks.number("depth_star", depths, least=0)
-    joint = joint_of_texts(**values)
-    used = vars(joint) | {"poisson": joint.ball.poisson, "socket_poisson": joint.socket.poisson}
-    used |= {"modulus_ratio": joint.modulus_ratio}
-    return _bodies(joint), partial(_solve_joint, joint, depths), used
+    given = RatioJoint(**values)
+    joint = given.joint()
+    used = {"socket_ratio": joint.socket_ratio, "modulus_ratio": joint.modulus_ratio}
+    used |= {"socket_poisson": joint.socket.poisson, "rim": joint.rim}
+    return _bodies(joint), partial(_solve_joint, joint, depths), vars(given) | used
 
 
 def _bodies(joint):
     """Key of the compliances of a joint's bodies, or of a joint with large displacements itself."""
-    supports = tuple(getattr(joint, name) for name in SUPPORTS)
-    compliances = supports, joint.socket_layers, joint.ball.poisson
-    return repr(joint if joint.kinematics == "finite" else compliances)
+    bodies = joint.ball_body, joint.socket_body
+    return repr(joint if joint.has_large_displacements else bodies)
 
 
 def _solve_joint(joint, depths):
@@ -297,8 +287,7 @@ def _dimensional_joint(values):
     if len(asked) > 1:
         raise ValueError("either depth or force must be given, not both")
     joint = DimensionalJoint(**values)
-    used = vars(joint) | {"liner": None}
-    return _bodies(joint.joint), partial(_solve_dimensional, joint, asked), used
+    return _bodies(joint.joint), partial(_solve_dimensional, joint, asked), vars(joint)
 
 
 def _solve_dimensional(joint, asked):
@@ -359,26 +348,6 @@ def _simulate(scene, run, twice):
     }
 
 
-def _word(_, text):
-    return text
-
-
-def _several(read):
-    return lambda name, text: tuple(read(name, part.strip()) for part in text.split(";"))
-
-
-def _material(name, text):
-    try:
-        return material(text)
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
-
-
-def _liner(name, text):
-    thickness, of = liner(text)
-    return thickness, _material(name, of)
-
-
 class Form(NamedTuple):
     """How cases of one form are read and solved.
 
@@ -388,7 +357,7 @@ class Form(NamedTuple):
     and keeps them together.
     """
 
-    columns: tuple[str, ...]
+    columns: Mapping[str, Parameter]
     needed: tuple[str, ...]
     prepare: Callable[
         [dict[str, Any]], tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, Any]]
@@ -396,28 +365,27 @@ class Form(NamedTuple):
 
 
 _SCENE = {field.name: field.default for field in fields(Scene)}
-_RATIOS = ("r2_star", "socket_ratio", "poisson", "modulus_ratio", "socket_poisson")
-_SIZES = ("socket_radius", "clearance", "wall")
+_DEPTHS = {"depth_star": Parameter("Penetration depths d/dR", several=";")}
+_ASKED = {
+    "depth": Parameter("Penetration depths", "m", several=";"),
+    "force": Parameter("Contact forces", "N", several=";"),
+}
 _LAW = ("model", "joint", "law", "method")
 _NUMBERS = ("duration", "tolerance", "step", "socket_ratio", "wall")
-_OF_SCENES = (*_LAW, *_NUMBERS, *_SCENE, "outputs", "elements", "liner")
-_READ: dict[str, Callable[[str, str], Any]] = {
-    **dict.fromkeys((*SUPPORTS, *_LAW, "damping"), _word),
-    "opening": checks.read,
-    **dict.fromkeys(("depth_star", "depth", "force"), _several(checks.read)),
-    **dict.fromkeys(("ball", "socket"), _material),
-    "layer": _several(_word),
-    "liner": _several(_liner),
-    "outputs": partial(checks.read, kind=int),
-    "elements": partial(checks.read_several, kind=int),
-    **{name: checks.read_several for name, x in _SCENE.items() if isinstance(x, tuple)},
-}
-"""Column -> function of its name and text that gives its value; other columns are one number."""
+_WORD, _NUMBER = Parameter("", kind=str), Parameter("")
+_OF_SCENES = (
+    dict.fromkeys(_LAW, _WORD)
+    | dict.fromkeys(_NUMBERS, _NUMBER)
+    | {name: described(Scene)[name] for name in _SCENE}
+    | {"outputs": Parameter("", whole=True)}
+    | {"elements": Parameter("", whole=True, several=",", count=2)}
+    | {"liner": described(DimensionalJoint)["liner"]}
+)
 FORMS = {
-    "joints": Form((*_RATIOS, *SUPPORTS, "layer", "depth_star"), ("r2_star",), _joint),
+    "joints": Form(described(RatioJoint) | _DEPTHS, ("r2_star",), _joint),
     "joints with dimensions": Form(
-        (*_SIZES, *SUPPORTS, "ball", "socket", "liner", "depth", "force"),
-        _SIZES,
+        described(DimensionalJoint) | _ASKED,
+        ("socket_radius", "clearance", "wall"),
         _dimensional_joint,
     ),
     "scenes": Form(_OF_SCENES, (), _scene),

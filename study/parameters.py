@@ -1,0 +1,197 @@
+"""Parameters that are described once: meaning, unit, range, default, and how a text is read.
+
+A field of a dataclass, or an annotated parameter of a function, carries a `Parameter`. From it come
+the check of a value, the options of the command line (`study.cli.options`), the columns of a
+parameter study (`study.sweep.cases`) and the parameter tables of docstrings.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from inspect import signature
+from textwrap import dedent, wrap
+from typing import Annotated, Any, TypeVar, get_args, get_origin
+
+from study import checks
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """Description of one value.
+
+    Attributes
+    ----------
+    meaning
+        What it is, as a phrase.
+    unit
+        Unit of a number; empty if it has none.
+    limits
+        Range of a number, as keywords of `study.checks.number`.
+    whole
+        Whether it is a whole number.
+    choices
+        Words that are allowed, for a word.
+    parse
+        Function of the parameter's name and a text that returns an object, for a value that is
+        neither a number nor a word.
+    kind
+        Class of that object, which may have no text.
+    several
+        Sign that separates such values in a text, if the value is a tuple of them: a semicolon, if
+        they are given one by one on the command line, or a comma.
+    count
+        How many there must be, if not any number.
+    otherwise
+        What the default is, where it depends on other parameters.
+    source
+        Where the default comes from.
+    """
+
+    meaning: str
+    unit: str = ""
+    limits: Mapping[str, float] = field(default_factory=dict)
+    whole: bool = False
+    choices: tuple[str, ...] = ()
+    parse: Callable[[str, str], Any] | None = None
+    kind: type = object
+    several: str = ""
+    count: int = 0
+    otherwise: str = ""
+    source: str = ""
+
+    @property
+    def typed(self) -> type:
+        """Type of a single value on the command line: a number, or text."""
+        if self.choices or self.kind is not object:
+            return str
+        return int if self.whole else float
+
+    @property
+    def range(self) -> str:
+        """Values that are allowed, in words; empty if there is no limit."""
+        if self.choices:
+            return ", ".join(self.choices)
+        signs = {"above": ">", "least": ">=", "below": "<", "most": "<="}
+        return " and ".join(f"{signs[name]} {limit:g}" for name, limit in self.limits.items())
+
+    def read(self, name: str, text: str) -> Any:
+        """Value that a text states, as it is given to the class or function of the parameter.
+
+        A ``ValueError`` if it is no number; objects and words are checked where they are taken.
+        """
+        if self.several:
+            return tuple(self._read(name, part.strip()) for part in self._parts(name, text))
+        return self._read(name, text)
+
+    def _parts(self, name, text):
+        parts = text.split(self.several)
+        if self.count and len(parts) != self.count:
+            wanted = f"{name} must be {self.count} values separated by {self.several!r}"
+            raise ValueError(f"{wanted}, got {text!r}")
+        return parts
+
+    def _read(self, name, text):
+        return text if self.typed is str else checks.read(name, text, self.typed)
+
+    def taken(self, name: str, value: Any) -> Any:
+        """Value as an object or number, checked; else a ``ValueError`` with what is allowed."""
+        if not self.several:
+            return self._taken(name, value)
+        values = self.read(name, value) if isinstance(value, str) else value
+        if not isinstance(values, tuple | list) or (self.count and len(values) != self.count):
+            wanted = f"a tuple of {self.count} values" if self.count else "a tuple"
+            raise ValueError(f"{name} must be {wanted}, got {checks.shown(value)}")
+        return tuple(self._taken(name, one) for one in values)
+
+    def written(self, value: Any) -> str:
+        """Text of a value, from which it can be read again: numbers have 9 digits."""
+        if isinstance(value, tuple):
+            return self.several.join(map(self.written, value))
+        return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+    def _taken(self, name, value):
+        if self.choices:
+            return checks.choice(name, value, self.choices)
+        if self.kind is not object:
+            parsed = isinstance(value, str) and self.parse is not None
+            return checks.instance(name, self.parse(name, value) if parsed else value, self.kind)
+        if self.whole:
+            return checks.whole(name, value, **self.limits)
+        if self.unit == "Pa" and not self.limits:
+            return checks.youngs_modulus(name, value)
+        return checks.number(name, value, self.unit, **self.limits, scalar=True)
+
+
+def parameter(
+    default: Any, meaning: str, unit: str = "", *, compare: bool = True, **described: Any
+) -> Any:
+    """Field of a dataclass with its `Parameter`; limits of a number are keywords.
+
+    Without a default (``...``) the value must be given.
+    """
+    limits = {name: described.pop(name) for name in _LIMITS if name in described}
+    given = {} if default is ... else {"default": default}
+    about = Parameter(meaning, unit, limits, **described)
+    return field(**given, compare=compare, metadata={"parameter": about})
+
+
+_LIMITS = ("above", "least", "below", "most")
+
+
+def described(owner: Any) -> dict[str, Parameter]:
+    """Parameters of a dataclass, or of a function whose annotations have them, by name."""
+    if is_dataclass(owner):
+        ordered = sorted(fields(owner), key=lambda of: of.kw_only)  # a class's own come first
+        every = {of.name: of.metadata.get("parameter") for of in ordered}
+    else:
+        every = {name: _annotated(p.annotation) for name, p in signature(owner).parameters.items()}
+    return {name: about for name, about in every.items() if about is not None}
+
+
+def defaults(owner: Any) -> dict[str, Any]:
+    """Default of each parameter that has one, by name."""
+    if is_dataclass(owner):
+        return {of.name: of.default for of in fields(owner) if of.default is not MISSING}
+    every = signature(owner).parameters.values()
+    return {p.name: p.default for p in every if p.default is not p.empty}
+
+
+def _annotated(annotation):
+    if get_origin(annotation) is not Annotated:
+        return None
+    return next((part for part in get_args(annotation) if isinstance(part, Parameter)), None)
+
+
+def take(record: Any) -> None:
+    """Check every described field of a frozen dataclass, and make objects of texts.
+
+    None stands for a default that depends on other parameters.
+    """
+    given = defaults(type(record))
+    for name, about in described(type(record)).items():
+        value = getattr(record, name)
+        if value is not None or given.get(name, ...) is not None:
+            object.__setattr__(record, name, about.taken(name, value))
+
+
+def default_of(owner: Any, name: str) -> str:
+    """Default of a parameter for a reader; empty if it must be given or may be left out."""
+    default = defaults(owner).get(name)
+    about = described(owner)[name]
+    return about.otherwise or ("" if default in (None, ()) else about.written(default))
+
+
+def documented(cls: type[T]) -> type[T]:
+    """Complete a dataclass's docstring with its parameters, as ``Attributes`` of numpydoc."""
+    lines = []
+    for name, about in described(cls).items():
+        default = default_of(cls, name)
+        unit, default = about.unit and f"in {about.unit}", default and f"default {default}"
+        notes = "; ".join(filter(None, (unit, about.range, default)))
+        text = f"{about.meaning} ({notes})." if notes else f"{about.meaning}."
+        lines += [name, *(f"    {line}" for line in wrap(text, 92))]
+    document, examples, shown = dedent(f"    {cls.__doc__}").strip().partition("\nExamples\n")
+    attributes = "\n".join(["", "Attributes", "----------", *lines])
+    cls.__doc__ = "\n".join([document, attributes, examples + shown])
+    return cls
