@@ -7,7 +7,7 @@ from study.joint import DimensionalJoint
 FORCE = 100.0  # N
 
 bare = DimensionalJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="steel")  # m
-lined = replace(bare, liner=((0.5e-3, "PTFE"),))
+lined = replace(bare, liner=("0.5e-3,PTFE",))
 stiffness = {}
 for name, joint in (("bare", bare), ("lined", lined)):
     found = joint.solve(force=FORCE)

@@ -179,7 +179,7 @@ def _candidates(joint, depths, force, uncertainty, largest):
 
 def _solutions(joint, depths, resolutions):
     """Curves that resolve the range of ``depths``, and their largest errors there."""
-    apart = joint.kinematics == "finite" or joint.r2_star < LEAST_R2_STAR
+    apart = joint.has_large_displacements or joint.r2_star < LEAST_R2_STAR
     places = np.linspace(*np.sqrt(depths[[0, -1]]), FINITE_DEPTHS) ** 2
     for resolution in resolutions:
         try:
@@ -261,6 +261,6 @@ def relative_costs() -> dict[str, float]:
 
 def _kind(joint):
     """Which of `RESOLUTIONS` a joint is solved with."""
-    if joint.kinematics == "finite":
+    if joint.has_large_displacements:
         return "finite"
     return "series" if joint.series_applies else "quadratic"

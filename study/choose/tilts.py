@@ -13,6 +13,7 @@ import numpy as np
 
 from study import checks
 from study.joint import Joint, force_curve, tilted_contact
+from study.joint.supports import Core, WholeOutside
 from study.joint.tilted import LARGEST_TILT
 
 OF_RULE = 0.002
@@ -53,7 +54,8 @@ def directions(joint: Joint, depth_star: float, tilt: float, tolerance: float) -
     depth = checks.number("depth_star", depth_star, above=0, scalar=True)
     most = checks.number("tilt", tilt, "deg", above=0, most=LARGEST_TILT, scalar=True)
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
-    if joint.ball_drive.startswith("core") and joint.backing == "whole":
+    all_round = isinstance(joint.ball_drive, Core) and isinstance(joint.backing, WholeOutside)
+    if all_round:
         edge = force_curve(joint, depth).contact_half_angle_deg[0] + most
         edge += _WALLS * np.degrees(joint.socket_ratio - 1)
         stiff = all(m.poisson <= _LARGEST_POISSON for m in joint.materials.values())

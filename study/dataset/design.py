@@ -174,4 +174,4 @@ def batches() -> Iterator[list[tuple[str, str, Joint, tuple[float, ...]]]]:
 
 
 def _kind(case):
-    return case[0], case[2].kinematics == "finite", case[2].series_applies
+    return case[0], case[2].has_large_displacements, case[2].series_applies

@@ -26,7 +26,7 @@ from study.contact.hertz_correction import (
 )
 from study.joint import Joint, Material
 from study.joint.nested_contact import depths_and_forces, whole_curve
-from study.joint.supports import HALF_BALLS, RIMS
+from study.joint.supports import PLATES, RIMS
 from study.threads import one_thread
 
 Parts = Sequence[NDArray[np.float64]] | NDArray[np.float64]
@@ -55,12 +55,12 @@ def logarithms(
     """
     places = grid(counts)
     places["share"] = np.clip(places["share"], 2e-9, 1 - 2e-9)  # nearly rigid
-    axes: list[Any] = [*(places[name] for name in _ORDER[1:]), HALF_BALLS[:2], RIMS]
+    axes: list[Any] = [*(places[name] for name in _ORDER[1:]), PLATES, RIMS]
     solved: list[Any] = []
     for ratio, share, poisson, r2_star, drive, rim in itertools.product(*axes):
         ball = Material((1 - poisson**2) / share, poisson)
         socket = Material((1 - socket_poisson**2) / (1 - share), socket_poisson)
-        joint = Joint(r2_star, ratio, ball, socket, drive, rim)
+        joint = Joint(r2_star, ratio, ball, socket, ball_drive=drive, rim=rim)
         resolution = FINER if joint.series_applies else RESOLUTION
         resolution = COARSER if counts["r2_star"] > 1 else resolution
         if of is None:

@@ -20,7 +20,6 @@ from study.export import elements, formulas
 from study.joint import DimensionalJoint, DirectionalLaw, Joint, directional_law, whole_curve
 from study.joint.dimensional import usual_depth
 from study.joint.law_options import law_options
-from study.joint.supports import SUPPORTS
 
 Exported = Literal[LawName, "tabulated"]
 Format = Literal["c", "matlab", "modelica", "json", "csv", "exudyn", "adams", "mujoco"]
@@ -336,6 +335,6 @@ def _parameters(joint):
         "socket_ratio": joint.socket_ratio,
         "poisson": [joint.ball.poisson, joint.socket.poisson],
         "modulus_ratio": joint.modulus_ratio,
-        **({"layers": joint.layers_text} if joint.layers else {}),
-        **{name: getattr(joint, name) for name in SUPPORTS},
+        **({"layers": joint.columns()["layers"]} if joint.layers else {}),
+        **{n: v if isinstance(v, float) else str(v) for n, v in joint.configuration.items()},
     }

@@ -152,6 +152,8 @@ class Sector(SocketSupport):
         return f"The socket's outside is held rigidly at polar angles of {angles}."
 
 
+PLATES = GuidedPlate(), ClampedPlate()
+"""Supports of half a ball that hold its equatorial plane all over."""
 BALL_SUPPORTS: tuple[type[BallSupport], ...] = (GuidedPlate, ClampedPlate, CentrePoint, Core, Neck)
 SOCKET_SUPPORTS: tuple[type[SocketSupport], ...] = (WholeOutside, RimFace, Sector)
 

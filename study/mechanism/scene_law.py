@@ -91,17 +91,15 @@ def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
     own, joint = materials(*scene.materials), law.joint
     if joint is not None:
         own = materials(joint.ball, joint.socket)
-        of_joint = ["r2_star", "socket_ratio", "ball_drive", "rim", "kinematics"]
-        of_joint += [] if joint.usual_supports else ["opening", "backing"]
-        used = {name: getattr(joint, name) for name in of_joint}
-        used |= own | {"layers": joint.layers_text or None}
+        used = {"r2_star": joint.r2_star, "socket_ratio": joint.socket_ratio}
+        used |= joint.configuration | own | {"layers": joint.columns()["layers"] or None}
     else:
         parameters = list(signature(law.parts).parameters.values())[1:]
         used = {p.name: (own | given).get(p.name, p.default) for p in parameters}
     words = []
     for name, value in used.items():
         if value is not None:
-            text = value if isinstance(value, str) else f"{value:.9g}"
+            text = f"{value:.9g}" if isinstance(value, float) else str(value)
             own_of_paper = name == "socket_ratio" and joint is None and name not in given
             usual = " (the paper's)" if own_of_paper else ""
             words.append(f"{name} {text}{usual}")

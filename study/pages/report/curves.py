@@ -13,7 +13,7 @@ PARAMETERS = {
     "support": "Ball's drive, socket's rim",
     "modulus_ratio": "Modulus ratio, socket/ball",
     "socket_ratio": "Socket ratio, outer/inner",
-    "layers": "Layers, outer ratio:modulus:Poisson's ratio",
+    "layers": "Layers: outer ratio, modulus, Poisson's ratio",
     "poisson": "Poisson's ratio",
     "r2_star": "Socket radius R2* = R2/ΔR",
 }
@@ -61,7 +61,7 @@ def _parameters(joint):
         "support": f"{joint.ball_drive}, {joint.rim}",
         "modulus_ratio": f"{joint.modulus_ratio:g}",
         "socket_ratio": f"{joint.socket_ratio:g}",
-        "layers": joint.layers_text or "none",
+        "layers": joint.columns()["layers"] or "none",
         "poisson": " / ".join(dict.fromkeys((f"{ball.poisson:g}", f"{socket.poisson:g}"))),
         "r2_star": f"{joint.r2_star:g}",
     }

@@ -7,7 +7,7 @@ from study.contact import hertz_correction, materials, shapes
 from study.contact.laws import LIMIT_MARGIN
 from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
 from study.joint.dimensional import LEAST_CLEARANCE
-from study.joint.supports import HALF_BALLS, RIMS
+from study.joint.supports import PLATES, RIMS
 from study.pages import catalogue
 
 COPIED = ("UNIT", "DIGITS", "LEAST_R2_STAR", "RANGES")
@@ -28,7 +28,7 @@ def joint_data() -> dict:
         "margin": LIMIT_MARGIN,
         "least_clearance": LEAST_CLEARANCE,
         "walls": [THINNEST_RATIO - 1, THICKEST_RATIO - 1],
-        "choices": {"ball_drive": HALF_BALLS[:2], "rim": RIMS},
+        "choices": {"ball_drive": [*map(str, PLATES)], "rim": RIMS},
         "softest": checks.SOFTEST,
         "least_stress": LEAST_STRESS,
         "materials": materials.table(),
