@@ -8,8 +8,8 @@ import typer
 
 from study import paths
 from study.cli import options as cli
-from study.cli.joint import OF_SIZED, RELATIVE, SIZED, needed, sized, typed
 from study.cli.output import named_fields, show, working
+from study.cli.solve_joint import OF_SIZED, RELATIVE, SIZED, needed, sized, typed
 from study.contact import LAWS, LawName
 from study.joint import RatioJoint
 

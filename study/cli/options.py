@@ -27,7 +27,7 @@ COMMANDS = {
     "list": ("build", "List every figure and table by notebook: what it shows."),
     "data": ("stored", "The cached force-depth curves."),
     "measure": ("stored", "Time laws, solvers and steppers on this machine."),
-    "joint": ("joint", "Solve one joint: force, depth, stiffness, pressure and stresses."),
+    "joint": ("solve_joint", "Solve one joint: force, depth, stiffness, pressure and stresses."),
     "law": ("laws", "Evaluate a contact law."),
     "choose": ("laws", "Choose the cheapest law that is accurate enough for a joint."),
     "export": ("laws", "Export a law, for one joint, to another program."),

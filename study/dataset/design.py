@@ -9,7 +9,7 @@ import numpy as np
 from study.contact.hertz_correction import RANGES
 from study.dataset.paper import PAPER_KINEMATICS, R2_STAR
 from study.joint import Joint, Kinematics, Layer, Material
-from study.joint.joint import PAPER_SUPPORTS
+from study.joint.definition import PAPER_SUPPORTS
 
 DEPTHS = tuple(np.round(np.arange(1, 41) * 0.025, 3).tolist())
 ROOT_DEPTHS = tuple(np.round(np.linspace(0.005**0.5, 1, 32) ** 2, 6).tolist())

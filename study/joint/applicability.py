@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from math import radians
 
 from study.joint.curve import ForceCurve
-from study.joint.joint import Joint
+from study.joint.definition import Joint
 from study.joint.supports import WholeOutside
 
 DEEPEST = 1.0

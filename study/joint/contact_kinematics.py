@@ -21,8 +21,8 @@ from study.threads import one_thread
 
 if TYPE_CHECKING:
     from study.joint.curve import ForceCurve
+    from study.joint.definition import Joint
     from study.joint.fem import MeshedBody
-    from study.joint.joint import Joint
 
 Problem = Callable[[float], tuple[NDArray[np.float64], NDArray[np.float64]]]
 """Depth_star -> matrix (n, n), and gap (3, n): factors of 1, D and D^2, D = 1 + depth_star.

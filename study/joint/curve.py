@@ -20,7 +20,7 @@ from study.contact import largest_depth
 from study.joint import contact_kinematics, series
 from study.joint.bodies import layer_steps
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION, Compliance, surface_angles
-from study.joint.joint import Joint
+from study.joint.definition import Joint
 from study.threads import one_thread
 
 Solver = Literal["series", "quadratic", "linear"]

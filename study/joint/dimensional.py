@@ -21,7 +21,7 @@ from study.joint import applicability
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import force_curve
-from study.joint.joint import Joint, Layer
+from study.joint.definition import Joint, Layer
 from study.joint.law_options import law_options
 from study.joint.nested_contact import whole_curve
 from study.joint.pressure import friction_radii

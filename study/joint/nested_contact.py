@@ -17,7 +17,7 @@ from study.joint import contact_kinematics, curve
 from study.joint.compliance import surface_angles
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import ForceCurve
-from study.joint.joint import Joint
+from study.joint.definition import Joint
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from study import checks, parameters
 from study.contact import Material
-from study.joint.joint import Joint, Layer
+from study.joint.definition import Joint, Layer
 from study.joint.supports import Configuration
 from study.parameters import parameter
 

@@ -18,7 +18,7 @@ from study.contact import largest_depth
 from study.joint import contact_kinematics, series
 from study.joint.compliance import graded
 from study.joint.curve import ForceCurve, force_curve
-from study.joint.joint import Joint
+from study.joint.definition import Joint
 from study.joint.nested_contact import whole_curve
 from study.joint.supports import WholeOutside
 from study.threads import one_thread

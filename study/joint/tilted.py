@@ -21,7 +21,7 @@ from study import checks
 from study.contact import largest_depth
 from study.joint import complementarity
 from study.joint.contact_kinematics import UnresolvedError
-from study.joint.joint import Joint
+from study.joint.definition import Joint
 from study.joint.supports import KINEMATICS, Neck
 from study.threads import one_thread
 

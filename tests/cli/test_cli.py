@@ -39,7 +39,7 @@ from study.joint import (
     force_curve,
     supports,
 )
-from study.joint.joint import KINEMATICS
+from study.joint.definition import KINEMATICS
 from study.measure import speed
 from study.mechanism import MechanismError, Scene, particles, simulate
 from study.mechanism.simulate import ELEMENTS, TOLERANCE, JointKind, Model

@@ -14,7 +14,7 @@ from study import dataset, paths
 from study.dataset import design, quality, record, store
 from study.joint import curve
 from study.joint.curve import SOLVERS
-from study.joint.joint import KINEMATICS
+from study.joint.definition import KINEMATICS
 from study.joint.supports import HALF_BALLS as DRIVES
 from study.joint.supports import RIMS
 

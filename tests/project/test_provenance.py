@@ -17,7 +17,7 @@ def test_imports_are_followed_to_the_modules_that_define_the_names():
     # joint asks the package contact for two names of bodies.py, not for the laws
     assert reached("joint/curve.py") == {
         *("checks.py", "contact/bodies.py", "contact/materials.py", "joint/complementarity.py"),
-        *("joint/compliance.py", "joint/curve.py", "joint/fem.py", "joint/joint.py"),
+        *("joint/compliance.py", "joint/curve.py", "joint/fem.py", "joint/definition.py"),
         *("joint/contact_kinematics.py", "joint/series.py", "joint/supports.py", "threads.py"),
     }
     assert "contact/laws.py" in reached("dataset/fitting.py")
@@ -32,7 +32,7 @@ def test_a_name_is_not_a_module_that_differs_in_case(monkeypatch):
     provenance._imported.cache_clear()
     found = reached("dataset/design.py")
     provenance._imported.cache_clear()
-    assert "joint/joint.py" in found
+    assert "joint/definition.py" in found
     assert "joint/Joint.py" not in found
 
 
