@@ -1,15 +1,16 @@
 """Parameters that are described once: meaning, unit, range, default, and how a text is read.
 
-A field of a dataclass, or an annotated parameter of a function, carries a `Parameter`. From it come
-the check of a value, the options of the command line (`study.cli.options`), the columns of a
-parameter study (`study.sweep.cases`) and the parameter tables of docstrings.
+A field of a dataclass, or a parameter of a function, has a `Parameter`. From it come the check of a
+value, the options of the command line (`study.cli.options`), the columns of a parameter study
+(`study.sweep.cases`) and the parameter tables of docstrings.
 """
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from inspect import signature
 from textwrap import dedent, wrap
-from typing import Annotated, Any, TypeVar, get_args, get_origin
+from typing import Any, TypeVar
 
 from study import checks
 
@@ -139,13 +140,22 @@ def parameter(
 _LIMITS = ("above", "least", "below", "most")
 
 
+def describe(**parameters: Parameter) -> Callable[[T], T]:
+    """Decorate a function with the descriptions of its parameters, which its docstring gets too."""
+
+    def decorate(function: T) -> T:
+        vars(function)["described"] = parameters
+        return documented(function)
+
+    return decorate
+
+
 def described(owner: Any) -> dict[str, Parameter]:
-    """Parameters of a dataclass, or of a function whose annotations have them, by name."""
-    if is_dataclass(owner):
-        ordered = sorted(fields(owner), key=lambda of: of.kw_only)  # a class's own come first
-        every = {of.name: of.metadata.get("parameter") for of in ordered}
-    else:
-        every = {name: _annotated(p.annotation) for name, p in signature(owner).parameters.items()}
+    """Parameters of a dataclass, or of a function that `describe` decorates, by name."""
+    if not is_dataclass(owner):
+        return owner.described
+    ordered = sorted(fields(owner), key=lambda of: of.kw_only)  # a class's own come first
+    every = {of.name: of.metadata.get("parameter") for of in ordered}
     return {name: about for name, about in every.items() if about is not None}
 
 
@@ -155,12 +165,6 @@ def defaults(owner: Any) -> dict[str, Any]:
         return {of.name: of.default for of in fields(owner) if of.default is not MISSING}
     every = signature(owner).parameters.values()
     return {p.name: p.default for p in every if p.default is not p.empty}
-
-
-def _annotated(annotation):
-    if get_origin(annotation) is not Annotated:
-        return None
-    return next((part for part in get_args(annotation) if isinstance(part, Parameter)), None)
 
 
 def take(record: Any) -> None:
@@ -182,16 +186,21 @@ def default_of(owner: Any, name: str) -> str:
     return about.otherwise or ("" if default in (None, ()) else about.written(default))
 
 
-def documented(cls: type[T]) -> type[T]:
-    """Complete a dataclass's docstring with its parameters, as ``Attributes`` of numpydoc."""
-    lines = []
-    for name, about in described(cls).items():
-        default = default_of(cls, name)
+_SECTION = re.compile(r"^(Returns|Raises|Examples)\n", re.MULTILINE)
+
+
+def documented(owner: T) -> T:
+    """Complete a docstring with the parameters of a dataclass or function, in numpydoc's form."""
+    lines = ["Attributes" if is_dataclass(owner) else "Parameters", "----------"]
+    for name, about in described(owner).items():
+        default = default_of(owner, name)
         unit, default = about.unit and f"in {about.unit}", default and f"default {default}"
         notes = "; ".join(filter(None, (unit, about.range, default)))
         text = f"{about.meaning} ({notes})." if notes else f"{about.meaning}."
         lines += [name, *(f"    {line}" for line in wrap(text, 92))]
-    document, examples, shown = dedent(f"    {cls.__doc__}").strip().partition("\nExamples\n")
-    attributes = "\n".join(["", "Attributes", "----------", *lines])
-    cls.__doc__ = "\n".join([document, attributes, examples + shown])
-    return cls
+    document = dedent(f"    {owner.__doc__}").strip()
+    found = _SECTION.search(document)
+    end = found.start() if found else len(document)
+    parts = document[:end].rstrip(), "\n".join(lines), document[end:]
+    owner.__doc__ = "\n\n".join(part for part in parts if part)
+    return owner

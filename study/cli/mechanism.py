@@ -3,15 +3,17 @@
 from functools import partial
 from inspect import signature
 from pathlib import Path
-from typing import Literal, get_type_hints
+from typing import Literal, get_args
 
-from study import checks
+from study import paths
 from study.checks import StudyError
+from study.choose.links import QUANTITIES
 from study.cli import options as cli
 from study.cli.output import named_fields, show, working
-from study.contact import LawName
-from study.joint import DimensionalJoint
+from study.contact import LAWS
+from study.joint import DimensionalJoint, RatioJoint
 from study.mechanism import Scene
+from study.mechanism.simulate import Model, simulate
 from study.parameters import described
 
 SHOWN = 20  # impacts in a printed table
@@ -31,48 +33,33 @@ SCENE = (
 )
 
 
-class SimulationOptions:
-    """A simulation, and the choice of its model."""
-
-    model: Literal["rigid", "particles", "beams", "auto"] = cli.option(
-        "Links; auto: the simplest that is accurate enough. [default: rigid]"
-    )
-    joint: Literal["clearance", "ideal"] = cli.option(
-        "Joint between coupler and slider; the scene has that of crank and coupler. "
-        "[default: clearance]"
-    )
-    law: Literal[LawName, "tabulated"] = cli.option(
-        "Contact law; tabulated, the usual one beside --wall or --liner: that of the scene's "
-        "joint, solved. [default: stiffened_hertz]"
-    )
-    duration: float = cli.option("Simulated time, in s. [default: 0.1]")
-    outputs: int = cli.option(
-        "Number of equal intervals between the times of output. [default: 1000]"
-    )
-    tolerance: float = cli.option(
-        "Rigid links with clearance: largest local error of places and speeds, relative to the "
-        "clearance, the depth of the impact and the speed that the drive gives. [default: 1e-8]"
-    )
-    step: float = cli.option("Flexible links: largest time step, in s.")
-    elements: str = cli.option(
-        "Flexible links: number of elements of crank and coupler, N,N. [default: 4,8]"
-    )
-    method: Literal["centred", "lagged", "unguarded"] = cli.option(
-        "Particles: velocity in the joint's damping and friction, centred (default) or half a step "
-        "old (lagged); unguarded is lagged without checks of stability."
-    )
-    quantity: Literal["slider_position", "slider_velocity", "slider_acceleration"] = cli.option(
-        "Part of the slider's motion that --tolerance is for. [default: slider_position]"
-    )
-    socket_ratio: float = cli.option(
-        "Outer over inner radius of the socket, for laws that depend on it. [default: 1.298]"
-    )
-
-
+_SETTINGS = ("joint", "duration", "outputs", "tolerance", "step", "elements", "method")
 OPTIONS = {
-    name: (kind, getattr(SimulationOptions, name))
-    for name, kind in get_type_hints(SimulationOptions).items()
-} | cli.options_of(DimensionalJoint, "wall", "liner")
+    "model": (
+        Literal[(*get_args(Model), "auto")],
+        cli.option(
+            "Model of the links: rigid, particles or beams; auto picks the simplest within "
+            "--tolerance. [default: rigid]"
+        ),
+    ),
+    "law": (
+        Literal[(*LAWS, "tabulated")],
+        cli.option(
+            "Contact law; tabulated, the default beside --wall or --liner, is the table of the "
+            "solved joint. [default: stiffened_hertz]"
+        ),
+    ),
+    **cli.options_of(simulate, *_SETTINGS),
+    **cli.options_of(DimensionalJoint, "wall", "liner"),
+    **cli.options_of(RatioJoint, "socket_ratio"),
+    "quantity": (
+        Literal[QUANTITIES],
+        cli.option(
+            "Part of the slider's motion that --tolerance is for. [default: slider_position]"
+        ),
+    ),
+}
+"""A simulation, and the choice of its model."""
 
 
 @cli.command("simulate")
@@ -90,7 +77,6 @@ def simulate_mechanism(
     --model auto takes the simplest model within --tolerance. This is then the largest error of the
     --quantity: its RMS over that of the change since t = 0.
     """
-    from study import mechanism
     from study.compiled import is_kept
     from study.contact import SOCKET_RATIO
     from study.mechanism.limits import limits
@@ -98,19 +84,19 @@ def simulate_mechanism(
     changed = _scene(scene)
     cli.check_output(output, ".csv")
     if "elements" in options:
-        options["elements"] = checks.read_several("--elements", options["elements"], kind=int)
+        options["elements"] = described(simulate)["elements"].read("elements", options["elements"])
     if options.keys() & {"wall", "liner"}:
         options.setdefault("law", "tabulated")
-    parameters = signature(mechanism.simulate).parameters
+    parameters = signature(simulate).parameters
     if options.get("model") == "auto":
         choice = _choice(changed, **options)
         run = choice.simulate
     else:
-        choice, run = None, partial(mechanism.simulate, changed, **options)
+        choice, run = None, partial(simulate, changed, **options)
         why = f"model {options.get('model', parameters['model'].default)} has none"
         cli.left_out(options, [*parameters, "socket_ratio", "wall", "liner"], why)  # of some laws
     total = options.get("duration", parameters["duration"].default)
-    is_compiled = is_kept(Path(mechanism.__file__).with_name("rigid.py"))
+    is_compiled = is_kept(paths.ROOT / "study/mechanism/rigid.py")
     with working("Simulating" if is_compiled else "Compiling the stepping loops, once") as tell:
         response = run(progress=lambda time: tell(f"simulated {time:.4g} of {total:g} s"))
     end = {head: float(getattr(response, name)[-1]) for head, name in END.items()}

@@ -21,6 +21,7 @@ from study.mechanism.free_impact import free_durations
 from study.mechanism.response import COLUMNS, EVENTS, JOINTS, Response
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import JOINT, LOST_BEFORE, add_stored_energy
+from study.parameters import Parameter, describe, described
 
 if TYPE_CHECKING:
     from study.joint import DimensionalJoint
@@ -38,6 +39,61 @@ MOST_TURNED = 1e6
 minutes for it. A crank that is far too short or light for its drive does nothing but turn."""
 
 
+@describe(
+    scene=Parameter("Mechanism parameters", otherwise="`Scene()`"),
+    model=Parameter(
+        "Model of the links: rigid links, links of particles (the paper's finite particle method),"
+        " or beams",
+        choices=get_args(Model),
+    ),
+    joint=Parameter(
+        "Joint between coupler and slider; the mechanism parameters have that of crank and coupler",
+        choices=get_args(JointKind),
+    ),
+    law=Parameter(
+        "Contact law: its name, or tabulated, the table of the solved joint. In Python also a law "
+        "itself such as ``tabulated(curve)``, a function of (``depth_star``, ``r2_star``) that "
+        "returns force_star (`study.contact.sampled`), or a law in SI units or a "
+        "`study.joint.DimensionalJoint` of the same sizes, and of the same materials unless these "
+        "are the default",
+        kind=str,
+    ),
+    duration=Parameter("Simulated time", "s", {"above": 0, "most": 1000000000.0}),
+    outputs=Parameter(
+        "Number of equal intervals between the times of output",
+        limits={"least": 1, "most": 10**6},
+        whole=True,
+    ),
+    tolerance=Parameter(
+        "Rigid links with clearance: largest local error of eccentricities and speeds, relative to"
+        " the clearance, the depth of the impact and the speed that the drive gives",
+        limits={"least": LEAST_TOLERANCE, "most": 0.01},
+        otherwise=f"{TOLERANCE:g}",
+    ),
+    step=Parameter(
+        "Flexible links: largest time step",
+        "s",
+        {"above": 0},
+        otherwise=f"{BEAM_STEP:g} for beams, half the limit of stability for particles",
+    ),
+    elements=Parameter(
+        "Flexible links: number of elements of crank and coupler, as N,N",
+        limits={"least": 1, "most": 500},
+        whole=True,
+        several=",",
+        count=2,
+        otherwise="4,8",
+    ),
+    method=Parameter(
+        "Particles: velocity in the joint's damping and friction, centred or half a step old "
+        "(lagged); unguarded is lagged without checks of stability",
+        choices=get_args(particles.Method),
+        otherwise="centred",
+    ),
+    progress=Parameter(
+        "Function that is called with the simulated time every tenth of a second or so"
+    ),
+)
 def simulate(
     scene: Scene | None = None,
     *,
@@ -55,39 +111,9 @@ def simulate(
 ) -> Response:
     """Simulate the crank-slider.
 
-    Parameters
-    ----------
-    scene
-        By default `Scene()`; the paper's is `study.mechanism.paper_scene()`.
-    joint
-        Joint between coupler and slider; the scene has that of crank and coupler.
-    law
-        Contact law. A key of ``study.contact.LAWS``, a law itself such as ``tabulated(curve)``, or
-        a function of (``depth_star``, ``r2_star``) that returns force_star
-        (`study.contact.sampled`). ``tabulated`` is the table of the scene's joint, solved. Or a
-        `study.contact.JointLaw` or `study.joint.DimensionalJoint` of the scene's sizes, and of its
-        materials unless these are the default.
-    duration
-        In s.
-    outputs
-        Number of equal intervals between the times of output.
-    tolerance
-        Rigid links with clearance: largest local error of places and speeds, relative to the
-        clearance, the depth of the impact and the speed that the drive gives; default 1e-8.
-    step
-        Flexible links: largest time step, in s. Default for particles: half their limit of
-        stability; for beams 1e-6 s.
-    elements
-        Flexible links: number of elements of crank and coupler; default (4, 8).
-    method
-        Particles: velocity in the joint's damping and friction, ``centred`` (default) or half a
-        step old (``lagged``); ``unguarded`` is ``lagged`` without checks of stability.
-    progress
-        Called with the simulated time, in s, every tenth of a second or so.
-    **law_options
-        Options of the law. Those of materials (``modulus_ratio``, ``poisson`` and
-        ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene. ``tabulated`` has
-        ``wall`` or ``socket_ratio``, and ``liner`` (`study.joint.DimensionalJoint`).
+    Further keywords are options of the law. Those of materials (``modulus_ratio``, ``poisson`` and
+    ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene. ``tabulated`` has ``wall``
+    or ``socket_ratio``, and ``liner`` (`study.joint.DimensionalJoint`).
 
     Returns
     -------
@@ -126,8 +152,10 @@ def _checked(
 ):
     """A simulation that is ready to run, as a function of ``progress``."""
     scene = Scene() if scene is None else checks.instance("scene", scene, Scene)
-    checks.choice("model", model, get_args(Model))
-    checks.choice("joint", joint, get_args(JointKind))
+    model, joint = _taken("model", model), _taken("joint", joint)
+    duration, outputs = _taken("duration", duration), _taken("outputs", outputs)
+    tolerance, step = _taken("tolerance", tolerance), _taken("step", step)
+    elements, method = _taken("elements", elements), _taken("method", method)
     flexible, gapless = model != "rigid", joint == "ideal"
     for name, value, used in (
         ("tolerance", tolerance, not flexible and not gapless),
@@ -138,33 +166,34 @@ def _checked(
         if value is not None and not used:
             raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
     _check_motion(scene, model, gapless, duration)
-    outputs = checks.whole("outputs", outputs, least=1, most=10**6)
     if gapless and isinstance(law, str) and law == LAW and not law_options:
         law = "hertz"  # nothing touches: the range of the default law does not matter
     plain, options, modulus, law_text = scene_law.in_scene(scene, law, law_options)
     gaps = tuple(gap for gap in (scene.clearance, scene.crank_clearance) if gap is not None)
     laws = tuple(_pack(plain, scene, gap, modulus, options) for gap in gaps)
     times = duration * np.arange(outputs + 1) / outputs
-    pair = particles.numbers_of_elements(ELEMENTS if elements is None else elements)
+    pair = ELEMENTS if elements is None else elements
     if step is not None:
-        checks.number("step", step, "s", least=duration / MOST_STEPS, scalar=True)
+        checks.number("step", step, "s", least=duration / MOST_STEPS)
     if model == "particles":
-        method = "centred" if method is None else method
-        checks.choice("method", method, get_args(particles.Method))
-        blocks = particles.blocks(scene, laws[0], times, gapless, step, pair, method)
+        blocks = particles.blocks(scene, laws[0], times, gapless, step, pair, method or "centred")
     elif model == "beams":
         blocks = beams.blocks(scene, laws[0], times, gapless, step or BEAM_STEP, pair)
     elif gapless:
         blocks = ideal.blocks(scene, times)
     else:
         tolerance = TOLERANCE if tolerance is None else tolerance
-        checks.number("tolerance", tolerance, least=LEAST_TOLERANCE, most=1e-2, scalar=True)
         blocks = events.blocks(scene, laws, times, tolerance)
     second = None
     if model == "rigid" and not gapless:
         same = {"law": law, "duration": duration, "outputs": outputs} | law_options
         second = partial(_second_run, scene, tolerance, gaps, same)
     return partial(_gather, blocks, scene, laws, "none" if gapless else law_text, second)
+
+
+def _taken(name, value):
+    """Argument of `simulate`, checked; None stays."""
+    return None if value is None else described(simulate)[name].taken(name, value)
 
 
 def _second_run(scene, tolerance, gaps, same):
@@ -175,10 +204,9 @@ def _second_run(scene, tolerance, gaps, same):
 
 def _check_motion(scene, model, gapless, duration):
     """Refuse a second joint that a model does not have, and a crank that does nothing but turn."""
-    checks.number("duration", duration, "s", above=0, most=1e9, scalar=True)
     if scene.crank_clearance is not None and (model != "rigid" or gapless):
         raise ValueError(
-            "crank clearance must be left out: a second clearance joint is for model rigid with "
+            "crank_clearance must be left out: a second clearance joint is for model rigid with "
             f"joint clearance, got model {model} and joint {'ideal' if gapless else 'clearance'}"
         )
     inertia = scene.inertias[0] + scene.crank_mass * scene.crank_length**2 / 4

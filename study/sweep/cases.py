@@ -9,7 +9,6 @@ its value in the function that solves this form.
 
 import csv
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import fields
 from functools import partial
 from inspect import signature
 from pathlib import Path
@@ -299,7 +298,7 @@ def _solve_dimensional(joint, asked):
 
 
 def _scene(values, twice=False):
-    of_scene = {name: values.pop(name) for name in _SCENE if name in values}
+    of_scene = {name: values.pop(name) for name in described(Scene) if name in values}
     key = repr((of_scene, values)) if values.get("model", "rigid") != "rigid" else ""
     scene = Scene(**of_scene)
     run = ready(scene, **values)
@@ -364,22 +363,17 @@ class Form(NamedTuple):
     ]
 
 
-_SCENE = {field.name: field.default for field in fields(Scene)}
 _DEPTHS = {"depth_star": Parameter("Penetration depths d/dR", several=";")}
 _ASKED = {
     "depth": Parameter("Penetration depths", "m", several=";"),
     "force": Parameter("Contact forces", "N", several=";"),
 }
-_LAW = ("model", "joint", "law", "method")
-_NUMBERS = ("duration", "tolerance", "step", "socket_ratio", "wall")
-_WORD, _NUMBER = Parameter("", kind=str), Parameter("")
+_SETTINGS = set(described(simulate)) - {"scene", "progress"}
 _OF_SCENES = (
-    dict.fromkeys(_LAW, _WORD)
-    | dict.fromkeys(_NUMBERS, _NUMBER)
-    | {name: described(Scene)[name] for name in _SCENE}
-    | {"outputs": Parameter("", whole=True)}
-    | {"elements": Parameter("", whole=True, several=",", count=2)}
-    | {"liner": described(DimensionalJoint)["liner"]}
+    described(Scene)
+    | {name: about for name, about in described(simulate).items() if name in _SETTINGS}
+    | {name: described(DimensionalJoint)[name] for name in ("wall", "liner")}
+    | {"socket_ratio": described(RatioJoint)["socket_ratio"]}
 )
 FORMS = {
     "joints": Form(described(RatioJoint) | _DEPTHS, ("r2_star",), _joint),
