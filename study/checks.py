@@ -5,8 +5,7 @@ guessed.
 """
 
 import math
-from collections.abc import Callable, Collection, Iterable
-from dataclasses import fields
+from collections.abc import Callable, Collection
 from typing import Any, TypeVar
 
 import numpy as np
@@ -137,15 +136,6 @@ def depth(name: str, value: ArrayLike, unit: str = "") -> Any:
     return depths
 
 
-def plain_numbers(record: Any) -> None:
-    """Make NumPy's numbers in the fields of a frozen dataclass Python's: these can be hashed."""
-    for field in fields(record):
-        value = getattr(record, field.name)
-        is_single = isinstance(value, np.generic | np.ndarray) and value.ndim == 0
-        if is_single and value.dtype.kind in "iuf" and not np.ma.is_masked(value):
-            object.__setattr__(record, field.name, float(value))
-
-
 def choice(name: str, value: Any, allowed: Collection[str]) -> Any:
     """Return ``value`` if it is one of the names ``allowed``, or raise `RangeError`."""
     if not isinstance(value, str) or value not in allowed:
@@ -174,16 +164,6 @@ def same_length(least: int = 1, **lists: ArrayLike) -> list[NDArray[np.float64]]
         wanted = f"{' and '.join(lists)} must be lists of the same length >= {least}"
         raise ValueError(f"{wanted}, got shapes {' and '.join(f'{a.shape}' for a in arrays)}")
     return arrays
-
-
-def frame(name: str, value: Any, columns: Iterable[str]) -> Any:
-    """Return a ``pandas.DataFrame`` that has some columns, or raise ``ValueError``."""
-    held = getattr(value, "columns", ())
-    missing = [column for column in columns if column not in held]
-    if missing or not hasattr(value, "itertuples") or value.empty:
-        wanted = f"a table with rows and the columns {', '.join(columns)}"
-        raise ValueError(f"{name} must be {wanted}, got {shown(value)}")
-    return value
 
 
 def read(name: str, text: str, kind: Callable[[str], Any] = float) -> Any:

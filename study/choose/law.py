@@ -101,7 +101,6 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     study.checks.StudyError
         If even the finest solution is not known to be within the tolerance; says its bound.
     """
-    checks.instance("joint", joint, Joint)
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1], scalar=True)
     widest = largest_depth(joint.r2_star)

@@ -148,7 +148,6 @@ def choose_model(
     study.mechanism.MechanismError
         If a simulation cannot go on.
     """
-    checks.instance("scene", scene, Scene)
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
     checks.choice("quantity", quantity, links.QUANTITIES)
     run, difference = partial(_run, scene, duration, outputs), partial(_difference, quantity)

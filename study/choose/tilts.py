@@ -50,7 +50,6 @@ def directions(joint: Joint, depth_star: float, tilt: float, tolerance: float) -
     ValueError
         For a value outside its range, and the errors of `study.joint.tilted_contact`.
     """
-    checks.instance("joint", joint, Joint)
     depth = checks.number("depth_star", depth_star, above=0, scalar=True)
     most = checks.number("tilt", tilt, "deg", above=0, most=LARGEST_TILT, scalar=True)
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)

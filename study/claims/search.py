@@ -9,7 +9,6 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from study import checks
 from study.claims import verdicts
 
 RUNS = {
@@ -52,9 +51,7 @@ def held(
     study.claims.verdicts.ClaimError
         If the runs lack the number of a claim.
     """
-    checks.instance("runs", runs, pd.DataFrame)
-    checks.flag("strictly", strictly)
-    claims = statements() if claims is None else checks.instance("claims", claims, pd.DataFrame)
+    claims = statements() if claims is None else claims
     columns = {}
     for claim in claims.itertuples():
         meant = list(MEASURES.get(claim.row, [claim.row]))
@@ -70,13 +67,11 @@ def held(
 
 def group(runs: pd.DataFrame) -> pd.Series:
     """The group of each run, of `RUNS`."""
-    checks.instance("runs", runs, pd.DataFrame)
     return runs.model.where(runs.kind != "schemes", "schemes")
 
 
 def never_together(holds: pd.DataFrame) -> list[tuple[str, str]]:
     """Pairs of statements that each hold in some run, but never in the same one."""
-    checks.instance("holds", holds, pd.DataFrame)
     some = holds.fillna(False).astype(bool)
     ever = [claim for claim in some if some[claim].any()]
     return [pair for pair in combinations(ever, 2) if not some[list(pair)].all(axis=1).any()]

@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize
 
 from study import checks, contact
-from study.contact.laws import AREA_COEFFICIENTS
 from study.dataset import fitting
 from study.dataset.fitting import R2_STAR
 
@@ -33,8 +32,6 @@ def printed(published: pd.DataFrame) -> Printed:
     The first element is as printed, the others are the 2^8 corners of what rounds to it.
     ``published`` is `study.dataset.published_table_2`.
     """
-    checks.frame("published", published, ("determination", "RMSE"))
-    _has_rows("published", published.index)
     corners = np.array([[0.0] * 8, *product((-HALF_DIGIT, HALF_DIGIT), repeat=8)]).T
     return {
         law: (1 - published.determination[law] + corners[k], published.RMSE[law] + corners[k + 4])
@@ -42,16 +39,9 @@ def printed(published: pd.DataFrame) -> Printed:
     }
 
 
-def _has_rows(name, rows):
-    if missing := set(ROWS) - set(rows):
-        raise ValueError(f"{name} must have the rows {', '.join(ROWS)}, got none for {missing}")
-
-
 def interval(values: ArrayLike) -> dict[str, float]:
     """The first value, which is that of the numbers as printed, with the least and the largest."""
-    numbers = checks.number("values", values)
-    if np.ndim(numbers) != 1 or not np.size(numbers):
-        raise ValueError(f"values must be a list of numbers, got {checks.shown(values)}")
+    numbers = np.asarray(values)
     return {"value": numbers[0], "low": numbers.min(), "high": numbers.max()}
 
 
@@ -85,17 +75,9 @@ def totals(
     opposite
         Whether one of the two laws is too small on average and the other one too large.
     """
-    _has_rows("table", table if isinstance(table, dict) else ())
-    checks.number("factor", factor, above=0, scalar=True)
-    (sample,) = checks.same_length(2, depths=depths)
-    if not isinstance(known, tuple | None) or (known is not None and len(known) != 2):
-        raise ValueError(f"known must be the forces of two laws, got {checks.shown(known)}")
-    sums = [
-        checks.same_length(depths=sample, known=f)[1].sum() for f in known or known_forces(sample)
-    ]
-    hertz, steuermann = sums
+    hertz, steuermann = (np.sum(force) for force in known or known_forces(depths))
     root = np.sqrt(table["hertz"][0] / table["steuermann"][0])
-    root = -root if checks.flag("opposite", opposite) else root
+    root = -root if opposite else root
     force = (hertz - root * steuermann) / (1 - root)
     return force, factor * (force - hertz) ** 2 / table["hertz"][0]
 
@@ -144,7 +126,6 @@ def forces(
     these four. What their sum of squares leaves belongs to the rest: if it is negative, no forces
     at all meet the table.
     """
-    checks.choice("law", law, tuple(AREA_COEFFICIENTS.values()))
     total, about_mean = totals(table, depths, factor)
     squares, hertz = about_mean + total**2 / np.size(depths), known_forces(depths)[0]
     products = [total, (squares + hertz @ hertz - len(hertz) * table["hertz"][1] ** 2) / 2]
@@ -171,8 +152,6 @@ def needed_rounding(table: Printed, law: str, depths: ArrayLike, factor: float =
     study.checks.StudyError
         If no such digits are found.
     """
-    checks.choice("law", law, tuple(AREA_COEFFICIENTS.values()))
-    totals(table, depths, factor)  # the arguments are right
     stated = np.array([[column[0] for column in table[name]] for name in ROWS]).T
     fitted = [fitting.shape(name, depths) for name in ("winkler", law)]
     laws = np.array([*known_forces(depths), *fitted])

@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from study import checks
 from study.contact import LAWS, LawName, shapes
 from study.contact.laws import AREA_COEFFICIENTS
 from study.contact.power_fit import USUAL_RANGE, fit_power
@@ -37,22 +36,18 @@ def coefficient(law: str, depth_star: ArrayLike, force_star: ArrayLike) -> float
     depth_star, force_star
         Shape (n,); at least one depth > 0.
     """
-    depth, force = checks.same_length(depth_star=depth_star, force_star=force_star)
-    f2 = shape(law, depth)
-    if not f2.any():
-        raise ValueError(f"depth_star must hold a depth > 0 to fit to, got {checks.shown(depth)}")
-    return float(f2 @ force / (f2 @ f2))
+    f2 = shape(law, depth_star)
+    return float(f2 @ np.asarray(force_star) / (f2 @ f2))
 
 
 def shape(law: str, depth_star: ArrayLike) -> NDArray[np.float64]:
     """Function f2 of a law: its force with the coefficient 1."""
-    name, options = FITTED_LAWS[checks.choice("law", law, FITTED_LAWS)]
+    name, options = FITTED_LAWS[law]
     return LAWS[name](depth_star, 2.0, coefficient=1.0, **options)
 
 
 def sampled(curve: pd.DataFrame) -> NDArray[np.float64]:
     """Forces of one case of the dataset at the depths of `SAMPLE`, 0 at depth 0; shape (21,)."""
-    checks.frame("curve", curve, ("depth_star", "force_star"))
     inside = curve[curve.depth_star <= LARGEST_DEPTH]
     if len(inside) != len(SAMPLE) - 1 or not np.allclose(inside.depth_star, SAMPLE[1:]):
         raise ValueError(f"curve must have the depths {SAMPLE[1]:g} to {SAMPLE[-1]:g} of SAMPLE")
@@ -69,8 +64,7 @@ def coefficients_by_case(law: str, curves: pd.DataFrame) -> pd.DataFrame:
     curves
         Rows of `study.dataset.load`.
     """
-    checks.frame("curves", curves, ("r2_star", "depth_star", "force_star"))
-    inside = checks.frame("curves", curves[curves.depth_star <= LARGEST_DEPTH], ())
+    inside = curves[curves.depth_star <= LARGEST_DEPTH]
     rows = [
         (r2_star, coefficient(law, case.depth_star, case.force_star))
         for r2_star, case in inside.groupby("r2_star")
@@ -80,10 +74,7 @@ def coefficients_by_case(law: str, curves: pd.DataFrame) -> pd.DataFrame:
 
 def surrogate(r2_star: ArrayLike, f1: ArrayLike) -> dict[str, float]:
     """``slope`` and ``intercept`` of the line f1 = slope R2* + intercept, by least squares."""
-    x, y = checks.same_length(2, r2_star=r2_star, f1=f1)
-    if not np.ptp(x) > 1e-9 * np.abs(x).max():
-        raise ValueError(f"r2_star must vary for a line, got only {x[0]:g}")
-    slope, intercept = np.polyfit(x, y, 1)
+    slope, intercept = np.polyfit(r2_star, f1, 1)
     return {"slope": _rounded(slope), "intercept": _rounded(intercept)}
 
 
@@ -118,13 +109,9 @@ def liu_coefficient(
     unit
         The law's force over c R2* at the same depths but 0, shape (20,).
     """
-    (force,) = checks.same_length(2, force_star=force_star)
-    checks.number("published_determination", published_determination, most=1, scalar=True)
-    (shape,) = checks.same_length(unit=unit)
-    if shape.sum() == 0:
-        raise ValueError("unit must not be 0 throughout, got only 0")
+    force = np.asarray(force_star)
     missing = np.sqrt((1 - published_determination) * np.sum((force - force.mean()) ** 2))
-    return float((force.sum() - missing) / (R2_STAR * shape.sum()))
+    return float((force.sum() - missing) / (R2_STAR * np.sum(unit)))
 
 
 def fit_laws(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict[str, float]]:
@@ -133,8 +120,6 @@ def fit_laws(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict[st
     ``curves`` are those of the dataset; ``published`` is ``data/published/tables.csv``, for Liu's
     law.
     """
-    columns = ("group", "kinematics", "r2_star", "depth_star", "force_star")
-    checks.frame("curves", curves, columns)
     curves = curves[(curves.group == "paper") & (curves.kinematics == PAPER_KINEMATICS)]
     stated = published.set_index(["where", "row", "quantity"]).value
     liu_determination = -stated["Table 2", "liu", "determination"]  # published without its sign

@@ -59,7 +59,7 @@ def load(**filters: object) -> pd.DataFrame:
     curves = frame = _read(CURVES, keep_default_na=False)  # no layers: an empty text
     for column, wanted in filters.items():
         checks.choice("column", column, tuple(curves.columns))
-        values = _values(column, wanted)
+        values = [wanted] if np.isscalar(wanted) else list(wanted)
         left = frame[frame[column].isin(values)]
         unknown = set(values) - set(curves[column])
         if unknown or left.empty:
@@ -70,17 +70,6 @@ def load(**filters: object) -> pd.DataFrame:
             raise ValueError(f"{column} must be one of {known}, got {got}")
         frame = left
     return frame.reset_index(drop=True)
-
-
-def _values(column, wanted):
-    """Values of a filter as a list."""
-    several = pd.api.types.is_list_like(wanted) and not isinstance(wanted, dict)
-    values = list(wanted) if several else [wanted]
-    for value in values:
-        if not isinstance(value, str | float | int | np.number):
-            got = checks.shown(value)
-            raise ValueError(f"{column} must be a value or a list of values, got {got}")
-    return values
 
 
 def paper_curves(

@@ -109,7 +109,6 @@ def directional_law(
         For a joint that `study.joint.tilted_contact` refuses, a value outside its range, or a tilt
         that leaves no contact.
     """
-    checks.instance("joint", joint, Joint)
     last = checks.number("depth_star", depth_star, least=LEAST_DEEPEST, scalar=True)
     checks.number("depth_star", last, below=largest_depth(joint.r2_star))
     most = checks.number("tilt", tilt, "deg", above=0, most=LARGEST_TILT, scalar=True)

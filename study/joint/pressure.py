@@ -6,7 +6,6 @@ The pressure is that of the frictionless joint, loaded along its axis: friction 
 import numpy as np
 from numpy.typing import NDArray
 
-from study import checks
 from study.joint.compliance import HatFunctions
 from study.joint.curve import ForceCurve
 
@@ -19,12 +18,11 @@ def friction_radii(curve: ForceCurve) -> dict[str, NDArray[np.float64]]:
     where w is the unit vector of the axis through this centre. The torque along w is mu times the
     integral of p R abs(w x n) dA. R is the radius of the surface on whose areas the force acts: the
     ball's, or for kinematics ``small`` the socket's. Hertz's pressure on a small radius a gives
-    3 pi a/16 (``spin``) and R (``tilt``). A depth of 0 is a ``ValueError``.
+    3 pi a/16 (``spin``) and R (``tilt``). Depths are > 0.
     """
     from scipy.special import ellipe  # late: for this alone
 
-    joint = checks.instance("curve", curve, ForceCurve).joint
-    checks.number("depth_star of curve", curve.depth_star, above=0)
+    joint = curve.joint
     hats = HatFunctions(curve.angles)
     radius = 1.0 if joint.kinematics == "small" else joint.ball_radius
     spin = hats.integrate(np.sin)  # of abs(w x n), or of its mean over the azimuth

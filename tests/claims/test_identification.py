@@ -30,7 +30,7 @@ def made():
 
 def agreement(sample, force, scale=1.0):
     laws = identification.table_2(sample, scale * force)
-    return pd.DataFrame({law: stats.agreement(scale * force, f) for law, f in laws.items()}).T
+    return pd.DataFrame({law: stats.goodness_of_fit(scale * force, f) for law, f in laws.items()}).T
 
 
 def test_the_set_up_that_made_a_table_is_found(made):
@@ -71,7 +71,7 @@ def test_deviations_from_sums_are_those_of_the_measures():
         )
         laws = identification.table_2(sample, scale * force, area)
         for law, shift in zip(identification.ROWS, (0, 0, *shifts), strict=True):
-            measured = stats.agreement(scale * force, (1 + shift) * laws[law])
+            measured = stats.goodness_of_fit(scale * force, (1 + shift) * laws[law])
             stated = published.loc[law]
             missing = 19 / 18 * (1 - measured["determination"]) / (1 - stated.determination)
             assert found[f"1 - determination {law}"] == pytest.approx(np.log(missing))

@@ -50,24 +50,11 @@ def test_published_r2_is_that_of_the_mean_error_and_one_sign_makes_it_worse(trut
 def test_measures_scale_with_the_data(truth, factor):
     truth = np.array(truth)
     prediction = truth * 1.1
-    scaled = stats.agreement(truth * factor, prediction * factor)
-    plain = stats.agreement(truth, prediction)
+    scaled = stats.goodness_of_fit(truth * factor, prediction * factor)
+    plain = stats.goodness_of_fit(truth, prediction)
     assert scaled["determination"] == pytest.approx(plain["determination"], rel=1e-6, abs=1e-9)
     assert scaled["RMSE"] == pytest.approx(factor * plain["RMSE"])
     assert scaled["relative_RMSE"] == pytest.approx(plain["relative_RMSE"])
-    assert stats.agreement(truth, truth)["determination"] == 1
+    assert stats.goodness_of_fit(truth, truth)["determination"] == 1
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: stats.rmse([1, 2], [1, 2, 3]), "lists of the same length"),
-        (lambda: stats.rmse([1, np.nan], [1, 2]), "must be finite"),
-        (lambda: stats.determination([2, 2], [1, 2]), "truth must vary, got only 2"),
-        (lambda: stats.adjusted(0.9, 2), "predictors must be >= 0 and <= 0"),
-        (lambda: stats.adjusted(float("nan")), "determination must be finite, got nan"),
-    ],
-)
-def test_bad_input_is_one_clear_error(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()

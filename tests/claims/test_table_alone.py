@@ -18,7 +18,7 @@ def made(depths, force, digits, measure="determination"):
     laws = {"hertz": hertz, "steuermann": steuermann}
     for law in ("winkler", DISC):
         laws[law] = fitting.coefficient(law, depths, force) * fitting.shape(law, depths)
-    rows = {law: stats.agreement(force, values) for law, values in laws.items()}
+    rows = {law: stats.goodness_of_fit(force, values) for law, values in laws.items()}
     table = pd.DataFrame(rows).T.round(digits)
     return table.assign(determination=table[measure])
 

@@ -54,7 +54,7 @@ def test_surrogate_agrees_as_table_1_says():
 def test_fig_14_follows():
     stated = dataset.published("Fig. 14")["proposed"]
     found = {
-        r2_star: stats.agreement(
+        r2_star: stats.goodness_of_fit(
             fitting.sampled(case), contact.hyperbolic_winkler(fitting.SAMPLE, r2_star)
         )
         for r2_star, case in dataset.paper_curves().groupby("r2_star")

@@ -108,6 +108,3 @@ def test_wear_is_that_of_archard():
     assert (volume > 2e-15 * 500 * found.force).all()  # k N s, of a flat contact
 
 
-def test_no_friction_radius_without_contact():
-    with pytest.raises(ValueError, match="depth_star of curve must be > 0, got 0"):
-        friction_radii(force_curve(Joint(200), [0.0, 0.1]))
