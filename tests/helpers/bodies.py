@@ -3,6 +3,7 @@
 import numpy as np
 
 from study.joint import series
+from study.joint.bodies import Socket
 
 
 def reaction(body):
@@ -13,6 +14,6 @@ def reaction(body):
     return np.abs(unbalanced[axial].sum(axis=0))
 
 
-def of_socket(orders, *arguments):
+def of_socket(orders, *constants):
     """Outward displacement of a socket's inner surface under the pressures P_n(cos theta)."""
-    return series.socket(orders, *arguments)[0].state(1.0)[0]
+    return series.socket(orders, Socket(*constants))[0].state(1.0)[0]

@@ -42,7 +42,7 @@ def test_friction_that_may_bear_a_part_of_the_force(run):
 def test_a_wall_thinner_than_the_contact_is_told():
     assert "backing" in limits(Joint(200, 1.3), 0.1, 20.0)
     assert limits(Joint(200, 1.4), 0.1, 20.0) == {}
-    assert limits(Joint(200, 1.3, backing="0,30"), 0.1, 20.0) == {}
+    assert limits(Joint(200, 1.3, backing="sector:0,30"), 0.1, 20.0) == {}
 
 
 def test_the_deepest_contact_speaks_but_of_roughness_the_shallowest():

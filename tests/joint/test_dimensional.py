@@ -11,12 +11,11 @@ from hypothesis import strategies as st
 from study import contact
 from study.contact import LAWS
 from study.joint import DimensionalJoint, Joint, Layer, Material, first_yield, force_curve, stress
+from study.joint.dimensional import Liner
 
 BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
 CUP = DimensionalJoint(16e-3, 0.1e-3, 8e-3, Material(230e9, 0.3), Material(0.8e9, 0.46))
-LINED = DimensionalJoint(
-    20e-3, 0.1e-3, 8e-3, "steel", "steel", ((0.5e-3, "PTFE"), (1e-3, "bronze"))
-)
+LINED = DimensionalJoint(20e-3, 0.1e-3, 8e-3, "steel", "steel", ("0.5e-3,PTFE", "1e-3,bronze"))
 JOINTS = pytest.mark.parametrize("joint", [BRONZE, CUP, LINED], ids=["bronze", "cup", "lined"])
 
 
@@ -50,8 +49,8 @@ def test_the_joint_without_its_dimensions():
     supported = DimensionalJoint(
         0.01, 1e-4, 3e-3, ball_drive="clamped", rim="free", kinematics="small"
     )
-    wanted = Joint(100, 1.3, Material(2.03e11, 0.3), steel, "clamped", "free", "small")
-    assert supported.joint == wanted
+    how = {"ball_drive": "clamped", "rim": "free", "kinematics": "small"}
+    assert supported.joint == Joint(100, 1.3, Material(2.03e11, 0.3), steel, **how)
 
 
 @JOINTS
@@ -104,11 +103,11 @@ def test_limit_is_hertz():
 
 
 @pytest.mark.parametrize("ratio", [1.03, 1.3, 4.0])
-@pytest.mark.parametrize("liner", [(), (0.3, "POM")])
-def test_error_estimate_covers_the_error(ratio, liner):
+@pytest.mark.parametrize("lined", [False, True])
+def test_error_estimate_covers_the_error(ratio, lined):
     wall = 0.02 * (ratio - 1)
-    liners = ((wall * liner[0], liner[1]),) if liner else ()
-    joint = DimensionalJoint(0.02, 1e-4, wall, "CoCr", "brass", liners)
+    liner = (Liner(0.3 * wall, "POM"),) if lined else ()
+    joint = DimensionalJoint(0.02, 1e-4, wall, "CoCr", "brass", liner)
     depth_star = np.array([5e-4, 0.003, 0.02, 0.2, 0.9])
     found = joint.solve(depth=1e-4 * depth_star)
     finest = force_curve(joint.joint, depth_star, 960).force_star
@@ -156,7 +155,7 @@ def test_a_contact_too_small_to_resolve():
 
 
 def test_other_supports():
-    clamped = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze", (), "clamped", "free")
+    clamped = replace(BRONZE, ball_drive="clamped", rim="free")
     found, free = clamped.solve(force=3e3), BRONZE.solve(force=3e3)
     assert 0.8 * free.depth[0] < found.depth[0] < 0.999 * free.depth[0]
 
@@ -167,18 +166,13 @@ GOOD = {"socket_radius": 0.01, "clearance": 1e-4, "wall": 3e-3}
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"socket_radius": 0}, "socket_radius must be > 0 m, got 0 m"),
         ({"clearance": 0.01}, "clearance must be >= 1e-11 and < 0.01 m, got 0.01 m"),
         ({"clearance": -1e-6}, "clearance must be > 0 m, got -1e-06 m: without clearance the ball"),
         ({"wall": 0}, "wall must be >= 1e-06 and <= 9999.99 m, got 0 m"),
         ({"wall": np.nan}, "wall must be finite"),
-        ({"ball": "stele"}, "material must be one of steel, bearing steel, "),
         ({"socket": Material(110, 0.3)}, "got 110 Pa: did you mean 110e9?"),
-        ({"liner": ("PTFE",)}, "liner must be pairs of a thickness in m and a material"),
-        ({"liner": ((-1, "PTFE"),)}, "thickness of liner must be > 0 m, got -1 m"),
-        ({"liner": ((3e-3, "PTFE"),)}, "wall around the liner must be > 0.003 m, got 0.003 m"),
-        ({"ball_drive": "glued"}, "ball_drive must be one of plane, clamped, point"),
-        ({"kinematics": "big"}, "kinematics must be one of small, linear, finite"),
+        ({"liner": ("PTFE",)}, "liner must be a thickness in m and a material, such as"),
+        ({"liner": ("3e-3,PTFE",)}, "wall around the liner must be > 0.003 m, got 0.003 m"),
     ],
 )
 def test_wrong_joints(changes, message):

@@ -12,7 +12,7 @@ import pytest
 from helpers.programs import COMPILER, OCTAVE, needs_compiler, needs_octave
 from scipy.interpolate import RegularGridInterpolator
 
-from study import choose, cli, contact
+from study import choose, contact
 from study import export as exporting
 from study.choose import tilts
 from study.joint import Joint, Layer, Material, directional_law, tilted_contact, whole_curve
@@ -200,22 +200,17 @@ def test_a_ball_that_is_free_across_the_axis_is_refused(drive):
             call()
 
 
-def test_the_command_says_it_in_words_and_in_json(monkeypatch, capsys):
+def test_the_command_says_it_in_words_and_in_json(run):
     words = ["choose", "--r2-star", "200", "--depth-star", "0.4", "--tolerance", "0.05"]
-    words += ["--drive", "neck:30", "--opening", "110", "--tilt", "20"]
-    outputs = []
-    for more in ([], ["--json"]):
-        monkeypatch.setattr("sys.argv", ["study", *words, *more])
-        with pytest.raises(SystemExit) as stop:
-            cli.main()
-        assert not stop.value.code
-        outputs.append(capsys.readouterr().out)
-    said = json.loads(outputs[1])
+    words += ["--ball-drive", "neck:30", "--opening", "110", "--tilt", "20"]
+    (status, text, _), (_, out, _) = run(*words), run(*words, "--json")
+    assert status == 0
+    said = json.loads(out)
     assert said["one_law_for_all_directions"] is False
     assert 0.15 < said["direction_error"] < 0.25
     assert said["known_by"] == "measured"
-    assert "No one law is known to serve all directions up to 20 deg" in outputs[0]
-    assert "\nstudy export --law tabulated --tilt 20 --format c --r2-star 200" in outputs[0]
+    assert "No one law is known to serve all directions up to 20 deg" in text
+    assert "\nstudy export --law tabulated --tilt 20 --format c --rim free --r2-star 200" in text
 
 
 @pytest.mark.parametrize(
@@ -224,7 +219,7 @@ def test_the_command_says_it_in_words_and_in_json(monkeypatch, capsys):
         ({"ball_drive": "core:0.2"}, "ball_drive core:0.2"),
         ({"ball_drive": "neck:30"}, "ball_drive neck:30"),
         ({"ball_drive": "clamped", "opening": 70.0}, "an opening of 70 deg"),
-        ({"backing": "60,90"}, "backing 60,90"),
+        ({"backing": "sector:60,90"}, "backing sector:60,90"),
         ({"backing": "rim"}, "backing rim"),
     ],
 )

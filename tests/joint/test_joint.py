@@ -21,6 +21,7 @@ from study.joint import (
     paper_joint,
     series,
 )
+from study.joint.bodies import Ball, Socket
 from study.joint.complementarity import ComplementarityError
 from study.joint.compliance import HatFunctions
 from study.joint.supports import RIMS
@@ -89,7 +90,7 @@ def test_reaction_of_the_supports_balances_the_force(kinematics, solver):
     curve = force_curve(joint, [0.05, 0.3, 1.0], 160, solver)
     area = 1.0 if kinematics == "small" else joint.ball_radius**2  # whose area the force acts on
     nodes = 3 if solver == "linear" else 6
-    bodies = fem.ball(0.3, "plane", 160, nodes), fem.socket(1.2, 0.3, "mirror", 160, nodes)
+    bodies = (fem.meshed(body, 160, nodes) for body in (Ball(), Socket(1.2)))
     for body in bodies:
         force = joint.r2_star * area * curve.pressure @ reaction(body)
         exact = 1e-8 if solver != "linear" else 2e-3  # facets are not quite the sphere
@@ -140,14 +141,14 @@ def test_large_displacements_of_unequal_bodies(stiffer):
 
 def test_large_displacements_do_not_depend_on_the_path():
     joint = Joint(10, 1.3, kinematics="finite")
-    bodies = fem.ball(0.3, "plane", 64), fem.socket(1.3, 0.3, "mirror", 64)
+    bodies = fem.meshed(Ball(), 64), fem.meshed(Socket(1.3), 64)
     _, steps = contact_kinematics.solve_finite(joint, np.linspace(0, 0.8, 9), *bodies)
     _, jump = contact_kinematics.solve_finite(joint, np.array([0.8, 0.4]), *bodies)
     assert jump == pytest.approx(steps[[8, 4]], rel=1e-6)
 
 
 def test_large_uniform_stretch_has_the_stress_of_its_material():
-    body = fem.ball(0.3, "plane", 32)
+    body = fem.meshed(Ball(), 32)
     stretch = 0.1
     place = np.zeros(body.size)  # the position vector, as a displacement
     for component, values in zip(("u^1", "u^2"), body._basis.doflocs, strict=True):
@@ -198,8 +199,8 @@ def test_gap_and_pressure_are_complementary():
     curve = force_curve(joint, [0.1, 0.5])
     of_ball, of_socket = joint.modulus_shares
     flexibility = (
-        of_ball * joint.ball_radius * series.ball_compliance().flexibility
-        + of_socket * series.socket_compliance(joint.socket_ratio).flexibility
+        of_ball * joint.ball_radius * series.compliance(Ball()).flexibility
+        + of_socket * series.compliance(Socket(joint.socket_ratio)).flexibility
     )
 
     for depth, pressure in zip(curve.depth_star, curve.pressure, strict=True):
@@ -255,7 +256,7 @@ def test_error_estimate_covers_the_error_at_large_displacements():
 )
 def test_contact_grown_from_the_pole_is_that_found_by_pivoting(kinematics, socket, ratio):
     joint = Joint(30, ratio, socket=socket, kinematics=kinematics)
-    bodies = series.ball_compliance(0.3, 64), series.socket_compliance(ratio, socket.poisson, 64)
+    bodies = (series.compliance(body, 64) for body in (joint.ball_body, joint.socket_body))
     problem, axial = getattr(contact_kinematics, kinematics)(joint, *bodies)
     depths = np.array([0.02, 0.5, 0.0, 0.2])
     pressure, force = contact_kinematics.solve(joint, depths, problem, axial, (1.0, 0.9))
@@ -293,7 +294,8 @@ def test_contact_in_two_parts_is_found_by_pivoting():
 )
 def test_any_joint_stiffens_with_depth(r2_star, ratio, poisson, stiffer, drive, rim, kinematics):
     socket = Material(2e11 * stiffer, poisson)
-    joint = Joint(r2_star, ratio, Material(), socket, drive, rim, kinematics)
+    how = {"ball_drive": drive, "rim": rim, "kinematics": kinematics}
+    joint = Joint(r2_star, ratio, socket=socket, **how)
     curve = force_curve(joint, [0.6, 0.0, 0.2, 0.4], 32)
     order = np.argsort(curve.depth_star)
     force = curve.force_star[order]
@@ -307,13 +309,9 @@ def test_any_joint_stiffens_with_depth(r2_star, ratio, poisson, stiffer, drive, 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: Joint(1.0), "r2_star must be > 1, got 1"),
-        (lambda: Joint(200, socket_ratio=0.9), "socket_ratio must be >= 1.0001 and <= 1e"),
-        (lambda: Joint(200, ball_drive="edge"), "ball_drive must be one of plane, clamped"),
-        (lambda: Joint(200, kinematics="large"), "kinematics must be one of small, linear"),
         (
             lambda: force_curve(Joint(200, 1.01), 0.1, solver="quadratic"),
-            "socket_ratio must be >= 1.02 and <= 1e.*, got 1.01",
+            "outer over inner radius of a layer must be >= 1.02, got 1.01",
         ),
         (
             lambda: force_curve(Joint(200, rim="free"), 0.1, solver="series"),
@@ -324,8 +322,6 @@ def test_any_joint_stiffens_with_depth(r2_star, ratio, poisson, stiffer, drive, 
             "solver must be quadratic for kinematics finite",
         ),
         (lambda: force_curve(Joint(200), 0.1, solver="bem"), "solver must be one of series"),
-        (lambda: Material(-1.0), "Young's modulus must be > 0 Pa, got -1 Pa"),
-        (lambda: Material(poisson=float("nan")), "Poisson's ratio must be finite and > -1"),
         (lambda: force_curve(Joint(200), -0.1), "depth_star must be >= 0, got -0.1"),
         (lambda: force_curve(Joint(200), []), "depth_star must be a list of depths"),
         (lambda: force_curve(Joint(200), 0.1, 48), "resolution must be a multiple of 32, got 48"),
@@ -339,13 +335,9 @@ def test_any_joint_stiffens_with_depth(r2_star, ratio, poisson, stiffer, drive, 
             lambda: force_curve(Joint(1e9, kinematics="finite"), 0.1),
             r"r2_star must be <= 1e\+08, got 1e\+09",
         ),
-        (lambda: Material([2e11, 1e11]), "Young's modulus must be one number"),
-        (lambda: Material(poisson=[0.3, 0.2]), "Poisson's ratio must be one number"),
         (lambda: force_curve(Joint(200), 1e-9, 32), "depth_star must be 0 or so large that"),
         (lambda: force_curve(Joint(200), 20, 32), "depth_star must be < 18.97"),
         (lambda: force_curve(Joint(200, kinematics="linear"), 9, 32), "off the socket's rim"),
-        (lambda: Joint("20"), "r2_star must be one number, got '20'"),
-        (lambda: Joint(200, socket="steel"), "socket must be a Material, got 'steel'"),
     ],
 )
 def test_bad_input_is_one_clear_error(call, message):

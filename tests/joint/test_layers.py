@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from other_programs import calculix
 
-from study.joint import Joint, Layer, Material, fem, force_curve, series
+from study.joint import Joint, Layer, Material, force_curve, series
+from study.joint.bodies import Socket
 
 EVEN = np.arange(0, 10_001, 2)
 STEEL, PTFE = Material(2e11, 0.3), Material(5e8, 0.46)
@@ -56,10 +57,10 @@ def test_two_layers_under_uniform_pressure_widen_as_lame():
 
 
 def test_amplitudes_meet_every_condition():
-    ratios, poissons, moduli = (1.05, 1.3, 2.0), (0.2, 0.45, 0.3), (1.0, 7.0, 0.2)
+    body = Socket((1.05, 1.3, 2.0), (0.2, 0.45, 0.3), (1.0, 7.0, 0.2))
     orders = np.array([0, 2, 10, 200])
     sides = []
-    for solid in series.socket(orders, ratios, poissons, moduli):
+    for solid in series.socket(orders, body):
         for radius in (solid.inner, solid.outer):
             units = [solid.inner, solid.inner, solid.twice_shear, solid.twice_shear]
             sides.append(solid.state(radius) * np.array(units)[:, None])
@@ -161,11 +162,10 @@ def test_what_follows_from_the_layers():
     joint = Joint(80, layers=HOUSED)
     assert (joint.socket_ratio, joint.socket) == (1.5, PTFE)
     assert joint.modulus_ratio == 0.0025
-    assert joint.layers_text == "1.125:0.0025:0.46;1.5:1:0.3"
-    assert joint.socket_layers == ((1.125, 1.5), (0.46, 0.3), (1.0, 400.0))
+    assert joint.columns()["layers"] == "1.125,0.0025,0.46;1.5,1,0.3"
+    assert joint.socket_body.constants == ((1.125, 1.5), (0.46, 0.3), (1.0, 400.0))
     assert replace(joint, r2_star=90) == Joint(90, layers=HOUSED)
-    assert Joint(80).layers_text == ""
-    assert force_curve(joint, 0.3).columns()["layers"] == joint.layers_text
+    assert Joint(80).columns()["layers"] == ""
 
 
 @settings(max_examples=25)
@@ -188,28 +188,17 @@ def test_any_lined_joint_stiffens_with_depth(r2_star, steps, poisson, stiffer, k
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: Layer(1.0, STEEL), "outer_ratio must be > 1 and <= 1e.*, got 1"),
-        (lambda: Layer([1.2], STEEL), "outer_ratio must be one number"),
-        (lambda: Layer(1.2, "steel"), "material must be a Material, got 'steel'"),
-        (lambda: Joint(80, layers=list(HOUSED)), "layers must be a tuple of Layer, got"),
-        (lambda: Joint(80, layers=None), "layers must be a tuple of Layer, got None"),
-        (lambda: Joint(80, layers=(1.2,)), "each of layers must be a Layer, got 1.2"),
         (lambda: Joint(80, 1.4, layers=HOUSED), "socket_ratio must be left out beside layers"),
         (lambda: Joint(80, socket=OTHER, layers=HOUSED), "socket must be left out beside layers"),
         (lambda: Joint(80, layers=HOUSED[::-1]), "over that of the layer inside must be >= 1.0001"),
-        (lambda: Joint(80, layers=(Layer(1.00001, STEEL),)), "socket_ratio must be >= 1.0001"),
         (
             lambda: Joint(80, layers=(*HOUSED, Layer(1.6, Material(1.0)))),
             "Young's modulus of the socket over that of the ball must be >= 1e-09",
         ),
         (
             lambda: force_curve(Joint(80, layers=(Layer(1.01, PTFE), HOUSED[1]), rim="free"), 0.1),
-            "socket_ratio must be >= 1.02 and <= 1e.*, got 1.01",
+            "outer over inner radius of a layer must be >= 1.02, got 1.01",
         ),
-        (lambda: series.socket_compliance((1.1, 1.2), 0.3), "socket_ratio and poisson and modulus"),
-        (lambda: series.socket(EVEN, (1.1, 1.2), (0.3, 0.5)), "poisson must be > -1"),
-        (lambda: fem.socket((1.1, 1.2), (0.3, 0.3), modulus=(1, 0)), "modulus must be > 0, got 0"),
-        (lambda: fem.socket_mesh((1.2, 1.1)), "over that of the layer inside must be >= 1.02"),
     ],
 )
 def test_bad_input_is_one_clear_error(call, message):

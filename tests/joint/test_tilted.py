@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from skfem import Basis, ElementTriP2, ElementVector
 
-from study import cli
 from study.joint import (
     DimensionalJoint,
     Joint,
@@ -18,6 +17,8 @@ from study.joint import (
     tilted_contact,
     under_force,
 )
+from study.joint.bodies import Ball
+from study.joint.supports import Core, Neck
 
 CORE, LAME = "core:0.2", fem.lame_parameters(1.0, 0.3)
 CUT = Joint(200, ball_drive=CORE, opening=70)
@@ -72,7 +73,7 @@ def test_a_ball_in_a_wide_socket_is_the_same_in_every_direction(kinematics):
         ({"ball_drive": "neck:30"}, 32),
         ({"opening": 70}, 32),
         ({"backing": "rim"}, 48),
-        ({"backing": "0,40"}, 48),
+        ({"backing": "sector:0,40"}, 48),
     ],
 )
 def test_along_the_axis_force_is_that_of_the_axisymmetric_contact(supports, resolution):
@@ -98,11 +99,11 @@ def test_functions_of_the_nodes_sum_to_one_and_mirror_each_other(around):
         assert places == pytest.approx(np.pi - places[::-1])
 
 
-@pytest.mark.parametrize("drive", [CORE, "neck:30"])
-def test_mode_0_is_that_of_the_axisymmetric_body(drive):
-    mesh = fem.ball_mesh(32, drive=drive)
-    body = fem.Body(mesh, LAME, {"axis": "r"} | fem.held_ball(drive))
-    (mode,) = fourier.flexibility(mesh, LAME, fem.held_ball(drive), np.array([0]))
+@pytest.mark.parametrize("support", [Core(0.2), Neck(30)])
+def test_mode_0_is_that_of_the_axisymmetric_body(support):
+    mesh = fem.ball_mesh(Ball(support=support), 32)
+    body = fem.MeshedBody(mesh, LAME, {"axis": "r"} | support.held)
+    (mode,) = fourier.flexibility(mesh, LAME, support.held, np.array([0]))
     expected = body.compliance.flexibility
     assert 2 * np.pi * mode == pytest.approx(expected, abs=1e-12 * expected.max())
 
@@ -110,8 +111,9 @@ def test_mode_0_is_that_of_the_axisymmetric_body(drive):
 def test_turned_pressures_do_the_same_work_in_every_mode():
     # a ball on a core is the same in every direction, so that harmonics of one order are equal
     theta = np.linspace(0, np.pi, 65)
-    mesh = fem.meridian_of_ball(theta, CORE)
-    of_modes = fourier.flexibility(mesh, LAME, fem.held_ball(CORE), np.arange(3))
+    core = Core(0.2)
+    mesh = fem.meridian_of_ball(Ball(support=core), theta)
+    of_modes = fourier.flexibility(mesh, LAME, core.held, np.arange(3))
     sine, cosine = np.sin(theta), np.cos(theta)
     # work over the integral of the squared harmonic; that over phi is 2 pi for mode 0, else pi
     orders = [
@@ -124,7 +126,7 @@ def test_turned_pressures_do_the_same_work_in_every_mode():
 
 
 def test_rigid_motions_have_no_energy():
-    mesh = fem.ball_mesh(16, drive=CORE)
+    mesh = fem.ball_mesh(Ball(support=Core(0.2)), 16)
     basis = Basis(mesh, ElementVector(ElementTriP2(), 3), intorder=4)
     unknowns = basis.split_indices()
     r, z = basis.doflocs[:, unknowns[0]]
@@ -221,44 +223,35 @@ def test_under_force_is_the_inverse():
     assert found.tilt[2] > 70
 
 
-def run(monkeypatch, capsys, words):
-    """Object that `study joint` prints."""
-    monkeypatch.setattr("sys.argv", ["study", "joint", *words.split(), "--json"])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    out, err = capsys.readouterr()
-    assert (ended.value.code, err) == (0, "")
-    return json.loads(out)
+def test_the_command_gives_the_same_with_dimensions_and_without(run):
+    def solved(words):
+        status, out, err = run("joint", *words.split(), "--json")
+        assert (status, err) == (0, "")
+        return json.loads(out)
 
-
-def test_the_command_gives_the_same_with_dimensions_and_without(monkeypatch, capsys):
     contact = tilted_contact(CUT, 0.5, 60)
-    options = f"--drive {CORE} --opening 70 --tilt 60"
-    plain = run(monkeypatch, capsys, f"--r2-star 200 --depth-star 0.5 {options}")
+    options = f"--ball-drive {CORE} --opening 70 --tilt 60"
+    plain = solved(f"--r2-star 200 --depth-star 0.5 {options}")
     assert plain["force_star"] == contact.force_star.tolist()
     assert plain["transverse_star"] == contact.transverse_star.tolist()
     assert plain["contact_to_deg"] == [70]
     assert plain["reaches_mouth"] == [True]
     sizes = "--socket-radius 0.01 --clearance 5e-5 --wall 2.98e-3 --ball steel"
-    sized = run(monkeypatch, capsys, f"{sizes} --depth 2.5e-5 {options}")
+    sized = solved(f"{sizes} --depth 2.5e-5 {options}")
     unit = DimensionalJoint(0.01, 5e-5, 2.98e-3, "steel").joint.composite_modulus * 5e-5**2
     for name in ("force", "transverse"):
         assert sized[name] == pytest.approx(unit * getattr(contact, f"{name}_star"), rel=1e-9)
     length = np.hypot(sized["force"][0], sized["transverse"][0])
     turn = np.degrees(np.arctan2(sized["transverse"][0], sized["force"][0]))
     turned = options.replace("--tilt 60", f"--tilt {60 + turn}")
-    again = run(monkeypatch, capsys, f"{sizes} --force {length} {turned}")
+    again = solved(f"{sizes} --force {length} {turned}")
     assert again["depth"] == pytest.approx([2.5e-5], rel=1e-5)
     assert again["tilt"] == pytest.approx([60], abs=1e-3)
 
 
-def test_what_needs_the_axis_is_refused_off_it(monkeypatch, capsys):
-    words = f"study joint --r2-star 200 --depth-star 0.5 --drive {CORE} --tilt 9 --solver linear"
-    monkeypatch.setattr("sys.argv", words.split())
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    assert ended.value.code == 2
-    assert capsys.readouterr().err == "study: --solver must be left out beside --tilt\n"
+def test_what_needs_the_axis_is_refused_off_it(run):
+    words = ["--r2-star", 200, "--depth-star", 0.5, "--tilt", 9, "--solver", "linear"]
+    assert run("joint", *words) == (2, "", "study: --solver must be left out beside --tilt\n")
 
 
 def joint(**changes):
@@ -285,7 +278,7 @@ def pressed(depth=0.5, tilt=10, resolution=32, **changes):
             "kinematics under a tilted load must be one of small, linear, got 'finite'",
         ),
         (lambda: joint(kinematics="finite"), "kinematics of other supports .* got 'finite'"),
-        (lambda: joint(rim="mirror"), "rim must be one of free, got 'mirror'"),
+        (lambda: joint(rim="mirror"), "rim of other supports .* must be one of free, got 'mirror'"),
         (lambda: pressed(tilt=-1), "tilt must be >= 0 and <= 120 deg, got -1 deg"),
         (lambda: pressed(tilt=121), "tilt must be >= 0 and <= 120 deg, got 121 deg"),
         (lambda: pressed(tilt=np.nan), "tilt must be finite and .*, got nan deg"),
@@ -303,22 +296,15 @@ def pressed(depth=0.5, tilt=10, resolution=32, **changes):
         (lambda: pressed(0), "depth_star must be > 0, got 0"),
         (lambda: pressed(25), "depth_star must be < 18.975, got 25"),
         (lambda: pressed(resolution=40), "resolution must be a multiple of 16, got 40"),
-        (lambda: joint(opening=20), "opening beside .* must be >= 30 and <= 170 deg, got 20 deg"),
-        (lambda: joint(opening=171), "opening beside .* must be >= 30 and <= 170 deg, got 171"),
         (
             lambda: joint(opening=120, ball_drive="clamped"),
-            "opening beside ball_drive clamped must be >= 30 and <= 90 deg, got 120 deg",
+            "opening beside ball_drive clamped must be <= 90 deg, got 120 deg",
         ),
         (
             lambda: joint(opening=150, ball_drive="neck:30"),
             "opening beside ball_drive neck:30 must be <= 145 deg, got 150 deg",
         ),
-        (lambda: joint(backing="90,60"), "first angle of backing must be >= 0 and <= 85 deg"),
-        (lambda: joint(backing="x"), "backing must be whole, rim or two polar angles in deg"),
-        (lambda: joint(backing="0,4"), "second angle of backing must be >= 5 and <= 90 deg"),
-        (lambda: joint(ball_drive="core:2"), "core of ball_drive must be .* got 2"),
-        (lambda: joint(ball_drive="neck:x"), "neck of ball_drive must be a number, got 'x'"),
-        (lambda: joint(ball_drive="edge"), "ball_drive must be one of plane, .* got 'edge'"),
+        (lambda: joint(backing="sector:0,95"), "last angle of backing must be <= 90 deg, got 95"),
         (
             lambda: force_curve(joint(opening=40), 0.9, 64),
             r"off the socket's rim \(half-angle < 40 deg\), got 0.9",

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.joint import Joint, fem
+from study.joint.bodies import Ball
 
 CONTACTS = {"surface": "SURFACE TO SURFACE", "node": "NODE TO SURFACE"}
 NODES = (3, 6)
@@ -97,14 +98,14 @@ def deck(
 ) -> str:
     """CalculiX's input for increasing depths > 0; arguments and errors as for `force_curve`."""
     checks.choice("kinematics", joint.kinematics, KINEMATICS)
-    checks.choice("ball_drive", joint.ball_drive, ("plane", "clamped"))
+    checks.choice("ball_drive", str(joint.ball_drive), ("plane", "clamped"))
     if nodes not in NODES:
         raise ValueError(f"nodes must be 3 or 6, got {nodes!r}")
     checks.choice("contact", contact, CONTACTS)
     checks.number("penalty", penalty, above=0, scalar=True)
-    ball = fem.ball_mesh(resolution, nodes)
-    ratios, poissons, moduli = joint.socket_layers
-    socket = fem.socket_mesh(ratios, resolution, nodes)
+    ball = fem.ball_mesh(Ball(), resolution, nodes)
+    socket = fem.socket_mesh(joint.socket_body, resolution, nodes)
+    ratios, poissons, moduli = joint.socket_body.layers
     radius, clearance = joint.ball_radius, 1 / joint.r2_star
     lines = [
         *_body("BALL", ball, radius * ball.doflocs + [[0], [clearance]], (1, 1)),
@@ -121,7 +122,7 @@ def deck(
         *pair(penalty, contact),
         *("*BOUNDARY", "BALLAXIS, 1, 1", "SOCKETAXIS, 1, 1", "SOCKETOUTSIDE, 1, 2"),
         *(["SOCKETRIM, 2, 2"] if joint.rim == "mirror" else []),
-        *(["BALLEQUATOR, 1, 1"] if joint.ball_drive == "clamped" else []),
+        *(["BALLEQUATOR, 1, 1"] if str(joint.ball_drive) == "clamped" else []),
     ]
     for depth in depth_star:
         lines += [

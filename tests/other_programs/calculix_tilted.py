@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from other_programs import calculix
 from study import checks
-from study.joint import Joint, supports
+from study.joint import Joint
 from study.joint.compliance import graded
+from study.joint.supports import Core, WholeOutside
 
 _TOTAL = re.compile(r"for set BALLHELD and time\s+\S+\s+(\S+)\s+\S+\s+(\S+)")
 _ROUND = 0.5  # how far the square in the middle of a cap is bent to a disc
@@ -40,10 +41,9 @@ def deck(joint, depth_star, tilt, resolution=3, shells=2, shift=0.3, penalty=300
     to 0.4 bricks are smaller by (1 - shift)/(1 + shift) at the mouth where phi = 0, and larger
     opposite. ``penalty`` is pressure per overclosure, in E*/R2.
     """
-    kind, core = supports.drive(joint.ball_drive)
-    checks.choice("kind of ball_drive", kind, ("core",))
+    core = checks.instance("ball_drive", joint.ball_drive, Core).radius
     checks.choice("kinematics", joint.kinematics, ("linear",))
-    checks.choice("backing", joint.backing, ("whole",))
+    checks.instance("backing", joint.backing, WholeOutside)
     opening = np.radians(checks.number("opening", joint.opening, "deg", below=90))
     centre = np.array([np.sin(np.radians(tilt)), 0, np.cos(np.radians(tilt))]) / joint.r2_star
     of_ball, of_socket = joint.modulus_shares
