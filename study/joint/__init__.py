@@ -23,11 +23,10 @@ joint. `dimensional` is a joint in SI units, and `parsing` reads a joint from te
 
 from study.contact import Material, material
 from study.joint.contact_kinematics import UnresolvedError
-from study.joint.curve import ForceCurve, Solver, force_curve
+from study.joint.curve import ForceCurve, Solver, force_curve, whole_curve
 from study.joint.dimensional import DimensionalJoint, DimensionalSolution
 from study.joint.directions import DirectionalLaw, directional_law
 from study.joint.joint import Joint, Kinematics, Layer, paper_joint
-from study.joint.nested_contact import whole_curve
 from study.joint.stress import FirstYield, LargestStress, first_yield
 from study.joint.supports import Rim
 from study.joint.tilted import TiltedContact, tilted_contact, under_force

@@ -39,12 +39,8 @@ def graded(length: float, scale: float, count: int) -> NDArray[np.float64]:
 def surface_angles(resolution: int, last: float = np.pi / 2) -> NDArray[np.float64]:
     """Polar angles of the surface's nodes, from 0 to the last one, in rad; (resolution + 1,).
 
-    Their spacing is proportional to angle + 9 deg. The resolution is a multiple of 16, or a
-    ``ValueError``.
+    Their spacing is proportional to angle + 9 deg.
     """
-    resolution = checks.whole("resolution", resolution, least=16, most=FINEST_RESOLUTION)
-    if resolution % 16:
-        raise ValueError(f"resolution must be a multiple of 16, got {resolution}")
     angles = graded(last, _ANGLE_SCALE, resolution)
     angles[-1] = last
     return angles
@@ -67,18 +63,11 @@ def layer_steps(ratios: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def layered(ratio: Layered, poisson: Layered, modulus: Layered) -> NDArray[np.float64]:
-    """Outer ratios, Poisson's ratios and Young's moduli of a socket's layers, checked.
+    """Outer ratios, Poisson's ratios and Young's moduli of a socket's layers, shape (3, layers).
 
-    Shape (3, layers); a single modulus holds for all layers. A value outside its range, or lists of
-    different lengths, are a ``ValueError``.
+    A single modulus is that of all layers.
     """
-    ratios = layer_ratios(ratio)
-    poissons = np.atleast_1d(checks.number("poisson", poisson, above=-1, below=0.5))
-    moduli = np.atleast_1d(checks.number("modulus", modulus, above=0))
-    if moduli.size == 1:
-        moduli = np.broadcast_to(moduli, ratios.shape)
-    checks.same_length(socket_ratio=ratios, poisson=poissons, modulus=moduli)
-    return np.array([ratios, poissons, moduli])
+    return np.array(np.broadcast_arrays(*map(np.atleast_1d, (ratio, poisson, modulus))))
 
 
 @dataclass(frozen=True)

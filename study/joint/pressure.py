@@ -23,7 +23,7 @@ def friction_radii(curve: ForceCurve) -> dict[str, NDArray[np.float64]]:
     """
     from scipy.special import ellipe  # late: for this alone
 
-    joint = checks.instance("curve", curve, ForceCurve).joint
+    joint = curve.joint
     checks.number("depth_star of curve", curve.depth_star, above=0)
     hats = HatFunctions(curve.angles)
     radius = 1.0 if joint.kinematics == "small" else joint.ball_radius

@@ -14,7 +14,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from study import checks
 from study.joint.compliance import (
     RESOLUTION,
     Compliance,
@@ -62,8 +61,8 @@ class Solid:
 def ball_compliance(poisson: float = 0.3, resolution: int = RESOLUTION["series"]) -> Compliance:
     """Compliance of a solid ball that is symmetric about its equatorial plane.
 
-    The ``resolution`` is the number of pressure elements along the quarter circle, a multiple of
-    16. The series ends after `ORDERS` per element. A value outside its range is a ``ValueError``.
+    The ``resolution`` is the number of pressure elements along the quarter circle. The series ends
+    after `ORDERS` per element.
     """
     return _compliance(resolution, lambda orders: -ball(orders, poisson).state(1.0)[0])
 
@@ -91,7 +90,7 @@ def socket_compliance(
 
 def ball(orders: ArrayLike, poisson: float) -> Solid:
     """A solid ball, of which only the two regular `modes` are felt."""
-    n, nu = np.asarray(orders, dtype=float), checks.poisson("poisson", poisson)
+    n, nu = np.asarray(orders, dtype=float), poisson
     pressure = np.array([[-(1 + nu)], [0.0]])  # radial stress over 2 G, and shear
     surface = modes(n, nu, 1.0)[2:, :2].transpose(2, 0, 1)
     return Solid(n, 0.0, 1.0, nu, 1 / (1 + nu), np.linalg.solve(surface, pressure)[:, :, 0].T)

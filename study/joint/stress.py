@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.contact import largest_depth
-from study.joint import contact_kinematics, series
+from study.joint import series
 from study.joint.compliance import graded
-from study.joint.curve import ForceCurve, force_curve, meshed
+from study.joint.contact_kinematics import socket_pressure
+from study.joint.curve import ForceCurve, force_curve, meshed, whole_curve
 from study.joint.joint import Joint
-from study.joint.nested_contact import whole_curve
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
@@ -78,10 +78,7 @@ class FirstYield:
 
 def von_mises(stress: ArrayLike) -> Floats:
     """Von Mises stress of radial, polar, azimuthal and shear stress, shape (4, ...)."""
-    parts = np.asarray(checks.number("stress", stress))
-    if parts.shape[:1] != (4,):
-        raise ValueError(f"stress must be of shape (4, ...), got {parts.shape}")
-    radial, polar, around, shear = parts
+    radial, polar, around, shear = np.asarray(stress)
     apart = (radial - polar) ** 2 + (polar - around) ** 2 + (around - radial) ** 2
     return np.sqrt(apart / 2 + 3 * shear**2)
 
@@ -111,7 +108,6 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
     ValueError
         For a curve of finite elements, or a value outside its range.
     """
-    checks.instance("curve", curve, ForceCurve)
     if curve.solver != "series":
         raise ValueError(f"solver must be series for stresses at any point, got {curve.solver!r}")
     checks.choice("body", body, curve.joint.materials)
@@ -121,9 +117,6 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
     radii = checks.number("radius", radius, above=0, least=solid.inner, most=solid.outer)
     angles = checks.number("angle", angle, "rad", least=0, most=np.pi / 2)
     radii, angles = np.atleast_1d(radii), np.atleast_1d(angles)
-    for name, places in (("radius", radii), ("angle", angles)):
-        if places.ndim != 1:
-            raise ValueError(f"{name} must be a list of numbers, got shape {places.shape}")
     return _sum(solid, coefficients, radii, _legendre(angles, len(coefficients)))
 
 
@@ -135,7 +128,6 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
     over its outside: at a point, a core or the end of a support, stresses are those of its details.
     Elements are searched from `HEIGHT` above the equator on, and as far inside the mouth.
     """
-    checks.instance("curve", curve, ForceCurve)
     sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
     by_body, peak = {}, curve.peak_pressure_star
     edge = np.sin(np.radians(curve.contact_half_angle_deg))
@@ -173,7 +165,6 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     from scipy.interpolate import PchipInterpolator  # a quarter of a second, for this alone
     from scipy.optimize import brentq
 
-    checks.instance("joint", joint, Joint)
     checks.choice("ball_drive", joint.ball_drive, ("plane", "clamped"))
     checks.choice("backing", joint.backing, ("whole",))
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
@@ -221,7 +212,6 @@ def hertz_von_mises(poisson: float) -> float:
     On the axis (Johnson, Contact Mechanics, 1985, Eq. 3.45), or for Poisson's ratios below about
     -0.1 at the contact's edge, where pure shear is (1 - 2 nu)/3.
     """
-    poisson = checks.poisson("poisson", poisson)
     depth = np.linspace(0, 2, 20_001)  # over the contact's radius
     around = -(1 + poisson) * (1 - depth * np.arctan2(1, depth)) + 0.5 / (1 + depth**2)
     axis = np.abs(around + 1 / (1 + depth**2)).max()
@@ -239,7 +229,11 @@ def _coefficients(curve):
     """Legendre coefficients of the pressures on ball and on socket, (even orders, k) each."""
     elements = len(curve.angles) - 1
     shares = series.hat_coefficients(elements, series.ORDERS * elements)
-    return shares @ curve.pressure.T, shares @ contact_kinematics.socket_pressure(curve).T
+    return shares @ curve.pressure.T, shares @ _on_socket(curve).T
+
+
+def _on_socket(curve):
+    return socket_pressure(curve.joint, curve.depth_star, curve.angles, curve.pressure)
 
 
 def _sum(solid, coefficients, radii, table):
@@ -324,7 +318,7 @@ def _of_elements(curve):
         yield "ball", _largest_at_nodes(fem.ball(*of_ball), curve.pressure, edge)
     if joint.backing != "whole":
         return
-    socket, pressure, inner = fem.socket(*of_socket), contact_kinematics.socket_pressure(curve), 1.0
+    socket, pressure, inner = fem.socket(*of_socket), _on_socket(curve), 1.0
     for name, outer in zip([*curve.joint.materials][1:], of_socket[0], strict=True):
         yield name, _largest_at_nodes(socket, pressure, edge, inner, outer)
         inner = outer

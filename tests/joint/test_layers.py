@@ -206,9 +206,6 @@ def test_any_lined_joint_stiffens_with_depth(r2_star, steps, poisson, stiffer, k
             lambda: force_curve(Joint(80, layers=(Layer(1.01, PTFE), HOUSED[1]), rim="free"), 0.1),
             "socket_ratio must be >= 1.02 and <= 1e.*, got 1.01",
         ),
-        (lambda: series.socket_compliance((1.1, 1.2), 0.3), "socket_ratio and poisson and modulus"),
-        (lambda: series.socket(EVEN, (1.1, 1.2), (0.3, 0.5)), "poisson must be > -1"),
-        (lambda: fem.socket((1.1, 1.2), (0.3, 0.3), modulus=(1, 0)), "modulus must be > 0, got 0"),
         (lambda: fem.socket_mesh((1.2, 1.1)), "over that of the layer inside must be >= 1.02"),
     ],
 )

@@ -152,16 +152,3 @@ def test_coarser_hats_are_those_of_half_the_resolution(monkeypatch):
         assert fine.coarser.angles == pytest.approx(expected.angles, abs=1e-12)
         most = expected.flexibility.max()
         assert fine.coarser.flexibility == pytest.approx(expected.flexibility, abs=1e-12 * most)
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: series.ball_compliance(0.5), "poisson must be > -1 and < 0.5, got 0.5"),
-        (lambda: series.ball_compliance(resolution=50), "resolution must be a multiple of 16"),
-        (lambda: series.socket_compliance(1.0), "socket_ratio must be >= 1.0001 and <= 1e"),
-    ],
-)
-def test_bad_input_is_one_clear_error(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()
