@@ -25,7 +25,7 @@ from study.contact.hertz_correction import (
     UNIT,
 )
 from study.joint import Joint, Material
-from study.joint.nested_contact import depths_and_forces, whole_curve
+from study.joint.curve import depths_and_forces, whole_curve
 from study.joint.supports import PLATES, RIMS
 from study.threads import one_thread
 

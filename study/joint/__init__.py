@@ -23,11 +23,10 @@ joint. `dimensional` is a joint in SI units, `ratio_joint` one by ratios, as com
 
 from study.contact import Material, material
 from study.joint.contact_kinematics import UnresolvedError
-from study.joint.curve import ForceCurve, Solver, force_curve
+from study.joint.curve import ForceCurve, Solver, force_curve, whole_curve
 from study.joint.definition import Joint, Layer, paper_joint
 from study.joint.dimensional import DimensionalJoint, DimensionalSolution, Liner
 from study.joint.directions import DirectionalLaw, directional_law
-from study.joint.nested_contact import whole_curve
 from study.joint.ratio_joint import RatioJoint
 from study.joint.stress import FirstYield, LargestStress, first_yield
 from study.joint.supports import Kinematics, Rim

@@ -8,10 +8,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-from study import checks
 from study.checks import StudyError
 from study.threads import one_thread
 
@@ -34,8 +33,8 @@ def factorised(factorise: Callable, matrix: NDArray[np.float64]) -> Any:
 
 @one_thread
 def solve(
-    matrix: ArrayLike,
-    vector: ArrayLike,
+    matrix: NDArray[np.float64],
+    vector: NDArray[np.float64],
     active: NDArray[np.bool_] | None = None,
     max_pivots: int | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
@@ -61,30 +60,19 @@ def solve(
 
     Raises
     ------
-    ValueError
-        For an entry that is not finite, shapes that do not match, or ``max_pivots`` below 1.
     ComplementarityError
         At the limit of steps, with the residual ``max |min(p, w)|``; or for a matrix that is not
         positive definite. The rounded matrix of a socket much softer than its ball is not.
     """
-    a = np.asarray(checks.number("matrix", matrix))
-    b = np.asarray(checks.number("vector", vector))
-    size = len(b) if b.ndim == 1 else -1
-    if a.shape != (size, size):
-        shapes = f"{a.shape} and {b.shape}"
-        raise ValueError(f"matrix and vector must be of shapes (n, n) and (n,), got {shapes}")
-    zero = TOLERANCE * np.abs(b).max(initial=0.0)
-    active = b < 0 if active is None else np.array(active)
-    if active.shape != (size,) or active.dtype != bool:
-        raise ValueError(f"active must be {size} of True and False, got {checks.shown(active)}")
-    max_pivots = 20 * size + 100 if max_pivots is None else max_pivots
+    size, zero = len(vector), TOLERANCE * np.abs(vector).max(initial=0.0)
+    active = vector < 0 if active is None else active.copy()
     fewest, patience = size + 1, PATIENCE
-    for _ in range(checks.whole("max_pivots", max_pivots, least=1)):
+    for _ in range(max_pivots or 20 * size + 100):
         p = np.zeros(size)
         if active.any():
-            block = factorised(cho_factor, a[np.ix_(active, active)])
-            p[active] = cho_solve(block, -b[active], check_finite=False)
-        w = b + a[:, active] @ p[active]
+            block = factorised(cho_factor, matrix[np.ix_(active, active)])
+            p[active] = cho_solve(block, -vector[active], check_finite=False)
+        w = vector + matrix[:, active] @ p[active]
         wrong = np.where(active, p < -TOLERANCE * np.abs(p).max(initial=0.0), w < -zero)
         count = int(np.count_nonzero(wrong))
         if count == 0:

@@ -3,13 +3,13 @@
 For every depth the contact pressure solves a complementarity problem on the contact arc:
 pressure >= 0, gap >= 0, pressure * gap = 0, all in the weak (Galerkin) sense of the pressure's
 hat functions. Frictionless and elastic. `study.joint.contact_kinematics` says which points face
-each other.
+each other, and `study.joint.nested_contact` solves all depths with one factor of the matrix.
 
 Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -17,15 +17,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.contact import largest_depth
-from study.joint import contact_kinematics, series
+from study.joint import nested_contact, series
 from study.joint.bodies import layer_steps
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION, Compliance, surface_angles
+from study.joint.contact_kinematics import UnresolvedError, unresolved
 from study.joint.definition import Joint
 from study.threads import one_thread
 
+Floats = NDArray[np.float64]
 Solver = Literal["series", "quadratic", "linear"]
 SOLVERS: tuple[Solver, ...] = get_args(Solver)
-_TIMES = (1.0, 0.97, 1.03)  # factors of a depth at which the error is estimated
+_FIRST = 8  # elements of the coarser mesh in the smallest contact of a whole curve
+_COUNT = 48  # depths of a whole curve, about
+_FINITE = 40  # depths with large displacements, a sixth of a second each
 
 
 @dataclass(frozen=True)
@@ -41,12 +45,17 @@ class ForceCurve:
     peak_pressure_star
         Largest pressure, in E* dR/R2; shape (k,).
     error_estimate
-        Estimated relative discretisation error of the force, shape (k,). It is the largest
-        difference from the force at half the resolution, at this depth and 3 % to both sides,
-        because the error oscillates as the contact's edge passes the nodes. In the tests it covers
-        true errors below 1 %. It shows that there are errors of tens of percent, not their size.
+        Estimated relative discretisation error of the force, shape (k,). The force is extrapolated
+        from two meshes, one of which has twice the elements of the other, and the estimate is the
+        relative change of the finer mesh's force by the extrapolation. The error of the
+        extrapolated force is smaller, mostly by a factor above 10, except in a contact of less
+        than four elements. Where the force is not extrapolated, because the contact is a ring, the
+        estimate is the difference of the two meshes. Other results of a curve have their own
+        errors. `study.joint.TiltedContact` and `study.joint.DimensionalSolution` have the same
+        estimate.
     angles, pressure
-        Polar angles in rad, shape (n,), and the pressure there in E* dR/R2, shape (k, n).
+        Polar angles in rad, shape (n,), and the pressure there in E* dR/R2, shape (k, n): that of
+        the finer mesh, whose force is not extrapolated.
     """
 
     joint: Joint
@@ -78,7 +87,7 @@ def force_curve(
     resolution: int | None = None,
     solver: Solver | None = None,
 ) -> ForceCurve:
-    """Force-depth curve of a joint, at two resolutions.
+    """Force-depth curve of a joint at given depths, extrapolated from two resolutions.
 
     The bodies are cached: further curves with the same ones cost milliseconds, whatever their R2*,
     moduli and depths. With ``finite`` kinematics a depth takes a sixth of a second.
@@ -89,7 +98,7 @@ def force_curve(
         Dimensionless penetration depths, >= 0 and < sqrt(2 R2* - 1) - 1; shape (k,).
     resolution
         Elements along the surface, a multiple of 32, by default 320 for ``series``, 160 for
-        finite elements and 96 for ``finite`` kinematics; the error estimate uses half of it.
+        finite elements and 96 for ``finite`` kinematics; half of it is solved too.
     solver
         Exact Legendre ``series`` of both bodies, or finite elements: six-node (``quadratic``) or
         three-node (``linear``) triangles. By default the series where it applies (``plane``
@@ -103,34 +112,129 @@ def force_curve(
     study.joint.complementarity.ComplementarityError
         If the contact does not converge; the message has the residual.
     """
-    checks.instance("joint", joint, Joint)
     depths = np.atleast_1d(checks.number("depth_star", depth_star, least=0))
     checks.number("depth_star", depths, below=largest_depth(joint.r2_star))
     if depths.ndim != 1 or depths.size == 0:
         raise ValueError(f"depth_star must be a list of depths, got shape {depths.shape}")
     solver, resolution = settings(joint, solver, resolution)
-    angles, pressure, fine, coarse = _solve(joint, solver, depths, resolution)
+    angles, touching = surface_angles(resolution, joint.reach), np.flatnonzero(depths)
+    force, edge, error = np.zeros((3, len(depths)))
+    pressure = np.zeros((len(depths), len(angles)))
+    finite = joint.has_large_displacements
+    solve = _solve_finite if finite else _solve
+    at_once = finite or joint.r2_star >= nested_contact.LEAST_R2_STAR
+    for some in [touching] if at_once else touching[:, None]:
+        if some.size:
+            solved = solve(joint, depths[some], solver, resolution)
+            force[some], edge[some], error[some], pressure[some] = solved
     at_rim = pressure[:, -2:].any(axis=1)
     if at_rim.any():
         raise checks.RangeError(
             "depth_star must keep the contact off the socket's rim (half-angle < "
             f"{np.degrees(joint.reach):g} deg), got {depths[at_rim].min():g}"
         )
-    unseen = ((np.minimum(fine, coarse) == 0) & (depths > 0)).any(axis=0)
-    if unseen.any():
-        raise contact_kinematics.unresolved(depths[unseen].max(), angles)
-    relative = np.divide(np.abs(fine - coarse), fine, out=np.zeros_like(fine), where=fine > 0)
     return ForceCurve(
         joint=joint,
         solver=solver,
         depth_star=depths,
-        force_star=fine[0],
-        contact_half_angle_deg=np.degrees([_edge(angles, p) for p in pressure]),
+        force_star=force,
+        contact_half_angle_deg=np.degrees(edge),
         peak_pressure_star=pressure.max(axis=1),
-        error_estimate=relative.max(axis=0),
+        error_estimate=error,
         angles=angles,
         pressure=pressure,
     )
+
+
+@one_thread
+def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = None) -> ForceCurve:
+    """Force-depth curve of a joint from about 0.0003 clearances to ``deepest``, or just beyond.
+
+    Depths are those at which the contact's edge is a node, some 50 in about equal steps of their
+    square root. Takes 30 ms; new bodies take 60 ms more by the series, or some seconds by finite
+    elements. With ``finite`` kinematics, or where contacts are not nested
+    (`study.joint.nested_contact`), 40 depths are solved by `force_curve`.
+
+    Parameters
+    ----------
+    deepest
+        Depth_star that the curve has to reach, > 0 and < sqrt(2 R2* - 1) - 1.
+    resolution
+        As for `force_curve`.
+
+    Raises
+    ------
+    ValueError
+        For a value outside its range, or contact that reaches the rim.
+    """
+    deepest = checks.number("deepest", deepest, above=0, scalar=True)
+    if joint.has_large_displacements or joint.r2_star < nested_contact.LEAST_R2_STAR:
+        return _solved_apart(joint, deepest, resolution)
+    nested, solver, last = _nested_to(joint, deepest, resolution)
+    if nested is None:
+        return _solved_apart(joint, deepest, resolution)
+    roots = np.sqrt(nested.depth[_FIRST : last + 1])
+    wanted = np.linspace(roots[0], roots[-1], _COUNT)
+    nodes = np.unique(_FIRST + np.abs(roots - wanted[:, None]).argmin(axis=1))
+    profiles = [nested.fine.pressure(depth) for depth in nested.fine.depth[2 * nodes]]
+    if any(profile is None for profile in profiles):
+        return _solved_apart(joint, deepest, resolution)
+    pressure = np.array(profiles)
+    return ForceCurve(
+        joint=joint,
+        solver=solver,
+        depth_star=nested.depth[nodes],
+        force_star=nested.force[nodes],
+        contact_half_angle_deg=np.degrees(nested.coarse.angles[nodes]),
+        peak_pressure_star=pressure.max(axis=1),
+        error_estimate=nested.error[nodes],
+        angles=nested.fine.angles,
+        pressure=pressure,
+    )
+
+
+@one_thread
+def depths_and_forces(
+    joint: Joint, deepest: float = 1.0, resolution: int | None = None
+) -> tuple[Floats, Floats]:
+    """Depths and forces of `whole_curve` at all nodes, without pressures: 8 ms for known bodies.
+
+    Only for nested contacts, of ``small`` or ``linear`` kinematics.
+    """
+    nested, _, last = _nested_to(joint, deepest, resolution)
+    inside = slice(_FIRST // 2, last + 1)
+    return nested.depth[inside], nested.force[inside]
+
+
+def _solved_apart(joint, deepest, resolution):
+    depths = np.linspace(0, np.sqrt(deepest), _FINITE + 1)[1:] ** 2
+    return force_curve(joint, depths, resolution)
+
+
+def _nested_to(joint, deepest, resolution):
+    """Nested contacts to a depth or just beyond, the solver, and the last node; None if not nested.
+
+    A contact that is too small for the elements, or reaches the rim, is an error.
+    """
+    checks.number("deepest", deepest, below=largest_depth(joint.r2_star))
+    solver, resolution = settings(joint, None, resolution)
+    few = UnresolvedError(
+        f"deepest must be a contact of {2 * _FIRST} elements or more, got {deepest:g}: "
+        f"take a resolution finer than {resolution}"
+    )
+    angles = surface_angles(resolution // 2, joint.reach)
+    if nested_contact.widest(joint, deepest) < angles[2 * _FIRST]:
+        raise few  # before bodies are solved
+    nested = nested_contact.extrapolated(joint, meshes(joint, None, resolution), deepest)
+    last = np.searchsorted(nested.depth, deepest)
+    if last < min(2 * _FIRST, len(nested.depth)):
+        raise few
+    if last == len(nested.depth) >= len(angles) - 2:
+        raise checks.RangeError(
+            "deepest must keep the contact off the socket's rim (half-angle < "
+            f"{np.degrees(joint.reach):g} deg), got {deepest:g}"
+        )
+    return (nested if last < len(nested.depth) else None), solver, last
 
 
 def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tuple[Solver, int]:
@@ -155,7 +259,9 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
         usual, most = RESOLUTION["quadratic"], fem.FINEST_RESOLUTION
         least = 64 if steps.min() < 1.05 else 32
     if joint.has_large_displacements:
-        checks.number("r2_star", joint.r2_star, most=contact_kinematics.LARGEST_R2_STAR)
+        from study.joint.large_displacement import LARGEST_R2_STAR
+
+        checks.number("r2_star", joint.r2_star, most=LARGEST_R2_STAR)
         usual = RESOLUTION["finite"]
     resolution = usual if resolution is None else resolution
     resolution = checks.whole("resolution", resolution, least=least, most=most)
@@ -164,30 +270,43 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
     return solver, resolution
 
 
-def _solve(joint, solver, depths, resolution):
-    """Nodal angles, pressures (k, n), and forces (m, k) at `_TIMES` the depths by both meshes."""
-    if joint.has_large_displacements:
-        solutions = [_solve_finite(joint, depths, n) for n in (resolution, resolution // 2)]
-    else:
-        problem = contact_kinematics.PROBLEMS[joint.kinematics]
-        solutions = [
-            contact_kinematics.solve(joint, depths, *problem(joint, *bodies), _TIMES)
-            for bodies in meshes(joint, solver, resolution)
-        ]
-    (pressure, fine), (_, coarse) = solutions
-    return surface_angles(resolution, joint.reach), pressure, fine, coarse
+def _solve(joint, depths, solver, resolution):
+    """Forces, half-angles, errors and pressures at depths > 0, of linear bodies."""
+    bodies = list(meshes(joint, solver, resolution))
+    nested = nested_contact.extrapolated(joint, bodies, depths.max(), single=len(depths) == 1)
+    if (unseen := depths <= nested.coarse.depth[:1]).any():
+        raise unresolved(depths[unseen].max(), nested.fine.angles)
+    force, edge, error = np.zeros((3, len(depths)))
+    within = depths < (nested.depth[-1] if len(nested.depth) > 3 else 0)
+    if within.any():
+        force[within], edge[within], error[within] = nested.at(joint, depths[within])
+    pressure = np.zeros((len(depths), len(nested.fine.angles)))
+    for k, depth in enumerate(depths):
+        profile = nested.fine.pressure(depth) if within[k] else None
+        if profile is None:
+            solved = (nested_contact.pivoted(joint, *pair, depth) for pair in bodies)
+            (profile, force[k]), (_, coarse) = solved
+            edge[k], error[k] = _edge(nested.fine.angles, profile), abs(coarse / force[k] - 1)
+        pressure[k] = profile
+    return force, edge, error, pressure
 
 
-def _solve_finite(joint, depths, resolution):
-    """Pressures and forces at `_TIMES` the depths by one mesh."""
-    from study.joint import fem
+def _solve_finite(joint, depths, solver, resolution):
+    """Forces, half-angles, errors and pressures at depths > 0, at large displacements.
 
-    ball, socket = (fem.meshed(body, resolution) for body in (joint.ball_body, joint.socket_body))
-    pressure, force = contact_kinematics.solve_finite(joint, depths, ball, socket)
-    linear = contact_kinematics.linear(joint, ball.compliance, socket.compliance)
-    _, beside = contact_kinematics.solve(joint, depths, *linear, _TIMES)
-    alone = np.where(beside[0] > 0, beside[0], 1.0)
-    return pressure, force * (beside / alone)  # large displacements change the ratio little
+    Their force over that of linear kinematics is smooth in depth and resolution.
+    """
+    from study.joint import fem, large_displacement
+
+    of_linear, _, error, _ = _solve(replace(joint, kinematics="linear"), depths, solver, resolution)
+    solved = []
+    for elements in (resolution, resolution // 2):
+        bodies = [fem.meshed(body, elements) for body in (joint.ball_body, joint.socket_body)]
+        pressure, force, linear = large_displacement.solve(joint, depths, *bodies)
+        solved.append((pressure, force / linear))
+    (pressure, ratio), (_, coarse) = solved
+    edge = [_edge(surface_angles(resolution, joint.reach), profile) for profile in pressure]
+    return of_linear * ratio, edge, error + np.abs(coarse / ratio - 1), pressure
 
 
 def meshes(
@@ -203,11 +322,12 @@ def meshes(
     for body in (joint.ball_body, joint.socket_body):
         if body.by_series and solver in (None, "series"):
             finer = series.compliance(body, resolution)
-            bodies.append((finer, finer.coarser))
+            bodies.append([finer, finer.coarser])
         else:
             from study.joint import fem
 
-            bodies.append([fem.compliance(body, n, nodes) for n in (resolution, resolution // 2)])
+            both = resolution, resolution // 2
+            bodies.append([fem.compliance(body, n, nodes) for n in both])
     return zip(*bodies, strict=True)
 
 

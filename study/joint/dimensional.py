@@ -20,10 +20,9 @@ from study.contact.power_fit import DEPTHS, USUAL_RANGE, fit_power
 from study.joint import applicability
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO
 from study.joint.contact_kinematics import UnresolvedError
-from study.joint.curve import force_curve
+from study.joint.curve import force_curve, whole_curve
 from study.joint.definition import Joint, Layer
 from study.joint.law_options import law_options
-from study.joint.nested_contact import whole_curve
 from study.joint.pressure import friction_radii
 from study.joint.stress import largest as largest_stress
 from study.joint.supports import Configuration

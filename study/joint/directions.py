@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from study import checks
 from study.contact import hertz, largest_depth, tabulated
 from study.contact.laws import LIMIT_MARGIN
+from study.joint.curve import whole_curve
 from study.joint.definition import Joint
-from study.joint.nested_contact import whole_curve
 from study.joint.tilted import LARGEST_TILT, RESOLUTION, tilted_contact
 
 Floats = NDArray[np.float64]

@@ -6,8 +6,8 @@ from numpy.typing import ArrayLike
 from study import checks
 from study.contact import tabulated
 from study.contact.power_fit import DEPTHS, USUAL_RANGE, fit_power
+from study.joint.curve import whole_curve
 from study.joint.definition import Joint
-from study.joint.nested_contact import whole_curve
 
 
 def law_options(

@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.contact import largest_depth
-from study.joint import contact_kinematics, series
+from study.joint import series
 from study.joint.compliance import graded
-from study.joint.curve import ForceCurve, force_curve
+from study.joint.contact_kinematics import socket_pressure
+from study.joint.curve import ForceCurve, force_curve, whole_curve
 from study.joint.definition import Joint
-from study.joint.nested_contact import whole_curve
 from study.joint.supports import WholeOutside
 from study.threads import one_thread
 
@@ -232,7 +232,11 @@ def _coefficients(curve):
     """Legendre coefficients of the pressures on ball and on socket, (even orders, k) each."""
     elements = len(curve.angles) - 1
     shares = series.hat_coefficients(elements, series.ORDERS * elements)
-    return shares @ curve.pressure.T, shares @ contact_kinematics.socket_pressure(curve).T
+    return shares @ curve.pressure.T, shares @ _on_socket(curve).T
+
+
+def _on_socket(curve):
+    return socket_pressure(curve.joint, curve.depth_star, curve.angles, curve.pressure)
 
 
 def _sum(solid, coefficients, radii, table):
@@ -317,8 +321,8 @@ def _of_elements(curve):
         yield "ball", _largest_at_nodes(ball, curve.pressure, edge)
     if not isinstance(joint.backing, WholeOutside):
         return
-    socket = fem.meshed(joint.socket_body, resolution, nodes)
-    pressure, inner = contact_kinematics.socket_pressure(curve), 1.0
+    socket, pressure = fem.meshed(joint.socket_body, resolution, nodes), _on_socket(curve)
+    inner = 1.0
     for name, outer in zip([*joint.materials][1:], joint.socket_body.ratio, strict=True):
         yield name, _largest_at_nodes(socket, pressure, edge, inner, outer)
         inner = outer

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from study import paths
 from study.contact import hertz
 from study.joint import whole_curve
-from study.joint.nested_contact import depths_and_forces
+from study.joint.curve import depths_and_forces
 
 OF_FORCE, OF_ANGLE, OF_PEAK = 0.035, 0.07, 0.12  # largest relative errors stated
 ROOTS = np.linspace(0.001**0.5, 1, 40)

@@ -58,8 +58,3 @@ def test_a_solver_that_does_not_end_says_so_with_its_residual():
 def test_a_matrix_that_is_not_positive_definite_is_named():
     with pytest.raises(complementarity.ComplementarityError, match="not positive definite"):
         complementarity.solve(-np.eye(2), -np.ones(2))
-
-
-def test_nan_is_refused():
-    with pytest.raises(ValueError, match="must be finite"):
-        complementarity.solve(np.eye(2), np.array([np.nan, 1.0]))

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from study import contact
 from study.joint import Joint, Material, UnresolvedError, force_curve, paper_joint, whole_curve
-from study.joint.nested_contact import depths_and_forces
 
 DEPTHS = np.array([0.002, 0.01, 0.1, 0.4, 0.7, 1.0])
 SOFT = {"ball": Material(2e11, 0.3), "socket": Material(2e9, 0.45)}
@@ -79,13 +78,7 @@ def test_force_grows_from_that_of_hertz(share, nu, ratio, r2_star):
         (lambda: whole_curve(Joint(200), 20), "deepest must be < 18.97"),
         (lambda: whole_curve(Joint(20), 5), "off the socket's rim .* got 5"),
         (lambda: whole_curve(Joint(200), 1e-4), "deepest must be a contact of 16 elements"),
-        (
-            lambda: depths_and_forces(Joint(200, kinematics="finite")),
-            "kinematics must be one of small",
-        ),
         (lambda: whole_curve(Joint(200), resolution=100), "resolution must be a multiple of 32"),
-        (lambda: whole_curve(Joint(1.2), 0.1), "r2_star of a whole curve must be >= 1.5"),
-        (lambda: whole_curve(200), "joint must be a Joint"),
     ],
 )
 def test_whole_curve_refuses(call, message):
