@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact import JointLaw, Material, largest_depth, material, tabulated
-from study.contact.laws import LAWS, AnyLaw, find
+from study.contact import LAWS, DimensionalLaw, Material, largest_depth, material, tabulated
+from study.contact.laws import AnyLaw, find
 from study.contact.power_fit import DEPTHS, USUAL_RANGE, fit_power
 from study.joint import applicability
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import force_curve
 from study.joint.joint import Joint, Kinematics, Layer
-from study.joint.law_options import law_options
+from study.joint.law_parameters import law_parameters
 from study.joint.nested_contact import whole_curve
 from study.joint.pressure import friction_radii
 from study.joint.stress import largest as largest_stress
@@ -85,7 +85,7 @@ class DimensionalSolution:
     angle_deg: Floats
     pressure: Floats
     friction_radius: dict[str, Floats]
-    law: JointLaw
+    law: DimensionalLaw
 
     def friction_torque(self, friction: float) -> dict[str, Floats]:
         """Torque in N m, as of ``friction_radius``, at a coefficient of friction >= 0; (k,)."""
@@ -235,7 +235,7 @@ class DimensionalJoint:
         checks.number("wall around the liner", self.wall, "m", above=inside)
         return layers
 
-    def law(self, law: AnyLaw | None = None) -> JointLaw:
+    def law(self, law: AnyLaw | None = None) -> DimensionalLaw:
         """A law of this joint, in SI units: by default the table of its own solved curve.
 
         Parameters
@@ -248,10 +248,10 @@ class DimensionalJoint:
         """
         if law is None:
             return self._table(usual_depth(self.joint))[0]
-        name = next((name for name in LAWS if LAWS[name] is find(law)), "")
-        if name == "stiffened_hertz":
+        law = find(law)
+        if law is LAWS["stiffened_hertz"]:
             checks.choice("kinematics of stiffened_hertz", self.kinematics, ("linear",))
-        return self._in_si_units(law, **law_options(name, self.joint))
+        return self._in_si_units(law, **law_parameters(law, self.joint))
 
     def power_law(self, depths: tuple[float, float] | None = None) -> PowerLaw:
         """The force as k d^n, fitted to the solved joint in the maximum norm of its relative error.
@@ -415,7 +415,7 @@ class DimensionalJoint:
         return self._in_si_units(tabulated(curve)), curve
 
     def _in_si_units(self, law, **options):
-        in_si_units = JointLaw(
+        in_si_units = DimensionalLaw(
             law,
             ball_radius=self.socket_radius - self.clearance,
             socket_radius=self.socket_radius,
