@@ -60,7 +60,7 @@ class Parts(NamedTuple):
 
 @dataclass(frozen=True)
 class Option:
-    """Default of a law's option, and its range: numbers, or some names.
+    """Default of a law's option, and its range: of numbers, of whole numbers, or some names.
 
     ``of_bodies`` marks what every joint with dimensions states: there the option has no default.
     """
@@ -70,7 +70,7 @@ class Option:
     most: float | None = None
     above: float | None = None
     names: tuple[str, ...] = ()
-    whole: bool = False
+    whole: tuple[int, int] | None = None
     of_bodies: bool = False
 
     def checked(self, name: str, value: Any) -> Any:
@@ -80,8 +80,9 @@ class Option:
         if self.names:
             return checks.choice(name, value, self.names)
         if self.whole:
-            return checks.whole(name, value, least=self.least, most=self.most)
-        limits = {"least": self.least, "most": self.most, "above": self.above}
+            least, most = self.whole
+            return checks.whole(name, value, least=least, most=most)
+        limits: Any = {"least": self.least, "most": self.most, "above": self.above}
         return checks.number(name, value, **limits, scalar=True)
 
 
@@ -138,15 +139,15 @@ class Law:
         *,
         derivative: bool = False,
         **options: Any,
-    ) -> Floats:
+    ) -> Any:
         """Force_star at depths, 0 where they are <= 0, or its derivative by depth_star.
 
         Depths and ``r2_star`` > 1 are arrays that broadcast. A value outside its range is a
         ``ValueError``. A law of one joint needs no ``r2_star``.
         """
         depth = np.asarray(checks.depth("depth_star", depth_star))
-        r2_star = self.r2_star if r2_star is None else r2_star
-        r2 = np.asarray(checks.number("r2_star", r2_star, above=1))
+        given: Any = self.r2_star if r2_star is None else r2_star
+        r2 = np.asarray(checks.number("r2_star", given, above=1))
         checks.flag("derivative", derivative)
         try:
             depth, r2 = np.broadcast_arrays(depth, r2)
@@ -204,7 +205,7 @@ def hertz(r2_star: Floats) -> Parts:
 @new_law(
     "identified",
     options={
-        "n": Option(1, least=1, most=50, whole=True),
+        "n": Option(1, whole=(1, 50)),
         "radius": Option("geometric", names=("geometric", "profile")),
     },
     examples=({}, {"n": 3}, {"n": 2, "radius": "profile"}),

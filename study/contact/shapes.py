@@ -11,6 +11,7 @@ states ``lines`` for other programs beside it; a test compares both.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from inspect import getdoc
 from math import factorial, pi
 from typing import Any
 
@@ -45,6 +46,10 @@ class Shape:
     lines: tuple[str, ...] | None = None
     polynomial: tuple[str, tuple[float, ...]] | None = None
     deepest: float | None = None
+
+    def __post_init__(self) -> None:
+        text = f"{self.name}(depth_star, constants)\n\n{self.formula}. {getdoc(self.function)}"
+        object.__setattr__(self, "__doc__", text)  # for help() and the report
 
     @property
     def name(self) -> str:

@@ -1,5 +1,7 @@
 """Options of a law for a joint: what `stiffened_hertz` looks up, and what `power` is fitted to."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -14,7 +16,7 @@ def law_parameters(
     joint: Joint,
     depth_star: ArrayLike | None = None,
     force_star: ArrayLike | None = None,
-) -> dict[str, object]:
+) -> dict[str, Any]:
     """Options of a law for a joint; `RangeError` if the law is not for it.
 
     ``power`` is fitted to exact forces at the given depths, by default those of the solved joint

@@ -17,14 +17,13 @@ def stiffer(r2_star: Floats, factor: float) -> Parts:
 
 
 PAPER_LAWS = '''
+LOOK = "law,stiffer,stiffer Hertz,#117733,>,-.\n"
 RECIPE = {
     "study/contact/laws.py": [
         ("PAPER_LAWS = ", LAW),
-        ("stiffened_hertz)\n}", "stiffened_hertz, stiffer)\n}"),
+        ("power, stiffened_hertz)\n", "power, stiffened_hertz, stiffer)\n"),
     ],
-    "study/pages/looks.csv": [
-        ("law,tabulated", "law,stiffer,stiffer Hertz,#117733,>,-.\nlaw,tabulated")
-    ],
+    "study/pages/looks.csv": [("law,tabulated", f"{LOOK}law,tabulated")],
 }
 """File -> texts there, and what is there with the law."""
 DESCRIBE = "from study.dataset import record; record.write_description()"
