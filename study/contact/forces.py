@@ -23,7 +23,7 @@ def elastic_force(law, depth):
     return law.scale * value, law.scale / law.clearance * slope
 '''
 _BRANCH = """
-    if shape == {place}:
+    {when}:
         value, slope = {name}(depth_star, {constants})"""
 
 
@@ -37,8 +37,8 @@ def _elastic_force():
     for place, shape in enumerate(SHAPES):
         names[shape.name] = register_jitable(inline="always")(shape.function)
         constants = "constants[: law.count]" if shape.constants is None else "constants"
-        branch = _BRANCH.format(place=place, name=shape.name, constants=constants)
-        branches += branch.replace(" if", " elif", 1) if place else branch
+        when = "else" if shape is SHAPES[-1] else f"{'elif' if place else 'if'} shape == {place}"
+        branches += _BRANCH.format(when=when, name=shape.name, constants=constants)
     exec(compile(_ELASTIC_FORCE.format(branches=branches), __file__, "exec"), names)
     return names["elastic_force"]
 
