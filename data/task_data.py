@@ -16,15 +16,15 @@ from pytask import Product, PythonNode, mark, task
 from study import paths, provenance
 from study.choose import random_scenes
 from study.claims import set_ups
-from study.dataset import design, fitting, hertz_correction, record, store
+from study.dataset import design, fitting, record, stiffening_fit, store
 
 MADE = record.to_make()
 CODE = {path: record.code(path) for path in record.GENERATED}
 BATCHES = list(design.batches())
 PARTS = [paths.BUILD / f"curves/{cases[0][1]}.csv" for cases in BATCHES]
 LIMITS, CHANGES = (
-    [paths.BUILD / f"hertz_correction/{name}-{k}.txt" for k in range(counts["socket_poisson"])]
-    for name, counts in (("limit", hertz_correction.LIMITS), ("change", hertz_correction.CHANGES))
+    [paths.BUILD / f"stiffening/{name}-{k}.txt" for k in range(counts["socket_poisson"])]
+    for name, counts in (("limit", stiffening_fit.LIMITS), ("change", stiffening_fit.CHANGES))
 )
 DESIGN = [paths.ROOT / "study/dataset/design.py"]
 DESCRIBED = [*record.GENERATED, store.MATERIALS, *store.PUBLISHED]
@@ -79,31 +79,31 @@ if store.COEFFICIENTS in MADE:
             temporary.write_text(json.dumps(fits, indent=2) + "\n", encoding="utf-8")
 
 
-for counts, parts in ((hertz_correction.LIMITS, LIMITS), (hertz_correction.CHANGES, CHANGES)):
+for counts, parts in ((stiffening_fit.LIMITS, LIMITS), (stiffening_fit.CHANGES, CHANGES)):
     if store.TABLE not in MADE:
         break
-    for nu, part in zip(hertz_correction.grid(counts)["socket_poisson"], parts, strict=True):
+    for nu, part in zip(stiffening_fit.grid(counts)["socket_poisson"], parts, strict=True):
 
         @mark.try_first  # they take the longest
         @task(id=part.stem)
-        def task_hertz_correction(
+        def task_stiffening(
             of: Annotated[tuple, decided_by(store.TABLE, (float(nu), counts))],
             part: Annotated[Path, Product] = part,
         ):
             with paths.whole(part) as temporary:
-                np.savetxt(temporary, hertz_correction.logarithms(*of).reshape(-1, 9))
+                np.savetxt(temporary, stiffening_fit.logarithms(*of).reshape(-1, 9))
 
 
 if store.TABLE in MADE:
 
-    def task_hertz_correction_table(
+    def task_stiffening_table(
         decided: Annotated[None, decided_by(store.TABLE)],
         limits: list[Path] = LIMITS,
         changes: list[Path] = CHANGES,
         table: Annotated[Path, Product] = store.TABLE,
     ):
         solved = [[np.loadtxt(part) for part in parts] for parts in (limits, changes)]
-        record.write_hertz_correction(hertz_correction.table(*solved))
+        record.write_stiffening(stiffening_fit.table(*solved))
 
 
 for k, part in enumerate(LINKS):
@@ -115,7 +115,7 @@ for k, part in enumerate(LINKS):
     @task(id=part.stem)
     def task_scenes(
         scenes: Annotated[list, decided_by(store.LINKS, some)],
-        correction: Path = store.TABLE,
+        stiffening: Path = store.TABLE,
         part: Annotated[Path, Product] = part,
     ):
         with paths.whole(part) as temporary:
@@ -137,7 +137,7 @@ for one, part in zip(DRAWN, SET_UPS, strict=True):
     def task_set_ups(
         one: Annotated[set_ups.SetUp, decided_by(store.SET_UPS, one)],
         coefficients: Path = store.COEFFICIENTS,
-        correction: Path = store.TABLE,
+        stiffening: Path = store.TABLE,
         part: Annotated[Path, Product] = part,
     ):
         with paths.whole(part) as temporary:

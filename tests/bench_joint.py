@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from benchmarks import charts
+from helpers.laws import IN_SI_UNITS
 
 from study import contact
-from study.contact import hertz_correction, joint_law
+from study.contact import DimensionalLaw, stiffening
 from study.joint import Joint, fem, force_curve, series, tilted, tilted_contact, whole_curve
 
 DEPTHS = np.linspace(0.025, 0.5, 20)
@@ -70,7 +71,7 @@ def test_table_of_a_joint_from_its_whole_curve(benchmark, bodies):
 
 def test_look_up_of_a_joint(benchmark):
     def look_up():
-        hertz_correction._in_r2_star.cache_clear()
+        stiffening._in_r2_star.cache_clear()
         return contact.stiffened_hertz.parts(200.0)
 
     benchmark(look_up)
@@ -83,9 +84,10 @@ def test_law_on_a_thousand_depths(benchmark, law):
 
 @pytest.mark.parametrize("law", [*contact.LAWS, "tabulated"])
 def test_compiled_law_with_stiffness_on_ten_thousand_depths(benchmark, law):
+    options = IN_SI_UNITS.get(law, {})
     if law == "tabulated":
         law = contact.tabulated(whole_curve(Joint(200)))
-    packed = joint_law.pack(law, 9.95e-3, 10e-3, 1.1e11)
+    packed = DimensionalLaw(law, **charts.SIZES, **options).packed()
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     charts.add_law(packed, depths)
     benchmark(charts.add_law, packed, depths)

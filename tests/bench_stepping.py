@@ -10,15 +10,15 @@ from functools import partial
 import numpy as np
 import pytest
 from benchmarks import charts, flexible_links
+from helpers.laws import packed
 from other_programs import cvode, odes
 
-from study.contact.joint_law import pack
 from study.joint import DimensionalJoint
 from study.measure import explicit, speed
 from study.mechanism import simulate
 from study.mechanism.spatial import ClearanceJoint
 
-LAW = pack(
+LAW = packed(
     "hertz", charts.SCENE.ball_radius, charts.SCENE.socket_radius, charts.SCENE.composite_modulus
 )
 SPAN = (charts.DURATION, charts.OUTPUTS)

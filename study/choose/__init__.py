@@ -1,27 +1,27 @@
 """The cheapest law for a joint, and the simplest model for a mechanism.
 
-`choose` compares every law with the solved joint. `directions` says whether a law along the axis
-serves loads off it. `choose_model` runs models of rigid links, bounds what flexible links would
-change (`links`), and runs these only if that bound is too large. `random_scenes` makes the evidence
-of the bound.
+`choose` compares every law with the solved joint. `axial_law_suffices` says whether a law along the
+axis is accurate for loads off it. `choose_model` runs models of rigid links, bounds what flexible
+links would change (`links`), and runs these only if that bound is too large. `random_scenes` makes
+the evidence of the bound.
 """
 
 from typing import TYPE_CHECKING, Any
 
-from study.choose.law import Choice, choose, relative_costs
-from study.choose.tilts import Directions, directions
+from study.choose.cheapest_law import Choice, choose, relative_costs
+from study.choose.off_axis import OffAxis, axial_law_suffices
 
 if TYPE_CHECKING:
     from study.choose.model import ModelChoice, ModelError, choose_model
 
 __all__ = [
     "Choice",
-    "Directions",
     "ModelChoice",
     "ModelError",
+    "OffAxis",
+    "axial_law_suffices",
     "choose",
     "choose_model",
-    "directions",
     "relative_costs",
 ]
 

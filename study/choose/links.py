@@ -13,11 +13,11 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from study.contact import Material
+from study.contact import Material, hertz
 from study.contact.forces import elastic_force
-from study.contact.joint_law import pack
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
+from study.mechanism.scene_law import in_joint
 
 Quantity = Literal["slider_position", "slider_velocity", "slider_acceleration"]
 QUANTITIES = get_args(Quantity)
@@ -52,8 +52,7 @@ def ratios(scene: Scene, depth: float) -> tuple[float, float]:
     They are the compliance of both links along their axes over the contact's, and the slider's
     frequency on the contact over the crank's axial one.
     """
-    law = pack("hertz", scene.ball_radius, scene.socket_radius, scene.composite_modulus)
-    contact = elastic_force(law, depth)[1]
+    contact = elastic_force(in_joint(scene, hertz, scene.clearance).packed(), depth)[1]
     compliance, _, axial = _compliance_and_frequencies(scene)
     return compliance * contact, sqrt(contact / scene.slider_mass) / axial
 

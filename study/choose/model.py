@@ -21,16 +21,17 @@ import numpy as np
 from study import checks
 from study.checks import StudyError
 from study.choose import links
-from study.choose.law import SHALLOWEST, choose
+from study.choose.cheapest_law import SHALLOWEST, choose
 from study.choose.links import Quantity
 from study.contact import SOCKET_RATIO, hertz
-from study.contact.joint_law import pack
+from study.contact.laws import find
 from study.joint import Joint
 from study.mechanism import simulate
 from study.mechanism.compare import motion_nrms
 from study.mechanism.particles import usual_step
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
+from study.mechanism.scene_law import in_joint
 
 LEAST_R2_STAR = 3  # below, a ball cannot go one clearance deep
 LAW_TOLERANCE = 0.01
@@ -252,8 +253,7 @@ def _run(scene, duration, outputs, model, law, joint="clearance", step_share=1.0
     if joint == "ideal":
         name, stepper = "none", "DOP853"
     if model == "particles":
-        radii = scene.ball_radius, scene.socket_radius
-        packed = pack(function, *radii, scene.composite_modulus, **options)
+        packed = in_joint(scene, find(function), scene.clearance, options).packed()
         settings["step"] = step_share * usual_step(scene, packed, settings["elements"])
     run = partial(simulate, scene, model=model, joint=joint, law=function, duration=duration)
     run = partial(run, outputs=outputs, **settings, **options)

@@ -1,6 +1,5 @@
 """Commands for laws: evaluate, choose, export."""
 
-from inspect import signature
 from pathlib import Path
 from typing import Literal
 
@@ -30,7 +29,7 @@ def evaluate_law(
     Only stiffened_hertz has options: it is for any two materials and four supports. The paper's
     laws have the coefficients of its own joint.
     """
-    cli.left_out(options, signature(LAWS[name]).parameters, f"{name} does not depend on it")
+    cli.left_out(options, LAWS[name].options, f"{name} does not depend on it")
     force = LAWS[name](depth_star, r2_star, **options)
     show({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
 
@@ -70,14 +69,14 @@ def choose_law(
 
     For a whole mechanism: study simulate --model auto --tolerance ... .
     """
-    from study.choose import choose, directions, relative_costs
+    from study.choose import axial_law_suffices, choose, relative_costs
     from study.joint import applicability, first_yield, force_curve
 
     needed(("r2_star",), joint)
     joint = cli.under_tilt(tilt, joint)
     asked, costs = RatioJoint(**joint).joint(yield_stress), relative_costs()
     with working("Solving the joint"):
-        off_axis = tilt is not None and directions(asked, depth_star, tilt, tolerance)
+        off_axis = tilt is not None and axial_law_suffices(asked, depth_star, tilt, tolerance)
         choice = choose(asked, depth_star, tolerance)
         first = first_yield(asked, depth_star) if yield_stress else None
         contact = force_curve(asked, [depth_star])

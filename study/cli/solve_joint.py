@@ -121,7 +121,7 @@ def sized(options):
 def _solve_dimensional(
     as_json, force=None, depth=None, tolerance=0.01, tilt=None, plot=None, **of_joint
 ):
-    from study.choose.law import TOLERANCES
+    from study.choose.cheapest_law import TOLERANCES
 
     of_pressure = {name: of_joint.pop(name) for name in OF_PRESSURE if name in of_joint}
     for name, value in of_pressure.items():
@@ -351,7 +351,7 @@ def _percent(error):
 
 def _law(joint, largest, tolerance, typed):
     """The cheapest law within the tolerance up to a depth, as JSON and in words."""
-    from study.choose.law import choose_beside
+    from study.choose.cheapest_law import choose_beside
     from study.joint.dimensional import usual_depth
 
     plain = joint.joint

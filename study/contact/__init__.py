@@ -1,10 +1,12 @@
 """Contact laws: the force between ball and socket as a function of penetration depth."""
 
 from study.contact.bodies import SOCKET_RATIO, composite_modulus, largest_depth
-from study.contact.joint_law import JointLaw
+from study.contact.dimensional_law import DimensionalLaw
 from study.contact.laws import (
+    COMPARED_LAWS,
     LAWS,
     PAPER_LAWS,
+    Law,
     LawName,
     hertz,
     hyperbolic_winkler,

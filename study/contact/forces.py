@@ -1,9 +1,10 @@
 """Contact force at one point, compiled for the stepping loops of the mechanism.
 
-A law with its dimensions is one record of numbers (`joint_law.pack`), because compiled code that is
-kept on disk cannot hold Python functions. The formulas stay in `shapes` and `friction`. A record is
-passed as a pointer. References to an array would be counted at every call, which takes as long as a
-law. This module does not import the laws: another law compiles nothing again.
+A law with its dimensions is one record of numbers (`DimensionalLaw.packed`), because compiled code
+that is kept on disk cannot hold Python functions. The formulas stay in `shapes` and `friction`. A
+record is passed as a pointer. References to an array would be counted at every call, which takes as
+long as a law. This module does not import the laws: another law of a known shape compiles nothing
+again.
 """
 
 import numpy as np
@@ -12,38 +13,38 @@ from numba.extending import register_jitable
 from study.compiled import compiled
 from study.contact import shapes
 from study.contact.friction import friction_factor
+from study.contact.shapes import SHAPES
 
-for _shape in (shapes.cubic, *shapes.SHAPES):  # a call takes as long as a law
-    register_jitable(inline="always")(_shape)
-_SAMPLED = len(shapes.SHAPES) - 1
-
-
-@compiled
+_HERTZ, _WINKLER, _SAMPLED = map(SHAPES.index, (shapes.hertz, shapes.winkler, shapes.sampled))
+_ELASTIC_FORCE = '''
 def elastic_force(law, depth):
-    """Force of a packed law in N, and its derivative in N/m, at a depth > 0 in m.
-
-    The branches are in the order of `shapes.SHAPES`: a record holds a shape by its place there.
-    """
-    depth_star, shape, constants = depth / law.clearance, law.shape_index, law.constants
-    if shape == 0:
-        value, slope = shapes.hertz(depth_star, constants)
-    elif shape == 1:
-        value, slope = shapes.winkler(depth_star, constants)
-    elif shape == 2:
-        value, slope = shapes.power(depth_star, constants)
-    elif shape == 3:
-        value, slope = shapes.chord(depth_star, constants)
-    elif shape == 4:
-        value, slope = shapes.liu(depth_star, constants)
-    elif shape == 5:
-        value, slope = shapes.hyperbolic(depth_star, constants[: law.count])
-    elif shape == 6:
-        value, slope = shapes.stiffened(depth_star, constants)
-    elif shape == 7:
-        value, slope = shapes.tabulated(depth_star, constants[: law.count])
-    else:
-        value, slope = shapes.sampled(depth_star, constants[: law.count])
+    """Force of a packed law in N, and its derivative in N/m, at a depth > 0 in m."""
+    depth_star, shape, constants = depth / law.clearance, law.shape_index, law.constants{branches}
     return law.scale * value, law.scale / law.clearance * slope
+'''
+_BRANCH = """
+    {when}:
+        value, slope = {name}(depth_star, {constants})"""
+
+
+def _elastic_force():
+    """Function that evaluates the shape of a law, from its source.
+
+    The source has a branch for each of `SHAPES`, because compiled code cannot choose from a list of
+    functions. A call takes as long as a law, so that the shapes' functions become a part of it.
+    """
+    names, branches = {**globals()}, ""
+    for place, shape in enumerate(SHAPES):
+        names[shape.name] = register_jitable(inline="always")(shape.function)
+        constants = "constants[: law.count]" if shape.constants is None else "constants"
+        when = "else" if shape is SHAPES[-1] else f"{'elif' if place else 'if'} shape == {place}"
+        branches += _BRANCH.format(when=when, name=shape.name, constants=constants)
+    exec(compile(_ELASTIC_FORCE.format(branches=branches), __file__, "exec"), names)
+    return names["elastic_force"]
+
+
+register_jitable(inline="always")(shapes.cubic)
+elastic_force = compiled(_elastic_force())
 
 
 def _gauss(count):
@@ -76,8 +77,8 @@ def stored_energy(law, depth):
             if low >= root:
                 break
     elif depth > 0:
-        simple = law.shape_index < 2  # Hertz's and Winkler's, for which few nodes are exact
-        rule = (_FEW_NODES, _FEW_WEIGHTS) if simple else (NODES, WEIGHTS)
+        few_are_exact = law.shape_index == _HERTZ or law.shape_index == _WINKLER
+        rule = (_FEW_NODES, _FEW_WEIGHTS) if few_are_exact else (NODES, WEIGHTS)
         for node, weight in zip(*rule):  # noqa: B905 (compiled code has no strict)
             energy += weight * 2 * node * depth * elastic_force(law, node * node * depth)[0]
     return energy

@@ -1,36 +1,36 @@
-"""Force-depth laws of a ball in a socket: one function per law, all dimensionless.
+"""Force-depth laws of a ball in a socket: one `Law` each, all dimensionless.
 
 In dimensionless form depth_star = d/dR (ds), r2_star = R2/dR and force_star = P/(E* dR^2), with
-the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*. Every law takes
-``depth_star`` and ``r2_star`` > 1 and returns the force in their broadcast shape, or with
-``derivative=True`` dP*/d(ds). The force is zero for depths <= 0. A value outside its range is a
-``ValueError``. Damping and friction are not here.
+the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*. Damping and
+friction are not here.
 
-Each docstring says how sure its formula is: given, derived, identified, reconstructed or fitted.
-"Eq." numbers are those of the paper that the study reproduces.
+A law is a function of R2* and of its options, which returns its `Parts`; `law` makes an object of
+it, with the options' defaults and ranges. "Eq." numbers are those of the paper that the study
+reproduces.
 """
 
 import json
-from collections.abc import Callable
-from functools import lru_cache, partial, wraps
-from inspect import Parameter, Signature, signature
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
+from inspect import getdoc
 from math import factorial, gamma, pi, sqrt
 from pathlib import Path
-from typing import Any, Literal, Protocol, cast, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact import hertz_correction, sampling, shapes
+from study.contact import sampling, shapes, stiffening
 from study.contact.bodies import SOCKET_RATIO
+from study.contact.power_fit import USUAL_RANGE
+from study.contact.shapes import Shape
 
-PaperLawName = Literal["hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler"]
-LawName = Literal[PaperLawName, "power", "stiffened_hertz"]
 Area = Literal["flat", "sphere"]
+Evidence = Literal["given", "derived", "identified", "reconstructed", "fitted", "solved", "user's"]
+"""How sure a law's formula is."""
 Floats = float | NDArray[np.float64]
-Parts = tuple[Any, Callable, Any]
-"""A law at some R2*: scale, shape, and the shape's constants."""
 COEFFICIENTS = Path(__file__).with_name("coefficients.json")
 AREA_COEFFICIENTS: dict[Area, str] = {
     "flat": "hyperbolic_winkler",
@@ -40,75 +40,177 @@ AREA_COEFFICIENTS: dict[Area, str] = {
 LIMIT_MARGIN = 1e-9  # by rounding, d/dR and R2/dR from radii in m may exceed a limit
 
 
-class Law(Protocol):
-    """Dimensionless force over depth: a function with the arguments that the module names."""
+class Parts(NamedTuple):
+    """A law at some R2*: force_star is ``scale`` times the ``shape`` with its ``constants``."""
 
-    __name__: str
-    __call__: Callable[..., Any]
-    parts: Callable[..., Parts]
-    deepest: float | None  # largest depth_star, where the shape has no limit
-    joint: Any  # a `study.joint.Joint`, for the law of one joint
+    scale: Any
+    shape: Shape
+    constants: Any = ()
+
+    def at(self, depth_star: NDArray[np.float64], derivative: int) -> Any:
+        """Dimensionless force, or its derivative by the depth; 0 at depths <= 0.
+
+        Scale and constants are one for all depths, or one for each depth > 0.
+        """
+        result, touches = np.zeros(depth_star.shape), depth_star > 0
+        values = self.shape(depth_star[touches], self.constants)
+        result[touches] = self.scale * values[derivative]
+        return float(result) if result.ndim == 0 else result
 
 
-AnyLaw = str | Law | Callable[[float, float], float]
-"""Key of `LAWS`, a law itself, or a function of one depth_star and one r2_star (`sampled`)."""
+@dataclass(frozen=True)
+class Option:
+    """Default of a law's option, and its range: of numbers, of whole numbers, or some names.
+
+    ``of_bodies`` marks what every joint with dimensions states: there the option has no default.
+    """
+
+    default: Any
+    least: float | None = None
+    most: float | None = None
+    above: float | None = None
+    names: tuple[str, ...] = ()
+    whole: tuple[int, int] | None = None
+    of_bodies: bool = False
+
+    def checked(self, name: str, value: Any) -> Any:
+        """The value, or ``ValueError``; None stands for a default that is None."""
+        if value is None and self.default is None:
+            return None
+        if self.names:
+            return checks.choice(name, value, self.names)
+        if self.whole:
+            least, most = self.whole
+            return checks.whole(name, value, least=least, most=most)
+        limits: Any = {"least": self.least, "most": self.most, "above": self.above}
+        return checks.number(name, value, **limits, scalar=True)
 
 
-def _law(
-    parts: Callable[..., Parts],
-    usual_r2_star: float | None = None,
-    deepest: float | None = None,
-    joint: Any = None,
-) -> Law:
-    """Make a law from its parts: check the arguments, evaluate depths > 0 only."""
+@dataclass(frozen=True, eq=False)
+class Law:
+    """A dimensionless force over depth. A call evaluates it.
 
-    @wraps(parts)
-    def law(depth_star, r2_star=usual_r2_star, *, derivative=False, **options):
+    Attributes
+    ----------
+    name
+        Key of `LAWS`; of another law, that of its function.
+    formula
+        Of R2* and all options; returns the law's `Parts`.
+    evidence
+        How sure the formula is.
+    options
+        Names of the options, with defaults and ranges.
+    deepest
+        Largest depth_star, if the law has a limit that its shape has not.
+    least_r2_star
+        Smallest R2*, where it is not 1.
+    fitted_to
+        Largest depth_star of the fit in the paper's joint that gives the default coefficients.
+    examples
+        Options that are tried wherever all laws are, for example in tests.
+    r2_star
+        The only R2* of the law of one joint, and its default.
+    joint
+        The `study.joint.Joint` of the law of one joint.
+    """
+
+    name: str
+    formula: Callable[..., Parts] = field(repr=False)
+    evidence: Evidence
+    options: Mapping[str, Option] = field(default_factory=dict, repr=False)
+    deepest: float | None = field(default=None, repr=False)
+    least_r2_star: float | None = field(default=None, repr=False)
+    fitted_to: float | None = field(default=None, repr=False)
+    examples: tuple[Mapping[str, Any], ...] = field(default=({},), repr=False)
+    r2_star: float | None = field(default=None, repr=False)
+    joint: Any = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        given = ["depth_star", "r2_star" if self.r2_star is None else f"r2_star={self.r2_star:g}"]
+        given += ["*", "derivative=False"]
+        given += [f"{name}={option.default!r}" for name, option in self.options.items()]
+        text = f"{self.name}({', '.join(given)})\n\n{getdoc(self.formula) or ''}"
+        object.__setattr__(self, "__doc__", text)  # for help() and the report
+
+    def __call__(
+        self,
+        depth_star: ArrayLike,
+        r2_star: ArrayLike | None = None,
+        *,
+        derivative: bool = False,
+        **options: Any,
+    ) -> Any:
+        """Force_star at depths, 0 where they are <= 0, or its derivative by depth_star.
+
+        Depths and ``r2_star`` > 1 are arrays that broadcast. A value outside its range is a
+        ``ValueError``. A law of one joint needs no ``r2_star``.
+        """
         depth = np.asarray(checks.depth("depth_star", depth_star))
-        r2 = np.asarray(checks.number("r2_star", r2_star, above=1))
+        given: Any = self.r2_star if r2_star is None else r2_star
+        r2 = np.asarray(checks.number("r2_star", given, above=1))
         checks.flag("derivative", derivative)
         try:
             depth, r2 = np.broadcast_arrays(depth, r2)
         except ValueError:
             wanted = "depth_star and r2_star must have shapes that broadcast"
             raise ValueError(f"{wanted}, got {depth.shape} and {r2.shape}") from None
-        of_r2_star = parts(r2[depth > 0], **options)
-        limit = shapes.LIMITS.get(of_r2_star[1], deepest)
+        touches = depth > 0
+        if not touches.any():
+            self._checked(options)
+            return 0.0 if depth.ndim == 0 else np.zeros(depth.shape)
+        parts = self.parts(r2[touches], **options)
+        limit = self.limit(parts.shape)
         if limit is not None:
-            name = f"depth_star of {parts.__name__}"
-            checks.number(name, depth, most=limit * (1 + LIMIT_MARGIN))
-        return evaluated(of_r2_star, depth, int(derivative))
+            checks.number(f"depth_star of {self.name}", depth, most=limit * (1 + LIMIT_MARGIN))
+        return parts.at(depth, int(derivative))
 
-    r2_star, *options = signature(parts).parameters.values()
-    r2_star = r2_star.replace(annotation=ArrayLike)
-    kind = Parameter("derivative", Parameter.KEYWORD_ONLY, default=False, annotation=bool)
-    given = [r2_star.replace(name="depth_star"), r2_star, kind, *options]
-    returns = Signature(given, return_annotation=Floats)
-    vars(law).update(parts=parts, deepest=deepest, joint=joint, __signature__=returns)
-    return cast(Law, law)
+    def parts(self, r2_star: Any, **options: Any) -> Parts:
+        """Scale, shape and constants for one R2*, or for each of an array."""
+        if self.least_r2_star is not None:
+            least = self.least_r2_star * (1 - LIMIT_MARGIN)
+            checks.number(f"r2_star of {self.name}", r2_star, least=least)
+        return self.formula(r2_star, **self._checked(options))
+
+    def limit(self, shape: Shape) -> float | None:
+        """Largest depth_star of the law with one of its shapes."""
+        return self.deepest if shape.deepest is None else shape.deepest
+
+    def _checked(self, options):
+        """All options: those given, in their ranges, and defaults."""
+        for name in options:
+            if not self.options:
+                raise checks.RangeError(f"{name} must be left out: {self.name} has no option")
+            checks.choice(f"option of {self.name}", name, self.options)
+        values = {name: option.default for name, option in self.options.items()} | options
+        return {
+            name: self.options[name].checked(f"{name} of {self.name}", value)
+            for name, value in values.items()
+        }
 
 
-def evaluated(parts: Parts, depth_star: NDArray[np.float64], derivative: int) -> Any:
-    """Dimensionless force, or its derivative by the depth, of a law at some R2*; 0 at depths <= 0.
-
-    The scale and the constants are one for all depths, or one for each depth > 0.
-    """
-    scale, shape, constants = parts
-    result, contact = np.zeros(depth_star.shape), depth_star > 0
-    result[contact] = scale * shape(depth_star[contact], constants)[derivative]
-    return float(result) if result.ndim == 0 else result
+def new_law(evidence: Evidence, **more: Any) -> Callable[[Callable[..., Parts]], Law]:
+    """Make a `Law` of the function that follows, its ``formula``; more attributes are `Law`'s."""
+    return lambda formula: Law(formula.__name__, formula, evidence, **more)
 
 
-@_law
+COEFFICIENT = Option(None, above=0)
+
+
+@new_law("given")
 def hertz(r2_star: Floats) -> Parts:
     """Hertz: P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) (Eqs. 4-6, given)."""
-    return 4 / 3 * np.sqrt(r2_star * (r2_star - 1)), shapes.hertz, ()
+    return Parts(4 / 3 * np.sqrt(r2_star * (r2_star - 1)), shapes.hertz)
 
 
-@_law
-def steuermann(
-    r2_star: Floats, *, n: int = 1, radius: Literal["geometric", "profile"] = "geometric"
-) -> Parts:
+@new_law(
+    "identified",
+    options={
+        "n": Option(1, whole=(1, 50)),
+        "radius": Option("geometric", names=("geometric", "profile")),
+    },
+    examples=({}, {"n": 3}, {"n": 2, "radius": "profile"}),
+)
+def steuermann(r2_star: Floats, n: int, radius: str) -> Parts:
     """Steuermann: P = (4n/(2n+1)) E* a d for a profile of order 2n (Eq. 7; Johnson, sec. 5.3).
 
     ``n`` is from 1 to 50. ``radius="geometric"`` takes the contact radius a = R2 sin(eps) with
@@ -117,11 +219,9 @@ def steuermann(
     coefficient of the gap between the spheres and c_n = 2*4*..*2n / (1*3*..*(2n-1)). With n = 1 it
     is Hertz's law.
     """
-    checks.choice("radius", radius, ("geometric", "profile"))
-    n = checks.whole("n", n, least=1, most=50)
     factor = 4 * n / (2 * n + 1)
     if radius == "geometric":
-        return factor * r2_star, shapes.chord, ()
+        return Parts(factor * r2_star, shapes.chord)
     c_n = sqrt(pi) * gamma(n + 1) / gamma(n + 0.5)
     taylor = factorial(2 * n - 2) / (2 ** (2 * n - 1) * factorial(n - 1) * factorial(n))
     odd = 2 * n - 1
@@ -130,35 +230,43 @@ def steuermann(
     difference = np.where(ratio < 700, np.log(np.expm1(np.minimum(ratio, 700))), ratio)
     difference = difference - odd * np.log(r2_star)
     radius_star = np.exp(-(np.log(c_n * taylor) + difference) / (2 * n))  # at ds = 1
-    return factor * radius_star, shapes.power, (1 + 1 / (2 * n),)
+    return Parts(factor * radius_star, shapes.power, (1 + 1 / (2 * n),))
 
 
-@_law
+@new_law("reconstructed", fitted_to=USUAL_RANGE[1])
 def liu(r2_star: Floats) -> Parts:
     """Liu et al. 2006: P* = 4.57 R2* ds sin(eps) sin(eps/2) (Eq. 8 is lost; reconstructed).
 
     The coefficient of determination in Table 2 gives the factor, the RMSE the growth with depth
     (notebook 13). The half-angle eps is Steuermann's; sin(eps/2) is the factor of Liu's law for
-    cylinders. Another form also meets both numbers: a pressure 1 - theta^2/eps^2 on the socket's
-    sphere. At a depth of 0.5 it differs by less than 1 % of the force.
+    cylinders. Another form also agrees with both numbers: a pressure 1 - theta^2/eps^2 on the
+    socket's sphere. At a depth of 0.5 it differs by less than 1 % of the force.
     """
-    return _coefficient("liu", r2_star), shapes.liu, ()
+    return Parts(_coefficient("liu", r2_star), shapes.liu)
 
 
-@_law
-def winkler(r2_star: Floats, *, coefficient: float | None = None) -> Parts:
+@new_law(
+    "derived",
+    options={"coefficient": COEFFICIENT},
+    fitted_to=USUAL_RANGE[1],
+    examples=({}, {"coefficient": 3.0}),
+)
+def winkler(r2_star: Floats, coefficient: float | None) -> Parts:
     """Winkler with fitted coefficient: P* = f1w(R2*) ds^2 (Eq. 28, derived; f1w fitted).
 
     The default of the ``coefficient`` f1w > 0 is this study's fit in the paper's joint
     (`study.joint.paper_joint`), linear in R2*.
     """
-    return _coefficient("winkler", r2_star, coefficient), shapes.winkler, ()
+    return Parts(_coefficient("winkler", r2_star, coefficient), shapes.winkler)
 
 
-@_law
-def hyperbolic_winkler(
-    r2_star: Floats, *, area: Area = "flat", coefficient: float | None = None
-) -> Parts:
+@new_law(
+    "derived",
+    options={"area": Option("flat", names=("flat", "sphere")), "coefficient": COEFFICIENT},
+    fitted_to=USUAL_RANGE[1],
+    examples=({}, {"coefficient": 3.0}, {"area": "sphere"}),
+)
+def hyperbolic_winkler(r2_star: Floats, area: Area, coefficient: float | None) -> Parts:
     """The paper's law: P* = f1(R2*) f2(ds) (Eqs. 20-27, f2 derived; f1 fitted by this study).
 
     f2 = 2 ds [(6/a) sin(a) + (6/a^2 - 2) cos(a) - 1 - 6/a^2] with the contact half-angle
@@ -172,15 +280,17 @@ def hyperbolic_winkler(
     Both are series, without cancellation (`study.contact.shapes.hyperbolic`). The largest depth is
     pi^2/8, a half-angle of 90 deg. The default of the ``coefficient`` f1 > 0 is as for `winkler`.
     """
-    checks.choice("area", area, tuple(shapes.BRACKETS))
     scale = _coefficient(AREA_COEFFICIENTS[area], r2_star, coefficient)
-    return scale, shapes.hyperbolic, shapes.BRACKETS[area]
+    return Parts(scale, shapes.hyperbolic, shapes.BRACKETS[area])
 
 
-@_law
-def power(
-    r2_star: Floats, *, coefficient: float | None = None, exponent: float | None = None
-) -> Parts:
+@new_law(
+    "fitted",
+    options={"coefficient": COEFFICIENT, "exponent": Option(None, least=1, most=3)},
+    fitted_to=USUAL_RANGE[1],
+    examples=({}, {"coefficient": 600.0, "exponent": 1.7}),
+)
+def power(r2_star: Floats, coefficient: float | None, exponent: float | None) -> Parts:
     """Power law: P* = k* ds^n, fitted to one joint and one range of depths (this study).
 
     It has the two numbers that programs for multibody dynamics ask for. A joint's own are those of
@@ -195,22 +305,45 @@ def power(
     """
     if (coefficient is None) != (exponent is None):
         raise ValueError("coefficient and exponent of power must be given together, got only one")
-    if exponent is None:
-        exponent = _fitted("power", "exponent")
-    n = checks.number("exponent of power", exponent, least=1, most=3, scalar=True)
-    return _coefficient("power", r2_star, coefficient), shapes.power, (n,)
+    n = _fitted("power", "exponent") if exponent is None else exponent
+    return Parts(_coefficient("power", r2_star, coefficient), shapes.power, (n,))
 
 
-@_law
+def _of_table(name: str, default: Any) -> Option:
+    """Option of `stiffened_hertz`, in the range of its table."""
+    least, most = stiffening.RANGES[name]
+    return Option(default, least=least * (1 - LIMIT_MARGIN), most=most, of_bodies=True)
+
+
+_PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
+
+
+@new_law(
+    "fitted",
+    options={
+        "socket_ratio": _of_table("socket_ratio", SOCKET_RATIO),
+        "modulus_ratio": _of_table("modulus_ratio", 1.0),
+        "poisson": _of_table("poisson", 0.3),
+        "socket_poisson": _of_table("socket_poisson", None),
+        "ball_drive": Option("plane", names=("plane", "clamped")),
+        "rim": Option("mirror", names=("mirror", "free")),
+    },
+    least_r2_star=stiffening.LEAST_R2_STAR,
+    examples=(
+        _PAPER,
+        _PAPER | {"socket_ratio": 1.1, "poisson": 0.45, "socket_poisson": 0.45},
+        _PAPER | {"socket_ratio": 3.0, "modulus_ratio": 0.01, "ball_drive": "clamped"},
+        _PAPER | {"socket_poisson": 0.46, "modulus_ratio": 30.0, "rim": "free"},
+    ),
+)
 def stiffened_hertz(
     r2_star: Floats,
-    *,
-    socket_ratio: float = SOCKET_RATIO,
-    modulus_ratio: float = 1.0,
-    poisson: float = 0.3,
-    socket_poisson: float | None = None,
-    ball_drive: Literal["plane", "clamped"] = "plane",
-    rim: Literal["mirror", "free"] = "mirror",
+    socket_ratio: float,
+    modulus_ratio: float,
+    poisson: float,
+    socket_poisson: float | None,
+    ball_drive: str,
+    rim: str,
 ) -> Parts:
     """Hertz stiffened by thickness, materials and supports (this study, tabulated).
 
@@ -218,10 +351,10 @@ def stiffened_hertz(
     s = sqrt(ds): Hertz's law as ds -> 0. It is for half a ball, ``plane`` or ``clamped``, in a
     hemispherical socket (an opening of 90 deg) that is fixed all over its outside (the backing
     ``whole``), of one material, pressed along the axis. The nine numbers of a joint are looked up
-    once, in ``hertz_correction.csv`` (`study.contact.hertz_correction`). The law is for linear
-    kinematics, ds <= 1 and the ranges of `study.contact.hertz_correction.RANGES`. Its largest error
-    is 0.18 % on 336 random joints, and 0.57 % at the ends of the ranges (notebook 15). Defaults are
-    the paper's socket ratio and equal materials.
+    once, in ``stiffening.csv`` (`study.contact.stiffening`). The law is for linear kinematics,
+    ds <= 1 and the ranges of `study.contact.stiffening.RANGES`. Its largest error is 0.18 % on 336
+    random joints, and 0.57 % at the ends of the ranges (notebook 15). Defaults are the paper's
+    socket ratio and equal materials.
 
     Parameters
     ----------
@@ -235,28 +368,13 @@ def stiffened_hertz(
         Supports, as for `study.joint.Joint`.
     """
     socket_poisson = poisson if socket_poisson is None else socket_poisson
-    least_r2_star = hertz_correction.LEAST_R2_STAR * (1 - LIMIT_MARGIN)
-    checks.number("r2_star of stiffened_hertz", r2_star, least=least_r2_star)
-    given = {
-        "socket_ratio": socket_ratio,
-        "modulus_ratio": modulus_ratio,
-        "poisson": poisson,
-        "socket_poisson": socket_poisson,
-    }
-    for name, (least, most) in hertz_correction.RANGES.items():
-        least *= 1 - LIMIT_MARGIN
-        checks.number(
-            f"{name} of stiffened_hertz", given[name], least=least, most=most, scalar=True
-        )
-    clamped = checks.choice("ball_drive of stiffened_hertz", ball_drive, ("plane", "clamped"))
-    free = checks.choice("rim of stiffened_hertz", rim, ("mirror", "free"))
-    share = hertz_correction.share_of_ball(modulus_ratio, poisson, socket_poisson)
+    share = stiffening.share_of_ball(modulus_ratio, poisson, socket_poisson)
     bodies = share, poisson, socket_poisson, socket_ratio
     radii = np.asarray(r2_star)
     if radii.ndim and (radii == radii[:1]).all():  # nearly always: the table is looked up once
         radii = radii[:1]
-    constants = hertz_correction.powers(radii, bodies, clamped == "clamped", free == "free")
-    return hertz.parts(r2_star)[0], shapes.stiffened, constants
+    constants = stiffening.powers(radii, bodies, ball_drive == "clamped", rim == "free")
+    return Parts(hertz.parts(r2_star).scale, shapes.stiffened, constants)
 
 
 def tabulated(curve: Any) -> Law:
@@ -282,8 +400,6 @@ def tabulated(curve: Any) -> Law:
     ValueError
         For too few or too deep depths, or a force that does not increase with depth.
     """
-    if isinstance(curve, type) or not {"joint", "depth_star", "force_star"} <= {*dir(curve)}:
-        raise ValueError(f"curve must be a ForceCurve, got {checks.shown(curve)}")
     lists = {"depth_star of curve": curve.depth_star, "force_star of curve": curve.force_star}
     depth, force = checks.same_length(**lists)
     order = np.argsort(depth)
@@ -302,12 +418,14 @@ def tabulated(curve: Any) -> Law:
     root = np.append(0, np.sqrt(depth))
     constants = sampling.of_points(root, np.append(1, force / hertz(depth, joint_r2_star)))
 
-    def tabulated(r2_star: Floats) -> Parts:
+    def formula(r2_star: Floats) -> Parts:
+        """Table of one joint's force-depth curve."""
         if not np.allclose(r2_star, joint_r2_star, rtol=1e-6, atol=0):
             raise ValueError(f"r2_star must be the curve's, {joint_r2_star:g}, got {r2_star}")
-        return hertz.parts(r2_star)[0], shapes.tabulated, constants
+        return Parts(hertz.parts(r2_star).scale, shapes.tabulated, constants)
 
-    return _law(tabulated, joint_r2_star, depth[-1], curve.joint)
+    of_joint = {"r2_star": joint_r2_star, "joint": curve.joint}
+    return Law("tabulated", formula, "solved", deepest=float(depth[-1]), **of_joint)
 
 
 def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> Law:
@@ -342,37 +460,40 @@ def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> 
     limit = checks.number("deepest", deepest, above=0, most=sampling.DEEPEST, scalar=True)
     table = lru_cache(maxsize=8)(partial(sampling.of_function, function, name, deepest=limit))
 
-    def parts(r2_star: Floats) -> Parts:
+    def formula(r2_star: Floats) -> Parts:
         given = np.unique(r2_star)
-        if given.size == 0:  # nothing touches
-            return 1.0, shapes.hertz, ()
         if given.size > 1:
             raise ValueError(f"r2_star of law {name} must be one number, got {checks.shown(given)}")
-        return 1.0, shapes.sampled, table(r2_star=float(given[0]))
+        return Parts(1.0, shapes.sampled, table(r2_star=float(given[0])))
 
-    parts.__name__ = parts.__qualname__ = name
-    parts.__doc__ = function.__doc__
-    return _law(parts, deepest=limit)
+    formula.__doc__ = function.__doc__
+    return Law(name, formula, "user's", deepest=limit)
 
 
-LAWS: dict[str, Law] = {
-    law.__name__: law
+PAPER_LAWS = ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler")
+"""The laws that the paper compares."""
+COMPARED_LAWS = (*PAPER_LAWS, "power", "stiffened_hertz")
+"""The laws that results of all laws show: another law changes none of them."""
+LAWS = {
+    law.name: law
     for law in (hertz, steuermann, liu, winkler, hyperbolic_winkler, power, stiffened_hertz)
 }
-PAPER_LAWS: tuple[PaperLawName, ...] = get_args(PaperLawName)
-"""The laws that the paper compares."""
+"""Every law that has a name, by it."""
+if TYPE_CHECKING:
+    LawName = str
+else:
+    LawName = Literal[tuple(LAWS)]
+AnyLaw = str | Law | Callable[[float, float], float]
+"""Key of `LAWS`, a law itself, or a function of one depth_star and one r2_star (`sampled`)."""
 
 
 def find(law: AnyLaw) -> Law:
     """Law by its name, a law itself, or one `sampled` from a function; else ``ValueError``."""
-    if not isinstance(law, str) and callable(getattr(law, "parts", None)):
-        return cast(Law, law)
-    if isinstance(law, partial) and hasattr(law.func, "parts"):
+    if isinstance(law, Law):
+        return law
+    if isinstance(law, partial) and isinstance(law.func, Law):
         shown = checks.shown(law)
         raise ValueError(f"law must be without its options, which are given beside it, got {shown}")
-    if hasattr(law, "composite_modulus"):  # a JointLaw
-        wanted = "a law without dimensions, such as tabulated(whole_curve(joint))"
-        raise ValueError(f"law must be a name, a function, or {wanted}, got a JointLaw")
     if callable(law) and not isinstance(law, type):
         return sampled(law)
     return LAWS[checks.choice("law", law, LAWS)]
@@ -381,7 +502,7 @@ def find(law: AnyLaw) -> Law:
 def _coefficient(law, r2_star, given=None):
     """Coefficient of a law as it is given, or as fitted for 20 <= R2* <= 300."""
     if given is not None:
-        return checks.number(f"coefficient of {law}", given, above=0, scalar=True)
+        return given
     return _fitted(law, "slope") * r2_star + _fitted(law, "intercept")
 
 

@@ -1,57 +1,129 @@
 """How each law's force grows with depth: force_star = scale(R2*) shape(depth_star).
 
-Every shape returns its value and its derivative for depth_star > 0. The same lines serve NumPy
-arrays and the compiled stepping loops (`study.contact.forces`). ``constants`` is what a shape needs
-besides the depth; most need nothing.
+A `Shape` has one Python function of ``ds`` = depth_star > 0 and of the shape's ``constants``, which
+returns the value and its derivative. It serves NumPy arrays, the compiled stepping loops
+(`study.contact.forces`) and, line by line, texts for other programs (`study.export.formulas`).
+
+To be all three, a function consists of assignments and one ``return``. They have numbers, names,
+``constants[k]``, the four operations, powers and ``np.sqrt``. A function with loops or look-ups
+states ``lines`` for other programs beside it; a test compares both.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from inspect import getdoc
 from math import factorial, pi
+from typing import Any
 
 import numpy as np
 
 
-def hertz(depth_star, constants):
-    """ds^(3/2)."""
-    root = np.sqrt(depth_star)
-    return depth_star * root, 1.5 * root
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One shape of the force over the depth.
+
+    Attributes
+    ----------
+    function
+        Of ``ds`` > 0 and ``constants``; returns value and derivative.
+    formula
+        For a reader; ``$name`` is the number of a constant.
+    constants
+        Names of the constants; None if their number varies.
+    lines
+        Statements from ``ds`` to ``value`` and ``slope``, written for MATLAB's arrays, if they
+        cannot be read from the function; empty for a shape that is not exported.
+    polynomial
+        Variable of the polynomial whose coefficients are the constants from the highest power on,
+        and the coefficients that follow them; ``$polynomial`` and ``$derivative`` in `lines`.
+    deepest
+        Largest depth_star, if the shape has a limit.
+    """
+
+    function: Callable
+    formula: str
+    constants: tuple[str, ...] | None = ()
+    lines: tuple[str, ...] | None = None
+    polynomial: tuple[str, tuple[float, ...]] | None = None
+    deepest: float | None = None
+
+    def __post_init__(self) -> None:
+        text = f"{self.name}(depth_star, constants)\n\n{self.formula}. {getdoc(self.function)}"
+        object.__setattr__(self, "__doc__", text)  # for help() and the report
+
+    @property
+    def name(self) -> str:
+        """Name of the function."""
+        return self.function.__name__
+
+    def __call__(self, depth_star: Any, constants: Any) -> tuple[Any, Any]:
+        """Value and derivative at depths > 0."""
+        return self.function(depth_star, constants)
 
 
-def winkler(depth_star, constants):
-    """ds^2."""
-    return depth_star * depth_star, 2 * depth_star
+def shape(formula: str, **more: Any) -> Callable[[Callable], Shape]:
+    """Make a `Shape` of the function that follows."""
+    return lambda function: Shape(function, formula, **more)
 
 
-def power(depth_star, constants):
-    """ds^m, with the exponent m as the only constant."""
-    value = depth_star ** constants[0]
-    return value, constants[0] * value / depth_star
+@shape("ds^(3/2)")
+def hertz(ds, constants):
+    """Of Hertz's law."""
+    s = np.sqrt(ds)
+    return ds * s, 1.5 * s
 
 
-def chord(depth_star, constants):
-    """Steuermann's ds sin(eps), with cos(eps) = 1/(1 + ds)."""
-    root = np.sqrt(depth_star * (2 + depth_star))
-    sine = root / (1 + depth_star)
-    return depth_star * sine, sine + depth_star / (root * (1 + depth_star) ** 2)
+@shape("ds^2")
+def winkler(ds, constants):
+    """Of Winkler's law."""
+    return ds * ds, 2 * ds
 
 
-def liu(depth_star, constants):
-    """Liu's ds sin(eps) sin(eps/2), with cos(eps) = 1/(1 + ds)."""
-    share = depth_star / (1 + depth_star)  # the whole never overflows on the way
-    value = depth_star * share * np.sqrt(1 - share / 2)
-    return value, value * (2 / depth_star + 0.5 / (2 + depth_star) - 1.5 / (1 + depth_star))
+@shape("ds^$exponent", constants=("exponent",))
+def power(ds, constants):
+    """Of the power law, and of Steuermann's profiles."""
+    value = ds ** constants[0]
+    return value, constants[0] * value / ds
 
 
-def hyperbolic(depth_star, constants):
+@shape("ds sin(eps), cos(eps) = 1/(1 + ds)")
+def chord(ds, constants):
+    """Of Steuermann's law."""
+    root = np.sqrt(ds * (2 + ds))
+    sine = root / (1 + ds)
+    return ds * sine, sine + ds / (root * (1 + ds) ** 2)
+
+
+@shape("ds sin(eps) sin(eps/2), cos(eps) = 1/(1 + ds)")
+def liu(ds, constants):
+    """Of Liu's law."""
+    share = ds / (1 + ds)
+    value = ds * share * np.sqrt(1 - share / 2)  # the whole never overflows on the way
+    return value, value * (2 / ds + 0.5 / (2 + ds) - 1.5 / (1 + ds))
+
+
+@shape(
+    "ds (b0 + b1 ds + b2 ds^2 + ...)",
+    constants=None,
+    lines=(
+        "bracket = $polynomial",
+        "value = ds .* bracket",
+        "slope = bracket + ds .* ($derivative)",
+    ),
+    polynomial=("ds", ()),
+    deepest=pi**2 / 8,  # a half-angle of 90 deg
+)
+def hyperbolic(ds, constants):
     """f2 of the hyperbolic Winkler law: ds times the bracket of Eq. 20, a power series in ds.
 
     ``constants`` are its coefficients, one of `BRACKETS`, from the highest power to 0. Nothing
     cancels as ds -> 0, and the series has full accuracy up to a half-angle of 90 deg.
     """
-    bracket = slope = 0.0 * depth_star
+    bracket = slope = 0.0 * ds
     for k in range(len(constants)):
-        slope = slope * depth_star + bracket
-        bracket = bracket * depth_star + constants[k]
-    return depth_star * bracket, bracket + depth_star * slope
+        slope = slope * ds + bracket
+        bracket = bracket * ds + constants[k]
+    return ds * bracket, bracket + ds * slope
 
 
 BRACKETS = {
@@ -68,13 +140,23 @@ BRACKETS = {
 the sphere, w(t) = sin(t), or of a flat disc with the arc as its radius, w(t) = t."""
 
 
-def stiffened(depth_star, constants):
-    """ds^(3/2) S, with S = 1 + c1 u + c2 u^2 + ... + c9 u^9, u = s/(1 + s) and s = sqrt(ds).
-
-    ``constants`` are the coefficients from c9 to c1. Powers are summed in pairs, and pairs of pairs
-    (Estrin), which is faster than one after the other.
-    """
-    root = np.sqrt(depth_star)
+@shape(
+    "ds^(3/2) S, S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s), s = sqrt(ds)",
+    constants=tuple(f"c{k}" for k in range(9, 0, -1)),
+    lines=(
+        "s = sqrt(ds)",
+        "u = s ./ (1 + s)",
+        "factor = $polynomial",
+        "steepness = $derivative",
+        "value = ds .* s .* factor",
+        "slope = 1.5 * s .* factor + ds .* steepness .* (1 - u) .* (1 - u) / 2",
+    ),
+    polynomial=("u", (1.0,)),
+    deepest=1.0,  # the end of the fit
+)
+def stiffened(ds, constants):
+    """Powers are summed in pairs, and pairs of pairs (Estrin): faster than one after the other."""
+    root = np.sqrt(ds)
     u = root / (1 + root)
     u2 = u * u
     u4 = u2 * u2
@@ -86,7 +168,7 @@ def stiffened(depth_star, constants):
     slope = 5 * c5 + 6 * c6 * u + u2 * (7 * c7 + 8 * c8 * u) + u4 * (9 * c9)
     slope = c1 + 2 * c2 * u + u2 * (3 * c3 + 4 * c4 * u) + u4 * slope
     steepness = slope * (1 - u) ** 2
-    return depth_star * root * factor, root * 1.5 * factor + depth_star * steepness / 2
+    return ds * root * factor, root * 1.5 * factor + ds * steepness / 2
 
 
 def cubic(x, left, slope, right, next_slope):
@@ -99,12 +181,32 @@ def cubic(x, left, slope, right, next_slope):
     return left + x * (slope + x * (c2 + x * c3)), slope + x * (2 * c2 + x * 3 * c3)
 
 
-def tabulated(depth_star, constants):
-    """ds^(3/2) S, with S a cubic Hermite spline on equal steps of s = sqrt(ds).
+@shape(
+    "ds^(3/2) S, S a cubic Hermite spline over sqrt(ds)",
+    constants=None,
+    lines=(
+        "s = sqrt(ds)",
+        "x = s * $steps",
+        "k = KNOT(x)",
+        "x = x - k",
+        "left = TABLE(k, 0)",
+        "rise = TABLE(k + 1, 0) - left",
+        "m0 = TABLE(k, 1) / $steps",
+        "m1 = TABLE(k + 1, 1) / $steps",
+        "c2 = 3 * rise - 2 * m0 - m1",
+        "c3 = m0 + m1 - 2 * rise",
+        "factor = left + x .* (m0 + x .* (c2 + x .* c3))",
+        "steepness = (m0 + x .* (2 * c2 + x .* (3 * c3))) * $steps",
+        "value = ds .* s .* factor",
+        "slope = 1.5 * s .* factor + ds .* steepness / 2",
+    ),
+)
+def tabulated(ds, constants):
+    """Spline on equal steps of s = sqrt(ds).
 
     ``constants`` are the steps per unit of s, then S and dS/ds in turn at every knot.
     """
-    root = np.sqrt(depth_star)
+    root = np.sqrt(ds)
     place = root * constants[0]
     knot = np.int64(np.minimum(place, (len(constants) - 1) // 2 - 2))
     x, step, at = place - knot, 1 / constants[0], 1 + 2 * knot
@@ -112,15 +214,16 @@ def tabulated(depth_star, constants):
     right, next_slope = constants[at + 2], constants[at + 3] * step
     factor, steepness = cubic(x, left, slope, right, next_slope)
     steepness = steepness * constants[0]
-    return depth_star * root * factor, root * 1.5 * factor + depth_star * steepness / 2
+    return ds * root * factor, root * 1.5 * factor + ds * steepness / 2
 
 
-def sampled(depth_star, constants):
-    """F ds, with F a cubic Hermite spline over s = sqrt(ds).
+@shape("ds F, F a cubic Hermite spline over sqrt(ds)", constants=None, lines=())
+def sampled(ds, constants):
+    """Spline over s = sqrt(ds) on unequal steps.
 
     ``constants`` are its knots, F there, and dF/ds there.
     """
-    root, count = np.sqrt(depth_star), len(constants) // 3
+    root, count = np.sqrt(ds), len(constants) // 3
     knot = np.searchsorted(constants[:count], root, "right") - 1
     knot = np.minimum(knot, count - 2)
     step = constants[knot + 1] - constants[knot]
@@ -128,9 +231,8 @@ def sampled(depth_star, constants):
     left, slope = constants[value], constants[end] * step
     right, next_slope = constants[value + 1], constants[end + 1] * step
     factor, steepness = cubic(x, left, slope, right, next_slope)
-    return depth_star * factor, factor + root * steepness / (2 * step)
+    return ds * factor, factor + root * steepness / (2 * step)
 
 
-LIMITS = {hyperbolic: pi**2 / 8, stiffened: 1.0}
-"""Largest depth_star of shapes that have one: a half-angle of 90 deg, and the end of the fit."""
 SHAPES = (hertz, winkler, power, chord, liu, hyperbolic, stiffened, tabulated, sampled)
+"""All shapes; a record for the compiled loops holds a shape by its place here."""

@@ -6,7 +6,7 @@ from itertools import groupby
 
 import numpy as np
 
-from study.contact.hertz_correction import RANGES
+from study.contact.stiffening import RANGES
 from study.dataset.paper import PAPER_KINEMATICS, R2_STAR
 from study.joint import Joint, Kinematics, Layer, Material
 from study.joint.definition import PAPER_SUPPORTS

@@ -3,7 +3,7 @@
 As in the paper, there is one coefficient f1 for each case, and then a surrogate of f1 over R2*. The
 surrogate is a straight line, because P* -> R2* F(ds) as R2* grows. Its intercept is the next order
 in 1/R2*. The paper's coefficients are lost; these are ours. Liu's coefficient follows from a
-published number. `study.dataset.hertz_correction` makes the table of `stiffened_hertz`.
+published number. `study.dataset.stiffening_fit` makes the table of `stiffened_hertz`.
 """
 
 import numpy as np

@@ -13,7 +13,7 @@ from pathlib import Path
 import pandas as pd
 
 from study import paths, provenance
-from study.contact import hertz_correction
+from study.contact import stiffening
 from study.dataset import design, store, tolerance
 from study.joint import Joint, force_curve
 from study.joint.compliance import RESOLUTION
@@ -22,7 +22,7 @@ FROM_NOTHING = "STUDY_DATA_FROM_NOTHING"  # tells data/task_data.py to make ever
 GENERATED = {
     store.CURVES: "joint/curve",
     store.COEFFICIENTS: "dataset/fitting",
-    store.TABLE: "dataset/hertz_correction",
+    store.TABLE: "dataset/stiffening_fit",
     store.LINKS: "choose/random_scenes",
     store.SET_UPS: "claims/set_ups",
 }
@@ -84,13 +84,13 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
             paths.copy(made, path)
 
 
-def write_hertz_correction(table: pd.DataFrame) -> None:
-    """Write the table of `study.contact.hertz_correction`, if it does not agree with the kept one.
+def write_stiffening(table: pd.DataFrame) -> None:
+    """Write the table of `study.contact.stiffening`, if it does not agree with the kept one.
 
     On another processor a number may differ by one, and one at the limit of being left out by two.
     """
     if store.TABLE.is_file():
-        keys = list(table.columns[: -len(hertz_correction.PLACES)])
+        keys = list(table.columns[: -len(stiffening.PLACES)])
         kept = pd.read_csv(store.TABLE).set_index(keys)
         if kept.sub(table.set_index(keys), fill_value=0).abs().to_numpy().max() <= 2:
             return

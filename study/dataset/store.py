@@ -13,8 +13,8 @@ import numpy as np
 import pandas as pd
 
 from study import checks, contact, paths, provenance
-from study.contact.hertz_correction import TABLE
 from study.contact.laws import COEFFICIENTS
+from study.contact.stiffening import TABLE
 from study.dataset.paper import PAPER_KINEMATICS
 
 if TYPE_CHECKING:

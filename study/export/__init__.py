@@ -19,7 +19,7 @@ from study.contact.power_fit import USUAL_RANGE
 from study.export import elements, formulas
 from study.joint import DimensionalJoint, DirectionalLaw, Joint, directional_law, whole_curve
 from study.joint.dimensional import usual_depth
-from study.joint.law_options import law_options
+from study.joint.law_parameters import law_parameters
 
 Exported = Literal[LawName, "tabulated"]
 Format = Literal["c", "matlab", "modelica", "json", "csv", "exudyn", "adams", "mujoco"]
@@ -54,7 +54,7 @@ _UNITS = {
     "force_star": "force/(E* dR^2), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
     "stiffness_star": "stiffness/(E* dR), of force over depth",
 }
-_DIRECTION_UNITS = {
+_TILTED_UNITS = {
     "depth_star": _UNITS["depth_star"],
     "tilt": "direction of the displacement off the axis, in deg",
     "force_star": f"{_UNITS['force_star']}, along the displacement",
@@ -112,7 +112,7 @@ def export(
     if tilt is not None:
         checks.choice("law beside tilt", law, ["tabulated"])
         checks.choice("format beside tilt", form, ["c", "matlab", "csv"])
-        return _directions(directional_law(plain, deepest, tilt), form, joint)
+        return _tilted(directional_law(plain, deepest, tilt), form, joint)
     content = _Law(law, joint, plain, least, deepest)
     if form == "json":
         return _json(content)
@@ -148,11 +148,10 @@ class _Law:
         curve = whole_curve(plain, deepest)
         self.exact = contact.tabulated(curve)
         depths = np.linspace(np.sqrt(least), np.sqrt(deepest), ROWS) ** 2
-        options = {}
+        law, options = LAWS.get(name, self.exact), {}
         if name != "tabulated":
-            options = law_options(name, plain, depths, self.exact(depths))
-            LAWS[name](deepest, plain.r2_star, **options)  # refuses a depth beyond its range
-        law = self.exact if name == "tabulated" else LAWS[name]
+            options = law_parameters(law, plain, depths, self.exact(depths))
+            law(deepest, plain.r2_star, **options)  # refuses a depth beyond its range
         self.scale, self.shape, self.constants = law.parts(plain.r2_star, **options)
         estimates = curve.error_estimate[curve.depth_star >= self.least]
         self.error = float(np.abs(self.at(depths)[0] / self.exact(depths) - 1).max())
@@ -214,10 +213,10 @@ def _json(law):
     if law.shape is shapes.tabulated:
         content["root_depth_star"] = (np.arange(len(constants) // 2) / constants[0]).tolist()
         content |= {"stiffening": constants[1::2].tolist(), "slope": constants[2::2].tolist()}
-    elif law.shape is shapes.power:
-        content["exponent"] = float(constants[0])
-    elif constants.size:  # from the highest power of the shape's polynomial
+    elif law.shape.polynomial:
         content["coefficients"] = constants[::-1].tolist()
+    else:
+        content |= dict(zip(law.shape.constants, constants.tolist(), strict=True))
     return json.dumps(content, indent=2) + "\n"
 
 
@@ -258,7 +257,7 @@ def _interpolation_errors(law, depth, force, stiffness):
     return linear / true - 1, cubic / true - 1
 
 
-def _directions(law: DirectionalLaw, form, joint):
+def _tilted(law: DirectionalLaw, form, joint):
     """Text of a table of depth and tilt."""
     deepest, largest = float(law.depth_star[-1]), float(law.tilt[-1])
     title = "Contact force of one spherical clearance joint in all directions up to a tilt."
@@ -277,7 +276,7 @@ def _directions(law: DirectionalLaw, form, joint):
         texts = {"law": "tabulated", "title": title, "source": _SOURCE}
         texts |= {"margin": laws.LIMIT_MARGIN} | {k: f"{x!r}" for k, x in numbers.items()}
         texts |= formulas.of_joint(form, "tabulated", law.joint, sized, first=3)
-        return formulas.of_directions(form, law.table, "\n".join(words), **texts)
+        return formulas.of_tilt(form, law.table, "\n".join(words), **texts)
     _, rows, columns = law.table.shape
     depth = deepest * np.linspace(0, 1, rows - 2)[1:] ** 2
     tilt = np.linspace(0, largest, columns - 2)
@@ -293,11 +292,11 @@ def _directions(law: DirectionalLaw, form, joint):
         *words,
         "Between rows, linear interpolation over sqrt(depth_star) and tilt, of both forces over "
         f"depth_star^1.5, adds an error of up to {_percent(off.max())}.",
-        *(f"{name} = {meaning}" for name, meaning in _DIRECTION_UNITS.items()),
+        *(f"{name} = {meaning}" for name, meaning in _TILTED_UNITS.items()),
     ]
     grid = np.broadcast_arrays(depth[:, None], tilt, along, across)
     numbers = (",".join(f"{x:.12g}" for x in row) for row in zip(*map(np.ravel, grid), strict=True))
-    return "\n".join([*(f"# {line}" for line in lines), ",".join(_DIRECTION_UNITS), *numbers, ""])
+    return "\n".join([*(f"# {line}" for line in lines), ",".join(_TILTED_UNITS), *numbers, ""])
 
 
 def _joint_in_words(joint, sized=None):

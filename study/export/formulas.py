@@ -1,14 +1,17 @@
 """Each shape of force over depth as text for C, MATLAB, Modelica and Python.
 
-A formula has lines ``name = expression``, from ``ds`` = depth/dR > 0 to the ``value`` and ``slope``
-of `study.contact.shapes`. It is written for MATLAB's arrays; the others get it without the dots
-before * and /. The templates around it are ``law.c``, ``law.m``, ``law.mo`` and ``law.exudyn``. A
-table of directions fills ``directions.c`` or ``directions.m``.
+A formula has lines ``name = expression``, from ``ds`` = depth/dR > 0 to ``value`` and ``slope``.
+They are read from the function of a `study.contact.shapes.Shape`, unless the shape states them.
+They are written for MATLAB's arrays; the other languages get them without the dots before * and /.
+The templates around them are ``law.c``, ``law.m``, ``law.mo`` and ``law.exudyn``. A table of depth
+and tilt fills ``tilted.c`` or ``tilted.m``.
 """
 
+import ast
 import re
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from inspect import getsource
 from pathlib import Path
 from string import Template
 from typing import Any, Literal
@@ -17,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.contact import shapes
+from study.contact.shapes import Shape
 from study.joint import DimensionalJoint, Joint
 
 Language = Literal["c", "matlab", "modelica", "exudyn"]
@@ -56,72 +60,60 @@ _CONSTANTS = {
     "c": "\n    const double clearance = {c!r}, composite_modulus = {e!r}; /* m, Pa */",
     "matlab": "\n    clearance = {c!r}; % m\n    composite_modulus = {e!r}; % Pa",
 }
-_FORMULAS: dict[Callable, tuple[str, ...]] = {
-    shapes.hertz: ("ds^(3/2)", "s = sqrt(ds)", "value = ds .* s", "slope = 1.5 * s"),
-    shapes.winkler: ("ds^2", "value = ds .* ds", "slope = 2 * ds"),
-    shapes.power: (
-        "ds^$exponent",
-        "value = exp($exponent * log(ds))",
-        "slope = $exponent * value ./ ds",
-    ),
-    shapes.chord: (
-        "ds sin(eps), cos(eps) = 1/(1 + ds)",
-        "root = sqrt(ds .* (2 + ds))",
-        "sine = root ./ (1 + ds)",
-        "value = ds .* sine",
-        "slope = sine + ds ./ (root .* (1 + ds) .* (1 + ds))",
-    ),
-    shapes.liu: (
-        "ds sin(eps) sin(eps/2), cos(eps) = 1/(1 + ds)",
-        "share = ds ./ (1 + ds)",
-        "value = ds .* share .* sqrt(1 - share / 2)",
-        "slope = value .* (2 ./ ds + 0.5 ./ (2 + ds) - 1.5 ./ (1 + ds))",
-    ),
-    shapes.hyperbolic: (
-        "ds (b0 + b1 ds + b2 ds^2 + ...)",
-        "bracket = $polynomial",
-        "value = ds .* bracket",
-        "slope = bracket + ds .* ($derivative)",
-    ),
-    shapes.stiffened: (
-        "ds^(3/2) S, S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s), s = sqrt(ds)",
-        "s = sqrt(ds)",
-        "u = s ./ (1 + s)",
-        "factor = $polynomial",
-        "steepness = $derivative",
-        "value = ds .* s .* factor",
-        "slope = 1.5 * s .* factor + ds .* steepness .* (1 - u) .* (1 - u) / 2",
-    ),
-    shapes.tabulated: (
-        "ds^(3/2) S, S a cubic Hermite spline over sqrt(ds)",
-        "s = sqrt(ds)",
-        "x = s * $steps",
-        "k = KNOT(x)",
-        "x = x - k",
-        "left = TABLE(k, 0)",
-        "rise = TABLE(k + 1, 0) - left",
-        "m0 = TABLE(k, 1) / $steps",
-        "m1 = TABLE(k + 1, 1) / $steps",
-        "c2 = 3 * rise - 2 * m0 - m1",
-        "c3 = m0 + m1 - 2 * rise",
-        "factor = left + x .* (m0 + x .* (c2 + x .* c3))",
-        "steepness = (m0 + x .* (2 * c2 + x .* (3 * c3))) * $steps",
-        "value = ds .* s .* factor",
-        "slope = 1.5 * s .* factor + ds .* steepness / 2",
-    ),
-}
-"""Shape -> its formula for a reader, and its lines."""
-_POLYNOMIALS: dict[Callable, tuple[str, list[float]]] = {
-    shapes.hyperbolic: ("ds", []),
-    shapes.stiffened: ("u", [1.0]),
-}
-"""Shape with a polynomial -> its variable, and the coefficients after the shape's constants."""
+_SIGNS = {"@": ".*", "//": "./"}
+"""Python's operators of the same rank as * and /, which stand for those between arrays."""
 
 
-def words(shape: Callable, constants: Any) -> str:
+def words(shape: Shape, constants: Any) -> str:
     """Formula of a shape for a reader."""
-    formula = Template(_FORMULAS[shape][0]).substitute(_numbers(shape, constants))
+    formula = Template(shape.formula).substitute(_numbers(shape, constants))
     return f"P = E* dR^2 scale {formula}; ds = depth/dR"
+
+
+def lines(shape: Shape, constants: Any) -> list[str]:
+    """Statements from ``ds`` to ``value`` and ``slope``, for MATLAB's arrays."""
+    if shape.lines is not None:
+        numbers = _numbers(shape, constants)
+        return [Template(line).substitute(numbers) for line in shape.lines]
+    (function,) = ast.parse(getsource(shape.function)).body
+    statements = []
+    for node in function.body:
+        if isinstance(node, ast.Return):
+            statements += zip(("value", "slope"), node.value.elts, strict=True)
+        elif isinstance(node, ast.Assign):
+            statements.append((node.targets[0].id, node.value))
+    written = [(name, ast.unparse(_Translation(constants).visit(x))) for name, x in statements]
+    text = "\n".join(f"{name} = {x}" for name, x in written if x != name)
+    for operator, sign in _SIGNS.items():
+        text = text.replace(operator, sign)
+    return text.split("\n")
+
+
+class _Translation(ast.NodeTransformer):
+    """An expression of a shape's function, with numbers for constants, as MATLAB has it."""
+
+    def __init__(self, constants):
+        self._constants = constants
+
+    def visit_Subscript(self, node):  # constants[k]
+        return ast.Constant(float(self._constants[node.slice.value]))
+
+    def visit_Attribute(self, node):  # np.sqrt
+        return ast.Name(node.attr)
+
+    def visit_BinOp(self, node):
+        self.generic_visit(node)
+        left, right = (isinstance(side, ast.Constant) for side in (node.left, node.right))
+        if isinstance(node.op, ast.Pow) and right and node.right.value == 2:
+            return ast.BinOp(node.left, ast.MatMult(), node.left)
+        if isinstance(node.op, ast.Pow):  # of a base > 0
+            power = ast.BinOp(node.right, ast.Mult(), ast.Call(ast.Name("log"), [node.left], []))
+            return ast.Call(ast.Name("exp"), [power], [])
+        if isinstance(node.op, ast.Mult) and not left and not right:
+            node.op = ast.MatMult()
+        if isinstance(node.op, ast.Div) and not right:
+            node.op = ast.FloorDiv()
+        return node
 
 
 def of_joint(
@@ -150,33 +142,28 @@ def of_joint(
     return texts | {name: f"{value!r}" for name, value in values.items()}
 
 
-def text(language: Language, shape: Callable, constants: Any, about: str, **values: Any) -> str:
+def text(language: Language, shape: Shape, constants: Any, about: str, **values: Any) -> str:
     """Source of one function: ``about`` is its comment, ``values`` fill the template."""
-    numbers = _numbers(shape, constants)
-    lines = [Template(line).substitute(numbers) for line in _FORMULAS[shape][1:]]
-    names = dict.fromkeys(line.split(" = ")[0] for line in lines)
+    body = lines(shape, constants)
+    names = dict.fromkeys(line.split(" = ")[0] for line in body)
     if language != "matlab":
-        lines = [re.sub(r" \.([*/])", r" \1", line) for line in lines]
+        body = [re.sub(r" \.([*/])", r" \1", line) for line in body]
     if language == "modelica":
         last = f"min(floor(x), {len(constants) // 2 - 2})"
-        lines = [line.replace(" = ", " := ", 1).replace("KNOT(x)", last) for line in lines]
-        lines = [
-            re.sub(r"TABLE\((.*?), (\d)\)", r"table[integer(\1) + 1, \2 + 1]", s) for s in lines
-        ]
+        body = [line.replace(" = ", " := ", 1).replace("KNOT(x)", last) for line in body]
+        body = [re.sub(r"TABLE\((.*?), (\d)\)", r"table[integer(\1) + 1, \2 + 1]", s) for s in body]
     return filled(
         f"law{_SUFFIXES[language]}",
         _COMMENTS[language],
         about.split("\n"),
         **values,
-        body="\n".join(part for line in lines for part in _wrapped(line, language)),
+        body="\n".join(part for line in body for part in _wrapped(line, language)),
         names=", ".join(names),
         tables=_table(language, constants) if shape is shapes.tabulated else "",
     )
 
 
-def of_directions(
-    language: Language, tables: NDArray[np.float64], about: str, **values: Any
-) -> str:
+def of_tilt(language: Language, tables: NDArray[np.float64], about: str, **values: Any) -> str:
     """Source of the function of `study.joint.DirectionalLaw`, from its table."""
     begin, end, after = ("    {", "}", ",\n") if language == "c" else ("        ", "", "\n")
     along, across = (
@@ -185,7 +172,7 @@ def of_directions(
     )
     _, rows, columns = tables.shape
     values |= {"rows": rows, "columns": columns, "along": along, "across": across}
-    file, sign = f"directions{_SUFFIXES[language]}", _COMMENTS[language]
+    file, sign = f"tilted{_SUFFIXES[language]}", _COMMENTS[language]
     return filled(file, sign, about.split("\n"), **values)
 
 
@@ -206,18 +193,15 @@ def _wrapped(line: str, language: Language) -> list[str]:
     return [f"{part}{further}" for part in parts[:-1]] + parts[-1:]
 
 
-def _numbers(shape: Callable, constants: Any) -> dict[str, str]:
+def _numbers(shape: Shape, constants: Any) -> dict[str, str]:
     """Texts of a shape's constants in its formula."""
-    if shape is shapes.tabulated:
-        return {"steps": f"{float(constants[0])!r}"}
-    if shape is shapes.power:
-        return {"exponent": f"{float(constants[0])!r}"}
-    if shape not in _POLYNOMIALS:
-        return {}
-    x, more = _POLYNOMIALS[shape]
-    powers = [*constants, *more]
-    derivative = np.polyder(np.array(powers, dtype=float)).tolist()
-    return {"polynomial": _polynomial(powers, x), "derivative": _polynomial(derivative, x)}
+    if shape.polynomial:
+        x, more = shape.polynomial
+        powers = [*constants, *more]
+        derivative = np.polyder(np.array(powers, dtype=float)).tolist()
+        return {"polynomial": _polynomial(powers, x), "derivative": _polynomial(derivative, x)}
+    names = ("steps",) if shape is shapes.tabulated else shape.constants or ()
+    return {name: f"{float(c)!r}" for name, c in zip(names, constants, strict=False)}
 
 
 def _polynomial(coefficients: Sequence[float], x: str) -> str:

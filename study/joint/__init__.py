@@ -12,13 +12,13 @@ between two nodes; the force therefore converges with order 2 by either solver.
 
 `supports` reads how ball and socket are held. `tilted` presses the ball off the axis: its pressure
 is a Fourier series in the azimuth, each of whose modes is a problem in the meridian (`fourier`).
-`directions` is the table of depth and tilt that follows.
+`directional_law` is the table of depth and tilt that follows.
 
 `curve` solves the depths that are given. `nested_contact` solves a whole curve at once, in some
-30 ms. `tilted` solves displacements off the axis, and `directions` makes a table of them. `stress`
-finds the stresses inside the bodies, and first yield; `pressure` has friction torque and wear.
-`applicability` says in words which limits a contact exceeds, and `law_options` fits a law to a
-joint. `dimensional` is a joint in SI units, `ratio_joint` one by ratios, as commands state it.
+30 ms. `tilted` solves displacements off the axis, and `directional_law` makes a table of them.
+`stress` finds the stresses inside the bodies, and first yield; `pressure` has friction torque and
+wear. `applicability` says in words which limits a contact exceeds, and `law_parameters` fits a law
+to a joint. `dimensional` is a joint in SI units, `ratio_joint` one by ratios, as commands state it.
 """
 
 from study.contact import Material, material
@@ -26,7 +26,7 @@ from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import ForceCurve, Solver, force_curve, whole_curve
 from study.joint.definition import Joint, Layer, paper_joint
 from study.joint.dimensional import DimensionalJoint, DimensionalSolution, Liner
-from study.joint.directions import DirectionalLaw, directional_law
+from study.joint.directional_law import DirectionalLaw, directional_law
 from study.joint.ratio_joint import RatioJoint
 from study.joint.stress import FirstYield, LargestStress, first_yield
 from study.joint.supports import Kinematics, Rim

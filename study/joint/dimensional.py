@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks, parameters
-from study.contact import JointLaw, Material, largest_depth, material, tabulated
-from study.contact.laws import LAWS, AnyLaw, find
+from study.contact import LAWS, DimensionalLaw, Material, largest_depth, material, tabulated
+from study.contact.laws import AnyLaw, find
 from study.contact.materials import read_material
 from study.contact.power_fit import DEPTHS, USUAL_RANGE, fit_power
 from study.joint import applicability
@@ -22,7 +22,7 @@ from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import force_curve, whole_curve
 from study.joint.definition import Joint, Layer
-from study.joint.law_options import law_options
+from study.joint.law_parameters import law_parameters
 from study.joint.pressure import friction_radii
 from study.joint.stress import largest as largest_stress
 from study.joint.supports import Configuration
@@ -85,7 +85,7 @@ class DimensionalSolution:
     angle_deg: Floats
     pressure: Floats
     friction_radius: dict[str, Floats]
-    law: JointLaw
+    law: DimensionalLaw
 
     def friction_torque(self, friction: float) -> dict[str, Floats]:
         """Torque in N m, as of ``friction_radius``, at a coefficient of friction >= 0; (k,)."""
@@ -257,7 +257,7 @@ class DimensionalJoint(Configuration):
         values = self.joint.materials.values()
         return dict(zip(["ball", *liners, "socket"], values, strict=True))
 
-    def law(self, law: AnyLaw | None = None) -> JointLaw:
+    def law(self, law: AnyLaw | None = None) -> DimensionalLaw:
         """A law of this joint, in SI units: by default the table of its own solved curve.
 
         Parameters
@@ -270,10 +270,10 @@ class DimensionalJoint(Configuration):
         """
         if law is None:
             return self._table(usual_depth(self.joint))[0]
-        name = next((name for name in LAWS if LAWS[name] is find(law)), "")
-        if name == "stiffened_hertz":
+        law = find(law)
+        if law is LAWS["stiffened_hertz"]:
             checks.choice("kinematics of stiffened_hertz", self.kinematics, ("linear",))
-        return self._in_si_units(law, **law_options(name, self.joint))
+        return self._in_si_units(law, **law_parameters(law, self.joint))
 
     def power_law(self, depths: tuple[float, float] | None = None) -> PowerLaw:
         """The force as k d^n, fitted to the solved joint in the maximum norm of its relative error.
@@ -437,7 +437,7 @@ class DimensionalJoint(Configuration):
         return self._in_si_units(tabulated(curve)), curve
 
     def _in_si_units(self, law, **options):
-        in_si_units = JointLaw(
+        in_si_units = DimensionalLaw(
             law,
             ball_radius=self.socket_radius - self.clearance,
             socket_radius=self.socket_radius,

@@ -196,7 +196,7 @@ def integrate(
     Parameters
     ----------
     law
-        From ``study.contact.joint_law.pack``.
+        From `study.contact.DimensionalLaw.packed`.
     duration
         In s.
     outputs

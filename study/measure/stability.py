@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.contact.forces import elastic_force
-from study.contact.joint_law import pack
 from study.contact.laws import find
 from study.measure import explicit
 from study.measure.limits import bisect
@@ -23,9 +22,7 @@ Numbers = NDArray[np.float64]
 def packed(scene: Scene, law: str) -> np.record:
     """A law in a scene's joint, for the compiled functions."""
     checks.instance("scene", scene, Scene).has_none_of("crank_clearance")
-    options = scene_law.options(scene, find(law), {})
-    radii = scene.ball_radius, scene.socket_radius
-    return pack(law, *radii, scene.composite_modulus, **options)
+    return scene_law.in_joint(scene, find(law), scene.clearance).packed()
 
 
 def lasting_contact(scene: Scene, law: str, duration: float) -> Numbers:

@@ -1,12 +1,10 @@
 """Which limits of its contact law a simulation exceeds, in words."""
 
 from study import checks
-from study.contact import SOCKET_RATIO
-from study.contact.power_fit import USUAL_RANGE
+from study.contact import LAWS, SOCKET_RATIO
 from study.joint import Joint, applicability, first_yield
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
-from study.mechanism.scene_law import FITTED
 
 
 def limits(
@@ -21,12 +19,12 @@ def limits(
     if deepest == 0:
         return {}
     depth_star, (ball, socket) = deepest / scene.clearance, scene.materials
-    law = response.law.split(":")[0]
+    law = LAWS.get(response.law.split(":")[0])
     found: applicability.Limits = {}
-    if law in FITTED and depth_star > USUAL_RANGE[1]:
+    if law and law.fitted_to and depth_star > law.fitted_to:
         found["law"] = (
-            f"The depth of {depth_star:.2g} clearances is beyond {USUAL_RANGE[1]:g}, to which the "
-            f"law {law} was fitted."
+            f"The depth of {depth_star:.2g} clearances is beyond {law.fitted_to:g}, to which the "
+            f"law {law.name} was fitted."
         )
     moduli = {"ball": ball.youngs_modulus, "socket": socket.youngs_modulus}
     found |= applicability.modulus_limit(moduli)

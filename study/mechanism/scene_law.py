@@ -3,21 +3,21 @@
 The socket's thickness and supports are not in the scene: they are options of a law.
 """
 
-from inspect import signature
 from math import isclose
 from typing import Any
 
 import numpy as np
 
 from study import checks
-from study.contact import SOCKET_RATIO, JointLaw, Material
+from study.contact import LAWS, SOCKET_RATIO, DimensionalLaw, Material
 from study.contact.laws import Law, find
 from study.mechanism.scene import Scene
 
 SAME = 1e-6  # relative difference of the sizes and materials of a law and of a scene
-FITTED = ("liu", "winkler", "hyperbolic_winkler", "power")
-"""Laws of the paper whose coefficients were fitted in a joint of `PAPER_MATERIALS`."""
 PAPER_MATERIALS = {"modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
+"""Of the joint in which default coefficients of laws were fitted."""
+LAW = "stiffened_hertz"
+"""Default law of a simulation."""
 
 
 def materials(ball: Material, socket: Material) -> dict[str, float]:
@@ -26,30 +26,58 @@ def materials(ball: Material, socket: Material) -> dict[str, float]:
     return dict(zip(PAPER_MATERIALS, values, strict=True))
 
 
-def in_scene(scene: Scene, law: Any, given: dict[str, Any]) -> tuple[Law, dict, float, str]:
-    """A law of `simulate` without dimensions, all its options, its E* in Pa, and all in words.
+def in_scene(scene: Scene, law: Any, given: dict[str, Any]) -> tuple[list[DimensionalLaw], str]:
+    """A law of `simulate` in each clearance joint of the scene, and in words.
 
     A law of another joint, or of other materials, than the scene's is a ``ValueError``.
     """
+    gaps = [gap for gap in (scene.clearance, scene.crank_clearance) if gap is not None]
     if not isinstance(law, str) or law == "tabulated":
         law, given = _with_dimensions(scene, law, given)
-    if not isinstance(law, JointLaw):
-        law, modulus = find(law), scene.composite_modulus
-        return law, options(scene, law, given), modulus, in_words(scene, law, given)
-    radius, clearance, modulus = law.clearance * law.r2_star, law.clearance, law.composite_modulus
-    sizes = scene.socket_radius, scene.clearance, scene.crank_clearance or scene.clearance
-    if not np.allclose(sizes, (radius, clearance, clearance), SAME, 0):
-        wanted = f"give Scene(socket_radius={radius:.9g}, clearance={clearance:.9g})"
+    if not isinstance(law, DimensionalLaw):
+        law = find(law)
+        laws = [in_joint(scene, law, gap, given) for gap in gaps]
+        return laws, in_words(scene, law, given)
+    if given:
+        raise checks.RangeError(f"{', '.join(given)} must be left out: the law has its options")
+    sizes = law.socket_radius, *(law.clearance for _ in gaps)
+    if not np.allclose([scene.socket_radius, *gaps], sizes, SAME, 0):
+        wanted = f"give Scene(socket_radius={law.socket_radius:.9g}, clearance={law.clearance:.9g})"
         raise checks.RangeError(f"law must be of all clearance joints, the crank's too: {wanted}")
-    law, given = law.dimensionless, law.options | given
-    words = in_words(scene, law, given)
+    modulus, words = law.composite_modulus, in_words(scene, law.law, law.options)
     if not isclose(modulus, scene.composite_modulus, rel_tol=SAME):
-        bodies = [] if law.joint is None else [*law.joint.materials.values()]
+        joint = law.law.joint
+        bodies = [] if joint is None else [*joint.materials.values()]
         if scene.materials not in (Scene().materials, (*bodies[:1], *bodies[-1:])):
             wanted = f"the scene's, {scene.composite_modulus:.9g} Pa, or its materials left out"
             raise checks.RangeError(f"modulus E* of law must be {wanted}, got {modulus:.9g} Pa")
         words += f"; with its own composite modulus, {modulus:.9g} Pa"
-    return law, given, modulus, words
+    _reaching_one_clearance(law)
+    return [law] * len(gaps), words
+
+
+def in_joint(
+    scene: Scene, law: Law, clearance: float, given: dict[str, Any] | None = None
+) -> DimensionalLaw:
+    """A law in a joint of the scene with a clearance in m, its materials and options given."""
+    sizes = {"ball_radius": scene.socket_radius - clearance, "socket_radius": scene.socket_radius}
+    modulus = scene.composite_modulus
+    values = options(scene, law, given or {})
+    try:
+        found = DimensionalLaw(law, **sizes, composite_modulus=modulus, **values)
+    except checks.RangeError as error:
+        more = "; law tabulated is for other joints too" if law is LAWS[LAW] else ""
+        raise checks.RangeError(f"{error}{more}") from None
+    return _reaching_one_clearance(found)
+
+
+def _reaching_one_clearance(law):
+    """The law itself, if it does."""
+    try:
+        law.force(law.clearance)
+    except checks.RangeError as error:
+        raise checks.RangeError(f"law must reach a depth of one clearance: {error}") from None
+    return law
 
 
 def _with_dimensions(scene, law, given):
@@ -73,16 +101,15 @@ def options(scene: Scene, law: Law, given: dict[str, Any]) -> dict[str, Any]:
     A law, or an option, of other materials than the scene's is a ``ValueError``.
     """
     own = materials(*scene.materials)
-    known = own.keys() & signature(law.parts).parameters.keys()
+    known = own.keys() & law.options.keys()
     stated = {name: given[name] for name in known if given.get(name) is not None}
     if law.joint is not None:
         stated = materials(law.joint.ball, law.joint.socket)
     for name, value in stated.items():
-        what = f"{name} of law {law.__name__}"
+        what = f"{name} of law {law.name}"
         if not isclose(checks.number(what, value, scalar=True), own[name], rel_tol=SAME):
             raise checks.RangeError(f"{what} must be the scene's, {own[name]:.9g}, got {value:.9g}")
-    has_thickness = "socket_ratio" in signature(law.parts).parameters
-    usual = {"socket_ratio": SOCKET_RATIO} if has_thickness else {}
+    usual = {"socket_ratio": SOCKET_RATIO} if "socket_ratio" in law.options else {}
     return usual | given | {name: own[name] for name in known}
 
 
@@ -94,8 +121,8 @@ def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
         used = {"r2_star": joint.r2_star, "socket_ratio": joint.socket_ratio}
         used |= joint.configuration | own | {"layers": joint.columns()["layers"] or None}
     else:
-        parameters = list(signature(law.parts).parameters.values())[1:]
-        used = {p.name: (own | given).get(p.name, p.default) for p in parameters}
+        defaults = {name: option.default for name, option in law.options.items()}
+        used = {name: (own | given).get(name, defaults[name]) for name in defaults}
     words = []
     for name, value in used.items():
         if value is not None:
@@ -104,6 +131,6 @@ def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
             usual = " (the paper's)" if own_of_paper else ""
             words.append(f"{name} {text}{usual}")
     papers = np.allclose([*own.values()], [*PAPER_MATERIALS.values()], SAME, 0)
-    if not papers and law.__name__ in FITTED and given.get("coefficient") is None:
+    if not papers and law.fitted_to is not None and given.get("coefficient") is None:
         words.append("its coefficient is that of the paper's joint, which has other materials")
-    return f"{law.__name__}: {', '.join(words)}" if words else law.__name__
+    return f"{law.name}: {', '.join(words)}" if words else law.name

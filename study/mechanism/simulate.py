@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 
 from study import checks
-from study.contact.joint_law import JointLaw, pack
-from study.contact.laws import LAWS, AnyLaw
+from study.contact import DimensionalLaw
+from study.contact.laws import AnyLaw
 from study.mechanism import beams, events, ideal, particles, scene_law
 from study.mechanism.free_impact import free_durations
 from study.mechanism.response import COLUMNS, EVENTS, JOINTS, Response
 from study.mechanism.scene import Scene
+from study.mechanism.scene_law import LAW
 from study.mechanism.stepping import JOINT, LOST_BEFORE, add_stored_energy
 from study.parameters import Parameter, describe, described
 
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
 Model = Literal["rigid", "particles", "beams"]
 JointKind = Literal["clearance", "ideal"]
-LAW = "stiffened_hertz"
 TOLERANCE, LEAST_TOLERANCE = 1e-8, 1e-12
 FINER = 100  # times, the tolerance of a second run
 BEAM_STEP = 1e-6
@@ -99,7 +99,7 @@ def simulate(
     *,
     model: Model = "rigid",
     joint: JointKind = "clearance",
-    law: "AnyLaw | JointLaw | DimensionalJoint" = LAW,
+    law: "AnyLaw | DimensionalLaw | DimensionalJoint" = LAW,
     duration: float = 0.1,
     outputs: int = 1000,
     tolerance: float | None = None,
@@ -168,9 +168,9 @@ def _checked(
     _check_motion(scene, model, gapless, duration)
     if gapless and isinstance(law, str) and law == LAW and not law_options:
         law = "hertz"  # nothing touches: the range of the default law does not matter
-    plain, options, modulus, law_text = scene_law.in_scene(scene, law, law_options)
+    in_joints, law_text = scene_law.in_scene(scene, law, law_options)
     gaps = tuple(gap for gap in (scene.clearance, scene.crank_clearance) if gap is not None)
-    laws = tuple(_pack(plain, scene, gap, modulus, options) for gap in gaps)
+    laws = tuple(of_joint.packed() for of_joint in in_joints)
     times = duration * np.arange(outputs + 1) / outputs
     pair = ELEMENTS if elements is None else elements
     if step is not None:
@@ -214,21 +214,6 @@ def _check_motion(scene, model, gapless, duration):
     turned += abs(scene.starting_speed) * duration
     turned += sqrt(abs(scene.gravity) / scene.crank_length) * duration
     checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)
-
-
-def _pack(law, scene, clearance, modulus, options):
-    """Packed law in a joint of the scene; it must reach a depth of one clearance."""
-    radius = scene.socket_radius
-    try:
-        packed = pack(law, radius - clearance, radius, modulus, **options)
-    except checks.RangeError as error:
-        more = "; law tabulated is for other joints too" if law is LAWS[LAW] else ""
-        raise checks.RangeError(f"{error}{more}") from None
-    try:
-        law(1.0, radius / clearance, **options)
-    except checks.RangeError as error:
-        raise checks.RangeError(f"law must reach a depth of one clearance: {error}") from None
-    return packed
 
 
 def _gather(blocks, scene, laws, law_text, second_run, progress=None):

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from study import checks
 from study.compiled import compiled
-from study.contact import JointLaw
+from study.contact import DimensionalLaw
 from study.contact.damping import Damping, damping_factor, delivered_restitution
 from study.contact.forces import joint_forces, stored_energy
 from study.contact.friction import friction_branch, friction_factor
@@ -132,7 +132,7 @@ class ClearanceJoint:
 
     def __init__(
         self,
-        law: JointLaw | DimensionalJoint,
+        law: DimensionalLaw | DimensionalJoint,
         *,
         restitution: float = 1.0,
         damping: Damping = "exact",
@@ -148,7 +148,7 @@ class ClearanceJoint:
         pulls = bool(checks.flag("tension", tension))
         if isinstance(law, DimensionalJoint):
             law = law.law()
-        self.law = checks.instance("law", law, JointLaw)
+        self.law = checks.instance("law", law, DimensionalLaw)
         self.delivered_restitution = delivered_restitution(factor)
         radii, step, self.deepest = _friction_radii(law, law.joint if mu > 0 else None)
         self._packed = law.packed()

@@ -12,7 +12,6 @@ counted.
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
-from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +27,6 @@ from numpy.typing import ArrayLike, NDArray
 from pandas.io.formats.style import Styler
 
 from study import checks, paths
-from study.contact import LAWS
 
 WIDEST = 8.4
 """Largest width of a figure, in inches."""
@@ -79,8 +77,6 @@ def _looks(of):
 
 LOOKS = _looks("law")
 """Laws and the elastic solution."""
-_SPARE = cycle([("#8C564B", "<"), ("#117733", ">"), ("#882255", "*"), ("#332288", "p")])
-LOOKS |= {law: Look(law.replace("_", " "), *next(_SPARE), "-.") for law in LAWS if law not in LOOKS}
 MODEL_LOOKS = _looks("model")
 """Models of the mechanism's links; the rigid ones are drawn behind the others."""
 METHOD_LOOKS = _looks("method")

@@ -23,7 +23,7 @@ _SHOWN_DATA = (paths.DATA / "force_curves.csv", paths.DATA / "datapackage.json")
 _PRINTED_DATA = (
     paths.DATA / "published/tables.csv",
     contact.laws.COEFFICIENTS,
-    contact.hertz_correction.TABLE,
+    contact.stiffening.TABLE,
 )
 _PRINTED = (".typ", ".yml")
 _IN_REPORT = (".py", ".html", ".md", ".rst", ".css", ".js", ".json", ".csv")

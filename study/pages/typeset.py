@@ -8,7 +8,7 @@ import typst
 
 from study import paths, provenance
 from study.checks import StudyError
-from study.contact import hertz_correction
+from study.contact import stiffening
 from study.pages import freshness
 
 SOURCE = paths.PAPER / "paper.typ"
@@ -44,7 +44,7 @@ def typeset(source: Path = SOURCE, output: Path = PDF) -> None:
 
 def options() -> dict[str, Any]:
     """Options of Typst's compiler: where files are, its own fonts, and a hash, which it has not."""
-    inputs = {"law_table": provenance.sha256_of(hertz_correction.TABLE)}
+    inputs = {"law_table": provenance.sha256_of(stiffening.TABLE)}
     return {"root": paths.ROOT, "ignore_system_fonts": True, "sys_inputs": inputs}
 
 

@@ -16,9 +16,8 @@ from other_programs import calculix, cvode, multibody, odes
 from benchmarks import flexible_links, timing
 from benchmarks.timing import COMPILED, PROGRAM, PYTHON
 from study.compiled import compiled
-from study.contact import LAWS, tabulated
+from study.contact import LAWS, DimensionalLaw, tabulated
 from study.contact.forces import elastic_force
-from study.contact.joint_law import pack
 from study.joint import (
     Joint,
     contact_kinematics,
@@ -29,13 +28,14 @@ from study.joint import (
     whole_curve,
 )
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
-from study.joint.law_options import law_options
+from study.joint.law_parameters import law_parameters
 from study.measure import explicit
 from study.measure.speed import OURS
 from study.mechanism import paper_scene, simulate
 from study.mechanism.compare import normalised_rms
+from study.mechanism.scene_law import in_joint
 
-RADII = (9.95e-3, 10e-3, 1.1e11)  # of the laws' calls: R1, R2 in m, E* in Pa
+SIZES = {"ball_radius": 9.95e-3, "socket_radius": 10e-3, "composite_modulus": 1.1e11}  # of laws
 PAPER = paper_joint()  # of the laws
 FINEST = 224  # elements along the surface of the curve that the laws are judged by
 FREE = Joint(200, 1.3)  # of the solvers: a radially free ball, for which the series is exact
@@ -74,11 +74,13 @@ def laws(repeats: int = 15, compile_times: bool = True) -> pd.DataFrame:
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     prepare = "from benchmarks.charts import add_law; depths = np.ones(2) * 1e-6"
     seconds = timing.compile_time("add_law(law, depths)", prepare) if compile_times else 0.0
-    add_law(pack("hertz", *RADII), depths[:2])  # compiled here: a first call may be the one counted
+    compiled_here = DimensionalLaw("hertz", **SIZES).packed()  # a first call may be the one counted
+    add_law(compiled_here, depths[:2])
     rows = []
     for name, law in (LAWS | {"tabulated": solved}).items():
-        options = law_options(name, PAPER)
-        times, _ = timing.timed(partial(add_law, pack(law, *RADII, **options), depths), repeats)
+        options = law_parameters(law, PAPER)
+        packed = DimensionalLaw(law, **SIZES, **options).packed()
+        times, _ = timing.timed(partial(add_law, packed, depths), repeats)
         elements, _ = timing.timed(partial(law, depths / 5e-5, 200.0, **options), repeats)
         columns = {"vectorised": np.median(elements), "compile_time": seconds}
         error = law(LAW_DEPTHS, 200.0, **options) / exact - 1
@@ -148,7 +150,7 @@ def steppers(
     compile_times
         As for `laws`.
     """
-    law = pack("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
+    law = in_joint(SCENE, LAWS["hertz"], SCENE.clearance).packed()
     runs = [(method, setting, _stepper(method, setting, law)) for method, setting in chosen]
     runs = [run for run in runs if run[-1] is not None]
     truth, seconds = _ours(1e-11), {}

@@ -46,10 +46,10 @@ import numpy as np
 from study import paths
 paths.BUILD = paths.CACHE = pathlib.Path(sys.argv[1])
 sys.path.insert(0, sys.argv[2])
-from study.contact.joint_law import pack
+from study.contact import hertz
 from study.measure import explicit
-from study.mechanism import Scene, simulate
-law = pack("hertz", 9.95e-3, 1e-2, 1e11)
+from study.mechanism import Scene, scene_law, simulate
+law = scene_law.in_joint(Scene(), hertz, Scene().clearance).packed()
 {prepare}
 start = time.perf_counter()
 {call}

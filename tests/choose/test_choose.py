@@ -8,11 +8,12 @@ import pytest
 
 from study import choose, contact, paths
 from study.checks import StudyError
-from study.choose import law, links, random_scenes
-from study.choose.law import SHALLOWEST
+from study.choose import links, random_scenes
+from study.choose.cheapest_law import SHALLOWEST
 from study.choose.model import ModelError, choose_model
 from study.contact.damping import DAMPINGS
 from study.joint import Joint, Layer, Material, force_curve
+from study.joint.law_parameters import law_parameters
 from study.mechanism import Scene, compare, paper_scene, simulate
 
 MATERIALS = 4
@@ -37,7 +38,7 @@ def random_joints():
 
 
 def true_error(name, scene, curve):
-    options = law.law_options(name, scene)
+    options = law_parameters(contact.LAWS[name], scene)
     force = contact.LAWS[name](curve.depth_star, scene.r2_star, **options)
     return np.abs(force / curve.force_star - 1).max()
 

@@ -14,13 +14,14 @@ import numpy as np
 import pandas as pd
 import pytest
 from benchmarks import charts
+from helpers.laws import IN_SI_UNITS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from study import checks, choose, cli, contact, dataset, export
 from study.choose import choose_model, model
 from study.claims import search, statistics, table_alone, verdicts
-from study.contact import damping, joint_law, power_fit
+from study.contact import damping, power_fit
 from study.dataset import fitting
 from study.joint import (
     DimensionalJoint,
@@ -38,7 +39,6 @@ from study.joint import (
     stress,
     whole_curve,
 )
-from study.joint.law_options import law_options
 from study.measure import explicit, limits, stability
 from study.mechanism import (
     MechanismError,
@@ -65,7 +65,6 @@ FLAG = (-1, 2, None, "yes", nan, [True], np.array([True, False]))
 THING = (None, 3, nan, "joint", {}, [1, 2], np.eye(2), object)
 TABLE = (None, 3, [1, 2], {}, np.eye(2), pd.DataFrame(), pd.DataFrame({"x": [1]}))
 
-BODIES_OF_LAW = {"socket_ratio": 1.3, "modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
 GOOD = {"ball_radius": 9.95e-3, "socket_radius": 0.01, "composite_modulus": 1.1e11}
 CURVE = force_curve(Joint(200), np.linspace(0.025, 1, 40) ** 2, 64)
 BODIES = series.ball_compliance(0.3, 64), series.socket_compliance(1.3, 0.3, 64)
@@ -119,16 +118,16 @@ def law_rows():
         ball_drive=("plane", (*NAME, "point")),
         rim=("mirror", NAME),
     )
-    yield from rows(partial(contact.JointLaw, **GOOD), law=("hertz", (*NAME, print)))
-    yield from rows(partial(contact.JointLaw, **GOOD, law="hertz"), n=(1, (1,)))
+    yield from rows(partial(contact.DimensionalLaw, **GOOD), law=("hertz", (*NAME, print)))
+    yield from rows(partial(contact.DimensionalLaw, **GOOD, law="hertz"), n=(1, (1,)))
     yield from rows(
-        partial(contact.JointLaw, "hertz"),
+        partial(contact.DimensionalLaw, "hertz"),
         ball_radius=(9.95e-3, (*POSITIVE, 0.02)),
         socket_radius=(0.01, (*POSITIVE, 0.009)),
         composite_modulus=(1.1e11, POSITIVE),
     )
     sizes = {"ball_radius": 9.95e-3, "socket_radius": 0.01, "composite_modulus": 1.1e11}
-    law = contact.JointLaw("hyperbolic_winkler", **sizes)
+    law = contact.DimensionalLaw("hyperbolic_winkler", **sizes)
     yield from rows(law.force, depth=(1e-5, (*LIST, 1e-60, 1e-4, 1e60)))
     yield from rows(law.stiffness, depth=(1e-5, (*LIST, 1e-60, 1e-4, 1e60)))
     yield from rows(law.depth, force=(10.0, (*LIST, -1.0, 1e9)))
@@ -139,7 +138,6 @@ def law_rows():
         socket_modulus=(2e11, POSITIVE),
         socket_poisson=(0.3, (*NUMBER, 0.5, -1)),
     )
-    yield from rows(contact.tabulated, curve=(CURVE, THING))
     yield from rows(
         curve_with,
         depth_star=(CURVE.depth_star, (*LIST, [0.1, 0.2], np.zeros(40), -CURVE.depth_star)),
@@ -155,14 +153,6 @@ def law_rows():
     yield from rows(
         damping.damping_factor, damping=("exact", NAME), restitution=(0.5, (*NUMBER, -0.1, 1.1, 0))
     )
-    yield from rows(
-        joint_law.pack,
-        law=("hertz", (*NAME, print)),
-        ball_radius=(9.95e-3, (*POSITIVE, 0.02)),
-        socket_radius=(0.01, POSITIVE),
-        composite=(1.1e11, POSITIVE),
-    )
-    yield from rows(partial(joint_law.pack, "hertz", 9.95e-3, 0.01, 1e11), n=(1, (1,)))
 
 
 def set_without(values, right):
@@ -348,7 +338,6 @@ def study_rows():
         joint=(Joint(200), THING),
         depth_star=(0.3, (*set_without(LIST, None), 0, -1, 30, [], [0.1, 0.2, 0.3], [0.2, 0.1])),
     )
-    yield from rows(law_options, law=("power", ()), joint=(Joint(200), THING))
     core = Joint(200, ball_drive="core:0.2")
     yield from rows(
         partial(export.export, "tabulated", joint=core, depth_star=0.3),
@@ -357,7 +346,7 @@ def study_rows():
     )
     yield from rows(partial(export.export, form="c", joint=core, tilt=9.0), law=("tabulated", NAME))
     yield from rows(
-        choose.directions,
+        choose.axial_law_suffices,
         joint=(core, THING),
         depth_star=(0.3, (*POSITIVE, 30)),
         tilt=(10.0, (*POSITIVE, 121)),
@@ -612,11 +601,11 @@ def test_a_law_gives_a_positive_force_or_refuses(depth, r2_star, n):
 def test_a_force_in_si_units_neither_overflows_nor_vanishes(depth, gap, socket, modulus):
     ball = socket * (1 - gap)
     for law in contact.LAWS:
-        options = BODIES_OF_LAW if law == "stiffened_hertz" else {}
+        options = IN_SI_UNITS[law]
         sizes = {"ball_radius": ball, "socket_radius": socket, "composite_modulus": modulus}
         for derivative in ("force", "stiffness"):
             try:
-                value = getattr(contact.JointLaw(law, **sizes, **options), derivative)(depth)
+                value = getattr(contact.DimensionalLaw(law, **sizes, **options), derivative)(depth)
             except ValueError as error:
                 tells(error)
                 continue
@@ -801,4 +790,6 @@ def test_choose_at_small_depths_with_large_displacements():
 
 def test_radii_whose_ratio_is_lost_in_rounding_are_refused():
     with pytest.raises(checks.RangeError, match="socket_radius over clearance must be > 1, got 1"):
-        contact.JointLaw("hertz", ball_radius=1e-30, socket_radius=1.0, composite_modulus=1e11)
+        contact.DimensionalLaw(
+            "hertz", ball_radius=1e-30, socket_radius=1.0, composite_modulus=1e11
+        )

@@ -170,7 +170,7 @@ def test_joint_with_dimensions_takes_liners_supports_and_a_tolerance(run, monkey
     def none(joint, depth_star, tolerance):
         raise StudyError(f"no law is within {tolerance:g}")
 
-    monkeypatch.setattr("study.choose.law.choose_beside", none)
+    monkeypatch.setattr("study.choose.cheapest_law.choose_beside", none)
     status, out, _ = run(*BRONZE, "--force", 500, "--tolerance", 1e-5)
     assert status == 0
     assert "No law is chosen: no law is within 1e-05" in out

@@ -5,13 +5,13 @@ import re
 import mpmath
 import numpy as np
 import pytest
-from helpers.laws import VARIANTS
+from helpers.laws import VARIANTS, packed
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
 from study import contact
-from study.contact import forces, friction, joint_law
+from study.contact import forces, friction
 from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
 
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.1e11
@@ -106,11 +106,11 @@ def test_friction_branches_meet_at_the_kinks():
 
 @pytest.mark.parametrize(("name", "options"), VARIANTS)
 def test_compiled_force_is_the_law(name, options):
-    law = joint_law.pack(name, R1, R2, MODULUS, **options)
+    law = packed(name, R1, R2, MODULUS, **options)
     depths = np.array([1e-9, 1e-7, 1e-6, 2.5e-5, R2 - R1])
     found = np.array([forces.elastic_force(law, d) for d in depths])
     sizes = {"ball_radius": R1, "socket_radius": R2, "composite_modulus": MODULUS}
-    of_joint = contact.JointLaw(name, **sizes, **options)
+    of_joint = contact.DimensionalLaw(name, **sizes, **options)
     close = 1e-11 if name == "stiffened_hertz" else 1e-13  # its nine numbers, up to 1e4, cancel
     assert found[:, 0] == pytest.approx(of_joint.force(depths), rel=close)
     assert found[:, 1] == pytest.approx(of_joint.stiffness(depths), rel=close)
@@ -118,7 +118,7 @@ def test_compiled_force_is_the_law(name, options):
 
 @pytest.mark.parametrize(("name", "options"), VARIANTS)
 def test_stored_energy_is_the_integral_of_the_force(name, options):
-    law = joint_law.pack(name, R1, R2, MODULUS, **options)
+    law = packed(name, R1, R2, MODULUS, **options)
     exact, _ = quad(lambda d: forces.elastic_force(law, d)[0], 0, 2e-5, epsabs=0, epsrel=1e-12)
     assert forces.stored_energy(law, 2e-5) == pytest.approx(exact, rel=1e-9)
     assert forces.stored_energy(law, -1e-6) == 0
@@ -126,7 +126,7 @@ def test_stored_energy_is_the_integral_of_the_force(name, options):
 
 @given(st.floats(1e-7, 5e-5), st.floats(-0.2, 0.2), st.floats(-0.02, 0.02))
 def test_joint_forces_and_their_derivatives(depth, rate, sliding):
-    law = joint_law.pack("hertz", R1, R2, MODULUS)
+    law = packed("hertz", R1, R2, MODULUS)
     branch = friction.friction_branch(sliding, V0, V1)
 
     def at(depth, rate, sliding):

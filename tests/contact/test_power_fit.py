@@ -10,7 +10,7 @@ from study.contact import LAWS, tabulated
 from study.contact.power_fit import USUAL_RANGE, fit_power
 from study.dataset.fitting import fit_laws
 from study.joint import DimensionalJoint, Joint, paper_joint, whole_curve
-from study.joint.law_options import law_options
+from study.joint.law_parameters import law_parameters
 
 BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 
@@ -67,7 +67,7 @@ def test_the_default_is_the_paper_s_joint():
         depth = np.geomspace(*USUAL_RANGE, 60)
         exact = tabulated(whole_curve(paper_joint(r2_star)))(depth)
         assert np.abs(LAWS["power"](depth, r2_star) / exact - 1).max() < 0.012
-        own = law_options("power", paper_joint(r2_star))
+        own = law_parameters(LAWS["power"], paper_joint(r2_star))
         assert np.abs(LAWS["power"](depth, r2_star, **own) / exact - 1).max() < 0.006
 
 
@@ -95,7 +95,10 @@ def test_the_kept_fit_is_that_of_the_dataset():
         ),
         (lambda: BRONZE.power_law((2e-6, 1e-6)), "largest depth must be > 2e-06 m, got 1e-06 m"),
         (lambda: BRONZE.power_law((0, 1e-6)), "least depth must be > 0 m, got 0 m"),
-        (lambda: law_options("stiffened_hertz", Joint(200, backing="rim")), "stiffened_hertz"),
+        (
+            lambda: law_parameters(LAWS["stiffened_hertz"], Joint(200, backing="rim")),
+            "stiffened_hertz",
+        ),
     ],
 )
 def test_bad_input(call, message):

@@ -5,10 +5,11 @@ from math import acos, inf, nan, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from helpers.laws import packed
 from scipy.integrate import quad
 
 from study import contact
-from study.contact import forces, joint_law, sampling
+from study.contact import forces, sampling
 from study.mechanism import Scene, paper_scene, rigid, simulate
 
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.1e11
@@ -63,7 +64,7 @@ def test_table_is_within_what_is_promised(function):
 
 def test_name_limit_and_one_socket_radius_at_a_time():
     law = contact.sampled(hertz, deepest=2.0)
-    assert law.__name__ == "hertz"
+    assert law.name == "hertz"
     assert law(2.0, [200, 200]) == pytest.approx(contact.hertz(2.0, [200, 200]), rel=1e-13)
     with pytest.raises(ValueError, match="depth_star of hertz must be <= 2, got 2.1"):
         law(2.1, 200)
@@ -90,17 +91,17 @@ def test_name_limit_and_one_socket_radius_at_a_time():
 )
 def test_bad_function_is_one_clear_error(function, message):
     with pytest.raises(ValueError, match=re.escape(message)):
-        contact.JointLaw(function, **SIZES)
+        contact.DimensionalLaw(function, **SIZES)
     with pytest.raises(ValueError, match=re.escape(message)):
         simulate(law=function, duration=1e-3)
 
 
 @pytest.mark.parametrize("function", [hertz, stopped])
 def test_compiled_force_and_energy_are_the_functions(function):
-    law, clearance = joint_law.pack(function, R1, R2, MODULUS), R2 - R1
+    law, clearance = packed(function, R1, R2, MODULUS), R2 - R1
     depths = clearance * DEPTHS
     found = np.array([forces.elastic_force(law, d) for d in depths])
-    of_joint = contact.JointLaw(function, **SIZES)
+    of_joint = contact.DimensionalLaw(function, **SIZES)
     assert found[:, 0] == pytest.approx(of_joint.force(depths), rel=1e-13)
     assert found[:, 1] == pytest.approx(of_joint.stiffness(depths), rel=1e-10)
     deepest, kink = 0.3 * clearance, [0.01 * clearance]
@@ -142,7 +143,7 @@ def test_energy_balance_closes_with_kinks_in_the_law(function, restitution):
 @pytest.mark.parametrize("function", [hertz, stopped, measured])
 def test_a_function_in_si_units_and_back(function):
     joint = {"ball_radius": R1, "socket_radius": R2, "composite_modulus": MODULUS}
-    law, depths = contact.JointLaw(function, **joint), np.geomspace(1e-10, 5e-5, 50)
+    law, depths = contact.DimensionalLaw(function, **joint), np.geomspace(1e-10, 5e-5, 50)
     force = [function(d / 5e-5, 200.0) * MODULUS * (R2 - R1) ** 2 for d in depths]
     assert law.force(depths) == pytest.approx(force, rel=1e-6)
     assert law.depth(law.force(depths)) == pytest.approx(depths, rel=1e-12)

@@ -9,15 +9,16 @@ import subprocess
 import numpy as np
 import pandas as pd
 import pytest
+from helpers.laws import VARIANTS
 from helpers.programs import COMPILER, OCTAVE, needs_compiler, needs_octave
 from scipy.interpolate import CubicHermiteSpline
 
 from study import contact
-from study.contact import LAWS
+from study.contact import LAWS, shapes
 from study.contact.power_fit import USUAL_RANGE
 from study.export import FUNCTIONS, LAW_OF, SUFFIXES, export, formulas
 from study.joint import DimensionalJoint, Joint, Layer, Material, whole_curve
-from study.joint.law_options import law_options
+from study.joint.law_parameters import law_parameters
 
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.137e11
 EXPORTED = [*LAWS, "tabulated"]
@@ -33,12 +34,12 @@ JOINTS = (
 def in_python(law, joint, deepest=1.0):
     """Dimensionless force and stiffness, of depths."""
     function = LAWS.get(law) or contact.tabulated(whole_curve(joint, deepest))
-    options = law_options(law, joint)
+    options = law_parameters(function, joint)
     if law == "power":  # fitted at the text's own places
         least = USUAL_RANGE[0] if deepest == USUAL_RANGE[1] else deepest / 10
         depth = np.linspace(np.sqrt(least), np.sqrt(deepest), 400) ** 2
         exact = contact.tabulated(whole_curve(joint, deepest))(depth)
-        options = law_options(law, joint, depth, exact)
+        options = law_parameters(function, joint, depth, exact)
     return [
         lambda ds, derivative=derivative: function(
             ds, joint.r2_star, derivative=derivative, **options
@@ -258,16 +259,24 @@ def test_tabulated_json_describes_its_joint():
     assert content["stiffening"][0] == 1
 
 
-def test_every_shape_of_a_law_has_its_formula():
-    for law in LAWS.values():
-        _, shape, constants = law.parts(200.0)
-        assert formulas.words(shape, constants)
-        text = formulas.text("c", shape, constants, "", **FILLED)
-        assert text.index("    value = ") < text.index("    slope = ")
+TABLE = contact.tabulated(whole_curve(Joint(200)))
+PARTS = [*(LAWS[name].parts(200.0, **options) for name, options in VARIANTS), TABLE.parts(200.0)]
 
 
-FILLED = dict.fromkeys(("law", "title", "source", "deepest", "margin", "scale"), "1")
-FILLED |= dict.fromkeys(("inputs", "about_inputs", "checks", "sizes"), "")
+@pytest.mark.parametrize("parts", PARTS, ids=lambda parts: parts.shape.name)
+def test_the_lines_of_a_shape_are_its_function(parts):
+    table = np.reshape(parts.constants[1:], (-1, 2)) if parts.shape is shapes.tabulated else []
+    for ds in (1e-6, 0.03, 0.4, 1.0):
+        names = {"ds": ds, "TABLE": lambda k, column: table[k][column]}
+        names["KNOT"] = lambda x: min(int(x), len(table) - 2)
+        lines = "\n".join(formulas.lines(parts.shape, parts.constants))
+        exec(re.sub(r"\.([*/])", r"\1", f"from math import *\n{lines}"), names)
+        expected = parts.shape(ds, parts.constants)
+        assert (names["value"], names["slope"]) == pytest.approx(expected, rel=1e-12)
+
+
+def test_every_shape_is_that_of_a_law():
+    assert {parts.shape for parts in PARTS} == {*shapes.SHAPES} - {shapes.sampled}
 
 
 def test_bad_input_is_one_clear_error():

@@ -1,22 +1,13 @@
-"""Each law with the options that its tests try."""
+"""Each law with the options that its tests try, and laws for the compiled functions."""
 
-PAPER = {"socket_ratio": 1.298, "modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
-VARIANTS = [
-    ("hertz", {}),
-    ("steuermann", {}),
-    ("steuermann", {"n": 3}),
-    ("steuermann", {"n": 2, "radius": "profile"}),
-    ("liu", {}),
-    ("winkler", {}),
-    ("winkler", {"coefficient": 3.0}),
-    ("hyperbolic_winkler", {}),
-    ("hyperbolic_winkler", {"coefficient": 3.0}),
-    ("hyperbolic_winkler", {"area": "sphere"}),
-    ("stiffened_hertz", PAPER),
-    ("stiffened_hertz", PAPER | {"socket_ratio": 1.1, "poisson": 0.45, "socket_poisson": 0.45}),
-    (
-        "stiffened_hertz",
-        PAPER | {"socket_ratio": 3.0, "modulus_ratio": 0.01, "ball_drive": "clamped"},
-    ),
-    ("stiffened_hertz", PAPER | {"socket_poisson": 0.46, "modulus_ratio": 30.0, "rim": "free"}),
-]
+from study.contact import LAWS, DimensionalLaw
+
+VARIANTS = [(name, dict(options)) for name, law in LAWS.items() for options in law.examples]
+IN_SI_UNITS = {name: dict(law.examples[0]) for name, law in LAWS.items()}
+"""Law -> options with which it may be given dimensions."""
+
+
+def packed(law, ball_radius, socket_radius, composite_modulus, **options):
+    """Record of a law in a joint."""
+    sizes = {"ball_radius": ball_radius, "socket_radius": socket_radius}
+    return DimensionalLaw(law, **sizes, composite_modulus=composite_modulus, **options).packed()

@@ -5,12 +5,12 @@ from math import comb
 
 import numpy as np
 import pytest
+from helpers.laws import packed
 
-from study.contact.joint_law import pack
 from study.mechanism import collocation, paper_scene, radau, rigid
 
 SCENE = paper_scene()
-HERTZ = pack("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
+HERTZ = packed("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
 MODE = (True, 2, 0.06)
 START = np.array([0.5, 8e-7, 2.1, 11.0, 0.0, 900.0, 0, 0, 0])
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from helpers.laws import packed
 from helpers.with_hertz import simulate
 from other_programs import cvode
 
 from study import checks
-from study.contact.joint_law import pack
 from study.mechanism import paper_scene
 
 pytestmark = pytest.mark.skipif(
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.skipif(
 
 
 def law_of(scene, name="hertz"):
-    return pack(name, scene.ball_radius, scene.socket_radius, scene.composite_modulus)
+    return packed(name, scene.ball_radius, scene.socket_radius, scene.composite_modulus)
 
 
 @pytest.mark.parametrize("coordinates", cvode.SCALES)

@@ -4,10 +4,10 @@ import re
 
 import numpy as np
 import pytest
+from helpers.laws import packed
 from helpers.scenes import random_scenes
 from helpers.with_hertz import simulate
 
-from study.contact.joint_law import pack
 from study.mechanism import (
     MechanismError,
     beams,
@@ -107,7 +107,7 @@ def test_tangent_of_finite_elements_is_the_derivative():
 
 def test_contact_tangent_of_finite_elements_is_the_derivative():
     s = PAPER
-    law = pack("hertz", s.ball_radius, s.socket_radius, s.composite_modulus)
+    law = packed("hertz", s.ball_radius, s.socket_radius, s.composite_modulus)
     p = s.constants()
     ball = np.array([0, 1, 2, 3])
     q, v = np.array([3e-5, -4.1e-5, 0.3, 0.0]), np.array([0.02, 0.01, 0.5, 0.015])

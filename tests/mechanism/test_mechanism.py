@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from helpers.laws import packed
 from helpers.scenes import random_scenes
 from helpers.with_hertz import simulate
 from scipy.integrate import solve_ivp
@@ -13,14 +14,13 @@ from scipy.integrate import solve_ivp
 from study import contact, dataset, mechanism, paths
 from study.contact import LAWS
 from study.contact.damping import DAMPINGS
-from study.contact.joint_law import pack
 from study.joint import Joint, force_curve
 from study.measure import explicit
 from study.mechanism import MechanismError, Scene, compare, paper_scene, rigid, stepping
 from study.mechanism.response import EVENTS
 
 PAPER = paper_scene()
-HERTZ = pack("hertz", PAPER.ball_radius, PAPER.socket_radius, PAPER.composite_modulus)
+HERTZ = packed("hertz", PAPER.ball_radius, PAPER.socket_radius, PAPER.composite_modulus)
 LOSSLESS = PAPER.replace(restitution=1.0, friction=0.0)
 KNOWN = pd.read_csv(paths.DATA / "published/mechanism.csv").set_index(["model", "quantity"]).value
 

@@ -72,7 +72,7 @@ def test_stiffened_hertz_takes_materials_from_the_scene():
         "stiffened_hertz: socket_ratio 1.298 (the paper's), modulus_ratio 0.531400966, poisson 0.3,"
         " socket_poisson 0.34, ball_drive plane, rim mirror"
     )
-    law = contact.JointLaw(
+    law = contact.DimensionalLaw(
         "stiffened_hertz",
         ball_radius=MIXED.ball_radius,
         socket_radius=MIXED.socket_radius,
@@ -148,7 +148,7 @@ def test_laws_without_materials_say_what_they_are():
 def in_si_units(law, scene=PAPER, **options):
     radii = {"ball_radius": scene.ball_radius, "socket_radius": scene.socket_radius}
     modulus = {"composite_modulus": scene.composite_modulus}
-    return contact.JointLaw(law, **(radii | modulus | options))
+    return contact.DimensionalLaw(law, **(radii | modulus | options))
 
 
 @pytest.mark.parametrize("model", ["rigid", "particles", "beams"])

@@ -35,7 +35,7 @@ def clearance_joint(law="hertz", **changes):
 
 def joint_law(law):
     sizes = {"ball_radius": R1, "socket_radius": R2, "composite_modulus": MODULUS}
-    return contact.JointLaw(law, **sizes)
+    return contact.DimensionalLaw(law, **sizes)
 
 
 def turned(vector):
@@ -97,8 +97,8 @@ def test_depth_beyond_the_law_is_one_clear_error():
 
 def test_bad_joint_is_one_clear_error():
     for changes, message in (
-        ({"law": "hertz"}, "law must be a JointLaw, got 'hertz'"),
-        ({"law": BRONZE.joint}, "law must be a JointLaw, got Joint"),
+        ({"law": "hertz"}, "law must be a DimensionalLaw, got 'hertz'"),
+        ({"law": BRONZE.joint}, "law must be a DimensionalLaw, got Joint"),
         (
             {"damping": "exact", "restitution": 0.0},
             "restitution for damping exact, unlike hunt-crossley, must be >= 0.001",

@@ -4,11 +4,11 @@ import re
 
 import numpy as np
 import pytest
+from helpers.laws import packed
 from helpers.with_hertz import simulate
 from scipy.integrate import solve_ivp
 
 from study.choose import choose_model
-from study.contact.joint_law import pack
 from study.mechanism import compare, paper_scene, two_joints
 
 PAPER = paper_scene()
@@ -22,7 +22,7 @@ STARTS = {
 
 def laws(scene, law="hertz"):
     gaps, radius = (scene.clearance, scene.crank_clearance), scene.socket_radius
-    return tuple(pack(law, radius - gap, radius, scene.composite_modulus) for gap in gaps)
+    return tuple(packed(law, radius - gap, radius, scene.composite_modulus) for gap in gaps)
 
 
 @pytest.mark.parametrize("start", STARTS)

@@ -78,7 +78,7 @@ def slider_acceleration(
     Parameters
     ----------
     law
-        Hertz's, from ``study.contact.joint_law.pack``.
+        Hertz's, from ``study.contact.dimensional_law.pack``.
     duration
         In s.
     coordinates

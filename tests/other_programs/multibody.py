@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from study import checks
-from study.contact.joint_law import JointLaw, pack
+from study.contact import DimensionalLaw, hertz
 from study.contact.laws import AnyLaw, find
 from study.mechanism import Scene, scene_law
 from study.mechanism.spatial import ClearanceJoint, solve
@@ -42,7 +42,7 @@ def contact(system: Any, scene: Scene, ball: int, socket: int) -> int:
     """
     from exudyn import itemInterface as item  # noqa: N813
 
-    s, law = scene, pack("hertz", scene.ball_radius, scene.socket_radius, scene.composite_modulus)
+    s, law = scene, scene_law.in_joint(scene, hertz, scene.clearance).packed()
     start = [s.clearance, 0, 0, 0]  # the gap must start positive, or the first impact is missed
     data = item.NodeGenericData(initialCoordinates=start, numberOfDataCoordinates=4)
     return system.AddObject(
@@ -164,7 +164,7 @@ def crank_slider(
     options = scene_law.options(scene, law, options)
     sizes = {name: getattr(s, name) for name in ("ball_radius", "socket_radius")}
     joint = ClearanceJoint(
-        JointLaw(law, **sizes, composite_modulus=s.composite_modulus, **options),
+        DimensionalLaw(law, **sizes, composite_modulus=s.composite_modulus, **options),
         restitution=s.restitution,
         damping=s.damping,
         friction=s.friction,

@@ -38,7 +38,7 @@ def slider_acceleration(
     method
         One of `METHODS`; CVODE is SUNDIALS' through scikit-sundae.
     law
-        From ``study.contact.joint_law.pack``.
+        From ``study.contact.dimensional_law.pack``.
     duration
         In s.
     rtol

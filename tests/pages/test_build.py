@@ -30,7 +30,7 @@ DESIGN = (
 """A part of the dataset's design, for the whole takes minutes."""
 SMALLER = {
     "dataset/design": [("12 if by_series", "4 if by_series")],
-    "dataset/hertz_correction": [
+    "dataset/stiffening_fit": [
         (
             '_ORDER = ("',
             'for c in (LIMITS, CHANGES):\n    c |= dict.fromkeys(list(c)[:4], 2)\n_ORDER = ("',
@@ -122,7 +122,7 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
     skipped = re.search(r"(\d+) +Skipped because unchanged", resumed.stdout)
     assert int(skipped[1]) > done  # what the killed one had finished, and more
     assert leftovers(project) == []
-    assert not (project / "build/hertz_correction").exists()  # up to date: it was not solved
+    assert not (project / "build/stiffening").exists()  # up to date: it was not solved
     assert [path.read_bytes() for path in others] == before
     keys = ["case", "depth_star"]
     built = pd.read_csv(project / "data/force_curves.csv").set_index(keys)
@@ -142,7 +142,7 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
 
     whole = study(project, "data", "build", "--from-nothing")
     assert whole.returncode == 0, whole.stderr
-    assert len(list((project / "build/hertz_correction").iterdir())) == 2 + 2
+    assert len(list((project / "build/stiffening").iterdir())) == 2 + 2
     assert (
         len(pd.read_csv(project / "data/links.csv"))
         < 100
@@ -151,7 +151,7 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
     assert study(project, "data", "build").stdout == again.stdout
 
 
-OTHERS = ("data/links.csv", "study/contact/hertz_correction.csv")
+OTHERS = ("data/links.csv", "study/contact/stiffening.csv")
 """What is not made from the curves; set_ups.csv is, by way of the coefficients."""
 
 

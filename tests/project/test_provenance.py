@@ -73,7 +73,7 @@ def test_data_that_a_module_names_decide_what_it_makes():
         inputs = provenance.inputs(paths.ROOT / "study" / module)
         return {provenance.name(path) for path in inputs if path.suffix != ".py"}
 
-    laws = {"study/contact/coefficients.json", "study/contact/hertz_correction.csv"}
+    laws = {"study/contact/coefficients.json", "study/contact/stiffening.csv"}
     materials = {"study/contact/materials.csv"}
     described = json.loads((paths.DATA / "datapackage.json").read_text())["resources"]
     stored = {f"data/{resource['path']}" for resource in described}

@@ -124,7 +124,7 @@ def test_the_example_runs():
     names = {}
     exec(compile(example, "README.md", "exec"), names)
     assert names["law"].force(names["law"].depth(3000)) == pytest.approx(3000)
-    assert isinstance(names["law"], contact.JointLaw)
+    assert isinstance(names["law"], contact.DimensionalLaw)
 
 
 def test_the_librarys_examples_print_what_they_show():

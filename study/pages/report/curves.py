@@ -1,10 +1,10 @@
 """The dataset's cases and the laws at their depths, for the plot in the page."""
 
 from study import checks, dataset
-from study.contact import LAWS
+from study.contact import COMPARED_LAWS, LAWS
 from study.contact.power_fit import USUAL_RANGE
 from study.dataset import design, store
-from study.joint.law_options import law_options
+from study.joint.law_parameters import law_parameters
 from study.pages.figures import LOOKS
 
 PARAMETERS = {
@@ -40,16 +40,17 @@ def curves() -> dict:
         case["laws"], case["undefined"] = {}, {}
         usual = frame[frame["depth_star"].between(*USUAL_RANGE)]
         fitted_to = usual["depth_star"], usual["force_star"]
-        for law, function in LAWS.items():
+        for law in COMPARED_LAWS:
             try:
-                force = function(depth, joint.r2_star, **law_options(law, joint, *fitted_to))
+                options = law_parameters(LAWS[law], joint, *fitted_to)
+                force = LAWS[law](depth, joint.r2_star, **options)
                 case["laws"][law] = [_rounded(value) for value in force]
             except ValueError as error:
                 case["undefined"][law] = str(error)
         cases.append(case)
     if len(cases) != len(frames):
         raise checks.StudyError(f"the design and the dataset differ; rebuild it with: {store.MEND}")
-    looks = {name: vars(LOOKS[name]) for name in ("exact", *LAWS)}
+    looks = {name: vars(LOOKS[name]) for name in ("exact", *COMPARED_LAWS)}
     named = {"parameters": PARAMETERS, "groups": design.GROUPS, "looks": looks}
     return named | {"depths": list(depths), "cases": cases}
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from study import checks
-from study.contact import hertz_correction, materials, shapes
+from study.contact import materials, shapes, stiffening
 from study.contact.laws import LIMIT_MARGIN
 from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
 from study.joint.dimensional import LEAST_CLEARANCE
@@ -21,10 +21,10 @@ def joint_data() -> dict:
     head, *rows = judged.rows()
     errors = sorted((float(row[head.index("largest_percent")]), row[0].split()[0]) for row in rows)
     return {
-        "tables": [path.read_text(encoding="utf-8") for path in (hertz_correction.TABLE, SIZES)],
-        **{name.lower(): getattr(hertz_correction, name) for name in COPIED},
-        "to_powers": hertz_correction._POWERS.tolist(),
-        "deepest": shapes.LIMITS[shapes.stiffened],
+        "tables": [path.read_text(encoding="utf-8") for path in (stiffening.TABLE, SIZES)],
+        **{name.lower(): getattr(stiffening, name) for name in COPIED},
+        "to_powers": stiffening._POWERS.tolist(),
+        "deepest": shapes.stiffened.deepest,
         "margin": LIMIT_MARGIN,
         "least_clearance": LEAST_CLEARANCE,
         "walls": [THINNEST_RATIO - 1, THICKEST_RATIO - 1],

@@ -2,7 +2,7 @@
 
 The table behind `study.contact.stiffened_hertz` has ln S at nine depths, as a Chebyshev series in
 five coordinates of the joint. A clamped ball and a free rim have terms of their own. The table is
-made by `study.dataset.hertz_correction`.
+made by `study.dataset.stiffening_fit`.
 
 The table is evaluated once a joint, to the same bits on every processor, and results of impacts are
 still compared with a tolerance. Both are needed. Every impact enlarges a difference of the last
@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 
-TABLE = Path(__file__).with_name("hertz_correction.csv")
+TABLE = Path(__file__).with_name("stiffening.csv")
 LEAST_R2_STAR = 20.0
 RANGES = {
     "socket_ratio": (1.1, 1e6),

@@ -1,4 +1,4 @@
-"""Whether the law along the axis serves a displacement in every direction up to some tilt.
+"""Whether the law along the axis is accurate for displacements off it, up to some tilt.
 
 By a rule, if ball and socket are the same all round and the mouth is far: a ball on its core, a
 socket backed all over, and a contact that stays off the mouth by twice the wall's thickness. In 8
@@ -23,8 +23,8 @@ _TILTS = 4
 
 
 @dataclass(frozen=True)
-class Directions:
-    """Whether one law serves all directions.
+class OffAxis:
+    """Whether the law along the axis is within a tolerance in all directions.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Directions:
     known_by: Literal["rule", "measured"]
 
 
-def directions(joint: Joint, depth_star: float, tilt: float, tolerance: float) -> Directions:
+def axial_law_suffices(joint: Joint, depth_star: float, tilt: float, tolerance: float) -> OffAxis:
     """Whether the law along the axis is within a tolerance in all directions up to a tilt, in deg.
 
     Raises
@@ -59,10 +59,10 @@ def directions(joint: Joint, depth_star: float, tilt: float, tolerance: float) -
         edge += _WALLS * np.degrees(joint.socket_ratio - 1)
         stiff = all(m.poisson <= _LARGEST_POISSON for m in joint.materials.values())
         if stiff and edge <= joint.opening and tolerance >= OF_RULE:
-            return Directions(True, OF_RULE, "rule")
+            return OffAxis(True, OF_RULE, "rule")
     tilts = np.linspace(0, most, _TILTS + 1)[1:]
     found = tilted_contact(joint, np.full(_TILTS, depth), tilts)
     axial = force_curve(joint, depth).force_star
     off = np.hypot(found.force_star / axial - 1, found.transverse_star / axial)
     error = float((off + found.error_estimate).max())
-    return Directions(error <= tolerance, error, "measured")
+    return OffAxis(error <= tolerance, error, "measured")

@@ -21,7 +21,7 @@ from study.joint import Joint, UnresolvedError, force_curve, whole_curve
 from study.joint.compliance import RESOLUTION
 from study.joint.curve import ForceCurve
 from study.joint.dimensional import usual_depth
-from study.joint.law_options import law_options
+from study.joint.law_parameters import law_parameters
 from study.joint.nested_contact import LEAST_R2_STAR
 from study.threads import one_thread
 
@@ -159,7 +159,7 @@ def _candidates(joint, depths, force, uncertainty, largest):
     ahead = costs | {"tabulated": SOLVED_FIRST * costs["tabulated"]}
     for law in sorted([*largest, "tabulated"], key=ahead.__getitem__):
         if law != "tabulated":
-            options = law_options(law, joint, depths, force)
+            options = law_parameters(LAWS[law], joint, depths, force)
             bound = _bounded(largest[law], uncertainty)
             yield candidate(law, options, largest[law], bound, partial(LAWS[law], **options))
             continue
@@ -230,7 +230,7 @@ def law_errors(
         if law == "power" and np.size(depth_star) < 2:
             continue
         try:
-            options = law_options(law, joint, depth_star, force_star)
+            options = law_parameters(LAWS[law], joint, depth_star, force_star)
             force = LAWS[law](depth_star, joint.r2_star, **options)
         except checks.RangeError:
             continue

@@ -2,9 +2,9 @@
 
 Bodies are solved once for many joints: some 10,000 joints take two minutes. In the limit of large
 R2* the grid is fine. The changes with a smaller R2* are smooth and take few places.
-`study.contact.hertz_correction` evaluates the table; notebook 15 has its errors on other joints.
+`study.contact.stiffening` evaluates the table; notebook 15 has its errors on other joints.
 The report's page of a joint has a like table of half-angle and peak pressure. In four minutes
-``python -m study.dataset.hertz_correction > study/pages/report/contact_size.csv`` makes it.
+``python -m study.dataset.stiffening_fit > study/pages/report/contact_size.csv`` makes it.
 """
 
 import itertools
@@ -16,7 +16,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from study.contact import hertz
-from study.contact.hertz_correction import (
+from study.contact.stiffening import (
     DEGREES,
     LEAST_R2_STAR,
     PLACES,
@@ -102,7 +102,7 @@ def _at_places(depth: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArr
 def table(
     limits: Parts, changes: Parts = (), smallest: float = SMALLEST, counts: dict[str, int] = LIMITS
 ) -> pd.DataFrame:
-    """Table of `study.contact.hertz_correction`: Chebyshev coefficients, without small ones.
+    """Table of `study.contact.stiffening`: Chebyshev coefficients, without small ones.
 
     The first two are `logarithms` for each Poisson's ratio of the socket: on the grid of `LIMITS`,
     for infinite R2*, or of other ``counts``; and on that of `CHANGES`, of which only the changes

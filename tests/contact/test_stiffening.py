@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from study import contact, dataset, paths
-from study.contact import hertz_correction
-from study.dataset import hertz_correction as made
+from study.contact import stiffening
+from study.dataset import stiffening_fit as made
 from study.joint import Joint, Material, paper_joint, whole_curve
 
 OPTIONS = {
@@ -101,22 +101,22 @@ def test_a_part_of_the_table_made_anew_is_the_kept_one():
     found = made.logarithms(0.2, counts)[0, 0, 0, 0]  # a rigid ball, the thinnest socket
     for clamped, free in np.ndindex(2, 2):
         bodies = 2e-9, 0.2, 0.2, 1.1
-        kept = hertz_correction.powers(made.LARGEST, bodies, bool(clamped), bool(free))
-        powers = hertz_correction.PLACES[:, None] ** np.arange(9, 0, -1)
+        kept = stiffening.powers(made.LARGEST, bodies, bool(clamped), bool(free))
+        powers = stiffening.PLACES[:, None] ** np.arange(9, 0, -1)
         assert found[clamped, free] == pytest.approx(np.log1p(powers @ kept), abs=1e-3)
 
 
 def test_table_is_compact_and_its_damage_is_named(monkeypatch, tmp_path):
-    assert hertz_correction.TABLE.stat().st_size < 200_000
-    monkeypatch.setattr(hertz_correction, "TABLE", tmp_path / "hertz_correction.csv")
-    hertz_correction.table.cache_clear()
-    hertz_correction._in_r2_star.cache_clear()
+    assert stiffening.TABLE.stat().st_size < 200_000
+    monkeypatch.setattr(stiffening, "TABLE", tmp_path / "stiffening.csv")
+    stiffening.table.cache_clear()
+    stiffening._in_r2_star.cache_clear()
     try:
         for text in (None, "", "clamped,free\n0,0\n", "a,b\nx,y\n"):
             if text is not None:
-                hertz_correction.TABLE.write_text(text)
-            with pytest.raises(Exception, match=r"hertz_correction.csv is missing or damaged"):
+                stiffening.TABLE.write_text(text)
+            with pytest.raises(Exception, match=r"stiffening.csv is missing or damaged"):
                 contact.stiffened_hertz(0.1, 200)
     finally:
-        hertz_correction.table.cache_clear()
+        stiffening.table.cache_clear()
     assert paths.ROOT.is_dir()

@@ -1,10 +1,9 @@
 """A contact law of one joint in SI units: force, stiffness, and the depth of a force.
 
-The laws of `study.contact.laws` are dimensionless. `JointLaw` adds the joint's dimensions, and the
-inverse, and packs a law for the compiled loops.
+The laws of `study.contact.laws` are dimensionless. `DimensionalLaw` adds the joint's dimensions,
+and the inverse, and packs a law for the compiled loops.
 """
 
-from inspect import signature
 from math import inf
 from typing import Any
 
@@ -12,17 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact import shapes
-from study.contact.laws import LIMIT_MARGIN, AnyLaw, Floats, evaluated, find
+from study.contact.laws import LIMIT_MARGIN, AnyLaw, Floats, find
+from study.contact.shapes import SHAPES
 
-BODIES = ("socket_ratio", "modulus_ratio", "poisson", "socket_poisson")
-"""Options of `study.contact.stiffened_hertz` that a joint in SI units must give."""
 _STEPS, _CLOSE = 200, 1e-8  # of Newton's method: most steps (five are usual); last one, relative
 CAPACITIES = 4096, 65536
 """How many constants a record may hold; the first is enough for all laws but large tables."""
 
 
-class JointLaw:
+class DimensionalLaw:
     """A law of a joint with its dimensions, in SI units.
 
     Parameters
@@ -40,14 +37,16 @@ class JointLaw:
 
     Attributes
     ----------
-    dimensionless
+    law
         The law without dimensions, as of `study.contact.LAWS`.
+    options
+        Of the law, as they were given.
     deepest
         Largest depth of the law, in m; infinite for a law without a limit.
     joint
         The `study.joint.DimensionalJoint` that it is a law of, else None.
     parts
-        Scale, shape and the shape's constants of the dimensionless law.
+        The dimensionless law at the joint's R2*, `study.contact.laws.Parts`.
 
     Raises
     ------
@@ -64,8 +63,8 @@ class JointLaw:
         composite_modulus: float,
         **options: Any,
     ) -> None:
-        dimensionless = find(law)
-        self.dimensionless, self.name = dimensionless, dimensionless.parts.__name__
+        self.law = find(law)
+        self.name = self.law.name
         r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
         r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
         self.ball_radius, self.socket_radius, self.joint = r1, r2, None
@@ -74,20 +73,16 @@ class JointLaw:
         self.composite_modulus = checks.number(
             "composite modulus", composite_modulus, "Pa", above=0, scalar=True
         )
-        known = list(signature(dimensionless.parts).parameters)[1:]
-        for option in options:
-            if not known:
-                raise checks.RangeError(f"{option} must be left out: {self.name} has no option")
-            checks.choice(f"option of {self.name}", option, known)
-        missing = [option for option in BODIES if option in known and option not in options]
+        of_bodies = [name for name, option in self.law.options.items() if option.of_bodies]
+        missing = [name for name in of_bodies if name not in options]
         if missing:
             raise ValueError(
                 f"{self.name} in SI units must be given {', '.join(missing)}: a force depends on "
                 "the socket's thickness and on both materials"
             )
         self.options = options
-        self.parts = dimensionless.parts(self.r2_star, **options)
-        limit = shapes.LIMITS.get(self.parts[1], dimensionless.deepest)
+        self.parts = self.law.parts(self.r2_star, **options)
+        limit = self.law.limit(self.parts.shape)
         self.deepest = inf if limit is None else self.clearance * float(limit)
 
     def force(self, depth: ArrayLike) -> Floats:
@@ -115,7 +110,7 @@ class JointLaw:
         forces = np.asarray(checks.number(name, force, "N", least=0, most=most))
         depth = np.zeros(forces.shape)
         pressed = forces > 0
-        wanted = forces[pressed] / self._unit(0) / self.parts[0]
+        wanted = forces[pressed] / self._unit(0) / self.parts.scale
         depth[pressed] = self.clearance * self._inverted(wanted)
         return float(depth) if depth.ndim == 0 else depth
 
@@ -129,7 +124,7 @@ class JointLaw:
             most = self.deepest * (1 + LIMIT_MARGIN)
             checks.number(f"depth of {self.name}", depths, "m", most=most)
         depth_star = np.asarray(checks.depth("depth over clearance", depths / self.clearance))
-        return self._unit(derivative) * evaluated(self.parts, depth_star, derivative)
+        return self._unit(derivative) * self.parts.at(depth_star, derivative)
 
     def _inverted(self, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
         """Depths in clearances at which the shape has given values > 0."""
@@ -167,17 +162,9 @@ class JointLaw:
                 ("constants", float, (capacity,)),
             ],
         )[0]
-        packed.shape_index, packed.clearance = shapes.SHAPES.index(shape), self.clearance
+        packed.shape_index, packed.clearance = SHAPES.index(shape), self.clearance
         packed.scale = self._unit(0) * scale
         packed.count = len(constants)
         packed.constants[:] = 0.0
         packed.constants[: len(constants)] = constants
         return packed
-
-
-def pack(
-    law: AnyLaw, ball_radius: float, socket_radius: float, composite: float, **options: Any
-) -> np.record:
-    """Record of a law for `forces.elastic_force`; arguments and errors as of `JointLaw`."""
-    radii = {"ball_radius": ball_radius, "socket_radius": socket_radius}
-    return JointLaw(law, **radii, composite_modulus=composite, **options).packed()
