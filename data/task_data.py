@@ -16,10 +16,10 @@ from pytask import Product, PythonNode, mark, task
 from study import paths, provenance
 from study.choose import random_scenes
 from study.claims import set_ups
-from study.dataset import design, fitting, record, stiffening_fit, store
+from study.dataset import design, fitting, production, stiffening_fit, store
 
-MADE = record.to_make()
-CODE = {path: record.code(path) for path in record.GENERATED}
+MADE = production.to_make()
+CODE = {path: production.code(path) for path in production.GENERATED}
 BATCHES = list(design.batches())
 PARTS = [paths.BUILD / f"curves/{cases[0][1]}.csv" for cases in BATCHES]
 LIMITS, CHANGES = (
@@ -27,7 +27,7 @@ LIMITS, CHANGES = (
     for name, counts in (("limit", stiffening_fit.LIMITS), ("change", stiffening_fit.CHANGES))
 )
 DESIGN = [paths.ROOT / "study/dataset/design.py"]
-DESCRIBED = [*record.GENERATED, store.MATERIALS, *store.PUBLISHED]
+DESCRIBED = [*production.GENERATED, store.MATERIALS, *store.PUBLISHED]
 SCENES, AT_ONCE = list(random_scenes.draw(0)), 10
 LINKS = [paths.BUILD / f"links/scenes-{k:03d}.csv" for k in range(0, len(SCENES), AT_ONCE)]
 DRAWN = [*set_ups.draw(), *set_ups.FOUND]
@@ -56,14 +56,14 @@ for cases, part in zip(BATCHES, PARTS, strict=True):
         part: Annotated[Path, Product] = part,
     ):
         with paths.whole(part) as temporary:
-            curves = pd.concat([record.solve_case(*case) for case in cases])
+            curves = pd.concat([production.solve_case(*case) for case in cases])
             curves.to_csv(temporary, index=False)
 
 
 if store.CURVES in MADE:
 
     def task_table(parts: list[Path] = PARTS, table: Annotated[Path, Product] = store.CURVES):
-        record.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
+        production.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
 
 
 if store.COEFFICIENTS in MADE:
@@ -103,7 +103,7 @@ if store.TABLE in MADE:
         table: Annotated[Path, Product] = store.TABLE,
     ):
         solved = [[np.loadtxt(part) for part in parts] for parts in (limits, changes)]
-        record.write_stiffening(stiffening_fit.table(*solved))
+        production.write_stiffening(stiffening_fit.table(*solved))
 
 
 for k, part in enumerate(LINKS):
@@ -125,7 +125,7 @@ for k, part in enumerate(LINKS):
 if store.LINKS in MADE:
 
     def task_links(parts: list[Path] = LINKS, table: Annotated[Path, Product] = store.LINKS):
-        record.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
+        production.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
 
 
 for one, part in zip(DRAWN, SET_UPS, strict=True):
@@ -147,7 +147,7 @@ for one, part in zip(DRAWN, SET_UPS, strict=True):
 if store.SET_UPS in MADE:
 
     def task_runs(parts: list[Path] = SET_UPS, table: Annotated[Path, Product] = store.SET_UPS):
-        record.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
+        production.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
 
 
 def task_description(
@@ -155,4 +155,4 @@ def task_description(
     files: list[Path] = DESCRIBED,
     description: Annotated[Path, Product] = store.PACKAGE,
 ):
-    record.write_description()
+    production.write_description()

@@ -75,7 +75,7 @@ def scratch(parent: Path | None = None) -> Iterator[Path]:
         yield Path(name)
 
 
-def sweep() -> None:
+def remove_abandoned() -> None:
     """Remove the temporary folders of processes of this machine that were killed."""
     temporary = Path(tempfile.gettempdir()).glob(f"{_PART}*")
     ours = (ROOT / "study", DATA, FIGURES, BUILD)

@@ -32,15 +32,15 @@ RANGES = {
 CODE = """
 import json, resource, sys, tempfile, time
 from pathlib import Path
-from study.sweep import random_cases, sweep
+from study.sweep import random_cases, run_study
 
 kind, count, jobs, ranges = json.loads(sys.argv[1])
 given = random_cases(count, ranges)
 with tempfile.TemporaryDirectory() as folder:
     output = Path(folder) / "table.csv"
-    sweep(given[:2], kind, output, jobs=1)  # compiled from here on
+    run_study(given[:2], kind, output, jobs=1)  # compiled from here on
     start = time.perf_counter()
-    found = sweep(given, kind, output, jobs=jobs)
+    found = run_study(given, kind, output, jobs=jobs)
     seconds = time.perf_counter() - start
 of = resource.RUSAGE_CHILDREN if jobs > 1 else resource.RUSAGE_SELF
 print(json.dumps([seconds, resource.getrusage(of).ru_maxrss / 1024, len(found.failures)]))

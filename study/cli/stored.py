@@ -96,11 +96,11 @@ def build_data(
     ),
 ):
     """Make the files of the dataset that are out of date; an interrupted build resumes."""
-    from study.dataset import record
+    from study.dataset import production
 
     if from_nothing:
-        os.environ[record.FROM_NOTHING] = "1"
-    if record.to_make():
+        os.environ[production.FROM_NOTHING] = "1"
+    if production.to_make():
         from study.pages import tasks
 
         fail(tasks.build([paths.DATA], jobs=jobs).failures)

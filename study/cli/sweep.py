@@ -50,7 +50,7 @@ def sweep_cases(
     depths, forces, layers or liners of a case are separated by semicolons. Without depths or forces
     the whole curve is solved. After an interruption the same command goes on.
     """
-    from study.sweep import random_cases, sweep
+    from study.sweep import random_cases, run_study
 
     cli.check_output(output, ".csv")
     if random is not None:
@@ -76,7 +76,7 @@ def sweep_cases(
 
         try:
             processes = {"jobs": jobs, "dask_address": dask_address}
-            swept = sweep(source, kind, output, **processes, progress=progress, twice=twice)
+            swept = run_study(source, kind, output, **processes, progress=progress, twice=twice)
         except KeyboardInterrupt:
             done, every, _ = counts[-1] if counts else (0, 0, 0)
             kept = f"; {done} of {every} cases are kept, the same command goes on"

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from study.dataset import design, record, store
+from study.dataset import design, production, store
 from study.joint import force_curve
 
 ERROR_LIMIT = 5e-3  # largest discretisation error estimate that a row may have
@@ -20,7 +20,7 @@ def check() -> list[tuple[str, str]]:
         At the first check that fails; names the file, the case and the remedy.
     """
     store.verify_files()
-    record.verify_made_by()
+    production.verify_made_by()
     frame = store.load()
     return [
         ("files", "every hash as stated, made by this code and design"),

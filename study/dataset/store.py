@@ -2,7 +2,7 @@
 
 The numbers are in ``data/force_curves.csv``, one row per case and depth. Their description is
 ``data/datapackage.json`` (Frictionless Data Package), with the hash of every file: a table is
-read only if it has this hash. `study.dataset.record` makes both.
+read only if it has this hash. `study.dataset.production` makes both.
 """
 
 import json

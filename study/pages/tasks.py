@@ -69,7 +69,7 @@ def build(
     finished = False
     try:
         with _alone():
-            paths.sweep()
+            paths.remove_abandoned()
             session = pytask.build(
                 paths=folders,
                 config=paths.ROOT / "pyproject.toml",

@@ -41,7 +41,7 @@ class Swept(NamedTuple):
     failures: dict[str, str]
 
 
-def sweep(
+def run_study(
     cases: str | Path | Iterable[Mapping[str, Any]],
     kind: Kind,
     output: str | Path,

@@ -748,7 +748,7 @@ def test_interruption_is_one_line_and_status_130(run, monkeypatch, tmp_path):
         ("choose:choose", "", [*CHOOSE, "--tolerance", 0.1]),
         ("mechanism:simulate", "", ["simulate", "--output", tmp_path / "motion.csv"]),
         ("joint:DimensionalJoint.solve", "", [*BRONZE, "--force", 1]),
-        ("dataset.record:to_make", "; what was finished is kept", ["data", "build"]),
+        ("dataset.production:to_make", "; what was finished is kept", ["data", "build"]),
         ("measure.speed:measure", "; what was finished is kept", ["measure"]),
         ("measure.speed:measure", "", ["measure", "--output", tmp_path / "times.csv"]),
     ):

@@ -26,7 +26,7 @@ RECIPE = {
     "study/pages/looks.csv": [("law,tabulated", f"{LOOK}law,tabulated")],
 }
 """File -> texts there, and what is there with the law."""
-DESCRIBE = "from study.dataset import record; record.write_description()"
+DESCRIBE = "from study.dataset import production; production.write_description()"
 LAW_PART = """
 import json, sys
 for cell in json.load(open(sys.argv[1]))["cells"]:

@@ -11,7 +11,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from study import dataset, paths
-from study.dataset import design, quality, record, store
+from study.dataset import design, production, quality, store
 from study.joint import curve
 from study.joint.curve import SOLVERS
 from study.joint.definition import KINEMATICS
@@ -33,10 +33,12 @@ def copy(tmp_path, monkeypatch):
         for name, path in vars(store).items()
         if isinstance(path, Path)
     }
-    of = {path: root / path.relative_to(ROOT) for path in (*record.GENERATED, *store.PUBLISHED)}
-    made_from = {of[p]: [of[file] for file in files] for p, files in record.MADE_FROM.items()}
-    monkeypatch.setattr(record, "GENERATED", {of[p]: m for p, m in record.GENERATED.items()})
-    monkeypatch.setattr(record, "MADE_FROM", made_from)
+    of = {path: root / path.relative_to(ROOT) for path in (*production.GENERATED, *store.PUBLISHED)}
+    made_from = {of[p]: [of[file] for file in files] for p, files in production.MADE_FROM.items()}
+    monkeypatch.setattr(
+        production, "GENERATED", {of[p]: m for p, m in production.GENERATED.items()}
+    )
+    monkeypatch.setattr(production, "MADE_FROM", made_from)
     monkeypatch.setattr(store, "PUBLISHED", tuple(of[path] for path in store.PUBLISHED))
     library = tuple(moved[name] for name in ("COEFFICIENTS", "TABLE", "MATERIALS"))
     monkeypatch.setattr(store, "LIBRARY", library)
@@ -50,7 +52,7 @@ def copy(tmp_path, monkeypatch):
 @pytest.fixture
 def made(copy):
     """The copy, described as made by this code."""
-    record.write_description()
+    production.write_description()
     return copy
 
 
@@ -124,7 +126,7 @@ def test_damaged_and_missing_coefficients_are_named_with_a_remedy(copy):
 def test_a_build_does_not_bless_damaged_published_numbers(copy):
     path = copy / "published" / "tables.csv"
     path.write_text("x,y\n")
-    for build in (record.write_description, record.to_make):
+    for build in (production.write_description, production.to_make):
         with pytest.raises(dataset.DatasetError, match=r"published/tables.csv is damaged"):
             build()
 
@@ -326,45 +328,45 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
     ],
 )
 def test_changed_code_makes_out_of_date_what_reaches_it(made, module, old, new, outdated):
-    assert record.to_make() == set()
+    assert production.to_make() == set()
     path = made.parent / f"study/{module}.py"
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new, 1))
-    found = {path.relative_to(made.parent).as_posix() for path in record.out_of_date()}
+    found = {path.relative_to(made.parent).as_posix() for path in production.out_of_date()}
     assert set(outdated) <= found
     assert ("data/force_curves.csv" in found) == ("data/force_curves.csv" in outdated)
     dataset.load(r2_star=200)  # is not refused: its numbers are as they were
     dataset.verify_files()
     if not outdated:
-        record.verify_made_by()
-        assert record.to_make() == set()
+        production.verify_made_by()
+        assert production.to_make() == set()
         return
-    assert record.to_make() >= {*record.out_of_date(), store.PACKAGE}
+    assert production.to_make() >= {*production.out_of_date(), store.PACKAGE}
     message = f" is out of date: .*study/{module}.py.* changed since.*study data build"
     with pytest.raises(dataset.DatasetError, match=message):
-        record.verify_made_by()
+        production.verify_made_by()
 
 
 def test_what_is_made_from_other_files_is_made_with_them(made):
     store.CURVES.unlink()
-    assert record.to_make() == {store.CURVES, store.COEFFICIENTS, store.SET_UPS, store.PACKAGE}
+    assert production.to_make() == {store.CURVES, store.COEFFICIENTS, store.SET_UPS, store.PACKAGE}
     shutil.copy(ROOT / "data/force_curves.csv", store.CURVES)
     with store.MATERIALS.open("a") as table:
         table.write("\n")
-    assert record.to_make() == {store.PACKAGE}
-    record.write_description()
+    assert production.to_make() == {store.PACKAGE}
+    production.write_description()
     store.TABLE.write_text(store.TABLE.read_text().replace("1", "2", 1))
-    assert record.to_make() == {store.TABLE, store.LINKS, store.SET_UPS, store.PACKAGE}
+    assert production.to_make() == {store.TABLE, store.LINKS, store.SET_UPS, store.PACKAGE}
 
 
 def test_nothing_is_made_again_but_from_nothing(made, monkeypatch):
     before = store.PACKAGE.read_bytes()
-    assert record.to_make() == set()
-    record.write_description()
+    assert production.to_make() == set()
+    production.write_description()
     assert store.PACKAGE.read_bytes() == before
-    monkeypatch.setenv(record.FROM_NOTHING, "1")
-    assert record.to_make() == {*record.GENERATED, store.PACKAGE}
+    monkeypatch.setenv(production.FROM_NOTHING, "1")
+    assert production.to_make() == {*production.GENERATED, store.PACKAGE}
 
 
 def test_a_changed_default_of_the_joint_makes_the_dataset_out_of_date(made, monkeypatch):
@@ -372,21 +374,21 @@ def test_a_changed_default_of_the_joint_makes_the_dataset_out_of_date(made, monk
         design, "Joint", lambda r2_star, **given: curve.Joint(r2_star, **{"rim": "free"} | given)
     )
     with pytest.raises(dataset.DatasetError, match=r"out of date: the design.*a default of the j"):
-        record.verify_made_by()
+        production.verify_made_by()
 
 
 def test_a_changed_design_makes_the_dataset_out_of_date(made, monkeypatch):
     monkeypatch.setattr(design, "DESIGN", design.DESIGN[:-1])
     with pytest.raises(dataset.DatasetError, match="force_curves.csv is out of date: the design"):
-        record.verify_made_by()
+        production.verify_made_by()
 
 
 def test_numbers_that_agree_leave_the_kept_file(copy):
     kept = store.CURVES.read_bytes()
     frame = dataset.load()
-    record.write_table(frame.assign(force_star=frame.force_star * (1 + 1e-8)), store.CURVES)
+    production.write_table(frame.assign(force_star=frame.force_star * (1 + 1e-8)), store.CURVES)
     assert store.CURVES.read_bytes() == kept
-    record.write_table(frame.assign(force_star=frame.force_star * (1 + 1e-5)), store.CURVES)
+    production.write_table(frame.assign(force_star=frame.force_star * (1 + 1e-5)), store.CURVES)
     assert store.CURVES.read_bytes() != kept
 
 
@@ -394,8 +396,8 @@ def rewrite(copy, change):
     """Change the curves and state the new hash, as a wrong build would."""
     frame = dataset.load()
     change(frame)
-    record.write_table(frame, store.CURVES)
-    record.write_description()
+    production.write_table(frame, store.CURVES)
+    production.write_description()
 
 
 @pytest.mark.parametrize(
@@ -430,5 +432,5 @@ def test_a_case_is_solved_to_the_same_bytes_on_any_number_of_threads(tmp_path):
     for threads, name in ((1, "first.csv"), (2, "second.csv")):
         curve.series.socket_compliance.cache_clear()
         with threadpool_limits(threads):
-            record.write_table(record.solve_case(*case), tmp_path / name)
+            production.write_table(production.solve_case(*case), tmp_path / name)
     assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "second.csv").read_bytes()

@@ -39,7 +39,7 @@ SMALLER = {
     "choose/random_scenes": [("COUNT = 160", "COUNT = 3")],
     "claims/set_ups": [("MECHANISMS = 64", "MECHANISMS = 2"), ("(0.05, 1.0)", "(0.05, 0.06)")],
 }
-DESCRIBE = "from study.dataset import record; record.write_description()"
+DESCRIBE = "from study.dataset import production; production.write_description()"
 
 
 @pytest.fixture

@@ -69,6 +69,6 @@ def test_what_killed_processes_left_is_removed_and_nothing_else(tmp_path, monkey
     for path in (*left, *others):
         path.mkdir(parents=True)
         (path / "table.csv").touch()
-    paths.sweep()
+    paths.remove_abandoned()
     assert not any(path.exists() for path in left)
     assert all(path.exists() for path in others)

@@ -153,7 +153,6 @@ BASE = [
     ("export", "--law", "tabulated", "--format", "json", "--r2-star", "150"),
 ]
 TEXTS = [
-    ("cite",),
     ("data", "materials"),
     ("simulate", "--duration", "1e-3"),
     ("sweep", "joints", "--random", "2", "--range", "r2_star=50:90", "--output", "joints.csv"),

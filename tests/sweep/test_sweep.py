@@ -19,7 +19,7 @@ from study import cli
 from study.checks import StudyError
 from study.joint import DimensionalJoint, Joint, Material, force_curve, whole_curve
 from study.mechanism import MechanismError, Scene, simulate
-from study.sweep import COLUMNS, cases, random_cases, run, sweep
+from study.sweep import COLUMNS, cases, random_cases, run, run_study
 
 JOINTS = {"r2_star": "20:2000:log", "socket_ratio": "1.1:2", "modulus_ratio": "0.3:3:log"}
 JOINTS |= {"kinematics": "small,linear"}
@@ -30,7 +30,7 @@ OF_SIZES = {"socket_radius": 12.5e-3, "clearance": 40e-6, "wall": 6e-3, "socket"
 
 
 def swept(given, kind, output, jobs=1, **more):
-    return sweep(given, kind, output, jobs=jobs, **more), pd.read_csv(output)
+    return run_study(given, kind, output, jobs=jobs, **more), pd.read_csv(output)
 
 
 @pytest.mark.parametrize(("kind", "ranges"), [("joints", JOINTS), ("scenes", SCENES)])
@@ -163,13 +163,13 @@ def stopped(given, output, after):
             raise KeyboardInterrupt
 
     with suppress(KeyboardInterrupt):
-        sweep(given, "scenes", output, jobs=1, progress=progress)
+        run_study(given, "scenes", output, jobs=1, progress=progress)
     return known[0]
 
 
 def test_a_stopped_study_goes_on_and_passes_over_what_is_damaged(tmp_path, monkeypatch):
     given, output = random_cases(9, SCENES), tmp_path / "table.csv"
-    sweep(given, "scenes", output, jobs=1)
+    run_study(given, "scenes", output, jobs=1)
     whole = output.read_bytes()
     output.unlink()
     part = tmp_path / "table.csv.part"
@@ -194,7 +194,7 @@ def test_a_stopped_study_goes_on_and_passes_over_what_is_damaged(tmp_path, monke
     assert not part.exists()
 
     assert stopped(given, output, 5) == 0
-    sweep(given, "scenes", output, jobs=1)
+    run_study(given, "scenes", output, jobs=1)
     assert output.read_bytes() == whole
 
 
@@ -240,11 +240,11 @@ def test_a_process_gets_cases_that_share_bodies_and_slow_ones_alone(kind, ranges
 def test_on_a_dask_cluster(tmp_path):
     distributed = pytest.importorskip("distributed")
     given = random_cases(10, SCENES)
-    sweep(given, "scenes", tmp_path / "processes.csv", jobs=1)
+    run_study(given, "scenes", tmp_path / "processes.csv", jobs=1)
     options = {"n_workers": 1, "threads_per_worker": 2, "processes": False}
     with distributed.LocalCluster(**options, protocol="tcp://", dashboard_address=None) as cluster:
         address = cluster.scheduler_address
-        found = sweep(given, "scenes", tmp_path / "dask.csv", dask_address=address)
+        found = run_study(given, "scenes", tmp_path / "dask.csv", dask_address=address)
     assert found.cases == 10
     assert (tmp_path / "dask.csv").read_bytes() == (tmp_path / "processes.csv").read_bytes()
 
@@ -350,11 +350,11 @@ def test_bad_input_is_one_line_before_any_work(command, tmp_path, kind, text, wo
 def test_bad_cases_in_python(tmp_path):
     message = "each of cases must be a mapping of columns to values, got 'r2_star'"
     with pytest.raises(ValueError, match=message):
-        sweep(pd.DataFrame({"r2_star": [50]}), "joints", tmp_path / "table.csv")
+        run_study(pd.DataFrame({"r2_star": [50]}), "joints", tmp_path / "table.csv")
     with pytest.raises(ValueError, match="kind must be one of joints, scenes, got 'laws'"):
-        sweep([{"r2_star": 50}], "laws", tmp_path / "table.csv")
+        run_study([{"r2_star": 50}], "laws", tmp_path / "table.csv")
     with pytest.raises(ValueError, match="cases must be a CSV file, got none.csv: No such file"):
-        sweep("none.csv", "joints", tmp_path / "table.csv")
+        run_study("none.csv", "joints", tmp_path / "table.csv")
 
 
 @pytest.mark.parametrize(
@@ -373,7 +373,7 @@ def test_bad_cases_in_python(tmp_path):
 def test_a_missing_number_is_not_the_default(tmp_path, case, message):
     cases = [{"r2_star": 50, "depth_star": 0.1}]
     with pytest.raises(ValueError, match=message):
-        sweep([*cases, cases[0] | case], "joints", tmp_path / "table.csv")
+        run_study([*cases, cases[0] | case], "joints", tmp_path / "table.csv")
     assert os.listdir(tmp_path) == []
 
 
@@ -385,7 +385,7 @@ def test_ranges_are_a_mapping_of_texts(ranges):
 
 def test_an_empty_cell_shows_the_value_that_is_used(tmp_path):
     def table(kind, *cases):
-        sweep(cases, kind, tmp_path / "table.csv", jobs=1)
+        run_study(cases, kind, tmp_path / "table.csv", jobs=1)
         return pd.read_csv(tmp_path / "table.csv", dtype=str).to_dict("records")
 
     joint = {"r2_star": 50, "depth_star": 0.1}
@@ -457,7 +457,7 @@ def test_processes_that_cannot_share_semaphores_are_refused(tmp_path, monkeypatc
     joints = [{"r2_star": 200, "poisson": nu, "depth_star": 0.1} for nu in (0.2, 0.3)]
     wanted = r"semaphores in /dev/shm \(Read-only file system\): take --jobs 1$"
     with pytest.raises(StudyError, match=wanted):
-        sweep(joints, "joints", tmp_path / "table.csv", jobs=2)
+        run_study(joints, "joints", tmp_path / "table.csv", jobs=2)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -556,8 +556,8 @@ def test_a_killed_and_an_interrupted_study_go_on(tmp_path):
     assert all(line.endswith(" of 150 cases, 0 failed") for line in progress)
     assert not output.exists()
     drawn, known = random_cases(150, LONGER, seed=2), []
-    sweep(drawn, "scenes", output, jobs=1, progress=lambda done, *_: known.append(done))
+    run_study(drawn, "scenes", output, jobs=1, progress=lambda done, *_: known.append(done))
     assert known[0] >= more - 5
-    sweep(drawn, "scenes", tmp_path / "other.csv", jobs=1)
+    run_study(drawn, "scenes", tmp_path / "other.csv", jobs=1)
     assert output.read_bytes() == (tmp_path / "other.csv").read_bytes()
     assert sorted(os.listdir(tmp_path)) == ["other.csv", "table.csv"]

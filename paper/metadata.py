@@ -1,6 +1,6 @@
-"""Records of the study, from catalogue and citation: REPRODUCING.md, RO-Crate, Zenodo's record.
+"""Metadata of the study, from catalogue and citation: REPRODUCING.md, RO-Crate, Zenodo's file.
 
-``python paper/records.py`` writes all three. Nothing is run: the seconds of a notebook are those
+``python paper/metadata.py`` writes all three. Nothing is run: the seconds of a notebook are those
 of its executed copy, else those that REPRODUCING.md has already.
 """
 
@@ -171,7 +171,7 @@ def crate() -> str:
 
 
 def zenodo() -> str:
-    """Record of the study for Zenodo, from ``CITATION.cff``: text of ``.zenodo.json``.
+    """Description of the study for Zenodo, from ``CITATION.cff``: text of ``.zenodo.json``.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def zenodo() -> str:
     with _complete():
         cited = _cited()
         (paper,) = cited["references"]
-        record = {
+        described = {
             "upload_type": cited["type"],
             "title": cited["title"],
             "description": cited["abstract"],
@@ -193,11 +193,11 @@ def zenodo() -> str:
             "license": cited["license"],
             "related_identifiers": [{"identifier": paper["url"], "relation": "references"}],
         }
-    return json.dumps(record, indent=1, ensure_ascii=False) + "\n"
+    return json.dumps(described, indent=1, ensure_ascii=False) + "\n"
 
 
 def main() -> None:
-    """Write the records."""
+    """Write the files."""
     seconds = kept_seconds() | measured_seconds()
     if missing := ", ".join(n.name for n in CATALOGUE if n.name not in seconds):
         raise StudyError(f"no time is known of {missing}: `study run` it first")

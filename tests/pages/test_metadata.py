@@ -1,12 +1,12 @@
-"""The records of the study are what is made from the catalogue and the kept results."""
+"""The metadata of the study are what is made from the catalogue and the kept results."""
 
 import json
 import re
 import tomllib
 from dataclasses import replace
 
+import metadata
 import pytest
-import records
 import yaml
 
 from study import paths
@@ -18,9 +18,9 @@ RESULTS = {result.name: result for result in results()}
 
 
 def test_reproducing_is_what_is_made():
-    seconds = records.kept_seconds()
+    seconds = metadata.kept_seconds()
     assert list(seconds) == [notebook.name for notebook in CATALOGUE]
-    assert records.REPRODUCING.read_text(encoding="utf-8") == records.reproducing(seconds)
+    assert metadata.REPRODUCING.read_text(encoding="utf-8") == metadata.reproducing(seconds)
 
 
 def test_seconds_are_those_of_notebooks_as_they_are(tmp_path, monkeypatch):
@@ -29,12 +29,12 @@ def test_seconds_are_those_of_notebooks_as_they_are(tmp_path, monkeypatch):
     for notebook, exception, duration in zip(CATALOGUE, (None, True), (2.6, 1.0), strict=False):
         run = {"exception": exception, "duration": duration}
         notebook.executed.write_text(json.dumps({"metadata": {"papermill": run}}))
-    assert records.measured_seconds() == {CATALOGUE[0].name: 3}
+    assert metadata.measured_seconds() == {CATALOGUE[0].name: 3}
 
 
 def test_what_is_expected_is_one_number_of_the_result():
-    assert records.expected(RESULTS["table4"]) == "`value` = 0.5 at parameter = restitution"
-    assert records.expected(RESULTS["fig08"]) == "10160 rows"
+    assert metadata.expected(RESULTS["table4"]) == "`value` = 0.5 at parameter = restitution"
+    assert metadata.expected(RESULTS["fig08"]) == "10160 rows"
 
 
 @pytest.mark.parametrize(
@@ -42,27 +42,27 @@ def test_what_is_expected_is_one_number_of_the_result():
 )
 def test_what_names_no_number_is_told(text):
     with pytest.raises(StudyError, match=r"catalogue\.toml: table4 must .*, got '" + text):
-        records.expected(replace(RESULTS["table4"], expect=text))
+        metadata.expected(replace(RESULTS["table4"], expect=text))
 
 
-GRAPH = json.loads(records.CRATE.read_text(encoding="utf-8"))["@graph"]
+GRAPH = json.loads(metadata.CRATE.read_text(encoding="utf-8"))["@graph"]
 ENTITIES = {entity["@id"]: entity for entity in GRAPH}
 
 
 def test_crate_is_what_is_made():
-    assert records.CRATE.read_text(encoding="utf-8") == records.crate()
+    assert metadata.CRATE.read_text(encoding="utf-8") == metadata.crate()
 
 
 def test_zenodos_record_is_what_is_made():
-    text = records.ZENODO.read_text(encoding="utf-8")
-    assert text == records.zenodo()
+    text = metadata.ZENODO.read_text(encoding="utf-8")
+    assert text == metadata.zenodo()
     record = json.loads(text)
     assert record["creators"][0]["name"].startswith("Contributors")
     assert record["publication_date"] in (paths.ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 
 
 def test_what_the_crate_names_is_in_it():
-    named = set(re.findall(r'"@id": "(.+)"', records.CRATE.read_text(encoding="utf-8")))
+    named = set(re.findall(r'"@id": "(.+)"', metadata.CRATE.read_text(encoding="utf-8")))
     assert named - ENTITIES.keys() == {"https://w3id.org/ro/crate/1.2"}
     parts = {part["@id"] for part in ENTITIES["./"]["hasPart"]}
     assert not [part for part in parts if not (paths.ROOT / part).exists()]
@@ -87,24 +87,6 @@ def test_version_is_the_same_everywhere():
     assert project["version"] == cited["version"]
 
 
-def test_the_command_cites_what_the_citation_file_has(run):
-    cited = yaml.safe_load((paths.ROOT / "CITATION.cff").read_text(encoding="utf-8"))
-    (paper,) = cited["references"]
-    status, out, err = run("cite")
-    assert (status, err) == (0, "")
-    own, own_entry, text, entry = out.removesuffix("\n\n").split("\n\n")
-    assert all(str(cited[key]) in own for key in ("title", "version"))
-    assert all(str(paper[key]) in text for key in ("title", "journal", "volume", "start", "url"))
-    year = cited["date-released"].year
-    assert own_entry.startswith(f"@software{{contributors{year},\n")
-    assert f"  author = {{{{{cited['authors'][0]['name']}}}}},\n" in own_entry
-    assert f"  year = {{{year}}},\n" in own_entry
-    assert entry.startswith(f"@article{{yao{paper['year']},\n")
-    assert "  author = {Yao, H. and Liang, L. and Zhang, H. and others},\n" in entry
-    assert f"  number = {{{paper['issue']}}},\n" in entry
-    assert entry.endswith("\n}")
-
-
 @pytest.mark.parametrize(
     "entry", [{"figures": []}, {"fig99": {"shows": "", "figures": ""}}, {"figures": {}}]
 )
@@ -113,10 +95,10 @@ def test_a_slip_in_the_catalogue_is_told(entry):
         catalogue.notebook("00-mine", entry)
 
 
-def test_records_without_what_they_are_made_from(tmp_path, monkeypatch):
-    monkeypatch.setattr(records, "REPRODUCING", tmp_path / "REPRODUCING.md")
-    assert records.kept_seconds() == {}
+def test_metadata_without_what_they_are_made_from(tmp_path, monkeypatch):
+    monkeypatch.setattr(metadata, "REPRODUCING", tmp_path / "REPRODUCING.md")
+    assert metadata.kept_seconds() == {}
     monkeypatch.setattr(yaml, "safe_load", lambda text: {"title": ""})
-    for make in (records.crate, records.zenodo):
+    for make in (metadata.crate, metadata.zenodo):
         with pytest.raises(StudyError, match=r"^CITATION\.cff must have the key 'references'$"):
             make()
