@@ -1,4 +1,4 @@
-"""One task per notebook of the catalogue: stale when it, the library or its data changed.
+"""One task per notebook of the catalogue: outdated when it, the library or its data changed.
 
 Long ones and those that others read from begin first, so that no core waits at the end.
 """
@@ -11,23 +11,22 @@ from typing import Annotated
 
 from pytask import Product, PythonNode, mark, task
 
-from study.pages import catalogue, execute, freshness
+from study import paths
+from study.pages.catalogue import CATALOGUE, Notebook
+from study.pages.execute import PARAMETERS_VARIABLE, execute
 
-settings = json.loads(os.environ.get(execute.PARAMETERS_VARIABLE, "{}"))
-VARIED = [
-    replace(nb, settings=settings[nb.name]) for nb in catalogue.CATALOGUE if nb.name in settings
-]
-READ = {name for notebook in catalogue.CATALOGUE for name in notebook.reads}
+settings = json.loads(os.environ.get(PARAMETERS_VARIABLE, "{}"))
+VARIED = [replace(nb, settings=settings[nb.name]) for nb in CATALOGUE if nb.name in settings]
+READ = {name for notebook in CATALOGUE for name in notebook.reads}
 
-for notebook in (*catalogue.CATALOGUE, *VARIED):
-    described = freshness.of_notebook(notebook)
+for notebook in (*CATALOGUE, *VARIED):
     begins_first = notebook.long or READ & notebook.results.keys()
 
     @(mark.try_first if begins_first else mark.try_last)
     @task(id=notebook.identifier)
     def task_notebook(
-        run: Annotated[catalogue.Notebook, PythonNode(value=notebook, hash=described.digest)],
-        reads: list[Path] = described.reads,
-        products: Annotated[list[Path], Product] = described.products,
+        run: Annotated[Notebook, PythonNode(value=notebook, hash=Notebook.digest)],
+        reads: list[Path] = [paths.FIGURES / f"{name}.csv" for name in notebook.reads],
+        products: Annotated[list[Path], Product] = notebook.products(),
     ):
-        execute.execute(run)
+        execute(run)

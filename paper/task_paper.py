@@ -1,28 +1,37 @@
 """Two tasks after the notebooks: paper and supplement, and the report that shows everything."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 from pytask import Product, PythonNode
 
-from study.pages import freshness, typeset
+from study import paths, provenance
+from study.contact import laws, stiffening
+from study.pages import catalogue, typeset
 
-PAPER, REPORT = freshness.of_paper(), freshness.of_report()
+TEXT = [path for path in sorted(paths.PAPER.iterdir()) if path.suffix in (".typ", ".yml")]
+DATA = [paths.DATA / "force_curves.csv", paths.DATA / "datapackage.json"]
+PRINTED = [paths.DATA / "published/tables.csv", laws.COEFFICIENTS, stiffening.TABLE]
+SUFFIXES = (".py", ".html", ".md", ".rst", ".css", ".js", ".json", ".csv")
+LIBRARY = [path for path in (paths.ROOT / "study").rglob("*.*") if path.suffix in SUFFIXES]
+SHOWN = [*LIBRARY, *paths.DOCUMENTS, catalogue.FILE, *DATA]
+RESULTS = [paths.FIGURES / name for notebook in catalogue.CATALOGUE for name in notebook.files()]
+EXECUTED = [notebook.executed for notebook in catalogue.CATALOGUE]
 
 
 def task_typeset(
-    inputs: Annotated[None, PythonNode(value="text and data", hash=PAPER.digest)],
-    results: list[Path] = PAPER.reads,
-    output: Annotated[list[Path], Product] = PAPER.products,
+    inputs: list[Path] = [*TEXT, *DATA, *PRINTED, *RESULTS],
+    pdfs: Annotated[list[Path], Product] = [*typeset.PDFS],
 ):
     typeset.typeset_all()
 
 
 def task_report(
-    inputs: Annotated[None, PythonNode(value="library, text and data", hash=REPORT.digest)],
-    shown: list[Path] = REPORT.reads,
-    index: Annotated[list[Path], Product] = REPORT.products,
+    shown: Annotated[list, PythonNode(value=SHOWN, hash=partial(provenance.digest, words=True))],
+    made: list[Path] = [*RESULTS, *EXECUTED, *typeset.PDFS],
+    index: Annotated[Path, Product] = paths.BUILD / "report/index.html",
 ):
     from study.pages import report
 
-    report.write(index[0].parent)
+    report.write(index.parent)

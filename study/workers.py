@@ -1,6 +1,5 @@
 """Who does the work of a build or of a parameter study: processes here, or a Dask cluster."""
 
-import multiprocessing
 import os
 import signal
 import threading
@@ -11,11 +10,10 @@ from study.checks import StudyError
 
 BUILD, SOLVER = 2_800_000, 1_300_000
 """Memory in KiB that any notebook needs, and the solution of any joint."""
-_FILES = 128  # that a notebook opens
 
 
 def check_limits(memory: int = BUILD) -> None:
-    """Refuse limits of this process under which a notebook or solver dies, or waits for ever.
+    """Refuse a limit of memory under which a notebook dies, or a solver waits for ever.
 
     It waits where OpenBLAS (until 0.3.30) gets no memory: it asks for it again and again.
     """
@@ -23,24 +21,11 @@ def check_limits(memory: int = BUILD) -> None:
         return
     import resource
 
-    limits = [("-v", "too little memory", "RLIMIT_AS", 1024, memory)]
-    if memory == BUILD:
-        limits.append(("-n", "too few open files", "RLIMIT_NOFILE", 1, _FILES))
-    what = "build" if memory == BUILD else "solution"
-    for flag, short, name, unit, least in limits:
-        allowed, _ = resource.getrlimit(getattr(resource, name))
-        if allowed != resource.RLIM_INFINITY and allowed < least * unit:
-            limit = f"ulimit {flag} is {allowed // unit}, and must be at least {least}"
-            raise StudyError(f"{short} for a {what}: {limit}")
-
-
-def check_several() -> None:
-    """Refuse several processes where they cannot share semaphores, as without ``/dev/shm``."""
-    try:
-        multiprocessing.Semaphore()
-    except OSError as error:
-        why = f"share semaphores in /dev/shm ({error.strerror})"
-        raise StudyError(f"several processes cannot {why}: take --jobs 1") from None
+    allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if allowed != resource.RLIM_INFINITY and allowed < memory * 1024:
+        what = "build" if memory == BUILD else "solution"
+        limit = f"ulimit -v is {allowed // 1024}, and must be at least {memory}"
+        raise StudyError(f"too little memory for a {what}: {limit}")
 
 
 def begin(runner: int) -> None:

@@ -7,7 +7,7 @@ import typer
 
 from study import paths
 from study.cli import options as cli
-from study.cli.output import columns, fail, say, show_table
+from study.cli.output import fail, say, show_table
 
 
 @cli.command("run", keeps=True)
@@ -17,13 +17,14 @@ def run_notebooks(
         "KEY=VALUE of a notebook's parameter; may be repeated.", "-p", default=()
     ),
     jobs: int = cli.JOBS,
-    force: bool = cli.option("Run fresh ones too.", "--force", default=False),
+    force: bool = cli.option("Run those that are up to date too.", "--force", default=False),
     dask_address: str = cli.option("Dask scheduler whose workers run the tasks.", "--dask"),
 ):
-    """Run the stale notebooks and compare their figures and tables with those in figures/.
+    """Run the outdated notebooks and compare their figures and tables with those in figures/.
 
-    A result that agrees stays as it is. One that differs is replaced and named, with exit status 1.
-    With other parameters the results go to build/with/KEY=VALUE/, and figures/ stays as it is.
+    A result that agrees stays as it is. One that differs is replaced and named, with exit status 1;
+    git diff shows it. To keep it, run its notebook again with --force. To undo it, use git
+    checkout. With other parameters the results go to build/with/KEY=VALUE/ instead of figures/.
     """
     from study.pages import catalogue, execute
 
@@ -35,23 +36,6 @@ def run_notebooks(
     compared = _make(selected, jobs=jobs, force=force, dask_address=dask_address)
     if compared:
         _compare(compared)
-
-
-@cli.command("verify")
-def verify_results(
-    names: list[str] = cli.NAMES,
-    keep: bool = cli.option(
-        "Keep the results that differ, instead of those kept before.", "--keep", default=False
-    ),
-):
-    """Say which results that were last made here agree with the kept ones; run nothing."""
-    from study.pages import baseline, catalogue
-
-    selected = catalogue.select(names)
-    if keep:
-        for notebook in selected:
-            baseline.accept(notebook)
-    _compare(selected)
 
 
 def _compare(selected):
@@ -110,41 +94,43 @@ def _make(selected, **how):
         names = ", ".join(notebook.name for notebook in selected)
         of = f" of {names}" if len(selected) < len(every) else ""
         folders = " and ".join(dict.fromkeys(f"{name(nb.folder)}/" for nb in selected))
-        say(f"Nothing was stale: every figure and table{of} in {folders} is up to date.")
+        say(f"Nothing was outdated: every figure and table{of} in {folders} is up to date.")
     return [notebook for notebook in every if notebook in selected or notebook.name in made]
 
 
 @cli.command("list")
-def list_results(names: list[str] = cli.NAMES):
-    """List every figure and table by notebook: what it shows, fresh or stale.
+def list_results(
+    names: list[str] = cli.NAMES,
+    outdated: bool = cli.option(
+        "Only those that a run would make again, or might. It takes some two seconds.",
+        "--outdated",
+        default=False,
+    ),
+):
+    """List every figure and table by notebook, and what it shows.
 
     With a NAME also the parameters of its notebook, with defaults and ranges. Without one plain
     CSV, if the output is not a terminal.
     """
-    from study.pages import catalogue, freshness
+    from study.pages import catalogue
 
     selected = catalogue.select(names)
-    stale = freshness.stale(freshness.needed(selected))
-    states = {nb.name: "stale" if nb.name in stale else "fresh" for nb in selected}
+    if outdated:
+        from study.pages import execute
+
+        found = execute.outdated(selected)
+        selected = [notebook for notebook in selected if notebook.name in found]
     if names or sys.stdout.isatty():
         for notebook in selected:
             shown = [name for name in notebook.results if name in names] or notebook.results
             lines = [f"  {name}: {notebook.results[name].shows}" for name in shown]
-            say("\n".join([f"{notebook.name}: {states[notebook.name]}", *lines]))
+            say("\n".join([f"{notebook.name}:", *lines]))
             if names:
                 _show_parameters(notebook)
         return
-    rows = [
-        {
-            "name": result.name,
-            "state": states[notebook.name],
-            "notebook": notebook.name,
-            "shows": result.shows,
-        }
-        for notebook in selected
-        for result in notebook.results.values()
-    ]
-    show_table(columns(rows))
+    results = [result for notebook in selected for result in notebook.results.values()]
+    heads = ("name", "notebook", "shows")
+    show_table({head: [getattr(result, head) for result in results] for head in heads})
 
 
 def _show_parameters(notebook):

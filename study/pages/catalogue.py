@@ -132,13 +132,24 @@ class Notebook:
         folder = self.folder if self.settings else paths.BUILD / "notebooks"
         return folder / self.path.name
 
+    @property
+    def compared(self) -> Path:
+        """Where its task says how its results compare with the kept ones."""
+        return paths.BUILD / f"compared/{self.name}.json"
+
     def files(self) -> list[str]:
         """File names of its results."""
         return [file for result in self.results.values() for file in result.files]
 
     def products(self) -> list[Path]:
-        """Files it makes: those of its results, and its executed copy."""
-        return [*(self.folder / name for name in self.files()), self.executed]
+        """Files that its task makes."""
+        results = [self.folder / name for name in self.files()]
+        return [*results, self.executed, *([] if self.settings else [self.compared])]
+
+    def digest(self) -> str:
+        """Digest of what decides its results, beside the results of others that it reads."""
+        names = [*self.results, *self.reads]
+        return provenance.digest(self.inputs(), names, sorted(self.settings.items()))
 
     def inputs(self) -> list[Path]:
         """Itself, the code it reaches by imports, and the data that this reads."""
@@ -205,15 +216,6 @@ def _nearest(name, known):
         return [text for text in known if text.startswith(f"{number}-") or text == f"fig{number}"]
     exact = [plain[text] for text in (asked, number) if text in plain]
     return exact[:1] or [plain[text] for text in get_close_matches(asked, plain, 1)]
-
-
-def with_sources(notebooks: Sequence[Notebook]) -> list[Notebook]:
-    """Notebooks and those whose results they read, directly or not, each before its readers."""
-    ordered = {}
-    for notebook in notebooks:
-        makers = [nb for nb in CATALOGUE if set(nb.results) & set(notebook.reads)]
-        ordered |= {nb.identifier: nb for nb in (*with_sources(makers), notebook)}
-    return list(ordered.values())
 
 
 def check_claims() -> None:

@@ -1,4 +1,4 @@
-"""Check the parameters of notebooks, run stale ones as tasks, execute one by papermill.
+"""Check the parameters of notebooks, run outdated ones as tasks, execute one by papermill.
 
 A notebook is executed in a kernel with folders of its own (`study.pages.kernel`). Nothing in the
 calling process changes, so that several threads may execute notebooks at the same time.
@@ -8,11 +8,12 @@ import ast
 import json
 import os
 import re
+from functools import cache
 from typing import Any, NamedTuple
 
 from study import checks, paths
 from study.contact import LAWS
-from study.pages import baseline, freshness, tasks
+from study.pages import baseline, tasks
 from study.pages.catalogue import Notebook, check_claims
 
 LONGEST = 1000  # setting, in characters
@@ -127,57 +128,51 @@ def check_range(key: str, value: Any, allowed: str) -> None:
 
 
 def run(notebooks: list[Notebook], *, report: bool = False, **options: Any) -> tasks.Built:
-    """Run stale notebooks, and the stale ones that they read from, as pytask tasks.
+    """Run outdated notebooks, and the outdated ones that they read from, as pytask tasks.
 
-    The options are those of `study.pages.tasks.build`. Paper and report need all notebooks. If
-    nothing is stale, pytask is not loaded.
-
-    Raises
-    ------
-    NotebookError
-        If a notebook is missing.
-    study.checks.StudyError
-        If data are damaged or a claim cannot be judged, or as for `study.pages.tasks.build`.
+    The options and errors are those of `study.pages.tasks.build`. Paper and report need all
+    notebooks.
     """
-    needed = freshness.needed(notebooks, report=report)
-    for notebook in notebooks:
-        if not notebook.path.is_file():
-            raise NotebookError(f"notebooks/{notebook.path.name} is missing")
-    if options.get("jobs") is not None:
-        checks.whole("jobs", options["jobs"], least=1)
-    asked = options.get("force") or options.get("dask_address") is not None
-    if not asked and not freshness.stale(needed):
-        return tasks.Built([], [])
-    from study import dataset
-
-    dataset.verify_files()  # before notebooks run for minutes
-    check_claims()
     settings = {nb.name: nb.settings for nb in notebooks if nb.settings}
     os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
     if options.get("jobs") is None and len(notebooks) == 1 and not notebooks[0].reads:
         options["jobs"] = 1  # a worker would only have to start
-    # an expression of pytask cannot have "=" or ","
-    names = (f"[{nb.name}{':' if nb.settings else ']'}" for nb in notebooks)
-    selected = "task_report" if report else " or ".join(names)
-    return tasks.build([paths.NOTEBOOKS, *([paths.PAPER] if report else [])], selected, **options)
+    folders = [paths.NOTEBOOKS, *([paths.PAPER] if report else [])]
+    return tasks.build(folders, "task_report" if report else _expression(notebooks), **options)
+
+
+def outdated(notebooks: list[Notebook]) -> list[str]:
+    """Names of the outdated notebooks among some (`study.pages.tasks.outdated`)."""
+    found = set(tasks.outdated([paths.NOTEBOOKS], _expression(notebooks)))
+    return [notebook.name for notebook in notebooks if notebook.name in found]
+
+
+def _expression(notebooks):
+    """Expression of pytask for the tasks of notebooks, which cannot have "=" or ","."""
+    return " or ".join(f"[{nb.name}{':' if nb.settings else ']'}" for nb in notebooks)
 
 
 def execute(notebook: Notebook) -> None:
     """Execute one notebook with its settings, and keep its executed copy.
 
-    If every cell succeeds, its results are compared with the baseline (`baseline.take_over`).
+    If every cell succeeds, its results are compared with the kept ones (`baseline.take_over`).
     Those made with settings go to a folder of their own.
 
     Raises
     ------
     NotebookError
-        If a cell fails, or a result is missing or not in the catalogue; names them.
+        If the notebook is missing, a cell fails, or a result is missing or not in the catalogue.
+    study.checks.StudyError
+        If data are damaged or a claim cannot be judged.
     """
     import papermill
     from nbformat.reader import NotJSONError
 
     from study.pages.kernel import manager
 
+    if not notebook.path.is_file():
+        raise NotebookError(f"notebooks/{notebook.path.name} is missing")
+    _check_inputs()
     paths.BUILD.mkdir(exist_ok=True)
     with paths.scratch() as folder, paths.scratch(paths.BUILD) as work:
         results, executed = work / "results", work / notebook.path.name
@@ -211,6 +206,15 @@ def execute(notebook: Notebook) -> None:
                 paths.copy(results / name, notebook.folder / name)
         else:
             baseline.take_over(results, notebook)
+
+
+@cache
+def _check_inputs():
+    """Refuse damaged data and wrong claims, once in each process and before a notebook runs."""
+    from study import dataset
+
+    dataset.verify_files()
+    check_claims()
 
 
 def refuse_returned(notebook: Notebook) -> None:

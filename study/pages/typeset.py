@@ -9,19 +9,18 @@ import typst
 from study import paths, provenance
 from study.checks import StudyError
 from study.contact import stiffening
-from study.pages import freshness
 
 SOURCE = paths.PAPER / "paper.typ"
-PDF = freshness.PDFS[0]
+PDFS = (paths.BUILD / "paper.pdf", paths.BUILD / "supplement.pdf")
 
 
 def typeset_all() -> None:
     """Typeset the paper and its supplement."""
-    for pdf in freshness.PDFS:
+    for pdf in PDFS:
         typeset(paths.PAPER / f"{pdf.stem}.typ", pdf)
 
 
-def typeset(source: Path = SOURCE, output: Path = PDF) -> None:
+def typeset(source: Path = SOURCE, output: Path = PDFS[0]) -> None:
     """Typeset a text from the results in ``figures/`` and the data; same bytes every time.
 
     Only Typst's own fonts are used, and no date is written. The source is inside the project.
