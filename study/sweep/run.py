@@ -8,11 +8,8 @@ order of the cases, with the same bytes for any number of processes.
 import csv
 import json
 import os
-import signal
-import threading
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import Executor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
@@ -85,7 +82,7 @@ def run_study(
     ValueError
         For a column or value that is not possible, before any work; names row and column.
     study.checks.StudyError
-        If the Dask scheduler does not answer, or a worker of it ends.
+        If the Dask scheduler does not answer, or a worker ends; finished cases are kept.
     OSError
         If the disk is full; finished cases are kept.
     KeyboardInterrupt
@@ -233,51 +230,25 @@ def _solved(
             (rows,) = of_cases.solve(form, [case])
             yield key, rows
         return
-    while tasks:
-        tasks = yield from _in_workers(form, tasks, count, dask_address)
-        # Workers take tasks in their order: the case that ended its process is in the first ones
-        for key, case in (item for task in tasks[: 4 * count] for item in task.items()):
-            yield key, _alone(form, case)
-        tasks = tasks[4 * count :]
-
-
-def _in_workers(form, tasks, count, dask_address):
-    """Yield keys and rows; return the tasks that are left where a worker ended."""
-    with _workers(count, dask_address) as executor:
-        with _without_interrupts():
-            running = {
-                executor.submit(of_cases.solve, form, list(task.values())): task for task in tasks
-            }
+    with _executor(count, dask_address) as executor:
+        running = {executor.submit(of_cases.solve, form, [*task.values()]): task for task in tasks}
         for future in as_completed(running):
             try:
                 results = future.result()
-            except BrokenProcessPool:
-                return list(running.values())
             except Exception as error:
-                why = f"{type(error).__name__}: {error}"
-                raise StudyError(f"a worker ended; what was finished is kept ({why})") from error
+                why = "a worker ended, perhaps for lack of memory: take fewer --jobs"
+                kept = "what was finished is kept"
+                raise StudyError(f"{why}; {kept} ({type(error).__name__}: {error})") from error
             yield from zip(running.pop(future), results, strict=True)
-    return []
-
-
-def _alone(form, case):
-    """Rows of a case in a process of its own, which may end."""
-    with _workers(1, None) as executor:
-        try:
-            (rows,) = executor.submit(of_cases.solve, form, [case]).result()
-        except BrokenProcessPool:
-            rows = of_cases.failed(form, "its process ended, perhaps for lack of memory")
-    return rows
 
 
 @contextmanager
-def _workers(count: int, dask_address: str | None) -> Iterator[Executor]:
+def _executor(count: int, dask_address: str | None) -> Iterator[Executor]:
     """Executor of functions; it is stopped with the study."""
     if dask_address is not None:
         with workers.dask_client(dask_address) as client:
             yield client.get_executor(pure=False)
         return
-    workers.check_several()
     executor = ProcessPoolExecutor(count, initializer=workers.begin, initargs=(os.getpid(),))
     finished = False
     try:
@@ -285,16 +256,3 @@ def _workers(count: int, dask_address: str | None) -> Iterator[Executor]:
         finished = True
     finally:
         executor.shutdown(kill_workers=not finished)
-
-
-@contextmanager
-def _without_interrupts():
-    """Ignore Ctrl-C for a moment, and always in processes that start then: these are stopped."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
