@@ -21,12 +21,14 @@ READ = {name for notebook in CATALOGUE for name in notebook.reads}
 
 for notebook in (*CATALOGUE, *VARIED):
     begins_first = notebook.long or READ & notebook.results.keys()
+    # pytask would take an empty list for a value, whose name it confuses between tasks
+    needed = [notebook.path, *(paths.FIGURES / f"{name}.csv" for name in notebook.reads)]
 
     @(mark.try_first if begins_first else mark.try_last)
     @task(id=notebook.identifier)
     def task_notebook(
         run: Annotated[Notebook, PythonNode(value=notebook, hash=Notebook.digest)],
-        reads: list[Path] = [paths.FIGURES / f"{name}.csv" for name in notebook.reads],
+        reads: list[Path] = needed,
         products: Annotated[list[Path], Product] = notebook.products(),
     ):
         execute(run)

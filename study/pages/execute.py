@@ -161,7 +161,7 @@ def execute(notebook: Notebook) -> None:
     Raises
     ------
     NotebookError
-        If the notebook is missing, a cell fails, or a result is missing or not in the catalogue.
+        If a cell fails, or a result is missing or not in the catalogue; names them.
     study.checks.StudyError
         If data are damaged or a claim cannot be judged.
     """
@@ -170,8 +170,6 @@ def execute(notebook: Notebook) -> None:
 
     from study.pages.kernel import manager
 
-    if not notebook.path.is_file():
-        raise NotebookError(f"notebooks/{notebook.path.name} is missing")
     _check_inputs()
     paths.BUILD.mkdir(exist_ok=True)
     with paths.scratch() as folder, paths.scratch(paths.BUILD) as work:
