@@ -1,4 +1,4 @@
-# Two commands: `make reproduce` rebuilds every result, the paper and the report; `make test` tests.
+# `make reproduce` rebuilds every result, the paper and the report; `make test` tests.
 # Both first create .venv and install the locked packages; `make help` names the others.
 
 VENV := .venv
@@ -18,18 +18,22 @@ FIRST := numpy|scipy|llvmlite|numba|platformdirs|threadpoolctl
 # imports, for some seconds
 export PYTHONDONTWRITEBYTECODE :=
 
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
+
 # uv where it is found and reaches the packages, else pip: the same files by either
 define install
 { uv pip install --quiet --python $(BIN)/python --no-deps $(1) 2>/dev/null || \
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps $(1); }
 endef
 
-.PHONY: help reproduce test setup lab data bench lock clean
+.PHONY: help reproduce test test-all check setup lab data bench lock clean
 .PHONY: elsewhere
 
 help:
-	@echo "make reproduce   set up, rebuild what is stale: figures/, build/paper.pdf, build/report/"
-	@echo "make test        set up, run the whole test suite"
+	@echo "make reproduce   set up, rebuild what is outdated: figures/, build/paper.pdf, build/report/"
+	@echo "make test        set up, run the tests but for the slow ones: copies, reports, set-ups"
+	@echo "make test-all    set up, run all tests"
+	@echo "make check       set up, check style, types and which package imports which"
 	@echo "make setup       set up only: .venv with the packages of requirements.lock"
 	@echo "make lab         set up, open the notebooks in JupyterLab"
 	@echo "make data        set up, build the finite-element dataset from nothing"
@@ -44,7 +48,16 @@ reproduce: $(READY)
 	@$(BIN)/study report
 
 test: $(READY)
-	@$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
+	@$(PYTEST) -m "not slow"
+
+test-all: $(READY)
+	@$(PYTEST)
+
+check: $(READY)
+	@$(BIN)/ruff check --no-cache .
+	@$(BIN)/ruff format --check --no-cache .
+	@$(BIN)/mypy --cache-dir build/mypy
+	@$(BIN)/lint-imports --no-cache
 
 lab: $(READY)
 	@cd notebooks && ../$(BIN)/jupyter lab

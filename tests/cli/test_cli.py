@@ -463,7 +463,7 @@ def test_list_is_csv_where_piped_and_by_notebook_on_a_terminal(run, on_a_termina
     status, out, err = run("list")
     assert (status, err) == (0, "")
     table = pd.read_csv(StringIO(out))
-    assert list(table) == ["name", "state", "notebook", "shows"]
+    assert list(table) == ["name", "notebook", "shows"]
     every = {n: made.shows for nb in catalogue.CATALOGUE for n, made in nb.results.items()}
     assert dict(zip(table.name, table.shows, strict=True)) == every
     lines = on_a_terminal("list")
@@ -476,7 +476,7 @@ def test_list_of_a_name_tells_the_parameters_of_its_notebook(run):
     for name in ("fig10", "03-force-against-depth"):
         status, out, err = run("list", name)
         assert (status, err) == (0, "")
-        assert re.search(r"^03-force-against-depth: (stale|fresh|other)", out)
+        assert out.startswith("03-force-against-depth:\n")
         assert re.search(r"^  fig10: force against depth", out, re.M)
         assert ("  trend: " in out) == (name != "fig10")
         assert "-p NAME=VALUE" in out
@@ -499,7 +499,7 @@ def test_list_of_a_name_tells_the_parameters_of_its_notebook(run):
     ],
 )
 def test_an_unknown_name_is_answered_by_the_nearest_one(run, name, near):
-    for command in ("run", "list", "verify"):
+    for command in ("run", "list"):
         status, out, err = run(command, name)
         assert (status, out) == (2, "")
         wanted = f"NAME must be one that `study list` shows, got {name!r}: did you mean {near}?"

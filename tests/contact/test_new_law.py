@@ -29,6 +29,8 @@ RECIPE = {
 DESCRIBE = "from study.dataset import production; production.write_description()"
 LAW_PART = """
 import json, sys
+
+pytestmark = pytest.mark.slow
 for cell in json.load(open(sys.argv[1]))["cells"]:
     if cell["cell_type"] == "code":
         exec(source := "".join(cell["source"]))

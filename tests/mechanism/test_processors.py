@@ -12,6 +12,8 @@ from helpers.copied import copy_project, study
 
 from study import paths
 
+pytestmark = pytest.mark.slow
+
 FEATURES = np._core._multiarray_umath
 DISPATCHED = [f for f in FEATURES.__cpu_dispatch__ if FEATURES.__cpu_features__.get(f)]
 OLD = {

@@ -15,6 +15,8 @@ from helpers.copied import copy_project, environment, study
 
 from study import paths
 
+pytestmark = pytest.mark.slow
+
 
 def heed_interrupts():
     """Undo what a shell does to a background job, whose children ignore Ctrl-C."""

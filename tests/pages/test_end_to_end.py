@@ -14,6 +14,8 @@ from helpers.stubs import NAMES, stub_project
 from study import paths
 from study.dataset.tolerance import table_differs
 
+pytestmark = pytest.mark.slow
+
 
 def test_figures_are_made_from_nothing(tmp_path):
     """One as kept, beside another of a shorter simulation; each in its own process."""
@@ -73,7 +75,7 @@ def test_the_same_tasks_run_on_a_dask_cluster(tmp_path):
         assert made == set(NAMES)
         assert (project / "figures/total.csv").read_text() == "total\n6\n"
         again = study(project, "run")
-        assert "Nothing was stale" in again.stdout
+        assert "Nothing was outdated" in again.stdout
     finally:
         for process in reversed(started):
             process.terminate()

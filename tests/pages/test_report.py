@@ -29,6 +29,8 @@ from study.pages.report.conf import mathml
 from study.pages.report.curves import PARAMETERS, curves
 from study.pages.report.pages import VERDICTS
 
+pytestmark = pytest.mark.slow
+
 RESULTS = {name: nb for nb in CATALOGUE for name in nb.results}
 FIGURES = [result.name for result in results() if result.is_figure]
 HOSTILE = 'A law with "quotes", <b>&amp; & </b></script><script>alert(1)</script>'

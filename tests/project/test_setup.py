@@ -12,6 +12,8 @@ from study import paths
 from study.compiled import CACHE
 from study.mechanism import simulate, warm
 
+pytestmark = pytest.mark.slow
+
 FIRST = "--no-deps --require-hashes --requirement .venv/first.lock"
 LOCKED = "--no-deps --require-hashes --requirement requirements.lock"
 ITSELF = "--no-deps --no-index --no-build-isolation --editable ."
