@@ -114,7 +114,6 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
     _, err = process.communicate()
     assert process.returncode == 130
     assert err.splitlines()[-1] == "study: interrupted; what was finished is kept"
-    assert "Succeeded in" not in (project.parent / "out").read_text()
     assert not (project / "data/force_curves.csv").exists()
 
     others = [project / name for name in OTHERS]
