@@ -35,7 +35,7 @@ SET_UPS = [paths.BUILD / f"set_ups/{one.number:03d}.csv" for one in DRAWN]
 
 
 def decided_by(path, value=None):
-    """A value for a task, which is stale if it or the code that decides a file changes.
+    """A value for a task, which is outdated if it or the code that decides a file changes.
 
     It is no default of the task: pytask takes all defaults for one, by the name of any of them.
     """

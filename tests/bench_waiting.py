@@ -36,7 +36,7 @@ class Wait(NamedTuple):
 
 
 SHORT = (  # processor time
-    Wait("make reproduce, nothing stale", f"{NO_SET_UP} reproduce", 2.5),
+    Wait("make reproduce, nothing outdated", f"{NO_SET_UP} reproduce", 2.5),
     Wait("study list", f"{BIN}/study list", 1.0),
     Wait("study joint", f"{BIN}/" + re.search(r"^study joint .*$", README, re.M)[0], 1.0),
     Wait("study simulate", f"{BIN}/study simulate", 1.0),
@@ -77,7 +77,7 @@ def show(capsys, kind, rows):
 def test_commands_with_nothing_to_make(capsys):
     rows = []
     for wait in SHORT:
-        run(wait.run, paths.ROOT)  # makes what is stale, and fills the caches
+        run(wait.run, paths.ROOT)  # makes what is outdated, and fills the caches
         statuses, times, _ = zip(*(run(wait.run, paths.ROOT) for _ in range(TIMES)), strict=True)
         rows.append((wait, times, max(statuses, key=abs)))
     show(capsys, "processor time", rows)

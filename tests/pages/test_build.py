@@ -157,7 +157,7 @@ OTHERS = ("data/links.csv", "study/contact/stiffening.csv")
 
 
 def test_a_project_in_which_no_task_is_found_is_an_error(tmp_path):
-    """Nothing is up to date there, though nothing is stale either."""
+    """Nothing is up to date there, though nothing is outdated either."""
     done = study(copy_project(tmp_path / "build"), "data", "build", "--from-nothing")
     assert done.returncode == 1
     assert done.stderr.count("\n") == 1

@@ -43,7 +43,7 @@ def test_imports_inside_functions_count(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("changed", "stale"),
+    ("changed", "outdated"),
     [
         ("study/measure/stability.py", ["17", "18"]),
         ("study/measure/speed.py", ["16", "26"]),
@@ -62,10 +62,10 @@ def test_imports_inside_functions_count(tmp_path):
         ("study/contact/coefficients.json", [f"{n:02d}" for n in range(31)]),
     ],
 )
-def test_a_change_makes_stale_what_reaches_it_and_nothing_else(changed, stale):
+def test_a_change_makes_outdated_what_reaches_it_and_nothing_else(changed, outdated):
     path = paths.ROOT / changed
     assert path.is_file()
-    assert [nb.name[:2] for nb in catalogue.CATALOGUE if path in nb.inputs()] == stale
+    assert [nb.name[:2] for nb in catalogue.CATALOGUE if path in nb.inputs()] == outdated
 
 
 def test_data_that_a_module_names_decide_what_it_makes():
