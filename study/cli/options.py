@@ -21,7 +21,6 @@ from study.checks import StudyError
 
 COMMANDS = {
     "run": ("build", "Run outdated notebooks and compare their figures and tables."),
-    "verify": ("build", "Say which results that were last made here agree with the kept ones."),
     "paper": ("build", "Typeset build/paper.pdf and build/supplement.pdf from the results."),
     "report": ("build", "Bring everything up to date: figures, tables, paper and report."),
     "list": ("build", "List every figure and table by notebook: what it shows."),
@@ -33,7 +32,6 @@ COMMANDS = {
     "export": ("laws", "Export a law, for one joint, to another program."),
     "simulate": ("mechanism", "Simulate the crank-slider: its motion and every impact."),
     "sweep": ("sweep", "Solve many joints, or simulate many scenes, into one table."),
-    "cite": ("cite", "Print what to cite."),
 }
 """Command -> its module, and what it does."""
 
