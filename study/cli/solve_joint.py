@@ -164,7 +164,7 @@ def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, *
     names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
     depths = {"depth_star": depth_star}
     values = depths | {name: getattr(curve, name).tolist() for name in names}
-    parts = [values]
+    parts = [_error_of_force(values)]
     for body, largest in stresses.items():
         stress = {
             "star": largest.von_mises.tolist(),
@@ -190,7 +190,7 @@ def _tilted(contact):
     low, high = values.pop("contact_edges_deg")
     values |= {"contact_from_deg": low, "contact_to_deg": high}
     if "depth_star" in values:
-        table = values
+        table = _error_of_force(values)
     else:
         table = {
             "depth um": _rounded(contact.depth / MICRO),
@@ -203,11 +203,16 @@ def _tilted(contact):
             "peak_at deg": _rounded(contact.peak_angle_deg),
             "contact_from deg": _rounded(low),
             "contact_to deg": _rounded(high),
-            "error %": _rounded(contact.error_estimate / PERCENT, 2),
+            "force_error %": _rounded(contact.error_estimate / PERCENT, 2),
         }
     cut = bool(contact.reaches_mouth.any())
     told = ["The mouth cuts the contact: the pressure has no bound at its edge."] if cut else []
     return values, [table, *told]
+
+
+def _error_of_force(values):
+    """Values as a table shows them, beside other results than the force."""
+    return {{"error_estimate": "force_error"}.get(name, name): x for name, x in values.items()}
 
 
 def _prefix(body):
@@ -290,7 +295,7 @@ def _contact(solution):
         "stiffness N/um": _rounded(solution.stiffness * MICRO),
         "half_angle deg": _rounded(solution.contact_half_angle_deg),
         "peak_pressure MPa": _rounded(solution.peak_pressure / MEGA),
-        "error %": _rounded(solution.error_estimate / PERCENT, 2),
+        "force_error %": _rounded(solution.error_estimate / PERCENT, 2),
     }
 
 

@@ -14,11 +14,12 @@ between two nodes; the force therefore converges with order 2 by either solver.
 is a Fourier series in the azimuth, each of whose modes is a problem in the meridian (`fourier`).
 `directional_law` is the table of depth and tilt that follows.
 
-`curve` solves the depths that are given. `nested_contact` solves a whole curve at once, in some
-30 ms. `tilted` solves displacements off the axis, and `directional_law` makes a table of them.
-`stress` finds the stresses inside the bodies, and first yield; `pressure` has friction torque and
-wear. `applicability` says in words which limits a contact exceeds, and `law_parameters` fits a law
-to a joint. `dimensional` is a joint in SI units, `ratio_joint` one by ratios, as commands state it.
+`curve` solves given depths or a whole curve, whose contacts are nested in each other
+(`nested_contact`), in some 30 ms; `large_displacement` goes beyond linear bodies. `tilted` solves
+displacements off the axis, and `directional_law` makes a table of them. `stress` finds the stresses
+inside the bodies, and first yield; `pressure` has friction torque and wear. `applicability` says in
+words which limits a contact exceeds, and `law_parameters` fits a law to a joint. `dimensional` is a
+joint in SI units, `ratio_joint` one by ratios, as commands state it.
 """
 
 from study.contact import Material, material

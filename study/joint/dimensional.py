@@ -1,8 +1,7 @@
 """A joint with its dimensions, as an engineer has it: SI units, and materials by name.
 
-`DimensionalJoint` is a `study.joint.Joint` with dimensions. Forces and depths come from the table
-of its solved curve, each the inverse of the other. For pressures, half-angles and stresses the
-joint is solved at every depth.
+`DimensionalJoint` is a `study.joint.Joint` with dimensions. The depth under a force comes from the
+table of its solved curve. The joint is solved at every depth.
 """
 
 from dataclasses import dataclass
@@ -51,8 +50,8 @@ class DimensionalSolution:
     peak_pressure
         Largest contact pressure, in Pa.
     error_estimate
-        Estimated relative error of the force: that of the curve beside the depth, plus the
-        difference from the joint solved at the depth.
+        Estimated relative error of the force, as of `study.joint.ForceCurve`, plus the error of
+        the table that gives the depth under a force.
     von_mises
         Largest von Mises stress in each body, in Pa: ``ball``, ``liner 1`` and so on from the
         inside out, and ``socket``.
@@ -288,7 +287,7 @@ class DimensionalJoint(Configuration):
         low, high = depths
         least = checks.number("least depth", low, "m", above=0, scalar=True)
         most = checks.number("largest depth", high, "m", above=least, scalar=True)
-        law, _ = self._reaching("depth", np.array([most]), "m")
+        law = self._reaching("depth", np.array([most]), "m")
         places = np.geomspace(least, most, DEPTHS)
         return PowerLaw(*fit_power(places, law.force(places)), depths=(least, most))
 
@@ -305,13 +304,12 @@ class DimensionalJoint(Configuration):
         """
         asked, name = self._given(depth, force)
         unit = "m" if name == "depth" else "N"
-        law, curve = self._reaching(name, asked, unit)
+        law = self._reaching(name, asked, unit)
         depths = asked if force is None else np.asarray(law.depth(asked))
-        forces = asked if depth is None else np.asarray(law.force(depths))
-        depth_star = depths / self.clearance
-        solved = self._solved(depth_star, name, asked, unit)
+        solved = self._solved(depths / self.clearance, name, asked, unit)
+        forces = asked if depth is None else self._force(solved)
         off = np.abs(forces / self._force(solved) - 1)
-        return self._solution(law, depths, forces, solved, _error_beside(curve, depth_star) + off)
+        return self._solution(law, depths, forces, solved, solved.error_estimate + off)
 
     def solve_tilted(
         self, tilt: ArrayLike, *, depth: ArrayLike | None = None, force: ArrayLike | None = None
@@ -414,9 +412,9 @@ class DimensionalJoint(Configuration):
         )
 
     def _reaching(self, name, asked, unit):
-        """Least table that reaches all depths or forces asked for, and its curve."""
+        """Least table that reaches all depths or forces asked for."""
         deepest = usual_depth(self.joint)
-        law, curve = self._table(deepest)
+        law, _ = self._table(deepest)
 
         def most():
             return law.deepest if name == "depth" else law.force(law.deepest)
@@ -424,13 +422,13 @@ class DimensionalJoint(Configuration):
         while most() < asked.max():
             deepest *= _STEP
             try:
-                law, curve = self._table(deepest)
+                law, _ = self._table(deepest)
             except checks.RangeError:
                 raise checks.RangeError(
                     f"{name} must be <= {most():.6g} {unit}, got {asked.max():g} {unit}: just "
                     "beyond, the contact would reach the socket's rim"
                 ) from None
-        return law, curve
+        return law
 
     def _table(self, deepest):
         curve = _whole_curve(self.joint, deepest)
@@ -470,11 +468,3 @@ class DimensionalJoint(Configuration):
 def usual_depth(joint: Joint) -> float:
     """Default largest depth_star of a joint's law: 1, if the joint can."""
     return float(min(_USUAL, 0.8 * largest_depth(joint.r2_star)))
-
-
-def _error_beside(curve, depth_star):
-    """Larger error estimate of a curve's two depths beside each one asked for."""
-    last = len(curve.depth_star) - 1
-    above = np.searchsorted(curve.depth_star, depth_star)
-    above, below = np.minimum(above, last), np.clip(above - 1, 0, last)
-    return np.maximum(curve.error_estimate[above], curve.error_estimate[below])

@@ -117,7 +117,7 @@ class Extrapolated:
     depth, force
         Extrapolated depth_star and force_star, from the pole's node on; shape (m,).
     error
-        Relative change of the force by the extrapolation, at equal depth; shape (m,).
+        Relative difference of the two meshes' forces at equal depth; shape (m,).
     fine, coarse
         The contacts of the two meshes.
     """
@@ -175,9 +175,10 @@ def extrapolated(
     size = np.argmin(np.append(grown, False))
     depth, force, error = depth[:size], force[:size], np.zeros(size)
     if size > 1:
-        slope = np.gradient(force, depth)  # leads to the finer mesh's force at equal depth
-        off = fine_force[:size] + slope * (depth - fine_depth[:size]) - force
-        error[1:] = np.abs(off[1:] / force[1:])
+        slope = np.gradient(force, depth)  # leads from equal half-angle to equal depth
+        apart = fine_force[:size] - coarse.force[:size]
+        apart -= slope * (fine_depth[:size] - coarse.depth[:size])
+        error[1:] = np.abs(apart[1:] / force[1:])
     return Extrapolated(depth, force, error, fine, coarse)
 
 

@@ -321,8 +321,8 @@ def _of_elements(curve):
         yield "ball", _largest_at_nodes(ball, curve.pressure, edge)
     if not isinstance(joint.backing, WholeOutside):
         return
-    socket, pressure = fem.meshed(joint.socket_body, resolution, nodes), _on_socket(curve)
-    inner = 1.0
+    socket = fem.meshed(joint.socket_body, resolution, nodes)
+    pressure, inner = _on_socket(curve), 1.0
     for name, outer in zip([*joint.materials][1:], joint.socket_body.ratio, strict=True):
         yield name, _largest_at_nodes(socket, pressure, edge, inner, outer)
         inner = outer

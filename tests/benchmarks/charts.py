@@ -23,6 +23,7 @@ from study.joint import (
     contact_kinematics,
     fem,
     force_curve,
+    nested_contact,
     paper_joint,
     series,
     whole_curve,
@@ -133,9 +134,11 @@ def _curve(method, n):
         mesh = n, 6 if method.startswith("six") else 3
         ball = fem.ball_compliance(0.3, "plane", *mesh)
         socket = fem.socket_compliance(FREE.socket_ratio, 0.3, "mirror", *mesh)
-    return contact_kinematics.solve(
-        FREE, CURVE_DEPTHS, *contact_kinematics.linear(FREE, ball, socket)
-    )[1][0]
+    _, axial = contact_kinematics.linear(FREE, ball, socket)
+    eccentricities = 1 + max(CURVE_DEPTHS) * np.array([0, 0.5, 1])
+    contacts = nested_contact.NestedContacts(FREE, ball, socket, np.pi, eccentricities)
+    pressure = np.array([contacts.pressure(depth) for depth in CURVE_DEPTHS])
+    return FREE.r2_star * pressure @ axial
 
 
 def steppers(

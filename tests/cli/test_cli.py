@@ -336,7 +336,7 @@ def test_joint_without_json_is_a_table(run):
     status, out, _ = run("joint", "--r2-star", 75, "--depth-star", 0.1, "--rim", "mirror")
     assert status == 0
     assert "force_star" in out
-    assert "error_estimate" in out
+    assert "force_error" in out
 
 
 def test_data_show_filters(run):

@@ -158,15 +158,15 @@ def test_the_text_states_joint_ranges_units_and_error(law, exported, form):
 
 
 def test_by_the_rule_one_law_serves_a_ball_on_its_core():
-    found = choose.directions(CORE, 0.1, 20, 0.01)
+    found = choose.axial_law_suffices(CORE, 0.1, 20, 0.01)
     assert found == choose.Directions(True, tilts.OF_RULE, "rule")
 
 
 def test_a_neck_is_measured_and_needs_the_table():
-    found = choose.directions(NECK, DEEPEST, 20, 0.05)
+    found = choose.axial_law_suffices(NECK, DEEPEST, 20, 0.05)
     assert (found.one_law_for_all_directions, found.known_by) == (False, "measured")
     assert 0.15 < found.direction_error < 0.25
-    assert choose.directions(NECK, DEEPEST, 2, 0.05).one_law_for_all_directions
+    assert choose.axial_law_suffices(NECK, DEEPEST, 2, 0.05).one_law_for_all_directions
 
 
 @pytest.mark.parametrize(
@@ -186,14 +186,14 @@ def test_the_rule_is_not_for_a_joint_that_differs_all_round(unlike, monkeypatch)
     monkeypatch.setattr(tilts, "tilted_contact", solved)
     joint = replace(CORE, **unlike)
     with pytest.raises(InterruptedError):
-        choose.directions(joint, 0.1, 20, 0.01)
+        choose.axial_law_suffices(joint, 0.1, 20, 0.01)
 
 
 @pytest.mark.parametrize("drive", ["plane", "point"])
 def test_a_ball_that_is_free_across_the_axis_is_refused(drive):
     joint = Joint(200, ball_drive=drive)
     for call in (
-        lambda: choose.directions(joint, 0.3, 20, 0.05),
+        lambda: choose.axial_law_suffices(joint, 0.3, 20, 0.05),
         lambda: exporting.export("tabulated", "c", joint, tilt=20),
     ):
         with pytest.raises(ValueError, match=f"ball is free across the axis, got {drive}"):

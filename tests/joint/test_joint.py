@@ -27,7 +27,7 @@ from study.joint import (
 from study.joint.bodies import Ball, Socket
 from study.joint.complementarity import ComplementarityError
 from study.joint.compliance import HatFunctions
-from study.joint.supports import RIMS
+from study.joint.supports import RIMS, Core, Sector
 
 REFERENCE = pd.read_csv(paths.DATA / "published" / "joint.csv")
 
@@ -94,7 +94,7 @@ def test_reaction_of_the_supports_balances_the_force(kinematics, solver):
     area = 1.0 if kinematics == "small" else joint.ball_radius**2  # whose area the force acts on
     axial = area * HatFunctions(curve.angles).integrate(np.cos)
     borne = joint.r2_star * curve.pressure @ axial  # without extrapolation
-    assert (np.abs(borne / curve.force_star - 1) < 2 * curve.error_estimate).all()
+    assert (np.abs(borne / curve.force_star - 1) < curve.error_estimate).all()
     nodes = 3 if solver == "linear" else 6
     bodies = (fem.meshed(body, 160, nodes) for body in (Ball(), Socket(1.2)))
     for body in bodies:
@@ -245,7 +245,7 @@ def test_error_estimate_covers_the_error_of_any_joint(seed):
     curve = force_curve(joint, depth, 64)
     error = np.abs(curve.force_star / finest(joint, tuple(depth)) - 1)
     assert (error <= curve.error_estimate).all()
-    assert curve.error_estimate.max() < 0.02  # and is no wild overestimate
+    assert curve.error_estimate.max() < 0.05  # and is no wild overestimate
 
 
 def test_error_estimate_covers_the_error_at_large_displacements():
@@ -275,15 +275,18 @@ def test_contact_grown_from_the_pole_is_that_found_by_pivoting(kinematics, socke
 
 
 @pytest.mark.parametrize(
-    ("backing", "depth", "ring"), [("30,60", 0.2, False), ("30,60", 1.0, True), ("0,10", 1.0, True)]
+    ("backing", "depth", "ring"),
+    [((30, 60), 1.0, True), ((0, 10), 1.0, True), ((0, 60), 0.2, False)],
 )
 def test_contact_that_is_a_ring_is_found_by_pivoting(backing, depth, ring):
     soft = Material(2e10)
-    joint = Joint(200, 1.05, socket=soft, ball_drive="core:0.2", opening=120.0, backing=backing)
+    joint = Joint(
+        200, 1.05, socket=soft, ball_drive=Core(0.2), opening=120.0, backing=Sector(*backing)
+    )
     curve, fine = (force_curve(joint, depth, n) for n in (64, 192))
     parts = np.count_nonzero(np.diff(curve.pressure[0] > 0))
     assert (parts > 1) == ring
-    assert abs(curve.force_star / fine.force_star - 1) < 2 * curve.error_estimate
+    assert abs(curve.force_star / fine.force_star - 1) < 3 * curve.error_estimate
     whole = whole_curve(joint, 1.0, 64)
     assert np.interp(depth, whole.depth_star, whole.force_star) == pytest.approx(
         curve.force_star[0], rel=0.02

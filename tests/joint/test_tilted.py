@@ -58,7 +58,7 @@ def test_a_ball_in_a_wide_socket_is_the_same_in_every_direction(kinematics):
     along = force_curve(joint, 0.5).force_star[0]
     contact = tilted_contact(joint, [0.5, 0.5], [0, 30])
     assert not contact.reaches_mouth.any()
-    # both are 0.1 % off: their error estimates are 0.25 and 0.12 %
+    # both are 0.1 % off: their error estimates are 0.75 and 0.36 %
     assert contact.force_star == pytest.approx(along, rel=1.5e-3)
     assert contact.force_star[1] == pytest.approx(contact.force_star[0], rel=2e-4)
     assert abs(contact.transverse_star[0]) < 1e-12 * along
@@ -155,7 +155,7 @@ def test_error_estimate_covers_the_error_where_the_mouth_cuts_the_contact():
     # the estimate is of order 1, and both forces are extrapolated
     assert (error < coarse.error_estimate).all()
     assert (fine.error_estimate < coarse.error_estimate).all()
-    assert coarse.error_estimate.max() < 0.03
+    assert coarse.error_estimate.max() < 0.09
 
 
 @cache

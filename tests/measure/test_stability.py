@@ -371,7 +371,7 @@ def test_contact_is_solved_up_to_the_rim_and_refused_there(r2_star, reach, messa
 @pytest.mark.parametrize("resolution", [32, 128])
 def test_smallest_contact_is_that_of_one_hat(resolution):
     pole = surface_angles(resolution // 2)[1]
-    smallest = 0.15 * pole**2 / 0.97
+    smallest = 0.15 * pole**2
     true = force_curve(Joint(200), 1.01 * smallest, resolution=640).force_star
     coarse = force_curve(Joint(200), 1.01 * smallest, resolution=resolution)
     assert coarse.force_star == pytest.approx(true, rel=0.05)
