@@ -56,5 +56,3 @@ def test_measures_scale_with_the_data(truth, factor):
     assert scaled["RMSE"] == pytest.approx(factor * plain["RMSE"])
     assert scaled["relative_RMSE"] == pytest.approx(plain["relative_RMSE"])
     assert stats.goodness_of_fit(truth, truth)["determination"] == 1
-
-

@@ -106,5 +106,3 @@ def test_wear_is_that_of_archard():
     worn = np.trapezoid(depth * np.sin(np.radians(found.angle_deg)), np.radians(found.angle_deg))
     volume = 2 * np.pi * BRONZE.socket_radius**2 * worn
     assert (volume > 2e-15 * 500 * found.force).all()  # k N s, of a flat contact
-
-
