@@ -8,40 +8,38 @@ from helpers.laws import IN_SI_UNITS
 from study import contact
 from study.contact import DimensionalLaw, stiffening
 from study.joint import Joint, fem, force_curve, series, tilted, tilted_contact, whole_curve
+from study.joint.bodies import Ball, Socket
+from study.joint.supports import Core
 
 DEPTHS = np.linspace(0.025, 0.5, 20)
 
 
 def test_bodies_by_series(benchmark):
     def both():
-        for cached in (series.ball_compliance, series.socket_compliance, series.hat_coefficients):
+        for cached in (series.compliance, series.hat_coefficients):
             cached.cache_clear()
-        series.ball_compliance()
-        series.socket_compliance(1.19)
+        for body in (Ball(), Socket(1.19)):
+            series.compliance(body)
 
     benchmark.pedantic(both, rounds=5, warmup_rounds=1)
 
 
 def test_bodies_by_finite_elements(benchmark):
     def both():
-        for cached in (fem.ball, fem.socket):
-            cached.cache_clear()
-        assert fem.ball().compliance.flexibility.size
-        assert fem.socket(1.19).compliance.flexibility.size
+        fem.meshed.cache_clear()
+        for body in (Ball(), Socket(1.19, rim="free")):
+            assert fem.meshed(body).compliance.flexibility.size
 
     benchmark.pedantic(both, rounds=5, warmup_rounds=1)
 
 
 @pytest.mark.parametrize("body", ["ball", "socket"])
 def test_a_body_by_fourier_modes(benchmark, body):
-    layers = Joint(200).socket_layers
-
-    def made():
-        if body == "ball":
-            return tilted._ball.__wrapped__(0.3, "core:0.2", 90.0, 180.0, tilted.RESOLUTION)
-        return tilted._socket.__wrapped__(layers, 90.0, "whole", tilted.RESOLUTION)
-
-    benchmark.pedantic(made, rounds=3)
+    if body == "ball":
+        made, of = tilted._ball, (Ball(support=Core(0.2)), 180.0)
+    else:
+        made, of = tilted._socket, (Socket(1.298, rim="free"),)
+    benchmark.pedantic(made.__wrapped__, (*of, tilted.RESOLUTION), rounds=3)
 
 
 @pytest.mark.parametrize("depth", [0.1, 0.5, 1.0])
@@ -62,8 +60,7 @@ def test_curve_of_20_depths_with_its_error_estimate(benchmark, kinematics):
 def test_table_of_a_joint_from_its_whole_curve(benchmark, bodies):
     def table():
         if bodies == "new":
-            for cached in (series.ball_compliance, series.socket_compliance):
-                cached.cache_clear()
+            series.compliance.cache_clear()
         return contact.tabulated(whole_curve(Joint(200)))
 
     benchmark.pedantic(table, rounds=10, warmup_rounds=1)

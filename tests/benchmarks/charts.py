@@ -122,21 +122,18 @@ def solvers(repeats: int = 3, chosen: Sequence[tuple[str, int]] = SOLVERS) -> pd
 
 def _curve(method, n):
     """One solution of our own, bodies and all, at one resolution and without error estimate."""
-    cached = [fem.ball, fem.socket, fem.ball_compliance, fem.socket_compliance]
-    cached += [series.ball_compliance, series.socket_compliance, series.hat_coefficients]
-    cached.append(contact_kinematics._pairs)
-    for function in cached:
+    cached = fem.meshed, fem.compliance, series.compliance, series.hat_coefficients
+    for function in (*cached, contact_kinematics._pairs):
         function.cache_clear()
+    bodies = FREE.ball_body, FREE.socket_body
     if method == "series":
-        ball = series.ball_compliance(0.3, n)
-        socket = series.socket_compliance(FREE.socket_ratio, 0.3, n)
+        compliances = [series.compliance(body, n) for body in bodies]
     else:
-        mesh = n, 6 if method.startswith("six") else 3
-        ball = fem.ball_compliance(0.3, "plane", *mesh)
-        socket = fem.socket_compliance(FREE.socket_ratio, 0.3, "mirror", *mesh)
-    _, axial = contact_kinematics.linear(FREE, ball, socket)
+        nodes = 6 if method.startswith("six") else 3
+        compliances = [fem.compliance(body, n, nodes) for body in bodies]
+    _, axial = contact_kinematics.linear(FREE, *compliances)
     eccentricities = 1 + max(CURVE_DEPTHS) * np.array([0, 0.5, 1])
-    contacts = nested_contact.NestedContacts(FREE, ball, socket, np.pi, eccentricities)
+    contacts = nested_contact.NestedContacts(FREE, *compliances, np.pi, eccentricities)
     pressure = np.array([contacts.pressure(depth) for depth in CURVE_DEPTHS])
     return FREE.r2_star * pressure @ axial
 

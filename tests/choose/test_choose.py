@@ -1,5 +1,6 @@
 """The choice of a law against joints solved anew, and of a model against finer ones."""
 
+from dataclasses import replace
 from itertools import islice, product
 
 import numpy as np
@@ -8,11 +9,11 @@ import pytest
 
 from study import choose, contact, paths
 from study.checks import StudyError
-from study.choose import links, random_scenes
+from study.choose import links, model, random_scenes
 from study.choose.cheapest_law import SHALLOWEST
 from study.choose.model import ModelError, choose_model
 from study.contact.damping import DAMPINGS
-from study.joint import Joint, Layer, Material, force_curve
+from study.joint import Joint, Layer, Material, UnresolvedError, force_curve
 from study.joint.law_parameters import law_parameters
 from study.mechanism import Scene, compare, paper_scene, simulate
 
@@ -231,3 +232,26 @@ def test_a_choice_runs_what_it_chose():
 def test_a_choice_of_model_refuses_what_is_out_of_range(options, message):
     with pytest.raises(ValueError, match=message):
         choose_model(paper_scene(), **options)
+
+
+def test_a_scene_whose_contact_only_the_solver_knows_is_refused_by_auto(monkeypatch):
+    only = replace(choose.choose(Joint(200), 0.3, 0.01), law="solver", evaluate=None)
+    monkeypatch.setattr(model, "choose", lambda *_: only)
+    with pytest.raises(StudyError, match="no law for calls at every step is known"):
+        choose_model(Scene(), 0.01)
+
+
+def test_an_error_of_the_program_is_not_taken_for_a_law_out_of_range(monkeypatch):
+    def broken(*arguments, **options):
+        raise ValueError("a slip")
+
+    monkeypatch.setitem(contact.LAWS, "hertz", broken)
+    with pytest.raises(ValueError, match="a slip"):
+        choose.choose(Joint(200), 0.3, 0.01)
+
+
+def test_choose_at_small_depths_with_large_displacements():
+    joint = Joint(200, kinematics="finite")
+    assert choose.choose(joint, 0.02, 0.2).error_bound <= 0.2
+    with pytest.raises(UnresolvedError, match="elements resolve the contact|16 elements"):
+        choose.choose(joint, 1e-7, 0.05)

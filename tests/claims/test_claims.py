@@ -280,3 +280,12 @@ def test_missing_and_damaged_evidence_is_one_clear_error(figures):
         verdicts.result.cache_clear()
         with pytest.raises(verdicts.ClaimError, match="value of 'half-angle .* finite numbers"):
             verdicts.readings("numbers_00", name, "value")
+
+
+def test_an_error_of_the_program_is_not_taken_for_a_wrong_claim(monkeypatch):
+    def broken(*arguments):
+        raise ValueError("a slip")
+
+    monkeypatch.setattr(verdicts, "verdict", broken)
+    with pytest.raises(ValueError, match="a slip"):
+        verdicts.judge()

@@ -41,7 +41,9 @@ def test_error_on_joints_that_had_no_part_in_it():
         [*keys, "ball_drive", "rim"]
     ):
         ball, socket = Material(1.0, nu[0]), Material(modulus, nu[1])
-        found = force(case.depth_star, Joint(r2_star, ratio, ball, socket, drive, rim))
+        found = force(
+            case.depth_star, Joint(r2_star, ratio, ball, socket, ball_drive=drive, rim=rim)
+        )
         errors.append(np.abs(found / case.force_star - 1).max())
     assert len(errors) >= 300
     assert max(errors) < 0.005

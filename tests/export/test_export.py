@@ -23,7 +23,8 @@ from study.joint.law_parameters import law_parameters
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.137e11
 EXPORTED = [*LAWS, "tabulated"]
 BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
-UNEQUAL = Joint(20, 1.1, Material(2e11, 0.3), Material(7e10, 0.34), "clamped", "free")
+MATERIALS = Material(2e11, 0.3), Material(7e10, 0.34)
+UNEQUAL = Joint(20, 1.1, *MATERIALS, ball_drive="clamped", rim="free")
 JOINTS = (
     Joint(200),
     UNEQUAL,

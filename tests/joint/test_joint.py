@@ -1,5 +1,6 @@
 """Force-depth curves against independent solutions, convergence, and mechanics."""
 
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -11,9 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from study import contact, paths
+from study.checks import StudyError
 from study.joint import (
     Joint,
     Material,
+    UnresolvedError,
     complementarity,
     contact_kinematics,
     fem,
@@ -360,3 +363,25 @@ def test_bad_input_is_one_clear_error(call, message):
 def test_too_large_strains_end_in_an_error_with_a_remedy(r2_star, depth):
     with pytest.raises(ComplementarityError, match="take smaller depths or linear kinematics"):
         force_curve(Joint(r2_star, kinematics="finite"), depth, 64)
+
+
+@settings(max_examples=30)
+@given(ratio=st.floats(1e-9, 1e9), r2_star=st.floats(3, 1e40), thickness=st.floats(1.0001, 1e6))
+def test_a_joint_inside_its_limits_is_solved_or_refused(ratio, r2_star, thickness):
+    joint = Joint(r2_star, thickness, socket=Material(ratio * 2e11))
+    try:
+        curve = force_curve(joint, [0.2, 0.4], 64)
+    except (ValueError, StudyError) as error:
+        assert re.search("must|did not converge", str(error))
+        return
+    assert (curve.force_star > 0).all()
+    assert np.isfinite(curve.force_star).all()
+
+
+@pytest.mark.parametrize("supports", [{}, {"ball_drive": "clamped"}, {"kinematics": "finite"}])
+@pytest.mark.parametrize("depth", [1e-12, 4.7e-9, 1e-7])
+def test_a_contact_too_small_for_the_elements_is_said_to_be_so(supports, depth):
+    joint = Joint(200, **supports)
+    for solve in (lambda: force_curve(joint, [depth]), lambda: whole_curve(joint, depth)):
+        with pytest.raises(UnresolvedError, match="elements resolve the contact|16 elements"):
+            solve()

@@ -3,9 +3,10 @@
 import numpy as np
 import pandas as pd
 import pytest
-from benchmarks import timing
+from benchmarks import charts, timing
 
 from study.measure import speed
+from study.mechanism import MechanismError
 
 
 def rows_of(method, errors, times, called="compiled"):
@@ -49,3 +50,13 @@ def test_calls_by_turns_count_but_for_the_first(monkeypatch):
         times = iter(clock)
         monkeypatch.setattr(timing, "perf_counter", lambda times=times: next(times))
         assert timing.timed(lambda: 0, 5)[0].tolist() == counted
+
+
+def test_a_stepper_that_fails_is_not_dropped_from_its_chart(monkeypatch):
+    def too_deep(*arguments):
+        raise MechanismError("too deep")
+
+    monkeypatch.setattr(charts, "_ours", lambda _: np.ones(3))
+    monkeypatch.setattr(charts, "_explicit", too_deep)
+    with pytest.raises(MechanismError, match="too deep"):
+        charts.steppers(1, [("RK4", 4e-6)], compile_times=False)

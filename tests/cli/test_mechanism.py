@@ -1,0 +1,171 @@
+"""The command for the crank-slider: its numbers are the library's, and how far to trust them."""
+
+import json
+import os
+import re
+import signal
+import sys
+from functools import wraps
+
+import pandas as pd
+import pytest
+
+from study.mechanism import MechanismError, Scene, simulate
+
+
+def test_simulate_prints_the_end_and_every_impact(run):
+    words = ["--model", "rigid", "--joint", "clearance", "--law", "hertz", "--duration", 0.1]
+    status, out, err = run("simulate", *words, "--json")
+    assert (status, err) == (0, "")
+    found, response = json.loads(out), simulate(law="hertz")
+    assert found["x_slider"] == response.slider_position[-1]
+    assert found["theta"] == response.crank_angle[-1]
+    assert {"v_slider", "a_slider", "energy_error"} < set(found)
+    assert len(found["impacts"]) == len(response.impacts) > 3
+    first = found["impacts"][0]
+    assert first["time"] == response.impacts.time[0]
+    assert {"approach_speed", "peak_force"} < set(first)
+    assert found["impacts"][-1]["separation_speed"] is None
+
+
+def test_simulate_takes_mechanism_parameters_and_settings(run, tmp_path):
+    table = tmp_path / "motion.csv"
+    words = ["--scene", "crank_inertia=1e-4", "--scene", "coupler_inertia=3e-4"]
+    words += ["--scene", "restitution=0.9", "--duration", 0.004, "--output", table]
+    words += ["--model", "particles", "--elements", "2,4", "--method", "lagged"]
+    status, out, _ = run("simulate", *words, "--json")
+    assert status == 0
+    scene = Scene(restitution=0.9, crank_inertia=1e-4, coupler_inertia=3e-4)
+    options = {"model": "particles", "elements": (2, 4), "method": "lagged", "duration": 0.004}
+    response = simulate(scene, **options)
+    assert json.loads(out)["x_slider"] == response.slider_position[-1]
+    assert pd.read_csv(table).slider_position.to_numpy() == pytest.approx(
+        response.motion.slider_position.to_numpy(), rel=1e-11
+    )
+
+
+def test_simulate_states_its_law_of_the_joint_of_the_scene(run):
+    words = ("simulate", "--duration", "0.002", "--once")
+    bodies = ("--scene", "ball=steel", "--scene", "socket=bronze")
+
+    def law(*more):
+        return json.loads(run(*words, *more, "--json")[1])["law"]
+
+    assert law("--law", "tabulated").startswith("tabulated: r2_star 200, socket_ratio 1.298")
+    assert law("--wall", "5e-3").startswith("tabulated: r2_star 200, socket_ratio 1.5")
+    lined = law("--liner", "0.5e-3,PTFE", "--wall", "3e-3", *bodies)
+    assert "layers 1.05,0.00238095238,0.46;1.3,0.523809524,0.34; with its own composite" in lined
+    told = "stiffened_hertz: socket_ratio 1.5, modulus_ratio 0.5"
+    stiffened = ("--law", "stiffened_hertz", "--socket-ratio", "1.5", *bodies)
+    assert law(*stiffened).startswith(told)
+    assert run(*words, *stiffened)[1].startswith(f"Law {told}")
+
+
+def test_simulate_says_which_restitution_is_delivered(run):
+    words = ("simulate", "--duration", "0.002", "--once")
+    paper = (*words, "--scene", "damping=lankarani-nikravesh")
+    told = "Damping delivers the restitution 0.725, not 0.5."
+    assert told in run(*paper)[1].splitlines()
+    assert "Damping delivers" not in run(*words)[1]
+    assert "Damping delivers" not in run(*paper, "--joint", "ideal")[1]
+    for command, delivered in ((words, 0.5), (paper, 0.72524)):
+        found = json.loads(run(*command, "--json")[1])
+        assert found["restitution"] == 0.5
+        assert found["delivered_restitution"] == pytest.approx(delivered, abs=1e-5)
+
+
+def test_simulate_says_how_far_it_can_be_trusted(run):
+    told = run("simulate", "--duration", "0.01")[1].splitlines()[-1]
+    assert told.startswith("A second run, at another tolerance, is the same motion to the end: ")
+    agreement = json.loads(run("simulate", "--duration", "0.01", "--json")[1])["agreement"]
+    assert (agreement["lasts"], agreement["impacts"]) == (True, [5, 5])
+    words = ("crank_clearance=1.7e-4", "damping=flores", "restitution=0.05", "friction=0")
+    words += ("clearance=1.86e-5", "initial_crank_angle=-1.54", "crank_speed=250")
+    scene = [part for word in words for part in ("--scene", word)]
+    told = run("simulate", *scene, "--duration", "0.1")[1].splitlines()[-1]
+    assert re.search(r"is the same motion until 0\.0\d+ s: .*one of many motions", told)
+    assert json.loads(run("simulate", "--joint", "ideal", "--json")[1])["agreement"] is None
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (KeyboardInterrupt(), "The second run, which says how far to trust this one, was interrup"),
+        (MechanismError("no step is small enough"), "A second run, at another tolerance, failed"),
+    ],
+)
+def test_a_second_run_that_ends_early_loses_nothing(run, tmp_path, monkeypatch, error, told):
+    def second_run(*_):
+        raise error
+
+    monkeypatch.setattr(sys.modules["study.mechanism.simulate"], "_second_run", second_run)
+    output = tmp_path / "motion.csv"
+    status, out, _ = run("simulate", "--duration", "0.01", "--output", output)
+    assert status == 0
+    assert f"{simulate(duration=0.01).impacts.peak_depth[0]:.6g}" in out
+    assert out.splitlines()[-1].startswith(told)
+    assert output.is_file()
+    assert "econd run" not in run("simulate", "--duration", "0.01", "--once")[1]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--scene", "mass=1"], "--scene must be KEY=VALUE with KEY one of crank_length"),
+        (["--scene", "friction"], "--scene must be KEY=VALUE"),
+        (["--scene", "friction=high"], "friction must be a number, got 'high'"),
+        (["--model", "auto"], "tolerance must be given: the largest error that model auto may"),
+        (["--elements", "2,2", "--model", "auto"], "--elements must be left out: model auto"),
+    ],
+)
+def test_what_does_not_fit_is_refused(run, words, message):
+    status, out, err = run("simulate", *words)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert message in err
+
+
+def test_simulate_auto_tells_what_it_chose(run):
+    words = ["--model", "auto", "--tolerance", 0.001, "--duration", 0.05]
+    status, out, err = run("simulate", *words, "--json")
+    assert (status, err) == (0, "")
+    choice = json.loads(out)["choice"]
+    assert choice["error_bound"] <= 0.001
+    assert choice["evidence"]
+    words += ["--quantity", "slider_velocity", "--tolerance", 0.1, "--socket-ratio", 1.5]
+    _, out, _ = run("simulate", *words)
+    assert "The simplest model whose slider velocity is known well enough over 0.05 s" in out
+
+
+def test_a_simulation_that_fails_is_one_line_and_status_1(run):
+    soft = ("--scene", "youngs_modulus=1e6", "--scene", "driving_moment=25")
+    status, out, err = run("simulate", *soft, "--json")
+    assert (status, out, err.count("\n")) == (1, "", 1)
+    assert "stopped at time 0.0" in err
+
+
+@pytest.fixture
+def heeding_interrupts():
+    """Python's own handler of Ctrl-C, which a job in the background of a script has not."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heeding_interrupts")
+def test_an_interrupted_simulation_prints_and_writes_what_it_has(run, tmp_path, monkeypatch):
+    @wraps(simulate)
+    def interrupted(*words, progress, **options):
+        def stop(time):
+            if time > 0.02:
+                os.kill(os.getpid(), signal.SIGINT)  # as Ctrl-C does
+
+        return simulate(*words, progress=stop, **options)
+
+    monkeypatch.setattr("study.cli.mechanism.simulate", interrupted)
+    table = tmp_path / "motion.csv"
+    status, out, err = run("simulate", "--json", "--output", table)
+    assert (status, err) == (130, "study: interrupted; what was finished is kept\n")
+    found = json.loads(out)
+    assert not found["complete"]
+    assert 0.02 < found["time"] <= 0.1  # told now and then
+    assert pd.read_csv(table).time.iloc[-1] == pytest.approx(found["time"])

@@ -1,0 +1,195 @@
+"""The command for a joint: its numbers are the solver's, in the order asked, in the right units."""
+
+import json
+import re
+import sys
+
+import numpy as np
+import pytest
+
+from study.checks import StudyError
+from study.joint import DimensionalJoint, Joint, Layer, Material, force_curve
+
+SIZES = ["joint", "--socket-radius", "12.5e-3", "--clearance", "40e-6", "--wall", "6e-3"]
+BRONZE = [*SIZES, "--ball", "steel", "--socket", "bronze"]
+DIMENSIONS = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
+TILTED = [*BRONZE, "--force", 1, "--ball-drive", "clamped", "--tilt", 5]
+
+
+@pytest.mark.parametrize(
+    ("words", "joint"),
+    [
+        (["--socket-ratio", 1.4, "--ball-drive", "plane"], Joint(80, 1.4)),
+        (["--kinematics", "finite"], Joint(80, kinematics="finite")),
+        (
+            ["--modulus-ratio", 0.35, "--socket-poisson", 0.33],
+            Joint(80, socket=Material(7e10, 0.33)),
+        ),
+        (
+            ["--layer", "1.125,0.0025,0.46", "--layer", "1.5,1,0.3"],
+            Joint(80, layers=(Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material()))),
+        ),
+    ],
+)
+def test_a_joint_by_ratios_is_one_json_object_in_the_order_asked(run, words, joint):
+    words = ["--r2-star", 80, "--depth-star", 0.5, "--depth-star", 0.1, *words]
+    status, out, err = run("joint", *words, "--json")
+    assert (status, err) == (0, "")
+    found, curve = json.loads(out), force_curve(joint, [0.5, 0.1])
+    for name in ("force_star", "contact_half_angle_deg", "error_estimate"):
+        assert found[name] == pytest.approx(list(getattr(curve, name)))
+    bodies = [body.replace(" ", "_") for body in joint.materials]
+    places = [key for key in found if key.endswith("_place")]
+    assert places == [f"von_mises_{body}_place" for body in bodies]
+    for body in bodies:
+        star, share = (found[f"von_mises_{body}_{key}"][0] for key in ("star", "over_peak"))
+        assert star == pytest.approx(share * found["peak_pressure_star"][0])
+
+
+def test_a_joint_with_dimensions_is_in_si_units_in_the_order_asked(run):
+    status, out, err = run(*BRONZE, "--force", 8000, "--force", 3000, "--json")
+    assert (status, err) == (0, "")
+    found = json.loads(out)
+    assert found["force"] == pytest.approx([8000, 3000], rel=1e-12)
+    assert found["depth"] == pytest.approx([7.54e-6, 4.19e-6], rel=0.01)
+    assert found["stiffness"] == pytest.approx([1.763e9, 1.199e9], rel=0.01)
+    assert found["peak_pressure"][0] == pytest.approx(117e6, rel=0.01)
+    assert found["yield_factor_socket"][0] * found["von_mises_socket"][0] == pytest.approx(1.6e8)
+    assert found["r2_star"] == pytest.approx(312.5)
+    assert found["materials"]["socket"]["youngs_modulus"] == 1.1e11
+    status, out, _ = run(*BRONZE, "--depth", found["depth"][0], "--json")
+    assert json.loads(out)["force"] == pytest.approx([8000], rel=1e-9)
+
+
+def test_the_line_to_export_the_chosen_law_can_be_typed(run):
+    status, out, err = run(*BRONZE, "--force", 8000)
+    assert (status, err) == (0, "")
+    heads = ["depth", "force", "stiffness", "half_angle", "peak_pressure", "error"]
+    assert out.splitlines()[0].split() == heads
+    assert out.splitlines()[1].split() == ["um", "N", "N/um", "deg", "MPa", "%"]
+    assert "The cheapest law that is within 1 % from 0.2 to 7.536 um: stiffened_hertz." in out
+    (line,) = (line for line in out.splitlines() if line.startswith("study export"))
+    assert json.loads(run(*BRONZE, "--force", 8000, "--json")[1])["export"] == line
+    status, out, err = run(*line.split()[1:])
+    assert (status, err) == (0, "")
+    assert "r2_star 312.5" in out
+    assert "socket_radius 0.0125 m" in out
+    assert "modulus_ratio 0.523809524" in " ".join(out.replace(" * ", " ").split())
+
+
+def test_a_joint_with_liners_and_a_tolerance(run, monkeypatch):
+    lined = [*SIZES, "--liner", "0.5e-3,PTFE", "--liner", "1e-3,7e10,0.33", "--force", 500]
+    status, out, err = run(*lined, "--ball-drive", "clamped", "--json")
+    assert (status, err) == (0, "")
+    found = json.loads(out)
+    assert [*found["materials"]] == ["ball", "liner 1", "liner 2", "socket"]
+    assert found["yield_factor_liner_2"] is None
+    assert found["law"] == "tabulated"
+    assert "--ball-drive clamped" in found["export"]
+    assert found["export"].count("--liner ") == 2
+
+    def none(joint, depth_star, tolerance):
+        raise StudyError(f"no law is within {tolerance:g}")
+
+    monkeypatch.setattr("study.choose.law.choose_beside", none)
+    status, out, _ = run(*BRONZE, "--force", 500, "--tolerance", 1e-5)
+    assert status == 0
+    assert "No law is chosen: no law is within 1e-05" in out
+
+
+def test_laws_are_compared_no_shallower_than_elements_resolve(run):
+    metres = ("--socket-radius", 16e-3, "--clearance", 1e-4, "--wall", 8e-3, "--force")
+    for words in ((500, "--ball-drive", "clamped", "--rim", "free"), (0.5,)):
+        status, out, err = run("joint", *metres, *words, "--json")
+        assert (status, err) == (0, "")
+        found = json.loads(out)
+        least, most = found["law_depths"]
+        assert least < found["depth"][0] < most
+        assert found["law_error_bound"] < 0.01
+
+
+def test_torque_and_wear_are_those_of_the_solution(run):
+    words = [*BRONZE, "--force", 8000, "--force", 3000, "--friction", 0.1, "--wear", 1e-15]
+    status, out, err = run(*words, "--path", 100, "--json")
+    assert (status, err) == (0, "")
+    found, solution = json.loads(out), DIMENSIONS.solve(force=[8000, 3000])
+    for motion, torque in solution.friction_torque(0.1).items():
+        assert found[f"{motion}_torque"] == pytest.approx(torque.tolist(), rel=1e-9)
+    assert found["wear_depth"] == pytest.approx([1e-13 * p for p in found["peak_pressure"]])
+    lines = run(*words, "--path", 100)[1].splitlines()
+    heads = lines.index("depth  spin_torque  tilt_torque  wear_depth")
+    assert lines[heads + 1].split() == ["um", "N", "m", "N", "m", "um"]
+    row = [float(cell) for cell in lines[heads + 3].split()]
+    assert row[1:3] == pytest.approx([found[f"{m}_torque"][0] for m in ("spin", "tilt")], rel=1e-3)
+    assert row[3] == pytest.approx(1e6 * found["wear_depth"][0], rel=1e-3)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
+def test_the_same_joint_is_drawn_with_the_same_bytes(run, tmp_path, suffix):
+    words = [*BRONZE, "--force", 8000, "--force", 3000, "--plot", tmp_path / f"joint{suffix}"]
+    drawn = []
+    for _ in range(2):
+        assert run(*words)[0] == 0
+        drawn.append((tmp_path / f"joint{suffix}").read_bytes())
+    assert drawn[0] == drawn[1]
+    assert len(drawn[0]) > 10_000
+
+
+def test_a_drawing_without_matplotlib_says_what_to_install_before_the_work(run, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.delitem(sys.modules, "study.cli.plot", raising=False)
+    monkeypatch.setattr(DimensionalJoint, "solve", None)
+    status, out, err = run(*BRONZE, "--force", 8000, "--plot", "joint.png")
+    assert (status, out) == (1, "")
+    assert err.startswith("study: study joint needs matplotlib, of the extra [study]: pip install")
+
+
+def test_the_drawing_has_the_numbers_of_the_solution(monkeypatch, tmp_path):
+    from study.cli import plot
+
+    figures, solution = [], DIMENSIONS.solve(force=[8000, 3000])
+    monkeypatch.setattr(
+        plot.Figure, "savefig", lambda f, path, **_: figures.append(f) or path.touch()
+    )
+    plot.draw_joint(solution, tmp_path / "joint.png")
+    force, pressure = figures[0].axes
+    (curve, *points), profiles = force.lines, pressure.lines
+    depth, along = curve.get_data()
+    assert along == pytest.approx(solution.law.force(1e-6 * depth))
+    for k, (point, profile) in enumerate(zip(points, profiles, strict=True)):
+        assert np.ravel(point.get_data()) == pytest.approx([1e6 * solution.depth[k], (8e3, 3e3)[k]])
+        assert profile.get_ydata() == pytest.approx(1e-6 * solution.pressure[k])
+        assert (profile.get_xdata() == solution.angle_deg).all()
+    for axes, units in ((force, ("(µm)", "(N)")), (pressure, ("(deg)", "(MPa)"))):
+        assert (axes.get_xlabel()[-len(units[0]) :], axes.get_ylabel()[-len(units[1]) :]) == units
+
+
+def test_sizes_in_mm_are_asked_about(run):
+    millimetres = ("--socket-radius", 16, "--clearance", 0.1, "--wall", 8, "--force", 500)
+    status, out, err = run("joint", *millimetres)
+    assert (status, err) == (0, "")
+    small = "No law is chosen: the contact is too small for laws to be compared: there Hertz's law"
+    assert re.search(rf"^{small} holds within 0\.\d+ %$", out, re.M)
+    assert out.endswith("The socket's radius is 16 m: are the sizes in m?\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([*BRONZE, "--force", 1, "--r2-star", 75], "--r2-star must be left out: --socket-radius"),
+        (["joint", "--r2-star", 75, "--depth-star", 0.1, "--ball", "steel"], "--r2-star must be"),
+        ([*BRONZE, "--force", 1, "--poisson", 0.3], "--poisson must be left out: --socket-radius"),
+        (["joint", "--socket-radius", 0.01, "--force", 1], "--clearance and --wall must be given"),
+        (["joint"], "--r2-star and --depth-star must be given or, with dimensions, --socket-radi"),
+        ([*SIZES, "--force", 1, "--wear", 1e-15], "--path must be given"),
+        ([*SIZES, "--force", 1, "--path", 10], "--wear must be given"),
+        ([*SIZES, "--force", 1, "--wear", -1, "--path", 1], "wear must be >= 0 m^2/N, got -1 m"),
+        ([*TILTED, "--friction", 0.1], "--friction must be left out beside --tilt"),
+        (["joint", "--r2-star", 75, "--plot", "x.png"], "--plot is for a joint with its dimensio"),
+        ([*SIZES, "--force", 1, "--tolerance", 0], "tolerance must be >= 1e-05 and <= 1, got 0"),
+    ],
+)
+def test_what_does_not_fit_is_refused(run, words, message):
+    status, out, err = run(*words)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert message in err

@@ -1,0 +1,97 @@
+"""The commands for what is stored: cases of the dataset, materials, times."""
+
+from io import StringIO
+
+import pandas as pd
+import pytest
+from benchmarks import timing
+
+from study import contact, dataset, paths
+from study.contact import materials
+from study.dataset import store
+
+
+def test_materials_are_csv_where_piped_and_fit_a_terminal(run, on_a_terminal):
+    status, out, err = run("data", "materials")
+    assert (status, err) == (0, "")
+    table = pd.read_csv(StringIO(out))
+    pd.testing.assert_frame_equal(table, pd.read_csv(materials.MATERIALS))
+    lines = on_a_terminal("data", "materials")
+    assert max(map(len, lines)) <= 80
+    printed = f"{' '.join(lines).replace('  ', ', ')},"  # a blank line ends a row
+    for text in (*table.name, *table.condition, *table.source, "1.1e+11 Pa"):
+        assert f": {text}," in printed
+
+
+def test_cases_are_csv_where_piped_and_fit_a_terminal(run, on_a_terminal):
+    words = ("data", "show", "--r2-star", 200, "--kinematics", "linear")
+    table = pd.read_csv(StringIO(run(*words)[1]))
+    cases = dataset.summary(dataset.load(r2_star=200, kinematics="linear"))
+    assert list(table) == list(cases)
+    assert list(table.case) == list(cases.case)
+    assert table.largest_force.to_numpy() == pytest.approx(cases.largest_force, rel=1e-8)
+    lines = on_a_terminal(*words)
+    assert lines[0] == f"{len(cases)} cases."
+    assert max(map(len, lines)) <= 80
+    rows = " ".join(line or "\n" for line in lines[1:]).split("\n")[1:]
+    assert [row.split()[:2] for row in rows] == [["case:", f"{case},"] for case in cases.case]
+    assert all("largest_force: " in row and "P/(E* dR^2)" in row for row in rows)
+    one = pd.read_csv(StringIO(run("data", "show", "--case", "paper-small-200")[1]))
+    assert list(one) == list(dataset.load().loc[:, "depth_star":])
+
+
+def test_of_a_number_that_no_case_has_the_nearest_is_shown(run):
+    there = ("data", "show", "--group", "paper", "--socket-ratio", 1.298)
+    status, out, err = run(*there)
+    assert (status, err) == (0, "")
+    expected = dataset.load(group="paper", socket_ratio=1.298)
+    assert set(expected.case) == set(pd.read_csv(StringIO(out)).case)
+    told = "study: no such case has socket_ratio 1.3: shown is the nearest, 1.298\n"
+    assert run(*there[:-1], 1.3) == (0, out, told)
+
+
+def test_cases_are_chosen_by_every_column(run):
+    first, columns = dataset.load(case="hip-4mm-linear-100").iloc[0], []
+    for column in dataset.load().loc[:, :"solver"]:
+        if first[column] != "":
+            columns += [f"--{column.replace('_', '-')}", first[column]]
+    out = run("data", "show", *columns)[1]
+    assert out == run("data", "show", "--case", "hip-4mm-linear-100")[1]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--r2-star", "7"], "r2_star must be >= 20 and <= 10000, got 7"),
+        (
+            ["--case", "papr-small-200"],
+            "lists, got 'papr-small-200': did you mean paper-small-200 or paper-small-2000 or ",
+        ),
+        (["--group", "papr"], "did you mean paper?"),
+        (["--group", "paper", "--layers", ";"], "layers must be one of"),
+    ],
+)
+def test_cases_that_are_not_there(run, words, message):
+    status, out, err = run("data", "show", *words)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert message in err
+
+
+def test_missing_data_is_one_line_and_status_1(run, monkeypatch):
+    monkeypatch.setattr(store, "PACKAGE", paths.ROOT / "missing.json")
+    status, _, err = run("data", "show")
+    assert (status, err.count("\n")) == (1, 1)
+    assert err.startswith("study: missing.json is missing; restore it with: git checkout")
+
+
+def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(timing, "compile_time", lambda *_: 1.0)  # it takes some seconds
+    table = tmp_path / "laws.csv"
+    kept = store.SPEED.read_bytes()
+    status, out, _ = run("measure", "--chart", "laws", "--repeats", 1, "--output", table)
+    assert status == 0
+    assert "rows, on" in out
+    rows = pd.read_csv(table)
+    assert set(rows.method) == {*contact.LAWS, "tabulated", "solver"}
+    assert (rows.time > 0).all()
+    assert store.SPEED.read_bytes() == kept

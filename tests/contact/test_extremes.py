@@ -1,0 +1,86 @@
+"""Laws at numbers of any size: one clear error, or a finite force, never a silent wrong number."""
+
+import re
+from functools import partial
+from math import inf
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from study import contact
+from study.contact import Material
+from study.joint import Joint
+from study.mechanism import Scene, simulate
+
+SIZES = st.floats(1e-40, 1e40)
+ANY = st.floats()
+BODIES = {"socket_ratio": 1.3, "modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
+REFUSED = "must be .* got"
+
+
+@given(depth=ANY, r2_star=ANY, n=st.integers(1, 50))
+def test_a_law_gives_a_positive_force_or_refuses(depth, r2_star, n):
+    calls = [partial(law, depth, r2_star) for law in contact.LAWS.values()]
+    for call in [*calls, partial(contact.steuermann, depth, r2_star, n=n, radius="profile")]:
+        for derivative in (False, True):
+            try:
+                value = call(derivative=derivative)
+            except ValueError as error:
+                assert re.search(REFUSED, str(error))
+                continue
+            assert np.isfinite(value)
+            assert (value > 0) == (depth > 0)
+
+
+@given(depth=SIZES, gap=st.floats(1e-15, 1), socket=SIZES, modulus=SIZES)
+def test_a_force_in_si_units_neither_overflows_nor_vanishes(depth, gap, socket, modulus):
+    sizes = {"ball_radius": socket * (1 - gap), "socket_radius": socket}
+    for law in contact.LAWS:
+        options = BODIES if law == "stiffened_hertz" else {}
+        for derivative in ("force", "stiffness"):
+            try:
+                in_si_units = contact.JointLaw(law, composite_modulus=modulus, **sizes, **options)
+                value = getattr(in_si_units, derivative)(depth)
+            except ValueError as error:
+                assert re.search(REFUSED, str(error))
+                continue
+            assert 0 < value < inf
+
+
+@given(ANY, ANY, ANY, ANY)
+def test_a_composite_modulus_is_between_half_of_the_lesser_and_infinity(e1, nu1, e2, nu2):
+    try:
+        found = contact.composite_modulus(e1, nu1, e2, nu2)
+    except ValueError as error:
+        assert re.search(REFUSED, str(error))
+        return
+    assert min(e1, e2) / 2.01 <= found < inf
+
+
+def test_steuermanns_profile_of_high_order_on_a_nearly_full_ball():
+    # (R2/R1)^99 overflows; mpmath with 60 digits
+    force = contact.steuermann(0.3, 1.0005, n=50, radius="profile")
+    assert force == pytest.approx(3.315413834728e-4, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Joint(1e308), r"r2_star must be > 1 and <= 1e\+40 in size, got 1e\+308"),
+        (lambda: Joint(200, socket=Material(2e-4)), "over that of the ball must be >= 1e-09"),
+        (lambda: simulate(Scene(crank_length=1e-9)), r"speed of the crank must be <= 1e\+06"),
+        (lambda: contact.hertz([0.1, 0.2], [20, 30, 40]), "depth_star and r2_star must have"),
+        (lambda: contact.hertz(10**5000, 200), "depth_star must be a number, got"),
+        (
+            lambda: contact.JointLaw(
+                "hertz", ball_radius=1e-30, socket_radius=1.0, composite_modulus=1e11
+            ),
+            "socket_radius over clearance must be > 1, got 1",
+        ),
+    ],
+)
+def test_a_limit_says_what_it_limits(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
