@@ -76,7 +76,7 @@ def estimates(scene: Scene, response: Response) -> dict[Quantity, float]:
     response is of rigid links with clearance; without contact the estimate is 0.
     """
     compliance, bending, axial = _compliance_and_frequencies(scene)
-    change = compliance * response.impact_columns["peak_force"].max(initial=0.0)
+    change = compliance * response.impact_rows["peak_force"].max(initial=0.0)
     drift = 1 + np.abs(response.crank_angle).max()
     factors = (drift, drift * bending, axial**2)
     shares = {}

@@ -156,7 +156,7 @@ def choose_model(
     for values in (getattr(with_hertz.response, name) for name in links.QUANTITIES):
         if not np.ptp(values) > 0:
             raise ValueError(f"duration must be so long that the slider moves, got {duration:g} s")
-    depth = float(with_hertz.response.impact_columns["peak_depth"].max(initial=0.0))
+    depth = float(with_hertz.response.impact_rows["peak_depth"].max(initial=0.0))
     law, law_share = _law(scene, depth, socket_ratio)
     with_law = run("rigid", law, tolerance=FINEST_TOLERANCE)
     of_law = law_share * difference(with_hertz, with_law)

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from study.claims.quantities import quantities
 from study.mechanism import MechanismError, Scene, simulate, stable_step
-from study.mechanism.compare import lead, motion_nrms
-from study.mechanism.measures import measures
+from study.mechanism.compare import motion_nrms, phase_lead
 from study.mechanism.simulate import Model
 
 MECHANISMS = 64
@@ -203,7 +203,7 @@ def _rows(one):
             drawn = one.mechanism | joint | dict.fromkeys(without)
             row = {"set_up": one.number, "kind": kind, "model": model} | drawn
             if response is not None and ideal[model] is not None:
-                numbers = measures(response, ideal[model]) | _energy(response, ideal[model])
+                numbers = quantities(response, ideal[model]) | _energy(response, ideal[model])
                 numbers |= apart if model != "rigid" else {}
                 row |= {name: float(f"{number:.4g}") for name, number in numbers.items()}
             yield row
@@ -228,7 +228,7 @@ def _energy(response, ideal):
     """
     lost, kinetic = response.lost_damping + response.lost_friction, response.kinetic
     share = np.divide(lost, 2 * kinetic, out=np.zeros_like(lost), where=kinetic > 0)
-    ahead, work = 1e3 * lead(response, ideal), response.work[-1]
+    ahead, work = 1e3 * phase_lead(response, ideal), response.work[-1]
     unexplained = kinetic[-1] + response.elastic[-1] + lost[-1] - kinetic[0] - work
     return {
         "lead_ms": ahead[-1],

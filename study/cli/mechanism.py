@@ -79,7 +79,7 @@ def simulate_mechanism(
     """
     from study.compiled import is_kept
     from study.contact import SOCKET_RATIO
-    from study.mechanism.limits import limits
+    from study.mechanism.validity import exceeded_limits
 
     changed = _scene(scene)
     cli.check_output(output, ".csv")
@@ -106,9 +106,9 @@ def simulate_mechanism(
         "energy_error": response.energy_error,
         "complete": response.complete,
     }
-    exceeded = limits(changed, response, options.get("socket_ratio", SOCKET_RATIO))
+    exceeded = exceeded_limits(changed, response, options.get("socket_ratio", SOCKET_RATIO))
     with working("Simulating once more, at another tolerance"):
-        trust = (None, []) if once else _trust(response)
+        trust = (None, []) if once else _trust(response, run)
     _show(end, response, choice, trust, exceeded, as_json)
     if output is not None:  # last, so that the results are printed even if the disk is full
         response.save(output)
@@ -116,13 +116,15 @@ def simulate_mechanism(
         raise cli.InterruptionError(cli.KEPT)
 
 
-def _trust(response):
+def _trust(response, run):
     """How long a second run is the same motion, as an object and in words.
 
     The response is told even where the second run is interrupted or fails.
     """
+    from study.mechanism.compare import second_run
+
     try:
-        agreement = response.agreement
+        agreement = second_run(response, run)
     except KeyboardInterrupt:
         return None, ["The second run, which says how far to trust this one, was interrupted."]
     except StudyError as error:
@@ -134,7 +136,7 @@ def _trust(response):
         end = f"until {agreement.until:.6g} s"
         later = " What follows is one of many motions that begin alike: tiny errors grow."
     text = (
-        f"A second run, at another tolerance, is the same motion {end}: the ball's places differ "
+        f"A second run, at another tolerance, is the same motion {end}: the eccentricities differ "
         f"by at most {agreement.largest_distance:.1g} clearances, the forces by "
         f"{agreement.force_difference:.1g}.{later}"
     )
@@ -157,8 +159,8 @@ def _show(end, response, choice, trust, exceeded, as_json):
     from study.mechanism.response import IMPACT_COLUMNS
 
     impacts = {
-        name: [None if value != value else value for value in column.tolist()]  # no NaN in JSON
-        for name, column in response.impact_columns.items()
+        name: [None if value != value else value for value in response.impact_rows[name].tolist()]
+        for name in response.impact_rows.dtype.names  # no NaN in JSON
     }
     rows = [dict(zip(impacts, row, strict=True)) for row in zip(*impacts.values(), strict=True)]
     asked, delivered = response.restitution, response.delivered_restitution

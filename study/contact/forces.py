@@ -7,6 +7,8 @@ long as a law. This module does not import the laws: another law of a known shap
 again.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba.extending import register_jitable
 
@@ -84,21 +86,37 @@ def stored_energy(law, depth):
     return energy
 
 
-@compiled
-def joint_forces(law, depth, rate, sliding, branch, approach, damping, friction, v0, v1):
-    """Normal and tangential force at a depth > 0, with their derivatives (Eqs. 31-33).
+class JointForces(NamedTuple):
+    """Forces of a joint in contact, with their derivatives."""
 
-    Returns the normal force and its derivatives by depth and rate; its elastic part and the
-    derivative of that by depth; the tangential force and its derivatives by the normal force and by
-    the sliding speed, on one ``branch`` of the friction law. Where the ball leaves faster than the
-    approach speed over D, Eq. 31 pulls. It is kept as published, without friction while it pulls.
+    normal: float
+    normal_by_depth: float
+    normal_by_rate: float
+    elastic: float
+    """Elastic part of the normal force."""
+    tangential: float
+    tangential_by_normal: float
+    tangential_by_sliding: float
+
+
+@compiled
+def joint_forces(law, depth, rate, sliding, regime, approach, damping, friction, v0, v1):
+    """Normal and tangential force at a depth > 0, as `JointForces` (Eqs. 31-33).
+
+    ``regime`` is that of friction. Where the ball leaves faster than the approach speed over D,
+    Eq. 31 pulls. It is kept as published, without friction while it pulls.
     """
     elastic, slope = elastic_force(law, depth)
     loss = damping / approach
     normal = elastic * (1 + loss * rate)
-    factor, steep = friction_factor(sliding, branch, v0, v1)
+    factor, steep = friction_factor(sliding, regime, v0, v1)
     friction *= normal > 0
-    tangential = -friction * normal * factor
-    by_depth, by_rate = slope * (1 + loss * rate), elastic * loss
-    by_normal, by_sliding = -friction * factor, -friction * normal * steep
-    return normal, by_depth, by_rate, elastic, slope, tangential, by_normal, by_sliding
+    return JointForces(
+        normal,
+        slope * (1 + loss * rate),
+        elastic * loss,
+        elastic,
+        -friction * normal * factor,
+        -friction * factor,
+        -friction * normal * steep,
+    )

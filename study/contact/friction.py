@@ -8,7 +8,7 @@ from study.compiled import compiled
 
 
 @compiled
-def friction_branch(speed, v0, v1):
+def friction_regime(speed, v0, v1):
     """Number of the linear piece that a sliding speed lies in: -2, -1, 0, 1 or 2."""
     size = abs(speed)
     piece = 0 if size < v0 else (1 if size < v1 else 2)
@@ -16,11 +16,11 @@ def friction_branch(speed, v0, v1):
 
 
 @compiled
-def friction_factor(speed, branch, v0, v1):
+def friction_factor(speed, regime, v0, v1):
     """Signed factor c_d sign(v_T) of one linear piece, and its derivative by the speed."""
-    if branch == 0:
+    if regime == 0:
         return 0.0, 0.0
-    sign = 1.0 if branch > 0 else -1.0
-    if abs(branch) == 2:
+    sign = 1.0 if regime > 0 else -1.0
+    if abs(regime) == 2:
         return sign, 0.0
     return (speed - sign * v0) / (v1 - v0), 1 / (v1 - v0)

@@ -7,22 +7,22 @@ motion is free of strain. The shear compliance includes the residual bending fle
 generalised-alpha method (Chung & Hulbert 1993), with Newton's method on a banded matrix.
 """
 
-from collections import namedtuple
 from collections.abc import Iterator
 from functools import partial
 from math import inf
-from typing import get_args
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from study.compiled import compiled
 from study.contact.forces import joint_forces
-from study.contact.friction import friction_branch
+from study.contact.friction import friction_regime
 from study.mechanism import stepping
 from study.mechanism.angles import direction, norm, sine_cosine
 from study.mechanism.frame import straight_links
 from study.mechanism.scene import Body, Scene
+from study.mechanism.stepping import Energies, JointOutput, Moving
 
 SPECTRAL_RADIUS = 0.8
 """At infinite frequency: the share that a step leaves of motions that it cannot follow."""
@@ -32,20 +32,66 @@ NEWTON_TOLERANCE = 1e-9
 """Change at which Newton's method stops, relative to the clearance."""
 BAND = 6  # unknowns of neighbouring nodes are at most this far apart
 NO_TANGENT = (0.0, 0.0)
-ANY = np.int64(3)  # friction branch: that of the sliding speed; from NumPy, as in `locating`
-# Places in a joint's state, which `_contact` fills
-DEPTH, NORMAL, TANGENTIAL, ELASTIC, RATE, SLIDING, FORCE_X, FORCE_Y, EX, EY = range(10)
-DRIVE_WORK, DRIVE_MOMENT = range(2)  # places in the state, before those of all models
+ANY = np.int64(3)  # friction regime: that of the sliding speed; from NumPy, as in `locating`
+PLACES, RATES, ACCELERATIONS, BEFORE = range(4)
+"""Rows of a motion: places and rotations, their rates, the method's accelerations, and those one
+step before."""
+STRETCH, SLIDE, BEND = range(3)  # strains of an element
+X1, Y1, TURN1, X2, Y2, TURN2 = range(6)  # unknowns of an element
+X, Y, TURN = range(3)  # unknowns of the contact
 CRANK = 2  # number of the rotation at the crank's fixed end
-System = namedtuple("System", "sections unknowns ball pin held mass load initial rates ideal")
-"""Elements of both links on +x, their unknowns numbered along the chain, mass and load.
+SECTION = np.dtype(
+    [(name, float) for name in ("length", "axial", "shear", "bending", "mass", "rotary")]
+)
+"""An element: its length, stiffnesses, and mass and rotary inertia per length."""
 
-A row of ``sections`` has length, axial, shear and bending stiffness, mass and rotary inertia per
-length; one of ``unknowns`` the numbers of (x, y, rotation) at both ends. ``ball`` has the numbers
-of its x, y and rotation and of the slider's x, ``pin`` that of its x, ``held`` those of unknowns
-whose rate is given. In the consistent ``mass``, a band, column BAND is the diagonal. ``initial``
-and ``rates`` are the places and rotations at t = 0, and their rates.
-"""
+
+class Ball(NamedTuple):
+    """Numbers of the unknowns of the ball, and of the slider's position."""
+
+    x: int
+    y: int
+    turn: int
+    slider: int
+
+
+class System(NamedTuple):
+    """Elements of both links on +x, their unknowns numbered along the chain, mass and load."""
+
+    sections: Any
+    """A `SECTION` for each element."""
+    unknowns: Any
+    """A row for each element: the numbers of (x, y, rotation) at both ends."""
+    ball: Ball
+    pin: int
+    """Number of the pin's x."""
+    held: Any
+    """Numbers of unknowns whose rate is given."""
+    mass: Any
+    """Consistent mass, a band in which column `BAND` is the diagonal."""
+    load: Any
+    initial: Any
+    rates: Any
+    """Places and rotations at t = 0, and their rates."""
+    ideal: bool
+
+
+class Contact(NamedTuple):
+    """State of the joint, and its forces on the slider."""
+
+    depth: float
+    rate: float
+    sliding: float
+    ex: float
+    ey: float
+    normal: float
+    tangential: float
+    elastic: float
+    force_x: float
+    force_y: float
+
+
+NO_CONTACT = Contact(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
@@ -56,12 +102,12 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
     rotations = np.insert(x + 2, pin + 1, x[pin] + 3)
     near = x[:-1], x[:-1] + 1, np.delete(rotations, [pin, -1])
     far = x[1:], x[1:] + 1, np.delete(rotations, [0, pin + 1])
-    ball = x[-1] + np.array([0, 1, 2, 0 if ideal else 3])
+    ball = Ball(*(int(x[-1]) + i for i in (0, 1, 2, 0 if ideal else 3)))
     initial, speeds = np.zeros(max(ball) + 1), np.zeros(max(ball) + 1)
     for values, of_nodes, angles in ((initial, places, turns), (speeds, rates, spins)):
         values[x], values[x + 1], values[rotations] = *of_nodes.T, angles
-    initial[ball[3]], speeds[ball[3]] = slide
-    held = [0, 1, ball[1]] if ideal else [0, 1]
+    initial[ball.slider], speeds[ball.slider] = slide
+    held = [0, 1, ball.y] if ideal else [0, 1]
     initial[held] = speeds[held] = 0.0
     if scene.crank_speed is not None:
         held.append(CRANK)
@@ -70,110 +116,114 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
         link = scene.link(body)
         length = link.length / n
         shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
-        sections += [(length, link.axial, shear, link.bending, *link[1:3])] * n
-    unknowns = np.column_stack([*near, *far])
+        masses = link.mass_per_length, link.rotary_per_length
+        sections += [(length, link.axial, shear, link.bending, *masses)] * n
+    sections, unknowns = np.array(sections, SECTION), np.column_stack([*near, *far])
     mass, load = _mass_and_weight(sections, unknowns, len(initial), scene.gravity)
-    mass[ball[3], BAND] += scene.slider_mass
+    mass[ball.slider, BAND] += scene.slider_mass
     load[CRANK] = 0.0 if scene.crank_speed is not None else scene.driving_moment
-    numbers = unknowns, ball, x[pin], np.array(held)
-    return System(np.array(sections), *numbers, mass, load, initial, speeds, ideal)
+    numbers = unknowns, ball, int(x[pin]), np.array(held)
+    return System(sections, *numbers, mass, load, initial, speeds, ideal)
 
 
 def _mass_and_weight(sections, unknowns, size, gravity):
     """Consistent mass of the elements, a band, and their weights as loads on the nodes."""
     mass, load = np.zeros((size, 2 * BAND + 1)), np.zeros(size)
-    for (length, _, _, _, per_length, rotary), at in zip(sections, unknowns, strict=True):
+    for section, at in zip(sections, unknowns, strict=True):
+        length = section["length"]
         for i in range(6):
-            density = rotary if i % 3 == 2 else per_length
+            density = section["rotary" if i % 3 == 2 else "mass"]
             for j in range(i % 3, 6, 3):
                 share = (2 if i == j else 1) * density * length / 6
                 mass[at[i], BAND + at[j] - at[i]] += share
-        load[at[[1, 4]]] -= gravity * length * per_length / 2
+        load[at[[Y1, Y2]]] -= gravity * length * section["mass"] / 2
     return mass, load
 
 
 @compiled
 def _internal(q, sections, unknowns, force, matrix, factor):
     """Add the forces, and ``factor`` times their tangent to ``matrix``; return the energy."""
-    energy = 0.0
-    b, d = np.zeros((3, 6)), np.zeros(6)
+    energy, b, d = 0.0, np.zeros((3, 6)), np.zeros(6)
     for e in range(len(sections)):
-        length, axial, shear, bending = sections[e, :4]
-        at = unknowns[e]
+        section, at = sections[e], unknowns[e]
+        length, axial, shear, bending = (
+            section.length,
+            section.axial,
+            section.shear,
+            section.bending,
+        )
         for i in range(6):
             d[i] = q[at[i]]
-        dx, dy = (d[3] - d[0]) / length, (d[4] - d[1]) / length
-        turn = 0.5 * (d[2] + d[5])
+        dx, dy = (d[X2] - d[X1]) / length, (d[Y2] - d[Y1]) / length
+        turn = 0.5 * (d[TURN1] + d[TURN2])
         s, c = sine_cosine(turn)
         along, across = c * dx + s * dy, c * dy - s * dx
-        stretch, slide, bend = along - 1, across, (d[5] - d[2]) / length
+        stretch, slide, bend = along - 1, across, (d[TURN2] - d[TURN1]) / length
         n, v, m = axial * stretch, shear * slide, bending * bend
         energy += 0.5 * length * (n * stretch + v * slide + m * bend)
-        b[0] = -c / length, -s / length, 0.5 * across, c / length, s / length, 0.5 * across
-        b[1] = s / length, -c / length, -0.5 * along, -s / length, c / length, -0.5 * along
-        b[2] = 0.0, 0.0, -1 / length, 0.0, 0.0, 1 / length
+        b[STRETCH] = -c / length, -s / length, 0.5 * across, c / length, s / length, 0.5 * across
+        b[SLIDE] = s / length, -c / length, -0.5 * along, -s / length, c / length, -0.5 * along
+        b[BEND] = 0.0, 0.0, -1 / length, 0.0, 0.0, 1 / length
         for i in range(6):
-            force[at[i]] += length * (n * b[0, i] + v * b[1, i] + m * b[2, i])
+            force[at[i]] += length * (n * b[STRETCH, i] + v * b[SLIDE, i] + m * b[BEND, i])
             if factor == 0:
                 continue
             for j in range(6):
-                value = axial * b[0, i] * b[0, j] + shear * b[1, i] * b[1, j]
-                value += bending * b[2, i] * b[2, j]
+                value = axial * b[STRETCH, i] * b[STRETCH, j] + shear * b[SLIDE, i] * b[SLIDE, j]
+                value += bending * b[BEND, i] * b[BEND, j]
                 # second derivatives of the strains: places with rotations, and rotations
                 if i % 3 == 2 and j % 3 == 2:
                     value -= 0.25 * (n * along + v * across)
                 elif i % 3 == 2:
-                    value += 0.5 * (n * b[1, j] - v * b[0, j])
+                    value += 0.5 * (n * b[SLIDE, j] - v * b[STRETCH, j])
                 elif j % 3 == 2:
-                    value += 0.5 * (n * b[1, i] - v * b[0, i])
+                    value += 0.5 * (n * b[SLIDE, i] - v * b[STRETCH, i])
                 matrix[at[i], BAND + at[j] - at[i]] += factor * length * value
     return energy
 
 
 @compiled
-def _contact(q, v, ball, contact, approach, branch, p, law, joint):
-    """Fill ``joint`` with the contact's state and its forces on the slider.
+def _contact(q, v, ball, contact, approach, regime, p, law):
+    """`Contact` of the joint, and derivatives of the forces on the ball and moment on the coupler.
 
-    Returns the derivatives of the forces on the ball and of the moment on the coupler, by
-    eccentricity and rotation and by their rates: two 3x3 blocks.
+    These are by eccentricity and rotation, and by their rates: two 3x3 blocks.
     """
     stiff, damp = np.zeros((3, 3)), np.zeros((3, 3))
-    ex, ey = q[ball[0]] - q[ball[3]], q[ball[1]]
-    wx, wy, spin = v[ball[0]] - v[ball[3]], v[ball[1]], v[ball[2]]
+    ex, ey = q[ball.x] - q[ball.slider], q[ball.y]
+    wx, wy, spin = v[ball.x] - v[ball.slider], v[ball.y], v[ball.turn]
     r = norm(ex, ey)
-    joint[:] = 0.0
-    joint[DEPTH], joint[EX], joint[EY] = r - law.clearance, ex, ey
+    depth = r - law.clearance
     nx, ny = (ex / r, ey / r) if r > 0 else (1.0, 0.0)
     tx, ty = -ny, nx
     rate, across = wx * nx + wy * ny, wx * tx + wy * ty
     sliding = across + p.r1 * spin
-    joint[RATE], joint[SLIDING] = rate, sliding
-    if not contact or joint[DEPTH] <= 0:
-        return stiff, damp
-    if branch == ANY:
-        branch = friction_branch(sliding, p.v0, p.v1)
-    normal, normal_d, normal_r, elastic, _, tangential, tangential_n, tangential_s = joint_forces(
-        law, r - law.clearance, rate, sliding, branch, approach, p.damping, p.friction, p.v0, p.v1
+    if not contact or depth <= 0:
+        return Contact(depth, rate, sliding, ex, ey, 0.0, 0.0, 0.0, 0.0, 0.0), stiff, damp
+    if regime == ANY:
+        regime = friction_regime(sliding, p.v0, p.v1)
+    forces = joint_forces(
+        law, depth, rate, sliding, regime, approach, p.damping, p.friction, p.v0, p.v1
     )
-    joint[NORMAL], joint[TANGENTIAL], joint[ELASTIC] = normal, tangential, elastic
-    joint[FORCE_X] = normal * nx - tangential * tx
-    joint[FORCE_Y] = normal * ny - tangential * ty
-    for j in range(2):  # eccentricity x, y
-        n_j, t_j = (nx, tx) if j == 0 else (ny, ty)
+    normal, tangential, steep = forces.normal, forces.tangential, forces.tangential_by_sliding
+    for j in (X, Y):
+        n_j, t_j = (nx, tx) if j == X else (ny, ty)
         bend = t_j / r  # dn = bend t, dt = -bend n
-        dnormal = normal_d * n_j + normal_r * across * bend
-        dtangential = tangential_n * dnormal - tangential_s * rate * bend
+        dnormal = forces.normal_by_depth * n_j + forces.normal_by_rate * across * bend
+        dtangential = forces.tangential_by_normal * dnormal - steep * rate * bend
         dn, dt = -dnormal - tangential * bend, dtangential - normal * bend
-        stiff[0, j], stiff[1, j] = dn * nx + dt * tx, dn * ny + dt * ty
-        stiff[2, j] = p.r1 * dtangential
-        dnormal = normal_r * n_j
-        dtangential = tangential_n * dnormal + tangential_s * t_j
-        damp[0, j] = -dnormal * nx + dtangential * tx
-        damp[1, j] = -dnormal * ny + dtangential * ty
-        damp[2, j] = p.r1 * dtangential
-    dtangential = tangential_s * p.r1
-    damp[0, 2], damp[1, 2], damp[2, 2] = dtangential * tx, dtangential * ty, p.r1 * dtangential
-    return stiff, damp
+        stiff[X, j], stiff[Y, j] = dn * nx + dt * tx, dn * ny + dt * ty
+        stiff[TURN, j] = p.r1 * dtangential
+        dnormal = forces.normal_by_rate * n_j
+        dtangential = forces.tangential_by_normal * dnormal + steep * t_j
+        damp[X, j] = -dnormal * nx + dtangential * tx
+        damp[Y, j] = -dnormal * ny + dtangential * ty
+        damp[TURN, j] = p.r1 * dtangential
+    dtangential = steep * p.r1
+    damp[X, TURN], damp[Y, TURN] = dtangential * tx, dtangential * ty
+    damp[TURN, TURN] = p.r1 * dtangential
+    fx, fy = normal * nx - tangential * tx, normal * ny - tangential * ty
+    found = Contact(depth, rate, sliding, ex, ey, normal, tangential, forces.elastic, fx, fy)
+    return found, stiff, damp
 
 
 @compiled
@@ -202,8 +252,8 @@ def _solve(matrix, right):
 
 
 @compiled
-def _forces(q, v, system, state, branch, p, law, joint, force, matrix, tangent):
-    """Fill ``force`` with internal, contact and load forces, and return the strain energy.
+def _forces(q, v, system, state, regime, p, law, force, matrix, tangent):
+    """Fill ``force`` with internal, contact and load forces; return strain energy and `Contact`.
 
     Derivatives by places and rates, times the factors ``tangent``, are added to ``matrix``.
     """
@@ -212,21 +262,20 @@ def _forces(q, v, system, state, branch, p, law, joint, force, matrix, tangent):
         force[i] = -system.load[i]
     energy = _internal(q, system.sections, system.unknowns, force, matrix, by_q)
     if system.ideal:
-        return energy
-    contact, approach = state[stepping.CONTACT] > 0, state[stepping.APPROACH]
-    stiff, damp = _contact(q, v, ball, contact, approach, branch, p, law, joint)
-    if joint[NORMAL] != 0 or joint[ELASTIC] != 0:
-        force[ball[0]] += joint[FORCE_X]
-        force[ball[1]] += joint[FORCE_Y]
-        force[ball[2]] -= p.r1 * joint[TANGENTIAL]
-        force[ball[3]] -= joint[FORCE_X]
+        return energy, NO_CONTACT
+    joint, stiff, damp = _contact(q, v, ball, state.contact, state.approach, regime, p, law)
+    if joint.normal != 0 or joint.elastic != 0:
+        force[ball.x] += joint.force_x
+        force[ball.y] += joint.force_y
+        force[ball.turn] -= p.r1 * joint.tangential
+        force[ball.slider] -= joint.force_x
+        at, of = (ball.x, ball.y, ball.turn, ball.slider), (X, Y, TURN, X)
         for i in range(4 if by_q != 0 else 0):
             for j in range(4):
-                row, column = (0 if i == 3 else i), (0 if j == 3 else j)
-                sign = (-1.0 if i == 3 else 1.0) * (-1.0 if j == 3 else 1.0)
-                value = by_q * stiff[row, column] + by_v * damp[row, column]
-                matrix[ball[i], BAND + ball[j] - ball[i]] -= sign * value
-    return energy
+                sign = (-1.0 if i == 3 else 1.0) * (-1.0 if j == 3 else 1.0)  # of the slider
+                value = by_q * stiff[of[i], of[j]] + by_v * damp[of[i], of[j]]
+                matrix[at[i], BAND + at[j] - at[i]] -= sign * value
+    return energy, joint
 
 
 @compiled
@@ -250,11 +299,12 @@ def _meet(gap0, rate0, gap1, rate1, h):
 def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
     """Fill ``new`` with places, rates and accelerations after a step; False for no balance.
 
-    ``old`` are the forces before. An iteration takes one linear piece of the friction law, and the
-    next one that piece or a neighbour: free to jump, it would alternate between the law's ends.
+    ``old`` are the forces before. An iteration takes one friction regime, and the next one that
+    regime or a neighbour: free to jump, it would alternate between the law's ends.
     """
-    (force, right, matrix, joint), size, ball = work, motion.shape[1], system.ball
-    q, v, a, q1, v1, a1 = motion[0], motion[1], motion[2], new[0], new[1], new[2]
+    (force, right, matrix), size, ball = work, motion.shape[1], system.ball
+    q, v, a = motion[PLACES], motion[RATES], motion[ACCELERATIONS]
+    q1, v1, a1 = new[PLACES], new[RATES], new[ACCELERATIONS]
     gamma = 0.5 - ALPHA_M + ALPHA_F
     beta = 0.25 * (1 - ALPHA_M + ALPHA_F) ** 2
     by_a = (1 - ALPHA_M) / (beta * h * h)
@@ -263,12 +313,12 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
         a1[i] = a[i]
         v1[i] = v[i] + h * a[i]
         q1[i] = q[i] + h * v[i] + 0.5 * h * h * a[i]
-    branch = 0 if system.ideal else friction_branch(sliding, p.v0, p.v1)
+    regime = 0 if system.ideal else friction_regime(sliding, p.v0, p.v1)
     for _ in range(60):
         for i in range(size):
             for j in range(2 * BAND + 1):
                 matrix[i, j] = by_a * system.mass[i, j]
-        _forces(q1, v1, system, state, branch, p, law, joint, force, matrix, (by_q, by_v))
+        _forces(q1, v1, system, state, regime, p, law, force, matrix, (by_q, by_v))
         for i in range(size):
             right[i] = -(1 - ALPHA_F) * force[i] - ALPHA_F * old[i]
             for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
@@ -285,13 +335,13 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
         if not change < inf:
             return False
         away = 0
-        if state[stepping.CONTACT] > 0:
-            ex, ey = q1[ball[0]] - q1[ball[3]], q1[ball[1]]
-            across = (v1[ball[1]] * ex - (v1[ball[0]] - v1[ball[3]]) * ey) / norm(ex, ey)
-            away = friction_branch(across + p.r1 * v1[ball[2]], p.v0, p.v1) - branch
+        if state.contact:
+            ex, ey = q1[ball.x] - q1[ball.slider], q1[ball.y]
+            across = (v1[ball.y] * ex - (v1[ball.x] - v1[ball.slider]) * ey) / norm(ex, ey)
+            away = friction_regime(across + p.r1 * v1[ball.turn], p.v0, p.v1) - regime
         if change <= tolerance and abs(away) <= 1:
             return True
-        branch += min(max(away, -1), 1)
+        regime += min(max(away, -1), 1)
     return False
 
 
@@ -306,72 +356,70 @@ def _copy(source, target):
 def _follow_contact(state, impacts, before, after, h):
     """Add what a step in contact loses; say if its force is the largest so far, and if it ended."""
     for joint in (before, after):
-        damping = (joint[NORMAL] - joint[ELASTIC]) * joint[RATE]
-        state[stepping.LOST_DAMPING] += 0.5 * h * damping
-        state[stepping.LOST_FRICTION] -= 0.5 * h * joint[TANGENTIAL] * joint[SLIDING]
-    largest = stepping.follow_impact(impacts, state, after[NORMAL], after[DEPTH])
-    ended = after[DEPTH] <= 0
+        state.lost_damping += 0.5 * h * ((joint.normal - joint.elastic) * joint.rate)
+        state.lost_friction -= 0.5 * h * joint.tangential * joint.sliding
+    largest = stepping.follow_impact(impacts, state, after.normal, after.depth)
+    ended = after.depth <= 0
     if ended:
-        stepping.end_impact(impacts, state, -after[RATE])
+        stepping.end_impact(impacts, state, -after.rate)
     return largest, ended
 
 
 @compiled
 def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
-    """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending.
-
-    ``motion`` has the rows places, rates, the method's accelerations, and those one step before.
-    """
+    """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending."""
     size, done = motion.shape[1], 0
     new, old, force, right = np.zeros((3, size)), np.zeros(size), np.zeros(size), np.zeros(size)
-    matrix, joint, new_joint = np.zeros((size, 2 * BAND + 1)), np.zeros(10), np.zeros(10)
-    work = force, right, matrix, new_joint
-    strain = _forces(
-        motion[0], motion[1], system, state, ANY, p, law, joint, old, matrix, NO_TANGENT
+    matrix = np.zeros((size, 2 * BAND + 1))
+    work = force, right, matrix
+    strain, joint = _forces(
+        motion[PLACES], motion[RATES], system, state, ANY, p, law, old, matrix, NO_TANGENT
     )
-    if p.steady and state[stepping.STEPS] == 0:
-        _drive(state, _reaction(CRANK, old, motion, system.mass), motion[1, CRANK], 0.0)
-    far = abs(system.initial[system.ball[3]])  # of the start: a loop may begin anew at any step
+    if p.steady and state.steps == 0:
+        moment = _reaction(CRANK, old, motion, system.mass)
+        stepping.add_drive_work(state, moment, motion[RATES, CRANK], 0.0)
+    far = abs(system.initial[system.ball.slider])  # of the start: a loop may begin at any step
     tolerance = NEWTON_TOLERANCE * law.clearance + 1e-13 * far
     while True:
-        if int(state[stepping.IMPACTS]) == len(impacts):
+        if state.impacts == len(impacts):
             return done, stepping.FULL
-        t = state[stepping.TIME] = state[stepping.STEPS] * h
-        if int(state[stepping.STEPS]) % strides == 0:
-            _record(rows[done], state, motion, old, system, joint, strain, p)
+        t = state.time = state.steps * h
+        if state.steps % strides == 0:
+            _write_output(rows[done], state, motion, old, system, joint, strain, p)
             done += 1
         begun = largest = ended = False
         while True:  # twice if the surfaces meet in this step
-            sliding = joint[SLIDING]
+            sliding = joint.sliding
             if not _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
                 return done, stepping.FAILED
-            strain = _forces(
-                new[0], new[1], system, state, ANY, p, law, new_joint, force, matrix, NO_TANGENT
+            strain, new_joint = _forces(
+                new[PLACES], new[RATES], system, state, ANY, p, law, force, matrix, NO_TANGENT
             )
-            if system.ideal or state[stepping.CONTACT] > 0 or new_joint[DEPTH] <= 0:
+            if system.ideal or state.contact or new_joint.depth <= 0:
                 break
-            after, approach = _meet(joint[DEPTH], joint[RATE], new_joint[DEPTH], new_joint[RATE], h)
+            after, approach = _meet(joint.depth, joint.rate, new_joint.depth, new_joint.rate, h)
             stepping.begin_impact(impacts, state, t + after, approach)
             begun = True
-        state[stepping.STEPS] += 1
-        state[stepping.TIME] = state[stepping.STEPS] * h
-        if state[stepping.CONTACT] > 0:
-            if new_joint[DEPTH] > p.clearance:
-                state[stepping.LIMIT] = p.clearance
+        state.steps += 1
+        state.time = state.steps * h
+        if state.contact:
+            if new_joint.depth > p.clearance:
+                state.limit = p.clearance
                 return done, stepping.TOO_DEEP
             largest, ended = _follow_contact(state, impacts, joint, new_joint, h)
-        _copy(motion[2], motion[3])
-        for row in range(3):
+        _copy(motion[ACCELERATIONS], motion[BEFORE])
+        for row in (PLACES, RATES, ACCELERATIONS):
             _copy(new[row], motion[row])
         _copy(force, old)
-        _copy(new_joint, joint)
+        joint = new_joint
         if p.steady:
-            _drive(state, _reaction(CRANK, old, motion, system.mass), motion[1, CRANK], h)
+            moment = _reaction(CRANK, old, motion, system.mass)
+            stepping.add_drive_work(state, moment, motion[RATES, CRANK], h)
         for event, happened in enumerate((begun, largest, ended)):
             if happened:
                 row = stepping.event_row(events, state, event)
-                _record(row, state, motion, old, system, joint, strain, p)
-        if done == len(rows) or state[stepping.STEPS] >= state[stepping.UNTIL]:
+                _write_output(row, state, motion, old, system, joint, strain, p)
+        if done == len(rows) or state.steps >= state.until:
             return done, stepping.FINE
 
 
@@ -379,7 +427,8 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
 def _true_acceleration(motion, i):
     """Acceleration now: the method's belong to a time (alpha_f - alpha_m) h before."""
     late = (1 - SPECTRAL_RADIUS) / (SPECTRAL_RADIUS + 1)
-    return motion[2, i] + late * (motion[2, i] - motion[3, i])
+    now = motion[ACCELERATIONS, i]
+    return now + late * (now - motion[BEFORE, i])
 
 
 @compiled
@@ -392,33 +441,29 @@ def _reaction(i, force, motion, mass):
 
 
 @compiled
-def _drive(state, moment, speed, h):
-    """Keep the moment that holds the crank's speed, and add its work in a step."""
-    state[DRIVE_WORK] += 0.5 * h * (state[DRIVE_MOMENT] + moment) * speed
-    state[DRIVE_MOMENT] = moment
-
-
-@compiled
-def _record(row, state, motion, force, system, joint, strain, p):
+def _write_output(row, state, motion, force, system, joint, strain, p):
     """Fill a row of output from motion and contact at the state's time."""
-    q, v, ball, pin = motion[0], motion[1], system.ball, system.pin
+    q, v, ball, pin = motion[PLACES], motion[RATES], system.ball, system.pin
     size, turning = len(q), _true_acceleration(motion, CRANK)
-    kinetic, work, drive = 0.0, state[DRIVE_WORK], p.moment + state[DRIVE_MOMENT]
+    kinetic, work = 0.0, state.drive_work
     for i in range(size):
         work += system.load[i] * q[i]
         for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
             kinetic += 0.5 * v[i] * system.mass[i, BAND + j - i] * v[j]
-    place = joint[EX], joint[EY], joint[DEPTH]
-    forces = joint[NORMAL], joint[TANGENTIAL], joint[FORCE_X], joint[FORCE_Y]
+    normal, tangential, fx, fy = joint.normal, joint.tangential, joint.force_x, joint.force_y
     if system.ideal:
-        fx = p.m3 * _true_acceleration(motion, ball[0])
-        fy = -_reaction(ball[1], force, motion, system.mass)
-        forces = norm(fx, fy), 0.0, fx, fy
-    crank, slider = (q[CRANK], v[CRANK], turning, drive), (q[ball[3]], v[ball[3]], forces[2] / p.m3)
-    coupler = direction(q[ball[1]] - q[pin + 1], q[ball[0]] - q[pin]), v[ball[2]]
-    lost = state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION]
-    energies = work, kinetic, strain, *lost
-    stepping.record(row, crank, slider, coupler, place, forces, energies)
+        fx = p.m3 * _true_acceleration(motion, ball.x)
+        fy = -_reaction(ball.y, force, motion, system.mass)
+        normal = norm(fx, fy)
+    stepping.write_output(
+        row,
+        Moving(q[CRANK], v[CRANK], turning),
+        Moving(q[ball.slider], v[ball.slider], fx / p.m3),
+        (direction(q[ball.y] - q[pin + 1], q[ball.x] - q[pin]), v[ball.turn]),
+        p.moment + state.drive_moment,
+        JointOutput(joint.ex, joint.ey, joint.depth, normal, tangential, fx, fy),
+        Energies(work, kinetic, strain, state.lost_damping, state.lost_friction),
+    )
 
 
 def _start(system):
@@ -426,16 +471,17 @@ def _start(system):
 
     Rotations without inertia follow the load at once, unless held.
     """
-    sections, unknowns, _, _, held, mass, load, initial, rates, _ = system
-    motion = np.array([initial, rates, 0 * load, 0 * load])
+    sections, unknowns, held = system.sections, system.unknowns, system.held
+    mass, load = system.mass, system.load
+    motion = np.array([system.initial, system.rates, 0 * load, 0 * load])
     force, stiffness = -load, np.zeros_like(mass)
-    _internal(motion[0], sections, unknowns, force, stiffness, 1.0)
+    _internal(motion[PLACES], sections, unknowns, force, stiffness, 1.0)
     light = mass[:, BAND] == 0
     if light.any():
-        motion[0] -= _solution(stiffness, force, [*held, *np.flatnonzero(~light)])
+        motion[PLACES] -= _solution(stiffness, force, [*held, *np.flatnonzero(~light)])
         force = -load
-        _internal(motion[0], sections, unknowns, force, stiffness, 0.0)
-    motion[2:] = _solution(mass, -force, [*held, *np.flatnonzero(light)])
+        _internal(motion[PLACES], sections, unknowns, force, stiffness, 0.0)
+    motion[[ACCELERATIONS, BEFORE]] = _solution(mass, -force, [*held, *np.flatnonzero(light)])
     return motion
 
 
@@ -458,6 +504,6 @@ def blocks(
     """Blocks of output rows of the scene with links of beam elements, as for particles."""
     system, p, state = assemble(scene, elements, ideal), scene.constants(), stepping.new_state()
     strides, h = stepping.divide(times, step)
-    motion, state[stepping.STEP] = _start(system), h
+    motion, state.step = _start(system), h
     loop = partial(advance, state, motion, system, p, law, h, strides)
     return stepping.advance_in_blocks(loop, times, state, "Newton's method found no balance")

@@ -1,16 +1,19 @@
 """Comparing responses at the same times: how far they agree, which is ahead, and for how long."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.mechanism.response import COLUMNS, Response
+from study.mechanism.response import Response
+from study.mechanism.simulate import LEAST_TOLERANCE
 
 _PREFIXES = ("", "crank_joint_")  # of the columns of slider's and crank's joint
 SAME = 0.01
-"""Clearances: two places of the ball in its socket that are closer are the same motion."""
+"""Clearances: two eccentricities that differ by less are the same motion."""
+FINER = 100  # times, the tolerance of a second run
 
 
 class Agreement(NamedTuple):
@@ -19,12 +22,12 @@ class Agreement(NamedTuple):
     Attributes
     ----------
     until
-        Last time of output, in s, up to which both have the ball at the same place (`SAME`), in
-        each clearance joint.
+        Last time of output, in s, up to which both have the same eccentricity (`SAME`) in each
+        clearance joint.
     lasts
         Whether that is to the end.
     largest_distance
-        Between these places until then, in clearances.
+        Between these eccentricities until then, in clearances.
     impacts
         Numbers of impacts that begin until then, in the first and in the second response.
     force_difference
@@ -39,19 +42,17 @@ class Agreement(NamedTuple):
     force_difference: float
 
 
-def agreement(first: Response, second: Response, *clearances: float) -> Agreement:
-    """How long two responses with the clearances (m) of slider's and crank's joint are one motion.
+def agreement(first: Response, second: Response) -> Agreement:
+    """How long two responses are one motion.
 
     Two runs of one scene at other tolerances agree to the end, unless tiny differences grow, as
     they do in chaotic motion (this study). Raises ``ValueError`` if the times differ.
     """
     same_times(first=first, second=second)
-    distance = np.zeros(len(first.time))
-    for prefix, clearance in zip(_PREFIXES, clearances, strict=False):
-        checks.number("clearance", clearance, "m", above=0, scalar=True)
+    distance, joints = np.zeros(len(first.time)), _PREFIXES[: len(first.clearances)]
+    for prefix, clearance in zip(joints, first.clearances, strict=True):
         apart = [
-            getattr(first, f"{prefix}eccentricity_{axis}")
-            - getattr(second, f"{prefix}eccentricity_{axis}")
+            first.rows[f"{prefix}eccentricity_{axis}"] - second.rows[f"{prefix}eccentricity_{axis}"]
             for axis in "xy"
         ]
         distance = np.maximum(distance, np.hypot(*apart) / clearance)
@@ -59,14 +60,14 @@ def agreement(first: Response, second: Response, *clearances: float) -> Agreemen
     until = float(first.time[count - 1])
     begun, peaks = [], []
     for response in (first, second):
-        columns = response.impact_columns
-        begun.append(int(np.count_nonzero(columns["time"] <= until)))
-        ended = columns["time"] + columns["duration"] <= until
-        peaks.append(columns["peak_force"][ended & np.isfinite(columns["separation_speed"])])
+        impacts = response.impact_rows
+        begun.append(int(np.count_nonzero(impacts["time"] <= until)))
+        ended = impacts["time"] + impacts["duration"] <= until
+        peaks.append(impacts["peak_force"][ended & np.isfinite(impacts["separation_speed"])])
     pairs = zip(*peaks, strict=False)
     changes = [abs(peak - other) / max(peak, other) for peak, other in pairs if peak != other]
-    for prefix, _ in zip(_PREFIXES, clearances, strict=False):
-        force, other = (getattr(r, f"{prefix}normal_force")[:count] for r in (first, second))
+    for prefix in joints:
+        force, other = (r.rows[f"{prefix}normal_force"][:count] for r in (first, second))
         if force.any():
             changes.append(np.abs(force - other).max() / np.abs(force).max())
     return Agreement(
@@ -78,17 +79,30 @@ def agreement(first: Response, second: Response, *clearances: float) -> Agreemen
     )
 
 
+def second_run(response: Response, run: Callable[..., Response]) -> Agreement | None:
+    """How long a second run, at another tolerance, is the same motion: how far to trust a response.
+
+    ``run`` simulates the same again, at the ``tolerance`` that it is given, as a
+    ``functools.partial`` of `study.mechanism.simulate` does. None for a model without a tolerance,
+    or after an interruption. The balance of energy is no such evidence: it holds in chaos too.
+    Ctrl-C in the second run is a ``KeyboardInterrupt``.
+    """
+    tolerance = response.tolerance
+    if tolerance is None or not response.complete:
+        return None
+    finer = tolerance >= LEAST_TOLERANCE * FINER
+    second = run(tolerance=tolerance / FINER if finer else tolerance * FINER)
+    if not second.complete:
+        raise KeyboardInterrupt
+    return agreement(response, second)
+
+
 def normalised_rms(truth: ArrayLike, values: ArrayLike) -> float:
     """RMS difference of two series of numbers, over the RMS of the truth's change since its start.
 
-    Raises
-    ------
-    ValueError
-        For lists of different lengths.
-    study.checks.RangeError
-        If the truth does not change.
+    Raises `study.checks.RangeError` if the truth does not change.
     """
-    truth, values = checks.same_length(2, truth=truth, values=values)
+    truth, values = np.asarray(truth), np.asarray(values)
     if not np.ptp(truth) > 0:
         raise checks.RangeError(f"truth must change, got only {truth[0]:g}")
     return float(np.sqrt(np.mean((values - truth) ** 2) / np.mean((truth - truth[0]) ** 2)))
@@ -97,22 +111,16 @@ def normalised_rms(truth: ArrayLike, values: ArrayLike) -> float:
 def motion_nrms(truth: Response, response: Response, column: str) -> float:
     """`normalised_rms` of one column of two responses, such as ``slider_position``.
 
-    Raises
-    ------
-    ValueError
-        If the times differ.
-    study.checks.RangeError
-        If the column of the truth does not change.
+    Raises ``ValueError`` if the times differ.
     """
     same_times(truth=truth, response=response)
-    checks.choice("column", column, tuple(COLUMNS))
-    return normalised_rms(getattr(truth, column), getattr(response, column))
+    return normalised_rms(truth.rows[column], response.rows[column])
 
 
-def lead(response: Response, ideal: Response) -> NDArray[np.float64]:
-    """How far the crank is ahead of the ideal mechanism's, as time in s, at each output.
+def phase_lead(response: Response, ideal: Response) -> NDArray[np.float64]:
+    """Phase lead of the crank over the ideal mechanism's, as time in s, at each output.
 
-    Negative where it is behind, 0 where the ideal one rests.
+    Negative for a lag, 0 where the ideal one rests.
     """
     same_times(response=response, ideal=ideal)
     ahead, speed = response.crank_angle - ideal.crank_angle, ideal.crank_speed
@@ -121,8 +129,6 @@ def lead(response: Response, ideal: Response) -> NDArray[np.float64]:
 
 def same_times(**responses: Response) -> None:
     """Raise ``ValueError`` for responses at other times; their names are used in the message."""
-    for name, response in responses.items():
-        checks.instance(name, response, Response)
     first, second = responses.values()
     if not np.array_equal(first.time, second.time):
         raise ValueError(f"{' and '.join(responses)} must have the same times, got others")

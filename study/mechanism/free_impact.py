@@ -5,19 +5,18 @@ A stepper's tolerance needs the depth. A contact that lasts much longer is not a
 
 from math import sqrt
 
-import numpy as np
-
 from study.compiled import compiled, inlined
 from study.contact.forces import NODES, WEIGHTS, elastic_force, stored_energy
-from study.mechanism import rigid, stepping, two_joints
+from study.mechanism import rigid, two_joints
 from study.mechanism.angles import direction, sine_cosine
+from study.mechanism.stepping import CRANK, SLIDER
 
 
 @inlined
 def _inverse_mass(j, theta, phi, nx, ny, p, laws):
     """Inverse effective mass of ball against socket along the normal; other joints are free."""
     if len(laws) == 1:
-        return rigid.inverse_effective_mass(theta, laws[0].clearance * ny, nx, ny, 0.0, p)
+        return rigid.inverse_effective_mass(theta, laws[SLIDER].clearance * ny, nx, ny, 0.0, p)
     return two_joints.inverse_effective_mass(j, theta, phi, nx, ny, p)
 
 
@@ -40,21 +39,25 @@ def impact_depth(j, theta, phi, nx, ny, rate, p, laws):
 
 
 @compiled
-def free_durations(starts, impacts, p, laws):
-    """Durations of free elastic impacts with the approach speeds of ``impacts``, in s.
+def add_free_durations(starts, impacts, p, laws):
+    """Fill in the durations of free elastic impacts with the approach speeds of ``impacts``, in s.
 
     ``starts`` are their first rows of output. A duration is twice the integral of 1/speed from 0 to
     the largest depth, where the speed vanishes. With depth = deepest (1 - x^2) the integrand is
     smooth, and d(depth) = -2 deepest x dx: hence the factor 4 x of a node x.
     """
-    durations = np.zeros(len(impacts))
-    for i, row in enumerate(starts):
-        j, speed = int(impacts[i, stepping.JOINT]), impacts[i, 1]
-        ex, ey = (row[9], row[10]) if j == 0 else (row[22], row[23])
+    for i in range(len(impacts)):
+        impact, row, duration = impacts[i], starts[i], 0.0
+        j, speed = impact.joint, impact.approach_speed
+        ex, ey = row.eccentricity_x, row.eccentricity_y
+        if len(laws) > 1:  # noqa: SIM102 (the compiler leaves this out for one law)
+            if j == CRANK:
+                ex, ey = row.crank_joint_eccentricity_x, row.crank_joint_eccentricity_y
         ny, nx = sine_cosine(direction(ey, ex))
-        deep = impact_depth(j, row[1], sine_cosine(row[7]), nx, ny, speed, p, laws)
+        phi = sine_cosine(row.coupler_angle)
+        deep = impact_depth(j, row.crank_angle, phi, nx, ny, speed, p, laws)
         energy = stored_energy(laws[j], deep)
         for node, weight in zip(NODES, WEIGHTS):  # noqa: B905 (compiled code has no strict)
             left = 1 - stored_energy(laws[j], deep * (1 - node * node)) / energy
-            durations[i] += weight * 4 * node * deep / (speed * sqrt(left))
-    return durations
+            duration += weight * 4 * node * deep / (speed * sqrt(left))
+        impact.free_duration = duration

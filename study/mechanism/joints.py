@@ -1,23 +1,63 @@
 """A clearance joint of rigid links, the same for `rigid` and `two_joints`.
 
-Where its ball is in the socket, the forces, and the derivatives of both. A place is the normal
-(n_x, n_y), the reach r from centre to centre and its rate, the normal's spin, and the eccentricity
-(e_x, e_y) with its rates (w_x, w_y).
+Where its ball is in the socket, the forces, and the derivatives of both. The two coordinates of a
+joint are the eccentricity (e_x, e_y) in flight, and (depth, direction) in contact.
 """
 
 from math import sqrt
 from typing import NamedTuple
 
 from study.compiled import inlined
-from study.contact.forces import joint_forces
+from study.contact.forces import JointForces, joint_forces
 from study.mechanism.angles import sine_cosine
+from study.mechanism.stepping import JointOutput
 
-NO_FORCES = (0.0,) * 8
+NO_FORCES = JointForces(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 """What `joint_forces` would return in flight."""
 
 
-class Contact(NamedTuple):
-    """State of a joint: depth, its rate, sliding speed, and forces."""
+class ContactState(NamedTuple):
+    """Discrete state of a joint. While it stays, the equations of motion are smooth."""
+
+    closed: bool
+    """Whether it is in contact."""
+    regime: int
+    """Friction regime."""
+    approach: float
+    """Approach speed of the contact."""
+
+
+class Eccentricity(NamedTuple):
+    """Vector from the centre of a joint's socket to that of its ball, and its rate."""
+
+    nx: float
+    ny: float
+    """Its direction, the normal of the surfaces."""
+    length: float
+    rate: float
+    """Rate of the length."""
+    spin: float
+    """Rate of the direction."""
+    x: float
+    y: float
+    x_rate: float
+    y_rate: float
+
+
+class EccentricityChange(NamedTuple):
+    """Derivatives of parts of an `Eccentricity`; of length and direction in contact only."""
+
+    length: float
+    direction: float
+    rate: float
+    spin: float
+    x: float
+    y: float
+    y_rate: float
+
+
+class JointMotion(NamedTuple):
+    """Depth of a joint, its rate, sliding speed, and forces."""
 
     depth: float
     rate: float
@@ -28,6 +68,15 @@ class Contact(NamedTuple):
     """Rate of the normal force."""
 
 
+class Coupler(NamedTuple):
+    """Sine and cosine of the coupler's angle, its rate and its acceleration."""
+
+    sine: float
+    cosine: float
+    rate: float
+    acceleration: float
+
+
 class Motion(NamedTuple):
     """Motion and forces of a mechanism at a state (z, z', ...)."""
 
@@ -35,104 +84,103 @@ class Motion(NamedTuple):
     """z''."""
     powers: tuple[float, ...]
     """Powers lost to damping and friction, joint by joint, and the power of the drive."""
-    joints: tuple[Contact, ...]
+    joints: tuple[JointMotion, ...]
     moment: float
     """Moment of the drive."""
-    coupler: tuple[float, float, float, float]
-    """Sine and cosine of the coupler's angle, its rate and its acceleration."""
+    coupler: Coupler
     slider: float
     """Acceleration of the slider."""
 
 
 @inlined
-def place_of(a, b, va, vb, contact, clearance):
-    """Place of a ball from a joint's two coordinates and their rates."""
-    if contact:
+def eccentricity_of(a, b, va, vb, closed, clearance):
+    """Eccentricity from a joint's two coordinates and their rates."""
+    if closed:
         ny, nx = sine_cosine(b)
         r = clearance + a
-        return nx, ny, r, va, vb, r * nx, r * ny, va * nx - r * vb * ny, va * ny + r * vb * nx
+        wx, wy = va * nx - r * vb * ny, va * ny + r * vb * nx
+        return Eccentricity(nx, ny, r, va, vb, r * nx, r * ny, wx, wy)
     r = sqrt(a * a + b * b)
     nx, ny = (a / r, b / r) if r > 0 else (1.0, 0.0)
     spin = (vb * nx - va * ny) / r if r > 0 else 0.0
-    return nx, ny, r, va * nx + vb * ny, spin, a, b, va, vb
+    return Eccentricity(nx, ny, r, va * nx + vb * ny, spin, a, b, va, vb)
 
 
 @inlined
-def place_change(da, db, dva, dvb, place, contact):
-    """Derivatives of reach, direction, their rates, e_y and w_y, by those of the coordinates."""
-    nx, ny, r, _, spin, _, _, wx, _ = place
-    if not contact:
-        return 0.0, 0.0, 0.0, 0.0, db, dvb
-    return da, db, dva, dvb, da * ny + r * nx * db, dva * ny + (da * spin + r * dvb) * nx + wx * db
+def eccentricity_change(da, db, dva, dvb, e, closed):
+    """Derivatives of an eccentricity, by those of the coordinates."""
+    if not closed:
+        return EccentricityChange(0.0, 0.0, 0.0, 0.0, da, db, dvb)
+    dx, dy = da * e.nx - e.length * e.ny * db, da * e.ny + e.length * e.nx * db
+    dwy = dva * e.ny + (da * e.spin + e.length * dvb) * e.nx + e.x_rate * db
+    return EccentricityChange(da, db, dva, dvb, dx, dy, dwy)
 
 
 @inlined
-def forces_of(depth, place, sliding, mode, p, law):
+def forces_of(depth, e, sliding, contact, p, law):
     """What `joint_forces` finds in a joint, zeros in flight; ``depth`` is its first coordinate."""
-    contact, branch, approach = mode
-    if contact and depth > 0:
-        state = depth, place[3], sliding, branch, approach
-        return joint_forces(law, *state, p.damping, p.friction, p.v0, p.v1)
+    if contact.closed and depth > 0:
+        speeds = e.rate, sliding, contact.regime, contact.approach
+        return joint_forces(law, depth, *speeds, p.damping, p.friction, p.v0, p.v1)
     return NO_FORCES
 
 
 @inlined
-def on_ball(place, forces):
+def on_ball(e, forces):
     """Force on the ball along x and y."""
-    nx, ny, normal, tangential = place[0], place[1], forces[0], forces[5]
-    return -normal * nx - tangential * ny, -normal * ny + tangential * nx
+    normal, tangential = forces.normal, forces.tangential
+    return -normal * e.nx - tangential * e.ny, -normal * e.ny + tangential * e.nx
 
 
 @inlined
-def on_ball_change(place, forces, change, dsliding):
+def on_ball_change(e, forces, change, dsliding):
     """Derivatives of a joint's tangential force, and of the force on its ball along x and y."""
-    nx, ny = place[0], place[1]
-    normal, by_depth, by_rate, _, _, tangential, by_normal, by_sliding = forces
-    dnormal = by_depth * change[0] + by_rate * change[2]
-    dtangential = by_normal * dnormal + by_sliding * dsliding
+    nx, ny, normal, tangential = e.nx, e.ny, forces.normal, forces.tangential
+    dnormal = forces.normal_by_depth * change.length + forces.normal_by_rate * change.rate
+    dtangential = forces.tangential_by_normal * dnormal + forces.tangential_by_sliding * dsliding
     turned_x, turned_y = normal * ny - tangential * nx, -normal * nx - tangential * ny
-    dfx = -dnormal * nx - dtangential * ny + turned_x * change[1]
-    dfy = -dnormal * ny + dtangential * nx + turned_y * change[1]
+    dfx = -dnormal * nx - dtangential * ny + turned_x * change.direction
+    dfy = -dnormal * ny + dtangential * nx + turned_y * change.direction
     return dtangential, dfx, dfy
 
 
 @inlined
-def motion_of(first, contact, place, a, sliding, forces, clearance):
-    """Accelerations of a joint's coordinates, in contact the second times r; lost powers; state.
+def motion_of(first, closed, e, a, sliding, forces, clearance):
+    """Accelerations of a joint's coordinates, in contact the second times r; lost powers; motion.
 
     ``a`` accelerates the eccentricity, and ``first`` is the first coordinate.
     """
-    (nx, ny, r, rate, spin, _, _, _, _), (ax, ay) = place, a
-    normal, by_depth, by_rate, elastic, _, tangential, _, _ = forces
-    growth = nx * ax + ny * ay + r * spin * spin
-    if contact:
-        ax, ay = growth, nx * ay - ny * ax - 2 * rate * spin
-    depth = first if contact else r - clearance
-    state = Contact(depth, rate, sliding, normal, tangential, by_depth * rate + by_rate * growth)
-    return (ax, ay), ((normal - elastic) * rate, -tangential * sliding), state
+    ax, ay = a
+    growth = e.nx * ax + e.ny * ay + e.length * e.spin * e.spin
+    if closed:
+        ax, ay = growth, e.nx * ay - e.ny * ax - 2 * e.rate * e.spin
+    depth = first if closed else e.length - clearance
+    normal_rate = forces.normal_by_depth * e.rate + forces.normal_by_rate * growth
+    lost = (forces.normal - forces.elastic) * e.rate, -forces.tangential * sliding
+    motion = JointMotion(depth, e.rate, sliding, forces.normal, forces.tangential, normal_rate)
+    return (ax, ay), lost, motion
 
 
 @inlined
-def acceleration_changes(place, contact, a, da, change, turning):
+def acceleration_changes(e, closed, a, da, change, turning):
     """Derivatives of the accelerations of the coordinates, in contact the second times r.
 
     ``a`` accelerates the eccentricity, ``da`` are its derivatives, and ``turning`` accelerates the
     second coordinate.
     """
-    (nx, ny, r, rate, spin, _, _, _, _), (ax, ay), (dax, day) = place, a, da
-    dr, db, drate, dspin, _, _ = change
-    if not contact:
+    (ax, ay), (dax, day) = a, da
+    if not closed:
         return dax, day
-    grown = (nx * ay - ny * ax) * db + nx * dax + ny * day
-    grown += dr * spin * spin + 2 * r * spin * dspin
-    turned = nx * day - ny * dax - (nx * ax + ny * ay) * db
-    turned -= 2 * (drate * spin + rate * dspin) + turning * dr
+    grown = (e.nx * ay - e.ny * ax) * change.direction + e.nx * dax + e.ny * day
+    grown += change.length * e.spin * e.spin + 2 * e.length * e.spin * change.spin
+    turned = e.nx * day - e.ny * dax - (e.nx * ax + e.ny * ay) * change.direction
+    turned -= 2 * (change.rate * e.spin + e.rate * change.spin) + turning * change.length
     return grown, turned
 
 
 @inlined
-def columns_of(joint, place):
-    """Columns of output: eccentricity and depth of a joint, its forces, those on its socket."""
-    nx, ny, normal, tangential = place[0], place[1], joint.normal, joint.tangential
-    on_socket = normal * nx + tangential * ny, normal * ny - tangential * nx
-    return (place[5], place[6], joint.depth), (normal, tangential, *on_socket)
+def output_of(joint, e):
+    """What a row of output has of a joint."""
+    normal, tangential = joint.normal, joint.tangential
+    on_socket = normal * e.nx + tangential * e.ny, normal * e.ny - tangential * e.nx
+    return JointOutput(e.x, e.y, joint.depth, normal, tangential, *on_socket)

@@ -7,7 +7,7 @@ explicit central differences (Eq. 29).
 
 The joint's damping and friction take the centred velocity, and the step's forces are solved for.
 ``lagged`` takes the velocity half a step ago instead. Its step is also limited by the damping
-D P/v0, which grows without bound in a lasting contact that began slowly. ``unguarded`` is
+D P/v0, which grows without bound in a sustained contact that began slowly. ``unguarded`` is
 ``lagged`` without checks of the limits of stability.
 """
 
@@ -23,15 +23,17 @@ from numpy.typing import NDArray
 from study import checks
 from study.compiled import compiled
 from study.contact.forces import elastic_force, joint_forces
-from study.contact.friction import friction_branch, friction_factor
+from study.contact.friction import friction_factor, friction_regime
 from study.mechanism import stepping
 from study.mechanism.angles import angle_of, direction, norm
 from study.mechanism.frame import Frame, straight_links
 from study.mechanism.scene import Scene
+from study.mechanism.stepping import Energies, JointOutput, Moving
 
 Method = Literal["centred", "lagged", "unguarded"]
-GAP, GAP_RATE, DRIVE_WORK, DRIVE_POWER = range(4)  # places in the state, before all models' own
-
+OWN = "gap", "gap_rate", "slider", "slider_speed"
+"""Numbers of the state besides those of all models: the depth at the last step and its mean rate;
+position of the slider, and its speed half a step before."""
 
 LANES = 8
 """Numbers in a processor's widest vector. Rows are filled to whole vectors with elements and
@@ -41,10 +43,12 @@ System = namedtuple("System", "elements bodies pin last frequency ideal lagged g
 the pin and of the last particle; how damping is stepped. The rows of ``bodies`` are the masses
 along x and y, with the slider of an ideal joint, the rotary inertias, and the weights along y, in
 N."""
+FIXED = 0  # number of the particle, and of its rotation, at the crank's fixed end
+AXIS_Y = 1  # column of places and rates
 # Rows of the motion: places and turns at the current time, and their rates half a step before
 X, Y, TURN, U, V, SPIN = range(6)
 LENGTH0, AXIAL, NEAR, FAR = range(4)  # rows of the elements
-ROTARY, WEIGHT = 2, 3  # rows of the bodies, after two of masses
+MASS_X, MASS_Y, ROTARY, WEIGHT = range(4)  # rows of the bodies
 # Rows that a step computes: directions, strains and forces of the elements, the forces one place
 # late; forces and moments on the particles, and their rates at the middle of the step
 COSINE, SINE, ANGLE, LENGTH, GROWTH, BENT1, BENT2, MOMENT1, MOMENT2, PULL, PUSH = range(11)
@@ -71,8 +75,8 @@ def usual_step(scene: Scene, law: np.record, elements: tuple[int, int]) -> float
     """Half the limit of stability with a clearance joint at a depth of one clearance, in s."""
     frame = Frame(scene, elements)
     inverse_mass = 1 / frame.masses[-1] + 1 / scene.slider_mass
-    stiffest = elastic_force(law, scene.clearance)[1] * inverse_mass
-    return 1 / sqrt(frame.highest_frequency(0.0, held=False) ** 2 + stiffest)
+    _, stiffness = elastic_force(law, scene.clearance)
+    return 1 / sqrt(frame.highest_frequency(0.0, held=False) ** 2 + stiffness * inverse_mass)
 
 
 @compiled
@@ -106,8 +110,8 @@ def _internal_forces(motion, elements, bodies, workspace, pin, last, drive):
     for i in range(bodies.shape[1]):
         w[FORCE_X, i] = 0.0 - w[PULL, i] + w[PULL, i + 1]
         w[FORCE_Y, i] = bodies[WEIGHT, i] - w[PUSH, i] + w[PUSH, i + 1]
-    w[FORCE_X, 0] = w[FORCE_Y, 0] = 0.0  # held
-    w[MOMENT, 0], w[MOMENT, pin + 1] = drive - w[MOMENT1, 0], -w[MOMENT1, pin]
+    w[FORCE_X, FIXED] = w[FORCE_Y, FIXED] = 0.0  # held
+    w[MOMENT, FIXED], w[MOMENT, pin + 1] = drive - w[MOMENT1, FIXED], -w[MOMENT1, pin]
     for e in range(1, pin):
         w[MOMENT, e] = -w[MOMENT2, e - 1] - w[MOMENT1, e]
     for e in range(pin + 1, last):
@@ -121,9 +125,9 @@ def _accelerate(motion, bodies, workspace, steady, h):
 
     At constant crank speed, ``steady``, the crank's fixed end keeps its rate.
     """
-    wild, drive = 0, workspace[MOMENT, 0]
+    wild, drive = 0, workspace[MOMENT, FIXED]
     if steady:
-        workspace[MOMENT, 0] = 0.0
+        workspace[MOMENT, FIXED] = 0.0
     for k in range(3):
         for i in range(bodies.shape[1]):
             change = h * workspace[FORCE_X + k, i] / bodies[k, i]
@@ -131,7 +135,7 @@ def _accelerate(motion, bodies, workspace, steady, h):
             workspace[MIDDLE_U + k, i] = middle
             motion[U + k, i] += change
             wild += not abs(middle) < 1e150
-    workspace[MOMENT, 0] = drive
+    workspace[MOMENT, FIXED] = drive
     return wild == 0
 
 
@@ -146,15 +150,17 @@ def _move(motion, size, h):
 @compiled
 def _resist(speed, grip, v0, v1):
     """Friction factor at the centred speed v = speed - grip factor(v), and that speed."""
-    branch = friction_branch(speed, v0, v1)
-    if branch == 0 or grip == 0:
-        return friction_factor(speed, branch, v0, v1)[0], speed
+    regime = friction_regime(speed, v0, v1)
+    if regime == 0 or grip == 0:
+        factor, _ = friction_factor(speed, regime, v0, v1)
+        return factor, speed
     size, sign = abs(speed), 1.0 if speed > 0 else -1.0
     slowed = size - grip
     if slowed < v1:
         slowed = (size + grip * v0 / (v1 - v0)) / (1 + grip / (v1 - v0))
-    branch = 2 if slowed >= v1 else 1
-    return sign * friction_factor(slowed, branch, v0, v1)[0], sign * slowed
+    regime = 2 if slowed >= v1 else 1
+    factor, _ = friction_factor(slowed, regime, v0, v1)
+    return sign * factor, sign * slowed
 
 
 @compiled
@@ -177,42 +183,41 @@ def _meet(gap, rate, rate_before, h):
 @compiled
 def _follow_gap(state, impacts, depth, h):
     """Begin or end an impact where the depth changes its sign; return the event, -1 for none."""
-    rate, event = (depth - state[GAP]) / h, -1
-    if depth <= 0 and state[stepping.CONTACT] > 0:
+    rate, event = (depth - state.gap) / h, -1
+    if depth <= 0 and state.contact:
         stepping.end_impact(impacts, state, -rate)
         event = stepping.END
-    elif depth > 0 and state[stepping.CONTACT] == 0:
-        part, approach = _meet(state[GAP], rate, state[GAP_RATE], h)
-        stepping.begin_impact(impacts, state, state[stepping.TIME] - (1 - part) * h, approach)
+    elif depth > 0 and not state.contact:
+        part, approach = _meet(state.gap, rate, state.gap_rate, h)
+        stepping.begin_impact(impacts, state, state.time - (1 - part) * h, approach)
         event = stepping.START
-    state[GAP], state[GAP_RATE] = depth, rate
+    state.gap, state.gap_rate = depth, rate
     return event
 
 
 @compiled
-def _joint(place, state, motion, slide, system, workspace, p, law, h):
-    """Forces of the joint (normal, tangential, x, y), and the limit of the step.
+def _joint(ex, ey, depth, state, motion, system, workspace, p, law, h):
+    """Forces of the joint as a `JointOutput`, and the limit of the step.
 
-    ``place`` is the ball's eccentricity and depth, > 0; ``workspace`` has the other forces and
-    moments.
+    The depth is > 0; ``workspace`` has the other forces and moments.
     """
-    (ex, ey, depth), last = place, system.last
+    last = system.last
     spin, moment = motion[SPIN, last + 1], workspace[MOMENT, last + 1]
-    mass, rotary = system.bodies[0, last], system.bodies[ROTARY, last + 1]
+    mass, rotary = system.bodies[MASS_X, last], system.bodies[ROTARY, last + 1]
     r = norm(ex, ey)
     nx, ny = ex / r, ey / r
-    wx, wy = motion[U, last] - slide[1], motion[V, last]
+    wx, wy = motion[U, last] - state.slider_speed, motion[V, last]
     rate, sliding = wx * nx + wy * ny, wy * nx - wx * ny + p.r1 * spin
     elastic, stiffness = elastic_force(law, depth)
-    loss = elastic * p.damping / state[stepping.APPROACH]
+    loss = elastic * p.damping / state.approach
     inverse_mass = 1 / mass + nx * nx / p.m3
     stiff = system.frequency**2 + stiffness * inverse_mass
     if system.lagged:  # (h w)^2 + 2 h c/m < 4
         limit = (sqrt((loss * inverse_mass) ** 2 + 4 * stiff) - loss * inverse_mass) / stiff
-        branch = friction_branch(sliding, p.v0, p.v1)
-        speeds = rate, sliding, branch, state[stepping.APPROACH]
+        regime = friction_regime(sliding, p.v0, p.v1)
+        speeds = rate, sliding, regime, state.approach
         forces = joint_forces(law, depth, *speeds, p.damping, p.friction, p.v0, p.v1)
-        normal, tangential = forces[0], forces[5]
+        normal, tangential = forces.normal, forces.tangential
     else:  # with the forces of this step, which depend on the velocity
         limit = 2 / sqrt(stiff)
         fnx, fny = workspace[FORCE_X, last] / mass, workspace[FORCE_Y, last] / mass
@@ -232,17 +237,9 @@ def _joint(place, state, motion, slide, system, workspace, p, law, h):
     workspace[FORCE_X, last] -= fx
     workspace[FORCE_Y, last] -= fy
     workspace[MOMENT, last + 1] += p.r1 * tangential
-    state[stepping.LOST_DAMPING] += h * (normal - elastic) * rate
-    state[stepping.LOST_FRICTION] -= h * tangential * sliding
-    return (normal, tangential, fx, fy), limit
-
-
-@compiled
-def _drive(state, power, h):
-    """Add the work of a drive since the step before, by the mean of the powers at both."""
-    if state[stepping.STEPS] > 0:
-        state[DRIVE_WORK] += 0.5 * h * (state[DRIVE_POWER] + power)
-    state[DRIVE_POWER] = power
+    state.lost_damping += h * (normal - elastic) * rate
+    state.lost_friction -= h * tangential * sliding
+    return JointOutput(ex, ey, depth, normal, tangential, fx, fy), limit
 
 
 @compiled
@@ -256,83 +253,87 @@ def _energies(system, workspace):
         kinetic += 0.5 * system.bodies[ROTARY, j] * w[MIDDLE_SPIN, j] ** 2
     for e in range(last):
         stretching = system.elements[AXIAL, e] * w[GROWTH, e] * w[GROWTH, e]
-        bending = w[MOMENT1, e] * w[BENT1, e], w[MOMENT2, e] * w[BENT2, e]
-        stored += 0.5 * (stretching + bending[0] + bending[1])
+        bending1, bending2 = w[MOMENT1, e] * w[BENT1, e], w[MOMENT2, e] * w[BENT2, e]
+        stored += 0.5 * (stretching + bending1 + bending2)
     return kinetic, stored
 
 
 @compiled
-def _record(row, state, motion, system, workspace, joint, p, h):
+def _write_output(row, state, motion, slider, system, workspace, joint, p, h):
     """Fill a row of output, after the step's rates and before its places."""
-    m, (place, forces, slider), pin, last = motion, joint, system.pin, system.last
-    turning, drive = workspace[MOMENT, 0] / system.bodies[ROTARY, 0], p.moment
+    m, pin, last = motion, system.pin, system.last
+    turning, drive = workspace[MOMENT, FIXED] / system.bodies[ROTARY, FIXED], p.moment
     if p.steady:
-        turning, drive = 0.0, -workspace[MOMENT, 0]
+        turning, drive = 0.0, -workspace[MOMENT, FIXED]
     kinetic, stored = _energies(system, workspace)
     if not system.ideal:
-        kinetic += 0.5 * p.m3 * slider[1] * slider[1]
-    work = state[DRIVE_WORK] + p.moment * m[TURN, 0]
+        kinetic += 0.5 * p.m3 * slider.speed * slider.speed
+    work = state.drive_work + p.moment * m[TURN, FIXED]
     for i in range(1, last + 1):
-        work -= p.gravity * system.bodies[0, i] * m[Y, i]
-    crank = m[TURN, 0], m[SPIN, 0] - 0.5 * h * turning, turning, drive
+        work -= p.gravity * system.bodies[MASS_X, i] * m[Y, i]
     change = 0.5 * h * workspace[MOMENT, last + 1] / system.bodies[ROTARY, last + 1]
     angle = direction(m[Y, last] - m[Y, pin], m[X, last] - m[X, pin])
-    coupler = angle, m[SPIN, last + 1] - change
-    lost = state[stepping.LOST_DAMPING], state[stepping.LOST_FRICTION]
-    energies = work, kinetic, stored, *lost
-    stepping.record(row, crank, slider, coupler, place, forces, energies)
+    stepping.write_output(
+        row,
+        Moving(m[TURN, FIXED], m[SPIN, FIXED] - 0.5 * h * turning, turning),
+        slider,
+        (angle, m[SPIN, last + 1] - change),
+        drive,
+        joint,
+        Energies(work, kinetic, stored, state.lost_damping, state.lost_friction),
+    )
 
 
 @compiled
-def advance(state, motion, slide, system, workspace, p, law, h, strides, rows, impacts, events):
-    """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending.
-
-    ``slide`` is (x, x') of the slider.
-    """
+def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts, events):
+    """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending."""
     (elements, bodies, pin, last, _, ideal, _, _), done, m = system, 0, motion
-    while done < len(rows) and state[stepping.STEPS] < state[stepping.UNTIL]:
-        if int(state[stepping.IMPACTS]) == len(impacts):
+    while done < len(rows) and state.steps < state.until:
+        if state.impacts == len(impacts):
             return done, stepping.FULL
-        state[stepping.TIME] = state[stepping.STEPS] * h
+        state.time = state.steps * h
         _internal_forces(m, elements, bodies, workspace, pin, last, p.moment)
         if p.steady:
-            _drive(state, -workspace[MOMENT, 0] * m[SPIN, 0], h)
-        place, forces, event, largest = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), -1, False
+            between = h if state.steps > 0 else 0.0
+            stepping.add_drive_work(state, -workspace[MOMENT, FIXED], m[SPIN, FIXED], between)
+        event, largest = -1, False
         if ideal:
-            fx, fy = p.m3 / bodies[0, last] * workspace[FORCE_X, last], workspace[FORCE_Y, last]
-            forces = norm(fx, fy), 0.0, fx, fy
+            fx = p.m3 / bodies[MASS_X, last] * workspace[FORCE_X, last]
+            fy = workspace[FORCE_Y, last]
+            joint = JointOutput(0.0, 0.0, 0.0, norm(fx, fy), 0.0, fx, fy)
             workspace[FORCE_Y, last] = 0.0
         else:
-            ex, ey = m[X, last] - slide[0], m[Y, last]
-            place = ex, ey, norm(ex, ey) - law.clearance
-            if not place[2] <= p.clearance:
-                state[stepping.LIMIT] = p.clearance
+            ex, ey = m[X, last] - state.slider, m[Y, last]
+            depth = norm(ex, ey) - law.clearance
+            if not depth <= p.clearance:
+                state.limit = p.clearance
                 return done, stepping.TOO_DEEP
-            event = _follow_gap(state, impacts, place[2], h)
-            if place[2] > 0:
-                forces, limit = _joint(place, state, m, slide, system, workspace, p, law, h)
+            joint = JointOutput(ex, ey, depth, 0.0, 0.0, 0.0, 0.0)
+            event = _follow_gap(state, impacts, depth, h)
+            if depth > 0:
+                joint, limit = _joint(ex, ey, depth, state, m, system, workspace, p, law, h)
                 if h > limit and system.guarded:
-                    state[stepping.LIMIT] = limit
+                    state.limit = limit
                     return done, stepping.FAILED
-                largest = stepping.follow_impact(impacts, state, forces[0], place[2])
-        pull = forces[2] / p.m3  # the slider's acceleration
+                largest = stepping.follow_impact(impacts, state, joint.normal, depth)
+        pull = joint.force_x / p.m3  # the slider's acceleration
         finite = _accelerate(m, bodies, workspace, p.steady > 0, h)
-        slide[1] = m[U, last] if ideal else slide[1] + h * pull
-        speed = slide[1] - 0.5 * h * pull
+        state.slider_speed = m[U, last] if ideal else state.slider_speed + h * pull
+        speed = state.slider_speed - 0.5 * h * pull
         if not (finite and abs(speed) < inf):
-            state[stepping.LIMIT] = 2 / system.frequency
+            state.limit = 2 / system.frequency
             return done, stepping.FAILED
-        joint = place, forces, (slide[0], speed, pull)
+        slider = Moving(state.slider, speed, pull)
         for which in (event, stepping.PEAK if largest else -1):
             if which >= 0:
                 row = stepping.event_row(events, state, which)
-                _record(row, state, m, system, workspace, joint, p, h)
-        if int(state[stepping.STEPS]) % strides == 0:
-            _record(rows[done], state, m, system, workspace, joint, p, h)
+                _write_output(row, state, m, slider, system, workspace, joint, p, h)
+        if state.steps % strides == 0:
+            _write_output(rows[done], state, m, slider, system, workspace, joint, p, h)
             done += 1
         _move(m, bodies.shape[1], h)
-        slide[0] = m[X, last] if ideal else slide[0] + h * slide[1]
-        state[stepping.STEPS] += 1
+        state.slider = m[X, last] if ideal else state.slider + h * state.slider_speed
+        state.steps += 1
     return done, stepping.FINE
 
 
@@ -364,13 +365,11 @@ def blocks(
     rows, bodies = _rows(scene, frame, ideal)
     lagged, guarded, last = method != "centred", method != "unguarded", len(frame.elements)
     system = System(rows, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
-    motion, slide = _start(scene, frame, ideal, h)
-    workspace, state = np.zeros((MIDDLE_SPIN + 1, motion.shape[1])), stepping.new_state()
-    state[stepping.STEP] = h
-    state[GAP] = norm(motion[X, system.last] - slide[0], motion[Y, system.last]) - scene.clearance
-    loop = partial(
-        advance, state, motion, slide, system, workspace, scene.constants(), law, h, strides
-    )
+    state = stepping.new_state(*OWN)
+    motion, state.slider, state.slider_speed = _start(scene, frame, ideal, h)
+    workspace, state.step = np.zeros((MIDDLE_SPIN + 1, motion.shape[1])), h
+    state.gap = norm(motion[X, last] - state.slider, motion[Y, last]) - scene.clearance
+    loop = partial(advance, state, motion, system, workspace, scene.constants(), law, h, strides)
     failure = "the step must stay <= {:.4g} s, the limit of stability"
     return stepping.advance_in_blocks(loop, times, state, failure)
 
@@ -391,18 +390,19 @@ def _rows(scene, frame, ideal):
 
 
 def _start(scene, frame, ideal, h):
-    """Motion and slide at t = 0, with the joints at rest; rates are those half a step before.
+    """Motion, and the slider's position and speed, at t = 0; rates are those half a step before.
 
-    The links are straight: only gravity and the drive's moment accelerate them. They are unstrained
-    too, so that a link that turns stretches, and oscillates axially at first.
+    The joints are at rest, and the links straight: only gravity and the drive's moment accelerate
+    them. They are unstrained too, so that a link that turns stretches, and oscillates axially at
+    first.
     """
     elements = frame.pin, len(frame.elements) - frame.pin
     places, rates, turns, spins, slide = straight_links(scene, elements, ideal)
     if scene.crank_speed is None:
-        spins[0] -= h / 2 * scene.driving_moment / frame.rotaries[0]
-    rates[1:, 1] += h / 2 * scene.gravity
-    rates[-1, 1] = 0.0 if ideal else h / 2 * scene.gravity  # the ball is at rest in its socket
+        spins[FIXED] -= h / 2 * scene.driving_moment / frame.rotaries[FIXED]
+    rates[1:, AXIS_Y] += h / 2 * scene.gravity
+    rates[-1, AXIS_Y] = 0.0 if ideal else h / 2 * scene.gravity  # the ball is at rest in its socket
     motion = _filled([*places.T, turns, *rates.T, spins], [0.0] * 6, LANES)
     last = len(places)
     motion[X, last:] = 1 + np.arange(motion.shape[1] - last)  # no two at one place
-    return motion, slide
+    return motion, *slide

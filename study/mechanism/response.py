@@ -5,11 +5,10 @@ at its start, its largest force and its end.
 """
 
 import csv
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +17,6 @@ from study import paths
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from study.mechanism.compare import Agreement
 
 COLUMNS = {
     "time": "s",
@@ -70,8 +67,15 @@ IMPACT_COLUMNS = {
     "lost": "J",
     "free_duration": "s",
 }
-LASTING = 10.0
+SUSTAINED = 10.0
 """A contact that lasts this many times a free impact of its approach speed is not an impact."""
+OUTPUT, RIGID_OUTPUT = (
+    np.dtype([(name, float) for name in columns]) for columns in (COLUMNS, ALL_COLUMNS)
+)
+"""A row of output, of flexible links and of rigid ones."""
+IMPACT_ROW = np.dtype(
+    [("joint", "U6"), ("kind", "U9"), *((name, float) for name in IMPACT_COLUMNS)]
+)
 
 
 @dataclass(frozen=True)
@@ -80,14 +84,12 @@ class Response:
 
     Attributes
     ----------
-    rows : shape (n, columns)
-        At equally spaced times, in the order of `columns`.
-    impact_rows : shape (m, 8)
-        In the order of `IMPACT_COLUMNS`.
-    impact_joints
-        One of `JOINTS` for each impact.
-    event_rows : shape (e, columns)
-        At each impact's start, largest normal force and end, in the order of `columns`.
+    rows : shape (n,)
+        At equally spaced times, a record with the fields `columns`.
+    impact_rows : shape (m,)
+        A record for each contact, with the fields ``joint``, ``kind`` and `IMPACT_COLUMNS`.
+    event_rows : shape (e,)
+        At each impact's start, largest normal force and end, as ``rows``.
     event_kinds
         One of `EVENTS` for each of these, after ``crank`` for the joint of crank and coupler.
     complete
@@ -96,28 +98,32 @@ class Response:
         The contact law and all of its options, in words.
     restitution, delivered_restitution
         Of a free impact: asked for in the scene, and what its damping delivers.
-    second_run
-        Simulates the same at another tolerance, and gives the response and the joints' clearances;
-        None for a model without a tolerance.
+    tolerance
+        Of the steps; None for a model without one.
+    clearances
+        Of slider's and crank's joint, in m, where they have one.
     """
 
-    rows: NDArray[np.float64]
-    impact_rows: NDArray[np.float64]
-    impact_joints: tuple[str, ...]
-    event_rows: NDArray[np.float64]
+    rows: NDArray[np.void]
+    impact_rows: NDArray[np.void]
+    event_rows: NDArray[np.void]
     event_kinds: tuple[str, ...]
     complete: bool = True
     law: str = ""
     restitution: float = 1.0
     delivered_restitution: float = 1.0
-    second_run: Callable[[], tuple["Response", tuple[float, ...]]] | None = field(
-        default=None, repr=False, compare=False
-    )
+    tolerance: float | None = None
+    clearances: tuple[float, ...] = ()
 
     @property
     def columns(self) -> dict[str, str]:
         """Columns and their units: `COLUMNS`, and for rigid links `CRANK_COLUMNS`."""
-        return dict(list(ALL_COLUMNS.items())[: self.rows.shape[1]])
+        return {name: ALL_COLUMNS[name] for name in self.rows.dtype.names}
+
+    def __getattr__(self, name: str) -> NDArray[np.float64]:
+        if name in ALL_COLUMNS and name in self.rows.dtype.names:
+            return self.rows[name]
+        raise AttributeError(name)
 
     @cached_property
     def motion(self) -> "pd.DataFrame":
@@ -139,73 +145,44 @@ class Response:
         import pandas as pd
 
         rows, kinds = self._in_order_of_time()
-        return pd.DataFrame(rows, columns=list(self.columns)).assign(event=kinds)
+        return pd.DataFrame(rows).assign(event=kinds)
 
     def _in_order_of_time(self):
         """Rows of events and of equally spaced times, and the kind of each."""
-        rows = np.vstack([self.event_rows, self.rows])
+        rows = np.concatenate([self.event_rows, self.rows])
         kinds = np.array(self.event_kinds + ("",) * len(self.rows), dtype=object)
-        order = np.argsort(rows[:, 0], kind="stable")
+        order = np.argsort(rows["time"], kind="stable")
         return rows[order], kinds[order]
 
     @cached_property
     def impacts(self) -> "pd.DataFrame":
-        """The `impact_columns` as a table, a row for each contact."""
-        import pandas as pd
-
-        return pd.DataFrame(self.impact_columns)
-
-    @property
-    def impact_columns(self) -> dict[str, NDArray[Any]]:
-        """Columns ``joint``, ``kind`` and `IMPACT_COLUMNS`, with a value for each contact.
+        """The ``impact_rows`` as a table, a row for each contact.
 
         For one that has not ended, ``separation_speed`` is missing (NaN), and ``duration`` and
         ``lost`` are those so far. ``free_duration`` is that of an elastic impact of the same
         approach speed between the same rigid links, without other forces. A contact more than
-        `LASTING` times as long has the kind ``lasting``: the mechanism's forces then press the
+        `SUSTAINED` times as long has the kind ``sustained``: the mechanism's forces then press the
         bodies together. Any other is an ``impact`` (this study).
         """
-        numbers = dict(zip(IMPACT_COLUMNS, self.impact_rows.T, strict=True))
-        lasting = numbers["duration"] > LASTING * numbers["free_duration"]
-        kinds = np.where(lasting, "lasting", "impact")
-        return {"joint": np.array(self.impact_joints, dtype=str), "kind": kinds} | numbers
+        import pandas as pd
 
-    def __getattr__(self, name: str) -> NDArray[np.float64]:
-        if name in ALL_COLUMNS and name in self.columns:
-            return self.rows[:, list(self.columns).index(name)]
-        raise AttributeError(name)
-
-    @cached_property
-    def agreement(self) -> "Agreement | None":
-        """How long a second run, at another tolerance, is the same motion: how far to trust this.
-
-        It is run at the first use, for rigid links with clearance; None for another model, or after
-        an interruption. The balance of energy is no such evidence: it holds in chaos too. Ctrl-C in
-        the second run is a ``KeyboardInterrupt``.
-        """
-        from study.mechanism.compare import agreement  # which imports this module
-
-        if self.second_run is None or not self.complete:
-            return None
-        second, clearances = self.second_run()
-        if not second.complete:
-            raise KeyboardInterrupt
-        return agreement(self, second, *clearances)
+        return pd.DataFrame(self.impact_rows)
 
     @property
     def energy_error(self) -> float:
         """Largest change of work - kinetic - elastic - lost, over the largest of these."""
-        first = list(COLUMNS).index("work")
-        energies = self.rows[:, first : first + 5]
-        rest = energies[:, 0] - energies[:, 1:].sum(axis=1)
+        lost = self.lost_damping, self.lost_friction
+        energies = np.column_stack([self.work, self.kinetic, self.elastic, *lost])
+        rest = self.work - energies[:, 1:].sum(axis=1)
         largest = float(np.abs(energies).max())
         return float(np.abs(rest - rest[0]).max()) / largest if largest > 0 else 0.0
 
     @property
     def last_separation(self) -> float:
         """Time at which the surfaces part for the last time, in s; 0 if they never do."""
-        start, _, _, _, duration, separation_speed, *_ = self.impact_rows.T
-        return float((start + duration)[~np.isnan(separation_speed)].max(initial=0.0))
+        impacts = self.impact_rows
+        ended = impacts[~np.isnan(impacts["separation_speed"])]
+        return float((ended["time"] + ended["duration"]).max(initial=0.0))
 
     def save(self, path: Path) -> None:
         """Write the motion as CSV, whole or not at all."""

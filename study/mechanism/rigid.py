@@ -9,85 +9,102 @@ follow from the geometry; the coupler points to +x.
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from study.compiled import compiled
-from study.mechanism import joints, stepping
+from study.contact.forces import JointForces
+from study.mechanism import joints, loads, stepping
 from study.mechanism.angles import angle_of, norm, sine_cosine
 
 UNKNOWNS = 3
+THETA, FIRST, SECOND, OMEGA, FIRST_RATE, SECOND_RATE = range(2 * UNKNOWNS)
+LOST_DAMPING, LOST_FRICTION, DRIVE_WORK = range(2 * UNKNOWNS, 3 * UNKNOWNS)
+"""Places in a state: the crank's angle, the joint's two coordinates, their rates, and energies."""
 _UNIT = np.eye(2 * UNKNOWNS)
 
 
-@compiled
-def motion(y, mode, p, law):
-    """Accelerations, powers and forces at y = (z, z', ...), and what `derive` needs.
+class Parts(NamedTuple):
+    """What `derive` and `write_output` need of a motion."""
 
-    ``mode`` is (in contact?, friction branch, approach speed).
-    """
-    contact = mode[0]
+    pose: loads.Pose
+    cross: float
+    coupling: float
+    acceleration: tuple[float, float]
+    """Of the eccentricity."""
+    eccentricity: joints.Eccentricity
+    forces: JointForces
+
+
+@compiled
+def motion(y, contact, p, law):
+    """`Motion` at y = (z, z', ...), and its `Parts`, with the joint in a `ContactState`."""
     l1, l2, per_l2, per_m3 = p.l1, p.l2, 1 / p.l2, 1 / p.m3  # first: all else waits for them
-    (st, ct), omega = sine_cosine(y[0]), y[3]
-    place = joints.place_of(y[1], y[2], y[4], y[5], contact, law.clearance)
-    r, spin, ey, wy = place[2], place[4], place[6], place[8]
-    sp = (ey - l1 * st) * per_l2
+    (st, ct), omega, closed = sine_cosine(y[THETA]), y[OMEGA], contact.closed
+    coordinates = y[FIRST], y[SECOND], y[FIRST_RATE], y[SECOND_RATE]
+    e = joints.eccentricity_of(*coordinates, closed, law.clearance)
+    sp = (e.y - l1 * st) * per_l2
     cp = sqrt(1 - sp * sp)
-    psi = (wy - l1 * ct * omega) * per_l2 / cp
-    sliding = r * spin + p.r1 * psi
-    forces = joints.forces_of(y[1], place, sliding, mode, p, law)
-    tangential, (fx, fy) = forces[5], joints.on_ball(place, forces)
+    psi = (e.y_rate - l1 * ct * omega) * per_l2 / cp
+    sliding = e.length * e.spin + p.r1 * psi
+    forces = joints.forces_of(y[FIRST], e, sliding, contact, p, law)
+    fx, fy = joints.on_ball(e, forces)
+    pose = loads.Pose(st, ct, sp, cp, l1 * ct + l2 * cp - e.x, l1 * st)
+    load = loads.applied(p, pose, True)
 
     # [A11 C; C A22] (theta'', phi'') = (q1, q2): crank and coupler as a double pendulum
     sd, cd = st * cp - ct * sp, ct * cp + st * sp
     cross, coupling = p.a12 * sd, p.a12 * cd
-    q1 = p.moment - cross * psi * psi + l1 * (ct * fy - st * fx) - p.g1 * ct
-    q2 = cross * omega * omega + l2 * (cp * fy - sp * fx) + p.r1 * tangential - p.g2 * cp
+    q1 = load.drive - cross * psi * psi + l1 * (ct * fy - st * fx) + load.crank
+    q2 = cross * omega * omega + l2 * (cp * fy - sp * fx) + p.r1 * forces.tangential + load.coupler
     inverse = 1 / (p.a11 * p.a22 - coupling * coupling)
     alpha = (p.a22 * q1 - coupling * q2) * inverse
     beta = (p.a11 * q2 - coupling * q1) * inverse
-    moment = p.moment
+    moment = load.drive
     if p.steady > 0:
         alpha, beta = 0.0, q2 / p.a22
         moment = coupling * beta - q1
-    slider = -fx * per_m3
+    slider = (load.slider - fx) * per_m3
     ax = -l1 * (st * alpha + ct * omega * omega) - l2 * (sp * beta + cp * psi * psi) - slider
     ay = l1 * (ct * alpha - st * omega * omega) + l2 * (cp * beta - sp * psi * psi)
-    own = y[1], contact, place, (ax, ay), sliding, forces, law.clearance
+    own = y[FIRST], closed, e, (ax, ay), sliding, forces, law.clearance
     (first, second), lost, joint = joints.motion_of(*own)
-    accelerations = alpha, first, second * (1 / r if contact else 1.0)
-    powers, coupler = (*lost, moment * omega), (sp, cp, psi, beta)
+    accelerations = alpha, first, second * (1 / e.length if closed else 1.0)
+    powers, coupler = (*lost, moment * omega), joints.Coupler(sp, cp, psi, beta)
     result = joints.Motion(accelerations, powers, (joint,), moment, coupler, slider + 0.0)
-    return result, ((st, ct), (cross, coupling), (ax, ay), place, forces)
+    return result, Parts(pose, cross, coupling, (ax, ay), e, forces)
 
 
 @compiled
-def derive(y, mode, p, motion, parts, k):
+def derive(y, contact, p, motion, parts, k):
     """Fill ``k`` with the derivatives of z'', a column for each of (z, z')."""
-    contact = mode[0]
-    l1, l2, omega = p.l1, p.l2, y[3]
-    (st, ct), (cross, coupling), (ax, ay), place, forces = parts
-    r, spin = place[2], place[4]
-    alpha, (sp, cp, psi, beta) = motion.accelerations[0], motion.coupler
-    fx, fy = joints.on_ball(place, forces)
+    l1, l2, omega, closed = p.l1, p.l2, y[OMEGA], contact.closed
+    pose, cross, coupling, e = parts.pose, parts.cross, parts.coupling, parts.eccentricity
+    st, ct, sp, cp = pose.st, pose.ct, pose.sp, pose.cp
+    alpha, _, turning = motion.accelerations
+    psi, beta = motion.coupler.rate, motion.coupler.acceleration
+    fx, fy = joints.on_ball(e, parts.forces)
     inverse = 1 / (p.a11 * p.a22 - coupling * coupling)
     per_reach, per_mass = 1 / (l2 * cp), 1 / p.m3
-    lean, per_radius = psi * l2 * sp * per_reach, 1 / r if contact else 1.0
+    lean, per_radius = psi * l2 * sp * per_reach, 1 / e.length if closed else 1.0
     for j in range(2 * UNKNOWNS):
-        dt, do = _UNIT[j, 0], _UNIT[j, 3]
-        of_joint = _UNIT[j, 1], _UNIT[j, 2], _UNIT[j, 4], _UNIT[j, 5]
-        change = joints.place_change(*of_joint, place, contact)
-        dr, _, _, dspin, dey, dwy = change
-        dp = (dey - l1 * ct * dt) * per_reach
-        dpsi = (dwy + l1 * (st * omega * dt - ct * do)) * per_reach + lean * dp
-        dsliding = dr * spin + r * dspin + p.r1 * dpsi
-        dtangential, dfx, dfy = joints.on_ball_change(place, forces, change, dsliding)
+        unit = _UNIT[j]
+        dt, do = unit[THETA], unit[OMEGA]
+        of_joint = unit[FIRST], unit[SECOND], unit[FIRST_RATE], unit[SECOND_RATE]
+        de = joints.eccentricity_change(*of_joint, e, closed)
+        dp = (de.y - l1 * ct * dt) * per_reach
+        dpsi = (de.y_rate + l1 * (st * omega * dt - ct * do)) * per_reach + lean * dp
+        dsliding = de.length * e.spin + e.length * de.spin + p.r1 * dpsi
+        dtangential, dfx, dfy = joints.on_ball_change(e, parts.forces, de, dsliding)
+        dslider = -l1 * st * dt - l2 * sp * dp - de.x
+        load = loads.change(p, pose, dt, dp, dslider, True)
         dcross, dcoupling = coupling * (dt - dp), -cross * (dt - dp)
         dq1 = (
             -dcross * psi * psi
             - 2 * cross * psi * dpsi
             + l1 * (ct * dfy - st * dfx - (st * fy + ct * fx) * dt)
-            + p.g1 * st * dt
+            + load.crank
             - dcoupling * beta
         )
         dq2 = (
@@ -95,7 +112,7 @@ def derive(y, mode, p, motion, parts, k):
             + 2 * cross * omega * do
             + l2 * (cp * dfy - sp * dfx - (sp * fy + cp * fx) * dp)
             + p.r1 * dtangential
-            + p.g2 * sp * dp
+            + load.coupler
             - dcoupling * alpha
         )
         dalpha = (p.a22 * dq1 - coupling * dq2) * inverse
@@ -105,13 +122,13 @@ def derive(y, mode, p, motion, parts, k):
         dax = (
             -l1 * (st * dalpha + ct * (alpha * dt + 2 * omega * do) - st * omega * omega * dt)
             - l2 * (sp * dbeta + cp * (beta * dp + 2 * psi * dpsi) - sp * psi * psi * dp)
-            + dfx * per_mass
+            + (dfx - load.slider) * per_mass
         )
         day = l1 * (ct * dalpha - st * (alpha * dt + 2 * omega * do) - ct * omega * omega * dt)
         day += l2 * (cp * dbeta - sp * (beta * dp + 2 * psi * dpsi) - cp * psi * psi * dp)
-        both = (ax, ay), (dax, day), change, motion.accelerations[2]
-        first, second = joints.acceleration_changes(place, contact, *both)
-        k[0, j], k[1, j], k[2, j] = dalpha, first, second * per_radius
+        both = parts.acceleration, (dax, day), de, turning
+        first, second = joints.acceleration_changes(e, closed, *both)
+        k[THETA, j], k[FIRST, j], k[SECOND, j] = dalpha, first, second * per_radius
 
 
 @compiled
@@ -133,20 +150,33 @@ def inverse_effective_mass(theta, ey, dx, dy, arm, p):
 
 
 @compiled
-def record(row, y, motion, parts, p):
+def write_output(row, y, motion, parts, p):
     """Fill a row of output from (z, z', losses, work) and what `motion` returned."""
-    (st, ct), _, _, ball, _ = parts
-    (sp, cp, psi, beta), alpha, omega = motion.coupler, motion.accelerations[0], y[3]
-    place, forces = joints.columns_of(motion.joints[0], ball)
-    crank = y[0], omega, alpha, motion.moment
-    speed = -p.l1 * st * omega - p.l2 * sp * psi - ball[7]
-    slider = p.l1 * ct + p.l2 * cp - place[0], speed, motion.slider
+    pose, e, omega, alpha = parts.pose, parts.eccentricity, y[OMEGA], motion.accelerations[THETA]
+    st, ct, sp, cp = pose.st, pose.ct, pose.sp, pose.cp
+    psi, beta = motion.coupler.rate, motion.coupler.acceleration
+    joint = joints.output_of(motion.joints[stepping.SLIDER], e)
+    speed = -p.l1 * st * omega - p.l2 * sp * psi - e.x_rate
     kinetic = 0.5 * (p.a11 * omega * omega + p.a22 * psi * psi + p.m3 * speed * speed)
     kinetic += p.a12 * (ct * cp + st * sp) * omega * psi
-    energies = y[8] - p.g1 * st - p.g2 * sp, kinetic, 0.0, y[6], y[7]
-    stepping.record(row, crank, slider, (angle_of(sp, cp), psi), place, forces, energies)
+    stepping.write_output(
+        row,
+        stepping.Moving(y[THETA], omega, alpha),
+        stepping.Moving(pose.slider, speed, motion.slider),
+        (angle_of(sp, cp), psi),
+        motion.moment,
+        joint,
+        stepping.Energies(
+            loads.work(p, pose, y[DRIVE_WORK], True),
+            kinetic,
+            0.0,
+            y[LOST_DAMPING],
+            y[LOST_FRICTION],
+        ),
+    )
     # the coupler's centre is accelerated by the forces on its two ends
     ax = -p.l1 * (st * alpha + ct * omega * omega) - 0.5 * p.l2 * (sp * beta + cp * psi * psi)
     ay = p.l1 * (ct * alpha - st * omega * omega) + 0.5 * p.l2 * (cp * beta - sp * psi * psi)
-    pull = p.m2 * ax + forces[2], p.m2 * (ay + p.gravity) + forces[3]
-    stepping.record_crank_joint(row, (0.0, 0.0, 0.0), (norm(pull[0], pull[1]), 0.0, *pull))
+    fall = loads.applied(p, pose, True).fall
+    fx, fy = p.m2 * ax + joint.force_x, p.m2 * (ay - fall) + joint.force_y
+    stepping.write_crank_joint(row, stepping.JointOutput(0.0, 0.0, 0.0, norm(fx, fy), 0.0, fx, fy))

@@ -16,12 +16,19 @@ import numpy as np
 from study import checks
 from study.contact import DimensionalLaw
 from study.contact.laws import AnyLaw
-from study.mechanism import beams, events, ideal, particles, scene_law
-from study.mechanism.free_impact import free_durations
-from study.mechanism.response import COLUMNS, EVENTS, JOINTS, Response
+from study.mechanism import beams, events, ideal, law_in_scene, particles
+from study.mechanism.free_impact import add_free_durations
+from study.mechanism.law_in_scene import LAW
+from study.mechanism.response import (
+    EVENTS,
+    IMPACT_COLUMNS,
+    IMPACT_ROW,
+    JOINTS,
+    SUSTAINED,
+    Response,
+)
 from study.mechanism.scene import Scene
-from study.mechanism.scene_law import LAW
-from study.mechanism.stepping import JOINT, LOST_BEFORE, add_stored_energy
+from study.mechanism.stepping import SLIDER, START, add_stored_energy
 from study.parameters import Parameter, describe, described
 
 if TYPE_CHECKING:
@@ -30,7 +37,6 @@ if TYPE_CHECKING:
 Model = Literal["rigid", "particles", "beams"]
 JointKind = Literal["clearance", "ideal"]
 TOLERANCE, LEAST_TOLERANCE = 1e-8, 1e-12
-FINER = 100  # times, the tolerance of a second run
 BEAM_STEP = 1e-6
 ELEMENTS = (4, 8)
 MOST_STEPS = 1e10
@@ -168,7 +174,7 @@ def _checked(
     _check_motion(scene, model, gapless, duration)
     if gapless and isinstance(law, str) and law == LAW and not law_options:
         law = "hertz"  # nothing touches: the range of the default law does not matter
-    in_joints, law_text = scene_law.in_scene(scene, law, law_options)
+    in_joints, law_text = law_in_scene.in_scene(scene, law, law_options)
     gaps = tuple(gap for gap in (scene.clearance, scene.crank_clearance) if gap is not None)
     laws = tuple(of_joint.packed() for of_joint in in_joints)
     times = duration * np.arange(outputs + 1) / outputs
@@ -176,30 +182,23 @@ def _checked(
     if step is not None:
         checks.number("step", step, "s", least=duration / MOST_STEPS)
     if model == "particles":
-        blocks = particles.blocks(scene, laws[0], times, gapless, step, pair, method or "centred")
+        method = method or "centred"
+        blocks = particles.blocks(scene, laws[SLIDER], times, gapless, step, pair, method)
     elif model == "beams":
-        blocks = beams.blocks(scene, laws[0], times, gapless, step or BEAM_STEP, pair)
+        blocks = beams.blocks(scene, laws[SLIDER], times, gapless, step or BEAM_STEP, pair)
     elif gapless:
         blocks = ideal.blocks(scene, times)
     else:
         tolerance = TOLERANCE if tolerance is None else tolerance
         blocks = events.blocks(scene, laws, times, tolerance)
-    second = None
-    if model == "rigid" and not gapless:
-        same = {"law": law, "duration": duration, "outputs": outputs} | law_options
-        second = partial(_second_run, scene, tolerance, gaps, same)
-    return partial(_gather, blocks, scene, laws, "none" if gapless else law_text, second)
+    told = ("none" if gapless else law_text), scene.restitution, scene.delivered_restitution
+    told += (None, ()) if flexible or gapless else (tolerance, gaps)
+    return partial(_gather, blocks, scene, laws, told)
 
 
 def _taken(name, value):
     """Argument of `simulate`, checked; None stays."""
     return None if value is None else described(simulate)[name].taken(name, value)
-
-
-def _second_run(scene, tolerance, gaps, same):
-    """The same simulation at another tolerance, and the joints' clearances."""
-    other = tolerance / FINER if tolerance >= LEAST_TOLERANCE * FINER else tolerance * FINER
-    return simulate(scene, tolerance=other, **same), gaps
 
 
 def _check_motion(scene, model, gapless, duration):
@@ -216,27 +215,30 @@ def _check_motion(scene, model, gapless, duration):
     checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)
 
 
-def _gather(blocks, scene, laws, law_text, second_run, progress=None):
-    """Run a model to its end or to an interruption."""
-    rows, complete, work = None, True, list(COLUMNS).index("work")
+def _gather(blocks, scene, laws, told, progress=None):
+    """Run a model to its end or to an interruption; ``told`` are further fields of the response."""
+    rows, complete = None, True
     try:
         for rows, impacts, own in blocks:  # noqa: B007
             if progress is not None:
-                progress(rows[-1, 0])
+                progress(rows["time"][-1])
     except KeyboardInterrupt:
         if rows is None:
             raise
         complete = False
-    numbers = impacts[:, JOINT].astype(int)
-    starts = own[:, EVENTS.index("start")].copy()  # of one layout, with impacts or without
-    free = free_durations(starts, impacts, scene.constants(), laws)
-    happened = own[:, :, 0] <= rows[-1, 0]  # the others are NaN, or come after an interruption
-    names = np.array([EVENTS, [f"crank {kind}" for kind in EVENTS]])[numbers]
+    starts = own[:, START].copy()  # of one layout, with impacts or without
+    add_free_durations(starts, impacts, scene.constants(), laws)
+    happened = own["time"] <= rows["time"][-1]  # the others are NaN, or come after an interruption
+    names = np.array([EVENTS, [f"crank {kind}" for kind in EVENTS]])[impacts["joint"]]
     own, kinds = own[happened], tuple(names[happened].tolist())
+    first = rows["work"][0]
     for table in (own, rows):
-        table[:, work] -= rows[0, work]
+        table["work"] -= first
         add_stored_energy(table, laws)
-    impact_rows = np.column_stack([impacts[:, :LOST_BEFORE], free])
-    joints = tuple(JOINTS[j] for j in numbers)
-    told = law_text, scene.restitution, scene.delivered_restitution, second_run
-    return Response(rows, impact_rows, joints, own, kinds, complete, *told)
+    impact_rows = np.zeros(len(impacts), IMPACT_ROW)
+    for name in IMPACT_COLUMNS:
+        impact_rows[name] = impacts[name]
+    impact_rows["joint"] = np.array(JOINTS)[impacts["joint"]]
+    is_sustained = impacts["duration"] > SUSTAINED * impacts["free_duration"]
+    impact_rows["kind"] = np.where(is_sustained, "sustained", "impact")
+    return Response(rows, impact_rows, own, kinds, complete, *told)

@@ -15,7 +15,7 @@ were alone: a ball that slides and spins at once has less of both.
 
 from functools import partial
 from math import inf, isnan, nan, pi, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -26,31 +26,55 @@ from study.compiled import compiled
 from study.contact import DimensionalLaw
 from study.contact.damping import Damping, damping_factor, delivered_restitution
 from study.contact.forces import joint_forces, stored_energy
-from study.contact.friction import friction_branch, friction_factor
+from study.contact.friction import friction_factor, friction_regime
 from study.contact.laws import LIMIT_MARGIN
 from study.joint import DimensionalJoint
 
 JOINTS = "clearance joints"  # key of an Exudyn system's variables: joints and their connectors
-COLUMNS = ["time", "depth", "normal_force", "approach_speed"]
-COLUMNS += ["elastic", "lost_damping", "lost_friction"]
-"""Of a joint's history: s, m, N, m/s, and energies in J."""
 Vector = NDArray[np.float64]
+NO_VECTOR = (0.0, 0.0, 0.0)
+ONLY = 0  # place of the one law
+
+
+class JointRow(NamedTuple):
+    """A row of a joint's history: s, m, N, m/s, and energies in J."""
+
+    time: float
+    depth: float
+    normal_force: float
+    approach_speed: float
+    elastic: float
+    lost_damping: float
+    lost_friction: float
+
+
+class BallForces(NamedTuple):
+    """Forces on a ball in space, and the state of its joint."""
+
+    force: tuple[float, float, float]
+    torque: tuple[float, float, float]
+    normal: float
+    lost_damping: float
+    lost_friction: float
+    """Powers that are lost."""
+    depth: float
+    approach: float
 
 
 @compiled
 def ball_forces(
     laws, radii, pulls, r1, deepest, step, damping, mu, v0, v1, approach, x, y, z, vx, vy, vz, *spin
 ):
-    """Force and torque on the ball, normal force, powers lost; depth and approach speed.
+    """`BallForces` on a ball with eccentricity (x, y, z).
 
-    Friction radii are given at every ``step`` of the depth's root. Arguments from x on are place,
-    velocity and angular velocity of the ball. An array with the law is faster passed than the law.
+    Friction radii are given at every ``step`` of the depth's root. Arguments after (x, y, z) are
+    velocity and angular velocity. An array with the law is faster passed than the law.
     """
-    law = laws[0]
+    law = laws[ONLY]
     reach = sqrt(x * x + y * y + z * z)
     depth = reach - law.clearance
     if not 0 < depth <= deepest:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, depth, approach
+        return BallForces(NO_VECTOR, NO_VECTOR, 0.0, 0.0, 0.0, depth, approach)
     (nx, ny, nz), (wx, wy, wz) = (x / reach, y / reach, z / reach), spin
     rate, turning = vx * nx + vy * ny + vz * nz, wx * nx + wy * ny + wz * nz
     if isnan(approach):
@@ -59,17 +83,18 @@ def ball_forces(
     sy = vy - rate * ny + r1 * (wz * nx - wx * nz)
     sz = vz - rate * nz + r1 * (wx * ny - wy * nx)
     speed = sqrt(sx * sx + sy * sy + sz * sz)
-    state = depth, rate, speed, friction_branch(speed, v0, v1), approach
-    normal, _, _, elastic, _, drag, _, _ = joint_forces(law, *state, damping, mu, v0, v1)
-    normal = normal if pulls else max(normal, 0.0)
+    state = depth, rate, speed, friction_regime(speed, v0, v1), approach
+    forces = joint_forces(law, *state, damping, mu, v0, v1)
+    elastic, drag = forces.elastic, forces.tangential
+    normal = forces.normal if pulls else max(forces.normal, 0.0)
     share = drag / speed if speed > 0 else 0.0
     tx, ty, tz = share * sx, share * sy, share * sz
 
-    place = sqrt(depth) / step
-    k = min(int(place), len(radii) - 2)
-    radius = radii[k] + (place - k) * (radii[k + 1] - radii[k])
+    knot = sqrt(depth) / step
+    k = min(int(knot), len(radii) - 2)
+    radius = radii[k] + (knot - k) * (radii[k + 1] - radii[k])
     slip = radius * turning
-    factor, _ = friction_factor(slip, friction_branch(slip, v0, v1), v0, v1)
+    factor, _ = friction_factor(slip, friction_regime(slip, v0, v1), v0, v1)
     moment = -mu * max(normal, 0.0) * radius * factor
     force = tx - normal * nx, ty - normal * ny, tz - normal * nz
     torque = (
@@ -78,7 +103,7 @@ def ball_forces(
         r1 * (nx * ty - ny * tx) + moment * nz,
     )
     lost = (normal - elastic) * rate, -drag * speed - moment * turning
-    return *force, *torque, normal, *lost, depth, approach
+    return BallForces(force, torque, normal, *lost, depth, approach)
 
 
 def _friction_radii(law, joint):
@@ -122,7 +147,7 @@ class ClearanceJoint:
     delivered_restitution
         Restitution of a free impact with this damping.
     rows
-        A tuple for the start and every step so far, columns as of `history`.
+        A `JointRow` for the start and every step so far.
 
     Raises
     ------
@@ -160,32 +185,33 @@ class ClearanceJoint:
         """Forget the history."""
         # approach speed, from a contact's first evaluation: inf without approach, NaN in flight
         self.approach = nan
-        self.rows: list[tuple[float, ...]] = []
+        self.rows: list[JointRow] = []
         self._powers = 0.0, 0.0  # lost to damping and friction at the last row
 
-    def forces(self, place: Vector, velocity: Vector, spin: Vector) -> tuple[Any, ...]:
+    def forces(self, eccentricity: Vector, velocity: Vector, spin: Vector) -> tuple[Any, ...]:
         """Force and torque on the ball in N and N m, normal force, powers lost to each in W.
 
-        ``place`` and ``velocity`` are those of the ball's centre from the socket's, ``spin`` its
-        angular velocity; SI units, shape (3,). Raises `study.checks.StudyError` for a depth outside
-        the range of the law.
+        ``velocity`` is the rate of the eccentricity, ``spin`` the ball's angular velocity; SI
+        units, shape (3,). Raises `study.checks.StudyError` for a depth outside the range of the
+        law.
         """
-        found = self._found(place.tolist(), velocity.tolist(), spin.tolist())
-        both = np.array(found[:6])
-        return both[:3], both[3:], *found[6:9]
+        found = self._found(eccentricity.tolist(), velocity.tolist(), spin.tolist())
+        lost = found.lost_damping, found.lost_friction
+        return np.array(found.force), np.array(found.torque), found.normal, *lost
 
-    def _found(self, place, velocity, spin):
+    def _found(self, eccentricity, velocity, spin):
         """What `ball_forces` returns at three vectors, which are lists."""
-        found = self._on_ball(self.approach, *place, *velocity, *spin)
-        depth, self.approach = found[-2:]
+        found = self._on_ball(self.approach, *eccentricity, *velocity, *spin)
+        depth, self.approach = found.depth, found.approach
         if not depth <= self.deepest * (1 + LIMIT_MARGIN):
             wanted = f"depth of {self.law.name} must stay <= {self.deepest:g} m"
             raise checks.StudyError(f"{wanted}, got {depth:g} m")
         return found
 
-    def _resisted(self, system, time, number, place, _, velocity, spin, *unused):
+    def _resisted(self, system, time, number, eccentricity, _, velocity, spin, *unused):
         """Exudyn's user function: what the connector resists."""
-        return [-x for x in self._found(place, velocity, spin)[:6]]
+        found = self._found(eccentricity, velocity, spin)
+        return [-x for x in found.force + found.torque]
 
     def connect(self, system: Any, socket: int, ball: int) -> None:
         """Put the joint between two markers of an Exudyn system, at the centres of both.
@@ -215,26 +241,31 @@ class ClearanceJoint:
         self._begin()
         system.SetPostStepUserFunction(after_a_step)
 
-    def _note(self, time, place, velocity, spin):
+    def _note(self, time, *vectors):
         """Add a row for the state at the end of a step, or at the start."""
-        *_, normal, damping, friction, depth, _ = self._found(*map(list, (place, velocity, spin)))
+        found = self._found(*map(list, vectors))
+        depth, powers = found.depth, (found.lost_damping, found.lost_friction)
         if depth <= 0:
             self.approach = nan
-        powers, lost = (damping, friction), np.zeros(2)
+        lost = np.zeros(2)
         if self.rows:  # by the trapezoidal rule
-            lost = self.rows[-1][-2:] + (time - self.rows[-1][0]) * np.add(powers, self._powers) / 2
+            last = self.rows[-1]
+            lost = (last.lost_damping, last.lost_friction) + (time - last.time) * (
+                np.add(powers, self._powers) / 2
+            )
         approach = nan if self.approach == inf else self.approach
-        self.rows.append((time, depth, normal, approach, stored_energy(self._packed, depth), *lost))
+        energy = stored_energy(self._packed, depth)
+        self.rows.append(JointRow(time, depth, found.normal, approach, energy, *lost))
         self._powers = powers
 
     def history(self) -> pd.DataFrame:
         """The joint at the start and after every step, SI units.
 
-        Columns `COLUMNS`. The depth is negative in flight. The approach speed is that of the
-        contact that goes on, NaN in flight and where it began without one. What is lost counts
-        from t = 0.
+        Columns are the fields of `JointRow`. The depth is negative in flight. The approach speed is
+        that of the contact that goes on, NaN in flight and where it began without one. What is lost
+        counts from t = 0.
         """
-        return pd.DataFrame(self.rows, columns=COLUMNS)
+        return pd.DataFrame(self.rows, columns=JointRow._fields)
 
 
 def solve(system: Any, settings: Any, **options: Any) -> None:

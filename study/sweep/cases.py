@@ -22,8 +22,9 @@ from study.contact import SOCKET_RATIO, tabulated
 from study.joint import DimensionalJoint, RatioJoint, applicability, force_curve, whole_curve
 from study.joint.dimensional import usual_depth
 from study.mechanism import Scene
-from study.mechanism.limits import limits
+from study.mechanism.compare import second_run
 from study.mechanism.simulate import BEAM_STEP, ELEMENTS, LAW, TOLERANCE, ready, simulate
+from study.mechanism.validity import exceeded_limits
 from study.parameters import Parameter, described
 
 Kind = Literal["joints", "scenes"]
@@ -301,8 +302,8 @@ def _scene(values, twice=False):
     of_scene = {name: values.pop(name) for name in described(Scene) if name in values}
     key = repr((of_scene, values)) if values.get("model", "rigid") != "rigid" else ""
     scene = Scene(**of_scene)
-    run = ready(scene, **values)
-    return key, partial(_simulate, scene, run, twice), _used_by_scene(scene, **values)
+    run, again = ready(scene, **values), partial(simulate, scene, **values) if twice else None
+    return key, partial(_simulate, scene, run, again), _used_by_scene(scene, **values)
 
 
 def _used_by_scene(scene, model="rigid", joint="clearance", law=LAW, **given):
@@ -320,16 +321,16 @@ def _used_by_scene(scene, model="rigid", joint="clearance", law=LAW, **given):
     return usual | vars(scene) | inertias
 
 
-def _simulate(scene, run, twice):
+def _simulate(scene, run, again):
     response = run()
     if not response.complete:
         raise KeyboardInterrupt
-    impacts = response.impact_columns
+    impacts = response.impact_rows
     angle, crank, coupler = response.crank_angle, scene.crank_length, scene.coupler_length
     ideal = crank * np.cos(angle) + np.sqrt(coupler**2 - (crank * np.sin(angle)) ** 2)
     deviation = np.abs(response.slider_position - ideal)
     try:
-        agreement = response.agreement if twice else None
+        agreement = None if again is None else second_run(response, again)
     except StudyError as error:
         raise StudyError(f"the second run, at another tolerance, failed: {error}") from None
     return {
@@ -342,7 +343,7 @@ def _simulate(scene, run, twice):
         "mean_slider_deviation": deviation.mean(),
         "largest_slider_deviation": deviation.max(),
         "energy_error": response.energy_error,
-        "applicability": applicability.in_short(limits(scene, response)),
+        "applicability": applicability.in_short(exceeded_limits(scene, response)),
         "trusted_until": "" if agreement is None else agreement.until,
     }
 

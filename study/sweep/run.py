@@ -75,7 +75,7 @@ def run_study(
         Called with the numbers of different cases: done, all, and failed.
     twice
         Run each scene a second time, at another tolerance, for the column ``trusted_until``
-        (`study.mechanism.response.Response.agreement`). This takes about three times as long.
+        (`study.mechanism.compare.second_run`). This takes about three times as long.
 
     Raises
     ------

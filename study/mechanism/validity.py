@@ -3,11 +3,12 @@
 from study import checks
 from study.contact import LAWS, SOCKET_RATIO
 from study.joint import Joint, applicability, first_yield
+from study.mechanism.law_in_scene import FITTED
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
 
 
-def limits(
+def exceeded_limits(
     scene: Scene, response: Response, socket_ratio: float = SOCKET_RATIO
 ) -> applicability.Limits:
     """Limits that the deepest contact exceeds: a key for each, and a sentence.
@@ -15,7 +16,7 @@ def limits(
     Yield is looked for where a material has a yield stress, in a half ball that slides at its
     equator and a socket of the ratio given, held all over its outside.
     """
-    deepest = response.impact_columns["peak_depth"].max(initial=0.0)
+    deepest = response.impact_rows["peak_depth"].max(initial=0.0)
     if deepest == 0:
         return {}
     depth_star, (ball, socket) = deepest / scene.clearance, scene.materials

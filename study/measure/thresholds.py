@@ -5,7 +5,7 @@ from math import sqrt
 
 import pandas as pd
 
-from study import checks
+from study.checks import StudyError
 
 
 def table(rows: Iterable[tuple]) -> pd.DataFrame:
@@ -18,14 +18,10 @@ def table(rows: Iterable[tuple]) -> pd.DataFrame:
 
 def bisect(fails: Callable[[float], bool], low: float, high: float, times: int = 40) -> float:
     """Smallest value that fails, from ``low`` to ``high``, both > 0, to 4 digits."""
-    if not callable(fails):
-        raise ValueError(f"fails must be a function, got {checks.shown(fails)}")
-    low = checks.number("low", low, above=0, scalar=True)
-    high = checks.number("high", high, above=low, scalar=True)
     ends = low, high
-    for _ in range(checks.whole("times", times, least=1)):
+    for _ in range(times):
         middle = sqrt(low * high)
         low, high = (low, middle) if fails(middle) else (middle, high)
-    if low == ends[0] or high == ends[1]:
-        raise checks.StudyError(f"there is no limit between {ends[0]:g} and {ends[1]:g}")
+    if low in ends or high in ends:
+        raise StudyError("there is no limit between {:g} and {:g}".format(*ends))
     return float(f"{high:.4g}")

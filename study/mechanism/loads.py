@@ -1,0 +1,63 @@
+"""Loads on rigid links other than the forces of their joints: the drive's moment and the weights.
+
+All models of rigid links take them from here. Links that an ideal joint pins together are a double
+pendulum: then the crank has the coupler's weight at its end, and the coupler's moment is about this
+pin. Links between two clearance joints are free bodies, and the coupler's moment is about its
+centre.
+"""
+
+from typing import NamedTuple
+
+from numba.extending import register_jitable
+
+
+class Pose(NamedTuple):
+    """Where the links are: sines and cosines of the angles of crank and coupler, and places."""
+
+    st: float
+    ct: float
+    sp: float
+    cp: float
+    slider: float
+    """Position of the slider."""
+    height: float
+    """Position of the coupler's end at the crank, along y."""
+
+
+class Loads(NamedTuple):
+    """Applied loads, or their derivatives."""
+
+    drive: float
+    """Moment of the drive on the crank, unless its speed is given."""
+    crank: float
+    """Other moments about the crank's axis."""
+    coupler: float
+    """Moment on the coupler."""
+    fall: float
+    """Acceleration of the coupler's centre along y by its weight."""
+    slider: float
+    """Force on the slider, along its slide."""
+
+
+@register_jitable
+def applied(p, pose, pinned):
+    """Loads on the links in a pose."""
+    if pinned:
+        return Loads(p.moment, -(p.g1 * pose.ct), -(p.g2 * pose.cp), -p.gravity, 0.0)
+    return Loads(p.moment, -(p.own_g1 * pose.ct), 0.0, -p.gravity, 0.0)
+
+
+@register_jitable
+def change(p, pose, dtheta, dphi, dslider, pinned):
+    """Derivatives of the loads by something that turns crank and coupler and moves the slider."""
+    if pinned:
+        return Loads(0.0, p.g1 * pose.st * dtheta, p.g2 * pose.sp * dphi, 0.0, 0.0)
+    return Loads(0.0, p.own_g1 * pose.st * dtheta, 0.0, 0.0, 0.0)
+
+
+@register_jitable
+def work(p, pose, driven, pinned):
+    """Work of the loads but for a constant; ``driven`` is that of the drive."""
+    if pinned:
+        return driven - p.g1 * pose.st - p.g2 * pose.sp
+    return driven - (p.own_g1 * pose.st + p.m2 * p.gravity * (pose.height + 0.5 * p.l2 * pose.sp))
