@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from study.claims.quantities import quantities
+from study.claims.motion_quantities import motion_quantities
 from study.mechanism import MechanismError, Scene, simulate, stable_step
 from study.mechanism.compare import motion_nrms, phase_lead
 from study.mechanism.simulate import Model
@@ -167,7 +167,7 @@ def scene(mechanism: dict[str, Any], joint: dict[str, Any], model: Model) -> Sce
 
 
 def run(set_ups: Iterable[SetUp]) -> pd.DataFrame:
-    """Simulate set-ups: a row for each run, of what was drawn and of `measures`.
+    """Simulate set-ups: a row for each run, of what was drawn and of `motion_quantities`.
 
     A run that a model cannot finish has a row without numbers.
     """
@@ -203,7 +203,9 @@ def _rows(one):
             drawn = one.mechanism | joint | dict.fromkeys(without)
             row = {"set_up": one.number, "kind": kind, "model": model} | drawn
             if response is not None and ideal[model] is not None:
-                numbers = quantities(response, ideal[model]) | _energy(response, ideal[model])
+                numbers = motion_quantities(response, ideal[model]) | _energy(
+                    response, ideal[model]
+                )
                 numbers |= apart if model != "rigid" else {}
                 row |= {name: float(f"{number:.4g}") for name, number in numbers.items()}
             yield row

@@ -81,8 +81,8 @@ def angle_of(sine, cosine):
     s, c = (cosine, abs(sine)) if steep else (sine, abs(cosine))  # from the nearest axis
     t = s / c
     guess = t * (pi / 4 + 0.273 * (1 - abs(t)))  # within 0.004 rad
-    near = _near_zero(guess)
-    left = s * near[1] - c * near[0]  # sine of what is left of the angle
+    near_sine, near_cosine = _near_zero(guess)
+    left = s * near_cosine - c * near_sine  # sine of what is left of the angle
     cube = left * left * left
     angle = guess + left + cube / 6 + 3 * cube * left * left / 40
     # conditional expressions, no branches: a loop over elements is then compiled to vectors

@@ -97,7 +97,7 @@ NO_CONTACT = Contact(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
     """System with numbers of elements of crank and coupler; an ideal joint fixes ball to slider."""
     places, rates, turns, spins, slide = straight_links(scene, elements, ideal)
-    pin, nodes = elements[0], np.arange(len(places))
+    (pin, _), nodes = elements, np.arange(len(places))
     x = 3 * nodes + (nodes > pin)  # x, y and rotation of each node, and a second one of the pin
     rotations = np.insert(x + 2, pin + 1, x[pin] + 3)
     near = x[:-1], x[:-1] + 1, np.delete(rotations, [pin, -1])
@@ -111,14 +111,14 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
     initial[held] = speeds[held] = 0.0
     if scene.crank_speed is not None:
         held.append(CRANK)
-    sections = []
+    rows = []
     for body, n in zip(get_args(Body), elements, strict=True):
         link = scene.link(body)
         length = link.length / n
         shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
         masses = link.mass_per_length, link.rotary_per_length
-        sections += [(length, link.axial, shear, link.bending, *masses)] * n
-    sections, unknowns = np.array(sections, SECTION), np.column_stack([*near, *far])
+        rows += [(length, link.axial, shear, link.bending, *masses)] * n
+    sections, unknowns = np.array(rows, SECTION), np.column_stack([*near, *far])
     mass, load = _mass_and_weight(sections, unknowns, len(initial), scene.gravity)
     mass[ball.slider, BAND] += scene.slider_mass
     load[CRANK] = 0.0 if scene.crank_speed is not None else scene.driving_moment

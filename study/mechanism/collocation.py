@@ -15,7 +15,7 @@ import numpy as np
 
 from study.compiled import compiled, inlined
 from study.mechanism import radau
-from study.mechanism.radau import PAIRS, PLACE, POINTS, RATE, STAGES
+from study.mechanism.radau import AT_START, PAIRS, PLACE, POINTS, RATE, STAGES
 
 
 def fields(unknowns: int) -> list[tuple[str, type, tuple[int, ...]]]:
@@ -159,7 +159,7 @@ def estimate(work, h):
     """Fill ``error`` with the estimated errors of z and z' of a step."""
     rates, k, error, n, g = work.rates, work.k, work.error, len(work.x), h * radau.REAL
     for m in range(n):
-        place, speed = 0.0, radau.REAL * rates[0, m]
+        place, speed = 0.0, radau.REAL * rates[AT_START, m]
         for j in range(STAGES):
             place += radau.PLACE_ERROR[j] * rates[1 + j, m]
             speed += radau.RATE_ERROR[j] * rates[1 + j, m]

@@ -64,6 +64,7 @@ def agreement(first: Response, second: Response) -> Agreement:
         begun.append(int(np.count_nonzero(impacts["time"] <= until)))
         ended = impacts["time"] + impacts["duration"] <= until
         peaks.append(impacts["peak_force"][ended & np.isfinite(impacts["separation_speed"])])
+    of_first, of_second = begun
     pairs = zip(*peaks, strict=False)
     changes = [abs(peak - other) / max(peak, other) for peak, other in pairs if peak != other]
     for prefix in joints:
@@ -74,7 +75,7 @@ def agreement(first: Response, second: Response) -> Agreement:
         until=until,
         lasts=count == len(first.time),
         largest_distance=float(distance[:count].max()),
-        impacts=(begun[0], begun[1]),
+        impacts=(of_first, of_second),
         force_difference=float(max(changes, default=0.0)),
     )
 

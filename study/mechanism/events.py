@@ -25,7 +25,7 @@ from study.mechanism.angles import angle_of, norm, sine_cosine, sixth_root
 from study.mechanism.equations import JOINT, Laws
 from study.mechanism.free_impact import impact_depth
 from study.mechanism.locating import MARK, NO_EVENT, SURFACES, UPWARDS
-from study.mechanism.radau import STAGES
+from study.mechanism.radau import AT_START, STAGES
 from study.mechanism.response import RIGID_OUTPUT
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import SLIDER
@@ -239,13 +239,16 @@ def _begin(work, motion, smooth, ratio):
     for j in range(len(work.joints)):
         work.was[j] = work.joints[j]
     for m in range(n):
-        work.rates[0, m], work.rates[0, n + m] = motion.accelerations[m], motion.powers[m]
+        work.rates[AT_START, m], work.rates[AT_START, n + m] = (
+            motion.accelerations[m],
+            motion.powers[m],
+        )
     if smooth:
         collocation.guess(work, 1.0, ratio)
     else:
         for i in range(STAGES):
             for m in range(n):
-                work.rates[1 + i, m] = work.rates[0, m]
+                work.rates[1 + i, m] = work.rates[AT_START, m]
 
 
 @inner
@@ -335,7 +338,7 @@ def stepper(
         ("most", float),
         ("idle", np.int64),
     ]
-    work = np.zeros(1, [*collocation.fields(unknowns), *own]).view(np.recarray)[0]
+    (work,) = np.zeros(1, [*collocation.fields(unknowns), *own]).view(np.recarray)
     work.y[THETA], work.y[unknowns] = scene.initial_crank_angle, scene.starting_speed
     work.y[1:3] = scene.initial_eccentricity
     _, motion = equations.current(work, p, laws)

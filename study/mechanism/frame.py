@@ -13,6 +13,10 @@ from study.mechanism.angles import arcsine, sine_cosine
 from study.mechanism.scene import Link, Scene
 from study.threads import one_thread
 
+ELEMENT = np.dtype([(name, float) for name in ("length", "axial", "near", "far")])
+"""Length (m), axial stiffness (N/m), and bending stiffnesses (N m) of an element: the moment at an
+end by the rotations of the near and of the far end."""
+
 
 def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Particles of one link: masses in kg, rotary inertias of the half elements at each in kg m^2.
@@ -47,14 +51,16 @@ def straight_links(
     theta, omega = scene.initial_crank_angle, scene.starting_speed
     st, ct = sine_cosine(theta)
     phi = arcsine((e_y - scene.crank_length * st) / scene.coupler_length)
-    psi = -scene.crank_length * ct * omega / (scene.coupler_length * sine_cosine(phi)[1])
+    _, cp = sine_cosine(phi)
+    psi = -scene.crank_length * ct * omega / (scene.coupler_length * cp)
     angles, speeds = (theta, phi), (omega, psi)
     lengths = np.repeat([scene.crank_length, scene.coupler_length] / np.array(elements), elements)
     units = np.repeat([sine_cosine(angle)[::-1] for angle in angles], elements, axis=0)
     chords = lengths[:, None] * units
     swept = np.repeat(speeds, elements)[:, None] * chords[:, ::-1] * (-1, 1)
     places, rates = (np.vstack([(0.0, 0.0), np.cumsum(x, axis=0)]) for x in (chords, swept))
-    ends, slide = np.array(elements) + 1, np.array([places[-1, 0] - e_x, rates[-1, 0]])
+    ends, (x, _), (u, _) = np.array(elements) + 1, places[-1], rates[-1]
+    slide = np.array([x - e_x, u])
     return places, rates, np.repeat(angles, ends), np.repeat(speeds, ends), slide
 
 
@@ -62,9 +68,7 @@ class Frame:
     """Particles and elements of both links, laid out on +x.
 
     Particle 0 is the crank's fixed end, ``pin`` the one that both links share, the last one the
-    ball. The pin has two rotations, one for each link. A row of ``elements`` has length (m), axial
-    stiffness (N/m), and bending stiffnesses (N m): the moment at an end by the rotations of the
-    near and of the far end.
+    ball. The pin has two rotations, one for each link. ``elements`` has an `ELEMENT` for each.
     """
 
     def __init__(self, scene: Scene, elements: tuple[int, int]) -> None:
@@ -75,9 +79,9 @@ class Frame:
             bending = link.bending / (length * (1 + shear))
             row = length, link.axial / length, (4 + shear) * bending, (2 - shear) * bending
             rows += [row] * n
-        self.elements = np.array(rows)
+        self.elements = np.array(rows, ELEMENT)
         (m1, j1), (m2, j2) = (lump(link, n) for link, n in zip(links, elements, strict=True))
-        self.pin = elements[0]
+        self.pin, _ = elements
         self.masses = np.concatenate([m1[:-1], [m1[-1] + m2[0]], m2[1:]])
         self.rotaries = np.concatenate([j1, j2])
 
@@ -103,4 +107,4 @@ class Frame:
         free = np.delete(np.arange(size), [0, 1, turns - 1] if held else [0, 1])
         root = np.sqrt(mass[free])
         scaled = stiffness[np.ix_(free, free)] / np.outer(root, root)
-        return sqrt(eigvalsh(scaled)[-1])
+        return sqrt(eigvalsh(scaled).max())

@@ -31,7 +31,8 @@ def impact_depth(j, theta, phi, nx, ny, rate, p, laws):
     energy = rate * rate / (2 * _inverse_mass(j, theta, phi, nx, ny, p, laws))
     depth = law.clearance
     for _ in range(200):  # Newton's method on a convex function, from above: it always converges
-        change = (stored_energy(law, depth) - energy) / elastic_force(law, depth)[0]
+        force, _ = elastic_force(law, depth)
+        change = (stored_energy(law, depth) - energy) / force
         depth -= change
         if abs(change) <= 1e-6 * depth:  # the next change would be of the order of its square
             break

@@ -66,8 +66,6 @@ def numbers_of_elements(pair: tuple[int, int]) -> tuple[int, int]:
 
 def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
     """Limit of stability of the explicit step with a clearance joint out of contact, in s."""
-    checks.instance("scene", scene, Scene)
-    elements = numbers_of_elements(elements)
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
 
 
@@ -386,7 +384,8 @@ def _rows(scene, frame, ideal):
     masses, weights = frame.masses.copy(), -scene.gravity * frame.masses
     masses[-1] += scene.slider_mass if ideal else 0.0
     bodies = _filled([masses, masses, frame.rotaries, weights], (1.0, 1.0, 1.0, 0.0))
-    return _filled(frame.elements.T, (1.0, 0.0, 0.0, 0.0)), bodies
+    elements = [frame.elements[name] for name in frame.elements.dtype.names]
+    return _filled(elements, (1.0, 0.0, 0.0, 0.0)), bodies
 
 
 def _start(scene, frame, ideal, h):

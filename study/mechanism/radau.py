@@ -9,6 +9,7 @@ import numpy as np
 
 STAGES = 5
 PAIRS = STAGES // 2
+AT_START = 0  # row of the rates at a step's start, before those at its points
 """The error estimate grows with the power `STAGES` + 1 of the step, hence the sixth roots."""
 
 

@@ -118,10 +118,10 @@ class Response:
     @property
     def columns(self) -> dict[str, str]:
         """Columns and their units: `COLUMNS`, and for rigid links `CRANK_COLUMNS`."""
-        return {name: ALL_COLUMNS[name] for name in self.rows.dtype.names}
+        return {name: ALL_COLUMNS[name] for name in self.rows.dtype.names or ()}
 
     def __getattr__(self, name: str) -> NDArray[np.float64]:
-        if name in ALL_COLUMNS and name in self.rows.dtype.names:
+        if name in ALL_COLUMNS and name in self.columns:
             return self.rows[name]
         raise AttributeError(name)
 

@@ -195,7 +195,8 @@ class Scene:
         checks.number("clearance", self.clearance, "m", **limits)
         if self.crank_clearance is not None:
             checks.number("crank_clearance", self.crank_clearance, "m", **limits)
-            checks.number("coupler_inertia", self.inertias[1], "kg m^2", above=0)
+            _, inertia = self.inertias
+            checks.number("coupler_inertia", inertia, "kg m^2", above=0)
         longest = self.coupler_length - self.clearance - (self.crank_clearance or 0.0)
         checks.number("crank_length", self.crank_length, "m", below=longest)
         checks.number("slow_speed", self.slow_speed, "m/s", below=self.full_speed)
@@ -262,7 +263,6 @@ class Scene:
 
         A moment of inertia below that of a thin rod, the least of a beam, is a ``ValueError``.
         """
-        checks.choice("body", body, get_args(Body))
         length, mass = getattr(self, f"{body}_length"), getattr(self, f"{body}_mass")
         rod, own = mass * length**2 / 12, self.inertias[get_args(Body).index(body)]
         name, least = f"{body} inertia of a flexible link", rod * (1 - 1e-12)
@@ -281,15 +281,32 @@ class Scene:
         """Numbers of the scene for the compiled functions."""
         i1, i2 = self.inertias
         m1, m2, l1, l2 = self.crank_mass, self.coupler_mass, self.crank_length, self.coupler_length
-        g = self.gravity
-        rods = l1, l2, i1 + m1 * l1**2 / 4 + m2 * l1**2, i2 + m2 * l2**2 / 4, m2 * l1 * l2 / 2
-        moment = self.driving_moment if self.crank_speed is None else 0.0
-        loads = self.slider_mass, moment, (m1 / 2 + m2) * g * l1, m2 * g * l2 / 2, g
-        joint = self.ball_radius, self.clearance, self.damping_factor, self.friction
-        drive = self.slow_speed, self.full_speed, self.crank_speed is not None
-        ball = self.socket_radius - (self.crank_clearance or 0.0)
-        free = i1 + m1 * l1**2 / 4, loads[2] - m2 * g * l1, m2, i2, ball
-        return Constants(*map(float, (*rods, *loads, *joint, *drive, *free)))
+        g, g1 = self.gravity, (m1 / 2 + m2) * self.gravity * l1
+        numbers = {
+            "l1": l1,
+            "l2": l2,
+            "a11": i1 + m1 * l1**2 / 4 + m2 * l1**2,
+            "a22": i2 + m2 * l2**2 / 4,
+            "a12": m2 * l1 * l2 / 2,
+            "m3": self.slider_mass,
+            "moment": self.driving_moment if self.crank_speed is None else 0.0,
+            "g1": g1,
+            "g2": m2 * g * l2 / 2,
+            "gravity": g,
+            "r1": self.ball_radius,
+            "clearance": self.clearance,
+            "damping": self.damping_factor,
+            "friction": self.friction,
+            "v0": self.slow_speed,
+            "v1": self.full_speed,
+            "steady": self.crank_speed is not None,
+            "j1": i1 + m1 * l1**2 / 4,
+            "own_g1": g1 - m2 * g * l1,
+            "m2": m2,
+            "i2": i2,
+            "crank_r1": self.socket_radius - (self.crank_clearance or 0.0),
+        }
+        return Constants(**{name: float(number) for name, number in numbers.items()})
 
     def parameters(self) -> "pd.DataFrame":
         """Every parameter: where the paper states it, or what this study assumes instead.

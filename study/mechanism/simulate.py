@@ -208,8 +208,8 @@ def _check_motion(scene, model, gapless, duration):
             "crank_clearance must be left out: a second clearance joint is for model rigid with "
             f"joint clearance, got model {model} and joint {'ideal' if gapless else 'clearance'}"
         )
-    inertia = scene.inertias[0] + scene.crank_mass * scene.crank_length**2 / 4
-    turned = abs(scene.constants().moment) * duration**2 / (2 * inertia)
+    p = scene.constants()
+    turned = abs(p.moment) * duration**2 / (2 * p.j1)
     turned += abs(scene.starting_speed) * duration
     turned += sqrt(abs(scene.gravity) / scene.crank_length) * duration
     checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)

@@ -166,7 +166,7 @@ def add_stored_energy(rows, laws):
     for row in rows:
         row.elastic += stored_energy(laws[SLIDER], row.depth)
         if len(laws) > 1:
-            row.elastic += stored_energy(laws[-1], row.crank_joint_depth)
+            row.elastic += stored_energy(laws[CRANK], row.crank_joint_depth)
 
 
 def new_impacts(number: int, output: np.dtype) -> tuple[NDArray[np.void], NDArray[np.void]]:
@@ -183,7 +183,7 @@ def divide(times: NDArray[np.float64], step: float) -> tuple[int, float]:
 
 def new_state(*own: str) -> np.recarray:
     """A model's state at the start, with numbers of its own; its loop fills all rows."""
-    state = np.zeros(1, [*STATE, *((name, float) for name in own)]).view(np.recarray)[0]
+    (state,) = np.zeros(1, [*STATE, *((name, float) for name in own)]).view(np.recarray)
     state.until = np.inf
     return state
 

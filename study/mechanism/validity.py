@@ -3,7 +3,6 @@
 from study import checks
 from study.contact import LAWS, SOCKET_RATIO
 from study.joint import Joint, applicability, first_yield
-from study.mechanism.law_in_scene import FITTED
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
 
@@ -20,7 +19,8 @@ def exceeded_limits(
     if deepest == 0:
         return {}
     depth_star, (ball, socket) = deepest / scene.clearance, scene.materials
-    law = LAWS.get(response.law.split(":")[0])
+    name, *_ = response.law.split(":")
+    law = LAWS.get(name)
     found: applicability.Limits = {}
     if law and law.fitted_to and depth_star > law.fitted_to:
         found["law"] = (

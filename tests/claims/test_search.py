@@ -8,8 +8,8 @@ import pytest
 
 from study import dataset
 from study.claims import search, set_ups, verdicts
+from study.claims.motion_quantities import motion_quantities
 from study.mechanism import Scene, paper_scene, simulate
-from study.mechanism.measures import measures
 
 CLAIMS = search.statements()
 RUNS = dataset.set_ups()
@@ -20,8 +20,7 @@ IDEAL = simulate(paper_scene(), joint="ideal", **COMMON)
 def shifted(response, places, column):
     """A response that is earlier by a number of outputs, in one column."""
     rows = response.rows.copy()
-    k = list(response.columns).index(column)
-    rows[:-places, k] = rows[places:, k]
+    rows[column][:-places] = rows[column][places:]
     return replace(response, rows=rows)
 
 
@@ -56,12 +55,12 @@ def test_every_statement_on_the_figures_has_a_number_and_a_bound():
     assert (kept.expected[CLAIMS.claim].to_numpy() == CLAIMS.expected).all()
     flexible = CLAIMS[CLAIMS.claim.str.startswith("methods_agree")]
     meant = {name for row in CLAIMS.row for name in meant_by(row)}
-    assert meant - set(flexible.row) <= set(measures(IDEAL, IDEAL))
+    assert meant - set(flexible.row) <= set(motion_quantities(IDEAL, IDEAL))
     assert meant <= set(RUNS)
 
 
 def test_an_ideal_joint_beside_itself_is_neither_ahead_nor_different():
-    numbers = measures(IDEAL, IDEAL)
+    numbers = motion_quantities(IDEAL, IDEAL)
     assert numbers["time for which the slider is ahead"] == 0
     assert numbers["acceleration, difference of clearance and ideal joint"] == 0
     assert numbers["largest early acceleration over that of the ideal joint"] == 1
@@ -77,13 +76,13 @@ def test_an_ideal_joint_beside_itself_is_neither_ahead_nor_different():
 def test_an_earlier_motion_is_ahead_and_a_later_one_is_not(column, name):
     earlier = shifted(IDEAL, 3, column)
     key = f"time for which the {name} ahead"
-    assert measures(earlier, IDEAL, 0.03)[key] > 95
-    assert measures(IDEAL, earlier, 0.03)[key] < 5
+    assert motion_quantities(earlier, IDEAL, 0.03)[key] > 95
+    assert motion_quantities(IDEAL, earlier, 0.03)[key] < 5
 
 
 def test_numbers_of_the_papers_scene_up_to_a_time():
     response = simulate(paper_scene(), **COMMON)
-    whole, part = measures(response, IDEAL), measures(response, IDEAL, 0.02)
+    whole, part = motion_quantities(response, IDEAL), motion_quantities(response, IDEAL, 0.02)
     assert whole["last separation"] == pytest.approx(100 * response.last_separation / 0.04)
     assert part["last separation"] == pytest.approx(2 * whole["last separation"])
     touches = response.depth > 0

@@ -8,7 +8,7 @@ import pytest
 from study.joint import DimensionalJoint, Joint, Material
 from study.joint.applicability import in_short, limits, worst
 from study.mechanism import Scene, simulate
-from study.mechanism.limits import limits as mechanism_limits
+from study.mechanism.validity import exceeded_limits
 
 THICK = Joint(200, 3.0)
 
@@ -92,9 +92,9 @@ def test_limits_of_a_simulation(run):
     assert "to which the law power was fitted" in out
     response = simulate(duration=0.01, outputs=10)
     soft = Scene(socket=Material(5e5, 0.45, yield_stress=10.0))
-    assert in_short(mechanism_limits(soft, response)) == "modulus; roughness; yield"
+    assert in_short(exceeded_limits(soft, response)) == "modulus; roughness; yield"
     for unlike in (
         {"socket_radius": 5.2e-5, "ball": "steel"},
         {"ball": "1e5,0.3", "socket": "1e22,0.3"},
     ):
-        assert "joint" in mechanism_limits(Scene(**unlike), response)
+        assert "joint" in exceeded_limits(Scene(**unlike), response)

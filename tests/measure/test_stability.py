@@ -15,9 +15,10 @@ from study.contact import shapes
 from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
 from study.joint import Joint, Material, complementarity, force_curve, paper_joint
 from study.joint.compliance import surface_angles
-from study.measure import explicit, limits, stability
+from study.measure import explicit, stability, thresholds
 from study.mechanism import MechanismError, Scene, paper_scene, particles, rigid
 from study.mechanism.frame import Frame
+from study.mechanism.joints import ContactState
 
 PAPER = paper_scene()
 SLIPPERY = PAPER.replace(friction=0.0)
@@ -27,7 +28,7 @@ SETTLED = 0.03  # s
 @pytest.fixture(scope="module")
 def pressed():
     """Rigid links pressed steadily: their state, and the contact as an oscillator."""
-    state = stability.lasting_contact(SLIPPERY, "hertz", SETTLED)
+    state = stability.sustained_contact(SLIPPERY, "hertz", SETTLED)
     return state, stability.oscillator(SLIPPERY, "hertz", state)
 
 
@@ -39,7 +40,7 @@ def test_oscillator_is_the_linearised_equation(pressed):
     numbers, p = stability.packed(SLIPPERY, "hertz"), SLIPPERY.constants()
     reach = np.hypot(state[1], state[2])
     y = np.array([state[0], contact_["depth"], np.arctan2(state[2], state[1]), state[3], 0, 0])
-    slopes, piece = np.zeros((3, 6)), (True, 0, 1e-4)
+    slopes, piece = np.zeros((3, 6)), ContactState(True, 0, 1e-4)
     rigid.derive(y, piece, p, *rigid.motion(y, piece, p, numbers), slopes)
     rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * 1e-4)
     assert reach > numbers.clearance
@@ -67,7 +68,7 @@ def test_limits_of_the_linear_oscillator(scheme, rate, expected):
 @pytest.mark.parametrize(("law", "moment"), [("hertz", 0.5), ("hyperbolic_winkler", 0.05)])
 def test_stiffness_limits_the_step_as_predicted(law, moment, scheme):
     scene = SLIPPERY.replace(driving_moment=moment)
-    state = stability.lasting_contact(scene, law, SETTLED * (0.5 / moment) ** 0.5)
+    state = stability.sustained_contact(scene, law, SETTLED * (0.5 / moment) ** 0.5)
     limit = stability.step_limit(scheme, stability.oscillator(scene, law, state)["frequency"])
     seen = stability.observed_step(scene.replace(restitution=1.0), law, state, scheme)
     assert seen == pytest.approx(limit, rel=0.03)
@@ -123,7 +124,7 @@ def test_an_explicit_step_beyond_its_limit_is_refused(pressed, scheme, approach)
 @pytest.mark.parametrize("scheme", ["symplectic Euler", "lagged"])
 def test_friction_that_sticks_limits_the_step_as_predicted(scheme, band):
     scene = paper_scene(friction=3.0, slow_speed=0.0, full_speed=band)
-    state = stability.lasting_contact(scene, "hertz", 0.8 * SETTLED)
+    state = stability.sustained_contact(scene, "hertz", 0.8 * SETTLED)
     limit = 2 / stability.oscillator(scene, "hertz", state)["friction_rate"]
     seen = stability.observed_step(scene.replace(restitution=1.0), "hertz", state, scheme)
     assert seen == pytest.approx(limit, rel=0.15)
@@ -131,10 +132,10 @@ def test_friction_that_sticks_limits_the_step_as_predicted(scheme, band):
 
 def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
     scene = paper_scene(friction=3.0, slow_speed=0.0, full_speed=1e-3, restitution=1.0)
-    state = stability.lasting_contact(scene, "hertz", 0.8 * SETTLED)
+    state = stability.sustained_contact(scene, "hertz", 0.8 * SETTLED)
     rate = stability.oscillator(scene, "hertz", state)["friction_rate"]
     numbers, p = stability.packed(scene, "hertz"), scene.constants()
-    (angle, ex, ey), slopes, piece = state[:3], np.zeros((3, 6)), (True, 1, np.inf)
+    (angle, ex, ey), slopes, piece = state[:3], np.zeros((3, 6)), ContactState(True, 1, np.inf)
     still = np.array([angle, np.hypot(ex, ey) - numbers.clearance, np.arctan2(ey, ex), 0, 0, 0])
     rigid.derive(still, piece, p, *rigid.motion(still, piece, p, numbers), slopes)
     assert rate == pytest.approx(np.abs(np.linalg.eigvals(slopes[:3, 3:])).max(), rel=1e-9)
@@ -216,7 +217,7 @@ def test_a_slow_contact_that_is_driven_apart_pulls_and_the_response_tells():
     def pulls(factor):
         return free_impact(factor, 10.0, 1.0, 0.0)[1] > 1e-9
 
-    onset = limits.bisect(pulls, 0.05, 50, 20)
+    onset = thresholds.bisect(pulls, 0.05, 50, 20)
     assert onset == pytest.approx(1 / np.sqrt(2 * (0.4 + 10)), rel=0.03)  # undamped
     start = (-PAPER.clearance * (1 - 1e-8), 0.0)
     scene = PAPER.replace(initial_eccentricity=start)
@@ -453,6 +454,6 @@ def test_steuermann_of_any_order_is_finite_and_settles():
 
 def test_rows_of_the_table_hold_numbers_as_text():
     rows = [("a limit", "if so", 2.0, 1.23456, "s", ""), ("other", "", "none", 0, "", "nothing")]
-    table = limits.table(rows)
+    table = thresholds.table(rows)
     assert table.predicted.tolist() == ["2", "none"]
     assert table.observed.tolist() == ["1.23", "0"]

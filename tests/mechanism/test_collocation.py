@@ -8,10 +8,11 @@ import pytest
 from helpers.laws import packed
 
 from study.mechanism import collocation, paper_scene, radau, rigid
+from study.mechanism.joints import ContactState
 
 SCENE = paper_scene()
 HERTZ = packed("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)
-MODE = (True, 2, 0.06)
+CONTACT = ContactState(True, 2, 0.06)
 START = np.array([0.5, 8e-7, 2.1, 11.0, 0.0, 900.0, 0, 0, 0])
 
 
@@ -20,15 +21,15 @@ def step(y, h, iterations=20):
     p, n = SCENE.constants(), rigid.UNKNOWNS
     work = np.zeros(1, collocation.fields(n)).view(np.recarray)[0]
     work.start[:] = y
-    motion, parts = rigid.motion(y, MODE, p, HERTZ)
-    rigid.derive(y, MODE, p, motion, parts, work.k)
+    motion, parts = rigid.motion(y, CONTACT, p, HERTZ)
+    rigid.derive(y, CONTACT, p, motion, parts, work.k)
     work.rates[0, :n], work.rates[0, n:] = motion.accelerations, motion.powers
     work.rates[1:, :n] = motion.accelerations
     collocation.factorise(work, h)
     for _ in range(iterations):
         for i in range(radau.STAGES):
             collocation.stage(i, work, h)
-            motion, _ = rigid.motion(work.trial, MODE, p, HERTZ)
+            motion, _ = rigid.motion(work.trial, CONTACT, p, HERTZ)
             work.residuals[i] = motion.accelerations - work.rates[1 + i, :n]
             work.rates[1 + i, n:] = motion.powers
         collocation.improve(work, h)

@@ -82,7 +82,7 @@ def test_finite_elements_mass_is_consistent():
     mass = dense(system.mass)
     assert mass == pytest.approx(mass.T)
     moved = np.zeros(len(system.initial))
-    moved[[*np.unique(system.unknowns[:, [0, 3]]), system.ball[3]]] = 1.0
+    moved[[*np.unique(system.unknowns[:, [0, 3]]), system.ball.slider]] = 1.0
     assert moved @ mass @ moved == pytest.approx(0.3 + 0.21 + 0.14, rel=1e-12)
 
 
@@ -109,14 +109,13 @@ def test_contact_tangent_of_finite_elements_is_the_derivative():
     s = PAPER
     law = packed("hertz", s.ball_radius, s.socket_radius, s.composite_modulus)
     p = s.constants()
-    ball = np.array([0, 1, 2, 3])
+    ball = beams.Ball(0, 1, 2, 3)
     q, v = np.array([3e-5, -4.1e-5, 0.3, 0.0]), np.array([0.02, 0.01, 0.5, 0.015])
 
     def forces(q, v):
-        joint = np.zeros(10)
-        stiff, damp = beams._contact(q, v, ball, True, 0.05, beams.ANY, p, law, joint)
-        moment = s.ball_radius * joint[beams.TANGENTIAL]
-        return np.array([-joint[beams.FORCE_X], -joint[beams.FORCE_Y], moment]), stiff, damp
+        joint, stiff, damp = beams._contact(q, v, ball, True, 0.05, beams.ANY, p, law)
+        moment = s.ball_radius * joint.tangential
+        return np.array([-joint.force_x, -joint.force_y, moment]), stiff, damp
 
     _, stiff, damp = forces(q, v)
     assert abs(forces(q, v)[0][2]) > 0.01

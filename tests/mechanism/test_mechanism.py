@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -17,6 +18,7 @@ from study.contact.damping import DAMPINGS
 from study.joint import Joint, force_curve
 from study.measure import explicit
 from study.mechanism import MechanismError, Scene, compare, paper_scene, rigid, stepping
+from study.mechanism.joints import ContactState
 from study.mechanism.response import EVENTS
 
 PAPER = paper_scene()
@@ -254,7 +256,9 @@ def test_motion_has_rows_at_start_peak_and_end_of_each_impact(model):
     response = simulate(model=model, duration=0.006, outputs=20)
     impacts, motion = response.impacts, response.motion
     assert motion.time.is_monotonic_increasing
-    assert np.array_equal(motion[motion.event == ""].drop(columns="event"), response.rows)
+    assert np.array_equal(
+        motion[motion.event == ""].drop(columns="event"), pd.DataFrame(response.rows)
+    )
     start, peak, end = (motion[motion.event == kind] for kind in EVENTS)
     step = {"rigid": 1e-12, "particles": 1e-6, "beams": 1e-6}[model]
     ended = impacts.dropna()
@@ -281,9 +285,9 @@ def test_peaks_between_outputs_are_those_of_a_fine_simulation():
         assert coarse[column] == pytest.approx(at_peak, rel=1e-6)
 
 
-def test_a_contact_is_lasting_if_ten_times_as_long_as_a_free_impact():
+def test_a_contact_is_sustained_if_ten_times_as_long_as_a_free_impact():
     impacts = simulate().impacts
-    assert impacts.kind.tolist() == ["impact"] * 8 + ["lasting"]
+    assert impacts.kind.tolist() == ["impact"] * 8 + ["sustained"]
     begun = impacts.time[8] + 2 * impacts.free_duration[8]  # the same contact, a moment after
     assert simulate(duration=begun).impacts.kind.tolist() == ["impact"] * 9
 
@@ -302,21 +306,21 @@ def test_free_duration_is_that_of_hertz():
 def test_jacobian_is_the_derivative(drive):
     p = PAPER.replace(gravity=9.81, **drive).constants()
     cases = [
-        (np.array([0.7, 1.3e-5, -2e-5, 11.0, 0.03, -0.05, 0, 0]), (False, 0, 1.0)),
-        (np.array([0.7, 8e-7, 2.1, 11.0, 0.02, 900.0, 0, 0]), (True, 1, 0.06)),
-        (np.array([4.0, 8e-7, -0.4, -30.0, -0.02, -900.0, 0, 0]), (True, -2, 0.06)),
+        (np.array([0.7, 1.3e-5, -2e-5, 11.0, 0.03, -0.05, 0, 0]), ContactState(False, 0, 1.0)),
+        (np.array([0.7, 8e-7, 2.1, 11.0, 0.02, 900.0, 0, 0]), ContactState(True, 1, 0.06)),
+        (np.array([4.0, 8e-7, -0.4, -30.0, -0.02, -900.0, 0, 0]), ContactState(True, -2, 0.06)),
     ]
-    for y, mode in cases:
+    for y, contact_state in cases:
         k = np.zeros((3, 6))
-        motion, parts = rigid.motion(y, mode, p, HERTZ)
-        rigid.derive(y, mode, p, motion, parts, k)
+        motion, parts = rigid.motion(y, contact_state, p, HERTZ)
+        rigid.derive(y, contact_state, p, motion, parts, k)
         for j in range(6):
             h = 1e-6 * max(abs(y[j]), 1e-5)
             ends = []
             for sign in (1, -1):
                 moved = y.copy()
                 moved[j] += sign * h
-                ends.append(rigid.motion(moved, mode, p, HERTZ)[0].accelerations)
+                ends.append(rigid.motion(moved, contact_state, p, HERTZ)[0].accelerations)
             by_difference = np.subtract(*ends) / (2 * h)
             size = np.abs(k).max(axis=1) * 1e-7 + np.abs(motion.accelerations) * 1e-8 / h
             assert (np.abs(k[:, j] - by_difference) <= size + 1e-4 * np.abs(k[:, j])).all()
@@ -411,7 +415,7 @@ def test_no_drive_no_motion(model, joint):
     assert np.abs(response.crank_angle).max() < 1e-15
     assert response.impacts.empty
     assert response.kinetic.max() < 1e-20  # rounding of the places, for flexible links
-    assert (compare.lead(response, response) == 0).all()
+    assert (compare.phase_lead(response, response) == 0).all()
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-8])
@@ -479,8 +483,9 @@ def test_same_inputs_same_numbers(tmp_path):
 
 def test_blocks_are_not_changed_by_the_next_ones():
     def advance(rows, impacts, own):
-        state[stepping.IMPACTS] = 1
-        impacts[0], own[0] = impacts[0] + 1, rows[0, 0]
+        state.impacts = 1
+        impacts["time"] += 1
+        own["time"] = rows["time"][0]
         return 1, stepping.FINE
 
     state, times = stepping.new_state(), np.arange(1.0, 5.0)
@@ -489,7 +494,7 @@ def test_blocks_are_not_changed_by_the_next_ones():
     kept = [part.copy() for part in first]
     next(blocks)
     for part, before in zip(first, kept, strict=True):
-        np.testing.assert_array_equal(part, before)
+        assert part.tobytes() == before.tobytes()
 
 
 def test_interruption_leaves_what_was_computed():
@@ -505,7 +510,7 @@ def test_interruption_leaves_what_was_computed():
     assert response.time[-1] == told[-1]
     whole = simulate(duration=0.1, outputs=1000)
     assert (response.rows == whole.rows[: len(response.rows)]).all()
-    assert response.event_rows[:, 0].max() <= response.time[-1]
+    assert response.event_rows["time"].max() <= response.time[-1]
 
 
 @pytest.mark.parametrize(
@@ -528,7 +533,7 @@ def test_an_interruption_is_noticed_between_two_times_of_output(model, duration,
     assert (response.complete, told, len(response.rows)) == (False, [0.0] * 3, 1)
     slow = run()
     for rows in ("rows", "impact_rows", "event_rows"):
-        np.testing.assert_array_equal(getattr(slow, rows), getattr(whole, rows))
+        assert getattr(slow, rows).tobytes() == getattr(whole, rows).tobytes()
 
 
 def test_normalised_rms_by_hand():
@@ -544,7 +549,7 @@ def test_normalised_rms_by_hand():
 
 def test_lead_and_last_separation():
     ideal, clearance = simulate(joint="ideal"), simulate()
-    lead = compare.lead(clearance, ideal)
+    lead = compare.phase_lead(clearance, ideal)
     assert lead[0] == 0
     k = 800
     shifted = np.interp(ideal.time[k] + lead[k], ideal.time, ideal.crank_angle)
@@ -559,23 +564,6 @@ def test_a_law_that_ends_before_one_clearance_is_refused():
     curve = force_curve(Joint(200), np.linspace(0.05, 0.5, 12) ** 2)
     with pytest.raises(ValueError, match=r"law must reach a depth of one clearance: .* <= 0\.25"):
         simulate(law=contact.tabulated(curve), duration=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"duration": -1.0}, "duration must be > 0 s, got -1 s"),
-        ({"outputs": 0}, "outputs must be >= 1 and <= 1e"),
-        ({"step": 0.0}, "step must be >= 1e-13 s, got 0 s"),
-        ({"scheme": "leapfrog"}, "scheme must be one of symplectic Euler, lagged"),
-        ({"approach": 0.0}, "approach must be > 0 m/s, got 0 m/s"),
-        ({"start": [np.nan] * 6}, "start must be finite, got nan"),
-    ],
-)
-def test_explicit_steps_refuse_bad_input(change, message):
-    given = {"duration": 1e-3, "outputs": 10, "step": 1e-6, "scheme": "RK4"} | change
-    with pytest.raises(ValueError, match=message):
-        explicit.integrate(PAPER, HERTZ, **given)
 
 
 @pytest.mark.parametrize(("scheme", "order"), [("lagged", 1), ("velocity Verlet", 2), ("RK4", 4)])
@@ -596,36 +584,39 @@ CHAOTIC = paper_scene(
 
 
 def test_a_response_tells_how_far_it_can_be_trusted():
-    assert simulate(PAPER, model="beams", duration=1e-4).agreement is None
-    assert simulate(PAPER, joint="ideal", duration=1e-3).agreement is None
-    calm = simulate(PAPER, tolerance=1e-8).agreement
+    def agreement(*scene, **options):
+        run = partial(simulate, *scene, **options)
+        return compare.second_run(run(), run)
+
+    assert agreement(PAPER, model="beams", duration=1e-4) is None
+    assert agreement(PAPER, joint="ideal", duration=1e-3) is None
+    calm = agreement(PAPER, tolerance=1e-8)
     assert (calm.until, calm.lasts, calm.impacts) == (0.1, True, (9, 9))
     assert calm.largest_distance < 1e-8
     assert calm.force_difference < 1e-6
-    assert simulate(PAPER, tolerance=1e-12, duration=0.01).agreement.lasts  # beside a rougher one
-    wild = [simulate(CHAOTIC, duration=0.05, tolerance=t).agreement for t in (1e-6, 1e-8, 1e-10)]
-    assert not any(agreement.lasts for agreement in wild)
-    until = [agreement.until for agreement in wild]
+    assert agreement(PAPER, tolerance=1e-12, duration=0.01).lasts  # beside a rougher one
+    wild = [agreement(CHAOTIC, duration=0.05, tolerance=t) for t in (1e-6, 1e-8, 1e-10)]
+    assert not any(found.lasts for found in wild)
+    until = [found.until for found in wild]
     assert until == sorted(until)  # errors grow exponentially: each digit buys the same time
     assert 0.01 < until[0] < until[-1] < 0.03
     # chaos, not the steps: a start moved by 1e-10 rad leads away as soon
     moved = CHAOTIC.replace(initial_crank_angle=CHAOTIC.initial_crank_angle + 1e-10)
     runs = [simulate(scene, duration=0.05, tolerance=1e-12) for scene in (CHAOTIC, moved)]
-    apart = compare.agreement(*runs, CHAOTIC.clearance, CHAOTIC.crank_clearance)
+    apart = compare.agreement(*runs)
     assert 0.01 < apart.until < 0.03
 
 
 def test_agreement_finds_where_motions_part():
     first = simulate(PAPER, duration=0.01, outputs=100)
     rows = first.rows.copy()
-    column = list(first.columns).index("eccentricity_y")
-    rows[60:, column] += 0.02 * PAPER.clearance
-    parted = compare.agreement(first, replace(first, rows=rows), PAPER.clearance)
+    rows["eccentricity_y"][60:] += 0.02 * PAPER.clearance
+    parted = compare.agreement(first, replace(first, rows=rows))
     assert (parted.until, parted.lasts) == (first.time[59], False)
     assert parted.largest_distance == parted.force_difference == 0
-    rows[60:, column] -= 0.015 * PAPER.clearance
-    same = compare.agreement(first, replace(first, rows=rows), PAPER.clearance)
+    rows["eccentricity_y"][60:] -= 0.015 * PAPER.clearance
+    same = compare.agreement(first, replace(first, rows=rows))
     assert same.lasts
     assert same.largest_distance == pytest.approx(0.005)
     with pytest.raises(ValueError, match="must have the same times"):
-        compare.agreement(first, simulate(PAPER, duration=0.01, outputs=50), PAPER.clearance)
+        compare.agreement(first, simulate(PAPER, duration=0.01, outputs=50))

@@ -14,7 +14,7 @@ from study import contact
 from study.checks import StudyError
 from study.contact import forces
 from study.contact.damping import damping_factor, delivered_restitution
-from study.contact.friction import friction_branch
+from study.contact.friction import friction_regime
 from study.joint import DimensionalJoint
 from study.mechanism import Scene, simulate
 from study.mechanism.spatial import ClearanceJoint, solve
@@ -54,15 +54,15 @@ def test_forces_in_the_plane_are_those_of_the_mechanism():
     joint.approach = 0.06
     force, torque, normal, damping, friction = joint.forces(place, velocity, spin)
     depth, sliding = 5.01e-5 - joint.law.clearance, 0.004 + R1 * 0.1
-    branch = friction_branch(sliding, 1e-4, 0.01)
+    regime = friction_regime(sliding, 1e-4, 0.01)
     factor = damping_factor("lankarani-nikravesh", 0.5)
-    motion = 0.03, sliding, branch, 0.06, factor, 0.05, 1e-4, 0.01
+    motion = 0.03, sliding, regime, 0.06, factor, 0.05, 1e-4, 0.01
     expected = forces.joint_forces(joint.law.packed(), depth, *motion)
-    assert normal == pytest.approx(expected[0], rel=1e-12)
-    assert force == pytest.approx([-normal, expected[5], 0], rel=1e-12)
-    assert torque == pytest.approx([0, 0, R1 * expected[5]], rel=1e-12)
-    assert damping == pytest.approx((normal - expected[3]) * 0.03, rel=1e-12)
-    assert friction == pytest.approx(-expected[5] * sliding, rel=1e-12)
+    assert normal == pytest.approx(expected.normal, rel=1e-12)
+    assert force == pytest.approx([-normal, expected.tangential, 0], rel=1e-12)
+    assert torque == pytest.approx([0, 0, R1 * expected.tangential], rel=1e-12)
+    assert damping == pytest.approx((normal - expected.elastic) * 0.03, rel=1e-12)
+    assert friction == pytest.approx(-expected.tangential * sliding, rel=1e-12)
 
 
 def test_forces_do_not_depend_on_the_frame_of_reference():

@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 
 from study.choose import choose_model
 from study.mechanism import compare, paper_scene, two_joints
+from study.mechanism.joints import ContactState
 
 PAPER = paper_scene()
 BOTH = PAPER.replace(crank_clearance=8e-5)
@@ -36,16 +37,16 @@ def test_jacobian_is_the_derivative(start):
     ]
     for values, contacts in states:
         y = np.array([*values, 0, 0, 0, 0, 0])
-        modes = tuple((contact, 1 if contact else 0, 0.06) for contact in contacts)
+        contacts = tuple(ContactState(closed, int(closed), 0.06) for closed in contacts)
         k = np.zeros((5, 10))
-        motion, parts = two_joints.motion(y, modes, p, packed)
-        two_joints.derive(y, modes, p, motion, parts, k)
+        motion, parts = two_joints.motion(y, contacts, p, packed)
+        two_joints.derive(y, contacts, p, motion, parts, k)
         for j in range(10):
             h, ends = 1e-6 * max(abs(y[j]), 1e-5), []
             for sign in (1, -1):
                 moved = y.copy()
                 moved[j] += sign * h
-                ends.append(two_joints.motion(moved, modes, p, packed)[0].accelerations)
+                ends.append(two_joints.motion(moved, contacts, p, packed)[0].accelerations)
             by_difference, mine = np.subtract(*ends) / (2 * h), k[:, j]
             size = np.abs(k).max(axis=1) * 1e-7 + np.abs(motion.accelerations) * 1e-8 / h
             assert (np.abs(mine - by_difference) <= size + 1e-4 * np.abs(mine)).all()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from study import checks
 from study.contact import DimensionalLaw, hertz
 from study.contact.laws import AnyLaw, find
-from study.mechanism import Scene, scene_law
+from study.mechanism import Scene, law_in_scene
 from study.mechanism.spatial import ClearanceJoint, solve
 
 
@@ -161,7 +161,7 @@ def crank_slider(
     settings = integration(duration, step, step)
     s, (system, at, slider) = scene, links(scene)
     law = find(law)
-    options = scene_law.options(scene, law, options)
+    options = law_in_scene.options(scene, law, options)
     sizes = {name: getattr(s, name) for name in ("ball_radius", "socket_radius")}
     joint = ClearanceJoint(
         DimensionalLaw(law, **sizes, composite_modulus=s.composite_modulus, **options),

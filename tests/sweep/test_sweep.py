@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -18,7 +19,7 @@ import pytest
 from study import cli
 from study.checks import StudyError
 from study.joint import DimensionalJoint, Joint, Material, force_curve, whole_curve
-from study.mechanism import MechanismError, Scene, simulate
+from study.mechanism import MechanismError, Scene, compare, simulate
 from study.sweep import COLUMNS, cases, random_cases, run, run_study
 
 JOINTS = {"r2_star": "20:2000:log", "socket_ratio": "1.1:2", "modulus_ratio": "0.3:3:log"}
@@ -124,7 +125,8 @@ def test_scenes_run_twice_say_until_when_they_can_be_trusted(tmp_path):
     once = swept(given, "scenes", tmp_path / "table.csv")[1]
     found, table = swept(given, "scenes", tmp_path / "table.csv", twice=True)
     assert found.columns == COLUMNS["scenes run twice"]
-    agreement = simulate(Scene(**wild)).agreement
+    run = partial(simulate, Scene(**wild))
+    agreement = compare.second_run(run(), run)
     assert 0.001 < agreement.until < 0.1
     expected = [0.01, agreement.until, np.nan, np.nan]
     assert table.trusted_until.to_list() == pytest.approx(expected, nan_ok=True)
@@ -135,7 +137,7 @@ def test_a_scene_whose_second_run_fails_is_a_row_with_its_reason(tmp_path, monke
     def second_run(*_):
         raise MechanismError("no step is small enough")
 
-    monkeypatch.setattr(sys.modules["study.mechanism.simulate"], "_second_run", second_run)
+    monkeypatch.setattr(sys.modules["study.sweep.cases"], "second_run", second_run)
     found, _ = swept([{"duration": 0.01}], "scenes", tmp_path / "table.csv", twice=True)
     why = "the second run, at another tolerance, failed: no step is small enough"
     assert found.failures == {"1": why}

@@ -17,7 +17,7 @@ QUARTER, PER_DEGREE = 18, 5  # parts of a quarter of a turn, and degrees in each
 _TINY = 1e-9  # of a window or of the duration: times of output have rounding errors
 
 
-def quantities(
+def motion_quantities(
     response: Response, ideal: Response, end: float | None = None, early: float = EARLY
 ) -> dict[str, float]:
     """Numbers of a response with clearance beside one with an ideal joint, by their names.
