@@ -18,7 +18,8 @@ JOINT = np.dtype(
         ("approach", float),
         ("deep", float),
         ("impact", np.int64),
-    ]
+    ],
+    align=True,
 )
 """State of a joint: its `ContactState`, the depth to which the approach speed can lead, and the
 number of the impact."""

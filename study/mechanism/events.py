@@ -26,7 +26,6 @@ from study.mechanism.equations import JOINT, Laws
 from study.mechanism.free_impact import impact_depth
 from study.mechanism.locating import MARK, NO_EVENT, SURFACES, UPWARDS
 from study.mechanism.radau import AT_START, STAGES
-from study.mechanism.response import RIGID_OUTPUT
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import SLIDER
 
@@ -357,4 +356,4 @@ def blocks(
     """Blocks of output rows at ``times`` of the scene with its clearance joints and packed laws."""
     state, loop = stepper(scene, laws, times[-1], tolerance)
     failure = f"no step is small enough for tolerance {tolerance:g}"
-    return stepping.advance_in_blocks(loop, times, state, failure, RIGID_OUTPUT)
+    return stepping.advance_in_blocks(loop, times, state, failure)

@@ -51,9 +51,8 @@ def add_free_durations(starts, impacts, p, laws):
         impact, row, duration = impacts[i], starts[i], 0.0
         j, speed = impact.joint, impact.approach_speed
         ex, ey = row.eccentricity_x, row.eccentricity_y
-        if len(laws) > 1:  # noqa: SIM102 (the compiler leaves this out for one law)
-            if j == CRANK:
-                ex, ey = row.crank_joint_eccentricity_x, row.crank_joint_eccentricity_y
+        if j == CRANK:
+            ex, ey = row.crank_joint_eccentricity_x, row.crank_joint_eccentricity_y
         ny, nx = sine_cosine(direction(ey, ex))
         phi = sine_cosine(row.coupler_angle)
         deep = impact_depth(j, row.crank_angle, phi, nx, ny, speed, p, laws)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.mechanism import loads
-from study.mechanism.response import RIGID_OUTPUT
+from study.mechanism.response import OUTPUT
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import Block, MechanismError, new_impacts
 
@@ -100,7 +100,7 @@ def blocks(scene: Scene, times: NDArray[np.float64]) -> Iterator[Block]:
     # of the drive
     fast = np.sqrt((abs(p.moment) + abs(p.g1) + abs(p.g2)) / p.a11) + 1 / times[-1]
     atol = 1e-15 * p.a11 * fast**2 if p.steady else (1e-15, 1e-15 * fast)
-    table, done = np.zeros(len(times), RIGID_OUTPUT), 0
+    table, done = np.zeros(len(times), OUTPUT), 0
     table["time"] = times
     start, state = 0.0, (0.0,) if p.steady else (angle, speed)
     for block in np.array_split(times, min(BLOCKS, (len(times) + 1) // 2)):
@@ -117,4 +117,4 @@ def blocks(scene: Scene, times: NDArray[np.float64]) -> Iterator[Block]:
             motion = theta, omega, p.moment * theta
         _fill(table[done : done + len(block)], p, *motion)
         done += len(block)
-        yield table[:done], *new_impacts(0, RIGID_OUTPUT)
+        yield table[:done], *new_impacts(0)

@@ -69,10 +69,8 @@ IMPACT_COLUMNS = {
 }
 SUSTAINED = 10.0
 """A contact that lasts this many times a free impact of its approach speed is not an impact."""
-OUTPUT, RIGID_OUTPUT = (
-    np.dtype([(name, float) for name in columns]) for columns in (COLUMNS, ALL_COLUMNS)
-)
-"""A row of output, of flexible links and of rigid ones."""
+OUTPUT = np.dtype([(name, float) for name in ALL_COLUMNS])
+"""A row of output; flexible links leave `CRANK_COLUMNS` at 0."""
 IMPACT_ROW = np.dtype(
     [("joint", "U6"), ("kind", "U9"), *((name, float) for name in IMPACT_COLUMNS)]
 )

@@ -12,6 +12,7 @@ from math import sqrt
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
+from numpy.lib.recfunctions import repack_fields
 
 from study import checks
 from study.contact import DimensionalLaw
@@ -20,6 +21,8 @@ from study.mechanism import beams, events, ideal, law_in_scene, particles
 from study.mechanism.free_impact import add_free_durations
 from study.mechanism.law_in_scene import LAW
 from study.mechanism.response import (
+    ALL_COLUMNS,
+    COLUMNS,
     EVENTS,
     IMPACT_COLUMNS,
     IMPACT_ROW,
@@ -193,7 +196,7 @@ def _checked(
         blocks = events.blocks(scene, laws, times, tolerance)
     told = ("none" if gapless else law_text), scene.restitution, scene.delivered_restitution
     told += (None, ()) if flexible or gapless else (tolerance, gaps)
-    return partial(_gather, blocks, scene, laws, told)
+    return partial(_gather, blocks, scene, laws, COLUMNS if flexible else ALL_COLUMNS, told)
 
 
 def _taken(name, value):
@@ -215,7 +218,7 @@ def _check_motion(scene, model, gapless, duration):
     checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)
 
 
-def _gather(blocks, scene, laws, told, progress=None):
+def _gather(blocks, scene, laws, columns, told, progress=None):
     """Run a model to its end or to an interruption; ``told`` are further fields of the response."""
     rows, complete = None, True
     try:
@@ -235,6 +238,7 @@ def _gather(blocks, scene, laws, told, progress=None):
     for table in (own, rows):
         table["work"] -= first
         add_stored_energy(table, laws)
+    own, rows = (repack_fields(table[list(columns)]) for table in (own, rows))
     impact_rows = np.zeros(len(impacts), IMPACT_ROW)
     for name in IMPACT_COLUMNS:
         impact_rows[name] = impacts[name]

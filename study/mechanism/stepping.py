@@ -169,9 +169,9 @@ def add_stored_energy(rows, laws):
             row.elastic += stored_energy(laws[CRANK], row.crank_joint_depth)
 
 
-def new_impacts(number: int, output: np.dtype) -> tuple[NDArray[np.void], NDArray[np.void]]:
+def new_impacts(number: int) -> tuple[NDArray[np.void], NDArray[np.void]]:
     """Empty tables for a number of impacts, and for their rows of output (NaN)."""
-    return np.zeros(number, IMPACT), np.full((number, len(EVENTS)), np.nan, output)
+    return np.zeros(number, IMPACT), np.full((number, len(EVENTS)), np.nan, OUTPUT)
 
 
 def divide(times: NDArray[np.float64], step: float) -> tuple[int, float]:
@@ -183,7 +183,9 @@ def divide(times: NDArray[np.float64], step: float) -> tuple[int, float]:
 
 def new_state(*own: str) -> np.recarray:
     """A model's state at the start, with numbers of its own; its loop fills all rows."""
-    (state,) = np.zeros(1, [*STATE, *((name, float) for name in own)]).view(np.recarray)
+    # own fields first: else numba takes loops of a model without any for those of all models
+    fields = np.dtype([*((name, float) for name in own), *STATE], align=True)
+    (state,) = np.zeros(1, fields).view(np.recarray)
     state.until = np.inf
     return state
 
@@ -193,7 +195,6 @@ def advance_in_blocks(
     times: NDArray[np.float64],
     state: np.recarray,
     failure: str,
-    output: np.dtype = OUTPUT,
 ) -> Iterator[Block]:
     """Growing blocks of the rows of output at ``times``, from a model's compiled loop.
 
@@ -203,8 +204,8 @@ def advance_in_blocks(
     state's limit, if ``advance`` failed; and with another text if a ball goes deeper than one
     clearance.
     """
-    impacts, events = new_impacts(64, output)
-    rows = np.zeros(len(times), output)
+    impacts, events = new_impacts(64)
+    rows = np.zeros(len(times), OUTPUT)
     rows["time"] = times
     done, some = 0, 10
     while done < len(rows):
@@ -212,7 +213,7 @@ def advance_in_blocks(
         filled, status = advance(rows[done:], impacts, events)
         done += filled
         if status == FULL:
-            more = zip((impacts, events), new_impacts(len(impacts), output), strict=True)
+            more = zip((impacts, events), new_impacts(len(impacts)), strict=True)
             impacts, events = map(np.concatenate, more)
             continue
         if status != FINE:
