@@ -15,9 +15,9 @@ import numpy as np
 
 from study.contact import Material, hertz
 from study.contact.forces import elastic_force
+from study.mechanism.law_in_scene import in_joint
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
-from study.mechanism.scene_law import in_joint
 
 Quantity = Literal["slider_position", "slider_velocity", "slider_acceleration"]
 QUANTITIES = get_args(Quantity)

@@ -28,10 +28,10 @@ from study.contact.laws import find
 from study.joint import Joint
 from study.mechanism import simulate
 from study.mechanism.compare import motion_nrms
+from study.mechanism.law_in_scene import in_joint
 from study.mechanism.particles import usual_step
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
-from study.mechanism.scene_law import in_joint
 
 LEAST_R2_STAR = 3  # below, a ball cannot go one clearance deep
 LAW_TOLERANCE = 0.01

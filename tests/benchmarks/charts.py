@@ -34,7 +34,7 @@ from study.measure import explicit
 from study.measure.speed import OURS
 from study.mechanism import paper_scene, simulate
 from study.mechanism.compare import normalised_rms
-from study.mechanism.scene_law import in_joint
+from study.mechanism.law_in_scene import in_joint
 
 SIZES = {"ball_radius": 9.95e-3, "socket_radius": 10e-3, "composite_modulus": 1.1e11}  # of laws
 PAPER = paper_joint()  # of the laws

@@ -48,8 +48,8 @@ paths.BUILD = paths.CACHE = pathlib.Path(sys.argv[1])
 sys.path.insert(0, sys.argv[2])
 from study.contact import hertz
 from study.measure import explicit
-from study.mechanism import Scene, scene_law, simulate
-law = scene_law.in_joint(Scene(), hertz, Scene().clearance).packed()
+from study.mechanism import Scene, law_in_scene, simulate
+law = law_in_scene.in_joint(Scene(), hertz, Scene().clearance).packed()
 {prepare}
 start = time.perf_counter()
 {call}

@@ -42,7 +42,7 @@ def contact(system: Any, scene: Scene, ball: int, socket: int) -> int:
     """
     from exudyn import itemInterface as item  # noqa: N813
 
-    s, law = scene, scene_law.in_joint(scene, hertz, scene.clearance).packed()
+    s, law = scene, law_in_scene.in_joint(scene, hertz, scene.clearance).packed()
     start = [s.clearance, 0, 0, 0]  # the gap must start positive, or the first impact is missed
     data = item.NodeGenericData(initialCoordinates=start, numberOfDataCoordinates=4)
     return system.AddObject(
