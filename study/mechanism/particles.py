@@ -55,15 +55,6 @@ COSINE, SINE, ANGLE, LENGTH, GROWTH, BENT1, BENT2, MOMENT1, MOMENT2, PULL, PUSH 
 FORCE_X, FORCE_Y, MOMENT, MIDDLE_U, MIDDLE_V, MIDDLE_SPIN = range(11, 17)
 
 
-def numbers_of_elements(pair: tuple[int, int]) -> tuple[int, int]:
-    """Return the numbers of elements of crank and coupler, or raise ``ValueError``."""
-    if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-        shown = checks.shown(pair)
-        raise ValueError(f"elements must be two numbers, of crank and coupler, got {shown}")
-    crank, coupler = (checks.whole("elements", n, least=1, most=500) for n in pair)
-    return crank, coupler
-
-
 def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
     """Limit of stability of the explicit step with a clearance joint out of contact, in s."""
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
