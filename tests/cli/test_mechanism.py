@@ -4,13 +4,12 @@ import json
 import os
 import re
 import signal
-import sys
 from functools import wraps
 
 import pandas as pd
 import pytest
 
-from study.mechanism import MechanismError, Scene, simulate
+from study.mechanism import MechanismError, Scene, compare, simulate
 
 
 def test_simulate_prints_the_end_and_every_impact(run):
@@ -98,7 +97,7 @@ def test_a_second_run_that_ends_early_loses_nothing(run, tmp_path, monkeypatch, 
     def second_run(*_):
         raise error
 
-    monkeypatch.setattr(sys.modules["study.mechanism.simulate"], "_second_run", second_run)
+    monkeypatch.setattr(compare, "second_run", second_run)
     output = tmp_path / "motion.csv"
     status, out, _ = run("simulate", "--duration", "0.01", "--output", output)
     assert status == 0
