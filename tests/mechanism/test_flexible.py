@@ -279,7 +279,7 @@ def test_flexible_links_of_random_scenes(model):
         try:
             r = simulate(eased, model=model, duration=0.02, outputs=20, **TWO)
         except MechanismError as error:
-            assert "the depth must stay" in str(error)  # noqa: PT017
+            assert "the depth must stay" in str(error)
             continue
         ended += 1
         assert np.isfinite(r.motion.drop(columns="event").to_numpy()).all()

@@ -437,7 +437,7 @@ def test_random_scenes_end_well(tolerance):
         try:
             response = simulate(scene, law=law, tolerance=tolerance, outputs=10)
         except MechanismError as error:
-            assert "the depth must stay" in str(error)  # noqa: PT017
+            assert "the depth must stay" in str(error)
             continue
         ended += 1
         assert np.isfinite(response.motion.drop(columns="event").to_numpy()).all()
