@@ -26,7 +26,7 @@ define install
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps $(1); }
 endef
 
-.PHONY: help reproduce test test-all check setup lab data bench lock clean
+.PHONY: help reproduce test test-all check setup lab data bench speed lock clean
 .PHONY: elsewhere
 
 help:
@@ -38,6 +38,7 @@ help:
 	@echo "make lab         set up, open the notebooks in JupyterLab"
 	@echo "make data        set up, build the finite-element dataset from nothing"
 	@echo "make bench       set up, measure the speed of solver, steppers and studies"
+	@echo "make speed       set up, time the charts of speed with the other programs found here"
 	@echo "make lock        renew requirements.lock (needs uv)"
 	@echo "make clean       remove .venv, build/ and all caches"
 
@@ -67,6 +68,9 @@ data: $(READY)
 
 bench: $(READY)
 	@$(BIN)/python -m pytest tests/bench_*.py --benchmark-columns=median,iqr,rounds
+
+speed: $(READY)
+	@PYTHONPATH=tests $(BIN)/python -m benchmarks
 
 lock:
 	@uv pip compile --quiet --universal --python-version 3.11 --extra dask --extra test --upgrade \

@@ -16,7 +16,7 @@ from pytask import Product, PythonNode, mark, task
 from study import paths, provenance
 from study.choose import random_scenes
 from study.claims import set_ups
-from study.dataset import design, fitting, production, stiffening_fit, store
+from study.dataset import contact_size, design, fitting, production, stiffening_fit, store
 
 MADE = production.to_make()
 CODE = {path: production.code(path) for path in production.GENERATED}
@@ -26,6 +26,8 @@ LIMITS, CHANGES = (
     [paths.BUILD / f"stiffening/{name}-{k}.txt" for k in range(counts["socket_poisson"])]
     for name, counts in (("limit", stiffening_fit.LIMITS), ("change", stiffening_fit.CHANGES))
 )
+POISSON = stiffening_fit.grid(contact_size.COUNTS)["socket_poisson"]
+SIZES = [paths.BUILD / f"contact_size/{k}.txt" for k in range(len(POISSON))]
 DESIGN = [paths.ROOT / "study/dataset/design.py"]
 DESCRIBED = [*production.GENERATED, store.MATERIALS, *store.PUBLISHED]
 SCENES, AT_ONCE = list(random_scenes.draw(0)), 10
@@ -66,17 +68,23 @@ if store.CURVES in MADE:
         production.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
 
 
-if store.COEFFICIENTS in MADE:
+if MADE & {store.COEFFICIENTS, store.RELATIVE_COSTS}:
 
-    def task_coefficients(
+    def task_laws(
         decided: Annotated[None, decided_by(store.COEFFICIENTS)],
         table: Path = store.CURVES,
         published: Path = store.TABLES,
+        measured: Path = store.SPEED,
         coefficients: Annotated[Path, Product] = store.COEFFICIENTS,
+        relative_costs: Annotated[Path, Product] = store.RELATIVE_COSTS,
     ):
-        fits = fitting.fit_laws(pd.read_csv(table), pd.read_csv(published))
-        with paths.whole(coefficients) as temporary:
-            temporary.write_text(json.dumps(fits, indent=2) + "\n", encoding="utf-8")
+        numbers = {
+            coefficients: fitting.fit_laws(pd.read_csv(table), pd.read_csv(published)),
+            relative_costs: fitting.relative_costs(pd.read_csv(measured)),
+        }
+        for path, values in numbers.items():
+            with paths.whole(path) as temporary:
+                temporary.write_text(json.dumps(values, indent=2) + "\n", encoding="utf-8")
 
 
 for counts, parts in ((stiffening_fit.LIMITS, LIMITS), (stiffening_fit.CHANGES, CHANGES)):
@@ -103,7 +111,32 @@ if store.TABLE in MADE:
         table: Annotated[Path, Product] = store.TABLE,
     ):
         solved = [[np.loadtxt(part) for part in parts] for parts in (limits, changes)]
-        production.write_stiffening(stiffening_fit.table(*solved))
+        production.write_coefficients(stiffening_fit.table(*solved), table)
+
+
+for nu, part in zip(POISSON, SIZES, strict=True):
+    if store.CONTACT_SIZE not in MADE:
+        break
+
+    @mark.try_first
+    @task(id=f"contact-size-{part.stem}")
+    def task_contact_size(
+        of: Annotated[float, decided_by(store.CONTACT_SIZE, float(nu))],
+        part: Annotated[Path, Product] = part,
+    ):
+        with paths.whole(part) as temporary:
+            np.savetxt(temporary, contact_size.parts(of).reshape(-1, 9))
+
+
+if store.CONTACT_SIZE in MADE:
+
+    def task_contact_size_table(
+        decided: Annotated[None, decided_by(store.CONTACT_SIZE)],
+        parts: list[Path] = SIZES,
+        table: Annotated[Path, Product] = store.CONTACT_SIZE,
+    ):
+        solved = [np.loadtxt(part) for part in parts]
+        production.write_coefficients(contact_size.size_table(solved), table)
 
 
 for k, part in enumerate(LINKS):

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from benchmarks import charts
 from helpers.laws import IN_SI_UNITS
 
 from study import contact
@@ -10,6 +9,7 @@ from study.contact import DimensionalLaw, stiffening
 from study.joint import Joint, fem, force_curve, series, tilted, tilted_contact, whole_curve
 from study.joint.bodies import Ball, Socket
 from study.joint.supports import Core
+from study.measure import charts
 
 DEPTHS = np.linspace(0.025, 0.5, 20)
 

@@ -1,6 +1,6 @@
 """Speed of the steppers: run with ``make bench``. Nothing fails for being slow.
 
-At equal accuracy, beside other programs: `study measure`, drawn in notebook 16.
+At equal accuracy, beside other programs: ``make speed``, drawn in notebook 16.
 """
 
 import subprocess
@@ -9,18 +9,15 @@ from functools import partial
 
 import numpy as np
 import pytest
-from benchmarks import charts, flexible_links
-from helpers.laws import packed
+from benchmarks import others
 from other_programs import cvode, odes
 
 from study.joint import DimensionalJoint
-from study.measure import explicit, speed
+from study.measure import charts, explicit, flexible, speed, timing
 from study.mechanism import simulate
 from study.mechanism.spatial import ClearanceJoint
 
-LAW = packed(
-    "hertz", charts.SCENE.ball_radius, charts.SCENE.socket_radius, charts.SCENE.composite_modulus
-)
+LAW = charts.hertz_law()
 SPAN = (charts.DURATION, charts.OUTPUTS)
 RUNS = {
     "this study, 1e-8": partial(
@@ -45,8 +42,9 @@ def test_time_over_that_of_compiled_cvode(capsys):
     if cvode.version() is None:
         pytest.skip("gcc or SUNDIALS 6 (libsundials-dev) is not installed")
     names = speed.OURS, "CVODE in C"
-    chosen = [row for row in charts.STEPPERS if row[0].startswith(names)]
-    table = speed.at_equal_error(charts.steppers(5, chosen, compile_times=False))
+    runs = [*charts.steppers(compile_times=False), *others.steppers()]
+    chosen = [run for run in runs if run.method.startswith(names)]
+    table = speed.at_equal_error(timing.chart("steppers", chosen, 5))
     table = table.pivot(index="method", columns="error", values=["time", "ratio"])
     with capsys.disabled():
         print("\n0.3 s with clearance, rigid links, compiled: time in s, ratio to this study")
@@ -59,13 +57,17 @@ def test_flexible_links(benchmark, model):
     benchmark.pedantic(simulate, kwargs={"model": model}, rounds=3, warmup_rounds=1)
 
 
-@pytest.mark.parametrize("method", flexible_links.METHODS)
+@pytest.mark.parametrize("method", [*flexible.MODELS, "ANCF cables"])
 def test_first_impact_of_flexible_links(benchmark, method):
     """Each with the mesh and step that are within 3 % in the least time."""
     if method == "ANCF cables":
         pytest.importorskip("exudyn", reason="Exudyn is not installed")
     n, step = {"particles": (4, 1e-6), "beams": (4, 4e-6), "ANCF cables": (2, 4e-6)}[method]
-    run = flexible_links.call("first impact", method, (n, 2 * n), step)
+    arguments = "first impact", (n, 2 * n), step
+    if method == "ANCF cables":
+        run = others.cable(*arguments)
+    else:
+        run = partial(flexible.simulated, method, *arguments)
     benchmark.group, benchmark.name = "first impact within 3 %, flexible links", method
     benchmark.pedantic(run, rounds=7, warmup_rounds=1)
 

@@ -17,9 +17,9 @@ from time import perf_counter
 from typing import NamedTuple
 
 import pytest
-from benchmarks.timing import machine
 
 from study import paths
+from study.measure.timing import machine
 
 TIMES = 5
 BIN = Path(sys.executable).parent  # with the environment that runs the benchmark

@@ -4,10 +4,9 @@ A law's error is the largest relative error of its force over all depths from `S
 clearances to the scene's largest, against the solved joint. Bodies are elastic there: from which
 depth on they yield, `study.joint.first_yield` says. Its bound includes 3 times the error estimate
 of that solution. Where no closed law is within the tolerance, it is the table of the coarsest
-solution that is. Costs are those of ``data/published/speed.csv``.
+solution that is. Costs are those of `study.contact.costs`.
 """
 
-import csv
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -15,8 +14,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from study import checks, paths
+from study import checks
 from study.contact import LAWS, hertz, largest_depth, tabulated
+from study.contact.costs import relative_costs
 from study.joint import Joint, UnresolvedError, force_curve, whole_curve
 from study.joint.compliance import RESOLUTION
 from study.joint.curve import ForceCurve
@@ -42,7 +42,6 @@ range begins at a twelfth of its end at most, so that the depth itself is within
 TOLERANCES = (1e-5, 1.0)
 """Least and largest. The finest solution is not known to within 1e-5, and it takes a minute to find
 this out."""
-COSTS = paths.DATA / "published/speed.csv"
 
 
 @dataclass(frozen=True)
@@ -236,26 +235,6 @@ def law_errors(
             continue
         by_law[law] = np.abs(force / force_star - 1)
     return by_law
-
-
-def relative_costs() -> dict[str, float]:
-    """Law -> time of a call in a compiled loop over that of Hertz's, as measured.
-
-    A law that `study measure` has not timed is left out, and not chosen.
-    """
-    paths.require_checkout(paths.DATA)
-    name = COSTS.relative_to(paths.ROOT).as_posix()
-    try:
-        with COSTS.open(newline="", encoding="utf-8") as file:
-            rows = [row for row in csv.DictReader(file) if row["chart"] == "laws"]
-        costs = {row["method"]: float(row["relative"]) for row in rows}
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        why = f"{name} is missing or damaged ({type(error).__name__})"
-        raise checks.StudyError(f"{why}; restore it with: git checkout -- data") from None
-    for law in ("hertz", "tabulated", "solver"):
-        if law not in costs:
-            raise checks.StudyError(f"{name} lacks {law}; restore it with: git checkout -- data")
-    return costs
 
 
 def _kind(joint):

@@ -362,7 +362,7 @@ def _law(joint, largest, tolerance, typed):
     plain = joint.joint
     try:
         choice = choose_beside(plain, largest / joint.clearance, tolerance)
-    except (checks.StudyError, ValueError) as error:  # no checkout, or no law is known well enough
+    except (checks.StudyError, ValueError) as error:  # no law is known well enough
         none = {"law": None, "law_error_bound": None, "export": None}
         return none, f"No law is chosen: {error}"
     depths = [joint.clearance * depth for depth in choice.depths]

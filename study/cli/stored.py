@@ -117,20 +117,20 @@ def measure_speed(
 ):
     """Time laws (a minute), solvers and steppers (some minutes each) on this machine.
 
-    Without --output the times are kept in data/published/speed.csv, which the charts and study
-    choose read. Charts that are not timed stay as they are, and so do programs that are not found
-    here (ccx, gcc with SUNDIALS 6, scikit-sundae, exudyn).
+    Without --output the times are kept in data/published/speed.csv, which the charts draw; study
+    data build then takes from them the costs that study choose compares. Charts that are not timed
+    stay as they are, and so do the rows of other programs, which make speed times in a checkout.
     """
     import pandas as pd
 
     from study.dataset import store
-    from study.measure import speed
+    from study.measure import charts
 
     cli.check_output(output, ".csv")
-    charts, frames = speed.measure(chart, repeats), []
+    measured, frames = charts.measure(chart, repeats), []
     if output is None:
         store.verify_files()  # before minutes of timing
-    for timed in charts:
+    for timed in measured:
         print(f"timed {timed.chart.iloc[0]}", file=sys.stderr)
         frames.append(timed)
         if output is None:

@@ -10,6 +10,7 @@ from study.dataset.store import (
     published,
     published_table_2,
     reference_forces,
+    renewed,
     set_ups,
     summary,
     verify_files,

@@ -3,7 +3,8 @@
 As in the paper, there is one coefficient f1 for each case, and then a surrogate of f1 over R2*. The
 surrogate is a straight line, because P* -> R2* F(ds) as R2* grows. Its intercept is the next order
 in 1/R2*. The paper's coefficients are lost; these are ours. Liu's coefficient follows from a
-published number. `study.dataset.stiffening_fit` makes the table of `stiffened_hertz`.
+published number. `study.dataset.stiffening_fit` makes the table of `stiffened_hertz`. What a call
+of each law costs is selected here too, from the times that were measured.
 """
 
 import numpy as np
@@ -131,3 +132,9 @@ def fit_laws(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict[st
     slope = liu_coefficient(force, liu_determination, unit)
     fits["liu"] = {"slope": _rounded(slope), "intercept": 0.0}
     return fits | {"power": _power(curves[curves.r2_star <= LARGEST_R2_STAR])}
+
+
+def relative_costs(measured: pd.DataFrame) -> dict[str, float]:
+    """Content of ``relative_costs.json``, from ``data/published/speed.csv``."""
+    laws = measured[measured.chart == "laws"]
+    return dict(zip(laws.method, laws.relative, strict=True))

@@ -22,13 +22,16 @@ FROM_NOTHING = "STUDY_DATA_FROM_NOTHING"  # tells data/task_data.py to make ever
 GENERATED = {
     store.CURVES: "joint/curve",
     store.COEFFICIENTS: "dataset/fitting",
+    store.RELATIVE_COSTS: "dataset/fitting",
     store.TABLE: "dataset/stiffening_fit",
+    store.CONTACT_SIZE: "dataset/contact_size",
     store.LINKS: "choose/random_scenes",
     store.SET_UPS: "claims/set_ups",
 }
 """Generated file -> module whose imports lead to all code that decides it."""
 MADE_FROM = {
     store.COEFFICIENTS: [store.CURVES, store.TABLES],
+    store.RELATIVE_COSTS: [store.SPEED],
     store.LINKS: [store.TABLE],
     store.SET_UPS: [store.TABLE, store.COEFFICIENTS],
 }
@@ -84,17 +87,17 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
             paths.copy(made, path)
 
 
-def write_stiffening(table: pd.DataFrame) -> None:
-    """Write the table of `study.contact.stiffening`, if it does not agree with the kept one.
+def write_coefficients(table: pd.DataFrame, path: Path) -> None:
+    """Write a table of Chebyshev coefficients, if it does not agree with the kept one.
 
     On another processor a number may differ by one, and one at the limit of being left out by two.
     """
-    if store.TABLE.is_file():
+    if path.is_file():
         keys = list(table.columns[: -len(stiffening.PLACES)])
-        kept = pd.read_csv(store.TABLE).set_index(keys)
+        kept = pd.read_csv(path).set_index(keys)
         if kept.sub(table.set_index(keys), fill_value=0).abs().to_numpy().max() <= 2:
             return
-    with paths.whole(store.TABLE) as temporary:
+    with paths.whole(path) as temporary:
         table.to_csv(temporary, index=False, lineterminator="\n")
 
 

@@ -3,8 +3,6 @@
 Bodies are solved once for many joints: some 10,000 joints take two minutes. In the limit of large
 R2* the grid is fine. The changes with a smaller R2* are smooth and take few places.
 `study.contact.stiffening` evaluates the table; notebook 15 has its errors on other joints.
-The report's page of a joint has a like table of half-angle and peak pressure. In four minutes
-``python -m study.dataset.stiffening_fit > study/pages/report/contact_size.csv`` makes it.
 """
 
 import itertools
@@ -25,15 +23,14 @@ from study.contact.stiffening import (
     UNIT,
 )
 from study.joint import Joint, Material
-from study.joint.curve import depths_and_forces, whole_curve
+from study.joint.curve import depths_and_forces
 from study.joint.supports import PLATES, RIMS
 from study.threads import one_thread
 
 Parts = Sequence[NDArray[np.float64]] | NDArray[np.float64]
 LIMITS = {"share": 9, "poisson": 5, "socket_poisson": 6, "socket_ratio": 10, "r2_star": 1}
 CHANGES = {"share": 9, "poisson": 5, "socket_poisson": 4, "socket_ratio": 6, "r2_star": 3}
-SIZES = {"share": 6, "poisson": 5, "socket_poisson": 4, "socket_ratio": 8, "r2_star": 3}
-"""Places of the coordinates: for infinite R2*, changes with R2*, half-angle and pressure."""
+"""Places of the coordinates: for infinite R2*, and for the changes with R2*."""
 _ORDER = ("socket_poisson", "socket_ratio", "share", "poisson", "r2_star")
 RESOLUTION = 128  # of the table's joints
 FINER = 320  # of those with the default supports, on which the changes by supports build
@@ -65,7 +62,7 @@ def logarithms(
         resolution = COARSER if counts["r2_star"] > 1 else resolution
         if of is None:
             depth, force = depths_and_forces(joint, DEEPEST, resolution)
-        solved.append(of(joint) if of else _at_places(depth, force / hertz(depth, r2_star)))
+        solved.append(of(joint) if of else at_places(depth, force / hertz(depth, r2_star)))
     return np.reshape(solved, (*map(len, axes), *np.shape(solved[0])))
 
 
@@ -90,7 +87,7 @@ def grid(counts: dict[str, int]) -> dict[str, NDArray[np.float64]]:
     return values
 
 
-def _at_places(depth: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArray[np.float64]:
+def at_places(depth: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArray[np.float64]:
     """Ln S at `PLACES`, from the best polynomial in u for S - 1, which is 0 at u = 0."""
     root = np.sqrt(depth)
     powers = np.arange(1, len(PLACES) + 1)
@@ -129,24 +126,3 @@ def table(
     rows = pd.DataFrame(np.hstack([kept, whole]), columns=[*DEGREES, *SUPPORTS, *named])
     first = [*SUPPORTS, *DEGREES]
     return rows.sort_values(first)[first + named]
-
-
-def sizes() -> pd.DataFrame:
-    """Table of half-angle and peak pressure over Hertz's sqrt(ds R2/R1), and 2/pi of it."""
-
-    def logarithms_of(joint):
-        curve = whole_curve(joint, DEEPEST, RESOLUTION)
-        of_hertz = np.sqrt(curve.depth_star / joint.ball_radius)
-        found = np.radians(curve.contact_half_angle_deg), np.pi / 2 * curve.peak_pressure_star
-        return [_at_places(curve.depth_star, values / of_hertz) for values in found]
-
-    solved = [logarithms(nu, SIZES, logarithms_of) for nu in grid(SIZES)["socket_poisson"]]
-    parts = dict(
-        zip(("half_angle", "peak_pressure"), np.moveaxis(np.array(solved), -2, 0), strict=True)
-    )
-    tables = {name: table(part, (), 5e-4, SIZES) for name, part in parts.items()}
-    return pd.concat(tables, names=["quantity"]).reset_index("quantity")
-
-
-if __name__ == "__main__":
-    print(sizes().to_csv(index=False, lineterminator="\n"), end="")

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from study import checks, contact, paths, provenance
+from study.contact.costs import RELATIVE_COSTS
 from study.contact.laws import COEFFICIENTS
 from study.contact.stiffening import TABLE
 from study.dataset.paper import PAPER_KINEMATICS
@@ -29,9 +30,10 @@ OTHERS = paths.DATA / "published/others.csv"
 SPEED = paths.DATA / "published/speed.csv"
 PACKAGE = paths.DATA / "datapackage.json"
 MATERIALS = paths.ROOT / "study/contact/materials.csv"  # no import: no curve depends on it
+CONTACT_SIZE = paths.ROOT / "study/pages/report/contact_size.csv"
 PUBLISHED = (TABLES, REFERENCES, OTHERS, SPEED)
-LIBRARY = (COEFFICIENTS, TABLE, MATERIALS)
-"""Files of numbers beside the library's modules."""
+LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, CONTACT_SIZE)
+"""Files of numbers beside the modules that read them."""
 MEND = "study data build"
 
 
@@ -117,9 +119,9 @@ def others() -> pd.DataFrame:
 
 
 def measured(chart: str | None = None) -> pd.DataFrame:
-    """Measured times and errors, of all charts of ``study.measure.speed.CHARTS`` or of one.
+    """Measured times and errors, of all charts of `study.measure.charts` or of one.
 
-    Their columns are named in ``tests/benchmarks/timing.py``.
+    ``data/README.md`` describes their columns.
     """
     frame = _read(SPEED, dtype={"version": str, "setting": str}).fillna({"setting": ""})
     if chart is None:
@@ -129,19 +131,20 @@ def measured(chart: str | None = None) -> pd.DataFrame:
 
 
 def keep_measured(frame: pd.DataFrame) -> None:
-    """Write charts to ``data/published/speed.csv``, and its hash to the description.
+    """Write `renewed` times to ``data/published/speed.csv``, and its hash to the description."""
+    frame, package = renewed(frame), read_package()
+    with paths.whole(SPEED) as temporary:
+        frame.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")
+    write_package(package, [SPEED])
 
-    Charts, and programs in a chart, that the frame does not have are kept.
-    """
+
+def renewed(frame: pd.DataFrame) -> pd.DataFrame:
+    """Charts with the kept rows of charts, and of programs in a chart, that they do not have."""
     kept, by = measured(), ["chart", "program"]
     others = ~kept.set_index(by).index.isin(frame.set_index(by).index)
     order = {chart: n for n, chart in enumerate(kept["chart"].unique())}
     frame = pd.concat([frame, kept[others]], ignore_index=True)
-    frame = frame.sort_values("chart", key=lambda names: names.map(order), kind="stable")
-    package = read_package()
-    with paths.whole(SPEED) as temporary:
-        frame.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")
-    write_package(package, [SPEED])
+    return frame.sort_values("chart", key=lambda names: names.map(order), kind="stable")
 
 
 def links() -> pd.DataFrame:

@@ -1,7 +1,8 @@
 """One style for every figure, one colour and marker per law, and saving with the numbers drawn.
 
-A figure is written as PNG together with a CSV of what it shows; both have the same bytes
-whenever their content is the same.
+A figure is written as PNG together with a CSV of what it shows. It is drawn from these numbers as
+they are saved, rounded by `as_saved`: on another processor the last digits of a solved number
+differ, and equal tables have to give equal pictures, byte by byte.
 
 Every figure is readable in print. The article is A4 with a text width of 6.61 in, to which a wider
 figure is scaled down. No text may be smaller than 7 pt there, so a figure is at most `WIDEST`
@@ -32,6 +33,7 @@ WIDEST = 8.4
 """Largest width of a figure, in inches."""
 SMALLEST = 9.0
 """Smallest size of its text, in points."""
+DIGITS = 9  # of a number in a saved table
 
 STYLE = {
     "figure.dpi": 100,
@@ -116,21 +118,21 @@ def new(
 
 
 def draw(axes: Axes, law: str, x: ArrayLike, y: ArrayLike, **options) -> None:
-    """Draw a law as a line, or the elastic solution as markers, in its look."""
+    """Draw a law as a line, or the elastic solution as markers, in its look, `as_saved`."""
     look = LOOKS[law]
     style = {"color": look.color, "label": look.label, "linestyle": look.line}
     if look.line == "none":
         style |= {"marker": look.marker, "zorder": 3}
-    axes.plot(x, y, **(style | options))
+    axes.plot(as_saved(x), as_saved(y), **(style | options))
 
 
 def draw_model(axes: Axes, model: str, time: ArrayLike, values: ArrayLike) -> None:
-    """Draw a quantity of a model of the links over time (s), the rigid one broad and behind."""
+    """Draw a model's quantity over time in s, `as_saved`, the rigid one broad and behind."""
     look = MODEL_LOOKS[model]
     style = {"color": look.color, "linewidth": 0.9, "linestyle": look.line}
     if model == "rigid":
         style |= {"color": "0.75", "linewidth": 3.5}
-    axes.plot(1e3 * np.asarray(time), values, label=look.label, **style)
+    axes.plot(as_saved(1e3 * np.asarray(time)), as_saved(values), label=look.label, **style)
     axes.set_xlabel("time (ms)")
 
 
@@ -153,8 +155,32 @@ def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
     display(Image(path, width=round(72 * figure.get_figwidth())))
 
 
+def as_saved(numbers: Any, digits: int = DIGITS) -> Any:
+    """Numbers rounded to the digits with which they are saved: a figure is drawn from these.
+
+    Parameters
+    ----------
+    numbers
+        A table, of which texts and whole numbers stay as they are, or a series or array.
+    digits
+        Significant ones; fewer than `DIGITS` where the table is saved with fewer.
+
+    Examples
+    --------
+    >>> as_saved(pd.DataFrame({"force": [100 / 3]}), 3).force[0]
+    33.3
+    """
+
+    def rounded(value):
+        return float(f"{value:.{digits}g}") + 0.0 if isinstance(value, float) else value
+
+    if isinstance(numbers, pd.DataFrame | pd.Series):
+        return numbers.map(rounded)
+    return np.vectorize(rounded, otypes=[float])(numbers) if np.size(numbers) else numbers
+
+
 def save_table(table: pd.DataFrame, name: str) -> None:
-    """Write a table to ``figures/name.csv``, with 9 significant digits.
+    """Write a table to ``figures/name.csv``, with 9 significant digits: see `as_saved`.
 
     Raises
     ------
@@ -167,8 +193,8 @@ def save_table(table: pd.DataFrame, name: str) -> None:
         column = numeric.columns[bad.any(axis=0)][0]
         raise ValueError(f"every number of {name} must be finite, column {column!r} is not")
     with paths.whole(paths.results() / f"{name}.csv") as temporary:
-        positive = table.map(lambda value: 0.0 if isinstance(value, float) and not value else value)
-        positive.to_csv(temporary, index=False, float_format="%.9g", lineterminator="\n")
+        saved = as_saved(table)
+        saved.to_csv(temporary, index=False, float_format=f"%.{DIGITS}g", lineterminator="\n")
 
 
 def save_numbers(name: str, numbers: Mapping[str, Mapping[str, Any]]) -> Styler:
@@ -198,14 +224,18 @@ def shown(table: pd.DataFrame, precision: int = 4) -> Styler:
     return styled.format_index(lambda name: str(name).replace("_", " "), axis=1)
 
 
-def tidy(*curves: tuple[str, pd.DataFrame, str, str, str | None]) -> pd.DataFrame:
-    """Numbers of several panels in one table, with 3 digits of what is drawn upwards.
+def tidy(*curves: tuple[str, pd.DataFrame, str, str, str | None], digits: int = 3) -> pd.DataFrame:
+    """Numbers of several panels in one table, with some digits of what is drawn upwards.
+
+    The figure draws these digits too, by ``as_saved(values, digits)``.
 
     Parameters
     ----------
     *curves
         (panel, table, x, y, series): letter, DataFrame and names of its columns; a series of
         None is a single one, called ``y``.
+    digits
+        Significant ones of y. Three are enough on a logarithmic axis.
 
     Returns
     -------
@@ -216,5 +246,5 @@ def tidy(*curves: tuple[str, pd.DataFrame, str, str, str | None]) -> pd.DataFram
     for panel, table, x, y, series in curves:
         names = y if series is None else table[series].astype(str)
         columns = {"panel": panel, "series": names, "x_is": x, "x": table[x], "y_is": y}
-        parts.append(pd.DataFrame(columns | {"y": (table[y] + 0.0).map("{:.3g}".format)}))
+        parts.append(pd.DataFrame(columns | {"y": (table[y] + 0.0).map(f"{{:.{digits}g}}".format)}))
     return pd.concat(parts, ignore_index=True)

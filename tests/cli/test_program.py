@@ -238,7 +238,7 @@ def interrupt(*_, **__):
         ("choose:choose", "", CHOOSE),
         ("joint:DimensionalJoint.solve", "", [*SIZES, "--force", 1]),
         ("dataset.record:to_make", options.KEPT, ["data", "build"]),
-        ("measure.speed:measure", options.KEPT, ["measure"]),
+        ("measure.charts:measure", options.KEPT, ["measure"]),
     ],
 )
 def test_interruption_is_one_line_and_status_130(run, monkeypatch, called, kept, words):
@@ -251,7 +251,7 @@ def test_interruption_is_one_line_and_status_130(run, monkeypatch, called, kept,
     ("words", "work"),
     [
         (["simulate"], "study.cli.mechanism:simulate"),
-        (["measure", "--chart", "laws"], "study.measure.speed:measure"),
+        (["measure", "--chart", "laws"], "study.measure.charts:measure"),
         (["export", "--law", "tabulated", "--format", "csv"], "study.export:export"),
     ],
 )

@@ -4,11 +4,11 @@ from io import StringIO
 
 import pandas as pd
 import pytest
-from benchmarks import timing
 
 from study import contact, dataset, paths
 from study.contact import materials
 from study.dataset import store
+from study.measure import timing
 
 
 def test_materials_are_csv_where_piped_and_fit_a_terminal(run, on_a_terminal):

@@ -11,12 +11,11 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from study import dataset, paths
-from study.dataset import design, production, quality, store
+from study.contact import costs
+from study.dataset import design, fitting, production, quality, store
 from study.joint import curve
 from study.joint.curve import SOLVERS
-from study.joint.definition import KINEMATICS
-from study.joint.supports import HALF_BALLS as DRIVES
-from study.joint.supports import RIMS
+from study.joint.supports import KINEMATICS, RIMS
 
 ROOT = paths.ROOT
 
@@ -25,7 +24,7 @@ ROOT = paths.ROOT
 def copy(tmp_path, monkeypatch):
     """A copy of data and code that the modules take for their own; its data folder."""
     root = tmp_path / "project"
-    ignored = shutil.ignore_patterns("__pycache__", "report", "cli")
+    ignored = shutil.ignore_patterns("__pycache__", "static", "cli")
     for name in ("data", "study"):
         shutil.copytree(ROOT / name, root / name, ignore=ignored)
     moved = {
@@ -40,7 +39,7 @@ def copy(tmp_path, monkeypatch):
     )
     monkeypatch.setattr(production, "MADE_FROM", made_from)
     monkeypatch.setattr(store, "PUBLISHED", tuple(of[path] for path in store.PUBLISHED))
-    library = tuple(moved[name] for name in ("COEFFICIENTS", "TABLE", "MATERIALS"))
+    library = tuple(root / path.relative_to(ROOT) for path in store.LIBRARY)
     monkeypatch.setattr(store, "LIBRARY", library)
     for name, path in moved.items():
         monkeypatch.setattr(store, name, path)
@@ -275,7 +274,7 @@ def test_the_schema_allows_what_the_design_has():
     fields = json.loads(store.PACKAGE.read_text())["resources"][0]["schema"]["fields"]
     allowed = {f["name"]: f["constraints"].get("enum") for f in fields}
     assert allowed["group"] == list(design.GROUPS)
-    assert allowed["ball_drive"] == [d for d in DRIVES if d in allowed["ball_drive"]]
+    assert allowed["ball_drive"] == ["plane", "clamped", "point"]
     for column, names in (("rim", RIMS), ("kinematics", KINEMATICS), ("solver", SOLVERS)):
         assert allowed[column] == list(names)
 
@@ -309,16 +308,28 @@ def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
             [
                 "study/contact/coefficients.json",
                 "study/contact/stiffening.csv",
+                "study/pages/report/contact_size.csv",
                 "data/links.csv",
                 "data/set_ups.csv",
             ],
         ),
-        ("dataset/fitting", "DIGITS = 7", "DIGITS = 6", ["study/contact/coefficients.json"]),
+        (
+            "dataset/fitting",
+            "DIGITS = 7",
+            "DIGITS = 6",
+            ["study/contact/coefficients.json", "study/contact/relative_costs.json"],
+        ),
         (
             "dataset/stiffening_fit",
             "FINER = 320",
             "FINER = 352",
             ["study/contact/stiffening.csv"],
+        ),
+        (
+            "dataset/contact_size",
+            "SMALLEST = 5e-4",
+            "SMALLEST = 4e-4",
+            ["study/pages/report/contact_size.csv"],
         ),
         ("choose/random_scenes", "COUNT = 160", "COUNT = 161", ["data/links.csv"]),
         ("claims/set_ups", "MECHANISMS = 64", "MECHANISMS = 32", ["data/set_ups.csv"]),
@@ -358,6 +369,17 @@ def test_what_is_made_from_other_files_is_made_with_them(made):
     production.write_description()
     store.TABLE.write_text(store.TABLE.read_text().replace("1", "2", 1))
     assert production.to_make() == {store.TABLE, store.LINKS, store.SET_UPS, store.PACKAGE}
+
+
+def test_relative_costs_follow_the_measured_times(made):
+    frame = dataset.measured("laws")
+    frame["relative"] *= np.where(frame.method == "hertz", 1, 2)
+    store.keep_measured(frame)
+    assert production.to_make() == {store.RELATIVE_COSTS, store.PACKAGE}
+    found = fitting.relative_costs(dataset.measured())
+    kept = costs.relative_costs()
+    expected = {law: cost * (1 if law == "hertz" else 2) for law, cost in kept.items()}
+    assert found == pytest.approx(expected, rel=1e-3)  # four digits are kept
 
 
 def test_nothing_is_made_again_but_from_nothing(made, monkeypatch):

@@ -3,9 +3,8 @@
 import numpy as np
 import pandas as pd
 import pytest
-from benchmarks import charts, timing
 
-from study.measure import speed
+from study.measure import charts, speed, timing
 from study.mechanism import MechanismError
 
 
@@ -52,11 +51,10 @@ def test_calls_by_turns_count_but_for_the_first(monkeypatch):
         assert timing.timed(lambda: 0, 5)[0].tolist() == counted
 
 
-def test_a_stepper_that_fails_is_not_dropped_from_its_chart(monkeypatch):
-    def too_deep(*arguments):
+def test_a_stepper_that_fails_is_not_dropped_from_its_chart():
+    def too_deep():
         raise MechanismError("too deep")
 
-    monkeypatch.setattr(charts, "_ours", lambda _: np.ones(3))
-    monkeypatch.setattr(charts, "_explicit", too_deep)
+    run = charts.stepper("RK4", "step 4e-06 s", too_deep)
     with pytest.raises(MechanismError, match="too deep"):
-        charts.steppers(1, [("RK4", 4e-6)], compile_times=False)
+        timing.chart("steppers", [run], 1)

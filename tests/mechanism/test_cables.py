@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
-from benchmarks import charts, flexible_links
+from benchmarks import others
 from other_programs import cables
 
+from study.measure import flexible, timing
 from study.mechanism import paper_scene
 
 
 def test_without_shear_only_the_shear_stiffness_changes():
-    scene, stiff = paper_scene(), flexible_links.shear_stiff(paper_scene())
+    scene, stiff = paper_scene(), others.shear_stiff(paper_scene())
     assert stiff.composite_modulus == pytest.approx(scene.composite_modulus, rel=1e-14)
     for body in ("crank", "coupler"):
         link, stiff_link = scene.link(body), stiff.link(body)
@@ -21,17 +22,17 @@ def test_without_shear_only_the_shear_stiffness_changes():
 def test_the_first_impact_comes_to_that_of_a_fine_mesh(method):
     errors = []
     for elements in ((2, 4), (8, 16)):
-        limit = flexible_links.longest_step("first impact", elements)
+        limit = flexible.longest_step("first impact", elements)
         step = 0.95 * limit if method == "particles" else 1e-6
-        values = flexible_links.judged(method, "first impact", elements, step)
-        errors.append(flexible_links.error("first impact", True, values)[1])
+        values = flexible.simulated(method, "first impact", elements, step)
+        errors.append(flexible.error("first impact", paper_scene(), values)[1])
     assert errors[1] < 0.02
     assert errors[1] < errors[0] / 10
 
 
 def test_the_rows_of_the_chart_name_joint_mesh_and_step():
-    runs = [run for run in flexible_links.runs() if run.elements == (2, 4)]
-    frame = charts.flexible(1, [run for run in runs if run.method == "particles"])
+    runs = [run for run in flexible.runs() if "2 and 4" in run.setting]
+    frame = timing.chart("flexible", [run for run in runs if run.method == "particles"], 1)
     assert frame.setting[0].startswith("ideal joint, 2 and 4 elements, step 4.1")
     assert set(frame.chart) == {"flexible"}
     assert frame.rms_error[0] < 1e-6
@@ -40,15 +41,14 @@ def test_the_rows_of_the_chart_name_joint_mesh_and_step():
 
 def test_cables_of_exudyn_have_the_limit_of_links_without_shear():
     pytest.importorskip("exudyn", reason="Exudyn is not installed")
-    scene = paper_scene()
-    first = cables.first_impact(scene, (4, 8), flexible_links.DURATIONS["first impact"], 1e-6)()
-    without, with_shear = (flexible_links.error("first impact", s, first)[1] for s in (False, True))
+    first = others.cable("first impact", (4, 8), 1e-6)()
+    scenes = others.SHEAR_STIFF, flexible.SCENE
+    without, with_shear = (flexible.error("first impact", scene, first)[1] for scene in scenes)
     assert without < 0.02
     assert with_shear > 2 * without
-    duration, outputs = flexible_links.DURATIONS["ideal joint"], flexible_links.OUTPUTS
-    run = cables.ideal_joint(scene, (2, 4), duration, outputs, 1e-5)
+    run = others.cable("ideal joint", (2, 4), 1e-5)
     places = run()
-    assert flexible_links.error("ideal joint", False, places)[0] < 1e-6
+    assert flexible.error("ideal joint", others.SHEAR_STIFF, places)[0] < 1e-6
     assert np.array_equal(places, run())  # a second call starts anew
 
 

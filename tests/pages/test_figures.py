@@ -93,6 +93,36 @@ def test_a_figure_leaves_the_settings_of_the_session(tmp_path, monkeypatch):
     assert (tmp_path / "fig.csv").read_text() == "x\n0\n0\n"
 
 
+@pytest.mark.parametrize("digits", [figures.DIGITS, 3])
+def test_equal_tables_give_equal_pictures(digits, tmp_path, monkeypatch):
+    """The digits that are not saved differ, by what is visible on these axes."""
+    monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
+    unit, made = 10.0 ** (1 - digits), []  # in the last digit that is saved
+    for unsaved in (-0.4, 0.4):
+        table = pd.DataFrame({"x": [0.0, 1.0], "y": 1 + unit * (np.array([2, 5]) + unsaved)})
+        drawn = figures.as_saved(table, digits)
+        figure, axes = figures.new()
+        axes.plot(drawn.x, drawn.y)
+        if digits == figures.DIGITS:
+            figures.draw(axes, "hertz", table.x, table.y + 3 * unit)
+            figures.draw_model(axes, "beams", table.x / 1e3, table.y + 6 * unit)
+        axes.set_ylim(1, 1 + 12 * unit)
+        figures.save(figure, "fig", drawn)
+        made.append([path.read_bytes() for path in sorted(tmp_path.iterdir())])
+    assert len(made[0]) == 2
+    assert made[0] == made[1]
+
+
+def test_what_is_saved_is_what_was_rounded(tmp_path, monkeypatch):
+    monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
+    table = pd.DataFrame({"law": ["hertz", ""], "n": [2, 3], "force": [2e10 / 3, -1e-12 / 7]})
+    figures.save_table(table, "table")
+    saved = pd.read_csv(tmp_path / "table.csv", keep_default_na=False)
+    pd.testing.assert_frame_equal(saved, figures.as_saved(table), check_exact=True)
+    assert figures.as_saved(table.force, 3).tolist() == [6.67e9, -1.43e-13]
+    assert figures.as_saved([]) == []
+
+
 def test_a_figure_too_wide_for_print_is_refused():
     figures.new(columns=3, width=figures.WIDEST / 3)
     with pytest.raises(ValueError, match=r"width of the figure must be .*8\.4 in, got 8\.7"):

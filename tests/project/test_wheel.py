@@ -153,6 +153,8 @@ BASE = [
     ("simulate", "--duration", "1e-3", "--output", "motion.csv", "--json"),
     ("simulate", "--duration", "1e-3", "--joint", "ideal", "--json"),
     ("export", "--law", "tabulated", "--format", "json", "--r2-star", "150"),
+    ("choose", "--r2-star", "200", "--depth-star", "0.3", "--tolerance", "0.01", "--json"),
+    ("simulate", "--model", "auto", "--tolerance", "0.1", "--json"),
 ]
 TEXTS = [
     ("data", "materials"),
@@ -166,6 +168,7 @@ def test_a_base_install_has_what_laws_joints_simulations_exports_and_sweeps_need
     for command, (status, out, err) in zip([*BASE, *TEXTS], done, strict=True):
         assert (status, err) == (0, ""), command
         assert json.loads(out) if command in BASE else out
+        assert json.loads(out)["law"] if SIZES[0] in command else True
 
 
 STUDY = [("data", "show"), ("data", "check"), ("data", "build"), ("measure",), ("paper",)]
@@ -190,8 +193,6 @@ NEED_A_CHECKOUT = [
     ("list",),
     ("paper",),
     ("report",),
-    ("choose", "--r2-star", "200", "--depth-star", "0.3", "--tolerance", "0.01"),
-    ("simulate", "--model", "auto", "--tolerance", "0.1"),
     ("measure", "--chart", "laws"),
 ]
 

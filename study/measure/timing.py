@@ -11,41 +11,22 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+Call = Callable[[], NDArray[np.float64]]
 COMPILED, PYTHON, PROGRAM = "compiled", "from Python", "as a program"
 """How a method is called: in a compiled loop, by a loop in Python, or as a process of its own."""
-COLUMNS = {
-    "chart": "laws, solvers, steppers or flexible",
-    "program": "ours, or the other program's name",
-    "version": "Version of the program",
-    "method": "Law, elements or stepper",
-    "called": "compiled (its whole loop), from Python, or as a program (with its start)",
-    "setting": "Its resolution, orders, tolerance or step",
-    "time": "Median of the repeats, per call, curve or scene",
-    "time_low": "First quartile of the repeats",
-    "time_high": "Third quartile of the repeats",
-    "repeats": "Number of calls that count; the first does only where it is the only one",
-    "relative": "Time over that of the chart's first row",
-    "vectorised": "Laws: time per element of an array of 10,000, over that of Hertz's law; else 0",
-    "largest_error": "Largest relative error of the force; of a stepper the same as rms_error",
-    "rms_error": "RMS relative error of the force, or NRMS error of the slider's acceleration",
-    "compile_time": "Time to compile, once per machine; 0 for what is not compiled on use",
-    "machine": "Processor and Python",
-}
-"""Of a chart, and of ``data/published/speed.csv``."""
 ENOUGH = 2.0  # s in calls of a function, after which it is not called again
 _COMPILING = """
 import pathlib, sys, time
 import numpy as np
 from study import paths
 paths.BUILD = paths.CACHE = pathlib.Path(sys.argv[1])
-sys.path.insert(0, sys.argv[2])
 from study.contact import hertz
 from study.measure import explicit
 from study.mechanism import Scene, law_in_scene, simulate
@@ -57,6 +38,19 @@ middle = time.perf_counter()
 {call}
 print(middle - start - (time.perf_counter() - middle))
 """
+
+
+class Run(NamedTuple):
+    """One method at one setting: ``error`` is that of what ``call`` returns.
+
+    ``columns`` are further ones of its row.
+    """
+
+    method: str
+    setting: str
+    call: Call
+    error: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    columns: dict[str, Any]
 
 
 def timed(function: Callable[[], Any], repeats: int) -> tuple[NDArray[np.float64], Any]:
@@ -89,9 +83,20 @@ def compile_time(call: str, prepare: str = "") -> float:
     """Seconds that a compiled call takes longer in a new process with an empty cache."""
     code = _COMPILING.format(call=call, prepare=prepare)
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-c", code, folder, str(Path(__file__).parents[1])]
+        command = [sys.executable, "-c", code, folder]
         done = subprocess.run(command, capture_output=True, check=True, text=True)
     return float(done.stdout)
+
+
+def chart(name: str, runs: Sequence[Run], repeats: int) -> pd.DataFrame:
+    """Rows of a chart whose runs are timed by turns; the first is the unit of their times."""
+    measured = timed_by_turns([run.call for run in runs], repeats)
+    return table(
+        [
+            row(name, run.method, run.setting, times, run.error(value), **run.columns)
+            for run, (times, value) in zip(runs, measured, strict=True)
+        ]
+    )
 
 
 def row(
@@ -102,7 +107,7 @@ def row(
     error: NDArray[np.float64],
     **columns: Any,
 ) -> dict[str, Any]:
-    """A row of a chart: quartiles of the times, the errors, and other columns that are given."""
+    """A row of a chart, with all columns of ``data/published/speed.csv``; others may be given."""
     low, middle, high = np.quantile(times, [0.25, 0.5, 0.75])
     return {
         "chart": chart,
@@ -115,6 +120,7 @@ def row(
         "time_low": low,
         "time_high": high,
         "repeats": len(times),
+        "relative": 1.0,
         "vectorised": 0.0,
         "largest_error": float(np.abs(error).max()),
         "rms_error": float(np.sqrt(np.mean(error**2))),
@@ -125,7 +131,7 @@ def row(
 
 def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
     """A chart: rows with their times over that of the first."""
-    frame = pd.DataFrame(rows, columns=list(COLUMNS))
+    frame = pd.DataFrame(rows)
     frame["relative"] = frame["time"] / frame["time"].iloc[0]
     return frame
 

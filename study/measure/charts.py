@@ -1,0 +1,232 @@
+"""The four charts of `study measure`: laws, solvers, steppers and flexible links, timed.
+
+``laws``: a call in a compiled loop, against the curve of the paper's joint. ``solvers``: a curve of
+20 depths from nothing, of a radially free ball, against the series. ``steppers``: 0.3 s of the
+paper's scene with clearance, against the study's stepper at its smallest tolerance. ``flexible``:
+flexible links, against particles of a fine mesh.
+
+A new method needs its entry in `SOLVERS` or `STEPPERS`, its run beside the others, and its look in
+`study.pages.figures.METHOD_LOOKS`. Other programs are timed by ``tests/benchmarks`` of the
+checkout, in the same process and by turns with the study's own methods.
+"""
+
+from collections.abc import Iterator, Sequence
+from functools import cache, partial
+from typing import Literal, get_args
+
+import numpy as np
+import pandas as pd
+
+from study import checks
+from study.compiled import compiled
+from study.contact import LAWS, DimensionalLaw, tabulated
+from study.contact.forces import elastic_force
+from study.joint import (
+    Joint,
+    contact_kinematics,
+    fem,
+    force_curve,
+    nested_contact,
+    paper_joint,
+    series,
+    whole_curve,
+)
+from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
+from study.joint.law_parameters import law_parameters
+from study.measure import explicit, flexible, timing
+from study.measure.speed import OURS
+from study.measure.timing import PYTHON, Run
+from study.mechanism import paper_scene, simulate
+from study.mechanism.compare import normalised_rms
+from study.mechanism.scene_law import in_joint
+
+Chart = Literal["laws", "solvers", "steppers", "flexible"]
+CHARTS = get_args(Chart)
+SIZES = {"ball_radius": 9.95e-3, "socket_radius": 10e-3, "composite_modulus": 1.1e11}  # of laws
+PAPER = paper_joint()  # of the laws
+FINEST = 224  # elements along the surface of the curve that the laws are compared with
+FREE = Joint(200, 1.3)  # of the solvers: a radially free ball, for which the series is exact
+LAW_DEPTHS = np.linspace(0.025, 1, 40)
+CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
+SCENE, DURATION, OUTPUTS = paper_scene(), 0.3, 3000
+SOLVERS = (  # method and its resolution; the first is the unit of the chart's times
+    *(("series", n) for n in (320, 32, 64, 160, 640)),
+    *(("six-node triangles", n) for n in (32, 64, 96, 160, 224)),
+    *(("three-node triangles", n) for n in (32, 64, 96, 160, 320)),
+)
+STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7)
+LONGEST_STEPS = {"centred": 2e-6, "velocity Verlet": 1e-6, "RK4": 1e-6}
+"""In s: with longer ones the ball goes too deep (notebook 17)."""
+TOLERANCES = (1e-8, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)  # of the study's stepper
+
+
+def measure(chart: list[Chart] | None = None, repeats: int = 5) -> Iterator[pd.DataFrame]:
+    """One chart after the other, timed on this machine.
+
+    Parameters
+    ----------
+    chart
+        What to time; may be repeated [default: all].
+    repeats
+        Of each timing, after one not counted. Laws take three times as many.
+    """
+    wanted = [checks.choice("chart", name, CHARTS) for name in chart or CHARTS]
+    repeats = checks.whole("repeats", repeats, least=1)
+    return (timed(name, repeats) for name in wanted)
+
+
+def timed(chart: Chart, repeats: int, others: Sequence[Run] = ()) -> pd.DataFrame:
+    """One chart; except for laws with the runs of other programs."""
+    if chart == "laws":
+        return laws(3 * repeats)
+    runs = {"solvers": solvers, "steppers": steppers, "flexible": flexible.runs}[chart]()
+    return timing.chart(chart, [*runs, *others], repeats)
+
+
+def laws(repeats: int = 15, compile_times: bool = True) -> pd.DataFrame:
+    """Cost and error of every law, `tabulated` and the direct solution; Hertz's law first.
+
+    ``compile_times`` are measured as well, which takes some seconds; else they are 0.
+    """
+    solved = tabulated(whole_curve(PAPER))
+    exact = force_curve(PAPER, LAW_DEPTHS, FINEST).force_star
+    depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
+    prepare = "from study.measure.charts import add_law; depths = np.ones(2) * 1e-6"
+    seconds = timing.compile_time("add_law(law, depths)", prepare) if compile_times else 0.0
+    compiled_here = DimensionalLaw("hertz", **SIZES).packed()  # a first call may be the one counted
+    add_law(compiled_here, depths[:2])
+    rows = []
+    for name, law in (LAWS | {"tabulated": solved}).items():
+        options = law_parameters(law, PAPER)
+        packed = DimensionalLaw(law, **SIZES, **options).packed()
+        times, _ = timing.timed(partial(add_law, packed, depths), repeats)
+        elements, _ = timing.timed(partial(law, depths / 5e-5, 200.0, **options), repeats)
+        columns = {"vectorised": np.median(elements), "compile_time": seconds}
+        error = law(LAW_DEPTHS, 200.0, **options) / exact - 1
+        rows.append(timing.row("laws", name, "", times / depths.size, error, **columns))
+    times, curve = timing.timed(partial(force_curve, PAPER, LAW_DEPTHS), repeats)
+    times /= LAW_DEPTHS.size
+    setting = f"six-node triangles, resolution {RESOLUTION['quadratic']}"
+    columns = {"vectorised": np.median(times) * depths.size, "called": PYTHON}
+    error = curve.force_star / exact - 1
+    rows.append(timing.row("laws", "solver", setting, times, error, **columns))
+    frame = timing.table(rows)
+    frame["vectorised"] /= frame["vectorised"].iloc[0]
+    return frame
+
+
+def solvers() -> Iterator[Run]:
+    """Curves of 20 depths, bodies included, of every method and resolution of `SOLVERS`."""
+    force_curve(FREE, CURVE_DEPTHS[:1], resolution=32)  # imports
+    for method, n in SOLVERS:
+        orders = f", {series.ORDERS * n} orders" if method == "series" else ""
+        yield solver(method, f"resolution {n}{orders}", partial(_curve, method, n), called=PYTHON)
+
+
+def solver(method: str, setting: str, call: timing.Call, **columns: str) -> Run:
+    """A row of the chart: ``call`` returns the forces of `FREE` at `CURVE_DEPTHS`."""
+    return Run(method, setting, call, lambda force: force / _finest_curve() - 1, columns)
+
+
+@cache
+def _finest_curve():
+    return force_curve(FREE, CURVE_DEPTHS, FINEST_RESOLUTION).force_star
+
+
+def _curve(method, n):
+    """One solution of our own, bodies and all, at one resolution and without error estimate."""
+    cached = fem.meshed, fem.compliance, series.compliance, series.hat_coefficients
+    for function in (*cached, contact_kinematics._pairs):
+        function.cache_clear()
+    bodies = FREE.ball_body, FREE.socket_body
+    if method == "series":
+        compliances = [series.compliance(body, n) for body in bodies]
+    else:
+        nodes = 6 if method.startswith("six") else 3
+        compliances = [fem.compliance(body, n, nodes) for body in bodies]
+    _, axial = contact_kinematics.linear(FREE, *compliances)
+    eccentricities = 1 + max(CURVE_DEPTHS) * np.array([0, 0.5, 1])
+    contacts = nested_contact.NestedContacts(FREE, *compliances, np.pi, eccentricities)
+    pressure = np.array([contacts.pressure(depth) for depth in CURVE_DEPTHS])
+    return FREE.r2_star * pressure @ axial
+
+
+def steppers(compile_times: bool = True) -> Iterator[Run]:
+    """The study's stepper, its default first, and explicit schemes, over 0.3 s of the mechanism.
+
+    ``compile_times`` are as for `laws`.
+    """
+    seconds = {OURS: 0.0, "explicit": 0.0}
+    if compile_times:
+        seconds[OURS] = timing.compile_time("simulate(law='hertz', duration=1e-5, outputs=1)")
+        call = "explicit.integrate(Scene(), law, 1e-5, 1, 1e-6, 'RK4')"
+        seconds["explicit"] = timing.compile_time(call)
+    _ours(1e-2)  # compiles
+    for tolerance in TOLERANCES:
+        run = partial(_ours, tolerance)
+        yield stepper(OURS, f"tolerance {tolerance:.2g}", run, compile_time=seconds[OURS])
+    law = hertz_law()
+    explicit.integrate(SCENE, law, 1e-5, 1, 1e-6, "RK4")  # compiles
+    for scheme in explicit.SCHEMES:
+        for step in STEPS:
+            if step <= LONGEST_STEPS.get(scheme, STEPS[0]):
+                run = partial(_explicit, law, step, scheme)
+                yield stepper(scheme, f"step {step:g} s", run, compile_time=seconds["explicit"])
+
+
+def stepper(method: str, setting: str, call: timing.Call, **columns: str | float) -> Run:
+    """A row of the chart: ``call`` returns the slider's acceleration at the `OUTPUTS`."""
+
+    def error(value):  # NRMS; the slider begins at rest
+        return np.array([normalised_rms(_finest_motion(), np.append(0.0, value))])
+
+    return Run(method, setting, call, error, columns)
+
+
+@cache
+def _finest_motion():
+    return np.append(0.0, _ours(1e-11))
+
+
+def hertz_law() -> tuple:
+    """Hertz's law of `SCENE`, as compiled steppers take it."""
+    return in_joint(SCENE, LAWS["hertz"], SCENE.clearance).packed()
+
+
+def _ours(tolerance):
+    options = {"duration": DURATION, "outputs": OUTPUTS, "tolerance": tolerance}
+    return simulate(SCENE, law="hertz", **options).slider_acceleration[1:]
+
+
+def _explicit(law, step, scheme):
+    return explicit.integrate(SCENE, law, DURATION, OUTPUTS, step, scheme, guarded=False)[0][1:]
+
+
+@compiled
+def add_law(law, depths):
+    """Sum of a law's forces and stiffnesses: nothing is optimised away."""
+    total = 0.0
+    for depth in depths:
+        force, stiffness = elastic_force(law, depth)
+        total += force + stiffness
+    return total
+
+
+def least(repeats: int = 15) -> float:
+    """Time in s of the cheapest possible law, in the loop of the chart of laws.
+
+    It has force and stiffness of Hertz's law: a square root and four products.
+    """
+    depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
+    add_least(depths[:2], 2.0)  # compiled here
+    return float(np.median(timing.timed(partial(add_least, depths, 2.0), repeats)[0])) / depths.size
+
+
+@compiled
+def add_least(depths, scale):
+    """Sum of the forces and stiffnesses that `least` times."""
+    total = 0.0
+    for depth in depths:
+        root = np.sqrt(depth)
+        total += scale * (depth * root) + 1.5 * root
+    return total

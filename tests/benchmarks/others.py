@@ -1,0 +1,91 @@
+"""Runs of other programs for the speed charts; what is not installed is left out."""
+
+from collections.abc import Iterator
+from functools import partial
+from itertools import product
+
+from other_programs import cables, calculix, cvode, multibody, odes
+
+from study.measure import charts, flexible, timing
+from study.measure.timing import COMPILED, PROGRAM, PYTHON, Run
+from study.mechanism import Scene
+
+ELEMENTS = (  # CalculiX's, and its resolution
+    *(("CAX6", n) for n in (16, 32)),
+    *(("CAX6, node to surface", n) for n in (16, 32, 64)),
+    *(("CAX3", n) for n in (32, 64, 160)),
+)
+SMALLEST = {"LSODA": 10, "Radau": 8, "DOP853": 8, "CVODE": 10}
+"""Minus the decimal logarithm of the smallest tolerance: smaller ones take many seconds."""
+STEPS = (1e-5, 4e-6, 1e-6)  # s, of Exudyn's generalised alpha method
+LONGEST_OF_CABLES = 2e-4  # s; with longer steps Newton's method fails on some meshes
+
+
+def solvers() -> Iterator[Run]:
+    """CalculiX's elements, by its contact of surfaces or of nodes and surface."""
+    if version := calculix.version():
+        columns = {"program": "CalculiX", "version": version, "called": PROGRAM}
+        for method, n in ELEMENTS:
+            how = {"nodes": int(method[3]), "contact": "node" if "node" in method else "surface"}
+            call = partial(calculix.force_curve, charts.FREE, charts.CURVE_DEPTHS, n, **how)
+            yield charts.solver(method, f"resolution {n}", call, **columns)
+
+
+def steppers() -> Iterator[Run]:
+    """CVODE as a compiled C program, integrators called from Python, and Exudyn."""
+    span = charts.SCENE, charts.hertz_law(), charts.DURATION, charts.OUTPUTS
+    if version := cvode.version():
+        flags = " ".join(cvode.FLAGS[:2])
+        columns = {"program": "SUNDIALS", "version": f"{version}, gcc {flags}"}
+        for coordinates, n in product(cvode.SCALES, range(6, 25)):
+            tolerance = 10 ** -(n / 2)
+            call = partial(cvode.slider_acceleration, *span, tolerance, coordinates)
+            method = f"CVODE in C, {coordinates} coordinates"
+            yield charts.stepper(method, f"tolerance {tolerance:.2g}", call, **columns)
+    odes.slider_acceleration("LSODA", *span[:2], 1e-3, 1, 1e-3)  # compiles what is called by it
+    for method, smallest in SMALLEST.items():
+        program = "SciPy" if method in odes.SCIPY else "scikit-sundae"
+        if version := timing.version(program.lower()):
+            columns = {"program": program, "version": version, "called": PYTHON}
+            for tolerance in (10.0**-n for n in range(4, smallest + 1)):
+                call = partial(odes.slider_acceleration, method, *span, tolerance)
+                yield charts.stepper(method, f"tolerance {tolerance:.2g}", call, **columns)
+    if version := timing.version("exudyn"):
+        columns = {"program": "Exudyn", "version": version, "called": COMPILED}
+        for step in STEPS:
+            arguments = charts.SCENE, charts.DURATION, charts.OUTPUTS, step
+            call = partial(multibody.slider_acceleration, *arguments)
+            yield charts.stepper("generalised alpha", f"step {step:g} s", call, **columns)
+
+
+def flexible_links() -> Iterator[Run]:
+    """Exudyn's ANCF cables, which have no shear: theirs is the limit of links without it."""
+    if version := timing.version("exudyn"):
+        for joint in flexible.DURATIONS:
+            steps = [step for step in flexible.STEPS[joint] if step <= LONGEST_OF_CABLES]
+            for n, step in product(flexible.MESHES[joint], steps):
+                columns = {"program": "Exudyn", "version": version}
+                at = joint, (n, 2 * n), step
+                yield flexible.run("ANCF cables", *at, cable(*at), SHEAR_STIFF, **columns)
+
+
+def shear_stiff(scene: Scene) -> Scene:
+    """Scene with the same joint and links whose shear stiffness is a thousand times as large."""
+    ball, socket = scene.materials
+    poisson = (1 + scene.poisson) / 1000 - 1
+    return scene.replace(poisson=poisson, ball=ball, socket=socket)
+
+
+SHEAR_STIFF = shear_stiff(flexible.SCENE)
+
+
+def cable(joint: flexible.Joint, elements: flexible.Elements, step: float) -> timing.Call:
+    """A function without arguments that steps cables, which are assembled here."""
+    scene, duration = flexible.SCENE, flexible.DURATIONS[joint]
+    if joint == "ideal joint":
+        return cables.ideal_joint(scene, elements, duration, flexible.OUTPUTS, step)
+    return cables.first_impact(scene, elements, duration, step)
+
+
+OTHERS = {"solvers": solvers, "steppers": steppers, "flexible": flexible_links}
+"""Chart -> runs of other programs."""
