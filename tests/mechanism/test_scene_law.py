@@ -124,7 +124,7 @@ def test_a_curve_of_the_scenes_materials_drives_it():
     assert response.law.startswith("tabulated: r2_star 200, socket_ratio 1.298, ball_drive plane")
     layers = Layer(1.1, BRONZE), Layer(1.4, STEEL)
     lined = table(ball=STEEL, layers=layers)
-    assert "layers 1.1:0.531400966:0.34" in simulate(MIXED, law=lined, **BRIEF).law
+    assert "layers 1.1,0.531400966,0.34" in simulate(MIXED, law=lined, **BRIEF).law
     with pytest.raises(ValueError, match="modulus_ratio of law tabulated must be the scene's, 1"):
         simulate(PAPER, law=lined, **BRIEF)
 
@@ -178,7 +178,7 @@ def test_the_table_of_the_scenes_joint_is_that_of_a_joint_with_dimensions():
 
 
 def test_a_liner_is_softer_and_counts_with_its_own_modulus():
-    liner = ((0.5e-3, "PTFE"),)
+    liner = ("0.5e-3,PTFE",)
     lined = DimensionalJoint(10e-3, 5e-5, 3e-3, STEEL, BRONZE, liner)
     bare = simulate(MIXED, law="tabulated", wall=3e-3, **BRIEF).impacts
     modulus = lined.joint.composite_modulus
