@@ -287,7 +287,8 @@ def _dimensional_joint(values):
     if len(asked) > 1:
         raise ValueError("either depth or force must be given, not both")
     joint = DimensionalJoint(**values)
-    return _bodies(joint.joint), partial(_solve_dimensional, joint, asked), vars(joint)
+    used = vars(joint) | {name: getattr(DimensionalJoint, name) for name in ("ball", "socket")}
+    return _bodies(joint.joint), partial(_solve_dimensional, joint, asked), used
 
 
 def _solve_dimensional(joint, asked):

@@ -15,7 +15,7 @@ from study.contact import costs
 from study.dataset import design, fitting, production, quality, store
 from study.joint import curve
 from study.joint.curve import SOLVERS
-from study.joint.supports import KINEMATICS, RIMS
+from study.joint.supports import BALL_SUPPORTS, KINEMATICS, RIMS
 
 ROOT = paths.ROOT
 
@@ -274,7 +274,7 @@ def test_the_schema_allows_what_the_design_has():
     fields = json.loads(store.PACKAGE.read_text())["resources"][0]["schema"]["fields"]
     allowed = {f["name"]: f["constraints"].get("enum") for f in fields}
     assert allowed["group"] == list(design.GROUPS)
-    assert allowed["ball_drive"] == ["plane", "clamped", "point"]
+    assert allowed["ball_drive"] == [kind.word for kind in BALL_SUPPORTS if kind.is_half]
     for column, names in (("rim", RIMS), ("kinematics", KINEMATICS), ("solver", SOLVERS)):
         assert allowed[column] == list(names)
 
@@ -452,7 +452,7 @@ def test_a_curve_unlike_the_solver_fails_the_check(copy):
 def test_a_case_is_solved_to_the_same_bytes_on_any_number_of_threads(tmp_path):
     case = ("ratio", "one", curve.Joint(20, 1.5, kinematics="small"), (0.1, 0.5))
     for threads, name in ((1, "first.csv"), (2, "second.csv")):
-        curve.series.socket_compliance.cache_clear()
+        curve.series.compliance.cache_clear()
         with threadpool_limits(threads):
             production.write_table(production.solve_case(*case), tmp_path / name)
     assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "second.csv").read_bytes()

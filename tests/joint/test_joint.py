@@ -1,6 +1,5 @@
 """Force-depth curves against independent solutions, convergence, and mechanics."""
 
-import re
 from dataclasses import replace
 from functools import cache
 
@@ -12,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from study import contact, paths
-from study.checks import StudyError
+from study.checks import RangeError
 from study.joint import (
     Joint,
     Material,
@@ -371,8 +370,7 @@ def test_a_joint_inside_its_limits_is_solved_or_refused(ratio, r2_star, thicknes
     joint = Joint(r2_star, thickness, socket=Material(ratio * 2e11))
     try:
         curve = force_curve(joint, [0.2, 0.4], 64)
-    except (ValueError, StudyError) as error:
-        assert re.search("must|did not converge", str(error))
+    except RangeError:
         return
     assert (curve.force_star > 0).all()
     assert np.isfinite(curve.force_star).all()

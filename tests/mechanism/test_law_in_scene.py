@@ -38,14 +38,13 @@ def test_parameters_name_a_material_only_where_one_was_given():
     usual = PAPER.parameters().parameter
     assert not usual.isin(["ball", "socket"]).any()
     row = MIXED.parameters().set_index("parameter").loc["socket"]
-    assert (row.value, row.unit, row.table) == ("1.1e+11, 0.34", "Pa, 1", "-")
+    assert (row.value, row.unit, row.table) == ("1.1e+11,0.34", "Pa, 1", "-")
 
 
 @pytest.mark.parametrize("name", ["youngs_modulus", "link_modulus"])
 def test_a_modulus_in_another_unit_is_a_hint(name):
-    shown = name.replace("_", " ")
     for value, hint in ((210, "210e9"), (0.8, "0.8e9"), (6.9e4, "69e9")):
-        message = f"{shown} must be >= 100000 Pa, got {value:g} Pa: did you mean {hint}?"
+        message = f"{name} must be >= 100000 Pa, got {value:g} Pa: did you mean {hint}?"
         with pytest.raises(ValueError, match=re.escape(message) + "$"):
             Scene(**{name: value})
     assert getattr(Scene(**{name: 1e6}), name) == 1e6
@@ -56,12 +55,6 @@ def test_materials_by_name_or_numbers():
     assert Scene(socket="210e9,0.3").socket == Material(210e9, 0.3)
     with pytest.raises(ValueError, match="got 210 Pa: did you mean 210e9?"):
         Scene(ball="210,0.3")
-
-
-@pytest.mark.parametrize("value", [3, "?", (2e11, 0.3)])
-def test_a_material_is_a_material(value):
-    with pytest.raises(ValueError, match="^(ball|material) must be"):
-        Scene(ball=value)
 
 
 def test_stiffened_hertz_takes_materials_from_the_scene():
@@ -125,7 +118,7 @@ def test_a_curve_of_the_scenes_materials_drives_it():
     assert response.law.startswith("tabulated: r2_star 200, socket_ratio 1.298, ball_drive plane")
     layers = Layer(1.1, BRONZE), Layer(1.4, STEEL)
     lined = table(ball=STEEL, layers=layers)
-    assert "layers 1.1:0.531400966:0.34" in simulate(MIXED, law=lined, **BRIEF).law
+    assert "layers 1.1,0.531400966,0.34" in simulate(MIXED, law=lined, **BRIEF).law
     with pytest.raises(ValueError, match="modulus_ratio of law tabulated must be the scene's, 1"):
         simulate(PAPER, law=lined, **BRIEF)
 
@@ -180,7 +173,7 @@ def test_the_table_of_the_scenes_joint_is_that_of_a_joint_with_dimensions():
 
 
 def test_a_liner_is_softer_and_counts_with_its_own_modulus():
-    liner = ((0.5e-3, "PTFE"),)
+    liner = ("0.5e-3,PTFE",)
     lined = DimensionalJoint(10e-3, 5e-5, 3e-3, STEEL, BRONZE, liner)
     bare = simulate(MIXED, law="tabulated", wall=3e-3, **BRIEF).impacts
     modulus = lined.joint.composite_modulus
@@ -227,7 +220,7 @@ def test_a_law_of_another_joint_is_refused(scene, law, message):
         ({"wall": 3e-3, "socket_ratio": 1.3}, "must be one of wall, liner, got 'socket_ratio'"),
         ({"socket_ratio": "thick"}, "socket_ratio must be one number, got 'thick'"),
         ({"socket_ratio": 0.9}, "wall must be >= 1e-06 and <= 9999.99 m, got -0.001 m"),
-        ({"liner": "PTFE"}, "liner must be pairs of a thickness in m and a material, got 'PTFE'"),
+        ({"liner": "PTFE"}, "liner must be a thickness in m and a material, such as 0.5e-3,PTFE"),
     ],
 )
 def test_options_of_the_scenes_joint(options, message):

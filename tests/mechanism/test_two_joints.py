@@ -242,15 +242,10 @@ def test_clearance_at_constant_speed_needs_the_same_moment_in_the_mean():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"crank_speed": 5.0, "driving_moment": 1.0}, "driving moment must be left out with a cra"),
-        ({"crank_speed": 5.0, "initial_crank_speed": 1.0}, "initial crank speed must be left out"),
-        ({"crank_clearance": 0.0}, "crank clearance must be > 0 m, got 0 m"),
-        ({"crank_clearance": 0.02}, "crank clearance must be >= 1e-11 and < 0.01 m, got 0.02 m"),
-        ({"crank_clearance": 1e-5, "coupler_inertia": 0.0}, "coupler inertia must be > 0 kg m^2"),
-        (
-            {"initial_crank_angle": 90.0},
-            "initial crank angle must be >= -6.28319 and <= 6.28319 rad",
-        ),
+        ({"crank_speed": 5.0, "driving_moment": 1.0}, "driving_moment must be left out with a cra"),
+        ({"crank_speed": 5.0, "initial_crank_speed": 1.0}, "initial_crank_speed must be left out"),
+        ({"crank_clearance": 0.02}, "crank_clearance must be >= 1e-11 and < 0.01 m, got 0.02 m"),
+        ({"crank_clearance": 1e-5, "coupler_inertia": 0.0}, "coupler_inertia must be > 0 kg m^2"),
     ],
 )
 def test_bad_scene_is_one_clear_error(changes, message):

@@ -18,7 +18,7 @@ import pytest
 
 from study import cli
 from study.checks import StudyError
-from study.joint import DimensionalJoint, Joint, Material, force_curve, whole_curve
+from study.joint import DimensionalJoint, Joint, Material, RatioJoint, force_curve, whole_curve
 from study.mechanism import MechanismError, Scene, compare, simulate
 from study.sweep import COLUMNS, cases, random_cases, run, run_study
 
@@ -58,7 +58,7 @@ def test_joints_without_dimensions_are_those_of_the_solver(tmp_path):
     ]
     _, table = swept(given, "joints", tmp_path / "table.csv")
     lined, deep = (table[table.case == name] for name in ("lined", "deep"))
-    whole = whole_curve(cases.joint_of_texts(80, layer=["1.125,0.0025,0.46", "1.5,1,0.3"]))
+    whole = whole_curve(RatioJoint(r2_star=80, layer="1.125,0.0025,0.46;1.5,1,0.3").joint())
     socket = Material(2e11, 0.4)
     curve = force_curve(Joint(75, socket=socket), [0.5, 0.1])
     for rows, expected in ((lined, whole), (deep, curve)):
@@ -73,7 +73,7 @@ def test_joints_without_dimensions_are_those_of_the_solver(tmp_path):
 def test_joints_with_dimensions_are_those_of_the_solver(tmp_path):
     given = [
         OF_SIZES | {"force": "3000; 8000"},
-        OF_SIZES | {"liner": [(0.5e-3, "PTFE")], "depth": 5e-6, "ball": None, "rim": None},
+        OF_SIZES | {"liner": ["0.5e-3,PTFE"], "depth": 5e-6, "ball": None, "rim": None},
         OF_SIZES,
     ]
     _, table = swept(given, "joints", tmp_path / "table.csv")
@@ -84,7 +84,7 @@ def test_joints_with_dimensions_are_those_of_the_solver(tmp_path):
     assert forces.applicability.tolist() == ["inside", "backing"]
     factors = np.minimum(solved.yield_factor["ball"], solved.yield_factor["socket"])
     assert forces.yield_factor.to_numpy() == pytest.approx(factors, rel=1e-8)
-    joint = DimensionalJoint(**OF_SIZES, liner=((0.5e-3, "PTFE"),))
+    joint = DimensionalJoint(**OF_SIZES, liner=("0.5e-3,PTFE",))
     assert lined.force.to_numpy() == pytest.approx(joint.solve(depth=5e-6).force, rel=1e-8)
     law = DimensionalJoint(**OF_SIZES).law()
     depth = np.minimum(whole.depth, law.deepest)  # 9 digits may be above it
@@ -269,27 +269,18 @@ def command(monkeypatch, capsys, tmp_path):
 
 
 SIZES = "socket_radius,clearance,wall"
-RANDOM = ("--random", 5)
+FRICTION = ("--random", 5, "--range")
 
 
 @pytest.mark.parametrize(
     ("kind", "text", "words", "message"),
     [
         ("joints", f"{SIZES}\n1e-2,5e-5,2e-3\n1e-2,-1,2e-3", (), "row 2: clearance must be > 0 m"),
-        ("joints", f"{SIZES},ball\n1e-2,5e-5,2e-3,stel", (), "row 1: ball: material must be one"),
-        ("joints", f"{SIZES},depth,force\n1e-2,5e-5,2e-3,1e-6,5", (), "row 1: either depth or fo"),
         ("joints", f"{SIZES},force\n1e-2,5e-5,2e-3,1;-5", (), "row 1: force must be > 0 N, got -5"),
-        ("joints", f"{SIZES},liner\n1e-2,5e-5,2e-3,PTFE", (), "row 1: liner must be a thickness"),
-        (
-            "joints",
-            "clearance,wall\n5e-5,2e-3",
-            (),
-            "row 1: socket_radius must be given, or r2_star",
-        ),
+        ("joints", f"{SIZES},depth,force\n1e-2,5e-5,2e-3,1e-6,5", (), "row 1: either depth or fo"),
+        ("joints", "clearance\n5e-5", (), "row 1: socket_radius must be given, or r2_star"),
         ("joints", "r2_star,rim\n50,mirror\n,free", (), "row 2: r2_star must be given"),
-        ("joints", "r2_star\nabc", (), "row 1: r2_star must be a number, got 'abc'"),
         ("joints", "r2_star,depth_star\n50,0.1;-1", (), "row 1: depth_star must be >= 0, got -1"),
-        ("joints", "r2_star,layer\n50,1.1", (), "row 1: layer must be three numbers"),
         ("joints", "r2_star,socket_rato\n50,1.2", (), "did you mean socket_ratio?"),
         ("joints", "r2_star,r2_star\n50,1.2", (), "each column must have a name of its own"),
         ("joints", "case,r2_star\na,50\na,60", (), "row 2: case must be another name in each row"),
@@ -301,45 +292,20 @@ RANDOM = ("--random", 5)
         ),
         ("joints", "r2_star\n", (), "cases must have a row or more, got none"),
         ("joints", b"\xff\xfe\x00", (), "it is not CSV text in UTF-8"),
-        ("scenes", "duration\n-1", (), "row 1: duration must be > 0 and <= 1e+09 s, got -1 s"),
+        ("joints", "r2_star\n50", ("--twice",), "twice must be left out: it is for scenes, got jo"),
         ("scenes", "outputs\n2.5", (), "row 1: outputs must be a whole number, got '2.5'"),
-        ("scenes", "law\nhooke", (), "row 1: law must be one of"),
-        (
-            "scenes",
-            "law,socket_ratio\nhertz,1.5",
-            (),
-            "row 1: socket_ratio must be left out: hertz has no option",
-        ),
         ("scenes", "model,step\nrigid,1e-6", (), "row 1: step must be left out: model rigid"),
-        ("scenes", "crank_length\n-1", (), "row 1: crank length must be > 0 m, got -1 m"),
-        ("scenes", "socket\nstel", (), "row 1: socket: material must be one of"),
-        ("scenes", "friction", (*RANDOM, "--range", "friction=0:1"), "and not both"),
+        ("scenes", "friction", (*FRICTION, "friction=0:1"), "and not both"),
         ("scenes", "friction\n0.1", ("--seed", 1), "--range and --seed must be left out"),
         ("scenes", "", (), "a FILE of cases or --random must be given"),
-        ("scenes", "", (*RANDOM,), "ranges of the random cases must be a mapping"),
-        ("scenes", "", (*RANDOM, "--range", "friction"), "--range must be NAME=RANGE"),
-        (
-            "scenes",
-            "",
-            (*RANDOM, "--range", "friction=0.2:0.1"),
-            "high end of the range of friction",
-        ),
-        (
-            "scenes",
-            "",
-            (*RANDOM, "--range", "friction=0:1:log"),
-            "low end of the range of friction",
-        ),
-        (
-            "scenes",
-            "",
-            (*RANDOM, "--range", "friction=0:1:lin"),
-            "range of friction must be low:high",
-        ),
-        ("scenes", "", (*RANDOM, "--range", "friction=a:1"), "range of friction must be a number"),
+        ("scenes", "", (*FRICTION[:2],), "ranges of the random cases must be a mapping"),
+        ("scenes", "", (*FRICTION, "friction"), "--range must be NAME=RANGE"),
+        ("scenes", "", (*FRICTION, "friction=0.2:0.1"), "high end of the range of friction"),
+        ("scenes", "", (*FRICTION, "friction=0:1:log"), "low end of the range of friction"),
+        ("scenes", "", (*FRICTION, "friction=0:1:lin"), "range of friction must be low:high"),
+        ("scenes", "", (*FRICTION, "friction=a:1"), "range of friction must be a number"),
         ("scenes", "", ("--random", 0, "--range", "friction=0:1"), "random cases must be >= 1"),
         ("scenes", "friction\n0.1", ("--jobs", 0), "jobs must be >= 1, got 0"),
-        ("joints", "r2_star\n50", ("--twice",), "twice must be left out: it is for scenes, got jo"),
     ],
 )
 def test_bad_input_is_one_line_before_any_work(command, tmp_path, kind, text, words, message):
@@ -362,14 +328,10 @@ def test_bad_cases_in_python(tmp_path):
 @pytest.mark.parametrize(
     ("case", "message"),
     [
-        ({"socket_ratio": np.nan}, "row 2: socket_ratio must be finite .*, got nan"),
-        ({"socket_ratio": float("inf")}, "row 2: socket_ratio must be finite .*, got inf"),
+        ({"socket_ratio": np.nan}, "row 2: socket_ratio must be finite, got nan"),
         ({"socket_ratio": pd.NA}, "row 2: socket_ratio must be a number, got '<NA>'"),
-        ({"socket_ratio": "1_5"}, "row 2: socket_ratio must be a number, got '1_5'"),
-        ({"socket_ratio": "\uff11.5"}, "row 2: socket_ratio must be a number, got '\uff11.5'"),
         ({"rim": np.nan}, "row 2: rim must be one of mirror, free, got 'nan'"),
         ({"case": "=1+1"}, "row 2: case must not begin as a spreadsheet's formula, got '=1[+]1'"),
-        ({"case": "@x"}, "row 2: case must not begin as a spreadsheet's formula, got '@x'"),
     ],
 )
 def test_a_missing_number_is_not_the_default(tmp_path, case, message):
@@ -377,12 +339,6 @@ def test_a_missing_number_is_not_the_default(tmp_path, case, message):
     with pytest.raises(ValueError, match=message):
         run_study([*cases, cases[0] | case], "joints", tmp_path / "table.csv")
     assert os.listdir(tmp_path) == []
-
-
-@pytest.mark.parametrize("ranges", ["r2_star", ["r2_star"], {"r2_star": 50}, {"r2_star": None}, {}])
-def test_ranges_are_a_mapping_of_texts(ranges):
-    with pytest.raises(ValueError, match=r"^ranges? of .*must be "):
-        random_cases(2, ranges)
 
 
 def test_an_empty_cell_shows_the_value_that_is_used(tmp_path):
@@ -473,14 +429,6 @@ def test_a_full_disk_keeps_what_was_finished(tmp_path, command, monkeypatch):
     )
     assert len((tmp_path / "table.csv.part").read_bytes().splitlines()) == 2
     assert command("joints", text, "--jobs", 1)[0] == 0
-
-
-def test_a_file_that_is_not_there(command, tmp_path):
-    status, _, err = command("joints", "", tmp_path / "none.csv")
-    assert status == 2
-    assert err.startswith("study: cases must be a CSV file, got ")
-    assert "No such file" in err
-    assert command("joints", "r2_star\n50", output=tmp_path / "table.txt")[0] == 2
 
 
 def test_a_file_with_a_failing_case_by_the_command_line(command, tmp_path, monkeypatch):

@@ -41,7 +41,7 @@
     }));
   }
 
-  const supports = () => (fields.drive.value === "clamped" ? " --drive clamped" : "") + (fields.rim.value === "free" ? " --rim free" : "");
+  const supports = () => (fields.drive.value === "clamped" ? " --ball-drive clamped" : "") + (fields.rim.value === "free" ? " --rim free" : "");
   const quoted = (text) => text.includes(" ") ? `"${text}"` : text;
 
   function draw() {
