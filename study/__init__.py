@@ -29,7 +29,7 @@ A dimensionless joint: depths over the clearance, forces over E* dR^2:
 >>> choice = choose.choose(Joint(75, socket_ratio=1.4), 0.5, tolerance=0.02)
 >>> print(choice.law)
 stiffened_hertz
->>> print(f"{contact.stiffened_hertz(0.3, 200, ball_drive='clamped', rim='free'):.2f}")
+>>> print(f"{contact.stiffened_hertz(0.3, 200, ball_support='clamped', rim='free'):.2f}")
 88.26
 
 The table of one joint's own curve, and the cached curves:

@@ -44,7 +44,7 @@ def test_a_body_by_fourier_modes(benchmark, body):
 
 @pytest.mark.parametrize("depth", [0.1, 0.5, 1.0])
 def test_a_depth_off_the_axis_with_its_error_estimate(benchmark, depth):
-    joint = Joint(200, ball_drive="core:0.2")
+    joint = Joint(200, ball_support="core:0.2")
     tilted_contact(joint, 0.1, 30)  # the bodies are cached from here on
     benchmark.pedantic(tilted_contact, (joint, depth, 30), rounds=5)
 

@@ -1,8 +1,8 @@
 """Whether the law along the axis is accurate for displacements off it, up to some tilt.
 
-By a rule, if ball and socket are the same all round and the mouth is far: a ball on its core, a
-socket backed all over, and a contact that stays off the mouth by twice the wall's thickness. In 8
-joints along the axis such a mouth changed the force by at most 0.0015 of it. Else the joint is
+By a rule, if ball and socket are the same all round and the rim is far: a ball on its core, a
+socket backed all over, and a contact that stays off the rim by twice the wall's thickness. In 8
+joints along the axis such a rim changed the force by at most 0.0015 of it. Else the joint is
 solved.
 """
 
@@ -17,8 +17,8 @@ from study.joint.supports import Core, WholeOutside
 from study.joint.tilted import LARGEST_TILT
 
 OF_RULE = 0.002
-"""Largest change of the force by a mouth that the rule takes for far."""
-_WALLS, _LARGEST_POISSON = 2, 0.4  # of the rule: thickness to the mouth, and of every material
+"""Largest change of the force by a rim that the rule takes for far."""
+_WALLS, _LARGEST_POISSON = 2, 0.4  # of the rule: thickness to the rim, and of every material
 _TILTS = 4
 
 
@@ -53,7 +53,9 @@ def axial_law_suffices(joint: Joint, depth_star: float, tilt: float, tolerance: 
     depth = checks.number("depth_star", depth_star, above=0, scalar=True)
     most = checks.number("tilt", tilt, "deg", above=0, most=LARGEST_TILT, scalar=True)
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
-    all_round = isinstance(joint.ball_drive, Core) and isinstance(joint.backing, WholeOutside)
+    all_round = isinstance(joint.ball_support, Core) and isinstance(
+        joint.socket_support, WholeOutside
+    )
     if all_round:
         edge = force_curve(joint, depth).contact_half_angle_deg[0] + most
         edge += _WALLS * np.degrees(joint.socket_ratio - 1)

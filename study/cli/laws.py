@@ -12,7 +12,14 @@ from study.cli.solve_joint import OF_SIZED, RELATIVE, SIZED, needed, sized, type
 from study.contact import LAWS, LawName
 from study.joint import RatioJoint
 
-_OF_STIFFENED = ("socket_ratio", "modulus_ratio", "poisson", "socket_poisson", "ball_drive", "rim")
+_OF_STIFFENED = (
+    "socket_ratio",
+    "modulus_ratio",
+    "poisson",
+    "socket_poisson",
+    "ball_support",
+    "rim",
+)
 """What stiffened_hertz depends on."""
 
 
@@ -40,7 +47,7 @@ YIELDS = (
 )
 
 DIRECTIONS = {True: "One law serves", False: "No one law is known to serve"}
-KNOWN = {"rule": "by the rule that the mouth is far, and all else the same all round"}
+KNOWN = {"rule": "by the rule that the rim is far, and all else the same all round"}
 OFF_AXIS = (
     "{} all directions up to {:g} deg: the force differs from that along the axis by at most "
     "{:.2g} of it ({})."

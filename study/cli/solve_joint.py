@@ -205,8 +205,8 @@ def _tilted(contact):
             "contact_to deg": _rounded(high),
             "force_error %": _rounded(contact.error_estimate / PERCENT, 2),
         }
-    cut = bool(contact.reaches_mouth.any())
-    told = ["The mouth cuts the contact: the pressure has no bound at its edge."] if cut else []
+    cut = bool(contact.reaches_rim.any())
+    told = ["The rim cuts the contact: the pressure has no bound at its edge."] if cut else []
     return values, [table, *told]
 
 
@@ -262,7 +262,7 @@ def _limits(joint, depth, limits):
     """What the numbers are for, and which limits they exceed."""
     from study.joint import applicability
 
-    held = joint.backing.in_words()
+    held = joint.socket_support.in_words()
     yield f"{held} Bodies are smooth and elastic, without friction; the load is along the axis."
     ordered = [limits[k] for k in np.argsort(depth)]
     for sentence in applicability.worst(ordered):

@@ -325,14 +325,14 @@ _PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "s
         "modulus_ratio": _of_table("modulus_ratio", 1.0),
         "poisson": _of_table("poisson", 0.3),
         "socket_poisson": _of_table("socket_poisson", None),
-        "ball_drive": Option("plane", names=("plane", "clamped")),
+        "ball_support": Option("guided", names=("guided", "clamped")),
         "rim": Option("mirror", names=("mirror", "free")),
     },
     least_r2_star=stiffening.LEAST_R2_STAR,
     examples=(
         _PAPER,
         _PAPER | {"socket_ratio": 1.1, "poisson": 0.45, "socket_poisson": 0.45},
-        _PAPER | {"socket_ratio": 3.0, "modulus_ratio": 0.01, "ball_drive": "clamped"},
+        _PAPER | {"socket_ratio": 3.0, "modulus_ratio": 0.01, "ball_support": "clamped"},
         _PAPER | {"socket_poisson": 0.46, "modulus_ratio": 30.0, "rim": "free"},
     ),
 )
@@ -342,15 +342,14 @@ def stiffened_hertz(
     modulus_ratio: float,
     poisson: float,
     socket_poisson: float | None,
-    ball_drive: str,
+    ball_support: str,
     rim: str,
 ) -> Parts:
     """Hertz stiffened by thickness, materials and supports (this study, tabulated).
 
     P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s) and
-    s = sqrt(ds): Hertz's law as ds -> 0. It is for half a ball, ``plane`` or ``clamped``, in a
-    hemispherical socket (an opening of 90 deg) that is fixed all over its outside (the backing
-    ``whole``), of one material, pressed along the axis. The nine numbers of a joint are looked up
+    s = sqrt(ds): Hertz's law as ds -> 0. It is for half a ball, ``guided`` or ``clamped``, in a
+    hemispherical socket (an opening of 90 deg) that is fixed all over its outside (``outside``), of one material, pressed along the axis. The nine numbers of a joint are looked up
     once, in ``stiffening.csv`` (`study.contact.stiffening`). The law is for linear kinematics,
     ds <= 1 and the ranges of `study.contact.stiffening.RANGES`. Its largest error is 0.18 % on 336
     random joints, and 0.57 % at the ends of the ranges (notebook 15). Defaults are the paper's
@@ -364,7 +363,7 @@ def stiffened_hertz(
         Young's modulus of the socket over that of the ball.
     poisson, socket_poisson
         Of the ball, and of the socket if it differs.
-    ball_drive, rim
+    ball_support, rim
         Supports, as for `study.joint.Joint`.
     """
     socket_poisson = poisson if socket_poisson is None else socket_poisson
@@ -373,7 +372,7 @@ def stiffened_hertz(
     radii = np.asarray(r2_star)
     if radii.ndim and (radii == radii[:1]).all():  # nearly always: the table is looked up once
         radii = radii[:1]
-    constants = stiffening.powers(radii, bodies, ball_drive == "clamped", rim == "free")
+    constants = stiffening.powers(radii, bodies, ball_support == "clamped", rim == "free")
     return Parts(hertz.parts(r2_star).scale, shapes.stiffened, constants)
 
 

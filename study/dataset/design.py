@@ -63,13 +63,13 @@ GROUPS = {
     "poisson": "the effect of Poisson's ratio in it",
     "modulus": "the effect of unequal moduli in it",
     "support": "the effect of the supports in it",
-    "liner": "thin liners: a rigid ball on a rigid backing, and real ones in their housings",
+    "liner": "thin liners: a rigid ball in a rigid housing, and real ones in their housings",
     "validation": "random joints in the range of stiffened_hertz, to validate it",
 }
 
 
 FREE_VALIDATION, HELD_VALIDATION = 300, 36
-HELD = (("clamped", "mirror"), ("plane", "free"), ("clamped", "free"))
+HELD = (("clamped", "mirror"), ("guided", "free"), ("clamped", "free"))
 LINER_THICKNESSES = (0.003, 0.015, 0.04, 0.1, 0.2, 0.3)
 LINER_POISSONS = (0.1, 0.3, 0.4, 0.45, 0.475, 0.49)
 REAL_LINERS = {
@@ -84,7 +84,7 @@ ratio of liner and housing. The ball is steel. Notebook 22 has the sources."""
 
 
 def _liners():
-    """A rigid ball in thin liners on a rigid backing, and a steel ball in real ones."""
+    """A rigid ball in thin liners in a rigid housing, and a steel ball in real ones."""
     for h in LINER_THICKNESSES:
         for nu in LINER_POISSONS:
             ratio = {"socket_ratio": round(1 + h, 3)}
@@ -117,12 +117,12 @@ def _validation_set():
         held = k >= FREE_VALIDATION
         nu = balls[k % 3] if held else ball()
         ratio, socket_nu = sockets[k // 3 % 6] if held else socket()
-        drive, rim = (("plane", "mirror"), *HELD)[1 + draw.integers(3) if held else 0]
+        drive, rim = (("guided", "mirror"), *HELD)[1 + draw.integers(3) if held else 0]
         share = draw.random() ** draw.choice([0.5, 1, 2])
         modulus = 2e11 * share / (1 - share) * (1 - socket_nu**2) / (1 - nu**2)
         joint = {"socket": Material(float(f"{modulus:.4g}"), socket_nu), "socket_ratio": ratio}
         r2_star = float(f"{20 * 500 ** draw.random() ** 2:.3g}")
-        supports = {"ball_drive": drive, "rim": rim}
+        supports = {"ball_support": drive, "rim": rim}
         case = {"poisson": nu, "r2_stars": (r2_star,), "depths": ROOT_DEPTHS[1::6]}
         yield SetUp("validation", f"validation-{k:03d}", joint | supports, **case)
 
@@ -156,8 +156,8 @@ DESIGN = (
         for ratio in (0.05, 0.1, 0.2, 0.333, 0.5, 2.0, 3.0, 5.0, 10.0, 20.0)
     ),
     *(
-        SetUp("support", f"{drive}-{rim}", {"ball_drive": drive, "rim": rim})
-        for drive, rim in (("clamped", "mirror"), ("plane", "free"), ("plane", "mirror"))
+        SetUp("support", f"{drive}-{rim}", {"ball_support": drive, "rim": rim})
+        for drive, rim in (("clamped", "mirror"), ("guided", "free"), ("guided", "mirror"))
     ),
     *_liners(),
     *_validation_set(),

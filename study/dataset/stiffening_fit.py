@@ -57,7 +57,7 @@ def logarithms(
     for ratio, share, poisson, r2_star, drive, rim in itertools.product(*axes):
         ball = Material((1 - poisson**2) / share, poisson)
         socket = Material((1 - socket_poisson**2) / (1 - share), socket_poisson)
-        joint = Joint(r2_star, ratio, ball, socket, ball_drive=drive, rim=rim)
+        joint = Joint(r2_star, ratio, ball, socket, ball_support=drive, rim=rim)
         resolution = FINER if joint.series_applies else RESOLUTION
         resolution = COARSER if counts["r2_star"] > 1 else resolution
         if of is None:

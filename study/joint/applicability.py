@@ -13,8 +13,8 @@ from study.joint.supports import WholeOutside
 
 DEEPEST = 1.0
 """Largest depth_star up to which the solution was compared with other programs."""
-MOUTH = 5.0
-"""In deg: a contact that ends so near to the mouth depends on the edge's own shape."""
+NEAR_RIM = 5.0
+"""In deg: a contact that ends so near to the rim depends on the edge's own shape."""
 STRAIN = 0.05
 """Peak pressure over Young's modulus at which strains are no longer small."""
 ROUGHNESS = 0.1e-6
@@ -71,14 +71,14 @@ def limits(
             f"The peak pressure is {strain:.2g} of the softest body's modulus. Beyond {STRAIN:g} "
             "strains are not small, as the solution takes them."
         )
-    if half_angle_deg > joint.opening - MOUTH:
-        found["mouth"] = (
-            f"The contact ends at {half_angle_deg:.3g} deg, near the mouth at {joint.opening:g} "
+    if half_angle_deg > joint.opening - NEAR_RIM:
+        found["rim"] = (
+            f"The contact ends at {half_angle_deg:.3g} deg, near the rim at {joint.opening:g} "
             "deg, where it depends on the shape of the edge."
         )
     wall = joint.socket_ratio - 1
-    if isinstance(joint.backing, WholeOutside) and wall < radians(half_angle_deg):
-        found["backing"] = (
+    if isinstance(joint.socket_support, WholeOutside) and wall < radians(half_angle_deg):
+        found["wall"] = (
             f"The wall, of {wall:.2g} radii, is thinner than the contact's half-width: the force "
             "depends on what holds its outside, which is rigid here."
         )

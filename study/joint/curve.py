@@ -101,7 +101,7 @@ def force_curve(
         finite elements and 96 for ``finite`` kinematics; half of it is solved too.
     solver
         Exact Legendre ``series`` of both bodies, or finite elements: six-node (``quadratic``) or
-        three-node (``linear``) triangles. By default the series where it applies (``plane``
+        three-node (``linear``) triangles. By default the series where it applies (``guided``
         drive, ``mirror`` rim, kinematics other than ``finite``), and else six-node triangles.
 
     Raises
@@ -244,8 +244,8 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
     checks.choice("solver", solver, SOLVERS)
     if solver == "series" and not joint.series_applies:
         raise ValueError(
-            "solver must be quadratic or linear for this joint: the series needs ball_drive "
-            "plane, rim mirror and small displacements, got "
+            "solver must be quadratic or linear for this joint: the series needs ball_support "
+            "guided, rim mirror and small displacements, got "
             f"{', '.join(map(str, joint.configuration.values()))}"
         )
     if solver == "linear" and joint.has_large_displacements:

@@ -96,7 +96,7 @@ class Joint(Configuration):
     @property
     def ball_body(self) -> Ball:
         """The ball as an elastic body."""
-        return Ball(float(self.ball.poisson), self.ball_drive, self.opening)
+        return Ball(float(self.ball.poisson), self.ball_support, self.opening)
 
     @property
     def socket_body(self) -> Socket:
@@ -109,7 +109,7 @@ class Joint(Configuration):
             tuple(float(material.poisson) for material in materials),
             tuple(float(material.youngs_modulus / unit) for material in materials),
             self.rim,
-            self.backing,
+            self.socket_support,
             self.opening,
         )
 
@@ -147,9 +147,12 @@ class Joint(Configuration):
         """Options of `study.contact.stiffened_hertz`; ``ValueError`` if it is not for the joint."""
         for unsuited, what in (
             (self.layers, "a socket of layers"),
-            (not self.ball_drive.by_plane, f"ball_drive {self.ball_drive}"),
+            (not self.ball_support.by_plane, f"ball_support {self.ball_support}"),
             (self.opening != HEMISPHERE, f"an opening of {self.opening:g} deg"),
-            (not isinstance(self.backing, WholeOutside), f"backing {self.backing}"),
+            (
+                not isinstance(self.socket_support, WholeOutside),
+                f"socket_support {self.socket_support}",
+            ),
         ):
             if unsuited:
                 raise checks.RangeError(f"stiffened_hertz is not for {what}")
@@ -158,7 +161,7 @@ class Joint(Configuration):
             "modulus_ratio": self.modulus_ratio,
             "poisson": self.ball.poisson,
             "socket_poisson": self.socket.poisson,
-            "ball_drive": str(self.ball_drive),
+            "ball_support": str(self.ball_support),
             "rim": self.rim,
         }
 
@@ -175,7 +178,7 @@ class Joint(Configuration):
             "poisson_socket": self.socket.poisson,
             "modulus_ratio": self.modulus_ratio,
             "layers": ";".join(layers),
-            "ball_drive": str(self.ball_drive),
+            "ball_support": str(self.ball_support),
             "rim": self.rim,
             "kinematics": self.kinematics,
         }
@@ -187,7 +190,7 @@ class Joint(Configuration):
         return by_series and not self.has_large_displacements
 
 
-PAPER_SUPPORTS: dict[str, Any] = {"ball_drive": ClampedPlate(), "rim": "free"}
+PAPER_SUPPORTS: dict[str, Any] = {"ball_support": ClampedPlate(), "rim": "free"}
 """How the paper's finite elements hold ball and socket: identified from its Table 2."""
 
 

@@ -119,7 +119,7 @@ class TiltedSolution:
     peak_pressure: Floats
     peak_angle_deg: Floats
     contact_edges_deg: Floats
-    reaches_mouth: NDArray[np.bool_]
+    reaches_rim: NDArray[np.bool_]
     error_estimate: Floats
 
 
@@ -338,7 +338,7 @@ class DimensionalJoint(Configuration):
             peak_pressure=pressure * contact.peak_pressure_star,
             peak_angle_deg=contact.peak_angle_deg,
             contact_edges_deg=contact.contact_edges_deg,
-            reaches_mouth=contact.reaches_mouth,
+            reaches_rim=contact.reaches_rim,
             error_estimate=contact.error_estimate,
         )
 

@@ -126,7 +126,7 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
 
     Left out are a ball that is not held by its equatorial plane, and a socket that is not held all
     over its outside: at a point, a core or the end of a support, stresses are those of its details.
-    Elements are searched from `HEIGHT` above the equator on, and as far inside the mouth.
+    Elements are searched from `HEIGHT` above the equator on, and as far inside the rim.
     """
     sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
     by_body, peak = {}, curve.peak_pressure_star
@@ -158,17 +158,17 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     Raises
     ------
     ValueError
-        For materials without a yield stress; for a ball that is not on a ``plane`` or ``clamped``
+        For materials without a yield stress; for a ball that is not on a ``guided`` or ``clamped``
         drive, or a socket that is not held all over its outside; for a depth that the joint cannot
         have.
     """
     from scipy.interpolate import PchipInterpolator  # a quarter of a second, for this alone
     from scipy.optimize import brentq
 
-    if not (joint.ball_drive.by_plane and isinstance(joint.backing, WholeOutside)):
+    if not (joint.ball_support.by_plane and isinstance(joint.socket_support, WholeOutside)):
         raise checks.RangeError(
-            "first yield is known for a ball_drive of plane or clamped and a backing of whole "
-            f"alone, got {joint.ball_drive} and {joint.backing}"
+            "first yield is known for a ball_support of guided or clamped and a socket_support of outside "
+            f"alone, got {joint.ball_support} and {joint.socket_support}"
         )
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     if not any(material.yield_stress for material in joint.materials.values()):
@@ -316,10 +316,10 @@ def _of_elements(curve):
 
     nodes = 3 if curve.solver == "linear" else 6
     joint, edge, resolution = curve.joint, curve.joint.reach, len(curve.angles) - 1
-    if joint.ball_drive.by_plane:
+    if joint.ball_support.by_plane:
         ball = fem.meshed(joint.ball_body, resolution, nodes)
         yield "ball", _largest_at_nodes(ball, curve.pressure, edge)
-    if not isinstance(joint.backing, WholeOutside):
+    if not isinstance(joint.socket_support, WholeOutside):
         return
     socket = fem.meshed(joint.socket_body, resolution, nodes)
     pressure, inner = _on_socket(curve), 1.0

@@ -61,7 +61,7 @@ class BallSupport(_Support):
 class GuidedPlate(BallSupport):
     """A plate that displaces the equatorial plane along the axis, where it may slide."""
 
-    word, held, is_free_across, by_plane = "plane", {"equator": "z"}, True, True
+    word, held, is_free_across, by_plane = "guided", {"equator": "z"}, True, True
 
 
 class ClampedPlate(BallSupport):
@@ -73,7 +73,7 @@ class ClampedPlate(BallSupport):
 class CentrePoint(BallSupport):
     """Displacement of the ball's centre alone, as by a point load."""
 
-    word, held, is_free_across = "point", {"centre": "z"}, True
+    word, held, is_free_across = "centre", {"centre": "z"}, True
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class SocketSupport(_Support):
 class WholeOutside(SocketSupport):
     """The socket's outside all over."""
 
-    word, held = "whole", {"outside": "rz"}
+    word, held = "outside", {"outside": "rz"}
 
     def in_words(self) -> str:  # noqa: D102
         return "The socket's outside is held rigidly."
@@ -184,11 +184,11 @@ def reach(opening: float) -> float:
 class Configuration:
     """How ball and socket are held, and which points of their surfaces face each other."""
 
-    ball_drive: BallSupport | str = parameter(
+    ball_support: BallSupport | str = parameter(
         GuidedPlate(),
         "How the ball is held and moved. The equatorial plane of half a ball is moved along the "
-        "axis by a plate on which it slides (plane) or to which it is clamped (clamped), or its "
-        "centre alone is moved (point). A whole ball is held at a rigid core of 0.2 of its radius "
+        "axis by a plate on which it slides (guided) or to which it is clamped (clamped), or its "
+        "centre alone is moved (centre). A whole ball is held at a rigid core of 0.2 of its radius "
         "(core:0.2), or on its surface within 30 deg of the top (neck:30)",
         parse=_parser(BALL_SUPPORTS),
         kind=BallSupport,
@@ -212,9 +212,9 @@ class Configuration:
     opening: float = parameter(
         HEMISPHERE, "Polar angle of the socket's rim from its pole", "deg", least=30, most=170
     )
-    backing: SocketSupport | str = parameter(
+    socket_support: SocketSupport | str = parameter(
         WholeOutside(),
-        "Where the socket is held rigidly: its outside all over (whole), the face of its rim alone "
+        "Where the socket is held rigidly: its outside all over (outside), the face of its rim alone "
         "(rim), or its outside between two polar angles in deg (sector:0,30 is a seat at the pole, "
         "sector:60,90 a flange)",
         parse=_parser(SOCKET_SUPPORTS),
@@ -229,7 +229,7 @@ class Configuration:
     @property
     def is_hemispherical(self) -> bool:
         """Whether a hemispherical socket, held all over its outside, takes half a ball."""
-        half, whole = self.ball_drive.is_half, isinstance(self.backing, WholeOutside)
+        half, whole = self.ball_support.is_half, isinstance(self.socket_support, WholeOutside)
         return half and self.opening == HEMISPHERE and whole
 
     @property
@@ -244,13 +244,15 @@ class Configuration:
 
     def _check_configuration(self) -> None:
         """Check parameters against each other, and choose the rim if it is not given."""
-        ball, name = self.ball_drive, f"opening beside ball_drive {self.ball_drive}"
+        ball, name = self.ball_support, f"opening beside ball_support {self.ball_support}"
         most = HEMISPHERE if ball.is_half else 180.0
         if isinstance(ball, Neck):
             most = 180 - ball.half_angle - CLEAR
         checks.number(name, self.opening, "deg", most=most)
-        if isinstance(self.backing, Sector):
-            checks.number("last angle of backing", self.backing.last, "deg", most=self.opening)
+        if isinstance(self.socket_support, Sector):
+            checks.number(
+                "last angle of socket_support", self.socket_support.last, "deg", most=self.opening
+            )
         if self.rim is None:
             object.__setattr__(self, "rim", "mirror" if self.is_hemispherical else "free")
         if not self.is_hemispherical:

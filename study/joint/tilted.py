@@ -33,8 +33,8 @@ LARGEST_TILT = 120.0
 """In deg: beyond it no joint has a contact that is known here."""
 _RADIAL_ELEMENTS = 0.2  # as in `study.joint.fem`, for elements of equal angles
 _TOGETHER = 16  # nodes around of which coarser rings leave all but one out
-_BEYOND = 8.0  # least deg by which the ball's nodes go on beyond the mouth
-_DEEPEST = 1.0  # depth_star at which they still face the whole mouth; largest first guess
+_BEYOND = 8.0  # least deg by which the ball's nodes go on beyond the rim
+_DEEPEST = 1.0  # depth_star at which they still face the whole rim; largest first guess
 _LEAST_SHARE = 0.3  # of the deepest overlap: shallower ones are at first left out of the contact
 _FEWEST = 12  # nodes of a contact of half the resolution
 _MOST_STEPS = 40
@@ -53,16 +53,16 @@ class TiltedContact:
         Displacement beyond first touch over dR, and its direction off the axis in deg.
     force_star, transverse_star
         Force along the displacement, and across it in the plane of symmetry: positive towards
-        larger tilt. Where the mouth cuts the contact it is negative.
+        larger tilt. Where the rim cuts the contact it is negative.
     stiffness_star, transverse_stiffness_star
         Derivatives of the two by a displacement along and across, over E* dR.
     peak_pressure_star, peak_angle_deg
         Largest pressure, in E* dR/R2, and its signed polar angle in the plane of symmetry. At the
-        edge of the mouth it grows with the resolution.
+        edge of the rim it grows with the resolution.
     contact_edges_deg
         Signed polar angles at which the contact ends in the plane of symmetry; shape (2, k).
-    reaches_mouth
-        Whether the contact is cut by the mouth.
+    reaches_rim
+        Whether the contact is cut by the rim.
     error_estimate
         Estimated relative error of the force, as of `study.joint.ForceCurve`. The peak pressure
         has another: near the axis it is some 3 % too high at any resolution, because it ripples
@@ -79,7 +79,7 @@ class TiltedContact:
     peak_pressure_star: Floats
     peak_angle_deg: Floats
     contact_edges_deg: Floats
-    reaches_mouth: NDArray[np.bool_]
+    reaches_rim: NDArray[np.bool_]
     error_estimate: Floats
 
 
@@ -103,7 +103,7 @@ def tilted_contact(
     Raises
     ------
     ValueError
-        For a joint whose ball is free across the axis (``plane`` and ``point``), whose rim is a
+        For a joint whose ball is free across the axis (``guided`` and ``centre``), whose rim is a
         mirror plane, or whose kinematics are ``finite``; for a value outside its range; for a
         contact that is too small to be resolved, or a tilt that leaves none.
     """
@@ -120,7 +120,7 @@ def under_force(
 ) -> TiltedContact:
     """`tilted_contact` under forces that point off the axis by a tilt; displacements follow.
 
-    Without friction no force can point out of the mouth: its tilt is below the opening. Other
+    Without friction no force can point out of the opening: its tilt is below the opening. Other
     arguments and errors are those of `tilted_contact`; a force that no displacement inside the
     joint bears is a ``ValueError`` too.
     """
@@ -135,10 +135,10 @@ def under_force(
 def _checked(joint, values, tilt, name, resolution):
     """Depths or forces, as many tilts, and the resolution; refuses a joint that is not for them."""
     checks.instance("joint", joint, Joint)
-    if joint.ball_drive.is_free_across:
+    if joint.ball_support.is_free_across:
         wanted = "clamped, core:NUMBER or neck:NUMBER"
-        why = f"the ball is free across the axis, got {joint.ball_drive}"
-        raise checks.RangeError(f"ball_drive under a tilted load must be {wanted}: {why}")
+        why = f"the ball is free across the axis, got {joint.ball_support}"
+        raise checks.RangeError(f"ball_support under a tilted load must be {wanted}: {why}")
     checks.choice("rim under a tilted load", joint.rim, ("free",))
     checks.choice("kinematics under a tilted load", joint.kinematics, KINEMATICS[:2])
     values = np.atleast_1d(checks.number(name, values, above=0))
@@ -176,7 +176,7 @@ def _pressed(joint, fine, coarse, force, tilt):
         step[0] = np.clip(step[0], -0.6 * depth, 2 * depth)
         displacement = displacement + axes.T @ step
     raise checks.RangeError(
-        "force_star must be one that the ball bears inside the mouth, got "
+        "force_star must be one that the ball bears inside the rim, got "
         f"{force:g} at a tilt of {tilt:g} deg"
     )
 
@@ -213,7 +213,7 @@ def _result(joint, depths, tilts, solved):
         peak_pressure_star=np.array([f.peak for f in fine]),
         peak_angle_deg=np.array([f.peak_angle for f in fine]),
         contact_edges_deg=np.array([f.edges for f in fine]).T,
-        reaches_mouth=np.array([f.reaches_mouth for f in fine]),
+        reaches_rim=np.array([f.reaches_rim for f in fine]),
         error_estimate=off,
     )
 
@@ -227,14 +227,14 @@ class _Solved:
     peak: float
     peak_angle: float
     edges: tuple[float, float]
-    reaches_mouth: bool
+    reaches_rim: bool
 
 
 class _Contacts:
     """Contacts of one joint on one grid of the socket."""
 
     def __init__(self, joint, resolution):
-        support, self.joint = joint.ball_drive, joint
+        support, self.joint = joint.ball_support, joint
         self.whole = not support.is_half
         end = 180.0 - _BEYOND if self.whole else 90.0
         if isinstance(support, Neck):
@@ -261,7 +261,7 @@ class _Contacts:
         met = place[0] <= self.ball.grid.angles[-1]
         if self.whole and (gap[~met] < 0).any():
             raise checks.RangeError(
-                f"depth_star must keep the ball's neck or back out of the mouth, got {depth:g}"
+                f"depth_star must keep the ball's neck or back out of the opening, got {depth:g}"
             )
         area = self.area * met
         weighted = csr_array((self.hats * area[:, None]).T)
@@ -272,7 +272,7 @@ class _Contacts:
         if overlap.max() <= 0 and tilt < joint.opening:
             raise _unresolved(depth)
         if overlap.max() <= 0:
-            raise checks.RangeError(f"tilt must leave a contact inside the mouth, got {tilt:g} deg")
+            raise checks.RangeError(f"tilt must leave a contact inside the rim, got {tilt:g} deg")
         wanted, guess = overlap > _LEAST_SHARE * overlap.max(), overlap > 0.5 * overlap.max()
         while True:
             nodes = np.flatnonzero(wanted)
@@ -303,7 +303,7 @@ class _Contacts:
             peak=float(pressure.max()),
             peak_angle=float(signed[nodes[pressure.argmax()]]),
             edges=_edges(signed[nodes[in_plane]], pressure[in_plane], step, joint.opening),
-            reaches_mouth=bool((grid.ring[nodes] == grid.ring[-1]).any() or cut[nodes].any()),
+            reaches_rim=bool((grid.ring[nodes] == grid.ring[-1]).any() or cut[nodes].any()),
         )
 
     def _of_ball(self, moved, mass, size):
@@ -356,7 +356,7 @@ def _edges(angles, pressure, step, opening):
 
 @lru_cache(maxsize=8)
 def _angles(opening, end, resolution):
-    """Polar angles of the nodes, up to the mouth and beyond it, and nodes around; in rad."""
+    """Polar angles of the nodes, up to the rim and beyond it, and nodes around; in rad."""
     count = 2 * round(opening / 180 * resolution)
     step = np.radians(opening) / count
     further = int(np.radians(max(end - opening, 0)) / step + 1e-6)

@@ -65,7 +65,7 @@ SCENES = {
     "applicability": APPLICABILITY,
 }
 TWICE = SCENES | {
-    "trusted_until": ("s", "Until then a run at another tolerance is the same motion; rigid links"),
+    "agrees_until": ("s", "Until then a run at another tolerance is the same motion; rigid links"),
 }
 COLUMNS = {
     "joints": CURVES,
@@ -345,7 +345,7 @@ def _simulate(scene, run, again):
         "largest_slider_deviation": deviation.max(),
         "energy_error": response.energy_error,
         "applicability": applicability.in_short(exceeded_limits(scene, response)),
-        "trusted_until": "" if agreement is None else agreement.until,
+        "agrees_until": "" if agreement is None else agreement.until,
     }
 
 

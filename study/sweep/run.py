@@ -74,7 +74,7 @@ def run_study(
     progress
         Called with the numbers of different cases: done, all, and failed.
     twice
-        Run each scene a second time, at another tolerance, for the column ``trusted_until``
+        Run each scene a second time, at another tolerance, for the column ``agrees_until``
         (`study.mechanism.compare.second_run`). This takes about three times as long.
 
     Raises

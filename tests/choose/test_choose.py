@@ -69,7 +69,7 @@ def test_choice_is_within_tolerance_and_rarely_too_dear():
         (joint(poisson=0.1), 0.3),
         (joint(), 1.1),
         (joint(), 0.003),
-        (joint(ball_drive="clamped"), 0.3),
+        (joint(ball_support="clamped"), 0.3),
         (Joint(200, socket=Material(7e10)), 0.3),
         (Joint(200, kinematics="finite"), 0.3),
         (Joint(200, layers=(Layer(1.2, Material()), Layer(1.4, Material(7e10)))), 0.3),
@@ -137,7 +137,7 @@ def test_bad_input_is_refused(deepest, tolerance, message):
 
 def test_a_tolerance_that_nothing_meets_says_what_is_known():
     with pytest.raises(StudyError, match="no law is known to be within the tolerance 0.0001"):
-        choose.choose(joint(ball_drive="clamped"), 0.3, 1e-4)
+        choose.choose(joint(ball_support="clamped"), 0.3, 1e-4)
 
 
 def test_the_largest_ratios_are_those_of_the_random_scenes():

@@ -23,15 +23,15 @@ def test_a_law_is_one_json_object_in_the_order_asked(run, law):
 
 def test_a_law_gets_its_options(run):
     words = ["--socket-ratio", 1.5, "--poisson", 0.4, "--modulus-ratio", 0.5]
-    words += ["--socket-poisson", 0.3, "--ball-drive", "clamped", "--rim", "free"]
+    words += ["--socket-poisson", 0.3, "--ball-support", "clamped", "--rim", "free"]
     point = ["--r2-star", 50, "--depth-star", 0.3]
     _, out, _ = run("law", "stiffened_hertz", *point, *words, "--json")
     materials = {"poisson": 0.4, "modulus_ratio": 0.5, "socket_poisson": 0.3}
-    supports = {"ball_drive": "clamped", "rim": "free"}
+    supports = {"ball_support": "clamped", "rim": "free"}
     expected = contact.stiffened_hertz(0.3, 50, socket_ratio=1.5, **materials, **supports)
     assert json.loads(out)["force_star"] == pytest.approx([expected])
-    status, _, err = run("law", "hertz", *point, "--ball-drive", "clamped")
-    told = "study: --ball-drive must be left out: hertz does not depend on it\n"
+    status, _, err = run("law", "hertz", *point, "--ball-support", "clamped")
+    told = "study: --ball-support must be left out: hertz does not depend on it\n"
     assert (status, err) == (2, told)
 
 
@@ -63,7 +63,7 @@ def test_choose_warns_beyond_yield(run):
 
 
 def test_choose_ends_with_status_1_where_no_law_is_known(run):
-    status, out, err = run(*CHOOSE, "--tolerance", 1e-5, "--ball-drive", "clamped")
+    status, out, err = run(*CHOOSE, "--tolerance", 1e-5, "--ball-support", "clamped")
     assert (status, out, err.count("\n")) == (1, "", 1)
     assert "no law is known to be within" in err
 

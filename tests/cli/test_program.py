@@ -218,7 +218,7 @@ def test_too_little_memory_is_one_line_and_status_1(run, monkeypatch, why, told)
 
 def test_a_solution_under_too_low_a_limit_of_memory_is_refused():
     """Else OpenBLAS asks for memory for ever."""
-    joint = "joint --r2-star 200 --depth-star 0.1 --ball-drive clamped"
+    joint = "joint --r2-star 200 --depth-star 0.1 --ball-support clamped"
     command = f"ulimit -v 550000 && exec {shlex.quote(sys.executable)} -m study.cli {joint}"
     done = subprocess.run(["sh", "-c", command], cwd=paths.ROOT, capture_output=True, text=True)
     told = "study: too little memory for a solution: ulimit -v is 550000, and must be at least "

@@ -13,13 +13,13 @@ from study.joint import DimensionalJoint, Joint, Layer, Material, force_curve
 SIZES = ["joint", "--socket-radius", "12.5e-3", "--clearance", "40e-6", "--wall", "6e-3"]
 BRONZE = [*SIZES, "--ball", "steel", "--socket", "bronze"]
 DIMENSIONS = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
-TILTED = [*BRONZE, "--force", 1, "--ball-drive", "clamped", "--tilt", 5]
+TILTED = [*BRONZE, "--force", 1, "--ball-support", "clamped", "--tilt", 5]
 
 
 @pytest.mark.parametrize(
     ("words", "joint"),
     [
-        (["--socket-ratio", 1.4, "--ball-drive", "plane"], Joint(80, 1.4)),
+        (["--socket-ratio", 1.4, "--ball-support", "guided"], Joint(80, 1.4)),
         (["--kinematics", "finite"], Joint(80, kinematics="finite")),
         (
             ["--modulus-ratio", 0.35, "--socket-poisson", 0.33],
@@ -79,13 +79,13 @@ def test_the_line_to_export_the_chosen_law_can_be_typed(run):
 
 def test_a_joint_with_liners_and_a_tolerance(run, monkeypatch):
     lined = [*SIZES, "--liner", "0.5e-3,PTFE", "--liner", "1e-3,7e10,0.33", "--force", 500]
-    status, out, err = run(*lined, "--ball-drive", "clamped", "--json")
+    status, out, err = run(*lined, "--ball-support", "clamped", "--json")
     assert (status, err) == (0, "")
     found = json.loads(out)
     assert [*found["materials"]] == ["ball", "liner 1", "liner 2", "socket"]
     assert found["yield_factor_liner_2"] is None
     assert found["law"] == "tabulated"
-    assert "--ball-drive clamped" in found["export"]
+    assert "--ball-support clamped" in found["export"]
     assert found["export"].count("--liner ") == 2
 
     def none(joint, depth_star, tolerance):
@@ -99,7 +99,7 @@ def test_a_joint_with_liners_and_a_tolerance(run, monkeypatch):
 
 def test_laws_are_compared_no_shallower_than_elements_resolve(run):
     metres = ("--socket-radius", 16e-3, "--clearance", 1e-4, "--wall", 8e-3, "--force")
-    for words in ((500, "--ball-drive", "clamped", "--rim", "free"), (0.5,)):
+    for words in ((500, "--ball-support", "clamped", "--rim", "free"), (0.5,)):
         status, out, err = run("joint", *metres, *words, "--json")
         assert (status, err) == (0, "")
         found = json.loads(out)

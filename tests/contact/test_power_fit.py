@@ -96,7 +96,7 @@ def test_the_kept_fit_is_that_of_the_dataset():
         (lambda: BRONZE.power_law((2e-6, 1e-6)), "largest depth must be > 2e-06 m, got 1e-06 m"),
         (lambda: BRONZE.power_law((0, 1e-6)), "least depth must be > 0 m, got 0 m"),
         (
-            lambda: law_parameters(LAWS["stiffened_hertz"], Joint(200, backing="rim")),
+            lambda: law_parameters(LAWS["stiffened_hertz"], Joint(200, socket_support="rim")),
             "stiffened_hertz",
         ),
     ],

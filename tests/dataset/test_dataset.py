@@ -68,7 +68,7 @@ def test_every_group_is_there():
     assert set(frame.group) == set(design.GROUPS)
     validation = frame[frame.group == "validation"].drop_duplicates("case")
     assert len(validation) == design.FREE_VALIDATION + design.HELD_VALIDATION
-    assert validation.groupby(["ball_drive", "rim"]).size().min() >= 8
+    assert validation.groupby(["ball_support", "rim"]).size().min() >= 8
     finite = frame[frame.kinematics == "finite"]
     assert set(finite.solver) == {"quadratic"}
 
@@ -80,8 +80,8 @@ def test_filters_select_rows():
     assert list(rows.index) == list(range(80))
     with pytest.raises(ValueError, match="r2_star must be one of 20, 40.*got 77"):
         dataset.load(r2_star=77)
-    with pytest.raises(ValueError, match="ball_drive must be one of plane, got clamped"):
-        dataset.load(group="liner", ball_drive="clamped")
+    with pytest.raises(ValueError, match="ball_support must be one of plane, got clamped"):
+        dataset.load(group="liner", ball_support="clamped")
     with pytest.raises(ValueError, match="column must be one of group.*got 'radius'"):
         dataset.load(radius=1)
 
@@ -274,7 +274,7 @@ def test_the_schema_allows_what_the_design_has():
     fields = json.loads(store.PACKAGE.read_text())["resources"][0]["schema"]["fields"]
     allowed = {f["name"]: f["constraints"].get("enum") for f in fields}
     assert allowed["group"] == list(design.GROUPS)
-    assert allowed["ball_drive"] == [kind.word for kind in BALL_SUPPORTS if kind.is_half]
+    assert allowed["ball_support"] == [kind.word for kind in BALL_SUPPORTS if kind.is_half]
     for column, names in (("rim", RIMS), ("kinematics", KINEMATICS), ("solver", SOLVERS)):
         assert allowed[column] == list(names)
 

@@ -24,7 +24,7 @@ R1, R2, MODULUS = 9.95e-3, 10e-3, 1.137e11
 EXPORTED = [*LAWS, "tabulated"]
 BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 MATERIALS = Material(2e11, 0.3), Material(7e10, 0.34)
-UNEQUAL = Joint(20, 1.1, *MATERIALS, ball_drive="clamped", rim="free")
+UNEQUAL = Joint(20, 1.1, *MATERIALS, ball_support="clamped", rim="free")
 JOINTS = (
     Joint(200),
     UNEQUAL,
@@ -285,8 +285,8 @@ def test_bad_input_is_one_clear_error():
         export("hooke", "c", Joint(200))
     with pytest.raises(ValueError, match="format must be one of c, matlab, modelica, json, csv"):
         export("tabulated", "xml", Joint(200))
-    with pytest.raises(ValueError, match="stiffened_hertz is not for ball_drive point"):
-        export("stiffened_hertz", "c", Joint(200, ball_drive="point"))
+    with pytest.raises(ValueError, match="stiffened_hertz is not for ball_support point"):
+        export("stiffened_hertz", "c", Joint(200, ball_support="centre"))
     with pytest.raises(ValueError, match="kinematics of stiffened_hertz must be one of linear"):
         export("stiffened_hertz", "csv", Joint(200, kinematics="finite"))
     with pytest.raises(ValueError, match="socket_ratio of stiffened_hertz must be >= 1.1"):

@@ -19,7 +19,7 @@ THICK = Joint(200, 3.0)
         ("yield", {"yield_factor": {"ball": 1.01}}, {"yield_factor": {"ball": 0.99}}),
         ("depth", {"depth_star": 1.0}, {"depth_star": 1.01}),
         ("strain", {"strain": 0.049}, {"strain": 0.051}),
-        ("mouth", {"half_angle_deg": 84}, {"half_angle_deg": 86}),
+        ("rim", {"half_angle_deg": 84}, {"half_angle_deg": 86}),
         ("roughness", {"depth": 2.1e-6}, {"depth": 1.9e-6}),
     ],
 )
@@ -40,9 +40,9 @@ def test_friction_that_may_bear_a_part_of_the_force(run):
 
 
 def test_a_wall_thinner_than_the_contact_is_told():
-    assert "backing" in limits(Joint(200, 1.3), 0.1, 20.0)
+    assert "wall" in limits(Joint(200, 1.3), 0.1, 20.0)
     assert limits(Joint(200, 1.4), 0.1, 20.0) == {}
-    assert limits(Joint(200, 1.3, backing="sector:0,30"), 0.1, 20.0) == {}
+    assert limits(Joint(200, 1.3, socket_support="sector:0,30"), 0.1, 20.0) == {}
 
 
 def test_the_deepest_contact_speaks_but_of_roughness_the_shallowest():
@@ -55,7 +55,7 @@ def test_the_deepest_contact_speaks_but_of_roughness_the_shallowest():
 def test_a_solution_tells_each_of_its_depths():
     joint = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
     found = joint.solve(depth=[1e-6, 4e-6, 60e-6]).limits
-    assert [in_short(each) for each in found] == ["roughness", "inside", "yield; depth; backing"]
+    assert [in_short(each) for each in found] == ["roughness", "inside", "yield; depth; wall"]
     assert joint.solve(depth=60e-6).yield_factor["socket"][0] < 1
 
 
@@ -66,7 +66,7 @@ def test_the_command_says_what_is_exceeded(run):
     assert "7.8 clearances" in out
     assert "The socket's outside is held rigidly." in out
     _, out, _ = run("joint", *words, "--depth", 312e-6, "--json")
-    assert json.loads(out)["applicability"] == ["yield; depth; mouth; backing"]
+    assert json.loads(out)["applicability"] == ["yield; depth; rim; wall"]
     _, out, _ = run("choose", "--r2-star", 200, "--depth-star", 0.5, "--tolerance", 0.01)
     assert "Beyond a limit: The wall" in out
 

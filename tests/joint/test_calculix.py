@@ -27,18 +27,18 @@ def test_force_is_that_of_the_exact_series(nodes, resolution, lowest, highest):
 
 @installed
 def test_large_displacements_a_free_rim_and_unequal_bodies():
-    supports = {"ball_drive": "clamped", "rim": "free"}
+    supports = {"ball_support": "clamped", "rim": "free"}
     joint = Joint(20, 1.3, socket=Material(1e11, 0.4), kinematics="finite", **supports)
     force = calculix.force_curve(joint, 0.3, 32)
     assert force == pytest.approx(own(joint, 0.3).force_star, rel=1e-2)
 
 
 @installed
-def test_a_load_off_the_axis_whose_contact_is_cut_by_the_mouth():
-    joint = Joint(200, ball_drive="core:0.2", opening=70)
+def test_a_load_off_the_axis_whose_contact_is_cut_by_the_rim():
+    joint = Joint(200, ball_support="core:0.2", opening=70)
     contact = tilted_contact(joint, 0.5, 60, 32)
     expected = np.append(contact.force_star, contact.transverse_star)
-    assert contact.reaches_mouth
+    assert contact.reaches_rim
     # this coarse mesh is 0.6 % too stiff; forces of finer ones are kept in `test_tilted`
     assert calculix_tilted.force(joint, 0.5, 60) == pytest.approx(expected, abs=0.01 * expected[0])
 
@@ -46,16 +46,16 @@ def test_a_load_off_the_axis_whose_contact_is_cut_by_the_mouth():
 @pytest.mark.parametrize(
     ("joint", "message"),
     [
-        ({"ball_drive": "neck:30"}, "ball_drive must be a Core, got Neck"),
+        ({"ball_support": "neck:30"}, "ball_support must be a Core, got Neck"),
         ({"kinematics": "small"}, "kinematics must be one of linear, got 'small'"),
-        ({"backing": "rim"}, "backing must be a WholeOutside, got RimFace"),
+        ({"socket_support": "rim"}, "socket_support must be a WholeOutside, got RimFace"),
         ({"opening": 90}, "opening must be < 90 deg, got 90 deg"),
     ],
 )
 def test_a_joint_that_is_not_meshed_with_bricks_is_one_clear_error(joint, message):
     with pytest.raises(ValueError, match=message):
         calculix_tilted.deck(
-            Joint(200, **{"ball_drive": "core:0.2", "opening": 70} | joint), 0.5, 60
+            Joint(200, **{"ball_support": "core:0.2", "opening": 70} | joint), 0.5, 60
         )
 
 
@@ -106,7 +106,7 @@ def test_boundaries_have_all_their_nodes():
 def test_the_joint_decides_what_is_held():
     usual = calculix.deck(Joint(200), [0.1, 0.2], 32)
     other = calculix.deck(
-        Joint(200, ball_drive="clamped", rim="free", kinematics="finite"), [0.1], 32
+        Joint(200, ball_support="clamped", rim="free", kinematics="finite"), [0.1], 32
     )
     assert usual.count("*STEP") == 2
     assert "SOCKETRIM, 2, 2" in usual
@@ -128,7 +128,11 @@ def test_a_missing_program_is_named(monkeypatch):
     ("joint", "arguments", "message"),
     [
         ({"kinematics": "small"}, {}, "kinematics must be one of linear, finite, got 'small'"),
-        ({"ball_drive": "point"}, {}, "ball_drive must be one of plane, clamped, got 'point'"),
+        (
+            {"ball_support": "centre"},
+            {},
+            "ball_support must be one of guided, clamped, got 'centre'",
+        ),
         ({}, {"nodes": 4}, "nodes must be 3 or 6, got 4"),
         ({}, {"penalty": 0}, "penalty must be > 0, got 0"),
         ({}, {"contact": "mortar"}, "contact must be one of surface, node, got 'mortar'"),

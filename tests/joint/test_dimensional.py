@@ -47,9 +47,9 @@ def test_the_joint_without_its_dimensions():
     assert [layer.outer_ratio for layer in held.layers] == pytest.approx(ratios, rel=1e-14)
     assert held.r2_star == pytest.approx(200)
     supported = DimensionalJoint(
-        0.01, 1e-4, 3e-3, ball_drive="clamped", rim="free", kinematics="small"
+        0.01, 1e-4, 3e-3, ball_support="clamped", rim="free", kinematics="small"
     )
-    how = {"ball_drive": "clamped", "rim": "free", "kinematics": "small"}
+    how = {"ball_support": "clamped", "rim": "free", "kinematics": "small"}
     assert supported.joint == Joint(100, 1.3, Material(2.03e11, 0.3), steel, **how)
 
 
@@ -155,7 +155,7 @@ def test_a_contact_too_small_to_resolve():
 
 
 def test_other_supports():
-    clamped = replace(BRONZE, ball_drive="clamped", rim="free")
+    clamped = replace(BRONZE, ball_support="clamped", rim="free")
     found, free = clamped.solve(force=3e3), BRONZE.solve(force=3e3)
     assert 0.8 * free.depth[0] < found.depth[0] < 0.999 * free.depth[0]
 

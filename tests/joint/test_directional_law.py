@@ -17,8 +17,8 @@ from study import export as exporting
 from study.choose import off_axis
 from study.joint import Joint, Layer, Material, directional_law, tilted_contact, whole_curve
 
-NECK = Joint(200, ball_drive="neck:30", opening=110)
-CORE = Joint(200, ball_drive="core:0.2", opening=110)
+NECK = Joint(200, ball_support="neck:30", opening=110)
+CORE = Joint(200, ball_support="core:0.2", opening=110)
 DEEPEST, TILT, RADIUS, CLEARANCE, MODULUS = 0.4, 25.0, 1e-2, 5e-5, 1.137e11
 
 
@@ -154,7 +154,9 @@ def test_csv_is_the_law_and_says_how_to_interpolate(law, exported):
 def test_the_text_states_joint_ranges_units_and_error(law, exported, form):
     text = " ".join(exported(form).replace("\n% ", " ").replace("\n * ", " ").split())
     words = ["neck:30", "opening 110", "0 to 0.4 clearances", "tilts from -25 to 25 deg", "E*"]
-    assert all(word in text for word in [*words, "backing whole", exporting._percent(law.error)])
+    assert all(
+        word in text for word in [*words, "socket_support outside", exporting._percent(law.error)]
+    )
 
 
 def test_by_the_rule_one_law_serves_a_ball_on_its_core():
@@ -173,8 +175,8 @@ def test_a_neck_is_measured_and_needs_the_table():
     "unlike",
     [
         {"opening": 60.0},
-        {"backing": "rim"},
-        {"ball_drive": "clamped", "opening": 90.0},
+        {"socket_support": "rim"},
+        {"ball_support": "clamped", "opening": 90.0},
         {"socket_ratio": 2.0},
         {"layers": (Layer(1.1, Material(2e9, 0.46)), Layer(1.3, Material()))},
     ],
@@ -189,9 +191,9 @@ def test_the_rule_is_not_for_a_joint_that_differs_all_round(unlike, monkeypatch)
         choose.axial_law_suffices(joint, 0.1, 20, 0.01)
 
 
-@pytest.mark.parametrize("drive", ["plane", "point"])
+@pytest.mark.parametrize("drive", ["guided", "centre"])
 def test_a_ball_that_is_free_across_the_axis_is_refused(drive):
-    joint = Joint(200, ball_drive=drive)
+    joint = Joint(200, ball_support=drive)
     for call in (
         lambda: choose.axial_law_suffices(joint, 0.3, 20, 0.05),
         lambda: exporting.export("tabulated", "c", joint, tilt=20),
@@ -202,7 +204,7 @@ def test_a_ball_that_is_free_across_the_axis_is_refused(drive):
 
 def test_the_command_says_it_in_words_and_in_json(run):
     words = ["choose", "--r2-star", "200", "--depth-star", "0.4", "--tolerance", "0.05"]
-    words += ["--ball-drive", "neck:30", "--opening", "110", "--tilt", "20"]
+    words += ["--ball-support", "neck:30", "--opening", "110", "--tilt", "20"]
     (status, text, _), (_, out, _) = run(*words), run(*words, "--json")
     assert status == 0
     said = json.loads(out)
@@ -216,11 +218,11 @@ def test_the_command_says_it_in_words_and_in_json(run):
 @pytest.mark.parametrize(
     ("supports", "what"),
     [
-        ({"ball_drive": "core:0.2"}, "ball_drive core:0.2"),
-        ({"ball_drive": "neck:30"}, "ball_drive neck:30"),
-        ({"ball_drive": "clamped", "opening": 70.0}, "an opening of 70 deg"),
-        ({"backing": "sector:60,90"}, "backing sector:60,90"),
-        ({"backing": "rim"}, "backing rim"),
+        ({"ball_support": "core:0.2"}, "ball_support core:0.2"),
+        ({"ball_support": "neck:30"}, "ball_support neck:30"),
+        ({"ball_support": "clamped", "opening": 70.0}, "an opening of 70 deg"),
+        ({"socket_support": "sector:60,90"}, "socket_support sector:60,90"),
+        ({"socket_support": "rim"}, "socket_support rim"),
     ],
 )
 def test_stiffened_hertz_is_not_for_other_supports(supports, what):

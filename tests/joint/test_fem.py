@@ -46,7 +46,7 @@ def test_socket_under_uniform_pressure_widens_as_lame(ratio, poisson):
         Ball(support=ClampedPlate()),
         Socket(1.19, rim="free"),
     ],
-    ids=["plane", "clamped", "socket"],
+    ids=["guided", "clamped", "socket"],
 )
 def test_compliance_is_symmetric_positive_and_in_balance(body):
     meshed = fem.meshed(body, 64)

@@ -277,13 +277,18 @@ def test_contact_grown_from_the_pole_is_that_found_by_pivoting(kinematics, socke
 
 
 @pytest.mark.parametrize(
-    ("backing", "depth", "ring"),
+    ("socket_support", "depth", "ring"),
     [((30, 60), 1.0, True), ((0, 10), 1.0, True), ((0, 60), 0.2, False)],
 )
 def test_contact_that_is_a_ring_is_found_by_pivoting(backing, depth, ring):
     soft = Material(2e10)
     joint = Joint(
-        200, 1.05, socket=soft, ball_drive=Core(0.2), opening=120.0, backing=Sector(*backing)
+        200,
+        1.05,
+        socket=soft,
+        ball_support=Core(0.2),
+        opening=120.0,
+        socket_support=Sector(*backing),
     )
     curve, fine = (force_curve(joint, depth, n) for n in (64, 192))
     parts = np.count_nonzero(np.diff(curve.pressure[0] > 0))
@@ -301,13 +306,13 @@ def test_contact_that_is_a_ring_is_found_by_pivoting(backing, depth, ring):
     ratio=st.floats(1.05, 4),
     poisson=st.floats(-0.3, 0.48),
     stiffer=st.floats(0.1, 10),
-    drive=st.sampled_from(["plane", "clamped"]),
+    drive=st.sampled_from(["guided", "clamped"]),
     rim=st.sampled_from(RIMS),
     kinematics=st.sampled_from(["small", "linear"]),
 )
 def test_any_joint_stiffens_with_depth(r2_star, ratio, poisson, stiffer, drive, rim, kinematics):
     socket = Material(2e11 * stiffer, poisson)
-    how = {"ball_drive": drive, "rim": rim, "kinematics": kinematics}
+    how = {"ball_support": drive, "rim": rim, "kinematics": kinematics}
     joint = Joint(r2_star, ratio, socket=socket, **how)
     curve = force_curve(joint, [0.6, 0.0, 0.2, 0.4], 32)
     order = np.argsort(curve.depth_star)
@@ -376,7 +381,7 @@ def test_a_joint_inside_its_limits_is_solved_or_refused(ratio, r2_star, thicknes
     assert np.isfinite(curve.force_star).all()
 
 
-@pytest.mark.parametrize("supports", [{}, {"ball_drive": "clamped"}, {"kinematics": "finite"}])
+@pytest.mark.parametrize("supports", [{}, {"ball_support": "clamped"}, {"kinematics": "finite"}])
 @pytest.mark.parametrize("depth", [1e-12, 4.7e-9, 1e-7])
 def test_a_contact_too_small_for_the_elements_is_said_to_be_so(supports, depth):
     joint = Joint(200, **supports)

@@ -29,7 +29,7 @@ def test_layers_of_one_material_are_one_layer(ratios, poisson):
 
 
 @pytest.mark.parametrize(
-    ("supports", "tolerance"), [({}, 1e-10), ({"ball_drive": "clamped", "rim": "free"}, 1e-5)]
+    ("supports", "tolerance"), [({}, 1e-10), ({"ball_support": "clamped", "rim": "free"}, 1e-5)]
 )
 def test_a_socket_of_one_material_in_layers_is_the_socket(supports, tolerance):
     one = Joint(80, 1.5, **supports)
@@ -98,7 +98,7 @@ def test_elements_agree_with_the_series(layers, r2_star, kinematics):
 
 
 @pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
-@pytest.mark.parametrize("supports", [{}, {"ball_drive": "clamped", "rim": "free"}])
+@pytest.mark.parametrize("supports", [{}, {"ball_support": "clamped", "rim": "free"}])
 def test_calculix_agrees(supports):
     joint = Joint(200, layers=HOUSED, **supports)
     force = calculix.force_curve(joint, [0.3, 1.0], 32)

@@ -158,7 +158,7 @@ def test_elements_have_the_stresses_of_the_series(kinematics):
 
 @pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
 def test_largest_stress_is_that_of_calculix(tmp_path):
-    joint, depth, resolution = Joint(200, ball_drive="clamped", rim="free"), 0.2, 64
+    joint, depth, resolution = Joint(200, ball_support="clamped", rim="free"), 0.2, 64
     text = calculix.deck(joint, [depth], resolution)
     output = "*EL FILE, OUTPUT=2D, FREQUENCY=1000\nS\n*END STEP"
     (tmp_path / "joint.inp").write_text(text.replace("*END STEP", output))
@@ -219,7 +219,7 @@ def test_a_thin_incompressible_socket_is_sheared_at_its_outer_sphere():
 
 
 def test_under_a_point_load_the_ball_has_no_largest_stress():
-    found = force_curve(Joint(200, ball_drive="point"), 0.1, 32)
+    found = force_curve(Joint(200, ball_support="centre"), 0.1, 32)
     assert list(stress.largest(found)) == ["socket"]
 
 
@@ -295,8 +295,8 @@ def test_elements_yield_as_the_series_does():
         (lambda c: first_yield(Joint(200, ball=steel(1e9)), -1), "depth_star must be > 0, got -1"),
         (lambda c: first_yield(Joint(20, ball=steel(1e9)), 6), "must be < 5.2"),
         (
-            lambda c: first_yield(Joint(200, ball=steel(1e9), ball_drive="point")),
-            "first yield is known for a ball_drive of plane or clamped .* got point and whole",
+            lambda c: first_yield(Joint(200, ball=steel(1e9), ball_support="centre")),
+            "first yield is known for a ball_support of guided or clamped .* got centre and outside",
         ),
     ],
 )

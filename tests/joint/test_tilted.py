@@ -21,8 +21,8 @@ from study.joint.bodies import Ball
 from study.joint.supports import Core, Neck
 
 CORE, LAME = "core:0.2", fem.lame_parameters(1.0, 0.3)
-CUT = Joint(200, ball_drive=CORE, opening=70)
-"""Pressed towards 60 deg, its contact is cut by the mouth."""
+CUT = Joint(200, ball_support=CORE, opening=70)
+"""Pressed towards 60 deg, its contact is cut by the rim."""
 CALCULIX = {
     (4, 2): (97.302, -13.357),
     (4, 3): (97.011, -13.323),
@@ -54,10 +54,10 @@ def at(joint, displacements, resolution=32):
 
 @pytest.mark.parametrize("kinematics", ["small", "linear"])
 def test_a_ball_in_a_wide_socket_is_the_same_in_every_direction(kinematics):
-    joint = Joint(200, ball_drive=CORE, kinematics=kinematics)
+    joint = Joint(200, ball_support=CORE, kinematics=kinematics)
     along = force_curve(joint, 0.5).force_star[0]
     contact = tilted_contact(joint, [0.5, 0.5], [0, 30])
-    assert not contact.reaches_mouth.any()
+    assert not contact.reaches_rim.any()
     # both are 0.1 % off: their error estimates are 0.75 and 0.36 %
     assert contact.force_star == pytest.approx(along, rel=1.5e-3)
     assert contact.force_star[1] == pytest.approx(contact.force_star[0], rel=2e-4)
@@ -70,14 +70,14 @@ def test_a_ball_in_a_wide_socket_is_the_same_in_every_direction(kinematics):
 @pytest.mark.parametrize(
     ("supports", "resolution"),
     [
-        ({"ball_drive": "neck:30"}, 32),
+        ({"ball_support": "neck:30"}, 32),
         ({"opening": 70}, 32),
-        ({"backing": "rim"}, 48),
-        ({"backing": "sector:0,40"}, 48),
+        ({"socket_support": "rim"}, 48),
+        ({"socket_support": "sector:0,40"}, 48),
     ],
 )
 def test_along_the_axis_force_is_that_of_the_axisymmetric_contact(supports, resolution):
-    joint = Joint(200, **{"ball_drive": CORE} | supports)
+    joint = Joint(200, **{"ball_support": CORE} | supports)
     curve, contact = force_curve(joint, 0.5), tilted_contact(joint, 0.5, 0, resolution)
     off = abs(contact.force_star / curve.force_star - 1)
     # the mesh on the sphere is the coarser one by far: 0.1 % at resolution 48, 0.25 % at 32
@@ -147,10 +147,10 @@ def test_rigid_motions_have_no_energy():
         assert (abs(energy) < 1e-12) == rigid
 
 
-def test_error_estimate_covers_the_error_where_the_mouth_cuts_the_contact():
+def test_error_estimate_covers_the_error_where_the_rim_cuts_the_contact():
     where = [0.1, 0.3, 0.5, 0.5], [60, 75, 60, 75]
     coarse, fine = (tilted_contact(CUT, *where, n) for n in (32, 48))
-    assert coarse.reaches_mouth.all()
+    assert coarse.reaches_rim.all()
     error = np.hypot(*(in_space(coarse) - in_space(fine)).T) / np.hypot(*in_space(fine).T)
     # the estimate is of order 1, and both forces are extrapolated
     assert (error < coarse.error_estimate).all()
@@ -164,7 +164,7 @@ def derivative(kinematics, tilt, step=0.03):
 
     And the contact itself. The contact's edge passes nodes as it moves: a smaller step scatters.
     """
-    joint = Joint(200, ball_drive=CORE, opening=70, kinematics=kinematics)
+    joint = Joint(200, ball_support=CORE, opening=70, kinematics=kinematics)
     axes = tilted._axes(tilt)
     moves = np.concatenate([step * axes, -step * axes])
     forces = in_space(at(joint, 1.5 * axes[0] + moves)) @ axes.T
@@ -172,10 +172,10 @@ def derivative(kinematics, tilt, step=0.03):
 
 
 @pytest.mark.parametrize("kinematics", ["small", "linear"])
-@pytest.mark.parametrize("tilt", [20, 60])  # the mouth cuts the second
+@pytest.mark.parametrize("tilt", [20, 60])  # the rim cuts the second
 def test_stiffness_is_the_derivative_of_the_force(kinematics, tilt):
     by_steps, contact = derivative(kinematics, tilt)
-    assert contact.reaches_mouth == (tilt == 60)
+    assert contact.reaches_rim == (tilt == 60)
     norm = np.linalg.norm(by_steps)
     # 0.1 to 0.5 %; across, linear kinematics leave out that the ball's normals turn: P/R2*
     assert contact.stiffness_star == pytest.approx(by_steps[0, 0], rel=6e-3)
@@ -191,10 +191,10 @@ def test_forces_have_an_energy(kinematics, tilt, most):
     by_steps, _ = derivative(kinematics, tilt)
     norm = np.linalg.norm(by_steps)
     assert abs(by_steps[0, 1] - by_steps[1, 0]) < most * norm
-    assert (abs(by_steps[0, 1]) > 0.1 * norm) == (tilt == 60)  # the mouth couples them
+    assert (abs(by_steps[0, 1]) > 0.1 * norm) == (tilt == 60)  # the rim couples them
 
 
-def test_force_is_that_of_calculix_where_the_mouth_cuts_the_contact():
+def test_force_is_that_of_calculix_where_the_rim_cuts_the_contact():
     contact, finest = tilted_contact(CUT, 0.5, 60), np.array(CALCULIX[6, 3])
     found = np.append(contact.force_star, contact.transverse_star)
     # 0.17 % along and 0.03 % across
@@ -203,8 +203,8 @@ def test_force_is_that_of_calculix_where_the_mouth_cuts_the_contact():
     assert off == sorted(off, reverse=True)
 
 
-def test_a_ball_that_moves_far_still_faces_the_whole_mouth():
-    joint = Joint(10, ball_drive=CORE)  # moved by 0.19 R2, or 11 deg
+def test_a_ball_that_moves_far_still_faces_the_whole_rim():
+    joint = Joint(10, ball_support=CORE)  # moved by 0.19 R2, or 11 deg
     contact = tilted_contact(joint, [0.9, 0.9], [0, 40], 32)
     # linear kinematics leave out terms of order 1/R2*^2, not the same ones off the axis
     assert contact.force_star == pytest.approx(force_curve(joint, 0.9).force_star[0], rel=1e-2)
@@ -218,7 +218,7 @@ def test_under_force_is_the_inverse():
     assert in_space(found) == pytest.approx(wanted, abs=1e-5 * force.max())
     again = tilted_contact(CUT, found.depth_star, found.tilt, 32)
     assert in_space(again) == pytest.approx(wanted, abs=1e-5 * force.max())
-    # the mouth yields more than the pole, and there the displacement goes ahead of the force
+    # the rim yields more than the pole, and there the displacement goes ahead of the force
     assert found.tilt[0] == 0
     assert found.tilt[2] > 70
 
@@ -230,12 +230,12 @@ def test_the_command_gives_the_same_with_dimensions_and_without(run):
         return json.loads(out)
 
     contact = tilted_contact(CUT, 0.5, 60)
-    options = f"--ball-drive {CORE} --opening 70 --tilt 60"
+    options = f"--ball-support {CORE} --opening 70 --tilt 60"
     plain = solved(f"--r2-star 200 --depth-star 0.5 {options}")
     assert plain["force_star"] == contact.force_star.tolist()
     assert plain["transverse_star"] == contact.transverse_star.tolist()
     assert plain["contact_to_deg"] == [70]
-    assert plain["reaches_mouth"] == [True]
+    assert plain["reaches_rim"] == [True]
     sizes = "--socket-radius 0.01 --clearance 5e-5 --wall 2.98e-3 --ball steel"
     sized = solved(f"{sizes} --depth 2.5e-5 {options}")
     unit = DimensionalJoint(0.01, 5e-5, 2.98e-3, "steel").joint.composite_modulus * 5e-5**2
@@ -255,7 +255,7 @@ def test_what_needs_the_axis_is_refused_off_it(run):
 
 
 def joint(**changes):
-    return Joint(200, **{"ball_drive": CORE} | changes)
+    return Joint(200, **{"ball_support": CORE} | changes)
 
 
 def pressed(depth=0.5, tilt=10, resolution=32, **changes):
@@ -270,11 +270,14 @@ def pressed(depth=0.5, tilt=10, resolution=32, **changes):
             "force_star must be one that the ball bears inside",
         ),
         (lambda: under_force(CUT, 50, 69.5, 32), "got 50 at a tilt of 69.5 deg"),
-        (lambda: pressed(ball_drive="plane"), "ball_drive under a tilted load must be clamped, "),
-        (lambda: pressed(ball_drive="point"), "the ball is free across the axis, got point"),
-        (lambda: pressed(ball_drive="clamped"), "rim under a tilted load must be one of free"),
         (
-            lambda: pressed(ball_drive="clamped", rim="free", kinematics="finite"),
+            lambda: pressed(ball_support="guided"),
+            "ball_support under a tilted load must be clamped, ",
+        ),
+        (lambda: pressed(ball_support="centre"), "the ball is free across the axis, got point"),
+        (lambda: pressed(ball_support="clamped"), "rim under a tilted load must be one of free"),
+        (
+            lambda: pressed(ball_support="clamped", rim="free", kinematics="finite"),
             "kinematics under a tilted load must be one of small, linear, got 'finite'",
         ),
         (lambda: joint(kinematics="finite"), "kinematics of other supports .* got 'finite'"),
@@ -285,7 +288,7 @@ def pressed(depth=0.5, tilt=10, resolution=32, **changes):
         (lambda: pressed(tilt=[1, 2]), r"tilt one number or as many, got \(1,\) and \(2,\)"),
         (
             lambda: pressed(0.1, 120, opening=70),
-            "tilt must leave a contact inside the mouth, got 120 deg",
+            "tilt must leave a contact inside the rim, got 120 deg",
         ),
         (
             lambda: under_force(CUT, 50, 70, 32),
@@ -297,14 +300,17 @@ def pressed(depth=0.5, tilt=10, resolution=32, **changes):
         (lambda: pressed(25), "depth_star must be < 18.975, got 25"),
         (lambda: pressed(resolution=40), "resolution must be a multiple of 16, got 40"),
         (
-            lambda: joint(opening=120, ball_drive="clamped"),
-            "opening beside ball_drive clamped must be <= 90 deg, got 120 deg",
+            lambda: joint(opening=120, ball_support="clamped"),
+            "opening beside ball_support clamped must be <= 90 deg, got 120 deg",
         ),
         (
-            lambda: joint(opening=150, ball_drive="neck:30"),
-            "opening beside ball_drive neck:30 must be <= 145 deg, got 150 deg",
+            lambda: joint(opening=150, ball_support="neck:30"),
+            "opening beside ball_support neck:30 must be <= 145 deg, got 150 deg",
         ),
-        (lambda: joint(backing="sector:0,95"), "last angle of backing must be <= 90 deg, got 95"),
+        (
+            lambda: joint(socket_support="sector:0,95"),
+            "last angle of backing must be <= 90 deg, got 95",
+        ),
         (
             lambda: force_curve(joint(opening=40), 0.9, 64),
             r"off the socket's rim \(half-angle < 40 deg\), got 0.9",

@@ -54,7 +54,7 @@ from study.contact import stiffened_hertz
 for seed in range(20):
     r2, q, e, nu = np.random.default_rng(seed).uniform((20, 1.1, 0.1, 0.2), (400, 3, 9, 0.46))
     bodies = {"socket_ratio": q, "modulus_ratio": e, "poisson": nu, "socket_poisson": 0.66 - nu}
-    of_joint = stiffened_hertz.parts(r2, **bodies, ball_drive="clamped", rim="free")
+    of_joint = stiffened_hertz.parts(r2, **bodies, ball_support="clamped", rim="free")
     print([float(x).hex() for x in (of_joint[0], *of_joint[2])])
 """
 

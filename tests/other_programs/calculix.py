@@ -55,7 +55,7 @@ def force_curve(
     Parameters
     ----------
     joint
-        ``linear`` kinematics have no NLGEOM, ``finite`` have it; ``ball_drive`` is ``plane`` or
+        ``linear`` kinematics have no NLGEOM, ``finite`` have it; ``ball_support`` is ``guided`` or
         ``clamped``.
     depth_star
         Dimensionless penetration depths, >= 0, in any order.
@@ -98,7 +98,7 @@ def deck(
 ) -> str:
     """CalculiX's input for increasing depths > 0; arguments and errors as for `force_curve`."""
     checks.choice("kinematics", joint.kinematics, KINEMATICS)
-    checks.choice("ball_drive", str(joint.ball_drive), ("plane", "clamped"))
+    checks.choice("ball_support", str(joint.ball_support), ("guided", "clamped"))
     if nodes not in NODES:
         raise ValueError(f"nodes must be 3 or 6, got {nodes!r}")
     checks.choice("contact", contact, CONTACTS)
@@ -122,7 +122,7 @@ def deck(
         *pair(penalty, contact),
         *("*BOUNDARY", "BALLAXIS, 1, 1", "SOCKETAXIS, 1, 1", "SOCKETOUTSIDE, 1, 2"),
         *(["SOCKETRIM, 2, 2"] if joint.rim == "mirror" else []),
-        *(["BALLEQUATOR, 1, 1"] if str(joint.ball_drive) == "clamped" else []),
+        *(["BALLEQUATOR, 1, 1"] if str(joint.ball_support) == "clamped" else []),
     ]
     for depth in depth_star:
         lines += [

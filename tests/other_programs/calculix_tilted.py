@@ -38,12 +38,12 @@ def deck(joint, depth_star, tilt, resolution=3, shells=2, shift=0.3, penalty=300
     The joint has a core, ``linear`` kinematics, an opening below 90 deg, and a socket of one
     material. The ``resolution``, at least 3, is bricks along half the side of the square in the
     middle of the cup; ``shells`` are those of the socket, and half the ball's. By a ``shift`` of up
-    to 0.4 bricks are smaller by (1 - shift)/(1 + shift) at the mouth where phi = 0, and larger
+    to 0.4 bricks are smaller by (1 - shift)/(1 + shift) at the rim where phi = 0, and larger
     opposite. ``penalty`` is pressure per overclosure, in E*/R2.
     """
-    core = checks.instance("ball_drive", joint.ball_drive, Core).radius
+    core = checks.instance("ball_support", joint.ball_support, Core).radius
     checks.choice("kinematics", joint.kinematics, ("linear",))
-    checks.instance("backing", joint.backing, WholeOutside)
+    checks.instance("socket_support", joint.socket_support, WholeOutside)
     opening = np.radians(checks.number("opening", joint.opening, "deg", below=90))
     centre = np.array([np.sin(np.radians(tilt)), 0, np.cos(np.radians(tilt))]) / joint.r2_star
     of_ball, of_socket = joint.modulus_shares

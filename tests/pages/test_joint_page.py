@@ -75,7 +75,7 @@ def random_joint(rng, stiffest=12.0, largest_r2_star=5.0):
         "wall": radius * (0.1 + 10 ** rng.uniform(-3, 1.5)),
         "ball": ball,
         "socket": socket,
-        "ball_drive": str(rng.choice(["plane", "clamped"])),
+        "ball_support": str(rng.choice(["guided", "clamped"])),
         "rim": str(rng.choice(["mirror", "free"])),
     }
 
@@ -147,7 +147,7 @@ def test_half_angle_and_pressure_are_the_solvers(computed):
 
 
 USUAL = {"socket_radius": 0.0125, "clearance": 4e-5, "wall": 0.006, "ball": "steel"}
-USUAL |= {"socket": "bronze", "ball_drive": "plane", "rim": "mirror"}
+USUAL |= {"socket": "bronze", "ball_support": "guided", "rim": "mirror"}
 WRONG = [
     *({"socket_radius": value} for value in (0, -1)),
     *({"clearance": value} for value in (0, -1e-5, 0.0125, 1, 0.002)),

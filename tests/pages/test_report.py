@@ -357,7 +357,7 @@ def test_data_hold_every_case_and_law(built):
     assert "layers" in by_name["ptfe-steel-linear-80"]["undefined"]["stiffened_hertz"]
     paper = by_name["paper-linear-200"]
     assert paper["laws"]["stiffened_hertz"] == pytest.approx(paper["force"], rel=0.005)
-    free = by_name["plane-mirror-linear-200"]
+    free = by_name["guided-mirror-linear-200"]
     assert free["laws"]["stiffened_hertz"] == pytest.approx(free["force"], rel=0.01)
 
 
@@ -654,5 +654,7 @@ def test_an_address_opens_its_joint_and_its_text_stays_text(browse):
     place = "#drive=%3Cimg%20src%3Dx%20onerror%3Dalert(1)%3E"
     script = "tell([refused(), document.querySelectorAll('form img').length]);"
     refused, images = told(browse("joint.html", TELL + FORM + script, place))
-    assert refused.startswith("ball_drive of stiffened_hertz must be one of plane, clamped, got ''")
+    assert refused.startswith(
+        "ball_support of stiffened_hertz must be one of plane, clamped, got ''"
+    )
     assert images == 0

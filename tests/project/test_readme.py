@@ -110,11 +110,11 @@ def test_the_command_prints_what_is_shown(monkeypatch, capsys):
 
 
 def test_the_other_support_is_as_much_stiffer():
-    (percent,) = claimed(r"`--ball-drive clamped`: it may not, here (\d+) % stiffer")
+    (percent,) = claimed(r"`--ball-support clamped`: it may not, here (\d+) % stiffer")
     sizes = {"socket_radius": 12.5e-3, "clearance": 40e-6, "wall": 6e-3, "socket": "bronze"}
     free, clamped = (
-        DimensionalJoint(**sizes, ball_drive=drive).solve(force=3000).stiffness[0]
-        for drive in ("plane", "clamped")
+        DimensionalJoint(**sizes, ball_support=drive).solve(force=3000).stiffness[0]
+        for drive in ("guided", "clamped")
     )
     assert 100 * (clamped / free - 1) == pytest.approx(percent, abs=0.5)
 

@@ -148,7 +148,7 @@ SIZES = ("--socket-radius", "0.01", "--clearance", "1e-4", "--wall", "3e-3")
 BASE = [
     ("law", "hertz", "--r2-star", "200", "--depth-star", "0.3", "--json"),
     ("joint", "--r2-star", "75", "--depth-star", "0.1", "--json"),
-    ("joint", "--r2-star", "75", "--depth-star", "0.1", "--ball-drive", "clamped", "--json"),
+    ("joint", "--r2-star", "75", "--depth-star", "0.1", "--ball-support", "clamped", "--json"),
     ("joint", *SIZES, "--socket", "bronze", "--force", "100", "--json"),
     ("simulate", "--duration", "1e-3", "--output", "motion.csv", "--json"),
     ("simulate", "--duration", "1e-3", "--joint", "ideal", "--json"),

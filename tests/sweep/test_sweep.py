@@ -67,7 +67,7 @@ def test_joints_without_dimensions_are_those_of_the_solver(tmp_path):
     slope = np.gradient(whole.force_star, whole.depth_star)[1:-1]
     assert lined.stiffness_star[1:-1].to_numpy() == pytest.approx(slope, rel=0.03)
     assert deep.stiffness_star.isna().all()
-    assert deep.applicability.tolist() == ["backing", "backing"]
+    assert deep.applicability.tolist() == ["wall", "wall"]
 
 
 def test_joints_with_dimensions_are_those_of_the_solver(tmp_path):
@@ -81,7 +81,7 @@ def test_joints_with_dimensions_are_those_of_the_solver(tmp_path):
     solved = DimensionalJoint(**OF_SIZES).solve(force=[3000, 8000])
     for name in set(COLUMNS["joints with dimensions"]) - {"yield_factor", "applicability"}:
         assert forces[name].to_numpy() == pytest.approx(getattr(solved, name), rel=1e-8)
-    assert forces.applicability.tolist() == ["inside", "backing"]
+    assert forces.applicability.tolist() == ["inside", "wall"]
     factors = np.minimum(solved.yield_factor["ball"], solved.yield_factor["socket"])
     assert forces.yield_factor.to_numpy() == pytest.approx(factors, rel=1e-8)
     joint = DimensionalJoint(**OF_SIZES, liner=("0.5e-3,PTFE",))
@@ -129,8 +129,8 @@ def test_scenes_run_twice_say_until_when_they_can_be_trusted(tmp_path):
     agreement = compare.second_run(run(), run)
     assert 0.001 < agreement.until < 0.1
     expected = [0.01, agreement.until, np.nan, np.nan]
-    assert table.trusted_until.to_list() == pytest.approx(expected, nan_ok=True)
-    pd.testing.assert_frame_equal(table.drop(columns="trusted_until"), once)
+    assert table.agrees_until.to_list() == pytest.approx(expected, nan_ok=True)
+    pd.testing.assert_frame_equal(table.drop(columns="agrees_until"), once)
 
 
 def test_a_scene_whose_second_run_fails_is_a_row_with_its_reason(tmp_path, monkeypatch):

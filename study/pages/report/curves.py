@@ -59,7 +59,7 @@ def _parameters(joint):
     ball, socket = joint.ball, joint.socket
     return {
         "kinematics": joint.kinematics,
-        "support": f"{joint.ball_drive}, {joint.rim}",
+        "support": f"{joint.ball_support}, {joint.rim}",
         "modulus_ratio": f"{joint.modulus_ratio:g}",
         "socket_ratio": f"{joint.socket_ratio:g}",
         "layers": joint.columns()["layers"] or "none",

@@ -28,7 +28,7 @@ def joint_data() -> dict:
         "margin": LIMIT_MARGIN,
         "least_clearance": LEAST_CLEARANCE,
         "walls": [THINNEST_RATIO - 1, THICKEST_RATIO - 1],
-        "choices": {"ball_drive": [*map(str, PLATES)], "rim": RIMS},
+        "choices": {"ball_support": [*map(str, PLATES)], "rim": RIMS},
         "softest": checks.SOFTEST,
         "least_stress": LEAST_STRESS,
         "materials": materials.table(),

@@ -70,7 +70,7 @@ window.STIFFENED_HERTZ = (() => {
   }
 
   // A law of a joint; checks are those of `study.joint.DimensionalJoint` and of the law, in their order.
-  function law({ socket_radius, clearance, wall, ball, socket, ball_drive, rim }) {
+  function law({ socket_radius, clearance, wall, ball, socket, ball_support, rim }) {
     const margin = 1 + data.margin;
     number("socket_radius", socket_radius, "m", { ">": 0 });
     number("clearance", clearance, "m", { ">": 0 });
@@ -86,9 +86,9 @@ window.STIFFENED_HERTZ = (() => {
       const [least, highest] = data.ranges[key];
       number(`${key} of stiffened_hertz`, value, "", { ">=": least * (1 - data.margin), "<=": highest });
     }
-    for (const [key, value] of Object.entries({ ball_drive, rim })) if (!data.choices[key].includes(value))
+    for (const [key, value] of Object.entries({ ball_support, rim })) if (!data.choices[key].includes(value))
       throw new Error(`${key} of stiffened_hertz must be one of ${data.choices[key].join(", ")}, got '${value}'`);
-    const clamped = +(ball_drive === "clamped"), free = +(rim === "free");
+    const clamped = +(ball_support === "clamped"), free = +(rim === "free");
     const compliances = [first, second].map((body) => (1 - body.poisson ** 2) / body.youngs_modulus);
     const composite = 1 / (compliances[0] + compliances[1]);
     const ofBall = (1 - first.poisson ** 2) * modulus_ratio, share = ofBall / (ofBall + 1 - second.poisson ** 2);

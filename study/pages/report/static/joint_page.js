@@ -41,7 +41,7 @@
     }));
   }
 
-  const supports = () => (fields.drive.value === "clamped" ? " --ball-drive clamped" : "") + (fields.rim.value === "free" ? " --rim free" : "");
+  const supports = () => (fields.drive.value === "clamped" ? " --ball-support clamped" : "") + (fields.rim.value === "free" ? " --rim free" : "");
   const quoted = (text) => text.includes(" ") ? `"${text}"` : text;
 
   function draw() {
@@ -49,7 +49,7 @@
     try {
       const depthGiven = fields.given.value === "depth", asked = si("value", depthGiven ? "um" : "N");
       const joint = { socket_radius: si("socket_radius_mm"), clearance: si("clearance_um"), wall: si("wall_mm"),
-        ball: material("ball"), socket: material("socket"), ball_drive: fields.drive.value, rim: fields.rim.value };
+        ball: material("ball"), socket: material("socket"), ball_support: fields.drive.value, rim: fields.rim.value };
       command = `study joint --socket-radius ${joint.socket_radius} --clearance ${joint.clearance} --wall ${joint.wall} ` +
         `--ball ${quoted(joint.ball)} --socket ${quoted(joint.socket)}${supports()} --${fields.given.value} ${asked}`;
       number(fields.given.value, asked, depthGiven ? "m" : "N", { ">": 0 });
@@ -83,7 +83,7 @@
       "The outside of the socket is held rigidly.",
       Math.abs(off) < 1 ? `Hertz's law holds within ${few(Math.abs(off), 2)} %.` : `Hertz's law gives a force that is ${few(Math.abs(off), 2)} % too ${off < 0 ? "small" : "large"}.`,
       law.socket_ratio - 1 < size.half_angle * Math.PI / 180 ? "The wall is thinner than the contact's half-width: the force depends on what holds its outside." : "",
-      size.half_angle > 75 ? "The contact reaches near the mouth, where it matters how the rim is held." : "",
+      size.half_angle > 75 ? "The contact reaches near the rim, where it matters how the rim is held." : "",
       ...yields.map((body) => `The ${body} yields: its largest von Mises stress would be more than ${few(least(law.bodies[body]) * MICRO, 2)} MPa.`),
       "For the stresses take study joint, below.",
       depth < 20 * ROUGHNESS ? `A roughness of ${ROUGHNESS / MICRO} µm (RMS) is not small beside the depth.` : "",
