@@ -46,7 +46,7 @@ def sweep_cases(
     """Solve many joints, or simulate many scenes, from a CSV file of cases or at random.
 
     A file has a row for each case. Its columns are the options of study joint, such as
-    socket_radius or ball_support, or those of study simulate and the parameters of the scene. Several
+    socket_radius or opening, or those of study simulate and the mechanism parameters. Several
     depths, forces, layers or liners of a case are separated by semicolons. Without depths or forces
     the whole curve is solved. After an interruption the same command goes on.
     """

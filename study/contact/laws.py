@@ -349,11 +349,12 @@ def stiffened_hertz(
 
     P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s) and
     s = sqrt(ds): Hertz's law as ds -> 0. It is for half a ball, ``guided`` or ``clamped``, in a
-    hemispherical socket (an opening of 90 deg) that is fixed all over its outside (``outside``), of one material, pressed along the axis. The nine numbers of a joint are looked up
-    once, in ``stiffening.csv`` (`study.contact.stiffening`). The law is for linear kinematics,
-    ds <= 1 and the ranges of `study.contact.stiffening.RANGES`. Its largest error is 0.18 % on 336
-    random joints, and 0.57 % at the ends of the ranges (notebook 15). Defaults are the paper's
-    socket ratio and equal materials.
+    hemispherical socket of one material that is fixed all over its outside, pressed along the axis.
+    The nine numbers of a joint are looked up once, in ``stiffening.csv``
+    (`study.contact.stiffening`). The law is for small displacements, ds <= 1 and the ranges of
+    `study.contact.stiffening.RANGES`. Its largest error is 0.18 % on 336 random joints, and 0.57 %
+    at the ends of the ranges (notebook 15). Defaults are the paper's socket ratio and equal
+    materials.
 
     Parameters
     ----------

@@ -4,8 +4,8 @@ Mirrored about the equator, ball and socket are a whole sphere and a whole spher
 pressures of even Legendre order. Each order is solved alone. Two of its displacement modes are
 regular at the centre, and two are singular there (Lur'e, Three-dimensional problems of the theory
 of elasticity, 1964). The layers of a shell are bonded, and joined by the flexibility of those
-outside. The bodies are those of `study.joint.fem` with ``guided`` drive and ``mirror`` rim. Only the
-hat functions of the pressure are left of a mesh.
+outside. The bodies are those of `study.joint.fem` with a ``guided`` ball and a ``mirror`` rim. Only
+the hat functions of the pressure are left of a mesh.
 """
 
 from dataclasses import dataclass

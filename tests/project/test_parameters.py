@@ -214,7 +214,7 @@ def test_numpys_numbers_are_stored_as_pythons(kind):
         (
             "ball_support",
             "edge",
-            "ball_support must be one of guided, clamped, centre, core:NUMBER, neck:NUMBER, got 'edge'",
+            "must be one of guided, clamped, centre, core:NUMBER, neck:NUMBER, got 'edge'",
         ),
         ("ball_support", "core", "ball_support must be one of guided, "),
         ("ball_support", "guided:1", "ball_support must be one of guided, "),
