@@ -1,7 +1,6 @@
 """The program as a user types it: help, one-line errors, exit statuses, tables on a terminal."""
 
 import os
-import pty
 import re
 import shlex
 import subprocess
@@ -20,7 +19,7 @@ from study.pages import catalogue
 
 SIZES = ["joint", "--socket-radius", "12.5e-3", "--clearance", "40e-6", "--wall", "6e-3"]
 CHOOSE = ["choose", "--r2-star", 200, "--depth-star", 0.3, "--tolerance", 0.1]
-PROCESS = os.environ | {"COLUMNS": "80", "PYTHONPATH": str(paths.ROOT)}
+PROCESS = os.environ | {"PYTHONPATH": str(paths.ROOT)}
 
 
 def commands(group, *words):
@@ -173,22 +172,6 @@ def test_what_is_being_done_is_told_on_a_terminal_until_it_is(monkeypatch, capsy
             tell("half of it")
         lines = capsys.readouterr().err.split("\r")[1:]
         assert [line.removesuffix("\x1b[K") for line in lines] == told
-
-
-def test_a_process_on_a_real_terminal_prints_the_same_lines(on_a_terminal):
-    ours, theirs = pty.openpty()
-    command = [sys.executable, "-m", "study.cli", "data", "materials"]
-    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=theirs, env=PROCESS) as child:
-        os.close(theirs)
-        printed = b""
-        try:
-            while read := os.read(ours, 65536):
-                printed += read
-        except OSError:  # the other end is closed
-            pass
-    os.close(ours)
-    assert child.returncode == 0
-    assert printed.decode().splitlines() == on_a_terminal("data", "materials")
 
 
 def test_a_process_ends_with_the_status_of_its_command():

@@ -2,7 +2,6 @@
 
 import json
 import re
-import sys
 
 import numpy as np
 import pytest
@@ -133,15 +132,6 @@ def test_the_same_joint_is_drawn_with_the_same_bytes(run, tmp_path, suffix):
         drawn.append((tmp_path / f"joint{suffix}").read_bytes())
     assert drawn[0] == drawn[1]
     assert len(drawn[0]) > 10_000
-
-
-def test_a_drawing_without_matplotlib_says_what_to_install_before_the_work(run, monkeypatch):
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    monkeypatch.delitem(sys.modules, "study.cli.plot", raising=False)
-    monkeypatch.setattr(DimensionalJoint, "solve", None)
-    status, out, err = run(*BRONZE, "--force", 8000, "--plot", "joint.png")
-    assert (status, out) == (1, "")
-    assert err.startswith("study: study joint needs matplotlib, of the extra [study]: pip install")
 
 
 def test_the_drawing_has_the_numbers_of_the_solution(monkeypatch, tmp_path):

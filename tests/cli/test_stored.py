@@ -11,16 +11,10 @@ from study.dataset import store
 from study.measure import timing
 
 
-def test_materials_are_csv_where_piped_and_fit_a_terminal(run, on_a_terminal):
+def test_materials_are_csv_where_piped(run):
     status, out, err = run("data", "materials")
     assert (status, err) == (0, "")
-    table = pd.read_csv(StringIO(out))
-    pd.testing.assert_frame_equal(table, pd.read_csv(materials.MATERIALS))
-    lines = on_a_terminal("data", "materials")
-    assert max(map(len, lines)) <= 80
-    printed = f"{' '.join(lines).replace('  ', ', ')},"  # a blank line ends a row
-    for text in (*table.name, *table.condition, *table.source, "1.1e+11 Pa"):
-        assert f": {text}," in printed
+    pd.testing.assert_frame_equal(pd.read_csv(StringIO(out)), pd.read_csv(materials.MATERIALS))
 
 
 def test_cases_are_csv_where_piped_and_fit_a_terminal(run, on_a_terminal):
