@@ -215,8 +215,8 @@ class Configuration:
     socket_support: SocketSupport | str = parameter(
         WholeOutside(),
         "Where the socket is held rigidly: its outside all over (outside), the face of its rim "
-        "alone (rim), or its outside between two polar angles in deg (sector:0,30 is a seat at the pole, "
-        "sector:60,90 a flange)",
+        "alone (rim), or its outside between two polar angles in deg (sector:0,30 is a seat at the "
+        "pole, sector:60,90 a flange)",
         parse=_parser(SOCKET_SUPPORTS),
         kind=SocketSupport,
     )
