@@ -280,7 +280,7 @@ def test_contact_grown_from_the_pole_is_that_found_by_pivoting(kinematics, socke
     ("socket_support", "depth", "ring"),
     [((30, 60), 1.0, True), ((0, 10), 1.0, True), ((0, 60), 0.2, False)],
 )
-def test_contact_that_is_a_ring_is_found_by_pivoting(backing, depth, ring):
+def test_contact_that_is_a_ring_is_found_by_pivoting(socket_support, depth, ring):
     soft = Material(2e10)
     joint = Joint(
         200,
@@ -288,7 +288,7 @@ def test_contact_that_is_a_ring_is_found_by_pivoting(backing, depth, ring):
         socket=soft,
         ball_support=Core(0.2),
         opening=120.0,
-        socket_support=Sector(*backing),
+        socket_support=Sector(*socket_support),
     )
     curve, fine = (force_curve(joint, depth, n) for n in (64, 192))
     parts = np.count_nonzero(np.diff(curve.pressure[0] > 0))
