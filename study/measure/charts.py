@@ -38,7 +38,7 @@ from study.measure.speed import OURS
 from study.measure.timing import PYTHON, Run
 from study.mechanism import paper_scene, simulate
 from study.mechanism.compare import normalised_rms
-from study.mechanism.scene_law import in_joint
+from study.mechanism.law_in_scene import in_joint
 
 Chart = Literal["laws", "solvers", "steppers", "flexible"]
 CHARTS = get_args(Chart)

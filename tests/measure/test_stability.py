@@ -261,10 +261,10 @@ def test_grazing_approach_speed_goes_with_the_gap_to_three_quarters():
 
 
 def test_a_gap_lost_in_rounding_is_refused():
-    with pytest.raises(ValueError, match="initial eccentricity must be < 5e-05 m"):
+    with pytest.raises(ValueError, match="initial_eccentricity must be < 5e-05 m"):
         Scene(initial_eccentricity=(PAPER.clearance, 0.0))
     for share in (1 - 1e-16, 1 - 1e-14):
-        with pytest.raises(ValueError, match="initial eccentricity must be < 5e-05 m"):
+        with pytest.raises(ValueError, match="initial_eccentricity must be < 5e-05 m"):
             PAPER.replace(initial_eccentricity=(-PAPER.clearance * share, 0.0))
     near = PAPER.replace(initial_eccentricity=(-PAPER.clearance * (1 - 1e-13), 0.0))
     assert simulate(near, duration=1e-3).complete
@@ -308,7 +308,7 @@ def test_friction_that_turns_into_a_jump_costs_steps_but_keeps_the_answer():
     ]
     lost = [response.lost_friction[-1] for response in lost]
     assert lost == pytest.approx([lost[0]] * 3, rel=1e-6)
-    with pytest.raises(ValueError, match="slow speed must be >= 0 and < 0.0001 m/s"):
+    with pytest.raises(ValueError, match="slow_speed must be < 0.0001 m/s"):
         Scene(slow_speed=1e-4, full_speed=1e-4)
 
 
@@ -407,7 +407,7 @@ def test_three_node_triangles_lock_and_six_node_ones_do_not():
         assert quadratic.force_star == pytest.approx(true, rel=0.006)
         assert quadratic.error_estimate > abs(quadratic.force_star / true - 1)
     assert linear.error_estimate > 0.1  # it warns, though of less than it misses
-    with pytest.raises(ValueError, match="Poisson's ratio must be > -1 and < 0.5, got 0.5"):
+    with pytest.raises(ValueError, match="poisson must be > -1 and < 0.5, got 0.5"):
         Material(poisson=0.5)
 
 

@@ -64,7 +64,7 @@ def test_stiffened_hertz_takes_materials_from_the_scene():
     assert found.impacts.equals(stated.impacts)
     assert found.law == (
         "stiffened_hertz: socket_ratio 1.298 (the paper's), modulus_ratio 0.531400966, poisson 0.3,"
-        " socket_poisson 0.34, ball_support plane, rim mirror"
+        " socket_poisson 0.34, ball_support guided, rim mirror"
     )
     law = contact.DimensionalLaw(
         "stiffened_hertz",
@@ -115,7 +115,9 @@ def test_a_curve_of_other_materials_is_refused(joint, message, model):
 def test_a_curve_of_the_scenes_materials_drives_it():
     response = simulate(MIXED, law=table(ball=STEEL, socket=BRONZE), **BRIEF)
     assert len(response.impacts) == 1
-    assert response.law.startswith("tabulated: r2_star 200, socket_ratio 1.298, ball_support plane")
+    assert response.law.startswith(
+        "tabulated: r2_star 200, socket_ratio 1.298, ball_support guided"
+    )
     layers = Layer(1.1, BRONZE), Layer(1.4, STEEL)
     lined = table(ball=STEEL, layers=layers)
     assert "layers 1.1,0.531400966,0.34" in simulate(MIXED, law=lined, **BRIEF).law
@@ -159,7 +161,7 @@ def test_a_law_with_dimensions_is_the_law_by_its_name(model):
 def test_the_table_of_the_scenes_joint_is_that_of_a_joint_with_dimensions():
     run = partial(simulate, MIXED, law="tabulated", wall=3e-3, **BRIEF)
     by_name = run()
-    assert by_name.law.startswith("tabulated: r2_star 200, socket_ratio 1.3, ball_support plane")
+    assert by_name.law.startswith("tabulated: r2_star 200, socket_ratio 1.3, ball_support guided")
     joint = DimensionalJoint(10e-3, 5e-5, 3e-3, STEEL, BRONZE)
     for law in (joint, joint.law()):
         response = simulate(MIXED, law=law, **BRIEF)

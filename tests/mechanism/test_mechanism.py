@@ -546,7 +546,9 @@ def test_lead_and_last_separation():
 
 def test_a_law_that_ends_before_one_clearance_is_refused():
     curve = force_curve(Joint(200), np.linspace(0.05, 0.5, 12) ** 2)
-    with pytest.raises(ValueError, match=r"law must reach a depth of one clearance: .* <= 0\.25"):
+    with pytest.raises(
+        ValueError, match=r"law must reach a depth of one clearance: depth of tabulated must"
+    ):
         simulate(law=contact.tabulated(curve), duration=1e-3)
 
 

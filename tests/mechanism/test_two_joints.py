@@ -259,8 +259,8 @@ def test_bad_scene_is_one_clear_error(changes, message):
 def test_a_model_without_a_second_joint_says_so(options):
     with pytest.raises(
         ValueError,
-        match="crank clearance must be left out: a second clearance joint is for model rigid",
+        match="crank_clearance must be left out: a second clearance joint is for model rigid",
     ):
         simulate(BOTH, duration=1e-3, **options)
-    with pytest.raises(ValueError, match="crank clearance must be left out"):
+    with pytest.raises(ValueError, match="crank_clearance must be left out"):
         choose_model(BOTH, tolerance=0.01)
