@@ -26,12 +26,12 @@ from study.joint import (
     contact_kinematics,
     fem,
     force_curve,
-    nested_contact,
     paper_joint,
     series,
     whole_curve,
 )
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
+from study.joint.curve import Solver
 from study.joint.law_parameters import law_parameters
 from study.measure import explicit, flexible, timing
 from study.measure.speed import OURS
@@ -54,6 +54,11 @@ SOLVERS = (  # method and its resolution; the first is the unit of the chart's t
     *(("six-node triangles", n) for n in (32, 64, 96, 160, 224)),
     *(("three-node triangles", n) for n in (32, 64, 96, 160, 320)),
 )
+SOLVER_NAMES: dict[str, Solver] = {
+    "series": "series",
+    "six-node triangles": "quadratic",
+    "three-node triangles": "linear",
+}
 STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7)
 LONGEST_STEPS = {"centred": 2e-6, "velocity Verlet": 1e-6, "RK4": 1e-6}
 """In s: with longer ones the ball goes too deep (notebook 17)."""
@@ -134,21 +139,11 @@ def _finest_curve():
 
 
 def _curve(method, n):
-    """One solution of our own, bodies and all, at one resolution and without error estimate."""
-    cached = fem.meshed, fem.compliance, series.compliance, series.hat_coefficients
-    for function in (*cached, contact_kinematics._pairs):
+    """Forces of our own solution, bodies and all, extrapolated from a resolution and half of it."""
+    made = fem.meshed, fem.compliance, series.compliance, series.hat_coefficients
+    for function in (*made, contact_kinematics._pairs):
         function.cache_clear()
-    bodies = FREE.ball_body, FREE.socket_body
-    if method == "series":
-        compliances = [series.compliance(body, n) for body in bodies]
-    else:
-        nodes = 6 if method.startswith("six") else 3
-        compliances = [fem.compliance(body, n, nodes) for body in bodies]
-    _, axial = contact_kinematics.linear(FREE, *compliances)
-    eccentricities = 1 + max(CURVE_DEPTHS) * np.array([0, 0.5, 1])
-    contacts = nested_contact.NestedContacts(FREE, *compliances, np.pi, eccentricities)
-    pressure = np.array([contacts.pressure(depth) for depth in CURVE_DEPTHS])
-    return FREE.r2_star * pressure @ axial
+    return force_curve(FREE, CURVE_DEPTHS, n, SOLVER_NAMES[method]).force_star
 
 
 def steppers(compile_times: bool = True) -> Iterator[Run]:
