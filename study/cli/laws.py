@@ -1,45 +1,14 @@
-"""Commands for laws: evaluate, choose, export."""
+"""Commands for the law of a joint: choose, export."""
 
 from pathlib import Path
 from typing import Literal
-
-import typer
 
 from study import paths
 from study.cli import options as cli
 from study.cli.output import named_fields, show, working
 from study.cli.solve_joint import OF_SIZED, RELATIVE, SIZED, needed, sized, typed
-from study.contact import LAWS, LawName
+from study.contact import LawName
 from study.joint import RatioJoint
-
-_OF_STIFFENED = (
-    "socket_ratio",
-    "modulus_ratio",
-    "poisson",
-    "socket_poisson",
-    "ball_support",
-    "rim",
-)
-"""What stiffened_hertz depends on."""
-
-
-@cli.command("law")
-def evaluate_law(
-    name: LawName = typer.Argument(help=f"One of {', '.join(LAWS)}.", metavar="NAME"),
-    r2_star: float = cli.option("Socket radius over clearance, R2/dR, > 1.", default=cli.NEEDED),
-    depth_star: list[float] = cli.option(cli.DEPTHS, default=cli.NEEDED),
-    as_json: bool = cli.JSON,
-    **options: cli.options_of(RatioJoint, *_OF_STIFFENED),
-):
-    """Evaluate a contact law: dimensionless force P/(E* dR^2) at given depths.
-
-    Only stiffened_hertz has options: it is for any two materials and four supports. The paper's
-    laws have the coefficients of its own joint.
-    """
-    cli.left_out(options, LAWS[name].options, f"{name} does not depend on it")
-    force = LAWS[name](depth_star, r2_star, **options)
-    show({"depth_star": depth_star, "force_star": force.tolist()}, as_json)
-
 
 YIELDS = (
     "The {body} yields, {place}, from {depth_star:.4g} clearances on "

@@ -27,7 +27,7 @@ COMMANDS = {
     "data": ("stored", "The cached force-depth curves."),
     "measure": ("stored", "Time laws, solvers and steppers on this machine."),
     "joint": ("solve_joint", "Solve one joint: force, depth, stiffness, pressure and stresses."),
-    "law": ("laws", "Evaluate a contact law."),
+    "law": ("evaluate_law", "Evaluate a contact law."),
     "choose": ("laws", "Choose the cheapest law that is accurate enough for a joint."),
     "export": ("laws", "Export a law, for one joint, to another program."),
     "simulate": ("mechanism", "Simulate the crank-slider: its motion and every impact."),
@@ -84,18 +84,21 @@ def option(text, *flags, default=None):
 
 def options_of(owner, *names):
     """Options of a class's or function's parameters (`study.parameters`), all or some of them."""
-    every = parameters.described(owner)
-    return {name: _option_of(owner, name, every[name]) for name in names or every}
+    every, options = parameters.described(owner), {}
+    for name in names or every:
+        default = parameters.default_of(owner, name)
+        options[name] = option_of(every[name], default and f"default: {default}")
+    return options
 
 
-def _option_of(owner, name, about):
+def option_of(about, note=""):
+    """Type and option of a `study.parameters.Parameter`, with a note in brackets."""
     kind = Literal[about.choices] if about.choices else about.typed
     kind = str if about.several == "," else kind
     text = f"{about.meaning}, in {about.unit}" if about.unit else about.meaning
     if about.range and not about.choices:
         text = f"{text}, {about.range}"
-    default = parameters.default_of(owner, name)
-    text = f"{text}. [default: {default}]" if default else f"{text}."
+    text = f"{text}. [{note}]" if note else f"{text}."
     return (list[kind] if about.several == ";" else kind), option(text)
 
 

@@ -26,6 +26,7 @@ from study.contact import sampling, shapes, stiffening
 from study.contact.bodies import SOCKET_RATIO
 from study.contact.power_fit import USUAL_RANGE
 from study.contact.shapes import Shape
+from study.parameters import Parameter
 
 Area = Literal["flat", "sphere"]
 Evidence = Literal["given", "derived", "identified", "reconstructed", "fitted", "solved", "user's"]
@@ -58,32 +59,21 @@ class Parts(NamedTuple):
         return float(result) if result.ndim == 0 else result
 
 
-@dataclass(frozen=True)
-class Option:
-    """Default of a law's option, and its range: of numbers, of whole numbers, or some names.
+class Option(NamedTuple):
+    """Default of a law's option, and what it is.
 
     ``of_bodies`` marks what every joint with dimensions states: there the option has no default.
     """
 
     default: Any
-    least: float | None = None
-    most: float | None = None
-    above: float | None = None
-    names: tuple[str, ...] = ()
-    whole: tuple[int, int] | None = None
+    about: Parameter
     of_bodies: bool = False
 
     def checked(self, name: str, value: Any) -> Any:
         """The value, or ``ValueError``; None stands for a default that is None."""
         if value is None and self.default is None:
             return None
-        if self.names:
-            return checks.choice(name, value, self.names)
-        if self.whole:
-            least, most = self.whole
-            return checks.whole(name, value, least=least, most=most)
-        limits: Any = {"least": self.least, "most": self.most, "above": self.above}
-        return checks.number(name, value, **limits, scalar=True)
+        return self.about.taken(name, value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +183,7 @@ def new_law(evidence: Evidence, **more: Any) -> Callable[[Callable[..., Parts]],
     return lambda formula: Law(formula.__name__, formula, evidence, **more)
 
 
-COEFFICIENT = Option(None, above=0)
+COEFFICIENT = Option(None, Parameter("Fitted coefficient", limits={"above": 0}))
 
 
 @new_law("given")
@@ -205,8 +195,13 @@ def hertz(r2_star: Floats) -> Parts:
 @new_law(
     "identified",
     options={
-        "n": Option(1, whole=(1, 50)),
-        "radius": Option("geometric", names=("geometric", "profile")),
+        "n": Option(
+            1,
+            Parameter("Half the order of the profile", limits={"least": 1, "most": 50}, whole=True),
+        ),
+        "radius": Option(
+            "geometric", Parameter("Contact radius", choices=("geometric", "profile"))
+        ),
     },
     examples=({}, {"n": 3}, {"n": 2, "radius": "profile"}),
 )
@@ -262,7 +257,10 @@ def winkler(r2_star: Floats, coefficient: float | None) -> Parts:
 
 @new_law(
     "derived",
-    options={"area": Option("flat", names=("flat", "sphere")), "coefficient": COEFFICIENT},
+    options={
+        "area": Option("flat", Parameter("Area element", choices=("flat", "sphere"))),
+        "coefficient": COEFFICIENT,
+    },
     fitted_to=USUAL_RANGE[1],
     examples=({}, {"coefficient": 3.0}, {"area": "sphere"}),
 )
@@ -286,7 +284,10 @@ def hyperbolic_winkler(r2_star: Floats, area: Area, coefficient: float | None) -
 
 @new_law(
     "fitted",
-    options={"coefficient": COEFFICIENT, "exponent": Option(None, least=1, most=3)},
+    options={
+        "coefficient": COEFFICIENT,
+        "exponent": Option(None, Parameter("Exponent", limits={"least": 1, "most": 3})),
+    },
     fitted_to=USUAL_RANGE[1],
     examples=({}, {"coefficient": 600.0, "exponent": 1.7}),
 )
@@ -309,10 +310,20 @@ def power(r2_star: Floats, coefficient: float | None, exponent: float | None) ->
     return Parts(_coefficient("power", r2_star, coefficient), shapes.power, (n,))
 
 
+_BODIES = {
+    "socket_ratio": "Outer over inner radius of the socket",
+    "modulus_ratio": "Young's modulus of the socket over that of the ball",
+    "poisson": "Poisson's ratio of the ball",
+    "socket_poisson": "Poisson's ratio of the socket",
+}
+"""Options of `stiffened_hertz` that describe both bodies."""
+
+
 def _of_table(name: str, default: Any) -> Option:
     """Option of `stiffened_hertz`, in the range of its table."""
     least, most = stiffening.RANGES[name]
-    return Option(default, least=least * (1 - LIMIT_MARGIN), most=most, of_bodies=True)
+    limits = {"least": least * (1 - LIMIT_MARGIN), "most": most}
+    return Option(default, Parameter(_BODIES[name], limits=limits), of_bodies=True)
 
 
 _PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
@@ -325,8 +336,10 @@ _PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "s
         "modulus_ratio": _of_table("modulus_ratio", 1.0),
         "poisson": _of_table("poisson", 0.3),
         "socket_poisson": _of_table("socket_poisson", None),
-        "ball_support": Option("guided", names=("guided", "clamped")),
-        "rim": Option("mirror", names=("mirror", "free")),
+        "ball_support": Option(
+            "guided", Parameter("How the ball is held", choices=("guided", "clamped"))
+        ),
+        "rim": Option("mirror", Parameter("Edge of the socket", choices=("mirror", "free"))),
     },
     least_r2_star=stiffening.LEAST_R2_STAR,
     examples=(

@@ -75,7 +75,7 @@ def coefficients_by_case(law: str, curves: pd.DataFrame) -> pd.DataFrame:
 
 def surrogate(r2_star: ArrayLike, f1: ArrayLike) -> dict[str, float]:
     """``slope`` and ``intercept`` of the line f1 = slope R2* + intercept, by least squares."""
-    slope, intercept = np.polyfit(r2_star, f1, 1)
+    slope, intercept = np.polyfit(np.asarray(r2_star), np.asarray(f1), 1)
     return {"slope": _rounded(slope), "intercept": _rounded(intercept)}
 
 

@@ -41,7 +41,7 @@ class DatasetError(checks.StudyError):
     """The dataset is missing, damaged or out of date; the message names file and remedy."""
 
 
-def load(**filters: object) -> pd.DataFrame:
+def load(**filters: Any) -> pd.DataFrame:
     """The dataset as a tidy frame, one row per case and depth.
 
     ``datapackage.json`` has the unit and the meaning of every column.

@@ -318,7 +318,7 @@ def meshes(
     series is projected on coarser hats.
     """
     nodes: Literal[6, 3] = 3 if solver == "linear" else 6
-    bodies = []
+    bodies: list[tuple[Compliance, Compliance]] = []
     for body in (joint.ball_body, joint.socket_body):
         if body.by_series and solver in (None, "series"):
             finer = series.compliance(body, resolution)
@@ -326,7 +326,8 @@ def meshes(
         else:
             from study.joint import fem
 
-            bodies.append([fem.compliance(body, n, nodes) for n in (resolution, resolution // 2)])
+            finer = fem.compliance(body, resolution, nodes)
+            bodies.append((finer, fem.compliance(body, resolution // 2, nodes)))
     return zip(*bodies, strict=True)
 
 

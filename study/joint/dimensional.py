@@ -169,7 +169,7 @@ def _read_liner(name: str, text: str) -> Liner:
     """Liner of a text, ``0.5e-3,PTFE``."""
     thickness, _, of = text.partition(",")
     try:
-        return Liner(checks.read(name, thickness), of.strip())
+        return Liner(checks.read(name, thickness), read_material(name, of.strip()))
     except checks.RangeError:
         raise
     except ValueError as error:
@@ -206,9 +206,9 @@ class DimensionalJoint(Configuration):
     wall: float = parameter(
         ..., "Thickness of the socket beyond its inner radius, liners included", "m"
     )
-    ball: Material | str = _of_material("bearing steel", "ball")
-    socket: Material | str = _of_material("steel", "socket")
-    liner: tuple[Liner | str, ...] = parameter(
+    ball: Material = _of_material("bearing steel", "ball")
+    socket: Material = _of_material("steel", "socket")
+    liner: tuple[Liner, ...] = parameter(
         (),
         "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be repeated, "
         "from the inside out. The socket's material makes up the rest of the wall",
@@ -226,7 +226,7 @@ class DimensionalJoint(Configuration):
                 "tolerances or wear leave, socket's less ball's radius"
             )
         radius = self.socket_radius
-        limits = {"least": LEAST_CLEARANCE * radius, "below": radius}
+        limits: dict[str, Any] = {"least": LEAST_CLEARANCE * radius, "below": radius}
         checks.number("clearance", self.clearance, "m", **limits)
         limits = {"least": (THINNEST_RATIO - 1) * radius, "most": (THICKEST_RATIO - 1) * radius}
         checks.number("wall", self.wall, "m", **limits)

@@ -270,7 +270,10 @@ def meshed(
     body: Ball | Socket, resolution: int = RESOLUTION["quadratic"], nodes: Nodes = 6
 ) -> MeshedBody:
     """A ball or a socket, meshed and factorised; a point load's force depends on the mesh."""
-    mesh = (ball_mesh if isinstance(body, Ball) else socket_mesh)(body, resolution, nodes)
+    if isinstance(body, Ball):
+        mesh = ball_mesh(body, resolution, nodes)
+    else:
+        mesh = socket_mesh(body, resolution, nodes)
     return MeshedBody(mesh, lame_of(body, mesh), {"axis": "r"} | body.held)
 
 

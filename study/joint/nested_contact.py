@@ -172,7 +172,7 @@ def extrapolated(
     depth = fine_depth + (fine_depth - coarse.depth[:size]) / 3
     force = fine_force + (fine_force - coarse.force[:size]) / 3
     grown = (np.diff(depth, prepend=-1.0) > 0) & (np.diff(force, prepend=-1.0) > 0)
-    size = np.argmin(np.append(grown, False))
+    size = int(np.argmin(np.append(grown, False)))
     depth, force, error = depth[:size], force[:size], np.zeros(size)
     if size > 1:
         slope = np.gradient(force, depth)  # leads from equal half-angle to equal depth

@@ -1,9 +1,11 @@
 """A joint by ratios, as a command or a table states it: materials relative to the ball's."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from study import checks, parameters
 from study.contact import Material
+from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
 from study.joint.definition import Joint, Layer
 from study.joint.supports import Configuration
 from study.parameters import parameter
@@ -29,7 +31,11 @@ class RatioJoint(Configuration):
 
     r2_star: float = parameter(200.0, "Radius of the socket in clearances, R2/dR", above=1)
     socket_ratio: float | None = parameter(
-        None, "Outer over inner radius of the socket", otherwise="1.298"
+        None,
+        "Outer over inner radius of the socket",
+        least=THINNEST_RATIO,
+        most=THICKEST_RATIO,
+        otherwise="1.298",
     )
     modulus_ratio: float | None = parameter(
         None, "Young's modulus of the socket over that of the ball", above=0, otherwise="1"
@@ -66,6 +72,8 @@ class RatioJoint(Configuration):
             return Joint(self.r2_star, ball=ball, layers=self.layer, **self.configuration)
         poisson = self.poisson if self.socket_poisson is None else self.socket_poisson
         modulus = UNIT * (1.0 if self.modulus_ratio is None else self.modulus_ratio)
-        given = {} if self.socket_ratio is None else {"socket_ratio": self.socket_ratio}
+        given: dict[str, Any] = (
+            {} if self.socket_ratio is None else {"socket_ratio": self.socket_ratio}
+        )
         socket = Material(modulus, poisson, yield_stress)
         return Joint(self.r2_star, ball=ball, socket=socket, **given, **self.configuration)

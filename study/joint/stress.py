@@ -131,7 +131,7 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
     sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
     by_body, peak = {}, curve.peak_pressure_star
     edge = np.sin(np.radians(curve.contact_half_angle_deg))
-    *interfaces, outer = curve.joint.socket_body.ratio
+    *interfaces, outer = curve.joint.socket_body.layers[0]
     for body, (stress, radius, angle) in sought:
         place = np.full(len(stress), "below the surface", dtype=object)
         place[np.abs(radius - 1) <= _NEAR * edge] = "at the surface"
@@ -323,7 +323,7 @@ def _of_elements(curve):
         return
     socket = fem.meshed(joint.socket_body, resolution, nodes)
     pressure, inner = _on_socket(curve), 1.0
-    for name, outer in zip([*joint.materials][1:], joint.socket_body.ratio, strict=True):
+    for name, outer in zip([*joint.materials][1:], joint.socket_body.layers[0], strict=True):
         yield name, _largest_at_nodes(socket, pressure, edge, inner, outer)
         inner = outer
 

@@ -184,7 +184,7 @@ def reach(opening: float) -> float:
 class Configuration:
     """How ball and socket are held, and which points of their surfaces face each other."""
 
-    ball_support: BallSupport | str = parameter(
+    ball_support: BallSupport = parameter(
         GuidedPlate(),
         "How the ball is held and moved. The equatorial plane of half a ball is moved along the "
         "axis by a plate on which it slides (guided) or to which it is clamped (clamped), or its "
@@ -193,7 +193,7 @@ class Configuration:
         parse=_parser(BALL_SUPPORTS),
         kind=BallSupport,
     )
-    rim: Rim | None = parameter(
+    rim: Rim = parameter(
         None,
         "Edge of the socket: a mirror plane, or free of traction",
         choices=RIMS,
@@ -212,7 +212,7 @@ class Configuration:
     opening: float = parameter(
         HEMISPHERE, "Polar angle of the socket's rim from its pole", "deg", least=30, most=170
     )
-    socket_support: SocketSupport | str = parameter(
+    socket_support: SocketSupport = parameter(
         WholeOutside(),
         "Where the socket is held rigidly: its outside all over (outside), the face of its rim "
         "alone (rim), or its outside between two polar angles in deg (sector:0,30 is a seat at the "

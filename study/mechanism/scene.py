@@ -191,7 +191,7 @@ class Scene:
         for body in ("ball", "socket"):
             if getattr(self, body) is not None:
                 material(getattr(self, body), body)
-        limits = {"least": 1e-9 * self.socket_radius, "below": self.socket_radius}
+        limits: dict[str, Any] = {"least": 1e-9 * self.socket_radius, "below": self.socket_radius}
         checks.number("clearance", self.clearance, "m", **limits)
         if self.crank_clearance is not None:
             checks.number("crank_clearance", self.crank_clearance, "m", **limits)

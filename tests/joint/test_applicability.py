@@ -93,8 +93,5 @@ def test_limits_of_a_simulation(run):
     response = simulate(duration=0.01, outputs=10)
     soft = Scene(socket=Material(5e5, 0.45, yield_stress=10.0))
     assert in_short(exceeded_limits(soft, response)) == "modulus; roughness; yield"
-    for unlike in (
-        {"socket_radius": 5.2e-5, "ball": "steel"},
-        {"ball": "1e5,0.3", "socket": "1e22,0.3"},
-    ):
-        assert "joint" in exceeded_limits(Scene(**unlike), response)
+    unlike = Scene(ball="1e5,0.3", socket="1e22,0.3")
+    assert "joint" in exceeded_limits(unlike, response)
