@@ -1,6 +1,9 @@
 """What a law needs of the two bodies: composite modulus, clearance, largest depth."""
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from study import checks
 
@@ -23,6 +26,11 @@ def composite_modulus(
         nu = checks.poisson(f"{body} Poisson's ratio", poisson)
         compliance += (1 - nu**2) / e
     return 1 / compliance
+
+
+def hertz_factor(r2_star: ArrayLike) -> Any:
+    """Factor of ds^(3/2) in Hertz's law, P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) (Eqs. 4-6)."""
+    return 4 / 3 * np.sqrt(r2_star * (r2_star - 1))
 
 
 def largest_depth(r2_star: float) -> float:

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.contact import sampling, shapes, stiffening
-from study.contact.bodies import SOCKET_RATIO
+from study.contact.bodies import SOCKET_RATIO, hertz_factor
 from study.contact.power_fit import USUAL_RANGE
 from study.contact.shapes import Shape
 from study.parameters import Parameter
@@ -189,7 +189,7 @@ COEFFICIENT = Option(None, Parameter("Fitted coefficient", limits={"above": 0}))
 @new_law("given")
 def hertz(r2_star: Floats) -> Parts:
     """Hertz: P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) (Eqs. 4-6, given)."""
-    return Parts(4 / 3 * np.sqrt(r2_star * (r2_star - 1)), shapes.hertz)
+    return Parts(hertz_factor(r2_star), shapes.hertz)
 
 
 @new_law(

@@ -17,7 +17,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from study.contact import hertz
+from study.contact import hertz_factor
 from study.joint import complementarity
 from study.joint.compliance import Compliance
 from study.joint.contact_kinematics import PROBLEMS
@@ -135,12 +135,13 @@ class Extrapolated:
         the depth. The error is taken to grow to 1 below the first contact.
         """
         root, places = np.sqrt(depths), np.append(0, np.sqrt(self.depth[1:]))
-        stiffening = np.append(1, self.force[1:] / hertz(self.depth[1:], joint.r2_star))
+        unit = hertz_factor(joint.r2_star)
+        stiffening = np.append(1, self.force[1:] / (unit * self.depth[1:] * places[1:]))
         slope = self.coarse.angles[1 : len(places)] / places[1:]
         values = np.array([stiffening, np.append(slope[0], slope)])
         stiffening, slope = _interpolated(root, places, values)
         error = np.interp(root, places, np.append(1, self.error[1:]))
-        return stiffening * hertz(depths, joint.r2_star), slope * root, error
+        return stiffening * unit * depths * root, slope * root, error
 
 
 def widest(joint: Joint, depth: float) -> float:

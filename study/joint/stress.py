@@ -14,7 +14,7 @@ from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact import largest_depth
+from study.contact import hertz_factor, largest_depth
 from study.joint import series
 from study.joint.compliance import graded
 from study.joint.contact_kinematics import socket_pressure
@@ -179,7 +179,7 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     solved = np.sqrt(curve.depth_star)
     used = solved >= (0 if curve.solver == "series" else _LEAST_ROOT)
     root, yields = np.append(0, solved[used]), []
-    hertz = 4 / 3 * np.sqrt(joint.r2_star * (joint.r2_star - 1))  # times the cube of the root
+    hertz = hertz_factor(joint.r2_star)  # times the cube of the root
     stiffening = np.append(1, (curve.force_star / (hertz * solved**3))[used])
     for body, material in joint.materials.items():
         stress, touches = largest_stresses[body], body in ("ball", "socket", "layer 1")

@@ -19,7 +19,8 @@ def test_imports_are_followed_to_the_modules_that_define_the_names():
         *("checks.py", "contact/bodies.py", "contact/materials.py", "joint/complementarity.py"),
         *("joint/compliance.py", "joint/curve.py", "joint/fem.py", "joint/definition.py"),
         *("joint/contact_kinematics.py", "joint/series.py", "joint/supports.py", "threads.py"),
-        *("joint/bodies.py", "parameters.py"),
+        *("joint/bodies.py", "joint/large_displacement.py", "joint/nested_contact.py"),
+        "parameters.py",
     }
     assert "contact/laws.py" in reached("dataset/fitting.py")
     assert reached("dataset/tolerance.py") == {"dataset/tolerance.py"}
@@ -63,7 +64,10 @@ def test_imports_inside_functions_count(tmp_path):
         ("study/cli/build.py", []),
         ("study/pages/report/pages.py", []),
         ("data/published/claims.csv", ["21", "30"]),
-        ("study/contact/coefficients.json", [f"{n:02d}" for n in range(31)]),
+        (
+            "study/contact/coefficients.json",
+            [f"{n:02d}" for n in range(31) if n not in (7, 19, 25)],
+        ),
     ],
 )
 def test_a_change_makes_outdated_what_reaches_it_and_nothing_else(changed, outdated):
