@@ -1,8 +1,9 @@
 """The set-up of the paper's finite elements, inferred from its Table 2.
 
-A candidate is a socket ratio, a drive, kinematics, elements, the depths of the sample, and the
-area element of f2. For each one the coefficient of determination and the RMSE of the rows with
-known formulas are compared with the published ones. They are functions of six sums of the forces.
+A candidate is a socket ratio, a support of the ball, kinematics, elements, the depths of the
+sample, and the area element of f2. For each one the coefficient of determination and the RMSE of
+the rows with known formulas are compared with the published ones. They are functions of six sums
+of the forces.
 `study.claims.table_alone` infers what needs no elastic solution.
 """
 

@@ -30,7 +30,8 @@ def composite_modulus(
 
 def hertz_factor(r2_star: ArrayLike) -> Any:
     """Factor of ds^(3/2) in Hertz's law, P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) (Eqs. 4-6)."""
-    return 4 / 3 * np.sqrt(r2_star * (r2_star - 1))
+    socket = np.asarray(r2_star, dtype=float)
+    return 4 / 3 * np.sqrt(socket * (socket - 1))
 
 
 def largest_depth(r2_star: float) -> float:

@@ -183,7 +183,7 @@ def new_law(evidence: Evidence, **more: Any) -> Callable[[Callable[..., Parts]],
     return lambda formula: Law(formula.__name__, formula, evidence, **more)
 
 
-COEFFICIENT = Option(None, Parameter("Fitted coefficient", limits={"above": 0}))
+COEFFICIENT = Option(None, Parameter("Fitted coefficient, no unit", limits={"above": 0}))
 
 
 @new_law("given")

@@ -117,12 +117,12 @@ def _validation_set():
         held = k >= FREE_VALIDATION
         nu = balls[k % 3] if held else ball()
         ratio, socket_nu = sockets[k // 3 % 6] if held else socket()
-        drive, rim = (("guided", "mirror"), *HELD)[1 + draw.integers(3) if held else 0]
+        support, rim = (("guided", "mirror"), *HELD)[1 + draw.integers(3) if held else 0]
         share = draw.random() ** draw.choice([0.5, 1, 2])
         modulus = 2e11 * share / (1 - share) * (1 - socket_nu**2) / (1 - nu**2)
         joint = {"socket": Material(float(f"{modulus:.4g}"), socket_nu), "socket_ratio": ratio}
         r2_star = float(f"{20 * 500 ** draw.random() ** 2:.3g}")
-        supports = {"ball_support": drive, "rim": rim}
+        supports = {"ball_support": support, "rim": rim}
         case = {"poisson": nu, "r2_stars": (r2_star,), "depths": ROOT_DEPTHS[1::6]}
         yield SetUp("validation", f"validation-{k:03d}", joint | supports, **case)
 
@@ -156,8 +156,8 @@ DESIGN = (
         for ratio in (0.05, 0.1, 0.2, 0.333, 0.5, 2.0, 3.0, 5.0, 10.0, 20.0)
     ),
     *(
-        SetUp("support", f"{drive}-{rim}", {"ball_support": drive, "rim": rim})
-        for drive, rim in (("clamped", "mirror"), ("guided", "free"), ("guided", "mirror"))
+        SetUp("support", f"{support}-{rim}", {"ball_support": support, "rim": rim})
+        for support, rim in (("clamped", "mirror"), ("guided", "free"), ("guided", "mirror"))
     ),
     *_liners(),
     *_validation_set(),

@@ -54,10 +54,10 @@ def logarithms(
     places["share"] = np.clip(places["share"], 2e-9, 1 - 2e-9)  # nearly rigid
     axes: list[Any] = [*(places[name] for name in _ORDER[1:]), PLATES, RIMS]
     solved: list[Any] = []
-    for ratio, share, poisson, r2_star, drive, rim in itertools.product(*axes):
+    for ratio, share, poisson, r2_star, support, rim in itertools.product(*axes):
         ball = Material((1 - poisson**2) / share, poisson)
         socket = Material((1 - socket_poisson**2) / (1 - share), socket_poisson)
-        joint = Joint(r2_star, ratio, ball, socket, ball_support=drive, rim=rim)
+        joint = Joint(r2_star, ratio, ball, socket, ball_support=support, rim=rim)
         resolution = FINER if joint.series_applies else RESOLUTION
         resolution = COARSER if counts["r2_star"] > 1 else resolution
         if of is None:

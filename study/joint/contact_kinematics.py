@@ -17,9 +17,9 @@ from study.joint.compliance import Compliance, HatFunctions, surface_angles
 from study.joint.definition import Joint
 
 Problem = Callable[[float], tuple[NDArray[np.float64], NDArray[np.float64]]]
-"""Depth_star -> matrix (n, n), and gap (3, n): factors of 1, D and D^2, D = 1 + depth_star.
+"""Depth_star -> matrix (n, n), and gap (3, n): its factors of 1, depth_star and depth_star^2.
 
-The matrix and the gap's last factor depend on the depth by terms of order 1/R2* only.
+The matrix and the gap's factors depend on the depth by terms of order 1/R2* only.
 """
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
     matrix = of_ball * r1 * ball.flexibility + of_socket * socket.flexibility
     hats = HatFunctions(ball.angles)
 
-    constant, axial = hats.integrate(np.ones_like), hats.integrate(np.cos)
+    apart, axial = hats.integrate(_apart), hats.integrate(np.cos)
 
     def problem(depth):
         e = (1 + depth) / r2_star
@@ -56,7 +56,7 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
             side = np.minimum(np.sin(theta) ** 2, (r1 / e) ** 2)
             return side / (r1 + np.sqrt(np.maximum(r1**2 - e**2 * side, 0))) / r2_star
 
-        return matrix, np.array([constant, -axial, hats.integrate(beyond)])
+        return matrix, _in_powers(apart, axial, hats.integrate(beyond))
 
     return problem, axial
 
@@ -102,8 +102,18 @@ def _pairs(r2_star, depth, resolution, last):
         along, side = r1 + e * np.cos(phi), np.sin(phi) ** 2
         return -side / (along + np.sqrt(along**2 + e**2 * side)) / r2_star
 
-    gap = [hats.integrate(np.ones_like), -hats.integrate(np.cos), hats.integrate(beyond)]
-    return moved, unseen, np.array(gap)
+    gap = _in_powers(*(hats.integrate(of) for of in (_apart, np.cos, beyond)))
+    return moved, unseen, gap
+
+
+def _apart(angles):
+    """Gap at depth 0, but for its part of order 1/R2*: 1 - cos(angle), without cancellation."""
+    return 2 * np.sin(angles / 2) ** 2
+
+
+def _in_powers(apart, axial, beyond):
+    """Factors of 1, depth and depth^2 of ``apart - depth axial + (1 + depth)^2 beyond``."""
+    return np.array([apart + beyond, 2 * beyond - axial, beyond])
 
 
 def _faced(ball_radius, eccentricity, angles):

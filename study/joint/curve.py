@@ -101,8 +101,8 @@ def force_curve(
         finite elements and 96 for ``finite`` kinematics; half of it is solved too.
     solver
         Exact Legendre ``series`` of both bodies, or finite elements: six-node (``quadratic``) or
-        three-node (``linear``) triangles. By default the series where it applies (``guided``
-        drive, ``mirror`` rim, kinematics other than ``finite``), and else six-node triangles.
+        three-node (``linear``) triangles. By default the series where it applies (``guided`` ball,
+        ``mirror`` rim, kinematics other than ``finite``), and else six-node triangles.
 
     Raises
     ------
@@ -341,14 +341,15 @@ def _edge(angles, pressure):
     last = np.count_nonzero(pressure) - 1
     if last < 0:
         return 0.0
+    beyond = min(last + 1, len(angles) - 1)
     x = np.cos(angles) - np.cos(angles[last])
     inner = (angles >= 0.3 * angles[last]) & (np.arange(len(angles)) <= last - 2)
     degree = min(3, np.count_nonzero(inner) // 4)
-    roots = np.array([x[last + 1] / 2])
+    roots = np.array([x[beyond] / 2])
     if degree > 0:
         fitted = np.polynomial.Polynomial.fit(x[inner], pressure[inner] ** 2, degree).roots()
         real = fitted[np.isreal(fitted)].real
         roots = real if real.size else roots
     nearest = roots[np.argmin(np.abs(roots))]
     inside = x[max(last - 1, 0)]
-    return float(np.arccos(np.cos(angles[last]) + np.clip(nearest, x[last + 1], inside)))
+    return float(np.arccos(np.cos(angles[last]) + np.clip(nearest, x[beyond], inside)))

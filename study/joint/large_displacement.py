@@ -44,7 +44,7 @@ def solve(
     for k in np.argsort(depths, kind="stable"):
         if depths[k] > 0:
             matrix, parts = problem(depths[k])
-            gap = (1 + depths[k]) ** np.arange(3) @ parts
+            gap = depths[k] ** np.arange(3) @ parts
             first, active = complementarity.solve(matrix, gap)
             if np.count_nonzero(active) < FEWEST:
                 raise unresolved(depths[k], ball.compliance.angles)

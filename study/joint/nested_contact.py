@@ -25,10 +25,10 @@ from study.joint.definition import Joint
 
 Floats = NDArray[np.float64]
 LEAST_R2_STAR = 1.5
-"""Below, the ball moves too far for a matrix that is made at few eccentricities."""
-_FAR = 10.0  # R2* beyond which a matrix made at 3 eccentricities leads to all others, else at 5
+"""Below, the ball moves too far for a matrix that is made at few depths."""
+_FAR = 10.0  # R2* beyond which a matrix made at 3 depths leads to all others, else at 5
 _STEPS = 5  # of Newton, more than enough
-_RIGID = 1e6  # R2* from which on the matrix does not change with the eccentricity, within 1e-6
+_RIGID = 1e6  # R2* from which on the matrix does not change with the depth, within 1e-6
 _WIDEST = 2.2  # half-angles of Hertz: a thin incompressible liner has 2, and no contact has more
 _MORE = 8  # elements of the coarser mesh beyond the widest contact
 _ZERO = 1e-3  # of the largest pressure, or of the depth: less may be the parabola's error
@@ -39,15 +39,15 @@ class NestedContacts:
 
     With the matrix A = L L^T, the contact of the first n nodes has the pressure -L^-T y, where y is
     L^-1 gap in its first n rows. The next entry of y is, but for a positive factor, the gap that
-    is left at the next node. It is a parabola of the eccentricity D = 1 + depth_star, and the node
-    closes where it is zero. The axial force is -(L^-1 axial) y, summed over the nodes in contact.
+    is left at the next node. It is a parabola of the depth_star, and the node closes where it is
+    zero. The axial force is -(L^-1 axial) y, summed over the nodes in contact.
 
     Parameters
     ----------
     widest
         Polar angle in rad that no contact of interest reaches.
-    eccentricities
-        At which the matrix is made; a polynomial leads to all others.
+    made
+        Values of depth_star at which the matrix is made; a polynomial leads to all others.
     """
 
     def __init__(
@@ -56,52 +56,54 @@ class NestedContacts:
         ball: Compliance,
         socket: Compliance,
         widest: float,
-        eccentricities: Floats,
+        made: Floats,
     ):
         problem, axial = PROBLEMS[joint.kinematics](joint, ball, socket)
         self.angles, self._size = ball.angles, np.searchsorted(ball.angles, widest, "right")
-        # matrix and gap change with the eccentricity by terms of order 1/R2* beside the parabola:
-        # all contacts are solved at a few eccentricities, and a polynomial leads to their own
-        self._made, self._factors, solved = eccentricities, [], []
-        for eccentricity in self._made:
-            matrix, gap = problem(eccentricity - 1)
+        # matrix and gap change with the depth by terms of order 1/R2* beside the parabola: all
+        # contacts are solved at a few depths, and a polynomial leads to their own
+        self._deepest, self._made, self._factors, solved = made.max(), made, [], []
+        for depth in made:
+            matrix, gap = problem(depth)
             factor, rows = _factorised(matrix, np.vstack([gap, axial]), self._size)
             self._factors.append(factor)
             solved.append(rows)
-        self._areas = gap[0]
-        *self._gaps, load = np.array(solved).swapaxes(0, 1)  # each (eccentricities, nodes)
+        self._closing = np.abs(gap[1])  # of the gap, per depth
+        *self._gaps, load = np.array(solved).swapaxes(0, 1)  # each (depths made, nodes)
         closure = _smaller_root(*self._gaps)
         const, linear, square = (np.cumsum(g * load, axis=1) for g in self._gaps)
         force = -joint.r2_star * (const + closure * (linear + closure * square))
-        # a node closes at the eccentricity D of its own contact, where the polynomial is D itself
-        powers, own = self._polynomial(closure), closure[len(closure) // 2]
-        slopes = polyder(powers)
+        # a node closes at the depth of its own contact, where the polynomial is that depth itself
+        powers = self._polynomial(closure) / self._deepest
+        own, slopes = closure[len(closure) // 2] / self._deepest, polyder(powers)
         for _ in range(_STEPS):  # of Newton
             missing = polyval(own, powers, tensor=False) - own
             own = own - missing / (polyval(own, slopes, tensor=False) - 1)
-        nested = np.diff(own, prepend=1.0) > 0
-        self._own = own[: np.argmin(np.append(nested, False))]
-        self.depth = self._own - 1
-        self.force = polyval(self._own, self._polynomial(force)[:, : len(self._own)], tensor=False)
+        nested = np.diff(own, prepend=0.0) > 0
+        own = own[: np.argmin(np.append(nested, False))]
+        self.depth = self._deepest * own
+        self.force = polyval(own, self._polynomial(force)[:, : len(own)], tensor=False)
 
     def _polynomial(self, values):
-        """Coefficients in powers of the eccentricity, of values where the matrix was made."""
-        return np.linalg.solve(np.vander(self._made, increasing=True), values)
+        """Coefficients in powers of depth over deepest, of values where the matrix was made."""
+        places = self._made / self._deepest
+        return np.linalg.solve(np.vander(places, increasing=True), values)
 
     def pressure(self, depth: float) -> Floats | None:
         """Pressure at all nodes at a depth_star, or None if its contact is not nested."""
-        own, count = 1 + depth, np.searchsorted(self.depth, depth)
+        count = np.searchsorted(self.depth, depth)
         profiles = np.zeros((2, len(self._made), self._size))  # of pressure, and of the gap left
         for pressure, gap, factor, gaps in zip(
             *profiles, self._factors, np.swapaxes(self._gaps, 0, 1), strict=True
         ):
-            solved, inside = polyval(own, gaps), factor[:count, :count]
+            solved, inside = polyval(depth, gaps), factor[:count, :count]
             pressure[:count] = solve_triangular(inside, -solved[:count], lower=True, trans=1)
             gap[count:] = factor[count:, count:] @ solved[count:]
-        pressure, gap = (polyval(own, self._polynomial(values)) for values in profiles)
+        place = depth / self._deepest
+        pressure, gap = (polyval(place, self._polynomial(values)) for values in profiles)
         if pressure.min() < -_ZERO * pressure.max():
             return None
-        if (gap < -_ZERO * depth * self._areas[: self._size]).any():
+        if (gap < -_ZERO * depth * self._closing[: self._size]).any():
             return None
         return np.append(np.maximum(pressure, 0), np.zeros(len(self.angles) - self._size))
 
@@ -158,12 +160,12 @@ def extrapolated(
     """Nested contacts up to a depth, and somewhat beyond.
 
     The ``meshes`` are ball and socket, and the same with half the elements. A ``single`` depth
-    needs a matrix at its own eccentricity alone.
+    needs a matrix at that depth alone.
     """
-    made = np.array([1 + deepest])
+    made = np.array([deepest])
     if not single and joint.r2_star < _RIGID:
         count = 3 if joint.r2_star >= _FAR else 5
-        made = 1 + deepest * (1 - np.cos(np.linspace(0, np.pi, count))) / 2
+        made = deepest * (1 - np.cos(np.linspace(0, np.pi, count))) / 2
     (ball, socket), (coarse_ball, coarse_socket) = meshes
     most = widest(joint, deepest) + coarse_ball.angles[_MORE]
     fine = NestedContacts(joint, ball, socket, most, made)
@@ -189,7 +191,7 @@ def pivoted(
     """Pressure and force at a depth_star, of a contact that may be a ring or have several parts."""
     problem, axial = PROBLEMS[joint.kinematics](joint, ball, socket)
     matrix, parts = problem(depth)
-    pressure, _ = complementarity.solve(matrix, (1 + depth) ** np.arange(3) @ parts)
+    pressure, _ = complementarity.solve(matrix, depth ** np.arange(3) @ parts)
     return pressure, joint.r2_star * float(axial @ pressure)
 
 

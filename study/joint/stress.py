@@ -93,7 +93,7 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
     curve
         Of the solver ``series``.
     body
-        Its name in ``joint.materials``.
+        Its name in ``joint.materials``: ``ball``, and ``socket`` or ``layer 1`` and so on.
     radius
         Distances from the body's centre over its surface's radius, > 0; shape (m,).
     angle
@@ -111,6 +111,7 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
     """
     if curve.solver != "series":
         raise ValueError(f"solver must be series for stresses at any point, got {curve.solver!r}")
+    checks.choice("body", body, tuple(curve.joint.materials))
     ball, socket = _coefficients(curve)
     coefficients = ball if body == "ball" else socket
     solid = _solids(curve.joint, len(coefficients))[body]
@@ -158,9 +159,9 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     Raises
     ------
     ValueError
-        For materials without a yield stress; for a ball that is not on a ``guided`` or ``clamped``
-        drive, or a socket that is not held all over its outside; for a depth that the joint cannot
-        have.
+        For materials without a yield stress; for a ball that is not held by its equatorial plane
+        (``guided`` or ``clamped``), or a socket that is not held all over its outside; for a depth
+        that the joint cannot have.
     """
     from scipy.interpolate import PchipInterpolator  # a quarter of a second, for this alone
     from scipy.optimize import brentq

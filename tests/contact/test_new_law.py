@@ -10,10 +10,14 @@ from helpers.copied import copy_project, environment, study
 
 from study import paths
 
-LAW = '''@new_law("user's", options={"factor": Option(1.1, above=0)})
+pytestmark = pytest.mark.slow
+LAW = '''FACTOR = Option(1.1, Parameter("Factor", limits={"above": 0}))
+
+
+@new_law("user's", options={"factor": FACTOR})
 def stiffer(r2_star: Floats, factor: float) -> Parts:
     """Hertz's law times a ``factor``."""
-    return Parts(factor * hertz.parts(r2_star).scale, shapes.hertz)
+    return Parts(factor * hertz_factor(r2_star), shapes.hertz)
 
 
 PAPER_LAWS = '''
@@ -29,8 +33,6 @@ RECIPE = {
 DESCRIBE = "from study.dataset import production; production.write_description()"
 LAW_PART = """
 import json, sys
-
-pytestmark = pytest.mark.slow
 for cell in json.load(open(sys.argv[1]))["cells"]:
     if cell["cell_type"] == "code":
         exec(source := "".join(cell["source"]))

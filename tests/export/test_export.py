@@ -285,7 +285,7 @@ def test_bad_input_is_one_clear_error():
         export("hooke", "c", Joint(200))
     with pytest.raises(ValueError, match="format must be one of c, matlab, modelica, json, csv"):
         export("tabulated", "xml", Joint(200))
-    with pytest.raises(ValueError, match="stiffened_hertz is not for ball_support point"):
+    with pytest.raises(ValueError, match="stiffened_hertz is not for ball_support centre"):
         export("stiffened_hertz", "c", Joint(200, ball_support="centre"))
     with pytest.raises(ValueError, match="kinematics of stiffened_hertz must be one of linear"):
         export("stiffened_hertz", "csv", Joint(200, kinematics="finite"))

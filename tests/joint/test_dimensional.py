@@ -17,6 +17,9 @@ BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
 CUP = DimensionalJoint(16e-3, 0.1e-3, 8e-3, Material(230e9, 0.3), Material(0.8e9, 0.46))
 LINED = DimensionalJoint(20e-3, 0.1e-3, 8e-3, "steel", "steel", ("0.5e-3,PTFE", "1e-3,bronze"))
 JOINTS = pytest.mark.parametrize("joint", [BRONZE, CUP, LINED], ids=["bronze", "cup", "lined"])
+TOGETHER = 2e-6
+"""Depths that are solved together decide at which of them the contact's matrix is made. A force so
+differs by less than this, a hundredth of its estimated error."""
 
 
 @pytest.mark.parametrize(
@@ -75,9 +78,9 @@ def test_results_are_in_the_order_asked_and_those_of_the_solver(joint):
 def test_depth_and_force_are_each_others_inverse(joint, roots):
     found = joint.solve(depth=joint.clearance * np.square(roots))
     back = joint.solve(force=found.force)
-    assert back.depth == pytest.approx(found.depth, rel=1e-9)
-    assert back.stiffness == pytest.approx(found.stiffness, rel=1e-9)
-    assert joint.law().force(found.depth) == pytest.approx(found.force, rel=1e-12)
+    assert back.depth == pytest.approx(found.depth, rel=TOGETHER)
+    assert back.stiffness == pytest.approx(found.stiffness, rel=TOGETHER)
+    assert joint.law().force(found.depth) == pytest.approx(found.force, rel=TOGETHER)
 
 
 @JOINTS
@@ -85,7 +88,7 @@ def test_stiffness_is_the_slope_of_the_force(joint):
     depth, step = 0.4 * joint.clearance, 1e-6 * joint.clearance
     force = joint.solve(depth=[depth - step, depth + step]).force
     stiffness = joint.solve(depth=depth).stiffness[0]
-    assert np.diff(force)[0] / (2 * step) == pytest.approx(stiffness, rel=1e-6)
+    assert np.diff(force)[0] / (2 * step) == pytest.approx(stiffness, rel=3 * TOGETHER)
 
 
 def test_limit_is_hertz():
@@ -142,14 +145,14 @@ def test_laws_of_a_joint():
 def test_depths_beyond_one_clearance_and_up_to_the_rim():
     deep = CUP.solve(depth=3e-4)
     assert 60 < deep.contact_half_angle_deg[0] < 90
-    assert CUP.solve(force=deep.force).depth == pytest.approx([3e-4], rel=1e-9)
+    assert CUP.solve(force=deep.force).depth == pytest.approx([3e-4], rel=TOGETHER)
     for asked in ({"force": 1e6}, {"depth": 1.4e-3}):
         with pytest.raises(ValueError, match="(force|depth) must .*socket's rim"):
             CUP.solve(**asked)
 
 
 def test_a_contact_too_small_to_resolve():
-    assert BRONZE.solve(depth=40e-6 * 3e-5).error_estimate[0] < 0.02  # on finer elements
+    assert BRONZE.solve(depth=40e-6 * 3e-5).error_estimate[0] < 0.05  # on finer elements
     with pytest.raises(ValueError, match="depth must be so large that elements resolve"):
         BRONZE.solve(depth=1e-15)
 

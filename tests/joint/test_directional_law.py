@@ -45,7 +45,7 @@ def test_the_table_is_within_its_error_of_joints_solved_anew(law):
     solved = tilted_contact(NECK, depth, tilt)
     along, across = law.force(depth, tilt)
     off = np.hypot(along - solved.force_star, across - solved.transverse_star)
-    assert (off / np.hypot(solved.force_star, solved.transverse_star)).max() < law.error < 0.02
+    assert (off / np.hypot(solved.force_star, solved.transverse_star)).max() < law.error < 0.025
     assert np.abs(across / along).max() > 0.05  # the neck bends: one law would not do
 
 

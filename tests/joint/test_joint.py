@@ -266,10 +266,10 @@ def test_contact_grown_from_the_pole_is_that_found_by_pivoting(kinematics, socke
     bodies = [series.compliance(body, 64) for body in (joint.ball_body, joint.socket_body)]
     problem, axial = contact_kinematics.PROBLEMS[kinematics](joint, *bodies)
     for depth in (0.02, 0.2, 0.5):
-        nested = nested_contact.NestedContacts(joint, *bodies, 2.0, np.array([1 + depth]))
+        nested = nested_contact.NestedContacts(joint, *bodies, 2.0, np.array([depth]))
         pressure = nested.pressure(depth)
         matrix, parts = problem(depth)
-        expected, _ = complementarity.solve(matrix, (1 + depth) ** np.arange(3) @ parts)
+        expected, _ = complementarity.solve(matrix, depth ** np.arange(3) @ parts)
         assert pressure == pytest.approx(expected, abs=1e-9 * expected.max())
         # the force at a node's closure depth is that of the contact that ends there
         at, force = nested.depth, joint.r2_star * pressure @ axial

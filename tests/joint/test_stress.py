@@ -100,7 +100,8 @@ def test_stresses_are_in_equilibrium(curve, body):
 @pytest.mark.parametrize("body", BODIES)
 def test_resultants_are_the_force(curve, body):
     force = curve.pressure @ HatFunctions(curve.angles).integrate(np.cos)
-    assert curve.joint.r2_star * force == pytest.approx(curve.force_star)
+    # the curve's force is extrapolated from two meshes, its pressure is that of the finer one
+    assert curve.joint.r2_star * force == pytest.approx(curve.force_star, rel=1e-5)
     outer = 1 if body == "ball" else SMALL.socket_ratio
     x, w = np.polynomial.legendre.leggauss(40)
     radius, angle = 0.9 + (outer - 0.9) * (x + 1) / 2, np.pi / 4 * (x + 1)

@@ -274,7 +274,7 @@ def pressed(depth=0.5, tilt=10, resolution=32, **changes):
             lambda: pressed(ball_support="guided"),
             "ball_support under a tilted load must be clamped, ",
         ),
-        (lambda: pressed(ball_support="centre"), "the ball is free across the axis, got point"),
+        (lambda: pressed(ball_support="centre"), "the ball is free across the axis, got centre"),
         (lambda: pressed(ball_support="clamped"), "rim under a tilted load must be one of free"),
         (
             lambda: pressed(ball_support="clamped", rim="free", kinematics="finite"),
@@ -309,7 +309,7 @@ def pressed(depth=0.5, tilt=10, resolution=32, **changes):
         ),
         (
             lambda: joint(socket_support="sector:0,95"),
-            "last angle of backing must be <= 90 deg, got 95",
+            "last angle of socket_support must be <= 90 deg, got 95",
         ),
         (
             lambda: force_curve(joint(opening=40), 0.9, 64),

@@ -605,7 +605,7 @@ def test_a_joint_follows_its_form_and_the_address_follows_it(browse):
     found.same = text("results");
     choose("given", "depth");
     found.depth = form.elements.value.value;
-    choose("drive", "clamped");
+    choose("ball_support", "clamped");
     found.clamped = text("results");
     choose("value", "50");
     found.refused = refused();
@@ -640,7 +640,7 @@ def test_a_joint_follows_its_form_and_the_address_follows_it(browse):
     assert found["hidden"] == 0
     assert found["empty"] == "value must be a number, got ''"
     assert "socket=&socket_youngs_modulus_GPa=110&socket_poisson=0.34" in found["address"]
-    assert "drive=clamped" in found["address"]
+    assert "ball_support=clamped" in found["address"]
 
 
 def test_an_address_opens_its_joint_and_its_text_stays_text(browse):
@@ -651,10 +651,10 @@ def test_an_address_opens_its_joint_and_its_text_stays_text(browse):
     assert "50 µm, or 0.5 clearances" in results
     assert '--ball "cast iron" --socket 1000000000,0.4,20000000 --rim free --depth 0.00005' in texts
     assert (value, refused) == ("50", "")
-    place = "#drive=%3Cimg%20src%3Dx%20onerror%3Dalert(1)%3E"
+    place = "#ball_support=%3Cimg%20src%3Dx%20onerror%3Dalert(1)%3E"
     script = "tell([refused(), document.querySelectorAll('form img').length]);"
     refused, images = told(browse("joint.html", TELL + FORM + script, place))
     assert refused.startswith(
-        "ball_support of stiffened_hertz must be one of plane, clamped, got ''"
+        "ball_support of stiffened_hertz must be one of guided, clamped, got ''"
     )
     assert images == 0

@@ -10,7 +10,7 @@ from study.pages.figures import LOOKS
 PARAMETERS = {
     "group": "Set of cases",
     "kinematics": "Kinematics",
-    "support": "Ball's drive, socket's rim",
+    "support": "Supports of ball and socket",
     "modulus_ratio": "Modulus ratio, socket/ball",
     "socket_ratio": "Socket ratio, outer/inner",
     "layers": "Layers: outer ratio, modulus, Poisson's ratio",

@@ -28,17 +28,17 @@ window.STIFFENED_HERTZ = (() => {
   }
 
   // A material by its name, or by Young's modulus in Pa, Poisson's ratio and perhaps yield stress in Pa.
-  function material(text) {
+  function material(body, text) {
     const known = data.materials.find((row) => row.name === text), parts = text.split(",");
     if (known) return known;
     if (parts.length < 2 || parts.length > 3 || parts.some((part) => !part.trim() || Number.isNaN(+part))) {
       const names = data.materials.map((row) => row.name).join(", ");
-      throw new Error(`material must be one of ${names}, or its Young's modulus in Pa and Poisson's ratio, such as 210e9,0.3, got '${text}'`);
+      throw new Error(`${body} must be one of ${names}, or its Young's modulus in Pa and Poisson's ratio, such as 210e9,0.3, got '${text}'`);
     }
     const [youngs_modulus, poisson, yield_stress = null] = parts.map(Number);
-    number("Young's modulus", youngs_modulus, "Pa", { ">=": data.softest });
-    number("Poisson's ratio", poisson, "", { ">": -1, "<": 0.5 });
-    if (yield_stress !== null) number("yield stress", yield_stress, "Pa", { ">": 0 });
+    number(`Young's modulus of ${body}`, youngs_modulus, "Pa", { ">=": data.softest });
+    number("poisson", poisson, "", { ">": -1, "<": 0.5 });
+    if (yield_stress !== null) number("yield_stress", yield_stress, "Pa", { ">": 0 });
     return { name: text, youngs_modulus, poisson, yield_stress };
   }
 
@@ -76,7 +76,7 @@ window.STIFFENED_HERTZ = (() => {
     number("clearance", clearance, "m", { ">": 0 });
     number("clearance", clearance, "m", { ">=": data.least_clearance * socket_radius, "<": socket_radius });
     number("wall", wall, "m", { ">=": data.walls[0] * socket_radius, "<=": data.walls[1] * socket_radius });
-    const [first, second] = [material(ball), material(socket)], modulus_ratio = second.youngs_modulus / first.youngs_modulus;
+    const [first, second] = [material("ball", ball), material("socket", socket)], modulus_ratio = second.youngs_modulus / first.youngs_modulus;
     const name = "Young's modulus of the socket over that of the ball", most = data.ranges.modulus_ratio[1];
     number(name, modulus_ratio, "", { ">=": 1 / most, "<=": most });
     const gap = socket_radius - (socket_radius - clearance), r2_star = socket_radius / gap;

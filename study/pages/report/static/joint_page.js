@@ -41,7 +41,7 @@
     }));
   }
 
-  const supports = () => (fields.drive.value === "clamped" ? " --ball-support clamped" : "") + (fields.rim.value === "free" ? " --rim free" : "");
+  const supports = () => (fields.ball_support.value === "clamped" ? " --ball-support clamped" : "") + (fields.rim.value === "free" ? " --rim free" : "");
   const quoted = (text) => text.includes(" ") ? `"${text}"` : text;
 
   function draw() {
@@ -49,7 +49,7 @@
     try {
       const depthGiven = fields.given.value === "depth", asked = si("value", depthGiven ? "um" : "N");
       const joint = { socket_radius: si("socket_radius_mm"), clearance: si("clearance_um"), wall: si("wall_mm"),
-        ball: material("ball"), socket: material("socket"), ball_support: fields.drive.value, rim: fields.rim.value };
+        ball: material("ball"), socket: material("socket"), ball_support: fields.ball_support.value, rim: fields.rim.value };
       command = `study joint --socket-radius ${joint.socket_radius} --clearance ${joint.clearance} --wall ${joint.wall} ` +
         `--ball ${quoted(joint.ball)} --socket ${quoted(joint.socket)}${supports()} --${fields.given.value} ${asked}`;
       number(fields.given.value, asked, depthGiven ? "m" : "N", { ">": 0 });
