@@ -22,7 +22,7 @@ A dimensionless joint: depths over the clearance, forces over E* dR^2:
 >>> from study.joint import Joint, Layer, Material, first_yield, force_curve, paper_joint
 >>> curve = force_curve(Joint(r2_star=75, socket=Material(7e10, 0.33)), [0.1, 0.5])
 >>> print(curve.force_star.round(2), curve.contact_half_angle_deg.round(1))
-[ 6.59 95.69] [21.1 45. ]
+[ 6.59 95.69] [21.  44.9]
 >>> liner, housing = Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material(2e11, 0.3))
 >>> lined = force_curve(Joint(r2_star=80, layers=(liner, housing)), [0.1, 0.5])
 >>> first = first_yield(Joint(r2_star=50, ball=Material(yield_stress=5e8)), 0.3)

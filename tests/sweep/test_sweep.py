@@ -328,7 +328,7 @@ def test_bad_cases_in_python(tmp_path):
 @pytest.mark.parametrize(
     ("case", "message"),
     [
-        ({"socket_ratio": np.nan}, "row 2: socket_ratio must be finite, got nan"),
+        ({"socket_ratio": np.nan}, "row 2: socket_ratio must be finite and .*, got nan"),
         ({"socket_ratio": pd.NA}, "row 2: socket_ratio must be a number, got '<NA>'"),
         ({"rim": np.nan}, "row 2: rim must be one of mirror, free, got 'nan'"),
         ({"case": "=1+1"}, "row 2: case must not begin as a spreadsheet's formula, got '=1[+]1'"),
