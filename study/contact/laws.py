@@ -286,7 +286,7 @@ def hyperbolic_winkler(r2_star: Floats, area: Area, coefficient: float | None) -
     "fitted",
     options={
         "coefficient": COEFFICIENT,
-        "exponent": Option(None, Parameter("Exponent", limits={"least": 1, "most": 3})),
+        "exponent": Option(None, Parameter("Exponent, no unit", limits={"least": 1, "most": 3})),
     },
     fitted_to=USUAL_RANGE[1],
     examples=({}, {"coefficient": 600.0, "exponent": 1.7}),

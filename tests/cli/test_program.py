@@ -134,7 +134,7 @@ def test_list_of_a_name_tells_the_parameters_of_its_notebook(run):
     for name in ("fig10", "03-force-against-depth"):
         status, out, err = run("list", name)
         assert (status, err) == (0, "")
-        assert re.search(r"^03-force-against-depth: ", out)
+        assert out.startswith("03-force-against-depth:\n")
         assert re.search(r"^  fig10: force against depth", out, re.M)
         assert ("  trend: " in out) == (name != "fig10")
         assert "-p NAME=VALUE" in out
