@@ -50,9 +50,9 @@ class ForceCurve:
         elements of the other. The force is extrapolated from the two. Its error is smaller, by a
         factor above 10 for the series and about 1 for elements of bodies that are held at a core,
         a neck or a seat, where stresses have no bound. A force that is not extrapolated, because
-        the contact is a ring, is that of the finer mesh. Other results than the force have their
-        own errors. `study.joint.TiltedContact` and `study.joint.DimensionalSolution` have the same
-        estimate.
+        the contact is a ring or the solver ``linear``, is that of the finer mesh. Other results
+        than the force have their own errors. `study.joint.TiltedContact` and
+        `study.joint.DimensionalSolution` have the same estimate.
     angles, pressure
         Polar angles in rad, shape (n,), and the pressure there in E* dR/R2, shape (k, n): that of
         the finer mesh, whose force is not extrapolated.
@@ -100,9 +100,11 @@ def force_curve(
         Elements along the surface, a multiple of 32, by default 320 for ``series``, 160 for
         finite elements and 96 for ``finite`` kinematics; half of it is solved too.
     solver
-        Exact Legendre ``series`` of both bodies, or finite elements: six-node (``quadratic``) or
-        three-node (``linear``) triangles. By default the series where it applies (``guided`` ball,
-        ``mirror`` rim, kinematics other than ``finite``), and else six-node triangles.
+        Exact Legendre ``series`` of both bodies, or finite elements: six-node triangles
+        (``quadratic``), or three-node triangles (``linear``), the paper's, whose forces are not
+        extrapolated: they show what such a mesh gives. By default the series where it applies
+        (``guided`` ball, ``mirror`` rim, kinematics other than ``finite``), and else six-node
+        triangles.
 
     Raises
     ------
@@ -287,6 +289,8 @@ def _solve(joint, depths, solver, resolution):
             solved = (nested_contact.pivoted(joint, *pair, depth) for pair in bodies)
             (profile, force[k]), (_, coarse) = solved
             edge[k], error[k] = _edge(nested.fine.angles, profile), abs(coarse / force[k] - 1)
+        elif solver == "linear":
+            force[k] = nested.fine.resultant(profile)
         pressure[k] = profile
     return force, edge, error, pressure
 

@@ -59,6 +59,7 @@ class NestedContacts:
         made: Floats,
     ):
         problem, axial = PROBLEMS[joint.kinematics](joint, ball, socket)
+        self._per_pressure = joint.r2_star * axial
         self.angles, self._size = ball.angles, np.searchsorted(ball.angles, widest, "right")
         # matrix and gap change with the depth by terms of order 1/R2* beside the parabola: all
         # contacts are solved at a few depths, and a polynomial leads to their own
@@ -88,6 +89,10 @@ class NestedContacts:
         """Coefficients in powers of depth over deepest, of values where the matrix was made."""
         places = self._made / self._deepest
         return np.linalg.solve(np.vander(places, increasing=True), values)
+
+    def resultant(self, pressure: Floats) -> float:
+        """Force_star of a pressure at all nodes."""
+        return float(self._per_pressure @ pressure)
 
     def pressure(self, depth: float) -> Floats | None:
         """Pressure at all nodes at a depth_star, or None if its contact is not nested."""
