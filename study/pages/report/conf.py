@@ -29,6 +29,7 @@ suppress_warnings = ["myst.header"]
 
 default_role = "py:obj"
 autodoc_default_options = {"members": True, "ignore-module-all": True}
+viewcode_follow_imported_members = False  # nor values of attributes, such as `object`
 autodoc_member_order = "bysource"
 autodoc_use_legacy_class_based = True  # else `LawDocumenter` is not asked
 numpydoc_show_class_members = False
