@@ -7,6 +7,7 @@ long as a law. This module does not import the laws: another law of a known shap
 again.
 """
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -33,7 +34,9 @@ def _elastic_force():
     """Function that evaluates the shape of a law, from its source.
 
     The source has a branch for each of `SHAPES`, because compiled code cannot choose from a list of
-    functions. A call takes as long as a law, so that the shapes' functions become a part of it.
+    functions. A call takes as long as a law, so that the shapes' functions become a part of it. Its
+    lines are numbered from the end of this file on: numba looks up the source of a function, and
+    would otherwise read other lines of this file in their place.
     """
     names, branches = {**globals()}, ""
     for place, shape in enumerate(SHAPES):
@@ -41,7 +44,9 @@ def _elastic_force():
         constants = "constants[: law.count]" if shape.constants is None else "constants"
         when = "else" if shape is SHAPES[-1] else f"{'elif' if place else 'if'} shape == {place}"
         branches += _BRANCH.format(when=when, name=shape.name, constants=constants)
-    exec(compile(_ELASTIC_FORCE.format(branches=branches), __file__, "exec"), names)
+    lines = Path(__file__).read_text(encoding="utf-8").count("\n")
+    source = "\n" * lines + _ELASTIC_FORCE.format(branches=branches)
+    exec(compile(source, __file__, "exec"), names)
     return names["elastic_force"]
 
 

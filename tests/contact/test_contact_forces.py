@@ -1,5 +1,6 @@
 """Damping, friction and the compiled contact force against what they are meant to be."""
 
+import inspect
 import re
 
 import mpmath
@@ -143,3 +144,9 @@ def test_joint_forces_and_their_derivatives(depth, rate, sliding):
     change = at(depth, rate, sliding + h).tangential - at(depth, rate, sliding - h).tangential
     assert by_sliding == pytest.approx(change / (2 * h), rel=1e-5, abs=1e-9 * abs(normal))
     assert by_normal * normal == pytest.approx(tangential, abs=1e-12 * abs(normal))
+
+
+def test_the_function_that_is_made_from_a_text_has_no_other_functions_source():
+    """Numba looks it up, and from Python 3.13 on fails at lines that are no whole function."""
+    with pytest.raises(OSError, match="line"):
+        inspect.getsourcelines(forces.elastic_force.py_func)
