@@ -115,8 +115,9 @@ class Parameter:
         if self.choices:
             return checks.choice(name, value, self.choices)
         if self.kind is not object:
-            parsed = isinstance(value, str) and self.parse is not None
-            return checks.instance(name, self.parse(name, value) if parsed else value, self.kind)
+            if self.parse is not None and isinstance(value, str | int | float):
+                value = self.parse(name, str(value))
+            return checks.instance(name, value, self.kind)
         if self.whole:
             return checks.whole(name, value, **self.limits)
         if self.unit == "Pa" and not self.limits:

@@ -71,9 +71,9 @@ def limits(
             f"The peak pressure is {strain:.2g} of the softest body's modulus. Beyond {STRAIN:g} "
             "strains are not small, as the solution takes them."
         )
-    if half_angle_deg > joint.opening - NEAR_RIM:
+    if half_angle_deg > joint.opening.last - NEAR_RIM:
         found["rim"] = (
-            f"The contact ends at {half_angle_deg:.3g} deg, near the rim at {joint.opening:g} "
+            f"The contact ends at {half_angle_deg:.3g} deg, near the rim at {joint.opening} "
             "deg, where it depends on the shape of the edge."
         )
     wall = joint.socket_ratio - 1

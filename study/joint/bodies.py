@@ -13,6 +13,7 @@ from study.joint.supports import (
     HEMISPHERE,
     BallSupport,
     GuidedPlate,
+    Opening,
     Rim,
     SocketSupport,
     WholeOutside,
@@ -24,11 +25,11 @@ Layered = float | tuple[float, ...]
 
 @dataclass(frozen=True)
 class Ball:
-    """Poisson's ratio and support of a ball; contact may reach the socket's opening, in deg."""
+    """Poisson's ratio and support of a ball; contact may be inside the socket's opening."""
 
     poisson: float = 0.3
     support: BallSupport = GuidedPlate()
-    opening: float = HEMISPHERE
+    opening: Opening = HEMISPHERE
 
     @property
     def by_series(self) -> bool:
@@ -54,7 +55,7 @@ class Socket:
     modulus: Layered = 1.0
     rim: Rim = "mirror"
     support: SocketSupport = WholeOutside()
-    opening: float = HEMISPHERE
+    opening: Opening = HEMISPHERE
 
     @property
     def by_series(self) -> bool:

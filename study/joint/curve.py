@@ -241,6 +241,12 @@ def _nested_to(joint, deepest, resolution):
 
 def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tuple[Solver, int]:
     """Solver and elements along the surface, as given or by default, checked for this joint."""
+    if not joint.has_pole:
+        raise checks.RangeError(
+            "joint must have ball and socket on its axis for a load along it, got opening "
+            f"{joint.opening} and ball_support {joint.ball_support}: press it off the axis, across "
+            "it at a tilt of 90 deg (study.joint.tilted_contact, or --tilt 90)"
+        )
     if solver is None:
         solver = "series" if joint.series_applies else "quadratic"
     checks.choice("solver", solver, SOLVERS)

@@ -148,7 +148,7 @@ class Joint(Configuration):
         for unsuited, what in (
             (self.layers, "a socket of layers"),
             (not self.ball_support.by_plane, f"ball_support {self.ball_support}"),
-            (self.opening != HEMISPHERE, f"an opening of {self.opening:g} deg"),
+            (self.opening != HEMISPHERE, f"an opening of {self.opening} deg"),
             (
                 not isinstance(self.socket_support, WholeOutside),
                 f"socket_support {self.socket_support}",

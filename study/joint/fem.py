@@ -31,7 +31,7 @@ from skfem.models.elasticity import lame_parameters
 
 from study.joint.bodies import Ball, Socket
 from study.joint.compliance import RESOLUTION, Compliance, graded, surface_angles
-from study.joint.supports import Core, Neck, Sector, reach
+from study.joint.supports import Bore, Core, Neck, Sector
 from study.threads import one_thread
 
 Nodes = Literal[6, 3]
@@ -59,7 +59,7 @@ def ball_mesh(ball: Ball, resolution: int = RESOLUTION["quadratic"], nodes: Node
     those that hold the ball: ``equator``, ``core`` or ``neck``. The surface's vertices come first,
     in order of polar angle. The ``resolution``, elements along ``surface``, is a multiple of 16.
     """
-    return meridian_of_ball(ball, surface_angles(resolution, reach(ball.opening)), nodes)
+    return meridian_of_ball(ball, surface_angles(resolution, ball.opening.reach), nodes)
 
 
 def socket_mesh(
@@ -70,7 +70,7 @@ def socket_mesh(
     Its boundaries are ``surface``, ``axis``, ``rim``, ``outside`` and, if it is held in a sector,
     ``seat``. Rings meet the outer radius of every layer, each >= 1.02 of the inner one.
     """
-    return meridian_of_socket(socket, surface_angles(resolution, reach(socket.opening)), nodes)
+    return meridian_of_socket(socket, surface_angles(resolution, socket.opening.reach), nodes)
 
 
 def meridian_of_ball(
@@ -80,15 +80,21 @@ def meridian_of_ball(
 
     The number of rings is proportional to ``radial`` and to that of the angles.
     """
-    support = ball.support
+    support, elements = ball.support, radial * (len(angles) - 1)
+    boundaries = {"surface": (1, 1, angles[0], angles[-1])} | support.boundaries
+    if isinstance(support, Bore):
+        thickness = 1 - support.radius
+        shell = 1.0 - _depths(thickness, 1.0, elements, 8) / thickness / 2
+        mesh = _ring_mesh(shell, angles, nodes, boundaries)
+        return replace(mesh, doflocs=support.through_bore(mesh.doflocs))
     core = support.radius if isinstance(support, Core) else 0.0
-    depths = _depths(1 - core, 1.0, radial * (len(angles) - 1), 8)
+    depths = _depths(1 - core, 1.0, elements, 8)
     radii = 1.0 - (depths if core else depths[:-1])
     everywhere = angles
     if isinstance(support, Neck):  # stresses have no bound at its edge: elements do not grow
         everywhere = _onward(angles, support.edge, growth=1e-6)
     everywhere = _onward(everywhere, np.pi / 2 if support.is_half else np.pi)
-    boundaries = {"surface": (1, 1, 0, angles[-1])} | support.boundaries
+    everywhere = -_onward(-everywhere[::-1], 0.0)[::-1]
     return _ring_mesh(radii, everywhere, nodes, boundaries, centre=not core)
 
 
@@ -96,15 +102,15 @@ def meridian_of_socket(
     socket: Socket, angles: Floats, nodes: Nodes = 6, radial: float = _RADIAL_ELEMENTS
 ) -> MeshTri:
     """`socket_mesh` with vertices at given polar angles in rad, as for `meridian_of_ball`."""
-    radii, last, resolution = np.ones(1), np.radians(socket.opening), len(angles) - 1
+    radii, last, resolution = np.ones(1), np.radians(socket.opening.last), len(angles) - 1
     for outer in socket.layers[0]:
         start, thickness = radii[-1], outer - radii[-1]
         depths = _depths(thickness, start, radial * resolution, max(resolution // 16, 2))
         radii = np.append(radii, start + depths[1:])
     boundaries = {
-        "surface": (1, 1, 0, angles[-1]),
+        "surface": (1, 1, angles[0], angles[-1]),
         "rim": (1, radii[-1], last, last),
-        "outside": (radii[-1], radii[-1], 0, last),
+        "outside": (radii[-1], radii[-1], angles[0], last),
     }
     everywhere, seat = _onward(angles, last), None
     if isinstance(socket.support, Sector):

@@ -37,17 +37,21 @@ class Grid:
     """Nodes of pressure on half a sphere, 0 <= phi <= pi, on rings of equal polar steps.
 
     A node's function is a hat of the polar angle, times a hat of phi with its mirror image. Towards
-    the pole, which is one node, rings have fewer nodes. Nodes have the attributes ``ring``,
+    the pole, which is one node if the ``angles`` begin there, rings have fewer nodes. Nodes have the attributes ``ring``,
     ``place`` (phi over the step of the finest ring), ``theta`` and ``phi``, shape (nodes,); their
     functions are whole (``ends`` 1), or halved by the plane of symmetry (1/2).
     """
 
     def __init__(self, angles: Floats, around: int):
-        self.angles, self.around = angles, around
-        arc = np.sin(angles[1:]) * 2 * np.pi / around / angles[1]  # over the polar step
+        self.angles, self.around, self.step = angles, around, angles[1] - angles[0]
+        self.pole = 0 if angles[0] == 0 else -1  # number of the ring that is one node
+        rings = angles[self.pole + 1 :]
+        arc = np.sin(rings) * 2 * np.pi / around / self.step  # over the polar step
         halvings = np.floor(np.log2(np.maximum(1.4 / arc, 1)))
-        self.stride = np.append(around, np.gcd(around // 2, 2 ** halvings.astype(int)))
-        counts = np.append(1, around // 2 // self.stride[1:] + 1)
+        self.stride = np.gcd(around // 2, 2 ** halvings.astype(int))
+        counts = around // 2 // self.stride + 1
+        if self.pole == 0:
+            self.stride, counts = np.append(around, self.stride), np.append(1, counts)
         self.first = np.cumsum(np.append(0, counts))
         self.ring = np.repeat(np.arange(len(angles)), counts)
         self.size = len(self.ring)
@@ -59,7 +63,7 @@ class Grid:
     def points(self) -> tuple[Floats, Floats, Floats]:
         """Gauss points: polar angles, angles phi and areas, each of shape (points,)."""
         (x, weight), (y, share) = map(np.polynomial.legendre.leggauss, (_POLAR, _AROUND))
-        width, step = self.angles[1], 2 * np.pi / self.around
+        width, step = self.step, 2 * np.pi / self.around
         theta = (self.angles[:-1, None] + width * (1 + x) / 2).ravel()
         phi = (step * (np.arange(self.around // 2)[:, None] + (1 + y) / 2)).ravel()
         polar = np.tile(weight * width / 2, len(self.angles) - 1) * np.sin(theta)
@@ -67,21 +71,29 @@ class Grid:
         return np.repeat(theta, len(phi)), np.tile(phi, len(theta)), area
 
     def values(self, theta: Floats, phi: Floats) -> csr_array:
-        """Value of every node's function at points, sparse; 0 beyond the last polar angle."""
-        ring = np.minimum((theta / self.angles[1]).astype(int), len(self.angles) - 2)
-        upper = theta / self.angles[1] - ring
-        inside = theta <= self.angles[-1] * (1 + 1e-12)
+        """Value of every node's function at points, sparse; 0 beyond the first and last angle."""
+        steps = (theta - self.angles[0]) / self.step
+        ring = np.clip(steps.astype(int), 0, len(self.angles) - 2)
+        upper = steps - ring
+        inside = self.faces(theta)
         columns, values = [], []
         for at, share in ((ring, 1 - upper), (ring + 1, upper)):
             places = phi * self.around / (2 * np.pi) / self.stride[at]
-            last = np.where(at == 0, 0, self.around // 2 // self.stride[at] - 1)
+            one = at == self.pole
+            last = np.where(one, 0, self.around // 2 // self.stride[at] - 1)
             left = np.minimum(places.astype(int), last)
-            right = np.where(at == 0, 0.0, places - left)
-            for column, part in ((left, 1 - right), (left + (at > 0), right)):
+            right = np.where(one, 0.0, places - left)
+            for column, part in ((left, 1 - right), (left + ~one, right)):
                 columns.append(self.first[at] + column)
                 values.append(share * part * inside)
         rows, shape = np.tile(np.arange(len(theta)), 4), (len(theta), self.size)
         return csr_array((np.concatenate(values), (rows, np.concatenate(columns))), shape=shape)
+
+
+    def faces(self, theta: Floats) -> NDArray[np.bool_]:
+        """Whether polar angles are between the first and the last ring."""
+        first, last = self.angles[[0, -1]]
+        return (theta >= first - 1e-12) & (theta <= last * (1 + 1e-12))
 
 
 class Surface:
@@ -104,7 +116,8 @@ class Surface:
         flexible = between(np.log1p(every)) / (every + 1)[:, None, None]
         width = 2 * np.pi / grid.around * grid.stride
         hats = width * np.sinc(every[:, None] * width / (2 * np.pi)) ** 2  # their transforms
-        hats[:, 0] = np.where(every == 0, 2 * np.pi, 0)
+        if grid.pole == 0:
+            hats[:, 0] = np.where(every == 0, 2 * np.pi, 0)
         share = np.where(every == 0, 1, 2) / (2 * np.pi)
         flexible *= share[:, None, None] * hats[:, :, None] * hats[:, None, :]
         apart = np.arange(grid.around // 2 + 1)
@@ -139,17 +152,16 @@ def flexibility(
     facets = mesh.boundaries["surface"]
     traction = FacetBasis(mesh, element, facets=facets, intorder=6)
     hats = FacetBasis(mesh, ElementTriP1(), facets=facets, intorder=6)
-    load = -_pressure.assemble(hats, traction)[:, : len(facets) + 1].toarray()
+    vertices = np.unique(mesh.facets[:, facets])  # in order of polar angle
+    load = -_pressure.assemble(hats, traction)[:, vertices].toarray()
     fixed = [
         _unknowns(basis, basis.get_dofs(mesh.boundaries[name]), component)
         for name, components in held.items()
         for component in (c for part in components for c in _COMPONENTS[part])
     ]
     # over the logarithm of the radius a mode decays by its number less one, or faster
-    axis, depth = (
-        basis.get_dofs(mesh.boundaries["axis"]),
-        np.abs(np.log(np.maximum(np.hypot(*basis.doflocs), _CENTRE))),
-    )
+    depth = np.abs(np.log(np.maximum(np.hypot(*basis.doflocs), _CENTRE)))
+    axis = basis.get_dofs(mesh.boundaries.get("axis", np.zeros(0, int)))
     result = np.empty((len(modes), load.shape[1], load.shape[1]))
     for k, m in enumerate(modes):
         on_axis = (_unknowns(basis, axis, c) for c in _ON_AXIS.get(m, (0, 1, 2)))

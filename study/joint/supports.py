@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from study import checks, parameters
 from study.parameters import parameter
@@ -18,10 +19,10 @@ Rim = Literal["mirror", "free"]
 RIMS: tuple[Rim, ...] = get_args(Rim)
 Kinematics = Literal["small", "linear", "finite"]
 KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
-HEMISPHERE = 90.0
-"""Opening of a hemispherical socket, in deg."""
 CLEAR = 5.0
-"""Least angle between neck and rim, and least width of a sector, in deg."""
+"""Minimum angle between neck and rim, and minimum width of a sector and of half a ring, in deg."""
+WALL = 0.05
+"""Minimum difference of the radii of a face's outer edge and of the bore, over the ball's radius."""
 Boundary = tuple[float, float, float, float]
 """Least and largest radius, over the body's own, and least and largest polar angle in rad."""
 
@@ -34,7 +35,7 @@ class _Support:
     held: ClassVar[dict[str, str]]
     """Boundary of the mesh -> components of the displacement that are zero there."""
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         parameters.take(self)
 
     def __str__(self):
@@ -51,6 +52,11 @@ class BallSupport(_Support):
     """Whether nothing holds the ball across the axis."""
     by_plane: ClassVar[bool] = False
     """Whether the equatorial plane is held all over, so that stresses nearby are bounded."""
+
+    @property
+    def surface(self) -> tuple[float, float]:
+        """Polar angles between which the socket may face the ball's surface, in deg."""
+        return (0.0, 90.0)
 
     @property
     def boundaries(self) -> dict[str, Boundary]:
@@ -82,7 +88,7 @@ class Core(BallSupport):
 
     radius: float = parameter(..., "radius of the core over the ball's", least=0.05, most=0.8)
 
-    word, held, is_half = "core", {"core": "rz"}, False
+    word, held, is_half, surface = "core", {"core": "rz"}, False, (0.0, 172.0)
 
     @property
     def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
@@ -103,8 +109,67 @@ class Neck(BallSupport):
         return np.pi - np.radians(self.half_angle)
 
     @property
+    def surface(self) -> tuple[float, float]:  # noqa: D102
+        return 0.0, 180.0 - self.half_angle
+
+    @property
     def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
         return {"neck": (1, 1, self.edge, np.pi)}
+
+
+@dataclass(frozen=True)
+class Bore(BallSupport):
+    """A cylindrical bore about the axis, held all over by a rigid pin, between two flat faces."""
+
+    radius: float = parameter(..., "radius of the bore over the ball's", least=0.05, most=0.9)
+    face: float = parameter(
+        ..., "polar angle of the faces' edges from the axis of the bore", "deg", least=10, most=80
+    )
+
+    word, held, is_half = "bore", {"bore": "rz"}, False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        edge = float(np.sin(np.radians(self.face)))
+        if self.radius > edge - WALL:
+            raise checks.RangeError(
+                f"radius of the bore must be <= {edge - WALL:.4g} of the ball's radius where the "
+                f"faces' edges are at {self.face:g} deg, which is a radius of {edge:.4g}, got "
+                f"{self.radius:g}: take a smaller bore, or faces at a larger angle"
+            )
+
+    @property
+    def surface(self) -> tuple[float, float]:  # noqa: D102
+        return self.face, 180.0 - self.face
+
+    @property
+    def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
+        return {"bore": (0.5, 0.5, 0, np.pi)}  # in the polar coordinates of `through_bore`
+
+    def through_bore(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points (r, z) of the bored ball from those of a shell with radii from 0.5 to 1.
+
+        A ray of the shell becomes a line at one height, from the ball's surface to the bore.
+        """
+        radius, angle = np.hypot(*points), np.arctan2(*points)
+        share = 2 * radius - 1
+        return np.array([self.radius + share * (np.sin(angle) - self.radius), np.cos(angle)])
+
+
+@dataclass(frozen=True)
+class Pin(BallSupport):
+    """A `Bore` by its sizes in m, of a joint with dimensions."""
+
+    radius: float = parameter(..., "radius of the pin", "m", above=0)
+    width: float = parameter(..., "width of the ball between its faces", "m", above=0)
+
+    word, held, is_half = "pin", {"bore": "rz"}, False
+
+    def in_ball(self, ball_radius: float) -> Bore:
+        """The bore of a ball of a radius in m."""
+        checks.number("width of the ball", self.width, "m", below=2 * ball_radius)
+        face = float(np.degrees(np.arccos(self.width / 2 / ball_radius)))
+        return Bore(self.radius / ball_radius, face)
 
 
 @dataclass(frozen=True)
@@ -154,7 +219,15 @@ class Sector(SocketSupport):
 
 PLATES = GuidedPlate(), ClampedPlate()
 """Supports of half a ball that hold its equatorial plane all over."""
-BALL_SUPPORTS: tuple[type[BallSupport], ...] = (GuidedPlate, ClampedPlate, CentrePoint, Core, Neck)
+BALL_SUPPORTS: tuple[type[BallSupport], ...] = (
+    GuidedPlate,
+    ClampedPlate,
+    CentrePoint,
+    Core,
+    Neck,
+    Bore,
+    Pin,
+)
 SOCKET_SUPPORTS: tuple[type[SocketSupport], ...] = (WholeOutside, RimFace, Sector)
 
 
@@ -175,9 +248,53 @@ def _parser(kinds):
     return parse
 
 
-def reach(opening: float) -> float:
-    """Largest polar angle of a contact along the axis, in rad: pi/2, or that of the rim in deg."""
-    return min(np.pi / 2, float(np.radians(opening)))
+@dataclass(frozen=True)
+class Opening:
+    """Polar angles in deg where a socket's surface ends: a cup at one rim, a ring at two.
+
+    Written as ``90``, or for a ring as ``55:125``.
+    """
+
+    last: float = parameter(..., "opening", "deg", least=30, most=170)
+    first: float = parameter(0.0, "first angle of the opening", "deg", least=0)
+
+    def __post_init__(self) -> None:
+        parameters.take(self)
+        if self.is_ring and self.first > self.last - 2 * CLEAR:
+            raise checks.RangeError(
+                f"opening of a ring must be FIRST:LAST with LAST >= FIRST + {2 * CLEAR:g} deg, "
+                f"such as 55:125, got {self}"
+            )
+        if self.is_ring:
+            checks.number("first angle of the opening of a ring", self.first, "deg", least=CLEAR)
+
+    def __str__(self) -> str:
+        return f"{self.first:.9g}:{self.last:.9g}" if self.is_ring else f"{self.last:.9g}"
+
+    @property
+    def is_ring(self) -> bool:
+        """Whether the socket is open on both sides."""
+        return self.first > 0
+
+    @property
+    def reach(self) -> float:
+        """Largest polar angle of a contact along the axis, in rad: pi/2, or that of the rim."""
+        return min(np.pi / 2, float(np.radians(self.last)))
+
+    def faces(self, tilt: float) -> bool:
+        """Whether the socket's surface is in a direction at an angle in deg from its axis."""
+        return self.first <= tilt < self.last if self.is_ring else tilt < self.last
+
+
+HEMISPHERE = Opening(90.0)
+
+
+def _read_opening(name: str, text: str) -> Opening:
+    """Opening of a text, ``90`` or ``55:125``."""
+    first, colon, last = text.rpartition(":")
+    if not colon:
+        return Opening(checks.read(name, last))
+    return Opening(checks.read(name, last), checks.read(name, first))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,7 +306,10 @@ class Configuration:
         "How the ball is held and moved. The equatorial plane of half a ball is moved along the "
         "axis by a plate on which it slides (guided) or to which it is clamped (clamped), or its "
         "centre alone is moved (centre). A whole ball is held at a rigid core of 0.2 of its radius "
-        "(core:0.2), or on its surface within 30 deg of the top (neck:30)",
+        "(core:0.2), or on its surface within 30 deg of the top (neck:30). A ball with a bore of "
+        "0.5 of its radius about the axis, between flat faces whose edges are at 45 deg, is held "
+        "all over the bore by a rigid pin (bore:0.5,45; beside dimensions also by radius of the "
+        "pin and width of the ball in m, pin:6e-3,16e-3)",
         parse=_parser(BALL_SUPPORTS),
         kind=BallSupport,
     )
@@ -209,8 +329,12 @@ class Configuration:
         "Kirchhoff's material. They differ by terms of order 1/R2*",
         choices=KINEMATICS,
     )
-    opening: float = parameter(
-        HEMISPHERE, "Polar angle of the socket's rim from its pole", "deg", least=30, most=170
+    opening: Opening = parameter(
+        HEMISPHERE,
+        "Polar angle of the socket's rim from its pole in deg, from 30 to 170; or of both rims of "
+        "a ring that is open on both sides (55:125)",
+        parse=_read_opening,
+        kind=Opening,
     )
     socket_support: SocketSupport = parameter(
         WholeOutside(),
@@ -238,21 +362,43 @@ class Configuration:
         return self.kinematics == "finite"
 
     @property
+    def has_pole(self) -> bool:
+        """Whether ball and socket face each other on the axis, along which they can be pressed."""
+        return not self.opening.is_ring and self.ball_support.surface[0] == 0
+
+    @property
+    def default_tilt(self) -> float | None:
+        """Tilt in deg of the load if none is given: across a ring or a bore; else None, no tilt."""
+        return None if self.has_pole else 90.0
+
+    @property
     def reach(self) -> float:
         """Largest polar angle of a contact along the axis, in rad: pi/2, or that of the rim."""
-        return reach(self.opening)
+        return self.opening.reach
 
     def _check_configuration(self) -> None:
         """Check parameters against each other, and choose the rim if it is not given."""
-        ball, name = self.ball_support, f"opening beside ball_support {self.ball_support}"
-        most = HEMISPHERE if ball.is_half else 180.0
+        ball, opening = self.ball_support, self.opening
+        if isinstance(ball, Pin):
+            raise checks.RangeError(
+                "ball_support pin is for a joint with its dimensions; without them use "
+                "bore:RADIUS,ANGLE, the radius of the bore over the ball's and the polar angle of "
+                "the faces' edges in deg"
+            )
+        if opening.is_ring and ball.is_half:
+            raise checks.RangeError(
+                f"ball_support beside opening {opening} must hold a whole ball, as a ring faces "
+                "its equator: core:0.2 (a rigid core), neck:30 (a rigid neck) or bore:0.5,45 (a "
+                f"rigid pin in a bore), got {ball}"
+            )
+        most = 90.0 if ball.is_half else 180.0
         if isinstance(ball, Neck):
             most = 180 - ball.half_angle - CLEAR
-        checks.number(name, self.opening, "deg", most=most)
+        checks.number(f"opening beside ball_support {ball}", opening.last, "deg", most=most)
         if isinstance(self.socket_support, Sector):
-            checks.number(
-                "last angle of socket_support", self.socket_support.last, "deg", most=self.opening
-            )
+            held = self.socket_support
+            checks.number("first angle of socket_support", held.first, "deg", least=opening.first)
+            checks.number("last angle of socket_support", held.last, "deg", most=opening.last)
         if self.rim is None:
             object.__setattr__(self, "rim", "mirror" if self.is_hemispherical else "free")
         if not self.is_hemispherical:

@@ -22,15 +22,15 @@ from study.contact import largest_depth
 from study.joint import complementarity
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.definition import Joint
-from study.joint.supports import KINEMATICS, Neck
+from study.joint.supports import KINEMATICS, Bore
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
 RESOLUTION = 48
 """Default elements along a quarter circle; half of it is solved too."""
 FINEST_RESOLUTION = 96
-LARGEST_TILT = 120.0
-"""In deg: beyond it no joint has a contact that is known here."""
+LARGEST_TILT = 170.0
+"""In deg: beyond it no socket has a surface."""
 _RADIAL_ELEMENTS = 0.2  # as in `study.joint.fem`, for elements of equal angles
 _TOGETHER = 16  # nodes around of which coarser rings leave all but one out
 _BEYOND = 8.0  # least deg by which the ball's nodes go on beyond the rim
@@ -96,7 +96,7 @@ def tilted_contact(
     depth_star
         Displacement over dR, less one: > 0 and < sqrt(2 R2* - 1) - 1; shape (k,).
     tilt
-        Direction of the displacement off the axis, from 0 to 120 deg; one number or shape (k,).
+        Direction of the displacement off the axis, from 0 to 170 deg; one number or shape (k,).
     resolution
         Elements along a quarter circle, from 32 to 96, a multiple of 16; half of it is solved too.
 
@@ -120,12 +120,17 @@ def under_force(
 ) -> TiltedContact:
     """`tilted_contact` under forces that point off the axis by a tilt; displacements follow.
 
-    Without friction no force can point out of the opening: its tilt is below the opening. Other
+    Without friction no force can point out of the opening: its tilt is inside the opening. Other
     arguments and errors are those of `tilted_contact`; a force that no displacement inside the
     joint bears is a ``ValueError`` too.
     """
     forces, tilts, resolution = _checked(joint, force_star, tilt, "force_star", resolution)
-    checks.number("tilt of a force", tilts, "deg", below=joint.opening)
+    for outside in (one for one in tilts if not joint.opening.faces(one)):
+        raise checks.RangeError(
+            f"tilt of a force must be inside the socket's opening of {joint.opening} deg, got "
+            f"{outside:g} deg: without friction no force points out of the opening. Give the depth "
+            "of a displacement in this direction, or a socket that reaches further"
+        )
     fine, coarse = (_Contacts(joint, n) for n in (resolution, resolution // 2))
     found = [_pressed(joint, fine, coarse, *at) for at in zip(forces, tilts, strict=True)]
     depths, directions = np.array([at for at, _ in found]).T
@@ -136,7 +141,7 @@ def _checked(joint, values, tilt, name, resolution):
     """Depths or forces, as many tilts, and the resolution; refuses a joint that is not for them."""
     checks.instance("joint", joint, Joint)
     if joint.ball_support.is_free_across:
-        wanted = "clamped, core:NUMBER or neck:NUMBER"
+        wanted = "clamped, core:NUMBER, neck:NUMBER or bore:NUMBER,NUMBER"
         why = f"the ball is free across the axis, got {joint.ball_support}"
         raise checks.RangeError(f"ball_support under a tilted load must be {wanted}: {why}")
     checks.choice("rim under a tilted load", joint.rim, ("free",))
@@ -234,14 +239,9 @@ class _Contacts:
     """Contacts of one joint on one grid of the socket."""
 
     def __init__(self, joint, resolution):
-        support, self.joint = joint.ball_support, joint
-        self.whole = not support.is_half
-        end = 180.0 - _BEYOND if self.whole else 90.0
-        if isinstance(support, Neck):
-            end = 180.0 - support.half_angle
-        moved = np.degrees((1 + _DEEPEST) / joint.r2_star)
-        end = min(end, joint.opening + max(_BEYOND, moved))
-        self.ball = _ball(joint.ball_body, end, resolution)
+        self.joint = joint
+        beyond = max(_BEYOND, np.degrees((1 + _DEEPEST) / joint.r2_star))
+        self.ball = _ball(joint.ball_body, beyond, resolution)
         self.socket = _socket(joint.socket_body, resolution)
         grid = self.socket.grid
         theta, phi, self.area = grid.points
@@ -258,8 +258,9 @@ class _Contacts:
         moves = joint.kinematics == "linear"
         normal = facing if moves else self.normal
         place = np.arccos(np.clip(normal[:, 2], -1, 1)), np.arctan2(normal[:, 1], normal[:, 0])
-        met = place[0] <= self.ball.grid.angles[-1]
-        if self.whole and (gap[~met] < 0).any():
+        met = self.ball.grid.faces(place[0])
+        ends_at_edge = joint.ball_support.is_half or isinstance(joint.ball_support, Bore)
+        if not ends_at_edge and (gap[~met] < 0).any():
             raise checks.RangeError(
                 f"depth_star must keep the ball's neck or back out of the opening, got {depth:g}"
             )
@@ -269,10 +270,13 @@ class _Contacts:
         mass = weighted @ self.hats
         moved = weighted @ self.ball.grid.values(*place)
         overlap = np.divide(-gap, size, out=np.zeros_like(gap), where=size > 0)
-        if overlap.max() <= 0 and tilt < joint.opening:
+        if overlap.max() <= 0 and joint.opening.faces(tilt) and met.any():
             raise _unresolved(depth)
         if overlap.max() <= 0:
-            raise checks.RangeError(f"tilt must leave a contact inside the rim, got {tilt:g} deg")
+            raise checks.RangeError(
+                f"tilt must leave a contact inside the opening of {joint.opening} deg and on the "
+                f"ball's surface, got {tilt:g} deg at a depth_star of {depth:g}"
+            )
         wanted, guess = overlap > _LEAST_SHARE * overlap.max(), overlap > 0.5 * overlap.max()
         while True:
             nodes = np.flatnonzero(wanted)
@@ -296,14 +300,15 @@ class _Contacts:
             cho_factor(matrix[np.ix_(active, active)]), (weighted @ (closing @ axes.T))[nodes]
         )
         signed = np.where(grid.phi < np.pi / 2, 1, -1) * np.degrees(grid.theta)
-        in_plane, step = grid.ends[nodes] < 1, np.degrees(grid.angles[1])
+        rims = [grid.ring[-1]] if grid.pole == 0 else [0, grid.ring[-1]]
+        in_plane = grid.ends[nodes] < 1
         return _Solved(
             force=2 * joint.r2_star * loads.T @ pressure,
             stiffness=2 * joint.r2_star * loads.T @ by_pressure,
             peak=float(pressure.max()),
             peak_angle=float(signed[nodes[pressure.argmax()]]),
-            edges=_edges(signed[nodes[in_plane]], pressure[in_plane], step, joint.opening),
-            reaches_rim=bool((grid.ring[nodes] == grid.ring[-1]).any() or cut[nodes].any()),
+            edges=_edges(signed[nodes[in_plane]], pressure[in_plane], grid),
+            reaches_rim=bool(np.isin(grid.ring[nodes], rims).any() or cut[nodes].any()),
         )
 
     def _of_ball(self, moved, mass, size):
@@ -337,11 +342,12 @@ def _unresolved(depth):
     )
 
 
-def _edges(angles, pressure, step, opening):
-    """Where contact ends in the plane of symmetry: signed angles in deg, least and largest.
+def _edges(angles, pressure, grid):
+    """Where contact ends in the plane of symmetry: signed angles in deg, minimum and maximum.
 
-    Near an edge the pressure's square is linear. ``step`` is that of the nodes' angles.
+    Near an edge the pressure's square is linear. Ends are inside the grid's rims.
     """
+    step, (first, last) = np.degrees(grid.step), np.degrees(grid.angles[[0, -1]])
     order = np.argsort(angles)
     angles, pressure = angles[order], pressure[order]
     if len(angles) < 2:
@@ -350,26 +356,39 @@ def _edges(angles, pressure, step, opening):
     for side, (inner, outer) in ((-1, (1, 0)), (1, (-2, -1))):
         fall = pressure[inner] ** 2 - pressure[outer] ** 2
         share = min(pressure[outer] ** 2 / fall, 1.0) if fall > 0 else 0.5
-        found.append(float(np.clip(angles[outer] + side * share * step, -opening, opening)))
+        end = angles[outer] + side * share * step
+        found.append(float(np.sign(end) * np.clip(abs(end), first, last)))
     return tuple(found)
 
 
-@lru_cache(maxsize=8)
-def _angles(opening, end, resolution):
-    """Polar angles of the nodes, up to the rim and beyond it, and nodes around; in rad."""
-    count = 2 * round(opening / 180 * resolution)
-    step = np.radians(opening) / count
-    further = int(np.radians(max(end - opening, 0)) / step + 1e-6)
-    around = np.ceil(2 * np.pi * np.sin(np.radians(min(opening, 90))) / step / _TOGETHER)
-    angles = step * np.arange(count + further + 1)
-    return angles[: count + 1], angles, _TOGETHER * int(around)
+def _angles(opening, resolution):
+    """Polar angles of a socket's nodes, and the number of nodes around its largest ring."""
+    count = 2 * round((opening.last - opening.first) / 180 * resolution)
+    angles = np.radians(opening.first + (opening.last - opening.first) / count * np.arange(count + 1))
+    widest = np.sin(angles).max() if not opening.is_ring and opening.last < 90 else 1.0
+    around = np.ceil(2 * np.pi * widest / (angles[1] - angles[0]) / _TOGETHER)
+    return angles, _TOGETHER * int(around)
 
 
 @lru_cache(maxsize=6)
-def _ball(ball, end, resolution):
+def _ball(ball, beyond, resolution):
+    """Surface of a ball, whose nodes go on some deg ``beyond`` the socket's rims."""
     from study.joint import fem, fourier
 
-    _, angles, around = _angles(ball.opening, end, resolution)
+    (angles, around), (first, last) = _angles(ball.opening, resolution), ball.support.surface
+    step = np.degrees(angles[1] - angles[0])
+    if isinstance(ball.support, Bore):
+        angles = np.radians(np.linspace(first, last, 8 * int(np.ceil((last - first) / step / 8)) + 1))
+    else:
+        low = max(first, ball.opening.first - beyond)
+        high = min(last, ball.opening.last + beyond)
+        before = int(max(ball.opening.first - low, 0) / step + 1e-6)
+        behind = int(max(high - ball.opening.last, 0) / step + 1e-6)
+        angles = np.concatenate([
+            angles[0] - np.radians(step) * np.arange(before, 0, -1),
+            angles,
+            angles[-1] + np.radians(step) * np.arange(1, behind + 1),
+        ])
     mesh = fem.meridian_of_ball(ball, angles, radial=_RADIAL_ELEMENTS)
     return fourier.Surface(mesh, fem.lame_of(ball, mesh), ball.held, fourier.Grid(angles, around))
 
@@ -378,7 +397,7 @@ def _ball(ball, end, resolution):
 def _socket(socket, resolution):
     from study.joint import fem, fourier
 
-    angles, _, around = _angles(socket.opening, socket.opening, resolution)
+    angles, around = _angles(socket.opening, resolution)
     mesh = fem.meridian_of_socket(socket, angles, radial=_RADIAL_ELEMENTS)
     lame, grid = fem.lame_of(socket, mesh), fourier.Grid(angles, around)
     return fourier.Surface(mesh, lame, socket.held, grid)
