@@ -28,7 +28,9 @@ Floats = NDArray[np.float64]
 _FIRST, _SOLVED = 5, 10  # modes solved: the first ones, and more up to the last one
 _POLAR, _AROUND = 3, 2  # Gauss points of an element
 _ON_AXIS = {0: (0, 1), 1: (1, 2)}  # unknowns that are zero on the axis; of higher modes all are
-_FELT = 14.0  # a mode that has decayed by exp(-14) is not felt
+DEEPEST = 0.5
+"""Depth below the surface, in radii, to which stresses are known."""
+_FELT = 9.0  # a mode that has decayed by exp(-9) changes the surface by exp(-18)
 _CENTRE = 1e-9  # radius
 _COMPONENTS = {"r": (0, 1), "z": (2,)}  # unknowns that a held component fixes: u_phi with u_r
 
@@ -37,9 +39,10 @@ class Grid:
     """Nodes of pressure on half a sphere, 0 <= phi <= pi, on rings of equal polar steps.
 
     A node's function is a hat of the polar angle, times a hat of phi with its mirror image. Towards
-    the pole, which is one node if the ``angles`` begin there, rings have fewer nodes. Nodes have the attributes ``ring``,
-    ``place`` (phi over the step of the finest ring), ``theta`` and ``phi``, shape (nodes,); their
-    functions are whole (``ends`` 1), or halved by the plane of symmetry (1/2).
+    the pole, which is one node if the ``angles`` begin there, rings have fewer nodes. Nodes have
+    the attributes ``ring``, ``place`` (phi over the step of the finest ring), ``theta`` and
+    ``phi``, shape (nodes,); their functions are whole (``ends`` 1), or halved by the plane of
+    symmetry (1/2).
     """
 
     def __init__(self, angles: Floats, around: int):
@@ -89,7 +92,6 @@ class Grid:
         rows, shape = np.tile(np.arange(len(theta)), 4), (len(theta), self.size)
         return csr_array((np.concatenate(values), (rows, np.concatenate(columns))), shape=shape)
 
-
     def faces(self, theta: Floats) -> NDArray[np.bool_]:
         """Whether polar angles are between the first and the last ring."""
         first, last = self.angles[[0, -1]]
@@ -97,10 +99,12 @@ class Grid:
 
 
 class Surface:
-    """Flexibility of a body's surface between the nodes of a `Grid`: unit radius, unit modulus.
+    """A body under pressures on the nodes of a `Grid`: unit radius, unit modulus.
 
     Mesh, Lame's parameters and what is held are as for `study.joint.fem.MeshedBody`; the mesh has
     the grid's polar angles. ``areas`` are the integrals of the nodes' functions, shape (nodes,).
+    Stresses are known at ``places``, the centroids of elements up to `DEEPEST` from the surface:
+    radii r and heights z, shape (2, places).
     """
 
     def __init__(self, mesh: MeshTri, lame: tuple, held: dict[str, str], grid: Grid):
@@ -108,18 +112,19 @@ class Surface:
         theta, phi, area = grid.points
         self.areas = area @ grid.values(theta, phi)
         more = np.expm1(np.linspace(0, np.log1p(last), _SOLVED))
-        modes = np.union1d(np.arange(_FIRST), np.round(more).astype(int))
-        solved = flexibility(mesh, lame, held, modes)
+        self._modes = np.union1d(np.arange(_FIRST), np.round(more).astype(int))
+        solved, self.places, self._stresses = solve_modes(mesh, lame, held, self._modes)
         # it falls about like 1/m, so that its product with m + 1 changes slowly
         every = np.arange(last + 1)
-        between = CubicSpline(np.log1p(modes), solved * (modes + 1)[:, None, None])
+        between = CubicSpline(np.log1p(self._modes), solved * (self._modes + 1)[:, None, None])
         flexible = between(np.log1p(every)) / (every + 1)[:, None, None]
         width = 2 * np.pi / grid.around * grid.stride
         hats = width * np.sinc(every[:, None] * width / (2 * np.pi)) ** 2  # their transforms
         if grid.pole == 0:
             hats[:, 0] = np.where(every == 0, 2 * np.pi, 0)
         share = np.where(every == 0, 1, 2) / (2 * np.pi)
-        flexible *= share[:, None, None] * hats[:, :, None] * hats[:, None, :]
+        self._to_modes = share[:, None] * hats
+        flexible *= self._to_modes[:, :, None] * hats[:, None, :]
         apart = np.arange(grid.around // 2 + 1)
         cosine = np.cos(2 * np.pi / grid.around * (np.outer(apart, every) % grid.around))
         rings = len(grid.angles)
@@ -135,20 +140,40 @@ class Surface:
         both = self._kernel[apart, *of_rings] + self._kernel[mirrored, *of_rings]
         return both * np.outer(ends, ends)
 
+    def stresses(self, pressure: Floats, phi: Floats) -> Floats:
+        """Stresses rr, phi phi, zz, rz, r phi and z phi at `places` and angles phi.
 
-def flexibility(
+        The ``pressure`` is that of the nodes, shape (nodes,); the result has the shape (6, places,
+        angles). Those of the modes that are not solved are interpolated.
+        """
+        grid, every = self.grid, np.arange(self.grid.around + 1)[:, None]
+        waves = np.cos(every * grid.phi) * (2 * grid.ends * pressure)
+        amplitudes = self._to_modes * np.add.reduceat(waves, grid.first[:-1], axis=1)
+        weights = CubicSpline(np.log1p(self._modes), np.eye(len(self._modes)))(
+            np.log1p(every[:, 0])
+        )
+        result = np.zeros((6, self.places.shape[1], len(phi)))
+        for weight, of_mode in zip(weights.T, self._stresses, strict=True):
+            scaled = weight[:, None] * amplitudes
+            result[:4] += of_mode[:4] @ (scaled.T @ np.cos(every * phi))
+            result[4:] += of_mode[4:] @ (scaled.T @ np.sin(every * phi))
+        return result
+
+
+def solve_modes(
     mesh: MeshTri, lame: tuple, held: dict[str, str], modes: NDArray[np.intp]
-) -> Floats:
-    """Integrals of h_i w_j over a meridian's surface, for each mode; (modes, hats, hats).
+) -> tuple[Floats, Floats, NDArray[np.float32]]:
+    """Flexibility of a meridian's surface for each mode, places, and stresses at them.
 
+    The flexibility, of shape (modes, hats, hats), has the integrals of h_i w_j over the surface:
     w_j cos(m phi) is the inward displacement under the hat function of pressure h_j cos(m phi);
-    integrals are per radian of phi. Mesh, Lame's parameters and what is held are as for
-    `study.joint.fem.MeshedBody`.
+    integrals are per radian of phi. Stresses, of shape (modes, 6, places, hats), have the factors
+    of cos(m phi), or of sin(m phi) the last two (`Surface.stresses`). Mesh, Lame's parameters and
+    what is held are as for `study.joint.fem.MeshedBody`.
     """
     element = ElementVector(ElementTriP2(), 3)
     basis = Basis(mesh, element, intorder=4)
-    at = [_elastic.assemble(basis, mode=m, first=lame[0], second=lame[1]) for m in (0.0, 1.0, -1.0)]
-    linear, square = (at[1] - at[2]) / 2, (at[1] + at[2]) / 2 - at[0]
+    constant, linear, square = _elastic(basis, lame)
     facets = mesh.boundaries["surface"]
     traction = FacetBasis(mesh, element, facets=facets, intorder=6)
     hats = FacetBasis(mesh, ElementTriP1(), facets=facets, intorder=6)
@@ -162,50 +187,99 @@ def flexibility(
     # over the logarithm of the radius a mode decays by its number less one, or faster
     depth = np.abs(np.log(np.maximum(np.hypot(*basis.doflocs), _CENTRE)))
     axis = basis.get_dofs(mesh.boundaries.get("axis", np.zeros(0, int)))
+    near = np.flatnonzero(np.abs(np.hypot(*mesh.p[:, mesh.t]).mean(axis=0) - 1) < DEEPEST)
+    middle = np.full((2, 1), 1 / 3), np.ones(1)
+    inside = Basis(mesh, element, elements=near, quadrature=middle)
+    constant_stress, growing_stress = _stresses(
+        inside, [of if np.isscalar(of) else of[near] for of in lame]
+    )
     result = np.empty((len(modes), load.shape[1], load.shape[1]))
+    stresses = np.empty((len(modes), 6, len(near), load.shape[1]), np.float32)
     for k, m in enumerate(modes):
         on_axis = (_unknowns(basis, axis, c) for c in _ON_AXIS.get(m, (0, 1, 2)))
         unfelt = np.flatnonzero((m - 1) * depth > _FELT)
         free = np.setdiff1d(np.arange(basis.N), np.concatenate([*fixed, *on_axis, unfelt]))
-        matrix = (at[0] + m * linear + m * m * square)[free][:, free].tocsc()
+        matrix = (constant + m * linear + m * m * square)[free][:, free].tocsc()
         factor = splu(
             matrix,
             permc_spec="MMD_AT_PLUS_A",
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
         )
-        result[k] = load[free].T @ factor.solve(load[free])
-    return (result + result.swapaxes(1, 2)) / 2
+        displacement = np.zeros(load.shape)
+        displacement[free] = factor.solve(load[free])
+        result[k] = load.T @ displacement
+        of_element = displacement[inside.element_dofs.T]  # (elements, functions, hats)
+        stresses[k] = ((constant_stress + m * growing_stress) @ of_element).swapaxes(0, 1)
+    places = inside.global_coordinates().value[:, :, 0]
+    return (result + result.swapaxes(1, 2)) / 2, places, stresses
 
 
 def _unknowns(basis, dofs, component):
     return dofs.all([f"u^{component + 1}"])
 
 
-@BilinearForm
-def _elastic(u, v, w):
-    """Elastic energy per radian, of the mode ``w['mode']``, which may be any number."""
-    r, m, first, second = w.x[0], w["mode"], w["first"], w["second"]
+def _elastic(basis, lame):
+    """Stiffness per radian of mode 0, and its parts in proportion to m and to its square.
 
-    def strains(u):
-        radial, both, axial = u[0], u[1], u[2]  # u_r, u_r + u_phi, u_z
-        d_radial, d_both, d_axial = u.grad[0], u.grad[1], u.grad[2]
-        hoop = ((1 - m) * radial + m * both) / r
-        around = both - radial  # u_phi
-        return (
+    Strains are of every element's own functions at once, so that they are evaluated once for all
+    modes and not once for each pair of functions.
+    """
+    constant, growing = _rates(basis)
+    weight = basis.dx * basis.global_coordinates()[0]
+
+    def energy(a, b):
+        """Elastic energies of each element's pairs of functions, shape (elements, f, f)."""
+        return np.einsum("fceq,gceq->efg", weight * _hooke(a, lame), b, optimize=True)
+
+    cross = energy(constant, growing)
+    rows = np.repeat(basis.element_dofs.T[:, :, None], len(basis.basis), axis=2)
+    places = rows.ravel(), rows.swapaxes(1, 2).ravel()
+    return [
+        csr_array((part.ravel(), places), shape=(basis.N, basis.N))
+        for part in (
+            energy(constant, constant),
+            cross + cross.swapaxes(1, 2),
+            energy(growing, growing),
+        )
+    ]
+
+
+def _stresses(basis, lame):
+    """Stresses of mode 0 under each element's functions, and what m adds; (elements, 6, f)."""
+    return [_hooke(rate, lame)[:, :, :, 0].transpose(2, 1, 0) for rate in _rates(basis)]
+
+
+def _hooke(strain, lame):
+    """Stress of a strain (functions, 6, elements, points), whose last three are shear angles."""
+    first, second = lame
+    stress = second * strain
+    stress[:, :3] += second * strain[:, :3] + first * strain[:, :3].sum(axis=1, keepdims=True)
+    return stress
+
+
+def _rates(basis):
+    """Strains of each function in mode 0, and what m adds: (functions, 6, elements, points)."""
+    r = basis.global_coordinates()[0]
+    of_0, of_1 = (np.stack([_strains(*f, r, m) for f in basis.basis]) for m in (0, 1))
+    return of_0, of_1 - of_0
+
+
+def _strains(u, r, m):
+    """Strains rr, phi phi, zz, rz, r phi and z phi of mode m; shape (6, elements, points)."""
+    radial, both, axial = u  # u_r, u_r + u_phi, u_z
+    d_radial, d_both, d_axial = u.grad
+    around = both - radial  # u_phi
+    return np.array(
+        [
             d_radial[0],
-            hoop,
+            ((1 - m) * radial + m * both) / r,
             d_axial[1],
             d_radial[1] + d_axial[0],
             -m * radial / r + d_both[0] - d_radial[0] - around / r,
             d_both[1] - d_radial[1] - m * axial / r,
-        )
-
-    a, b = strains(u), strains(v)
-    volume = (a[0] + a[1] + a[2]) * (b[0] + b[1] + b[2])
-    normal = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    shear = a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
-    return r * (first * volume + second * (2 * normal + shear))
+        ]
+    )
 
 
 @BilinearForm

@@ -22,7 +22,7 @@ KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 CLEAR = 5.0
 """Minimum angle between neck and rim, and minimum width of a sector and of half a ring, in deg."""
 WALL = 0.05
-"""Minimum difference of the radii of a face's outer edge and of the bore, over the ball's radius."""
+"""Minimum width of a face between its edge and the bore, over the ball's radius."""
 Boundary = tuple[float, float, float, float]
 """Least and largest radius, over the body's own, and least and largest polar angle in rad."""
 

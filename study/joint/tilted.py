@@ -31,7 +31,7 @@ RESOLUTION = 48
 FINEST_RESOLUTION = 96
 LARGEST_TILT = 170.0
 """In deg: beyond it no socket has a surface."""
-_RADIAL_ELEMENTS = 0.2  # as in `study.joint.fem`, for elements of equal angles
+_RADIAL_ELEMENTS = 0.15  # as in `study.joint.fem`, for elements of equal angles
 _TOGETHER = 16  # nodes around of which coarser rings leave all but one out
 _BEYOND = 8.0  # least deg by which the ball's nodes go on beyond the rim
 _DEEPEST = 1.0  # depth_star at which they still face the whole rim; largest first guess
@@ -364,7 +364,9 @@ def _edges(angles, pressure, grid):
 def _angles(opening, resolution):
     """Polar angles of a socket's nodes, and the number of nodes around its largest ring."""
     count = 2 * round((opening.last - opening.first) / 180 * resolution)
-    angles = np.radians(opening.first + (opening.last - opening.first) / count * np.arange(count + 1))
+    angles = np.radians(
+        opening.first + (opening.last - opening.first) / count * np.arange(count + 1)
+    )
     widest = np.sin(angles).max() if not opening.is_ring and opening.last < 90 else 1.0
     around = np.ceil(2 * np.pi * widest / (angles[1] - angles[0]) / _TOGETHER)
     return angles, _TOGETHER * int(around)
@@ -378,17 +380,21 @@ def _ball(ball, beyond, resolution):
     (angles, around), (first, last) = _angles(ball.opening, resolution), ball.support.surface
     step = np.degrees(angles[1] - angles[0])
     if isinstance(ball.support, Bore):
-        angles = np.radians(np.linspace(first, last, 8 * int(np.ceil((last - first) / step / 8)) + 1))
+        angles = np.radians(
+            np.linspace(first, last, 8 * int(np.ceil((last - first) / step / 8)) + 1)
+        )
     else:
         low = max(first, ball.opening.first - beyond)
         high = min(last, ball.opening.last + beyond)
         before = int(max(ball.opening.first - low, 0) / step + 1e-6)
         behind = int(max(high - ball.opening.last, 0) / step + 1e-6)
-        angles = np.concatenate([
-            angles[0] - np.radians(step) * np.arange(before, 0, -1),
-            angles,
-            angles[-1] + np.radians(step) * np.arange(1, behind + 1),
-        ])
+        angles = np.concatenate(
+            [
+                angles[0] - np.radians(step) * np.arange(before, 0, -1),
+                angles,
+                angles[-1] + np.radians(step) * np.arange(1, behind + 1),
+            ]
+        )
     mesh = fem.meridian_of_ball(ball, angles, radial=_RADIAL_ELEMENTS)
     return fourier.Surface(mesh, fem.lame_of(ball, mesh), ball.held, fourier.Grid(angles, around))
 
