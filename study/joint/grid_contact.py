@@ -1,0 +1,303 @@
+"""Contact of ball and socket on a grid of the socket, for a displacement off the axis.
+
+Pressure is piecewise linear in both angles and symmetric about the plane phi = 0, in which the ball
+is displaced. As along the axis, pressure and gap are complementary in the weak sense, and
+`study.joint.complementarity` finds the contact in a few steps, however fine the grid.
+
+Lengths are in socket radii R2, pressures in E* dR/R2 and displacements in dR inside this module.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse import csr_array
+
+from study import checks
+from study.joint import complementarity
+from study.joint.contact_kinematics import UnresolvedError
+from study.joint.supports import Bore
+
+Floats = NDArray[np.float64]
+_RADIAL_ELEMENTS = 0.15  # as in `study.joint.fem`, for elements of equal angles
+_TOGETHER = 16  # nodes around of which coarser rings leave all but one out
+_BEYOND = 8.0  # least deg by which the ball's nodes go on beyond the rim
+_DEEPEST = 1.0  # depth_star at which they still face the whole rim
+_LEAST_SHARE = 0.3  # of the deepest overlap: shallower ones are at first left out of the contact
+_FEWEST = 12  # nodes of a contact of half the resolution
+_WINDOW = 0.5  # of the contact's mean radius: around the maximum, where a parabola is fitted
+
+
+@dataclass(frozen=True)
+class GridContact:
+    """Contact on one grid: force and stiffness along and across, the rest as in `TiltedContact`.
+
+    ``pressure`` is that on the socket, and ``of_ball`` that on the ball, at the nodes of their
+    grids. ``profile`` is the pressure at signed polar angles in the plane of symmetry, in deg.
+    """
+
+    force: Floats
+    stiffness: Floats
+    peak: float
+    peak_angle: float
+    edges: tuple[float, float]
+    reaches_rim: bool
+    friction: Floats
+    profile: tuple[Floats, Floats]
+    pressure: Floats
+    of_ball: Floats
+
+
+class Contacts:
+    """Contacts of one joint on one grid of the socket."""
+
+    def __init__(self, joint, resolution):
+        self.joint = joint
+        beyond = max(_BEYOND, np.degrees((1 + _DEEPEST) / joint.r2_star))
+        self.ball = ball_surface(joint.ball_body, beyond, resolution)
+        self.socket = socket_surface(joint.socket_body, resolution)
+        grid = self.socket.grid
+        theta, phi, self.area = grid.points
+        self.hats = grid.values(theta, phi)
+        self.normal = unit_vectors(theta, phi)
+        self.node_normal = unit_vectors(grid.theta, grid.phi)
+        side = np.where(grid.phi < np.pi / 2, 1, -1)
+        self.signed_angle = side * np.degrees(grid.theta)
+
+    def solve(self, depth, tilt):
+        """`GridContact` at a depth_star, of a displacement at a tilt in deg."""
+        joint, grid = self.joint, self.socket.grid
+        r1, (share_of_ball, share_of_socket) = joint.ball_radius, joint.modulus_shares
+        axes = np.insert(axes_of(tilt), 1, 0.0, axis=1)
+        gap, facing = _rigid_ball(joint, self.normal, (1 + depth) / joint.r2_star * axes[0])
+        moves = joint.kinematics == "linear"
+        normal, acted_on = self.normal, np.ones(len(self.area))
+        if moves:  # the force acts on the ball's area, which is this over the socket's
+            normal = facing
+            acted_on = (1 - gap / joint.r2_star) ** 2 / (facing * self.normal).sum(axis=1)
+        place = np.arccos(np.clip(normal[:, 2], -1, 1)), np.arctan2(normal[:, 1], normal[:, 0])
+        met = self.ball.grid.faces(place[0])
+        ends_at_edge = joint.ball_support.is_half or isinstance(joint.ball_support, Bore)
+        if not ends_at_edge and (gap[~met] < 0).any():
+            raise checks.RangeError(
+                f"depth_star must keep the ball's neck or back out of the opening, got {depth:g}"
+            )
+        area = self.area * met
+        weighted = csr_array((self.hats * area[:, None]).T)
+        size, gap, cut = weighted.sum(axis=1), weighted @ gap, self.hats.T @ ~met
+        mass = weighted @ self.hats
+        moved = weighted @ self.ball.grid.values(*place)
+        overlap = np.divide(-gap, size, out=np.zeros_like(gap), where=size > 0)
+        if overlap.max() <= 0 and joint.opening.faces(tilt) and met.any():
+            raise _unresolved(depth)
+        if overlap.max() <= 0:
+            raise checks.RangeError(
+                f"tilt must leave a contact inside the opening of {joint.opening} deg and on the "
+                f"ball's surface, got {tilt:g} deg at a depth_star of {depth:g}"
+            )
+        wanted, guess = overlap > _LEAST_SHARE * overlap.max(), overlap > 0.5 * overlap.max()
+        while True:
+            nodes = np.flatnonzero(wanted)
+            by_socket = share_of_socket * self.socket.matrix(nodes)
+            by_ball = self._of_ball(moved[nodes], mass[nodes][:, nodes], size[nodes])
+            scale = share_of_ball * (1 / r1 if moves else r1)
+            matrix = by_socket + scale * by_ball
+            pressure, active = complementarity.solve(matrix, gap[nodes], guess[nodes])
+            touching = np.zeros(grid.size)
+            touching[nodes[active]] = 1
+            beside = mass @ touching > 0
+            if not (beside & ~wanted).any():
+                break
+            wanted, guess = wanted | (mass @ (mass @ beside) > 0), touching > 0
+        nodes, pressure = nodes[active], pressure[active]
+        if len(nodes) < _FEWEST:
+            raise _unresolved(depth)
+        loads = (weighted @ (normal @ axes.T))[nodes]
+        closing = facing / (facing * self.normal).sum(axis=1)[:, None]  # the gap's derivative
+        by_pressure = cho_solve(
+            cho_factor(matrix[np.ix_(active, active)]), (weighted @ (closing @ axes.T))[nodes]
+        )
+        force = loads.T @ pressure
+        rims = [grid.ring[-1]] if grid.pole == 0 else [0, grid.ring[-1]]
+        of_ball = moved[nodes].T @ pressure / self.ball.areas
+        every = np.zeros(grid.size)
+        every[nodes] = pressure
+        on_area = pressure * size[nodes] / (weighted @ acted_on)[nodes]
+        in_plane = grid.ends[nodes] < 1
+        signed = self.signed_angle[nodes[in_plane]]
+        peak, peak_angle = self._peak(nodes, on_area, mass)
+        return GridContact(
+            force=2 * joint.r2_star * force,
+            stiffness=2 * joint.r2_star * loads.T @ by_pressure,
+            peak=peak,
+            peak_angle=peak_angle,
+            edges=_edges(signed, pressure[in_plane], grid),
+            reaches_rim=bool(np.isin(grid.ring[nodes], rims).any() or cut[nodes].any()),
+            friction=self._friction(normal, axes.T @ force, weighted[nodes], pressure),
+            profile=self._profile(every),
+            pressure=every,
+            of_ball=of_ball,
+        )
+
+    def _peak(self, nodes, pressure, mass):
+        """Maximum pressure, and its signed polar angle in the plane of symmetry in deg.
+
+        Pressures at single nodes ripple by some 3 %. The maximum is therefore that of a parabola
+        in both angles, fitted by the nodes' areas around the maximum of a mean over neighbours.
+        At an edge of a body, where there is no such maximum, it is the largest of the nodes.
+        """
+        grid, area = self.socket.grid, self.socket.areas[nodes]
+        near = mass[nodes][:, nodes]
+        mean = (near @ pressure) / near.sum(axis=1)
+        x, y, z = self.node_normal[nodes].T
+        top = mean.argmax()
+        along = np.arctan2(x, z) - np.arctan2(x[top], z[top])
+        radius = max(_WINDOW * np.sqrt(area.sum() / (np.pi / 2)), 1.5 * grid.step)
+        window = np.hypot(along, y - y[top]) < radius
+        terms = np.column_stack([np.ones_like(along), along, along**2, y**2])[window]
+        weight = np.sqrt(area[window])
+        (level, slope, bend, _), *_ = np.linalg.lstsq(
+            weight[:, None] * terms, weight * pressure[window]
+        )
+        shift = -slope / (2 * bend) if bend < 0 else np.inf
+        if abs(shift) < radius / 2:
+            return level + slope * shift / 2, np.degrees(np.arctan2(x[top], z[top]) + shift)
+        top = pressure.argmax()
+        return pressure[top], self.signed_angle[nodes[top]]
+
+    def _friction(self, normal, force, weighted, pressure):
+        """Friction radii of a ball that turns about the force, and about two axes across it.
+
+        As `study.joint.pressure.friction_radii`; the second axis is that of the plane of
+        symmetry's normal, and the third is in this plane.
+        """
+        size, radius = np.linalg.norm(force), 1.0
+        if self.joint.kinematics == "linear":
+            radius = self.joint.ball_radius
+        load = force / size
+        axes = np.array([load, [0, 1, 0], np.cross(load, [0, 1, 0])])
+        sliding = np.sqrt(np.maximum(1 - (normal @ axes.T) ** 2, 0))
+        return radius * (weighted @ sliding).T @ pressure / size
+
+    def _profile(self, pressure):
+        """Signed polar angles in the plane of symmetry in deg, increasing, and pressures there."""
+        in_plane = np.flatnonzero(self.socket.grid.ends < 1)
+        order = in_plane[np.argsort(self.signed_angle[in_plane], kind="stable")]
+        return self.signed_angle[order], pressure[order]
+
+    def _of_ball(self, moved, mass, size):
+        """Flexibility of the ball under hats of the socket, of a unit ball."""
+        # displacements are wanted where points of the socket face the ball, whose hats are
+        # lumped; what they do not see acts as on a half-space
+        columns = np.unique(moved.indices)
+        moved = moved[:, columns]
+        spread = moved @ csr_array(np.diag(1 / self.ball.areas[columns]))
+        unseen = (mass - spread @ moved.T).toarray()
+        local = np.sqrt(2 / np.pi * (1 - self.joint.ball.poisson**2) * np.sqrt(size))
+        seen = spread @ (spread @ self.ball.matrix(columns)).T
+        return seen + local[:, None] * unseen * local
+
+
+def unit_vectors(theta: Floats, phi: Floats) -> Floats:
+    """Unit vectors (x, y, z) of polar angles and angles around the axis z, in rad; (n, 3)."""
+    sine = np.sin(theta)
+    return np.column_stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)])
+
+
+def direction(tilt: float) -> Floats:
+    """Unit vector (x, z) at an angle in deg from the axis z."""
+    return np.array([np.sin(np.radians(tilt)), np.cos(np.radians(tilt))])
+
+
+def axes_of(tilt: float) -> Floats:
+    """Unit vectors along a direction, and across it towards larger tilt, as rows (x, z)."""
+    x, z = direction(tilt)
+    return np.array([[x, z], [z, -x]])
+
+
+def _rigid_ball(joint, normal, centre):
+    """Gap in dR between a socket's points and a rigid ball, and the ball's normals that face them.
+
+    Along the socket's ``normal`` (n, 3) the ball, with a ``centre`` off the socket's, ends at a
+    distance from the latter.
+    """
+    along, r1 = normal @ centre, joint.ball_radius
+    distance = along + np.sqrt(np.maximum(r1**2 - centre @ centre + along**2, 1e-12))
+    return (1 - distance) * joint.r2_star, (distance[:, None] * normal - centre) / r1
+
+
+def _unresolved(depth):
+    return UnresolvedError(
+        "depth_star must be so large that the elements resolve the contact, got "
+        f"{depth:.3g}: press along the axis, or take a finer resolution"
+    )
+
+
+def _edges(angles, pressure, grid):
+    """Where contact ends in the plane of symmetry: signed angles in deg, minimum and maximum.
+
+    Near an edge the pressure's square is linear. Ends are inside the grid's rims.
+    """
+    step, (first, last) = np.degrees(grid.step), np.degrees(grid.angles[[0, -1]])
+    order = np.argsort(angles)
+    angles, pressure = angles[order], pressure[order]
+    if len(angles) < 2:
+        angles, pressure = np.repeat(angles, 2), np.repeat(pressure, 2)
+    found = []
+    for side, (inner, outer) in ((-1, (1, 0)), (1, (-2, -1))):
+        fall = pressure[inner] ** 2 - pressure[outer] ** 2
+        share = min(pressure[outer] ** 2 / fall, 1.0) if fall > 0 else 0.5
+        end = angles[outer] + side * share * step
+        found.append(float(np.sign(end) * np.clip(abs(end), first, last)))
+    return tuple(found)
+
+
+def _angles(opening, resolution):
+    """Polar angles of a socket's nodes, and the number of nodes around its largest ring."""
+    count = 2 * round((opening.last - opening.first) / 180 * resolution)
+    angles = np.radians(
+        opening.first + (opening.last - opening.first) / count * np.arange(count + 1)
+    )
+    widest = np.sin(angles).max() if not opening.is_ring and opening.last < 90 else 1.0
+    around = np.ceil(2 * np.pi * widest / (angles[1] - angles[0]) / _TOGETHER)
+    return angles, _TOGETHER * int(around)
+
+
+@lru_cache(maxsize=6)
+def ball_surface(ball, beyond, resolution):
+    """Surface of a ball, whose nodes go on some deg ``beyond`` the socket's rims."""
+    from study.joint import fem, fourier
+
+    (angles, around), (first, last) = _angles(ball.opening, resolution), ball.support.surface
+    step = np.degrees(angles[1] - angles[0])
+    if isinstance(ball.support, Bore):
+        angles = np.radians(
+            np.linspace(first, last, 8 * int(np.ceil((last - first) / step / 8)) + 1)
+        )
+    else:
+        low = max(first, ball.opening.first - beyond)
+        high = min(last, ball.opening.last + beyond)
+        before = int(max(ball.opening.first - low, 0) / step + 1e-6)
+        behind = int(max(high - ball.opening.last, 0) / step + 1e-6)
+        angles = np.concatenate(
+            [
+                angles[0] - np.radians(step) * np.arange(before, 0, -1),
+                angles,
+                angles[-1] + np.radians(step) * np.arange(1, behind + 1),
+            ]
+        )
+    mesh = fem.meridian_of_ball(ball, angles, radial=_RADIAL_ELEMENTS)
+    return fourier.Surface(mesh, fem.lame_of(ball, mesh), ball.held, fourier.Grid(angles, around))
+
+
+@lru_cache(maxsize=6)
+def socket_surface(socket, resolution):
+    """Surface of a socket, at a resolution as of `study.joint.tilted_contact`."""
+    from study.joint import fem, fourier
+
+    angles, around = _angles(socket.opening, resolution)
+    mesh = fem.meridian_of_socket(socket, angles, radial=_RADIAL_ELEMENTS)
+    lame, grid = fem.lame_of(socket, mesh), fourier.Grid(angles, around)
+    return fourier.Surface(mesh, lame, socket.held, grid)
