@@ -15,6 +15,7 @@ from study.joint.supports import (
     GuidedPlate,
     Opening,
     Rim,
+    Sector,
     SocketSupport,
     WholeOutside,
 )
@@ -40,6 +41,11 @@ class Ball:
     def held(self) -> dict[str, str]:
         """Boundary of the mesh -> components of the displacement that are zero there."""
         return self.support.held
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Places (r, z) in the meridian at which stresses may have no bound; shape (n, 2)."""
+        return np.reshape(self.support.corners, (-1, 2))
 
 
 @dataclass(frozen=True)
@@ -76,6 +82,19 @@ class Socket:
     def held(self) -> dict[str, str]:
         """Boundary of the mesh -> components of the displacement that are zero there."""
         return ({"rim": "z"} if self.rim == "mirror" else {}) | self.support.held
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Places (r, z) in the meridian at which stresses may have no bound; shape (n, 2)."""
+        outer = float(self.layers[0, -1])
+        rims = [self.opening.last, *([self.opening.first] if self.opening.is_ring else [])]
+        places = [(radius, rim) for rim in rims for radius in (1.0, outer)]
+        if isinstance(self.support, Sector):
+            places += [(outer, angle) for angle in (self.support.first, self.support.last)]
+        radius, angle = np.transpose(places)
+        return radius[:, None] * np.column_stack(
+            [np.sin(np.radians(angle)), np.cos(np.radians(angle))]
+        )
 
 
 def layer_steps(ratios: NDArray[np.float64]) -> NDArray[np.float64]:

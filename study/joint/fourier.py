@@ -28,7 +28,7 @@ Floats = NDArray[np.float64]
 _FIRST, _SOLVED = 5, 10  # modes solved: the first ones, and more up to the last one
 _POLAR, _AROUND = 3, 2  # Gauss points of an element
 _ON_AXIS = {0: (0, 1), 1: (1, 2)}  # unknowns that are zero on the axis; of higher modes all are
-DEEPEST = 0.5
+DEEPEST = 0.95
 """Depth below the surface, in radii, to which stresses are known."""
 _FELT = 9.0  # a mode that has decayed by exp(-9) changes the surface by exp(-18)
 _CENTRE = 1e-9  # radius
@@ -140,8 +140,8 @@ class Surface:
         both = self._kernel[apart, *of_rings] + self._kernel[mirrored, *of_rings]
         return both * np.outer(ends, ends)
 
-    def stresses(self, pressure: Floats, phi: Floats) -> Floats:
-        """Stresses rr, phi phi, zz, rz, r phi and z phi at `places` and angles phi.
+    def stresses(self, pressure: Floats, phi: Floats, at: NDArray[np.intp]) -> Floats:
+        """Stresses rr, phi phi, zz, rz, r phi and z phi at some of the `places` and angles phi.
 
         The ``pressure`` is that of the nodes, shape (nodes,); the result has the shape (6, places,
         angles). Those of the modes that are not solved are interpolated.
@@ -152,11 +152,11 @@ class Surface:
         weights = CubicSpline(np.log1p(self._modes), np.eye(len(self._modes)))(
             np.log1p(every[:, 0])
         )
-        result = np.zeros((6, self.places.shape[1], len(phi)))
+        result = np.zeros((6, len(at), len(phi)))
         for weight, of_mode in zip(weights.T, self._stresses, strict=True):
             scaled = weight[:, None] * amplitudes
-            result[:4] += of_mode[:4] @ (scaled.T @ np.cos(every * phi))
-            result[4:] += of_mode[4:] @ (scaled.T @ np.sin(every * phi))
+            result[:4] += of_mode[:4, at] @ (scaled.T @ np.cos(every * phi))
+            result[4:] += of_mode[4:, at] @ (scaled.T @ np.sin(every * phi))
         return result
 
 

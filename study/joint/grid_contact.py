@@ -121,7 +121,7 @@ class Contacts:
         )
         force = loads.T @ pressure
         rims = [grid.ring[-1]] if grid.pole == 0 else [0, grid.ring[-1]]
-        of_ball = moved[nodes].T @ pressure / self.ball.areas
+        of_ball = moved[nodes].T @ pressure / self.ball.areas / (r1**2 if moves else 1.0)
         every = np.zeros(grid.size)
         every[nodes] = pressure
         on_area = pressure * size[nodes] / (weighted @ acted_on)[nodes]

@@ -20,14 +20,11 @@ from study.joint.compliance import graded
 from study.joint.contact_kinematics import socket_pressure
 from study.joint.curve import ForceCurve, force_curve, whole_curve
 from study.joint.definition import Joint
-from study.joint.supports import WholeOutside
+from study.joint.supports import HEIGHT, CentrePoint, Core, WholeOutside
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
 
-HEIGHT = 0.1
-"""Height above the equator, in radii, from which on elements are searched for the largest stress.
-It has no bound at the corner of a clamped and a free surface."""
 _THICKNESS = 3.0  # of a socket, in radii, beyond which no largest stress is sought
 _DEPTH_SCALE, _ANGLE_SCALE = 0.003, 0.01  # in radii and rad: the points' spacing grows from there
 _RADII, _ANGLES = 48, 32  # points
@@ -53,7 +50,10 @@ class LargestStress:
         Where it is: polar angle from the contact's axis, in rad; shape (k,).
     place
         ``at the surface`` of contact; ``outside``, at the socket's outer sphere; ``at an
-        interface`` of layers; or else ``below the surface``; k of them.
+        interface`` of layers; ``at the core`` or ``at the bore`` that holds the ball; or else
+        ``below the surface``; k of them.
+    error
+        Estimated relative error of the stress, shape (k,); None if it is not estimated.
     """
 
     von_mises: Floats
@@ -61,6 +61,7 @@ class LargestStress:
     radius: Floats
     angle: Floats
     place: tuple[str, ...]
+    error: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -125,9 +126,10 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
 def largest(curve: ForceCurve) -> dict[str, LargestStress]:
     """Largest von Mises stress in each body, by its name in ``joint.materials``.
 
-    Left out are a ball that is not held by its equatorial plane, and a socket that is not held all
-    over its outside: at a point, a core or the end of a support, stresses are those of its details.
-    Elements are searched from `HEIGHT` above the equator on, and as far inside the rim.
+    Elements are searched from 0.1 radii above the equator of half a ball on, as far inside the rim,
+    and as far from the ends of supports, where stresses have no bound; the ball on a neck is
+    searched on the contact's side of half the neck's height. A ball that is moved at its centre
+    is left out, because the stress at a point load has no bound.
     """
     sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
     by_body, peak = {}, curve.peak_pressure_star
@@ -138,6 +140,8 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
         place[np.abs(radius - 1) <= _NEAR * edge] = "at the surface"
         place[np.isclose(radius[:, None], interfaces, atol=0).any(axis=1)] = "at an interface"
         place[np.isclose(radius, outer, atol=0)] = "outside"
+        if body == "ball" and isinstance(curve.joint.ball_support, Core):
+            place[np.isclose(radius, curve.joint.ball_support.radius, atol=0)] = "at the core"
         over_peak = np.divide(stress, peak, out=np.zeros_like(stress), where=peak > 0)
         by_body[body] = LargestStress(stress, over_peak, radius, angle, tuple(place.tolist()))
     return by_body
@@ -317,26 +321,32 @@ def _of_elements(curve):
 
     nodes = 3 if curve.solver == "linear" else 6
     joint, edge, resolution = curve.joint, curve.joint.reach, len(curve.angles) - 1
-    if joint.ball_support.by_plane:
-        ball = fem.meshed(joint.ball_body, resolution, nodes)
-        yield "ball", _largest_at_nodes(ball, curve.pressure, edge)
-    if not isinstance(joint.socket_support, WholeOutside):
-        return
+    if not isinstance(joint.ball_support, CentrePoint):
+        ball, lowest = fem.meshed(joint.ball_body, resolution, nodes), joint.ball_support.lowest
+        yield "ball", _largest_at_nodes(ball, joint.ball_body.corners, lowest, curve.pressure, edge)
     socket = fem.meshed(joint.socket_body, resolution, nodes)
+    corners = joint.socket_body.corners
     pressure, inner = _on_socket(curve), 1.0
     for name, outer in zip([*joint.materials][1:], joint.socket_body.layers[0], strict=True):
-        yield name, _largest_at_nodes(socket, pressure, edge, inner, outer)
+        yield name, _largest_at_nodes(socket, corners, HEIGHT, pressure, edge, inner, outer)
         inner = outer
 
 
-def _largest_at_nodes(body, pressure, edge, *layer):
+def _largest_at_nodes(body, corners, lowest, pressure, edge, *layer):
     radius, angle = body.places
     stress = von_mises(body.stresses(pressure, *layer))
-    searched = radius * np.cos(angle) > HEIGHT
+    searched = far_from(corners, radius * np.sin(angle), radius * np.cos(angle))
+    searched &= radius * np.cos(angle) > lowest
     if edge < np.pi / 2:
         searched &= angle < edge - HEIGHT
     at = np.where(searched, stress, 0).argmax(axis=1)
     return stress[np.arange(len(at)), at], radius[at], angle[at]
+
+
+def far_from(corners: Floats, r: Floats, z: Floats) -> NDArray[np.bool_]:
+    """Whether places (r, z) are at least `HEIGHT` from corners, (n, 2), in the meridian."""
+    apart = np.hypot(r[:, None] - corners[:, 0], z[:, None] - corners[:, 1])
+    return (apart >= HEIGHT).all(axis=1)
 
 
 def _top(values, places, at):

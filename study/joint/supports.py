@@ -21,6 +21,9 @@ Kinematics = Literal["small", "linear", "finite"]
 KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 CLEAR = 5.0
 """Minimum angle between neck and rim, and minimum width of a sector and of half a ring, in deg."""
+HEIGHT = 0.1
+"""Distance from corners and from the equator of half a ball, in radii, from which on stresses are
+sought: they have no bound at the corner of a clamped and a free surface."""
 WALL = 0.05
 """Minimum width of a face between its edge and the bore, over the ball's radius."""
 Boundary = tuple[float, float, float, float]
@@ -59,6 +62,16 @@ class BallSupport(_Support):
         return (0.0, 90.0)
 
     @property
+    def corners(self) -> list[tuple[float, float]]:
+        """Places (r, z) in the meridian at which stresses may have no bound, over the radius."""
+        return [(1.0, 0.0)]
+
+    @property
+    def lowest(self) -> float:
+        """Height z in the ball, over its radius, above which its largest stress is sought."""
+        return HEIGHT
+
+    @property
     def boundaries(self) -> dict[str, Boundary]:
         """Boundaries of the ball's meridian by which it may be held."""
         return {"equator": (0, 1, np.pi / 2, np.pi / 2)}
@@ -89,6 +102,8 @@ class Core(BallSupport):
     radius: float = parameter(..., "radius of the core over the ball's", least=0.05, most=0.8)
 
     word, held, is_half, surface = "core", {"core": "rz"}, False, (0.0, 172.0)
+    corners: ClassVar[list[tuple[float, float]]] = []
+    lowest: ClassVar[float] = -1.0
 
     @property
     def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
@@ -113,6 +128,14 @@ class Neck(BallSupport):
         return 0.0, 180.0 - self.half_angle
 
     @property
+    def corners(self) -> list[tuple[float, float]]:  # noqa: D102
+        return [(float(np.sin(self.edge)), float(np.cos(self.edge)))]
+
+    @property
+    def lowest(self) -> float:  # noqa: D102
+        return float(np.cos(self.edge)) / 2
+
+    @property
     def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
         return {"neck": (1, 1, self.edge, np.pi)}
 
@@ -126,7 +149,7 @@ class Bore(BallSupport):
         ..., "polar angle of the faces' edges from the axis of the bore", "deg", least=10, most=80
     )
 
-    word, held, is_half = "bore", {"bore": "rz"}, False
+    word, held, is_half, lowest = "bore", {"bore": "rz"}, False, -1.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -141,6 +164,11 @@ class Bore(BallSupport):
     @property
     def surface(self) -> tuple[float, float]:  # noqa: D102
         return self.face, 180.0 - self.face
+
+    @property
+    def corners(self) -> list[tuple[float, float]]:  # noqa: D102
+        edge, height = np.sin(np.radians(self.face)), np.cos(np.radians(self.face))
+        return [(r, side * height) for r in (self.radius, edge) for side in (1, -1)]
 
     @property
     def boundaries(self) -> dict[str, Boundary]:  # noqa: D102

@@ -64,8 +64,8 @@ class TiltedContact:
         socket there, shape (k, n).
     error_estimate
         Estimated relative error of the force, as of `study.joint.ForceCurve`.
-    grids
-        Contacts on the finer and on the coarser grid, k pairs.
+    resolution, grids
+        Elements along a quarter circle, and contacts on this grid and on the coarser one, k pairs.
     """
 
     joint: Joint
@@ -84,6 +84,7 @@ class TiltedContact:
     angle_deg: Floats
     pressure_star: Floats
     error_estimate: Floats
+    resolution: int
     grids: tuple[tuple[GridContact, GridContact], ...] = field(repr=False)
 
 
@@ -115,7 +116,7 @@ def tilted_contact(
     checks.number("depth_star", depths, below=largest_depth(joint.r2_star))
     fine, coarse = (Contacts(joint, n) for n in (resolution, resolution // 2))
     solved = [(fine.solve(*at), coarse.solve(*at)) for at in zip(depths, tilts, strict=True)]
-    return _result(joint, depths, tilts, solved)
+    return _result(joint, depths, tilts, solved, resolution)
 
 
 @one_thread
@@ -138,7 +139,7 @@ def under_force(
     fine, coarse = (Contacts(joint, n) for n in (resolution, resolution // 2))
     found = [_pressed(joint, fine, coarse, *at) for at in zip(forces, tilts, strict=True)]
     depths, directions = np.array([at for at, _ in found]).T
-    return _result(joint, depths, directions, [solved for _, solved in found])
+    return _result(joint, depths, directions, [solved for _, solved in found], resolution)
 
 
 def _checked(joint, values, tilt, name, resolution):
@@ -194,7 +195,7 @@ def _extrapolated(fine, coarse):
     return fine + (fine - coarse) / 3  # errors fall with order 2
 
 
-def _result(joint, depths, tilts, solved):
+def _result(joint, depths, tilts, solved, resolution):
     """What was solved on the finer and on the coarser grid at each depth, as arrays."""
     fine = [f for f, _ in solved]
     force = np.array([_extrapolated(f.force, c.force) for f, c in solved])
@@ -220,5 +221,6 @@ def _result(joint, depths, tilts, solved):
         angle_deg=fine[0].profile[0],
         pressure_star=np.array([f.profile[1] for f in fine]),
         error_estimate=off,
+        resolution=resolution,
         grids=tuple(solved),
     )
