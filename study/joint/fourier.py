@@ -103,8 +103,9 @@ class Surface:
 
     Mesh, Lame's parameters and what is held are as for `study.joint.fem.MeshedBody`; the mesh has
     the grid's polar angles. ``areas`` are the integrals of the nodes' functions, shape (nodes,).
-    Stresses are known at ``places``, the centroids of elements up to `DEEPEST` from the surface:
-    radii r and heights z, shape (2, places).
+    Stresses are known at ``places``, radii r and heights z of shape (2, places): the centroids of
+    elements up to `DEEPEST` from the surface, and middles of edges on it, outside and where the
+    body is held.
     """
 
     def __init__(self, mesh: MeshTri, lame: tuple, held: dict[str, str], grid: Grid):
@@ -188,13 +189,19 @@ def solve_modes(
     depth = np.abs(np.log(np.maximum(np.hypot(*basis.doflocs), _CENTRE)))
     axis = basis.get_dofs(mesh.boundaries.get("axis", np.zeros(0, int)))
     near = np.flatnonzero(np.abs(np.hypot(*mesh.p[:, mesh.t]).mean(axis=0) - 1) < DEEPEST)
-    middle = np.full((2, 1), 1 / 3), np.ones(1)
-    inside = Basis(mesh, element, elements=near, quadrature=middle)
-    constant_stress, growing_stress = _stresses(
-        inside, [of if np.isscalar(of) else of[near] for of in lame]
-    )
+    on_surfaces = {"surface", "outside", *held} & mesh.boundaries.keys()
+    edges = np.concatenate([mesh.boundaries[name] for name in sorted(on_surfaces)])
+    bases = [
+        Basis(mesh, element, elements=near, quadrature=(np.full((2, 1), 1 / 3), np.ones(1))),
+        FacetBasis(mesh, element, facets=edges, quadrature=(np.full((1, 1), 1 / 2), np.ones(1))),
+    ]
+    elements = np.append(near, mesh.f2t[0, edges])
+    unknowns = np.hstack([of.element_dofs for of in bases]).T  # (places, functions)
+    rates = (np.concatenate(rate, axis=2) for rate in zip(*map(_rates, bases), strict=True))
+    moduli = [of if np.isscalar(of) else of[elements] for of in lame]
+    constant_stress, growing_stress = (_hooke(rate, moduli)[..., 0].T for rate in rates)
     result = np.empty((len(modes), load.shape[1], load.shape[1]))
-    stresses = np.empty((len(modes), 6, len(near), load.shape[1]), np.float32)
+    stresses = np.empty((len(modes), 6, len(elements), load.shape[1]), np.float32)
     for k, m in enumerate(modes):
         on_axis = (_unknowns(basis, axis, c) for c in _ON_AXIS.get(m, (0, 1, 2)))
         unfelt = np.flatnonzero((m - 1) * depth > _FELT)
@@ -209,9 +216,9 @@ def solve_modes(
         displacement = np.zeros(load.shape)
         displacement[free] = factor.solve(load[free])
         result[k] = load.T @ displacement
-        of_element = displacement[inside.element_dofs.T]  # (elements, functions, hats)
-        stresses[k] = ((constant_stress + m * growing_stress) @ of_element).swapaxes(0, 1)
-    places = inside.global_coordinates().value[:, :, 0]
+        of_place = displacement[unknowns]  # (places, functions, hats)
+        stresses[k] = ((constant_stress + m * growing_stress) @ of_place).swapaxes(0, 1)
+    places = np.hstack([of.global_coordinates().value[:, :, 0] for of in bases])
     return (result + result.swapaxes(1, 2)) / 2, places, stresses
 
 
@@ -243,11 +250,6 @@ def _elastic(basis, lame):
             energy(growing, growing),
         )
     ]
-
-
-def _stresses(basis, lame):
-    """Stresses of mode 0 under each element's functions, and what m adds; (elements, 6, f)."""
-    return [_hooke(rate, lame)[:, :, :, 0].transpose(2, 1, 0) for rate in _rates(basis)]
 
 
 def _hooke(strain, lame):

@@ -1,7 +1,7 @@
 """Largest von Mises stresses of bodies that are pressed off the axis.
 
-Stresses are those of the Fourier modes (`study.joint.fourier.Surface.stresses`), at the centroids
-of elements and at angles around the axis from the plane of symmetry on. They are in E* dR/R2.
+Stresses are those of the Fourier modes (`study.joint.fourier.Surface.stresses`), at some angles
+around the axis from the plane of symmetry on. They are in E* dR/R2.
 """
 
 import numpy as np
@@ -9,22 +9,22 @@ from numpy.typing import NDArray
 
 from study.joint.grid_contact import Contacts
 from study.joint.stress import LargestStress, far_from
-from study.joint.supports import Bore
+from study.joint.supports import Bore, Core
 from study.joint.tilted import TiltedContact
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
 _AROUND = np.radians(np.arange(0, 181, 5))  # angles phi that are searched
-_NEXT = 1.05  # over the distance of the centroid that is next to a surface
+_ON = 1e-3  # distance from a surface, in radii, of places that are on it
 
 
 @one_thread
 def largest_off_axis(contact: TiltedContact) -> dict[str, LargestStress]:
     """Largest von Mises stress in each body, by its name in ``joint.materials``.
 
-    It is sought as by `study.joint.stress.largest`. The
-    ``angle`` is the polar angle from the axis, negative on the other side of it, and the ``error``
-    is the relative difference between the stresses on both grids.
+    It is sought as by `study.joint.stress.largest`. The ``angle`` is the polar angle from the
+    axis, negative on the other side of it, and the ``error`` is the relative difference between
+    the stresses on both grids.
     """
     joint, by_body = contact.joint, {}
     on_grids = [Contacts(joint, n) for n in (contact.resolution, contact.resolution // 2)]
@@ -48,14 +48,21 @@ def _largest(body, contacts, solved):
     joint, is_ball = contacts.joint, body == "ball"
     surface = contacts.ball if is_ball else contacts.socket
     r, z = surface.places
-    radius, depth = np.hypot(r, z), np.abs(np.hypot(r, z) - 1)
+    radius = np.hypot(r, z)
+    names = np.full(len(r), "below the surface", dtype=object)
+    names[np.abs(radius - 1) < _ON] = "at the surface"
     if is_ball:
+        if isinstance(joint.ball_support, Core | Bore):
+            of_held = r if isinstance(joint.ball_support, Bore) else radius
+            held = np.abs(of_held - joint.ball_support.radius) < _ON
+            names[held] = f"at the {joint.ball_support.word}"
         pressures = [of.of_ball for of in solved]
         searched = far_from(joint.ball_body.corners, r, z) & (z > joint.ball_support.lowest)
     else:
         pressures = [of.pressure for of in solved]
-        layer = [*joint.materials].index(body) - 1
-        inside = np.searchsorted(joint.socket_body.layers[0], radius) == layer
+        layer, ratios = [*joint.materials].index(body) - 1, joint.socket_body.layers[0]
+        names[radius > ratios[-1] - _ON] = "outside"
+        inside = np.searchsorted(ratios + _ON, radius) == layer
         searched = far_from(joint.socket_body.corners, r, z) & inside
     at = np.flatnonzero(searched)
     found = []
@@ -64,12 +71,8 @@ def _largest(body, contacts, solved):
         place, around = np.unravel_index(stress.argmax(), stress.shape)
         where = at[place]
         side = 1 if _AROUND[around] <= np.pi / 2 else -1
-        name = "below the surface"
-        if depth[where] <= _NEXT * depth.min():
-            name = "at the surface"
-        elif is_ball and isinstance(joint.ball_support, Bore) and r[where] <= _NEXT * r.min():
-            name = "at the bore"
-        found.append((stress.max(), radius[where], side * np.arctan2(r[where], z[where]), name))
+        angle = side * np.arctan2(r[where], z[where])
+        found.append((stress.max(), radius[where], angle, names[where]))
     return found
 
 
