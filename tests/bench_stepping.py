@@ -17,7 +17,7 @@ from study.measure import charts, explicit, flexible, speed, timing
 from study.mechanism import simulate
 from study.mechanism.spatial import ClearanceJoint
 
-LAW = charts.hertz_law()
+LAW = explicit.packed(charts.SCENE, "hertz")
 SPAN = (charts.DURATION, charts.OUTPUTS)
 RUNS = {
     "this study, 1e-8": partial(

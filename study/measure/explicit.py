@@ -13,9 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from study.compiled import compiled
 from study.contact.forces import elastic_force
 from study.contact.friction import friction_regime
+from study.contact.laws import find
 from study.mechanism import rigid
 from study.mechanism.angles import angle_of, norm, sine_cosine
 from study.mechanism.joints import ContactState
+from study.mechanism.law_in_scene import in_joint
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import MechanismError, divide
 
@@ -175,6 +177,11 @@ def _centre(y, a, half, approach, p, law, work, stage, slopes):
     return pull
 
 
+def packed(scene: Scene, law: str) -> np.record:
+    """A law in a scene's joint, for the compiled functions."""
+    return in_joint(scene, find(law), scene.clearance).packed()
+
+
 def start_of(scene: Scene) -> NDArray[np.float64]:
     """(theta, e_x, e_y) and their rates at t = 0.
 
@@ -196,32 +203,25 @@ def integrate(
     approach: float = inf,
     guarded: bool = True,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Slider's acceleration and depth of the clearance joint at equally spaced times.
+    """Slider's acceleration in m/s^2 and depth of the clearance joint in m, shapes (outputs + 1,).
 
     Parameters
     ----------
     law
-        From `study.contact.DimensionalLaw.packed`.
+        From `packed`.
     duration
-        In s.
-    outputs
-        Number of equal intervals between the times of output.
+        In s, divided into ``outputs`` equal intervals.
     step
         Largest step, in s, shortened to divide the outputs' distance.
     scheme
         One of `SCHEMES`.
     start
-        (theta, e_x, e_y) and their rates at t = 0; by default those of the scene.
+        State at t = 0 as of `start_of`, the default.
     approach
         Approach speed of the contact that the start is in, in m/s; inf for none.
     guarded
         Whether to stop where the step is beyond its limit in the contact. Otherwise a wrong run
         stops only if the ball goes too deep.
-
-    Returns
-    -------
-    acceleration, depth : ndarray, shapes (outputs + 1,)
-        In m/s^2 and m.
 
     Raises
     ------

@@ -8,7 +8,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from functools import cache
-from importlib import metadata
+from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -27,10 +27,9 @@ import pathlib, sys, time
 import numpy as np
 from study import paths
 paths.BUILD = paths.CACHE = pathlib.Path(sys.argv[1])
-from study.contact import hertz
 from study.measure import explicit
-from study.mechanism import Scene, law_in_scene, simulate
-law = law_in_scene.in_joint(Scene(), hertz, Scene().clearance).packed()
+from study.mechanism import Scene, simulate
+law = explicit.packed(Scene(), "hertz")
 {prepare}
 start = time.perf_counter()
 {call}
@@ -41,10 +40,7 @@ print(middle - start - (time.perf_counter() - middle))
 
 
 class Run(NamedTuple):
-    """One method at one setting: ``error`` is that of what ``call`` returns.
-
-    ``columns`` are further ones of its row.
-    """
+    """One method at one setting, the error of what ``call`` returns, and columns of its row."""
 
     method: str
     setting: str
@@ -134,14 +130,6 @@ def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
     frame = pd.DataFrame(rows)
     frame["relative"] = frame["time"] / frame["time"].iloc[0]
     return frame
-
-
-def version(package: str) -> str:
-    """Version of an installed package, or an empty text."""
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return ""
 
 
 @cache

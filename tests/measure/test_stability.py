@@ -37,7 +37,7 @@ def pressed():
 
 def test_oscillator_is_the_linearised_equation(pressed):
     state, contact_ = pressed
-    numbers, p = stability.packed(SLIPPERY, "hertz"), SLIPPERY.constants()
+    numbers, p = explicit.packed(SLIPPERY, "hertz"), SLIPPERY.constants()
     reach = np.hypot(state[1], state[2])
     y = np.array([state[0], contact_["depth"], np.arctan2(state[2], state[1]), state[3], 0, 0])
     slopes, piece = np.zeros((3, 6)), ContactState(True, 0, 1e-4)
@@ -95,7 +95,7 @@ def test_centred_velocity_is_not_limited_by_damping_until_its_fixed_point_fails(
 
 def test_an_explicit_run_that_leaves_the_clearance_says_so(pressed):
     state, _ = pressed
-    numbers = stability.packed(SLIPPERY, "hertz")
+    numbers = explicit.packed(SLIPPERY, "hertz")
     with pytest.raises(MechanismError, match=r"the depth must stay <= one clearance \(5e-05 m\)"):
         explicit.integrate(
             SLIPPERY, numbers, 0.02, 1000, 2e-5, "velocity Verlet", state, 1e-5, guarded=False
@@ -106,7 +106,7 @@ def test_an_explicit_run_that_leaves_the_clearance_says_so(pressed):
 @pytest.mark.parametrize("scheme", explicit.SCHEMES)
 def test_an_explicit_step_beyond_its_limit_is_refused(pressed, scheme, approach):
     state, contact_ = pressed
-    numbers = stability.packed(SLIPPERY, "hertz")
+    numbers = explicit.packed(SLIPPERY, "hertz")
     rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * approach)
     limit = min(stability.step_limit(scheme, contact_["frequency"], rate), 100 / max(rate, 1e-9))
 
@@ -134,7 +134,7 @@ def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
     scene = paper_scene(friction=3.0, slow_speed=0.0, full_speed=1e-3, restitution=1.0)
     state = stability.sustained_contact(scene, "hertz", 0.8 * SETTLED)
     rate = stability.oscillator(scene, "hertz", state)["friction_rate"]
-    numbers, p = stability.packed(scene, "hertz"), scene.constants()
+    numbers, p = explicit.packed(scene, "hertz"), scene.constants()
     (angle, ex, ey), slopes, piece = state[:3], np.zeros((3, 6)), ContactState(True, 1, np.inf)
     still = np.array([angle, np.hypot(ex, ey) - numbers.clearance, np.arctan2(ey, ex), 0, 0, 0])
     rigid.derive(still, piece, p, *rigid.motion(still, piece, p, numbers), slopes)
@@ -285,7 +285,7 @@ def test_particles_meet_with_an_approach_speed_above_zero():
 @pytest.mark.parametrize("scheme", explicit.SCHEMES)
 def test_an_explicit_step_that_meets_while_leaving_is_not_damped(scheme):
     """A ball that turns back within the step that touches: no approach speed to divide by."""
-    numbers, clearance = stability.packed(SLIPPERY, "hertz"), SLIPPERY.clearance
+    numbers, clearance = explicit.packed(SLIPPERY, "hertz"), SLIPPERY.clearance
     for rate in (0.0, -1e-12, -1e-6):
         start = np.array([0.5, clearance * (1 + 1e-7), 0.0, 0.0, rate, 0.0])
         pull, depth = explicit.integrate(SLIPPERY, numbers, 2e-3, 200, 1e-6, scheme, start)

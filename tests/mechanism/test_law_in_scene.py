@@ -11,7 +11,7 @@ from other_programs import odes
 from study import contact, mechanism
 from study.choose import choose, choose_model
 from study.joint import DimensionalJoint, Joint, Layer, Material, material, whole_curve
-from study.measure import explicit, stability
+from study.measure import explicit
 from study.mechanism import Scene, compare, paper_scene
 
 BRONZE, STEEL = Material(1.1e11, 0.34), Material(2.07e11, 0.3)
@@ -253,7 +253,7 @@ def test_choice_of_a_model_solves_the_joint_of_the_scenes_materials():
 
 
 def test_models_that_measure_refuse_what_they_do_not_have():
-    numbers = stability.packed(PAPER, "hertz")
+    numbers = explicit.packed(PAPER, "hertz")
     options = {"duration": 1e-4, "outputs": 10, "step": 1e-6, "scheme": "RK4"}
     for name, value in (("crank_speed", 10.0), ("crank_clearance", 1e-5)):
         with pytest.raises(ValueError, match=f"{name.replace('_', ' ')} must be left out: this"):
@@ -266,7 +266,7 @@ def test_models_that_measure_refuse_what_they_do_not_have():
 
 def test_explicit_steps_begin_where_the_scene_does():
     scene = PAPER.replace(initial_crank_angle=1.0, initial_crank_speed=30.0)
-    numbers = stability.packed(scene, "hertz")
+    numbers = explicit.packed(scene, "hertz")
     _, depth = explicit.integrate(scene, numbers, 3e-3, 30, 1e-6, "RK4")
     ours = simulate(scene, duration=3e-3, outputs=30)
     before = ours.time < ours.impacts.time[0]
@@ -276,7 +276,7 @@ def test_explicit_steps_begin_where_the_scene_does():
 
 def test_other_integrators_begin_where_the_scene_does():
     scene = PAPER.replace(initial_crank_angle=1.0, initial_crank_speed=30.0)
-    numbers = stability.packed(scene, "hertz")
+    numbers = explicit.packed(scene, "hertz")
     found = odes.slider_acceleration("DOP853", scene, numbers, 3e-3, 300, 1e-8)
     ours = simulate(scene, duration=3e-3, outputs=300, tolerance=1e-8).slider_acceleration
     assert abs(ours).max() > 100
@@ -284,5 +284,5 @@ def test_other_integrators_begin_where_the_scene_does():
 
 
 def test_a_packed_law_is_that_of_the_scenes_materials():
-    numbers = [stability.packed(scene, "stiffened_hertz").tolist() for scene in (PAPER, MIXED)]
+    numbers = [explicit.packed(scene, "stiffened_hertz").tolist() for scene in (PAPER, MIXED)]
     assert numbers[0] != numbers[1]
