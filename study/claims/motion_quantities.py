@@ -22,19 +22,10 @@ def motion_quantities(
 ) -> dict[str, float]:
     """Numbers of a response with clearance beside one with an ideal joint, by their names.
 
-    Percentages are of the time from 0 to ``end``, except where the name says otherwise. A number
-    that does not exist, such as the direction of a contact that never was, is NaN.
-
-    Parameters
-    ----------
-    response, ideal
-        At the same times, of one model and one scene.
-    end
-        Time in s up to which the motion counts, at least a `WINDOW`; None: all of it.
-    early
-        Time in s of the numbers named ``early`` or ``first 10 ms``.
-
-    Raises ``ValueError`` if the times differ.
+    The two are of one model and one scene. Percentages are of the time from 0 to ``end`` in s, at
+    least a `WINDOW`, by default all of it, except where the name says otherwise. ``early`` is the
+    time in s of the numbers named so or ``first 10 ms``. A number that does not exist, such as the
+    direction of a contact that never was, is NaN. Raises ``ValueError`` if the times differ.
     """
     same_times(response=response, ideal=ideal)
     end = float(ideal.time[-1]) if end is None else end

@@ -18,8 +18,6 @@ RUNS = {
     "schemes": "particles, other schemes",
 }
 """Groups of runs: models of the links, and particles in schemes that may feed energy in."""
-
-
 MEASURES = {"time with impacts": ("last separation", "time in which the force swings")}
 """Number of a claim -> names of the measures of a run that may be meant by it."""
 
@@ -37,19 +35,9 @@ def held(
     """Whether each statement holds in each run: a column for each claim, missing if not measured.
 
     It holds if one of its measures does, with one of the bounds: a run has the benefit of doubt.
-    Strictly it holds if all do, as in `study.claims.verdicts`.
-
-    Parameters
-    ----------
-    runs
-        Rows of `study.claims.set_ups.run`, of runs that were finished.
-    claims
-        Rows of `statements`, the default.
-
-    Raises
-    ------
-    study.claims.verdicts.ClaimError
-        If the runs lack the number of a claim.
+    Strictly it holds if all do, as in `study.claims.verdicts`. Claims are rows of `statements`, the
+    default, ``runs`` those of `study.claims.set_ups.run` that were finished. Raises
+    `study.claims.verdicts.ClaimError` if the runs lack the number of a claim.
     """
     claims = statements() if claims is None else claims
     columns = {}

@@ -200,9 +200,7 @@ def figures(monkeypatch, tmp_path):
     """Folder with a copy of one result, read from now on."""
     table = pd.read_csv(paths.FIGURES / "numbers_00.csv")
     monkeypatch.setattr(paths, "FIGURES", tmp_path)
-    verdicts.result.cache_clear()
-    yield table
-    verdicts.result.cache_clear()
+    return table
 
 
 @pytest.mark.parametrize(
@@ -230,14 +228,12 @@ def test_a_changed_claim_changes_its_verdict(change, claim, column, value, verdi
         ("relation", "~", "relation of half_angle must be one of =, <, >, got '~'"),
         ("kind", "sure", "kind of half_angle must be one of stated, implied only, used"),
         ("expected", "Table 1/f1/R3", "claim half_angle expects Table 1/f1/R3, which"),
-        ("expected", "many", "expected of half_angle must be a number, or two as 5 to 20"),
+        ("expected", "many", "expected of half_angle must be a number, got 'many'"),
+        ("expected", "inf", "expected of half_angle must be finite, got inf"),
         ("expected", "0", "expected of half_angle must not be 0"),
-        ("tolerance", "wide", "tolerance of half_angle must be a number, or two as 5 to 20, got"),
+        ("tolerance", "wide", "tolerance of half_angle must be a number, got 'wide'"),
         ("expected", "1 to 0", "expected of half_angle must not be 0"),
-        ("tolerance", "-1", "tolerance of half_angle must be a number >= 0, in percent"),
-        ("claim", "order", "claim order occurs twice"),
-        ("statement", "=1+2", "statement of 'half_angle' must be one line that does not begin as"),
-        ("measure", "a\nb", "one line that does not begin as a spreadsheet's formula, got 'a\\nb'"),
+        ("tolerance", "-1", "tolerance of half_angle must be >= 0, got -1"),
         ("evidence", "nothing", "claim half_angle: figures/nothing.csv is missing; make it with"),
         ("row", "half", "claim half_angle: figures/numbers_00.csv has no quantity 'half'; remake"),
         ("column", "ours", "claim half_angle: figures/numbers_00.csv has no column 'ours'; remake"),
@@ -277,7 +273,6 @@ def test_missing_and_damaged_evidence_is_one_clear_error(figures):
         verdicts.readings("numbers_00", name, "value")
     for damage in ("inf", "", "many"):
         figures.assign(value=["1", damage]).to_csv(paths.FIGURES / "numbers_00.csv", index=False)
-        verdicts.result.cache_clear()
         with pytest.raises(verdicts.ClaimError, match="value of 'half-angle .* finite numbers"):
             verdicts.readings("numbers_00", name, "value")
 
