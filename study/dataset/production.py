@@ -24,7 +24,7 @@ GENERATED = {
     store.COEFFICIENTS: "dataset/fitting",
     store.RELATIVE_COSTS: "dataset/fitting",
     store.TABLE: "dataset/stiffening_fit",
-    store.CONTACT_SIZE: "dataset/contact_size",
+    store.CONTACT_SIZE: "dataset/stiffening_fit",
     store.LINKS: "choose/random_scenes",
     store.SET_UPS: "claims/set_ups",
 }
@@ -41,13 +41,8 @@ MADE_FROM = {
 def to_make() -> set[Path]:
     """Files that a build makes: damaged or out of date, and those that are made from them.
 
-    Empty if all are up to date. The description is made with any other, and alone where only
-    materials have changed.
-
-    Raises
-    ------
-    study.dataset.DatasetError
-        If the description or a published file is missing or damaged: no build makes these.
+    The description is made with any other, and alone where only materials have changed. Raises
+    `study.dataset.DatasetError` if it or a published file is missing or damaged.
     """
     if os.environ.get(FROM_NOTHING):
         return {*GENERATED, store.PACKAGE}
@@ -127,13 +122,7 @@ def _undamaged():
 
 
 def verify_made_by() -> None:
-    """Compare code, data and design that decide a generated file with those that made it.
-
-    Raises
-    ------
-    study.dataset.DatasetError
-        If a file was made by others, and is out of date; names the remedy.
-    """
+    """Raise `study.dataset.DatasetError` if a file is `out_of_date`."""
     for path, why in out_of_date().items():
         raise store.DatasetError(
             f"{provenance.name(path)} is out of date: {why} since it was made; "

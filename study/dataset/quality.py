@@ -14,10 +14,7 @@ AGREEMENT = 1e-6  # relative, of forces solved again
 def check() -> list[tuple[str, str]]:
     """Checks of the dataset, with the number that each found: files, schema, physics, one case.
 
-    Raises
-    ------
-    study.dataset.DatasetError
-        At the first check that fails; names the file, the case and the remedy.
+    The first that fails raises `study.dataset.DatasetError`: file, case and remedy.
     """
     store.verify_files()
     production.verify_made_by()

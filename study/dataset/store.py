@@ -54,7 +54,7 @@ def load(**filters: Any) -> pd.DataFrame:
     Raises
     ------
     DatasetError
-        As `verify_files`.
+        As `verify`.
     ValueError
         For an unknown column, an unknown value, or a filter that leaves no row.
     """
@@ -84,10 +84,7 @@ def paper_curves(
 def published(where: str | None = None) -> pd.Series:
     """Numbers that the paper prints, by ``where``, ``row`` and ``quantity``.
 
-    Parameters
-    ----------
-    where
-        One table or figure, ``"Table 2"``: numbers by ``row`` and ``quantity``.
+    Those of one table or figure, as ``"Table 2"``, are by ``row`` and ``quantity`` alone.
     """
     frame = _read(TABLES)
     if where is not None:
@@ -166,29 +163,22 @@ def _read(path, **options):
 def read_package() -> dict[str, Any]:
     """Content of ``datapackage.json``, checked for all that is used here.
 
-    Raises
-    ------
-    DatasetError
-        If it is missing or damaged; names the remedy.
+    Raises `DatasetError` if it is missing or damaged, which names the remedy.
     """
     paths.require_checkout(paths.DATA)
     name = provenance.name(PACKAGE)
     remedy = f"restore it with: git checkout -- {name}"
     try:
         package = json.loads(PACKAGE.read_text(encoding="utf-8"))
-        for key in ("library_sha256", "design", "made_by"):
-            package["provenance"][key]
+        package["provenance"]["design"], package["provenance"]["made_by"]
         stated = _stated_hashes(package)
         for resource in package["resources"]:
             if resource["path"] == CURVES.name:
                 [(field["name"], field["type"]) for field in resource["schema"]["fields"]]
-    except FileNotFoundError:
-        raise DatasetError(f"{name} is missing; {remedy}") from None
-    except (ValueError, KeyError, TypeError, AttributeError):
-        raise DatasetError(f"{name} is damaged; {remedy}") from None
-    needed = (CURVES, LINKS, SET_UPS, *PUBLISHED, *LIBRARY)
-    if missing := [provenance.name(path) for path in needed if path not in stated]:
-        raise DatasetError(f"{name} does not describe {', '.join(missing)}; {remedy}")
+        for path in (CURVES, LINKS, SET_UPS, *PUBLISHED, *LIBRARY):
+            stated[path]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        raise DatasetError(f"{name} is missing or damaged; {remedy}") from None
     return package
 
 
@@ -201,14 +191,9 @@ def _stated_hashes(package):
 
 
 def verify(path: Path, package: dict[str, Any]) -> None:
-    """Compare one file with the hash that the description states for it.
+    """Raise `DatasetError` if a file is missing, or has not the hash that the description states.
 
     By hashlib: frictionless (`quality`) would take a second to import at every load.
-
-    Raises
-    ------
-    DatasetError
-        If the file is missing or damaged; names the remedy.
     """
     name, description = provenance.name(path), f"data/{PACKAGE.name}"
     # the description too: its hash may be the one that is wrong
@@ -229,13 +214,7 @@ def is_as_stated(path: Path, package: dict[str, Any]) -> bool:
 
 
 def verify_files() -> None:
-    """Compare the hash of every data file with that in its description.
-
-    Raises
-    ------
-    DatasetError
-        If a file is missing or damaged; names the remedy.
-    """
+    """`verify` every data file."""
     package = read_package()
     for path in _stated_hashes(package):
         verify(path, package)

@@ -34,7 +34,7 @@ def build(
     force: bool = False,
     dask_address: str | None = None,
 ) -> Built:
-    """Run the outdated tasks of some folders.
+    """Run the outdated tasks of some folders; with ``force`` those that are up to date too.
 
     Parameters
     ----------
@@ -42,8 +42,6 @@ def build(
         Tasks, as for ``pytask -k``, with those that they need; all by default.
     jobs
         Processes, by default one per core.
-    force
-        Run those that are up to date too.
     dask_address
         Dask scheduler whose workers run the tasks.
 
