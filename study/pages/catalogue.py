@@ -71,7 +71,7 @@ class Notebook:
     """A notebook, by its file name without suffix, and the results it makes, by their names.
 
     It ``reads`` the numbers of results of other notebooks. A ``long`` one takes longer than most,
-    and so begins first. ``settings`` are parameters other than the defaults; the catalogue has none.
+    so that it begins first. ``settings`` are parameters other than the defaults.
     """
 
     name: str
@@ -196,8 +196,8 @@ def _nearest(name, known):
 def check_claims() -> None:
     """Refuse wrong rows of ``data/published/claims.csv``, before anything runs for minutes.
 
-    Raises `study.claims.verdicts.ClaimError`, as `study.claims.verdicts.load` does, and for a figure
-    or evidence that no notebook makes.
+    Raises `study.claims.verdicts.ClaimError`, as `study.claims.verdicts.load` does, and for a
+    figure or evidence that no notebook makes.
     """
     from study.claims import verdicts
 

@@ -75,7 +75,7 @@ def test_missing_data_is_one_line_and_status_1(run, monkeypatch):
     monkeypatch.setattr(store, "PACKAGE", paths.ROOT / "missing.json")
     status, _, err = run("data", "show")
     assert (status, err.count("\n")) == (1, 1)
-    assert err.startswith("study: missing.json is missing or damaged; restore it with: git checkout")
+    assert err.startswith("study: missing.json is missing or damaged; restore it with: git")
 
 
 def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch):

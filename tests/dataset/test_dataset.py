@@ -281,10 +281,10 @@ def test_the_schema_allows_what_the_design_has():
 def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
     package = copy / "datapackage.json"
     package.write_text("{")
-    with pytest.raises(dataset.DatasetError, match=r"datapackage.json is missing or damaged.*git checkout"):
+    with pytest.raises(dataset.DatasetError, match=r"is missing or damaged.*git checkout"):
         dataset.load()
     package.unlink()
-    with pytest.raises(dataset.DatasetError, match=r"datapackage.json is missing or damaged.*git checkout"):
+    with pytest.raises(dataset.DatasetError, match=r"is missing or damaged.*git checkout"):
         dataset.load()
 
 

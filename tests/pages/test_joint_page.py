@@ -12,7 +12,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from study.joint import DimensionalJoint, whole_curve
-from study.pages.report import joint_page as page_of_joint
+from study.pages.report import numbers as page_of_joint
 
 STATIC = Path(page_of_joint.__file__).parent / "static"
 CHROMIUM = next(

@@ -143,8 +143,7 @@ def test_folders_of_long_settings_have_short_names_that_differ():
         ("r2_star=-1e999", "parameter r2_star must be finite and >= 20 and <= 10000, got -inf"),
         ("shallow=[0.01, 0.5]", "parameter shallow must be >= 0.001 and <= 0.02, got 0.5"),
         ("kinematics=finite", "parameter kinematics must be one of linear, small, got 'finite'"),
-        ("r2_star=" + "-" * 100_000, "-p must have at most 1000 characters, got 100008: r2_star="),
-        ("r2_star=" + "-" * 900, "parameter r2_star must be of type float, got"),
+        ("r2_star=" + "-" * 100_000, "parameter r2_star must be of type float, got '------"),
         ("r2_star=" + "(" * 900, "parameter r2_star must be of type float, got"),
     ],
 )

@@ -26,7 +26,7 @@ from study.pages import catalogue, execute, report
 from study.pages.catalogue import CATALOGUE, results
 from study.pages.report import pages as sources_of_pages
 from study.pages.report.conf import mathml
-from study.pages.report.curves import PARAMETERS, curves
+from study.pages.report.numbers import PARAMETERS, curves
 from study.pages.report.pages import VERDICTS
 
 pytestmark = pytest.mark.slow

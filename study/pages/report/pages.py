@@ -15,8 +15,7 @@ from study.dataset.store import CURVES, PACKAGE
 from study.pages import catalogue
 from study.pages.catalogue import CATALOGUE
 from study.pages.execute import parameters
-from study.pages.report.curves import curves
-from study.pages.report.joint_page import joint_data
+from study.pages.report.numbers import curves, joint_data
 from study.pages.typeset import PDFS
 
 DOCUMENTS = [path.relative_to(paths.ROOT).as_posix() for path in paths.DOCUMENTS]

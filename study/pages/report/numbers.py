@@ -1,10 +1,15 @@
-"""The dataset's cases and the laws at their depths, for the plot in the page."""
+"""The numbers of the report's pages that compute: the dataset's plot, and a joint of one's own."""
 
 from study import checks, dataset
-from study.contact import COMPARED_LAWS, LAWS
+from study.contact import COMPARED_LAWS, LAWS, materials, shapes, stiffening
+from study.contact.laws import LIMIT_MARGIN
 from study.contact.power_fit import USUAL_RANGE
 from study.dataset import design, store
+from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
+from study.joint.dimensional import LEAST_CLEARANCE
 from study.joint.law_parameters import law_parameters
+from study.joint.supports import PLATES, RIMS
+from study.pages import catalogue
 from study.pages.figures import LOOKS
 
 PARAMETERS = {
@@ -18,6 +23,8 @@ PARAMETERS = {
     "r2_star": "Socket radius R2* = R2/ΔR",
 }
 """What a case is chosen by -> its name in words."""
+COPIED = ("UNIT", "DIGITS", "LEAST_R2_STAR", "RANGES")
+LEAST_STRESS = 0.8  # a body's largest von Mises stress, at least, over that of a confined layer
 
 
 def curves() -> dict:
@@ -70,3 +77,25 @@ def _parameters(joint):
 
 def _rounded(value):
     return float(f"{value:.5g}")
+
+
+def joint_data() -> dict:
+    """Every number that ``joint.js`` computes with, as the library has it; tables as CSV."""
+    (judged,) = (result for result in catalogue.results() if result.name == "judged")
+    head, *rows = judged.rows()
+    tables = stiffening.TABLE, store.CONTACT_SIZE
+    errors = sorted((float(row[head.index("largest_percent")]), row[0].split()[0]) for row in rows)
+    return {
+        "tables": [path.read_text(encoding="utf-8") for path in tables],
+        **{name.lower(): getattr(stiffening, name) for name in COPIED},
+        "to_powers": stiffening._POWERS.tolist(),
+        "deepest": shapes.stiffened.deepest,
+        "margin": LIMIT_MARGIN,
+        "least_clearance": LEAST_CLEARANCE,
+        "walls": [THINNEST_RATIO - 1, THICKEST_RATIO - 1],
+        "choices": {"ball_support": [*map(str, PLATES)], "rim": RIMS},
+        "softest": checks.SOFTEST,
+        "least_stress": LEAST_STRESS,
+        "materials": materials.table(),
+        "judged": {group: largest for largest, group in errors},
+    }
