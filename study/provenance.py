@@ -63,8 +63,9 @@ def inputs(start: Path) -> list[Path]:
     A module reads the data files that it names: those beside it, and those in ``data/``.
     """
     code = sources(start) if start.is_file() else []
-    data = {file: None for path in code for file in _data(path)}
-    return list(dict.fromkeys([start, *code, *data]))
+    named = [(path.parent, text) for path in code for text in _source(path).data]
+    places = [folder / text for beside, text in named for folder in (beside, paths.DATA)]
+    return list(dict.fromkeys([start, *code, *(place for place in places if place.is_file())]))
 
 
 def digest(files: Iterable[Path], *more: object, words: bool = False) -> str:
@@ -120,12 +121,6 @@ def _imported(path, *_stamp):
     """Files of the study that one file imports."""
     files = [_definition(name) for name in _source(path).imports]
     return [file for file in files if file is not None]
-
-
-def _data(path):
-    """Data files that a module names."""
-    places = [parent / text for text in _source(path).data for parent in (path.parent, paths.DATA)]
-    return [place for place in places if place.is_file()]
 
 
 def _definition(dotted):

@@ -89,18 +89,10 @@ def deviations(
 ) -> dict[str, Any]:
     """Deviations of Table 2's numbers from the published ones: ln(ours/published).
 
-    Parameters
-    ----------
-    published
-        `study.dataset.published_table_2`.
-    sums
-        `SUMS` at one of `SAMPLINGS`, each a number or an array.
-    area, factor, scale
-        Area element of the hyperbolic law, factor of 1 - determination by the paper's definition,
-        and common factor of all elastic forces.
-    shifts
-        Relative changes of the coefficients of Winkler's and the hyperbolic law, from those of
-        least squares.
+    Ours follow from `SUMS` at one of `SAMPLINGS`, each a number or an array, the area element of
+    the hyperbolic law, a factor of 1 - determination by the paper's definition, a common ``scale``
+    of all elastic forces, and relative shifts of the coefficients of Winkler's and the hyperbolic
+    law from those of least squares. The others are `study.dataset.published_table_2`.
     """
     laws, logarithms = _laws(sampling), {}
     count = len(SAMPLINGS[sampling])

@@ -81,10 +81,10 @@ def list_materials():
 @cli.command("check", group=cli.data_app)
 def check_data():
     """Check files, schema and physics of the dataset, and solve one case again."""
-    from study.dataset import quality
+    from study.dataset import production
 
     with working("Checking the data, and solving one case again"):
-        checked, results = zip(*quality.check(), strict=True)
+        checked, results = zip(*production.check(), strict=True)
     say({"checked": checked, "found": results})
 
 

@@ -44,19 +44,9 @@ class DatasetError(checks.StudyError):
 def load(**filters: Any) -> pd.DataFrame:
     """The dataset as a tidy frame, one row per case and depth.
 
-    ``datapackage.json`` has the unit and the meaning of every column.
-
-    Parameters
-    ----------
-    **filters
-        Column name = value, or list of values, to keep.
-
-    Raises
-    ------
-    DatasetError
-        As `verify`.
-    ValueError
-        For an unknown column, an unknown value, or a filter that leaves no row.
+    ``datapackage.json`` has the unit and the meaning of every column. Filters are a column's name
+    with a value, or a list of values, to keep. Raises `DatasetError` as `verify` does, and
+    ``ValueError`` for an unknown column or value, or a filter that leaves no row.
     """
     curves = frame = _read(CURVES, keep_default_na=False)  # no layers: an empty text
     for column, wanted in filters.items():
@@ -193,7 +183,7 @@ def _stated_hashes(package):
 def verify(path: Path, package: dict[str, Any]) -> None:
     """Raise `DatasetError` if a file is missing, or has not the hash that the description states.
 
-    By hashlib: frictionless (`quality`) would take a second to import at every load.
+    By hashlib: frictionless (`production`) would take a second to import at every load.
     """
     name, description = provenance.name(path), f"data/{PACKAGE.name}"
     # the description too: its hash may be the one that is wrong

@@ -205,28 +205,13 @@ def integrate(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Slider's acceleration in m/s^2 and depth of the clearance joint in m, shapes (outputs + 1,).
 
-    Parameters
-    ----------
-    law
-        From `packed`.
-    duration
-        In s, divided into ``outputs`` equal intervals.
-    step
-        Largest step, in s, shortened to divide the outputs' distance.
-    scheme
-        One of `SCHEMES`.
-    start
-        State at t = 0 as of `start_of`, the default.
-    approach
-        Approach speed of the contact that the start is in, in m/s; inf for none.
-    guarded
-        Whether to stop where the step is beyond its limit in the contact. Otherwise a wrong run
-        stops only if the ball goes too deep.
+    The duration in s is divided into ``outputs`` equal intervals, and each of these into steps of
+    one of `SCHEMES`, in s and at most ``step``. The law is from `packed`. The start is the state at
+    t = 0, by default `start_of` the scene, and ``approach`` the approach speed in m/s of the
+    contact that it is in, inf for none.
 
-    Raises
-    ------
-    study.mechanism.MechanismError
-        If the step is beyond its limit, or the ball goes deeper than one clearance.
+    Raises `study.mechanism.MechanismError` if the ball goes deeper than one clearance and, if it is
+    ``guarded``, where the step is beyond its limit in the contact.
     """
     y = np.array(start_of(scene) if start is None else start, float)
     strides, h = divide(duration * np.arange(2) / outputs, step)

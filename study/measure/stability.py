@@ -34,12 +34,9 @@ def oscillator(scene: Scene, law: str, state: ArrayLike) -> dict[str, float]:
     A unit force along the tangent of the ball's surface accelerates the sliding by 1/mass: through
     crank and coupler, a double pendulum, and through the slider (this study, closed form).
 
-    Returns
-    -------
-    dict
-        ``depth`` in m, ``force`` P in N, ``mass`` m of the mechanism along the normal in kg,
-        ``frequency`` w = sqrt(P'/m) in rad/s, and ``friction_rate`` mu P / ((v1 - v0) m) in 1/s, at
-        which friction slows sliding between v0 and v1, with the mass along the tangent.
+    The numbers are ``depth`` in m, ``force`` P in N, ``mass`` m of the mechanism along the normal
+    in kg, ``frequency`` w = sqrt(P'/m) in rad/s, and ``friction_rate`` mu P / ((v1 - v0) m) in 1/s,
+    at which friction slows sliding between v0 and v1, with the mass along the tangent.
     """
     numbers, p = packed(scene, law), scene.constants()
     state = np.asarray(state)

@@ -6,8 +6,7 @@ differ, and equal tables have to give equal pictures, byte by byte.
 
 Every figure is readable in print. The article is A4 with a text width of 6.61 in, to which a wider
 figure is scaled down. No text may be smaller than 7 pt there, so a figure is at most `WIDEST`
-and its text at least `SMALLEST`: 9 pt * 6.61 / 8.4 = 7.08 pt. Sub- and superscripts are not
-counted.
+and its text at least `SMALLEST`: 9 pt * 6.61 / 8.4 = 7.08 pt, sub- and superscripts aside.
 """
 
 from collections.abc import Mapping
@@ -202,13 +201,8 @@ def tidy(*curves: tuple[str, pd.DataFrame, str, str, str | None], digits: int = 
     """Numbers of several panels in one table: panel, series, x_is, x, y_is, y, all but x as text.
 
     The figure draws the significant digits of y too, by ``as_saved(values, digits)``. Three are
-    enough on a logarithmic axis.
-
-    Parameters
-    ----------
-    *curves
-        (panel, table, x, y, series): letter, DataFrame and names of its columns; a series of
-        None is a single one, called ``y``.
+    enough on a logarithmic axis. A curve is (panel, table, x, y, series): letter, DataFrame and
+    names of its columns; a series of None is a single one, called ``y``.
     """
     parts = []
     for panel, table, x, y, series in curves:

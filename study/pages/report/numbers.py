@@ -35,7 +35,7 @@ def curves() -> dict:
     """
     frames = dict(iter(dataset.load().sort_values("depth_star").groupby("case")))
     depths, cases = {}, []
-    for group, name, joint in ((s.group, *case) for s in design.DESIGN for case in s.cases()):
+    for group, name, joint, _ in design.every_case():
         frame = frames[name]
         depth = frame["depth_star"].to_numpy()
         last = frame.iloc[-1]

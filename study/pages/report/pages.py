@@ -39,10 +39,7 @@ _SIGNS = str.maketrans({"'": "\N{RIGHT SINGLE QUOTATION MARK}"} | dict.fromkeys(
 def write(sources: Path, pages: Path) -> list[tuple[str, str, str, str]]:
     """Write Sphinx's sources to a folder, and files that belong beside the pages to another.
 
-    Returns
-    -------
-    list of tuple
-        Title, kind (of `KINDS`), page and anchor of each place that the search should find.
+    Return title, kind (of `KINDS`), page and anchor of each place that the search should find.
     """
     return _Sources(sources, pages).write(read_claims())
 
