@@ -13,7 +13,7 @@ from benchmarks import others
 from other_programs import cvode, odes
 
 from study.joint import DimensionalJoint
-from study.measure import charts, explicit, flexible, speed, timing
+from study.measure import charts, explicit, flexible, timing
 from study.mechanism import simulate
 from study.mechanism.spatial import ClearanceJoint
 
@@ -41,10 +41,10 @@ def test_time_over_that_of_compiled_cvode(capsys):
     """Prints ratios at equal error; all runs by turns in this process."""
     if cvode.version() is None:
         pytest.skip("gcc or SUNDIALS 6 (libsundials-dev) is not installed")
-    names = speed.OURS, "CVODE in C"
+    names = timing.OURS, "CVODE in C"
     runs = [*charts.steppers(compile_times=False), *others.steppers()]
     chosen = [run for run in runs if run.method.startswith(names)]
-    table = speed.at_equal_error(timing.chart("steppers", chosen, 5))
+    table = timing.at_equal_error(timing.chart("steppers", chosen, 5))
     table = table.pivot(index="method", columns="error", values=["time", "ratio"])
     with capsys.disabled():
         print("\n0.3 s with clearance, rigid links, compiled: time in s, ratio to this study")

@@ -29,19 +29,16 @@ def statements() -> pd.DataFrame:
     return claims.reset_index(drop=True)
 
 
-def held(
-    runs: pd.DataFrame, claims: pd.DataFrame | None = None, strictly: bool = False
-) -> pd.DataFrame:
+def held(runs: pd.DataFrame, strictly: bool = False) -> pd.DataFrame:
     """Whether each statement holds in each run: a column for each claim, missing if not measured.
 
     It holds if one of its measures does, with one of the bounds: a run has the benefit of doubt.
-    Strictly it holds if all do, as in `study.claims.verdicts`. Claims are rows of `statements`, the
-    default, ``runs`` those of `study.claims.set_ups.run` that were finished. Raises
-    `study.claims.verdicts.ClaimError` if the runs lack the number of a claim.
+    Strictly it holds if all do, as in `study.claims.verdicts`. Runs are those of
+    `study.claims.set_ups.run` that were finished. Raises `study.claims.verdicts.ClaimError` if they
+    lack the number of a claim.
     """
-    claims = statements() if claims is None else claims
     columns = {}
-    for claim in claims.itertuples():
+    for claim in statements().itertuples():
         meant = list(MEASURES.get(claim.row, [claim.row]))
         if not set(meant) <= set(runs):
             raise verdicts.ClaimError(f"claim {claim.claim}: the runs have no {claim.row!r}")

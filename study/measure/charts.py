@@ -34,8 +34,7 @@ from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
 from study.joint.curve import Solver
 from study.joint.law_parameters import law_parameters
 from study.measure import explicit, flexible, timing
-from study.measure.speed import OURS
-from study.measure.timing import PYTHON, Run
+from study.measure.timing import OURS, PYTHON, Run
 from study.mechanism import paper_scene, simulate
 from study.mechanism.compare import normalised_rms
 

@@ -81,7 +81,7 @@ LOOKS = _looks("law")
 MODEL_LOOKS = _looks("model")
 """Models of the mechanism's links; the rigid ones are drawn behind the others."""
 METHOD_LOOKS = _looks("method")
-"""Solvers of the joint and steppers of the mechanism, by `study.measure.speed`'s names."""
+"""Solvers of the joint and steppers of the mechanism, by the names in `study.measure.charts`."""
 
 _style = ExitStack()  # entered by `new`, left by `save`
 

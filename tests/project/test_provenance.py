@@ -48,7 +48,7 @@ def test_imports_inside_functions_count(tmp_path):
     ("changed", "outdated"),
     [
         ("study/measure/stability.py", ["17"]),
-        ("study/measure/speed.py", ["16", "26"]),
+        ("study/measure/timing.py", ["16", "26"]),
         ("study/claims/verdicts.py", ["21", "30"]),
         ("study/claims/identification.py", ["04", "13"]),
         ("study/claims/table_alone.py", ["04", "13"]),
