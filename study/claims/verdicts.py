@@ -121,10 +121,8 @@ def judge() -> pd.DataFrame:
     judged = claims.drop(columns=["row", "column", "assumes", "bounds"]).join(
         pd.DataFrame(map(_judge, claims.itertuples()))
     )
-    for name, order in (("verdict", VERDICTS), ("kind", KINDS)):
-        rank = judged[name].map(order.index)
-        judged = judged.loc[rank.sort_values(kind="stable").index]
-    return judged.reset_index(drop=True)
+    order = (*KINDS, *VERDICTS).index
+    return judged.sort_values(["kind", "verdict"], key=lambda x: x.map(order), ignore_index=True)
 
 
 def _judge(claim):

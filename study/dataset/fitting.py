@@ -2,9 +2,8 @@
 
 As in the paper, there is one coefficient f1 for each case, and then a surrogate of f1 over R2*. The
 surrogate is a straight line, because P* -> R2* F(ds) as R2* grows. Its intercept is the next order
-in 1/R2*. The paper's coefficients are lost; these are ours. Liu's coefficient follows from a
-published number. What a call of each law costs is selected here too, from the times that were
-measured.
+in 1/R2*. The paper's coefficients are lost; these are ours. What a call of each law costs is
+selected here too, from the times that were measured.
 """
 
 import numpy as np
@@ -44,10 +43,7 @@ def shape(law: str, depth_star: ArrayLike) -> NDArray[np.float64]:
 
 def sampled(curve: pd.DataFrame) -> NDArray[np.float64]:
     """Forces of one case of the dataset at the depths of `SAMPLE`, 0 at depth 0; shape (21,)."""
-    inside = curve[curve.depth_star <= LARGEST_DEPTH]
-    if len(inside) != len(SAMPLE) - 1 or not np.allclose(inside.depth_star, SAMPLE[1:]):
-        raise ValueError(f"curve must have the depths {SAMPLE[1]:g} to {SAMPLE[-1]:g} of SAMPLE")
-    return np.append(0, inside.force_star)
+    return np.append(0, curve.force_star[curve.depth_star <= LARGEST_DEPTH])
 
 
 def coefficients_by_case(law: str, curves: pd.DataFrame) -> pd.DataFrame:

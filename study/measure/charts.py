@@ -5,9 +5,9 @@
 paper's scene with clearance, against the study's stepper at its smallest tolerance. ``flexible``:
 flexible links, against particles of a fine mesh.
 
-A new method needs its entry in `SOLVERS` or `STEPPERS`, its run beside the others, and its look in
-`study.pages.figures.METHOD_LOOKS`. Other programs are timed by ``tests/benchmarks`` of the
-checkout, in the same process and by turns with the study's own methods.
+A new method needs its run in `solvers` or `steppers`, and its look in ``study/pages/looks.csv``.
+Other programs are timed by ``tests/benchmarks`` of the checkout, in the same process and by turns
+with the study's own methods.
 """
 
 from collections.abc import Iterator, Sequence

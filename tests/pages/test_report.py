@@ -399,20 +399,6 @@ def test_what_sphinx_warns_of_is_one_clear_error_and_leaves_the_report(tmp_path,
     assert (tmp_path / "report/index.html").read_text() == "old"
 
 
-def test_a_title_with_html_is_refused(results_shown, tmp_path, monkeypatch):
-    show_little(monkeypatch, results_shown)
-    changed = tmp_path / "notebooks"
-    shutil.copytree(results_shown / "notebooks", changed)
-    monkeypatch.setattr(paths, "BUILD", tmp_path)
-    (made,) = catalogue.select(["fig10"])
-    content = nbformat.read(made.executed, as_version=4)
-    content.cells[0].source = '# <img src="x">'
-    nbformat.write(content, made.executed)
-    message = f"the title of notebook {made.name} must have no HTML, got '# <img src=\"x\">'"
-    with pytest.raises(StudyError, match=re.escape(message)):
-        sources_of_pages.write(tmp_path / "sources", tmp_path / "pages")
-
-
 # ---- in a browser ----
 
 CHROMIUM = next(
