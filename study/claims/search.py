@@ -47,11 +47,6 @@ def held(runs: pd.DataFrame, strictly: bool = False) -> pd.DataFrame:
     return pd.DataFrame(columns, index=runs.index)
 
 
-def group(runs: pd.DataFrame) -> pd.Series:
-    """The group of each run, of `RUNS`."""
-    return runs.model.where(runs.kind != "schemes", "schemes")
-
-
 def never_together(holds: pd.DataFrame) -> list[tuple[str, str]]:
     """Pairs of statements that each hold in some run, but never in the same one."""
     some = holds.fillna(False).astype(bool)
