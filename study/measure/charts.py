@@ -21,17 +21,9 @@ from study import checks
 from study.compiled import compiled
 from study.contact import LAWS, DimensionalLaw, tabulated
 from study.contact.forces import elastic_force
-from study.joint import (
-    Joint,
-    contact_kinematics,
-    fem,
-    force_curve,
-    paper_joint,
-    series,
-    whole_curve,
-)
+from study.joint import Joint, contact_kinematics, fem, paper_joint, series
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
-from study.joint.curve import Solver
+from study.joint.curve import Solver, force_curve, whole_curve
 from study.joint.law_parameters import law_parameters
 from study.measure import explicit, flexible, timing
 from study.measure.timing import OURS, PYTHON, Run
@@ -92,8 +84,7 @@ def laws(repeats: int = 15, compile_times: bool = True) -> pd.DataFrame:
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     prepare = "from study.measure.charts import add_law; depths = np.ones(2) * 1e-6"
     seconds = timing.compile_time("add_law(law, depths)", prepare) if compile_times else 0.0
-    compiled_here = DimensionalLaw("hertz", **SIZES).packed()  # a first call may be the one counted
-    add_law(compiled_here, depths[:2])
+    add_law(DimensionalLaw("hertz", **SIZES).packed(), depths[:2])  # compiled here, not counted
     rows = []
     for name, law in (LAWS | {"tabulated": solved}).items():
         options = law_parameters(law, PAPER)
