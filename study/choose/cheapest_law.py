@@ -1,10 +1,9 @@
 """The cheapest law that is accurate enough for a joint, with the evidence.
 
 A law's error is the largest relative error of its force over all depths from `SHALLOWEST`
-clearances to the scene's largest, against the solved joint. Bodies are elastic there: from which
-depth on they yield, `study.joint.first_yield` says. Its bound includes 3 times the error estimate
-of that solution. Where no closed law is within the tolerance, it is the table of the coarsest
-solution that is. Costs are those of `study.contact.costs`.
+clearances to the scene's largest, against the solved joint, whose bodies are elastic. Its bound
+includes 3 times the error estimate of that solution. Where no closed law is within the tolerance,
+it is the table of the coarsest solution that is. Costs are those of `study.contact.costs`.
 """
 
 from collections.abc import Callable
@@ -19,7 +18,6 @@ from study.contact import LAWS, hertz, largest_depth, tabulated
 from study.contact.costs import relative_costs
 from study.joint import Joint, UnresolvedError, force_curve, whole_curve
 from study.joint.compliance import RESOLUTION
-from study.joint.curve import ForceCurve
 from study.joint.dimensional import usual_depth
 from study.joint.law_parameters import law_parameters
 from study.joint.nested_contact import LEAST_R2_STAR
@@ -33,9 +31,7 @@ DEPTHS = 40  # of a law's error
 SOLVED_FIRST = 1.25
 """Factor on the cost of a table, as its joint is solved first, and measured costs are noisy: those
 of a table and of ``stiffened_hertz`` differed by 1 to 13 % from run to run."""
-FINITE_DEPTHS = (
-    13  # solved with finite kinematics, a second each; odd: first and last are in a table
-)
+FINITE_DEPTHS = 13  # with large displacements, a second each; odd: first and last are in a table
 DEEPER = (1, 4, 12)
 """Factors of a depth: laws are compared up to the least of these depths that elements resolve. The
 range begins at a twelfth of its end at most, so that the depth itself is within it."""
@@ -63,8 +59,8 @@ class Choice:
     depths
         Least and largest depth_star for which the bound holds.
     rejected
-        Laws that cost less and whose bound misses the tolerance, the most expensive first:
-        ``law``, ``options``, ``error``, ``error_bound``, ``relative_cost``.
+        Cheaper laws whose bound misses the tolerance, the most expensive first: ``law``,
+        ``options``, ``error``, ``error_bound``, ``relative_cost``.
     errors
         Every closed law that is for the joint -> its largest relative error.
     evaluate
@@ -108,23 +104,17 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     depths = np.linspace(np.sqrt(least), np.sqrt(deepest), DEPTHS) ** 2
     force, uncertainty = _exact(joint, depths)
     largest = {law: float(error.max()) for law, error in law_errors(joint, depths, force).items()}
+    made = partial(Choice, depths=(float(least), deepest), rejected=(), errors=largest)
     rejected = []
-    for candidate in _candidates(joint, depths, force, uncertainty, largest):
-        if candidate["error_bound"] <= tolerance:
-            break
-        rejected.append({name: candidate[name] for name in candidate if name != "evaluate"})
-    else:
-        raise checks.StudyError(
-            f"no law is known to be within the tolerance {tolerance:g}: the finest solution, of "
-            f"resolution {candidate['options']['resolution']}, is known to within "
-            f"{candidate['error_bound']:.2g}"
-        )
-    del candidate["error"]
-    return Choice(
-        **candidate,
-        depths=(float(least), deepest),
-        rejected=tuple(reversed(rejected)),
-        errors=largest,
+    for error, choice in _candidates(joint, depths, force, uncertainty, largest, made):
+        if choice.error_bound <= tolerance:
+            return replace(choice, rejected=tuple(reversed(rejected)))
+        row = {"law": choice.law, "options": choice.options, "error": error}
+        row |= {"error_bound": choice.error_bound, "relative_cost": choice.relative_cost}
+        rejected.append(row)
+    raise checks.StudyError(
+        f"no law is known to be within the tolerance {tolerance:g}: the finest solution, of "
+        f"resolution {choice.options['resolution']}, is known to within {choice.error_bound:.2g}"
     )
 
 
@@ -147,32 +137,30 @@ def choose_beside(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     raise checks.RangeError(f"the contact is too small for laws to be compared{known}")
 
 
-def _candidates(joint, depths, force, uncertainty, largest):
-    """Closed laws and tables by their cost, tables from the coarsest on; the solution is last."""
+def _candidates(joint, depths, force, uncertainty, largest, made):
+    """Errors and choices, by cost: closed laws, tables from the coarsest on, and the solution."""
     costs, resolutions = relative_costs(), RESOLUTIONS[_kind(joint)]
-
-    def candidate(law, options, error, bound, evaluate):
-        values = {"law": law, "options": options, "error": error, "error_bound": bound}
-        return values | {"relative_cost": costs[law], "evaluate": evaluate}
-
     ahead = costs | {"tabulated": SOLVED_FIRST * costs["tabulated"]}
     for law in sorted([*largest, "tabulated"], key=ahead.__getitem__):
         if law != "tabulated":
             options = law_parameters(LAWS[law], joint, depths, force)
-            bound = _bounded(largest[law], uncertainty)
-            yield candidate(law, options, largest[law], bound, partial(LAWS[law], **options))
+            bound, evaluate = _bounded(largest[law], uncertainty), partial(LAWS[law], **options)
+            yield largest[law], made(law, options, bound, costs[law], evaluate=evaluate)
             continue
         for resolution, curve, error in _solutions(joint, depths, resolutions):
             # every second depth is left out of the table, and shows its error of interpolation
             in_table = np.arange(len(curve.depth_star)) % 2 == (len(curve.depth_star) - 1) % 2
-            table = tabulated(_some(curve, in_table))
-            left_out = _some(curve, ~in_table & (curve.depth_star >= depths[0]))
-            between = float(np.abs(table(left_out.depth_star) / left_out.force_star - 1).max())
+            names = ("depth_star", "force_star", "error_estimate")
+            table = tabulated(replace(curve, **{n: getattr(curve, n)[in_table] for n in names}))
+            left_out = ~in_table & (curve.depth_star >= depths[0])
+            exact = curve.force_star[left_out]
+            between = float(np.abs(table(curve.depth_star[left_out]) / exact - 1).max())
             off = float(np.abs(table(depths) / force - 1).max())
             bound = _bounded(max(ESTIMATE * error, off), between)
-            yield candidate(law, {"resolution": resolution}, error, bound, table)
+            yield error, made(law, {"resolution": resolution}, bound, costs[law], evaluate=table)
+    options = {"resolution": resolutions[-1]}
     error = float(force_curve(joint, depths[::4], resolutions[-1]).error_estimate.max())
-    yield candidate("solver", {"resolution": resolutions[-1]}, error, ESTIMATE * error, None)
+    yield error, made("solver", options, ESTIMATE * error, costs["solver"], evaluate=None)
 
 
 def _solutions(joint, depths, resolutions):
@@ -196,12 +184,6 @@ def _solutions(joint, depths, resolutions):
             continue  # a finer one may
         error = curve.error_estimate[curve.depth_star >= depths[0]].max()
         yield resolution, curve, float(error)
-
-
-def _some(curve: ForceCurve, chosen: NDArray[np.bool_]) -> ForceCurve:
-    """A curve at some of its depths."""
-    names = ("depth_star", "force_star", "error_estimate")
-    return replace(curve, **{name: getattr(curve, name)[chosen] for name in names})
 
 
 def _exact(joint, depths):

@@ -18,7 +18,7 @@ def sweep_cases(
     kind: Literal["joints", "scenes"] = typer.Argument(
         help="What the cases are: joints or scenes.", metavar="KIND"
     ),
-    output: Path = cli.option("File to write.", default=cli.NEEDED),
+    output: Path = cli.required("File to write."),
     cases: Path = typer.Argument(
         None, help="CSV file with a row per case; or --random.", metavar="[FILE]"
     ),
@@ -36,11 +36,10 @@ def sweep_cases(
     dask_address: str = cli.option(
         "Dask scheduler whose workers solve the cases instead.", "--dask"
     ),
-    twice: bool = cli.option(
+    twice: bool = cli.switch(
+        "--twice",
         "Scenes: run each a second time, at another tolerance, for a column that says until when "
         "both are the same motion. It takes about three times as long.",
-        "--twice",
-        default=False,
     ),
 ):
     """Solve many joints, or simulate many scenes, from a CSV file of cases or at random.

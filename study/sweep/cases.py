@@ -180,11 +180,10 @@ def prepared(
     keys: list[str] = []
     complete: list[Case] = []
     rows: dict[str, int] = {}
-    read = FORMS[form].columns
     for row, case in enumerate(cases, 1):
         name = case.get(NAME, str(row))
         try:
-            key, _, used = _prepare(form, case)
+            key, _, values = _prepare(form, case)
             if name in rows:
                 other = f"got {name!r} in row {rows[name]} too"
                 raise ValueError(f"{NAME} must be another name in each row, {other}")
@@ -193,9 +192,10 @@ def prepared(
         except ValueError as error:
             raise ValueError(f"row {row}: {error}") from None
         keys.append(key)
-        missing = {column: used[column] for column in columns if used.get(column) is not None}
-        complete.append({c: read[c].written(v) for c, v in missing.items()} | case)
         rows[name] = row
+        used = {name: values[name] for name in columns if values.get(name) is not None}
+        written = {name: FORMS[form].columns[name].written(value) for name, value in used.items()}
+        complete.append(written | case)
     return form, keys, complete
 
 
@@ -208,27 +208,25 @@ def _is_number(text):
 
 
 def solve(form: str, cases: list[Case]) -> list[Rows]:
-    """Rows of the table for each case, without its name and columns."""
+    """Rows of the table for each case, without its name and columns: cells with 9 digits.
+
+    A case that fails has one row with the reason.
+    """
     return [_rows(form, case) for case in cases]
 
 
 def _rows(form, case):
-    """Cells of a case's rows, with 9 digits; one row with the reason if it fails."""
     columns = COLUMNS[form]
     try:
         results = _prepare(form, case)[1]()
         cells = [_cells(name, results[name]) for name in columns]
     except Exception as error:  # written to the table, and counted: the other cases go on
         known = isinstance(error, ValueError | StudyError)
-        return failed(form, str(error) if known else f"{type(error).__name__}: {error}")
+        reason = str(error) if known else f"{type(error).__name__}: {error}"
+        return [[""] * len(columns) + [" ".join(reason.split())]]
     count = max(map(len, cells))
     full = [column * count if len(column) == 1 else column for column in cells]
     return [[*row, ""] for row in zip(*full, strict=True)]
-
-
-def failed(form: str, reason: str) -> Rows:
-    """The one row of a case that failed."""
-    return [[""] * len(COLUMNS[form]) + [" ".join(reason.split())]]
 
 
 def _cells(name, values):
@@ -241,16 +239,12 @@ def _cells(name, values):
 
 def _prepare(form, case):
     """Key of a case, the function that solves it, and the values that it uses (`Form`)."""
-    for name in FORMS[form].needed:
+    columns, needed, prepare = FORMS[form]
+    for name in needed:
         if name not in case:
             instead = ", or r2_star" if form == "joints with dimensions" else ""
             raise ValueError(f"{name} must be given{instead}")
-    values = {
-        name: FORMS[form].columns[name].read(name, text)
-        for name, text in case.items()
-        if name != NAME
-    }
-    return FORMS[form].prepare(values)
+    return prepare({n: columns[n].read(n, text) for n, text in case.items() if n != NAME})
 
 
 def _joint(values):
@@ -370,13 +364,12 @@ _ASKED = {
     "depth": Parameter("Penetration depths", "m", several=";"),
     "force": Parameter("Contact forces", "N", several=";"),
 }
-_SETTINGS = set(described(simulate)) - {"scene", "progress"}
-_OF_SCENES = (
-    described(Scene)
-    | {name: about for name, about in described(simulate).items() if name in _SETTINGS}
-    | {name: described(DimensionalJoint)[name] for name in ("wall", "liner")}
-    | {"socket_ratio": described(RatioJoint)["socket_ratio"]}
-)
+_OF_SCENES = {
+    **described(Scene),
+    **{n: about for n, about in described(simulate).items() if n not in ("scene", "progress")},
+    **{name: described(DimensionalJoint)[name] for name in ("wall", "liner")},
+    "socket_ratio": described(RatioJoint)["socket_ratio"],
+}
 FORMS = {
     "joints": Form(described(RatioJoint) | _DEPTHS, ("r2_star",), _joint),
     "joints with dimensions": Form(

@@ -173,7 +173,7 @@ def test_sizes_in_mm_are_asked_about(run):
         (["joint"], "--r2-star and --depth-star must be given or, with dimensions, --socket-radi"),
         ([*SIZES, "--force", 1, "--wear", 1e-15], "--path must be given"),
         ([*SIZES, "--force", 1, "--path", 10], "--wear must be given"),
-        ([*SIZES, "--force", 1, "--wear", -1, "--path", 1], "wear must be >= 0 m^2/N, got -1 m"),
+        ([*SIZES, "--force", 1, "--wear", -1, "--path", 1], "wear coefficient must be >= 0 m^2/N"),
         ([*TILTED, "--friction", 0.1], "--friction must be left out beside --tilt"),
         (["joint", "--r2-star", 75, "--plot", "x.png"], "--plot is for a joint with its dimensio"),
         ([*SIZES, "--force", 1, "--tolerance", 0], "tolerance must be >= 1e-05 and <= 1, got 0"),
