@@ -3,11 +3,12 @@
 A case is texts by column, as a CSV file holds them. Its columns are the options of `study joint`
 and `study simulate`. Semicolons separate the values of an option that may be repeated.
 
-A new column of results needs its unit and meaning in the table of its form, such as `CURVES`, and
-its value in the function that solves this form.
+A new column of results needs its unit and meaning in ``columns.toml``, and its value in the
+function that solves the cases of its form.
 """
 
 import csv
+import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from inspect import signature
@@ -32,48 +33,14 @@ Case = dict[str, str]
 Rows = list[list[str]]
 NAME, ERROR = "case", "error"
 """First column of every table, the case's name or number, and the last, the reason of a failure."""
-APPLICABILITY = ("1", "Limits that are exceeded (study joint and simulate have them in words)")
-CURVES = {
-    "depth_star": ("1", "Penetration depth d/dR"),
-    "force_star": ("1", "Force P/(E* dR^2)"),
-    "stiffness_star": ("1", "Slope of force_star over depth_star; of whole curves"),
-    "contact_half_angle_deg": ("deg", "Polar angle of the contact's edge"),
-    "peak_pressure_star": ("1", "Largest pressure p R2/(E* dR)"),
-    "error_estimate": ("1", "Estimated relative error of the force"),
-    "applicability": APPLICABILITY,
-}
-DIMENSIONAL = {
-    "depth": ("m", "Penetration depth"),
-    "force": ("N", "Contact force"),
-    "stiffness": ("N/m", "Slope of the force over the depth"),
-    "contact_half_angle_deg": ("deg", "Polar angle of the contact's edge"),
-    "peak_pressure": ("Pa", "Largest contact pressure"),
-    "error_estimate": ("1", "Estimated relative error of the force"),
-    "yield_factor": ("1", "Yield stress over von Mises stress, of the body nearest to yield"),
-    "applicability": APPLICABILITY,
-}
-SCENES = {
-    "impacts": ("1", "Contacts that begin"),
-    "largest_depth": ("m", "Largest penetration depth"),
-    "largest_force": ("N", "Largest normal force in a clearance joint"),
-    "energy_lost": ("J", "Lost by damping and friction in the joints"),
-    "delivered_restitution": ("1", "Of a free impact, by the damping of the scene"),
-    "last_separation": ("s", "Time at which the surfaces part for the last time"),
-    "mean_slider_deviation": ("m", "From ideal joints at the same crank angle, mean of its size"),
-    "largest_slider_deviation": ("m", "The same, its largest size at the times of output"),
-    "energy_error": ("1", "Largest error of the energy balance, over the largest energy"),
-    "applicability": APPLICABILITY,
-}
-TWICE = SCENES | {
-    "agrees_until": ("s", "Until then a run at another tolerance is the same motion; rigid links"),
-}
-COLUMNS = {
-    "joints": CURVES,
-    "joints with dimensions": DIMENSIONAL,
-    "scenes": SCENES,
-    "scenes run twice": TWICE,
+COLUMNS: dict[str, dict[str, tuple[str, str]]] = {
+    form: {name: (unit, meaning) for name, (unit, meaning) in columns.items()}
+    for form, columns in tomllib.loads(
+        Path(__file__).with_name("columns.toml").read_text(encoding="utf-8")
+    ).items()
 }
 """Results of a case, by the form of the cases: column -> unit and meaning."""
+COLUMNS["scenes run twice"] = COLUMNS["scenes"] | COLUMNS["scenes run twice"]
 
 
 def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
@@ -244,18 +211,27 @@ def _prepare(form, case):
         if name not in case:
             instead = ", or r2_star" if form == "joints with dimensions" else ""
             raise ValueError(f"{name} must be given{instead}")
-    return prepare({n: columns[n].read(n, text) for n, text in case.items() if n != NAME})
+    about = {name: columns[name] for name in case if name != NAME}
+    return prepare({name: of.taken(name, of.read(name, case[name])) for name, of in about.items()})
 
 
 def _joint(values):
     depths = values.pop("depth_star", None)
-    if depths is not None:
-        checks.number("depth_star", depths, least=0)
     given = RatioJoint(**values)
     joint = given.joint()
+
+    def solved():
+        if depths is not None:
+            curve, slope = force_curve(joint, depths), ""
+        else:
+            curve = whole_curve(joint, usual_depth(joint))
+            slope = tabulated(curve)(curve.depth_star, joint.r2_star, derivative=True)
+        short = [applicability.in_short(found) for found in applicability.of_curve(curve)]
+        return vars(curve) | {"stiffness_star": slope, "applicability": short}
+
     used = {"socket_ratio": joint.socket_ratio, "modulus_ratio": joint.modulus_ratio}
     used |= {"socket_poisson": joint.socket.poisson, "rim": joint.rim}
-    return _bodies(joint), partial(_solve_joint, joint, depths), vars(given) | used
+    return _bodies(joint), solved, vars(given) | used
 
 
 def _bodies(joint):
@@ -264,33 +240,21 @@ def _bodies(joint):
     return repr(joint if joint.has_large_displacements else bodies)
 
 
-def _solve_joint(joint, depths):
-    if depths is not None:
-        curve, slope = force_curve(joint, depths), ""
-    else:
-        curve = whole_curve(joint, usual_depth(joint))
-        slope = tabulated(curve)(curve.depth_star, joint.r2_star, derivative=True)
-    short = [applicability.in_short(found) for found in applicability.of_curve(curve)]
-    return vars(curve) | {"stiffness_star": slope, "applicability": short}
-
-
 def _dimensional_joint(values):
-    asked = {name: values.pop(name) for name in ("depth", "force") if name in values}
-    for name, numbers in asked.items():
-        checks.number(name, numbers, DIMENSIONAL[name][0], above=0)
+    asked = {name: values.pop(name) for name in _ASKED if name in values}
     if len(asked) > 1:
         raise ValueError("either depth or force must be given, not both")
     joint = DimensionalJoint(**values)
+
+    def solved():
+        solution = joint.solve(**asked) if asked else joint.curve()
+        factors = [factor for factor in solution.yield_factor.values() if factor is not None]
+        short = [applicability.in_short(found) for found in solution.limits]
+        nearest = np.min(factors, axis=0) if factors else ""
+        return vars(solution) | {"yield_factor": nearest, "applicability": short}
+
     used = vars(joint) | {name: getattr(DimensionalJoint, name) for name in ("ball", "socket")}
-    return _bodies(joint.joint), partial(_solve_dimensional, joint, asked), used
-
-
-def _solve_dimensional(joint, asked):
-    solution = joint.solve(**asked) if asked else joint.curve()
-    factors = [factor for factor in solution.yield_factor.values() if factor is not None]
-    short = [applicability.in_short(found) for found in solution.limits]
-    nearest = np.min(factors, axis=0) if factors else ""
-    return vars(solution) | {"yield_factor": nearest, "applicability": short}
+    return _bodies(joint.joint), solved, used
 
 
 def _scene(values, twice=False):
@@ -354,15 +318,13 @@ class Form(NamedTuple):
 
     columns: Mapping[str, Parameter]
     needed: tuple[str, ...]
-    prepare: Callable[
-        [dict[str, Any]], tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, Any]]
-    ]
+    prepare: Callable[[dict[str, Any]], tuple[str, Callable[[], Mapping], Mapping[str, Any]]]
 
 
-_DEPTHS = {"depth_star": Parameter("Penetration depths d/dR", several=";")}
+_DEPTHS = {"depth_star": Parameter("Penetration depths d/dR", limits={"least": 0}, several=";")}
 _ASKED = {
-    "depth": Parameter("Penetration depths", "m", several=";"),
-    "force": Parameter("Contact forces", "N", several=";"),
+    "depth": Parameter("Penetration depths", "m", {"above": 0}, several=";"),
+    "force": Parameter("Contact forces", "N", {"above": 0}, several=";"),
 }
 _OF_SCENES = {
     **described(Scene),
