@@ -117,7 +117,7 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     force, uncertainty = _exact(joint, depths)
     largest = {law: float(error.max()) for law, error in law_errors(joint, depths, force).items()}
     made = partial(Choice, depths=(float(least), deepest), rejected=(), errors=largest)
-    rejected = []
+    rejected: list[dict] = []
     for error, choice in _candidates(joint, depths, force, uncertainty, largest, made):
         if choice.error_bound <= tolerance:
             return replace(choice, rejected=tuple(reversed(rejected)))
@@ -244,8 +244,6 @@ class OffAxis:
 
     Attributes
     ----------
-    one_law_for_all_directions
-        Whether ``direction_error`` is within the tolerance.
     direction_error
         Largest difference of the force, as a vector, from that along the axis, over the latter; a
         measured one includes the solution's error estimate.
@@ -269,10 +267,7 @@ def axial_law_suffices(joint: Joint, depth_star: float, tilt: float, tolerance: 
     depth = checks.number("depth_star", depth_star, above=0, scalar=True)
     most = checks.number("tilt", tilt, "deg", above=0, most=LARGEST_TILT, scalar=True)
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
-    all_round = isinstance(joint.ball_support, Core) and isinstance(
-        joint.socket_support, WholeOutside
-    )
-    if all_round:
+    if isinstance(joint.ball_support, Core) and isinstance(joint.socket_support, WholeOutside):
         edge = force_curve(joint, depth).contact_half_angle_deg[0] + most
         edge += _WALLS * np.degrees(joint.socket_ratio - 1)
         stiff = all(m.poisson <= _LARGEST_POISSON for m in joint.materials.values())

@@ -9,7 +9,7 @@ scenes only.
 """
 
 from math import pi, sqrt
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -46,7 +46,7 @@ SAFETY = 10.0
 """Factor on the largest ratio; other scenes exceed that ratio by a factor of up to 5."""
 
 
-def ratios(scene: Scene, depth: float) -> dict[str, float]:
+def ratios(scene: Scene, depth: float) -> dict[str, Any]:
     """Links beside Hertz's contact at a depth in m: two ratios, 0 without contact.
 
     ``compliance_ratio`` is that of both links along their axes over the contact's,

@@ -82,8 +82,7 @@ class ModelChoice:
     note
         Why this scene is outside the random scenes behind ``bounded``; empty if it is not.
     evidence
-        The same attributes, from ``model`` to ``links``, of every model that was compared, in order
-        of detail.
+        ``model`` to ``links`` of every model that was compared, in order of detail.
     simulate
         Simulates the scene; takes ``progress`` as `study.mechanism.simulate` does.
     """
@@ -132,8 +131,7 @@ def choose_model(
     quantity
         What the tolerance is for.
     socket_ratio
-        Outer over inner radius of the socket, for laws that depend on it. Supports are the defaults
-        of `study.joint.Joint`.
+        Outer over inner radius of the socket. Its supports are the defaults of `study.joint.Joint`.
 
     Raises
     ------
@@ -147,7 +145,11 @@ def choose_model(
     """
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
     checks.choice("quantity", quantity, links.QUANTITIES)
-    run, difference = partial(_run, scene, duration, outputs), partial(_difference, quantity)
+    run = partial(_run, scene, duration, outputs)
+
+    def difference(compared, truth):
+        return motion_nrms(truth.response, compared.response, quantity)
+
     with_hertz = run("rigid", HERTZ, tolerance=FINEST_TOLERANCE)
     if not all(np.ptp(getattr(with_hertz.response, name)) > 0 for name in links.QUANTITIES):
         raise ValueError(f"duration must be so long that the slider moves, got {duration:g} s")
@@ -219,14 +221,6 @@ def _loosest(run, difference, allowed, law, finest):
     """Rigid links with the largest tolerance whose steps change the motion little enough."""
     looser = (run("rigid", law, tolerance=tolerance) for tolerance in TOLERANCES)
     return next((rigid for rigid in looser if difference(rigid, finest) <= allowed), finest)
-
-
-def _difference(quantity, run, truth):
-    """NRMS difference of two runs' responses; inf where the true one does not move."""
-    try:
-        return motion_nrms(truth.response, run.response, quantity)
-    except checks.RangeError:
-        return inf
 
 
 @lru_cache(maxsize=32)

@@ -10,7 +10,7 @@ from study.checks import StudyError
 from study.choose import choose_model
 from study.choose.links import QUANTITIES
 from study.cli import options as cli
-from study.cli.output import named_fields, show, working
+from study.cli.output import columns, named_fields, show, working
 from study.contact import LAWS, SOCKET_RATIO
 from study.joint import DimensionalJoint, RatioJoint, applicability
 from study.mechanism import Scene, compare
@@ -170,12 +170,11 @@ def _show(end, response, choice, trust, exceeded, as_json):
 
 def _in_words(choice, duration):
     """The chosen model in words, and all models that were compared."""
-    names = ("model", "joint", "law", "settings", "error_bound", "relative_cost", "links")
     return [
         f"The simplest model whose {choice.quantity.replace('_', ' ')} is known well enough over "
         f"{duration:g} s:\n{choice.model} links, {choice.joint} joint, law {choice.law}, within "
         f"{choice.error_bound:.2g}. In order of detail (costs: times here):",
-        {name: [row[name] for row in choice.evidence] for name in names},
+        columns(choice.evidence),
         f"At a depth of {choice.depth_star:.2g} clearances the links have "
         f"{choice.compliance_ratio:.2g} times the contact's compliance. The slider's frequency on "
         f"the contact is {choice.frequency_ratio:.2g} times the crank's axial one.",

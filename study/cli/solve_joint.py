@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from study import checks, parameters
+from study import checks, parameters, paths
 from study.choose import cheapest_law
 from study.cli import options as cli
 from study.cli.output import columns, show, working
@@ -41,6 +41,8 @@ HEADS = {
     "factor_to_yield": "factor_to_yield",
 }
 """Values of a joint with its dimensions, in SI units -> heads of the printed table, in order."""
+BEYOND = 1.25  # times the largest depth and half-angle that are shown in a figure
+SAME_BYTES = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 LARGE = 1.0  # m: a socket's radius that is probably in mm
 NO_LAW = {
     "tabulated": "tabulated, the table of this joint's own curve",
@@ -143,8 +145,7 @@ def _solve_dimensional(
     if "wear" in of_pressure or "path" in of_pressure:
         needed(("wear", "path"), of_pressure)
     if plot is not None:
-        cli.check_output(plot, ".png", ".svg", ".pdf", name="plot")
-        from study.cli.plot import draw_joint  # now: it may lack a package
+        cli.check_output(plot, *SAME_BYTES, name="plot")
     joint = sized(of_joint)
     least, most = cheapest_law.TOLERANCES
     checks.number("tolerance", tolerance, least=least, most=most)
@@ -153,7 +154,7 @@ def _solve_dimensional(
             solution = joint.solve(force=force, depth=depth)
             values, parts = _described(joint, solution, tolerance, typed(of_joint), of_pressure)
             if plot is not None:
-                draw_joint(solution, plot)
+                draw(solution, plot)
         else:
             values, parts = _tilted(joint.solve_tilted(tilt, force=force, depth=depth))
     show(values, as_json, *parts)
@@ -368,3 +369,29 @@ def _law(joint, largest, tolerance, typed):
         text += f"\nTo take it into another program:\n{line}"
     values = {"law": choice.law, "law_error_bound": choice.error_bound, "law_depths": depths}
     return values | {"law_errors": choice.errors, "export": line}, text
+
+
+def draw(solution, path):
+    """Draw a joint's solved curve, the depths asked for, and the pressure at each, into a file."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    from study.pages.figures import STYLE
+
+    micro, mega = UNITS["um"], UNITS["MPa"]
+    depths, forces = solution.depth / micro, solution.force
+    along = np.linspace(0, min(BEYOND * solution.depth.max(), solution.law.deepest), 200)
+    widest = min(BEYOND * solution.contact_half_angle_deg.max(), solution.angle_deg[-1])
+    with mpl.rc_context(STYLE | {"svg.hashsalt": path.stem}):
+        figure = Figure(figsize=(8.4, 3.4))
+        left, right = figure.subplots(1, 2)
+        left.plot(along / micro, solution.law.force(along), color="0.5", label="solved curve")
+        for depth, force, pressure in zip(depths, forces, solution.pressure / mega, strict=True):
+            label = f"{depth:.4g} µm, {float(f'{force:.4g}'):g} N"
+            (point,) = left.plot(depth, force, "o", label=label)
+            right.plot(solution.angle_deg, pressure, color=point.get_color())
+        left.set(xlabel="penetration depth (µm)", ylabel="contact force (N)", xlim=0, ylim=0)
+        right.set(xlabel="polar angle (deg)", ylabel="pressure (MPa)", xlim=(0, widest), ylim=0)
+        left.legend()
+        with paths.whole(path) as temporary:
+            figure.savefig(temporary, metadata=SAME_BYTES[path.suffix])

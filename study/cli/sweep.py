@@ -62,13 +62,13 @@ def sweep_cases(
     counts, started, printed = [], time.monotonic(), time.monotonic()
     with working("Solving the cases") as tell:
 
-        def progress(*done_all_failed):
+        def progress(done, every, failed):
             nonlocal printed
-            counts.append(done_all_failed)
-            (first, *_), (done, every, failed), now = counts[0], counts[-1], time.monotonic()
+            counts.append((done, every))
+            solved, now = done - counts[0][0], time.monotonic()
             text = f"{done} of {every} cases, {failed} failed"
-            left = (now - started) / (done - first) * (every - done) if done > first else None
-            tell(text if left is None else f"{text}, {left:.0f} s left")
+            left = f", {(now - started) / solved * (every - done):.0f} s left" if solved else ""
+            tell(text + left)
             if not sys.stderr.isatty() and now > printed + PLAIN_EVERY:
                 printed = now
                 print(text, file=sys.stderr, flush=True)
@@ -77,7 +77,7 @@ def sweep_cases(
             processes = {"jobs": jobs, "dask_address": dask_address}
             swept = run_study(source, kind, output, **processes, progress=progress, twice=twice)
         except KeyboardInterrupt:
-            done, every, _ = counts[-1] if counts else (0, 0, 0)
+            done, every = counts[-1] if counts else (0, 0)
             kept = f"; {done} of {every} cases are kept, the same command goes on"
             raise cli.InterruptionError(kept if done else "") from None
     seconds = time.monotonic() - started

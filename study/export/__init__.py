@@ -104,11 +104,12 @@ def export(
     """
     checks.choice("law", law, [*LAWS, "tabulated"])
     checks.choice("format", form, SUFFIXES)
-    if not isinstance(joint, DimensionalJoint):
-        checks.instance("joint", joint, Joint)
+    if isinstance(joint, DimensionalJoint):
+        plain, sized = joint.joint, joint
+    else:
+        plain, sized = checks.instance("joint", joint, Joint), None
         checks.choice("format of a joint without dimensions", form, formulas.DIMENSIONLESS)
     checks.choice(f"law of format {form}", law, [LAW_OF.get(form, law)])
-    plain = joint.joint if isinstance(joint, DimensionalJoint) else joint
     if law == "stiffened_hertz":
         checks.choice("kinematics of stiffened_hertz", plain.kinematics, ("linear",))
         plain.correction_options()  # refused before the joint is solved
@@ -117,8 +118,8 @@ def export(
     if tilt is not None:
         checks.choice("law beside tilt", law, ["tabulated"])
         checks.choice("format beside tilt", form, ["c", "matlab", "csv"])
-        return _tilted(directional_law(plain, deepest, tilt), form, joint)
-    content = _Law(law, joint, plain, least, deepest)
+        return _tilted(directional_law(plain, deepest, tilt), form, sized)
+    content = _Law(law, plain, sized, least, deepest)
     if form == "json":
         return _json(content)
     if form == "csv":
@@ -148,17 +149,17 @@ def _range(depth_star, joint, fitted):
 class _Law:
     """What every format has of a law: its parts for the joint, its range, its error."""
 
-    def __init__(self, name, joint, plain, least, deepest):
-        self.name, self.joint, self.least, self.deepest = name, plain, least, deepest
-        self.sized = joint if joint is not plain else None
-        curve = whole_curve(plain, deepest)
+    def __init__(self, name, joint, sized, least, deepest):
+        self.name, self.joint, self.sized = name, joint, sized
+        self.least, self.deepest = least, deepest
+        curve = whole_curve(joint, deepest)
         self.exact = contact.tabulated(curve)
         depths = np.linspace(np.sqrt(least), np.sqrt(deepest), ROWS) ** 2
         law, options = LAWS.get(name, self.exact), {}
         if name != "tabulated":
-            options = law_parameters(law, plain, depths, self.exact(depths))
-            law(deepest, plain.r2_star, **options)  # refuses a depth beyond its range
-        self.scale, self.shape, self.constants = law.parts(plain.r2_star, **options)
+            options = law_parameters(law, joint, depths, self.exact(depths))
+            law(deepest, joint.r2_star, **options)  # refuses a depth beyond its range
+        self.scale, self.shape, self.constants = law.parts(joint.r2_star, **options)
         estimates = curve.error_estimate[curve.depth_star >= self.least]
         self.error = float(np.abs(self.at(depths)[0] / self.exact(depths) - 1).max())
         self.error_of_joint = float(estimates.max())
@@ -276,8 +277,7 @@ def _csv(law):
     depth = law.deepest * np.linspace(0, 1, ROWS + 1) ** 2
     force, stiffness = np.zeros((2, ROWS + 1))
     force[1:], stiffness[1:] = law.at(depth[1:])
-    errors = _interpolation_errors(law, depth, force, stiffness)
-    linear, cubic = (_percent(np.abs(error).max()) for error in errors)
+    linear, cubic = _interpolation_errors(law, depth, force, stiffness)
     units = _UNITS
     if law.sized:
         units, modulus = _SI_UNITS, law.joint.composite_modulus
@@ -302,7 +302,7 @@ def _table(lines, units, columns):
 
 
 def _interpolation_errors(law, depth, force, stiffness):
-    """Relative errors between rows: linear over the depth, and cubic over its square root."""
+    """Largest errors between rows: linear over the depth, and cubic over its square root."""
     root = np.sqrt(depth)
     steps = (np.arange(1, _BETWEEN) / _BETWEEN)[:, None]
     between = (root[:-1] + steps * np.diff(root)) ** 2
@@ -310,14 +310,13 @@ def _interpolation_errors(law, depth, force, stiffness):
     linear = np.interp(between, depth, force)
     cubic = CubicHermiteSpline(root, force, 2 * root * stiffness)(np.sqrt(between))
     true = law.at(between)[0]
-    return linear / true - 1, cubic / true - 1
+    return [_percent(np.abs(values / true - 1).max()) for values in (linear, cubic)]
 
 
-def _tilted(law: DirectionalLaw, form, joint):
+def _tilted(law: DirectionalLaw, form, sized):
     """Text of a table of depth and tilt."""
     deepest, largest = float(law.depth_star[-1]), float(law.tilt[-1])
     title = "Contact force of one spherical clearance joint in all directions up to a tilt."
-    sized = joint if isinstance(joint, DimensionalJoint) else None
     words = [
         _joint_in_words(law.joint, sized),
         f"Range: depths from 0 to {deepest:g} clearances, tilts from -{largest:g} to {largest:g} "

@@ -57,18 +57,18 @@ def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
 def _from_csv(path):
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            names, *rows = [row for row in csv.reader(file) if row] or [[]]
+            rows = [[cell.strip() for cell in row] for row in csv.reader(file) if row]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         why = getattr(error, "strerror", None) or "it is not CSV text in UTF-8"
         raise ValueError(f"cases must be a CSV file, got {path}: {why}") from None
-    names = [name.strip() for name in names]
+    names, *rows = rows or [[]]
     if len(set(names)) < len(names):
         raise ValueError(f"each column must have a name of its own, got {', '.join(names)}")
     for number, row in enumerate(rows, 1):
         if len(row) != len(names):
             wanted = f"row {number} must have {len(names)} cells, as the head of the file"
             raise ValueError(f"{wanted}, got {len(row)}")
-    return [dict(zip(names, map(str.strip, row), strict=True)) for row in rows]
+    return [dict(zip(names, row, strict=True)) for row in rows]
 
 
 def _as_texts(case):
@@ -197,10 +197,8 @@ def _rows(form, case):
 
 
 def _cells(name, values):
-    if isinstance(values, str):
-        return [values]
-    if isinstance(values, list):
-        return values
+    if isinstance(values, str | list):
+        return np.atleast_1d(values).tolist()
     return [f"{value:.9g}" for value in np.atleast_1d(checks.number(name, values))]
 
 

@@ -1,6 +1,6 @@
 """Solves the cases of a parameter study in processes or on Dask, and writes one table.
 
-Every result goes at once to a part file beside the table. Memory use therefore stays small, and an
+Every result goes at once to a part file beside the table, so that memory use stays small and an
 interrupted study goes on where it stopped. The table is written from this file at the end, in the
 order of the cases, with the same bytes for any number of processes.
 """
@@ -65,10 +65,8 @@ def run_study(
     output
         CSV file to write. Until it is written, a file ``.part`` is beside it. Cases in this file
         are not solved again, unless they or the code have changed.
-    jobs
-        Processes, by default one per core.
-    dask_address
-        Dask scheduler whose workers solve the cases instead.
+    jobs, dask_address
+        Processes, by default one per core, or a Dask scheduler whose workers solve the cases.
     progress
         Called with the numbers of different cases: done, all, and failed.
     twice
@@ -221,7 +219,7 @@ def _solved(
     count = min(jobs or cpu_count(), len(tasks))
     if dask_address is None and count < 2:  # here, without the start of a process
         for key, case in (item for task in tasks for item in task.items()):
-            yield key, *of_cases.solve(form, [case])
+            yield key, of_cases.solve(form, [case])[0]
         return
     with _executor(count, dask_address) as executor:
         running = {executor.submit(of_cases.solve, form, [*task.values()]): task for task in tasks}

@@ -135,13 +135,13 @@ def test_the_same_joint_is_drawn_with_the_same_bytes(run, tmp_path, suffix):
 
 
 def test_the_drawing_has_the_numbers_of_the_solution(monkeypatch, tmp_path):
-    from study.cli import plot
+    from matplotlib.figure import Figure
+
+    from study.cli import solve_joint
 
     figures, solution = [], DIMENSIONS.solve(force=[8000, 3000])
-    monkeypatch.setattr(
-        plot.Figure, "savefig", lambda f, path, **_: figures.append(f) or path.touch()
-    )
-    plot.draw_joint(solution, tmp_path / "joint.png")
+    monkeypatch.setattr(Figure, "savefig", lambda f, path, **_: figures.append(f) or path.touch())
+    solve_joint.draw(solution, tmp_path / "joint.png")
     force, pressure = figures[0].axes
     (curve, *points), profiles = force.lines, pressure.lines
     depth, along = curve.get_data()
