@@ -232,7 +232,6 @@ def law_errors(
 
 
 def _kind(joint):
-    """Which of `RESOLUTIONS` a joint is solved with."""
     if joint.has_large_displacements:
         return "finite"
     return "series" if joint.series_applies else "quadratic"

@@ -133,7 +133,6 @@ def _trust(response, run):
 
 
 def _choice(scene, model, **options):
-    """The simplest model that is accurate enough for a scene."""
     cli.left_out(options, signature(choose_model).parameters, f"model {model} chooses it")
     if "tolerance" not in options:
         raise ValueError("tolerance must be given: the largest error that model auto may make")
@@ -183,7 +182,6 @@ def _in_words(choice, duration):
 
 
 def _scene(settings):
-    """The default mechanism with settings ``KEY=VALUE`` changed."""
     known, values = described(Scene), {}
     for setting in settings:
         key, equals, text = setting.partition("=")

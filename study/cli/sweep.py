@@ -93,7 +93,6 @@ def sweep_cases(
 
 
 def _ranges(texts):
-    """Ranges by column, of ``NAME=RANGE``."""
     ranges = {}
     for text in texts:
         name, equals, limits = text.partition("=")

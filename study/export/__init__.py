@@ -132,7 +132,6 @@ def export(
 
 
 def _range(depth_star, joint, fitted):
-    """Least and largest depth of a text."""
     if depth_star is None:
         least, deepest = USUAL_RANGE if fitted else (None, usual_depth(joint))
     else:
@@ -314,7 +313,6 @@ def _interpolation_errors(law, depth, force, stiffness):
 
 
 def _tilted(law: DirectionalLaw, form, sized):
-    """Text of a table of depth and tilt."""
     deepest, largest = float(law.depth_star[-1]), float(law.tilt[-1])
     title = "Contact force of one spherical clearance joint in all directions up to a tilt."
     words = [
@@ -360,7 +358,6 @@ def _joint_in_words(joint, sized):
 
 
 def _sizes(sized):
-    """Dimensions of a joint that has them."""
     if sized is None:
         return {}
     values = {name: getattr(sized, name) for name in ("socket_radius", "clearance", "wall")}

@@ -151,7 +151,6 @@ def filled(file: str, sign: str, about: Sequence[str], **values: Any) -> str:
 
 
 def _part(language: Language, name: str, **values: Any) -> str:
-    """Part of a template of a language, empty if it has none."""
     return Template(_LANGUAGES[language].get(name, "")).substitute(values)
 
 

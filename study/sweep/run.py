@@ -186,7 +186,6 @@ class _Part:
 
 
 def _write(output, form, cases, names, rows_of_cases):
-    """Write the table, and return the number of its rows."""
     columns = dict.fromkeys(name for case in cases for name in case)
     inputs = [name for name in columns if name not in (NAME, *COLUMNS[form])]
     count = 0
@@ -235,7 +234,6 @@ def _solved(
 
 @contextmanager
 def _executor(count: int, dask_address: str | None) -> Iterator[Executor]:
-    """Executor of functions; it is stopped with the study."""
     if dask_address is not None:
         with workers.dask_client(dask_address) as client:
             yield client.get_executor(pure=False)
