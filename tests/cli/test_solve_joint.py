@@ -135,13 +135,13 @@ def test_the_same_joint_is_drawn_with_the_same_bytes(run, tmp_path, suffix):
 
 
 def test_the_drawing_has_the_numbers_of_the_solution(monkeypatch, tmp_path):
-    from study.cli import plot
+    from matplotlib.figure import Figure
+
+    from study.cli import solve_joint
 
     figures, solution = [], DIMENSIONS.solve(force=[8000, 3000])
-    monkeypatch.setattr(
-        plot.Figure, "savefig", lambda f, path, **_: figures.append(f) or path.touch()
-    )
-    plot.draw_joint(solution, tmp_path / "joint.png")
+    monkeypatch.setattr(Figure, "savefig", lambda f, path, **_: figures.append(f) or path.touch())
+    solve_joint.draw(solution, tmp_path / "joint.png")
     force, pressure = figures[0].axes
     (curve, *points), profiles = force.lines, pressure.lines
     depth, along = curve.get_data()
@@ -173,7 +173,7 @@ def test_sizes_in_mm_are_asked_about(run):
         (["joint"], "--r2-star and --depth-star must be given or, with dimensions, --socket-radi"),
         ([*SIZES, "--force", 1, "--wear", 1e-15], "--path must be given"),
         ([*SIZES, "--force", 1, "--path", 10], "--wear must be given"),
-        ([*SIZES, "--force", 1, "--wear", -1, "--path", 1], "wear must be >= 0 m^2/N, got -1 m"),
+        ([*SIZES, "--force", 1, "--wear", -1, "--path", 1], "wear coefficient must be >= 0 m^2/N"),
         ([*TILTED, "--friction", 0.1], "--friction must be left out beside --tilt"),
         (["joint", "--r2-star", 75, "--plot", "x.png"], "--plot is for a joint with its dimensio"),
         ([*SIZES, "--force", 1, "--tolerance", 0], "tolerance must be >= 1e-05 and <= 1, got 0"),

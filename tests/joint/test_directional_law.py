@@ -14,7 +14,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from study import choose, contact
 from study import export as exporting
-from study.choose import off_axis
+from study.choose import cheapest_law
 from study.joint import Joint, Layer, Material, directional_law, tilted_contact, whole_curve
 
 NECK = Joint(200, ball_support="neck:30", opening=110)
@@ -161,7 +161,7 @@ def test_the_text_states_joint_ranges_units_and_error(law, exported, form):
 
 def test_by_the_rule_one_law_serves_a_ball_on_its_core():
     found = choose.axial_law_suffices(CORE, 0.1, 20, 0.01)
-    assert found == choose.OffAxis(True, off_axis.OF_RULE, "rule")
+    assert found == choose.OffAxis(True, cheapest_law.OF_RULE, "rule")
 
 
 def test_a_neck_is_measured_and_needs_the_table():
@@ -185,7 +185,7 @@ def test_the_rule_is_not_for_a_joint_that_differs_all_round(unlike, monkeypatch)
     def solved(*_):
         raise InterruptedError
 
-    monkeypatch.setattr(off_axis, "tilted_contact", solved)
+    monkeypatch.setattr(cheapest_law, "tilted_contact", solved)
     joint = replace(CORE, **unlike)
     with pytest.raises(InterruptedError):
         choose.axial_law_suffices(joint, 0.1, 20, 0.01)
