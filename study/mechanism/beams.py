@@ -22,7 +22,7 @@ from study.mechanism import stepping
 from study.mechanism.angles import direction, norm, sine_cosine
 from study.mechanism.frame import straight_links
 from study.mechanism.scene import Body, Scene
-from study.mechanism.stepping import Energies, JointOutput, Moving
+from study.mechanism.stepping import JointOutput
 
 SPECTRAL_RADIUS = 0.8
 """At infinite frequency: the share that a step leaves of motions that it cannot follow."""
@@ -444,8 +444,7 @@ def _reaction(i, force, motion, mass):
 def _write_output(row, state, motion, force, system, joint, strain, p):
     """Fill a row of output from motion and contact at the state's time."""
     q, v, ball, pin = motion[PLACES], motion[RATES], system.ball, system.pin
-    size, turning = len(q), _true_acceleration(motion, CRANK)
-    kinetic, work = 0.0, state.drive_work
+    size, kinetic, work = len(q), 0.0, state.drive_work
     for i in range(size):
         work += system.load[i] * q[i]
         for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
@@ -455,15 +454,17 @@ def _write_output(row, state, motion, force, system, joint, strain, p):
         fx = p.m3 * _true_acceleration(motion, ball.x)
         fy = -_reaction(ball.y, force, motion, system.mass)
         normal = norm(fx, fy)
-    stepping.write_output(
-        row,
-        Moving(q[CRANK], v[CRANK], turning),
-        Moving(q[ball.slider], v[ball.slider], fx / p.m3),
-        (direction(q[ball.y] - q[pin + 1], q[ball.x] - q[pin]), v[ball.turn]),
-        p.moment + state.drive_moment,
-        JointOutput(joint.ex, joint.ey, joint.depth, normal, tangential, fx, fy),
-        Energies(work, kinetic, strain, state.lost_damping, state.lost_friction),
-    )
+    row.crank_angle, row.crank_speed = q[CRANK], v[CRANK]
+    row.crank_acceleration = _true_acceleration(motion, CRANK)
+    row.driving_moment = p.moment + state.drive_moment
+    row.slider_position, row.slider_velocity = q[ball.slider], v[ball.slider]
+    row.slider_acceleration = fx / p.m3
+    row.coupler_angle = direction(q[ball.y] - q[pin + 1], q[ball.x] - q[pin])
+    row.coupler_speed = v[ball.turn]
+    row.work, row.kinetic, row.elastic = work, kinetic, strain
+    row.lost_damping, row.lost_friction = state.lost_damping, state.lost_friction
+    output = JointOutput(joint.ex, joint.ey, joint.depth, normal, tangential, fx, fy)
+    stepping.write_joint(row, output)
 
 
 def _start(system):

@@ -93,8 +93,16 @@ class Motion(NamedTuple):
 
 
 @inlined
-def eccentricity_of(a, b, va, vb, closed, clearance):
-    """Eccentricity from a joint's two coordinates and their rates."""
+def _coordinates(y, j, unknowns):
+    """Two coordinates of a joint in a state (z, z', ...), and their rates."""
+    first = 1 + 2 * j
+    return y[first], y[first + 1], y[unknowns + first], y[unknowns + first + 1]
+
+
+@inlined
+def eccentricity_of(y, j, unknowns, closed, clearance):
+    """Eccentricity of joint ``j`` in a state."""
+    a, b, va, vb = _coordinates(y, j, unknowns)
     if closed:
         ny, nx = sine_cosine(b)
         r = clearance + a
@@ -107,8 +115,9 @@ def eccentricity_of(a, b, va, vb, closed, clearance):
 
 
 @inlined
-def eccentricity_change(da, db, dva, dvb, e, closed):
-    """Derivatives of an eccentricity, by those of the coordinates."""
+def eccentricity_change(dy, j, unknowns, e, closed):
+    """Derivatives of the eccentricity of joint ``j``, by those of the state."""
+    da, db, dva, dvb = _coordinates(dy, j, unknowns)
     if not closed:
         return EccentricityChange(0.0, 0.0, 0.0, 0.0, da, db, dvb)
     dx, dy = da * e.nx - e.length * e.ny * db, da * e.ny + e.length * e.nx * db

@@ -18,7 +18,7 @@ from study import checks
 from study.contact import DimensionalLaw
 from study.contact.laws import AnyLaw
 from study.mechanism import beams, events, ideal, law_in_scene, particles
-from study.mechanism.free_impact import add_free_durations
+from study.mechanism.equations import add_free_durations
 from study.mechanism.law_in_scene import LAW
 from study.mechanism.response import (
     ALL_COLUMNS,

@@ -29,19 +29,10 @@ IMPACT = np.dtype(
 )
 """An impact while it is computed."""
 STATE = [
-    ("time", float),
-    ("step", float),
-    ("steps", np.int64),
-    ("until", float),
-    ("limit", float),
+    *((name, float) for name in ("time", "step", "until", "limit", "approach")),
+    *((name, float) for name in ("lost_damping", "lost_friction", "drive_moment", "drive_work")),
+    *((name, np.int64) for name in ("steps", "impacts", "current_impact")),
     ("contact", bool),
-    ("approach", float),
-    ("impacts", np.int64),
-    ("current_impact", np.int64),
-    ("lost_damping", float),
-    ("lost_friction", float),
-    ("drive_moment", float),
-    ("drive_work", float),
 ]
 """Fields of every model's state. A loop returns when ``steps``, the number of steps so far, is
 ``until``. ``limit`` is what a failure passed, ``impacts`` the number of impacts so far, and
@@ -53,14 +44,6 @@ Block = tuple[NDArray[np.void], NDArray[np.void], NDArray[np.void]]
 
 class MechanismError(StudyError):
     """A simulation that cannot go on; says when, and which limit was passed."""
-
-
-class Moving(NamedTuple):
-    """Angle of the crank, or position of the slider, with its rates."""
-
-    position: float
-    speed: float
-    acceleration: float
 
 
 class JointOutput(NamedTuple):
@@ -75,29 +58,12 @@ class JointOutput(NamedTuple):
     force_y: float
 
 
-class Energies(NamedTuple):
-    """Work, kinetic energy, elastic energy of the links, and losses in the joints."""
-
-    work: float
-    kinetic: float
-    elastic: float
-    lost_damping: float
-    lost_friction: float
-
-
 @compiled
-def write_output(row, crank, slider, coupler, moment, joint, energies):
-    """Fill a row of output, which has its time already; ``coupler`` has its angle and rate."""
-    row.crank_angle, row.crank_speed = crank.position, crank.speed
-    row.crank_acceleration, row.driving_moment = crank.acceleration, moment
-    row.slider_position, row.slider_velocity = slider.position, slider.speed
-    row.slider_acceleration = slider.acceleration
-    row.coupler_angle, row.coupler_speed = coupler
+def write_joint(row, joint):
+    """Fill a row's columns of the joint of coupler and slider."""
     row.eccentricity_x, row.eccentricity_y = joint.eccentricity_x, joint.eccentricity_y
     row.depth, row.normal_force, row.tangential_force = joint.depth, joint.normal, joint.tangential
     row.force_x, row.force_y = joint.force_x, joint.force_y
-    row.work, row.kinetic, row.elastic = energies.work, energies.kinetic, energies.elastic
-    row.lost_damping, row.lost_friction = energies.lost_damping, energies.lost_friction
 
 
 @compiled
