@@ -42,15 +42,9 @@ COLUMNS = {
     "lost_friction": "J",
     "driving_moment": "N m",
 }
-CRANK_COLUMNS = {
-    "crank_joint_eccentricity_x": "m",
-    "crank_joint_eccentricity_y": "m",
-    "crank_joint_depth": "m",
-    "crank_joint_normal_force": "N",
-    "crank_joint_tangential_force": "N",
-    "crank_joint_force_x": "N",
-    "crank_joint_force_y": "N",
-}
+_OF_JOINT = ("eccentricity_x", "eccentricity_y", "depth")
+_OF_JOINT += ("normal_force", "tangential_force", "force_x", "force_y")
+CRANK_COLUMNS = {f"crank_joint_{name}": COLUMNS[name] for name in _OF_JOINT}
 """Columns of rigid links only: the joint between crank and coupler, which may be ideal."""
 ALL_COLUMNS = COLUMNS | CRANK_COLUMNS
 EVENTS = ("start", "peak", "end")
