@@ -7,10 +7,11 @@ motion is free of strain. The shear compliance includes the residual bending fle
 generalised-alpha method (Chung & Hulbert 1993), with Newton's method on a banded matrix.
 """
 
+from collections import namedtuple
 from collections.abc import Iterator
 from functools import partial
 from math import inf
-from typing import Any, NamedTuple, get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,36 +45,15 @@ SECTION = np.dtype(
     [(name, float) for name in ("length", "axial", "shear", "bending", "mass", "rotary")]
 )
 """An element: its length, stiffnesses, and mass and rotary inertia per length."""
+Ball = namedtuple("Ball", "x y turn slider")
+"""Numbers of the unknowns of the ball, and of the slider's position."""
+System = namedtuple("System", "sections unknowns ball pin held mass load initial rates ideal")
+"""Elements of both links on +x, their unknowns numbered along the chain, mass and load.
 
-
-class Ball(NamedTuple):
-    """Numbers of the unknowns of the ball, and of the slider's position."""
-
-    x: int
-    y: int
-    turn: int
-    slider: int
-
-
-class System(NamedTuple):
-    """Elements of both links on +x, their unknowns numbered along the chain, mass and load."""
-
-    sections: Any
-    """A `SECTION` for each element."""
-    unknowns: Any
-    """A row for each element: the numbers of (x, y, rotation) at both ends."""
-    ball: Ball
-    pin: int
-    """Number of the pin's x."""
-    held: Any
-    """Numbers of unknowns whose rate is given."""
-    mass: Any
-    """Consistent mass, a band in which column `BAND` is the diagonal."""
-    load: Any
-    initial: Any
-    rates: Any
-    """Places and rotations at t = 0, and their rates."""
-    ideal: bool
+``sections`` has a `SECTION` for each element, ``unknowns`` the numbers of (x, y, rotation) at both
+of its ends; ``pin`` is the number of the pin's x, and ``held`` those of unknowns whose rate is
+given. In ``mass``, a band, column `BAND` is the diagonal. ``initial`` and ``rates`` are those at
+t = 0."""
 
 
 class Contact(NamedTuple):
@@ -140,12 +120,8 @@ def _internal(q, sections, unknowns, force, matrix, factor):
     energy, b, d = 0.0, np.zeros((3, 6)), np.zeros(6)
     for e in range(len(sections)):
         section, at = sections[e], unknowns[e]
-        length, axial, shear, bending = (
-            section.length,
-            section.axial,
-            section.shear,
-            section.bending,
-        )
+        length, axial = section.length, section.axial
+        shear, bending = section.shear, section.bending
         for i in range(6):
             d[i] = q[at[i]]
         dx, dy = (d[X2] - d[X1]) / length, (d[Y2] - d[Y1]) / length

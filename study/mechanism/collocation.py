@@ -137,14 +137,12 @@ def improve(work, h):
 def finish(work, h):
     """Fill ``y`` with the state at the step's end, and ``polynomial``."""
     start, rates, n = work.start, work.rates, len(work.x)
+    stage(STAGES - 1, work, h)
     for m in range(n):
-        place = speed = integral = 0.0
+        integral = 0.0
         for j in range(STAGES):
-            place += PLACE[STAGES - 1, j] * rates[1 + j, m]
-            speed += RATE[STAGES - 1, j] * rates[1 + j, m]
             integral += RATE[STAGES - 1, j] * rates[1 + j, n + m]
-        work.y[m] = start[m] + h * (start[n + m] + h * place)
-        work.y[n + m] = start[n + m] + h * speed
+        work.y[m], work.y[n + m] = work.trial[m], work.trial[n + m]
         work.y[2 * n + m] = start[2 * n + m] + h * integral
     for i in range(1 + STAGES):
         for m in range(2 * n):

@@ -8,13 +8,12 @@ follow from the geometry; the coupler points to +x.
 `study.mechanism.events` steps the equations; those of two clearance joints are in `two_joints`.
 """
 
+from collections import namedtuple
 from math import sqrt
-from typing import NamedTuple
 
 import numpy as np
 
 from study.compiled import compiled
-from study.contact.forces import JointForces
 from study.mechanism import joints, loads, stepping
 from study.mechanism.angles import norm, sine_cosine
 
@@ -24,16 +23,8 @@ THETA, FIRST, SECOND, OMEGA, FIRST_RATE, SECOND_RATE = range(2 * UNKNOWNS)
 _UNIT = np.eye(2 * UNKNOWNS)
 
 
-class Parts(NamedTuple):
-    """What `derive` and `write_output` need of a motion."""
-
-    pose: loads.Pose
-    cross: float
-    coupling: float
-    acceleration: tuple[float, float]
-    """Of the eccentricity."""
-    eccentricity: joints.Eccentricity
-    forces: JointForces
+Parts = namedtuple("Parts", "pose cross coupling acceleration eccentricity forces")
+"""What `derive` and `write_output` need of a motion; the acceleration is the eccentricity's."""
 
 
 @compiled

@@ -91,11 +91,7 @@ class Scene:
     )
     friction: float = parameter(0.05, "Coefficient of friction", least=0, source="Table 4")
     slow_speed: float = parameter(
-        1e-4,
-        "Sliding speed v0 below which there is no friction",
-        "m/s",
-        least=0,
-        source="Table 4",
+        1e-4, "Sliding speed v0 below which there is no friction", "m/s", least=0, source="Table 4"
     )
     full_speed: float = parameter(
         0.01, "Sliding speed v1 from which on friction is full", "m/s", above=0, source="Table 4"

@@ -13,6 +13,7 @@ T = -mu c(abs(v)) N v/abs(v), with the moment R1 n x T. Its spin s about n has t
 were alone: a ball that slides and spins at once has less of both.
 """
 
+from collections import namedtuple
 from functools import partial
 from math import inf, isnan, nan, pi, sqrt
 from typing import Any, NamedTuple
@@ -48,17 +49,10 @@ class JointRow(NamedTuple):
     lost_friction: float
 
 
-class BallForces(NamedTuple):
-    """Forces on a ball in space, and the state of its joint."""
-
-    force: tuple[float, float, float]
-    torque: tuple[float, float, float]
-    normal: float
-    lost_damping: float
-    lost_friction: float
-    """Powers that are lost."""
-    depth: float
-    approach: float
+BallForces = namedtuple(
+    "BallForces", "force torque normal lost_damping lost_friction depth approach"
+)
+"""Forces on a ball in space, powers that are lost, and the state of its joint."""
 
 
 @compiled

@@ -6,10 +6,10 @@ goes on from the state. Each impact has three rows of output of its own, as outp
 hides impacts.
 """
 
+from collections import namedtuple
 from collections.abc import Callable, Iterator
 from math import ceil
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,16 +46,10 @@ class MechanismError(StudyError):
     """A simulation that cannot go on; says when, and which limit was passed."""
 
 
-class JointOutput(NamedTuple):
-    """What a row of output has of a joint."""
-
-    eccentricity_x: float
-    eccentricity_y: float
-    depth: float
-    normal: float
-    tangential: float
-    force_x: float
-    force_y: float
+JointOutput = namedtuple(
+    "JointOutput", "eccentricity_x eccentricity_y depth normal tangential force_x force_y"
+)
+"""What a row of output has of a joint."""
 
 
 @compiled

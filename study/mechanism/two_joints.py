@@ -8,13 +8,12 @@ Eccentricities are differences of their places, so that no mass matrix is solved
 The slider's joint comes first (index 0), the crank's second.
 """
 
+from collections import namedtuple
 from math import sqrt
-from typing import NamedTuple
 
 import numpy as np
 
 from study.compiled import compiled
-from study.contact.forces import JointForces
 from study.mechanism import joints, loads, stepping
 from study.mechanism.angles import sine_cosine
 from study.mechanism.stepping import CRANK, SLIDER
@@ -26,17 +25,9 @@ the angle."""
 _UNIT = np.eye(2 * UNKNOWNS)
 
 
-class Parts(NamedTuple):
-    """What `derive` and `write_output` need of a motion; pairs: slider's and crank's joint."""
-
-    pose: loads.Pose
-    forces_x: float
-    forces_y: float
-    """On both balls together."""
-    accelerations: tuple[tuple[float, float], tuple[float, float]]
-    """Of the eccentricities."""
-    eccentricities: tuple[joints.Eccentricity, joints.Eccentricity]
-    forces: tuple[JointForces, JointForces]
+Parts = namedtuple("Parts", "pose forces_x forces_y accelerations eccentricities forces")
+"""What `derive` and `write_output` need of a motion. (forces_x, forces_y) acts on both balls
+together; the rest are pairs, slider's and crank's joint; accelerations are the eccentricities'."""
 
 
 @compiled
@@ -67,10 +58,8 @@ def motion(y, contacts, p, laws):
     beta = (half * (cp * sy - sp * sx) + p.r1 * t0 - arm * t1 + load.coupler) / p.i2
     turn_x, turn_y = -half * (sp * beta + cp * psi * psi), half * (cp * beta - sp * psi * psi)
     middle_x, middle_y = (fx0 - fx1) / p.m2, (fy0 - fy1) / p.m2 + load.fall
-    end_x, end_y = (
-        -p.l1 * (st * alpha + ct * omega * omega),
-        p.l1 * (ct * alpha - st * omega * omega),
-    )
+    end_x = -p.l1 * (st * alpha + ct * omega * omega)
+    end_y = p.l1 * (ct * alpha - st * omega * omega)
     slider = (load.slider - fx0) / p.m3
     a0 = middle_x + turn_x - slider, middle_y + turn_y
     a1 = end_x - middle_x + turn_x, end_y - middle_y + turn_y
