@@ -319,7 +319,7 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
 
 @compiled
 def _copy(source, target):
-    """Copy numbers one by one: an assignment of arrays takes seconds to compile."""
+    """Copy numbers: an assignment of arrays takes seconds to compile."""
     for i in range(len(source)):
         target[i] = source[i]
 

@@ -17,14 +17,8 @@ from study.mechanism.stepping import CRANK, SLIDER
 
 THETA = 0
 """Place of the crank's angle in a state; its rate is behind all coordinates."""
-JOINT = np.dtype(
-    [
-        *((name, float) for name in ("approach", "deep")),
-        *((name, np.int64) for name in ("regime", "impact")),
-        ("closed", bool),
-    ],
-    align=True,
-)
+_NUMBERS = [("approach", float), ("deep", float), ("regime", np.int64), ("impact", np.int64)]
+JOINT = np.dtype([*_NUMBERS, ("closed", bool)], align=True)
 """State of a joint: its `ContactState`, the depth to which the approach speed can lead, and the
 number of the impact."""
 Laws = tuple[np.record, ...]
@@ -68,16 +62,14 @@ def write_output(row, y, motion, parts, p, laws):
 
 
 @inlined
-def _contact_state(joint):
-    return ContactState(joint.closed, joint.regime, joint.approach)
-
-
-@inlined
 def contact_states(joints, laws):
     """`ContactState` of each joint."""
+    joint = joints[SLIDER]
+    of_slider = ContactState(joint.closed, joint.regime, joint.approach)
     if len(laws) == 1:
-        return (_contact_state(joints[SLIDER]),)
-    return _contact_state(joints[SLIDER]), _contact_state(joints[CRANK])
+        return (of_slider,)
+    joint = joints[CRANK]
+    return of_slider, ContactState(joint.closed, joint.regime, joint.approach)
 
 
 @compiled

@@ -36,8 +36,8 @@ OWN = "gap", "gap_rate", "slider", "slider_speed"
 position of the slider, and its speed half a step before."""
 
 LANES = 8
-"""Numbers in a processor's widest vector. Rows are filled to whole vectors with elements and
-particles that never move, so that loops over both are compiled to vectors."""
+"""Numbers in a processor's widest vector, to a multiple of which rows are filled with elements and
+particles that never move: loops over both are then compiled to vectors."""
 System = namedtuple("System", "elements bodies pin last frequency ideal lagged guarded")
 """What does not change: elements and particles as in `Frame`, a row for each quantity; numbers of
 the pin and of the last particle; how damping is stepped. The rows of ``bodies`` are the masses
@@ -335,8 +335,8 @@ def blocks(
     """Blocks of output rows at equally spaced ``times`` of the scene with links of particles.
 
     The law is packed; ``ideal`` fixes the ball to the slider. Equal steps of at most ``step``
-    seconds divide the time between outputs; `usual_step` is the default. A step above the limit of
-    stability is a ``ValueError``, unless ``unguarded``.
+    seconds divide the time between outputs. One above the limit of stability is a ``ValueError``,
+    unless ``unguarded``.
     """
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
