@@ -29,10 +29,10 @@ class Agreement(NamedTuple):
     largest_distance
         Between these eccentricities until then, in clearances.
     impacts
-        Numbers of impacts that begin until then, in the first and in the second response.
+        Numbers of impacts that begin until then, in each response.
     force_difference
-        Largest difference of normal forces until then: of the peaks of impacts that have ended,
-        over the peak, and at the times of output, over the largest one.
+        Largest relative difference of normal forces until then: of the peaks of impacts that have
+        ended, and at the times of output, over the largest force.
     """
 
     until: float

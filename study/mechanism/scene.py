@@ -64,8 +64,7 @@ class Scene:
     The ball is on the coupler's end, the socket in the slider, which does not turn. There may be a
     second one between crank and coupler, with the ball on the crank's end and the socket in the
     coupler. At t = 0 the balls are at rest in their sockets; by default nothing moves, and both
-    links lie on +x. All is in SI units, see `parameters`. A value outside its range is a
-    ``ValueError``.
+    links lie on +x. All is in SI units. A value outside its range is a ``ValueError``.
     """
 
     crank_length: float = parameter(0.05, "Length of the crank", "m", above=0, source="Table 3")
@@ -249,10 +248,7 @@ class Scene:
                 raise ValueError(f"{name.replace('_', ' ')} must be left out: this model has none")
 
     def link(self, body: Body) -> Link:
-        """Beam of a flexible link.
-
-        A moment of inertia below that of a thin rod, the least of a beam, is a ``ValueError``.
-        """
+        """Beam of a flexible link; an inertia below a thin rod's is a ``ValueError``."""
         length, mass = getattr(self, f"{body}_length"), getattr(self, f"{body}_mass")
         rod, own = mass * length**2 / 12, self.inertias[get_args(Body).index(body)]
         name, least = f"{body} inertia of a flexible link", rod * (1 - 1e-12)
@@ -300,8 +296,8 @@ class Scene:
     def parameters(self) -> "pd.DataFrame":
         """Every parameter: where the paper states it, or what this study assumes instead.
 
-        Columns parameter, value (as text), unit, table, source. What the scene does not have is
-        left out: a second clearance joint, a constant speed, or the moment that this replaces.
+        Columns are parameter, value (as text), unit, table and source. What the scene does not have
+        is left out, such as a second clearance joint.
         """
         import pandas as pd
 

@@ -151,18 +151,13 @@ def new_state(*own: str) -> np.recarray:
 
 
 def advance_in_blocks(
-    advance: Callable,
-    times: NDArray[np.float64],
-    state: np.recarray,
-    failure: str,
+    advance: Callable, times: NDArray[np.float64], state: np.recarray, failure: str
 ) -> Iterator[Block]:
     """Growing blocks of the rows of output at ``times``, from a model's compiled loop.
 
     ``advance`` takes rows, impacts and the impacts' rows, and returns how many rows it filled and
-    how it ended. It is called for as many steps as take about `PATIENCE`, so that an interruption
-    is noticed. Raises `MechanismError` with the text ``failure``, in which ``{}`` stands for the
-    state's limit, if ``advance`` failed; and with another text if a ball goes deeper than one
-    clearance.
+    how it ended. It is called for as many steps as take about `PATIENCE`. If it failed, raises
+    `MechanismError` with the text ``failure``, in which ``{}`` stands for the state's limit.
     """
     impacts, events = new_impacts(64)
     rows = np.zeros(len(times), OUTPUT)
