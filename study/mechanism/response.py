@@ -4,7 +4,6 @@ Rows at equal times serve comparisons. They hide impacts, which are short: so ea
 at its start, its largest force and its end.
 """
 
-import csv
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -18,6 +17,15 @@ from study import paths
 if TYPE_CHECKING:
     import pandas as pd
 
+_OF_JOINT = {
+    "eccentricity_x": "m",
+    "eccentricity_y": "m",
+    "depth": "m",
+    "normal_force": "N",
+    "tangential_force": "N",
+    "force_x": "N",
+    "force_y": "N",
+}
 COLUMNS = {
     "time": "s",
     "crank_angle": "rad",
@@ -28,13 +36,7 @@ COLUMNS = {
     "slider_acceleration": "m/s^2",
     "coupler_angle": "rad",
     "coupler_speed": "rad/s",
-    "eccentricity_x": "m",
-    "eccentricity_y": "m",
-    "depth": "m",
-    "normal_force": "N",
-    "tangential_force": "N",
-    "force_x": "N",
-    "force_y": "N",
+    **_OF_JOINT,
     "work": "J",
     "kinetic": "J",
     "elastic": "J",
@@ -42,15 +44,7 @@ COLUMNS = {
     "lost_friction": "J",
     "driving_moment": "N m",
 }
-CRANK_COLUMNS = {
-    "crank_joint_eccentricity_x": "m",
-    "crank_joint_eccentricity_y": "m",
-    "crank_joint_depth": "m",
-    "crank_joint_normal_force": "N",
-    "crank_joint_tangential_force": "N",
-    "crank_joint_force_x": "N",
-    "crank_joint_force_y": "N",
-}
+CRANK_COLUMNS = {f"crank_joint_{name}": unit for name, unit in _OF_JOINT.items()}
 """Columns of rigid links only: the joint between crank and coupler, which may be ideal."""
 ALL_COLUMNS = COLUMNS | CRANK_COLUMNS
 EVENTS = ("start", "peak", "end")
@@ -83,7 +77,7 @@ class Response:
     Attributes
     ----------
     rows : shape (n,)
-        At equally spaced times, a record with the fields `columns`.
+        A record at each time, with the fields `columns`.
     impact_rows : shape (m,)
         A record for each contact, with the fields ``joint``, ``kind`` and `IMPACT_COLUMNS`.
     event_rows : shape (e,)
@@ -132,25 +126,19 @@ class Response:
         no end. Links of particles and beams give the first step in contact, the step of the largest
         force, and the first step out of contact.
 
-        Places of slider and crank are measured from the crank's axis. The eccentricity is the
-        vector from the socket's centre to the ball's. ``depth`` is negative in flight. ``force_x``
-        and ``force_y`` act on the body with the socket, slider or coupler. For an ideal joint
-        ``normal_force`` is the size of that force. ``driving_moment`` acts on the crank. ``work``
-        is that of drive and gravity since t = 0. ``elastic`` and losses are sums over all joints
-        and links. In contact ``normal_force`` may fall below 0
-        (``study.contact.forces.joint_forces``).
+        Places are measured from the crank's axis. The eccentricity is the vector from the socket's
+        centre to the ball's. ``depth`` is negative in flight. ``force_x`` and ``force_y`` act on
+        the body with the socket, slider or coupler; ``normal_force`` of an ideal joint is the size
+        of that force, and in contact it may fall below 0 (`study.contact.forces.joint_forces`).
+        ``work`` is that of drive and gravity since t = 0. ``elastic`` and losses are sums over all
+        joints and links.
         """
         import pandas as pd
 
-        rows, kinds = self._in_order_of_time()
-        return pd.DataFrame(rows).assign(event=kinds)
-
-    def _in_order_of_time(self):
-        """Rows of events and of equally spaced times, and the kind of each."""
         rows = np.concatenate([self.event_rows, self.rows])
         kinds = np.array(self.event_kinds + ("",) * len(self.rows), dtype=object)
         order = np.argsort(rows["time"], kind="stable")
-        return rows[order], kinds[order]
+        return pd.DataFrame(rows[order]).assign(event=kinds[order])
 
     @cached_property
     def impacts(self) -> "pd.DataFrame":
@@ -184,9 +172,5 @@ class Response:
 
     def save(self, path: Path) -> None:
         """Write the motion as CSV, whole or not at all."""
-        with paths.whole(path) as temporary, open(temporary, "w", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow([*self.columns, "event"])
-            for row, kind in zip(*self._in_order_of_time(), strict=True):
-                numbers = ("" if np.isnan(number) else f"{number:.12g}" for number in row)
-                writer.writerow([*numbers, kind])
+        with paths.whole(path) as file:
+            self.motion.to_csv(file, index=False, float_format="%.12g", lineterminator="\n")

@@ -113,7 +113,8 @@ def test_contact_tangent_of_finite_elements_is_the_derivative():
     q, v = np.array([3e-5, -4.1e-5, 0.3, 0.0]), np.array([0.02, 0.01, 0.5, 0.015])
 
     def forces(q, v):
-        joint, stiff, damp = beams._contact(q, v, ball, True, 0.05, beams.ANY, p, law)
+        contact, stiff, damp = beams._contact(q, v, ball, True, 0.05, beams.ANY, p, law)
+        joint = contact.output
         moment = s.ball_radius * joint.tangential
         return np.array([-joint.force_x, -joint.force_y, moment]), stiff, damp
 
