@@ -4,6 +4,7 @@ Rows at equal times serve comparisons. They hide impacts, which are short: so ea
 at its start, its largest force and its end.
 """
 
+import csv
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -135,10 +136,15 @@ class Response:
         """
         import pandas as pd
 
+        rows, kinds = self._in_order_of_time()
+        return pd.DataFrame(rows).assign(event=kinds)
+
+    def _in_order_of_time(self):
+        """Rows of events and of equally spaced times, and the kind of each."""
         rows = np.concatenate([self.event_rows, self.rows])
         kinds = np.array(self.event_kinds + ("",) * len(self.rows), dtype=object)
         order = np.argsort(rows["time"], kind="stable")
-        return pd.DataFrame(rows[order]).assign(event=kinds[order])
+        return rows[order], kinds[order]
 
     @cached_property
     def impacts(self) -> "pd.DataFrame":
@@ -171,6 +177,10 @@ class Response:
         return float((ended["time"] + ended["duration"]).max(initial=0.0))
 
     def save(self, path: Path) -> None:
-        """Write the motion as CSV, whole or not at all."""
-        with paths.whole(path) as file:
-            self.motion.to_csv(file, index=False, float_format="%.12g", lineterminator="\n")
+        """Write the motion as CSV, whole or not at all; without pandas, which may be missing."""
+        with paths.whole(path) as temporary, open(temporary, "w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow([*self.columns, "event"])
+            for row, kind in zip(*self._in_order_of_time(), strict=True):
+                numbers = ("" if np.isnan(number) else f"{number:.12g}" for number in row)
+                writer.writerow([*numbers, kind])
