@@ -5,7 +5,8 @@ guessed.
 """
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import numpy as np
@@ -31,6 +32,15 @@ class StudyError(RuntimeError):
 
 class RangeError(ValueError):
     """A value that is possible, but outside the range that is allowed here."""
+
+
+@contextmanager
+def intact(file: str, remedy: str) -> Iterator[None]:
+    """Make one `StudyError` of what is raised while a file of the project is read."""
+    try:
+        yield
+    except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
+        raise StudyError(f"{file} is missing or damaged ({error}); {remedy}") from None
 
 
 def number(

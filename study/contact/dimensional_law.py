@@ -73,8 +73,7 @@ class DimensionalLaw:
         self.composite_modulus = checks.number(
             "composite modulus", composite_modulus, "Pa", above=0, scalar=True
         )
-        of_bodies = [name for name, option in self.law.options.items() if option.of_bodies]
-        missing = [name for name in of_bodies if name not in options]
+        missing = [name for name in self.law.of_bodies if name not in options]
         if missing:
             raise ValueError(
                 f"{self.name} in SI units must be given {', '.join(missing)}: a force depends on "

@@ -12,7 +12,7 @@ reproduces.
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from inspect import getdoc
 from math import factorial, gamma, pi, sqrt
 from pathlib import Path
@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from study import checks
+from study import checks, parameters
 from study.contact import sampling, shapes, stiffening
 from study.contact.bodies import SOCKET_RATIO, hertz_factor
 from study.contact.power_fit import USUAL_RANGE
@@ -59,23 +59,6 @@ class Parts(NamedTuple):
         return float(result) if result.ndim == 0 else result
 
 
-class Option(NamedTuple):
-    """Default of a law's option, and what it is.
-
-    ``of_bodies`` marks what every joint with dimensions states: there the option has no default.
-    """
-
-    default: Any
-    about: Parameter
-    of_bodies: bool = False
-
-    def checked(self, name: str, value: Any) -> Any:
-        """The value, or ``ValueError``; None stands for a default that is None."""
-        if value is None and self.default is None:
-            return None
-        return self.about.taken(name, value)
-
-
 @dataclass(frozen=True, eq=False)
 class Law:
     """A dimensionless force over depth. A call evaluates it.
@@ -85,11 +68,11 @@ class Law:
     name
         Key of `LAWS`; of another law, that of its function.
     formula
-        Of R2* and all options; returns the law's `Parts`.
-    evidence
-        How sure the formula is.
+        Of R2* and all options, with their defaults; returns the law's `Parts`.
     options
-        Names of the options, with defaults and ranges.
+        What each option is.
+    of_bodies
+        Options that every joint with dimensions states: there they have no default.
     deepest
         Largest depth_star, if the law has a limit that its shape has not.
     least_r2_star
@@ -98,16 +81,15 @@ class Law:
         Largest depth_star of the fit in the paper's joint that gives the default coefficients.
     examples
         Options that are tried wherever all laws are, for example in tests.
-    r2_star
-        The only R2* of the law of one joint, and its default.
-    joint
-        The `study.joint.Joint` of the law of one joint.
+    r2_star, joint
+        Of the law of one `study.joint.Joint`: its only R2*, and the joint.
     """
 
     name: str
     formula: Callable[..., Parts] = field(repr=False)
     evidence: Evidence
-    options: Mapping[str, Option] = field(default_factory=dict, repr=False)
+    options: Mapping[str, Parameter] = field(default_factory=dict, repr=False)
+    of_bodies: tuple[str, ...] = field(default=(), repr=False)
     deepest: float | None = field(default=None, repr=False)
     least_r2_star: float | None = field(default=None, repr=False)
     fitted_to: float | None = field(default=None, repr=False)
@@ -118,9 +100,14 @@ class Law:
     def __post_init__(self) -> None:
         given = ["depth_star", "r2_star" if self.r2_star is None else f"r2_star={self.r2_star:g}"]
         given += ["*", "derivative=False"]
-        given += [f"{name}={option.default!r}" for name, option in self.options.items()]
+        given += [f"{name}={default!r}" for name, default in self.defaults.items()]
         text = f"{self.name}({', '.join(given)})\n\n{getdoc(self.formula) or ''}"
         object.__setattr__(self, "__doc__", text)  # for help() and the report
+
+    @cached_property
+    def defaults(self) -> dict[str, Any]:
+        """Default of every option."""
+        return parameters.defaults(self.formula)
 
     def __call__(
         self,
@@ -171,10 +158,10 @@ class Law:
             if not self.options:
                 raise checks.RangeError(f"{name} must be left out: {self.name} has no option")
             checks.choice(f"option of {self.name}", name, self.options)
-        values = {name: option.default for name, option in self.options.items()} | options
-        return {
-            name: self.options[name].checked(f"{name} of {self.name}", value)
-            for name, value in values.items()
+        return self.defaults | {
+            name: self.options[name].taken(f"{name} of {self.name}", value)
+            for name, value in options.items()
+            if value is not None or self.defaults[name] is not None
         }
 
 
@@ -183,7 +170,7 @@ def new_law(evidence: Evidence, **more: Any) -> Callable[[Callable[..., Parts]],
     return lambda formula: Law(formula.__name__, formula, evidence, **more)
 
 
-COEFFICIENT = Option(None, Parameter("Fitted coefficient, no unit", limits={"above": 0}))
+COEFFICIENT = Parameter("Fitted coefficient, no unit", limits={"above": 0})
 
 
 @new_law("given")
@@ -195,17 +182,14 @@ def hertz(r2_star: Floats) -> Parts:
 @new_law(
     "identified",
     options={
-        "n": Option(
-            1,
-            Parameter("Half the order of the profile", limits={"least": 1, "most": 50}, whole=True),
+        "n": Parameter(
+            "Half the order of the profile", limits={"least": 1, "most": 50}, whole=True
         ),
-        "radius": Option(
-            "geometric", Parameter("Contact radius", choices=("geometric", "profile"))
-        ),
+        "radius": Parameter("Contact radius", choices=("geometric", "profile")),
     },
     examples=({}, {"n": 3}, {"n": 2, "radius": "profile"}),
 )
-def steuermann(r2_star: Floats, n: int, radius: str) -> Parts:
+def steuermann(r2_star: Floats, n: int = 1, radius: str = "geometric") -> Parts:
     """Steuermann: P = (4n/(2n+1)) E* a d for a profile of order 2n (Eq. 7; Johnson, sec. 5.3).
 
     ``n`` is from 1 to 50. ``radius="geometric"`` takes the contact radius a = R2 sin(eps) with
@@ -246,7 +230,7 @@ def liu(r2_star: Floats) -> Parts:
     fitted_to=USUAL_RANGE[1],
     examples=({}, {"coefficient": 3.0}),
 )
-def winkler(r2_star: Floats, coefficient: float | None) -> Parts:
+def winkler(r2_star: Floats, coefficient: float | None = None) -> Parts:
     """Winkler with fitted coefficient: P* = f1w(R2*) ds^2 (Eq. 28, derived; f1w fitted).
 
     The default of the ``coefficient`` f1w > 0 is this study's fit in the paper's joint
@@ -258,13 +242,15 @@ def winkler(r2_star: Floats, coefficient: float | None) -> Parts:
 @new_law(
     "derived",
     options={
-        "area": Option("flat", Parameter("Area element", choices=("flat", "sphere"))),
+        "area": Parameter("Area element", choices=("flat", "sphere")),
         "coefficient": COEFFICIENT,
     },
     fitted_to=USUAL_RANGE[1],
     examples=({}, {"coefficient": 3.0}, {"area": "sphere"}),
 )
-def hyperbolic_winkler(r2_star: Floats, area: Area, coefficient: float | None) -> Parts:
+def hyperbolic_winkler(
+    r2_star: Floats, area: Area = "flat", coefficient: float | None = None
+) -> Parts:
     """The paper's law: P* = f1(R2*) f2(ds) (Eqs. 20-27, f2 derived; f1 fitted by this study).
 
     f2 = 2 ds [(6/a) sin(a) + (6/a^2 - 2) cos(a) - 1 - 6/a^2] with the contact half-angle
@@ -286,12 +272,14 @@ def hyperbolic_winkler(r2_star: Floats, area: Area, coefficient: float | None) -
     "fitted",
     options={
         "coefficient": COEFFICIENT,
-        "exponent": Option(None, Parameter("Exponent, no unit", limits={"least": 1, "most": 3})),
+        "exponent": Parameter("Exponent, no unit", limits={"least": 1, "most": 3}),
     },
     fitted_to=USUAL_RANGE[1],
     examples=({}, {"coefficient": 600.0, "exponent": 1.7}),
 )
-def power(r2_star: Floats, coefficient: float | None, exponent: float | None) -> Parts:
+def power(
+    r2_star: Floats, coefficient: float | None = None, exponent: float | None = None
+) -> Parts:
     """Power law: P* = k* ds^n, fitted to one joint and one range of depths (this study).
 
     It has the two numbers that programs for multibody dynamics ask for. A joint's own are those of
@@ -319,11 +307,10 @@ _BODIES = {
 """Options of `stiffened_hertz` that describe both bodies."""
 
 
-def _of_table(name: str, default: Any) -> Option:
+def _in_table(name: str) -> Parameter:
     """Option of `stiffened_hertz`, in the range of its table."""
     least, most = stiffening.RANGES[name]
-    limits = {"least": least * (1 - LIMIT_MARGIN), "most": most}
-    return Option(default, Parameter(_BODIES[name], limits=limits), of_bodies=True)
+    return Parameter(_BODIES[name], limits={"least": least * (1 - LIMIT_MARGIN), "most": most})
 
 
 _PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
@@ -331,16 +318,12 @@ _PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "s
 
 @new_law(
     "fitted",
-    options={
-        "socket_ratio": _of_table("socket_ratio", SOCKET_RATIO),
-        "modulus_ratio": _of_table("modulus_ratio", 1.0),
-        "poisson": _of_table("poisson", 0.3),
-        "socket_poisson": _of_table("socket_poisson", None),
-        "ball_support": Option(
-            "guided", Parameter("How the ball is held", choices=("guided", "clamped"))
-        ),
-        "rim": Option("mirror", Parameter("Edge of the socket", choices=("mirror", "free"))),
+    options={name: _in_table(name) for name in _BODIES}
+    | {
+        "ball_support": Parameter("How the ball is held", choices=("guided", "clamped")),
+        "rim": Parameter("Edge of the socket", choices=("mirror", "free")),
     },
+    of_bodies=tuple(_BODIES),
     least_r2_star=stiffening.LEAST_R2_STAR,
     examples=(
         _PAPER,
@@ -351,12 +334,12 @@ _PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "s
 )
 def stiffened_hertz(
     r2_star: Floats,
-    socket_ratio: float,
-    modulus_ratio: float,
-    poisson: float,
-    socket_poisson: float | None,
-    ball_support: str,
-    rim: str,
+    socket_ratio: float = SOCKET_RATIO,
+    modulus_ratio: float = 1.0,
+    poisson: float = 0.3,
+    socket_poisson: float | None = None,
+    ball_support: str = "guided",
+    rim: str = "mirror",
 ) -> Parts:
     """Hertz stiffened by thickness, materials and supports (this study, tabulated).
 
@@ -521,12 +504,8 @@ def _coefficient(law, r2_star, given=None):
 
 def _fitted(law, name):
     """One number of a law's fit."""
-    try:
+    with checks.intact("study/contact/coefficients.json", "rebuild it with: study data build"):
         return float(fitted_coefficients()[law][name])
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        file = f"study/contact/{COEFFICIENTS.name}"
-        why = f"is missing or damaged, or lacks {law}"
-        raise checks.StudyError(f"{file} {why}; rebuild it with: study data build") from None
 
 
 @lru_cache(maxsize=1)

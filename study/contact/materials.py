@@ -88,38 +88,19 @@ def table() -> tuple[dict[str, Any], ...]:
     """Rows of ``materials.csv``: name, constants in Pa, condition and source of each material.
 
     ``yield_stress`` is None if the material has no usual one. Raises `study.checks.StudyError` if
-    the file is missing or damaged, with the first wrong row.
+    the file is missing or damaged.
     """
-    rows: dict[str, dict[str, Any]] = {}
-    try:
+    file = "study/contact/materials.csv"
+    remedy = f"restore it in a checkout with git checkout -- {file}, else install the study again"
+    rows = []
+    with checks.intact(file, remedy):
         for row in csv.DictReader(MATERIALS.read_text(encoding="utf-8").splitlines()):
-            try:
-                rows[_plain(row["name"])] = _checked(row, rows)
-            except ValueError as error:
-                raise ValueError(f" (row {len(rows) + 1}: {error})") from None
+            numbers: dict[str, Any] = {
+                name: checks.read(f"{name} of {row['name']}", row[name]) if row[name] else None
+                for name in ("youngs_modulus", "poisson", "yield_stress")
+            }
+            material(Material(**numbers), row["name"])
+            rows.append(row | numbers)
         if not rows:
-            raise ValueError
-    except (OSError, ValueError, KeyError, csv.Error) as error:
-        file = f"study/contact/{MATERIALS.name}"
-        wrong = error if type(error) is ValueError else ""
-        remedy = f"in a checkout with git checkout -- {file}, else install the study again"
-        raise checks.StudyError(
-            f"{file} is missing or damaged{wrong}; restore it {remedy}"
-        ) from None
-    return tuple(rows.values())
-
-
-def _checked(row, others):
-    """A row with its numbers, or ``ValueError``."""
-    if None in row or None in row.values() or not row["source"]:
-        raise ValueError("a source, and as many cells as the head, must be given")
-    plain = _plain(row["name"])
-    if not plain.replace(".", "").isalnum() or plain in others:
-        wanted = "name must be letters, digits, spaces, hyphens and dots, no other row's name"
-        raise ValueError(f"{wanted}, got {checks.shown(row['name'])}")
-    numbers = {
-        name: checks.read(name, row[name]) if row[name] else None
-        for name in ("youngs_modulus", "poisson", "yield_stress")
-    }
-    material(Material(**numbers))
-    return row | numbers
+            raise ValueError("no material")
+    return tuple(rows)

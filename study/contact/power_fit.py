@@ -17,11 +17,20 @@ USUAL_RANGE = 0.05, 0.5
 
 
 class PowerFit(NamedTuple):
-    """Force = ``coefficient`` depth^``exponent``, with its largest relative ``error``."""
+    """Force = ``coefficient`` depth^``exponent``, with its largest relative ``error``.
+
+    It is for ``depths`` from the least to the largest of the fit; beyond them the error grows fast.
+    """
 
     coefficient: float
     exponent: float
     error: float
+    depths: tuple[float, float]
+
+    @property
+    def coefficient_mm(self) -> float:
+        """The coefficient in N/mm^n, of a fit in SI units."""
+        return self.coefficient * 1e-3**self.exponent
 
 
 def fit_power(depth: ArrayLike, force: ArrayLike, exponent: float | None = None) -> PowerFit:
@@ -57,4 +66,6 @@ def fit_power(depth: ArrayLike, force: ArrayLike, exponent: float | None = None)
     ratio = np.exp(y - exponent * x)
     least, most = ratio.min(), ratio.max()
     coefficient = 2 / (1 / least + 1 / most)
-    return PowerFit(float(coefficient), float(exponent), float((most - least) / (most + least)))
+    error = float((most - least) / (most + least))
+    ends = float(depths.min()), float(depths.max())
+    return PowerFit(float(coefficient), float(exponent), error, ends)

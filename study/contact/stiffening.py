@@ -110,14 +110,8 @@ def table() -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
 
     Raises `study.checks.StudyError` if its file is missing or damaged.
     """
-    try:
+    with checks.intact("study/contact/stiffening.csv", "rebuild it with: study data build"):
         _, *rows = TABLE.read_text(encoding="utf-8").splitlines()
-        numbers = np.array([line.split(",") for line in rows], dtype=np.int64)
-        supports, degrees, values = np.split(numbers, [2, 7], axis=1)
-        if values.shape[1] != len(PLACES):
-            raise ValueError
-    except (OSError, ValueError):
-        raise checks.StudyError(
-            f"study/contact/{TABLE.name} is missing or damaged; rebuild it with: study data build"
-        ) from None
-    return supports, degrees, np.array(UNIT * values, dtype=np.float64)
+        numbers = np.array([line.split(",") for line in rows], dtype=np.int64).reshape(-1, 16)
+    supports, degrees, values = np.split(numbers, [2, 7], axis=1)
+    return supports, degrees, np.array(UNIT * values)

@@ -15,7 +15,7 @@ from study import checks, parameters
 from study.contact import LAWS, DimensionalLaw, Material, largest_depth, material, tabulated
 from study.contact.laws import AnyLaw, find
 from study.contact.materials import read_material
-from study.contact.power_fit import DEPTHS, USUAL_RANGE, fit_power
+from study.contact.power_fit import DEPTHS, USUAL_RANGE, PowerFit, fit_power
 from study.joint import applicability
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO
 from study.joint.contact_kinematics import UnresolvedError
@@ -121,33 +121,6 @@ class TiltedSolution:
     contact_edges_deg: Floats
     reaches_rim: NDArray[np.bool_]
     error_estimate: Floats
-
-
-@dataclass(frozen=True)
-class PowerLaw:
-    """A joint's force as k d^n over a range of depths, for programs that ask for k and n.
-
-    Attributes
-    ----------
-    coefficient
-        k in N/m^n.
-    exponent
-        n, without a unit.
-    error
-        Largest relative error in the range, against the solved joint.
-    depths
-        Least and largest depth of the range, in m. Beyond it the error grows fast.
-    """
-
-    coefficient: float
-    exponent: float
-    error: float
-    depths: tuple[float, float]
-
-    @property
-    def coefficient_mm(self) -> float:
-        """The coefficient k, in N/mm^n."""
-        return self.coefficient * 1e-3**self.exponent
 
 
 @dataclass(frozen=True)
@@ -274,7 +247,7 @@ class DimensionalJoint(Configuration):
             checks.choice("kinematics of stiffened_hertz", self.kinematics, ("linear",))
         return self._in_si_units(law, **law_parameters(law, self.joint))
 
-    def power_law(self, depths: tuple[float, float] | None = None) -> PowerLaw:
+    def power_law(self, depths: tuple[float, float] | None = None) -> PowerFit:
         """The force as k d^n, fitted to the solved joint in the maximum norm of its relative error.
 
         Parameters
@@ -289,7 +262,7 @@ class DimensionalJoint(Configuration):
         most = checks.number("largest depth", high, "m", above=least, scalar=True)
         law = self._reaching("depth", np.array([most]), "m")
         places = np.geomspace(least, most, DEPTHS)
-        return PowerLaw(*fit_power(places, law.force(places)), depths=(least, most))
+        return fit_power(places, law.force(places))
 
     def solve(
         self, *, depth: ArrayLike | None = None, force: ArrayLike | None = None
