@@ -43,15 +43,10 @@ def material(given: str | Material, name: str = "material") -> Material:
     ----------
     given
         A name of `table`, in which case, hyphens and spaces do not count; or Young's modulus in Pa,
-        Poisson's ratio and perhaps a yield stress in Pa, ``210e9,0.3,5e8``; or a `Material`.
+        Poisson's ratio and perhaps a yield stress in Pa, ``210e9,0.3,5e8``; or a `Material`. An
+        unknown name, or a Young's modulus below `study.checks.SOFTEST`, is a ``ValueError``.
     name
         What the material is of, for a message.
-
-    Raises
-    ------
-    ValueError
-        For an unknown name, with the known ones, or a value outside its range. The least Young's
-        modulus is `study.checks.SOFTEST`.
     """
     given = read_material(name, given) if isinstance(given, str) else given
     modulus = checks.instance(name, given, Material).youngs_modulus

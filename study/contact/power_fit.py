@@ -43,14 +43,9 @@ def fit_power(depth: ArrayLike, force: ArrayLike, exponent: float | None = None)
     Parameters
     ----------
     depth, force
-        Shape (n,), all > 0, in any units; at least two different depths.
+        Shape (n,), all > 0, in any units, with at least two different depths; else ``ValueError``.
     exponent
         Given, if only the coefficient is to be fitted.
-
-    Raises
-    ------
-    ValueError
-        For lists of other lengths, or a value that is not > 0.
     """
     depths, forces = checks.same_length(2, depth=depth, force=force)
     checks.number("depth", depths, above=0)

@@ -4,12 +4,10 @@ The table behind `study.contact.stiffened_hertz` has ln S at nine depths, as a C
 five coordinates of the joint. A clamped ball and a free rim have terms of their own. The table is
 made by `study.dataset.stiffening_fit`.
 
-The table is evaluated once a joint, to the same bits on every processor, and results of impacts are
-still compared with a tolerance. Both are needed. Every impact enlarges a difference of the last
-digits some times, so that no tolerance holds for a run of many impacts whose laws differ: S is
-rounded where the logarithms and sums behind it differ, and only sums and products follow. The
-tolerance is for what is left: sums of BLAS in flexible links, and functions of the mathematical
-library outside the loops.
+It is evaluated once a joint, to the same bits on every processor: every impact enlarges a
+difference of the last digits some times, so that no tolerance is enough for a run of many impacts
+whose laws differ. Therefore S is rounded where the logarithms and sums behind it differ, and only
+sums and products follow.
 """
 
 from functools import lru_cache
