@@ -34,7 +34,7 @@ SOLVED_FIRST = 1.25
 """Factor on the cost of a table, as its joint is solved first, and measured costs are noisy: those
 of a table and of ``stiffened_hertz`` differed by 1 to 13 % from run to run."""
 FINITE_DEPTHS = (
-    13  # solved with finite kinematics, a second each; odd: first and last are in a table
+    13  # solved with large displacements, a second each; odd: first and last are in a table
 )
 DEEPER = (1, 4, 12)
 """Factors of a depth: laws are compared up to the least of these depths that elements resolve. The

@@ -140,8 +140,9 @@ class DimensionalLaw:
         count = len(constants)
         capacity = next(size for size in CAPACITIES if size >= count)
         padded = np.pad(np.asarray(constants, dtype=float), (0, capacity - count))
+        values: Any = SHAPES.index(shape), self.clearance, self._unit(0) * scale, count, padded
         return np.rec.array(
-            [(SHAPES.index(shape), self.clearance, self._unit(0) * scale, count, padded)],
+            [values],
             dtype=[
                 ("shape_index", np.int64),
                 ("clearance", float),

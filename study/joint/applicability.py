@@ -43,16 +43,8 @@ def limits(
 ) -> Limits:
     """Limits that one contact exceeds: a key for each, and a sentence.
 
-    Parameters
-    ----------
-    depth_star, half_angle_deg
-        Of the contact; the half-angle in deg.
-    yield_factor
-        Yield stress over largest von Mises stress, for each body that has both.
-    depth
-        In m, if the joint has dimensions.
-    strain
-        Peak pressure over the least Young's modulus, if it is known.
+    The ``yield_factor`` is yield stress over largest von Mises stress, for each body that has both,
+    ``depth`` is in m, and ``strain`` is peak pressure over the least Young's modulus.
     """
     found = {}
     for body, factor in (yield_factor or {}).items():

@@ -45,16 +45,10 @@ def surface_angles(resolution: int, last: float = np.pi / 2) -> NDArray[np.float
 class Compliance:
     """Inward normal displacement of a unit sphere's surface under axisymmetric pressure.
 
-    Pressure is piecewise linear in the polar angle between ``angles`` (hat functions h_i);
-    w_j is the displacement under the pressure h_j. All callers share the arrays, read-only.
-
-    Attributes
-    ----------
-    angles
-        Polar angles of the pressure nodes, from 0 (contact axis) to pi/2, in rad; shape (n,).
-    flexibility
-        Integral of h_i w_j over the surface, symmetric and positive definite, shape (n, n). For
-        radius R and modulus E it scales by R/E.
+    Pressure is piecewise linear between nodes at the polar ``angles`` from 0 on, in rad, (n,): a
+    sum of hat functions h_i. The ``flexibility`` is the integral of h_i w_j over the surface, where
+    w_j is the displacement under h_j: symmetric and positive definite, (n, n). For radius R and
+    modulus E it scales by R/E. All callers share the arrays, read-only.
     """
 
     angles: NDArray[np.float64]

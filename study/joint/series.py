@@ -57,14 +57,16 @@ def compliance(body: Ball | Socket, resolution: int = RESOLUTION["series"]) -> C
     The body is symmetric about its equatorial plane. The ``resolution`` is the number of pressure
     elements along the quarter circle, a multiple of 16. The series ends after `ORDERS` per element.
     """
-
-    def receptance(orders):
-        """Displacement of the surface against the pressure."""
-        if isinstance(body, Ball):
-            return -ball(orders, body.poisson).state(1.0)[0]
-        return socket(orders, body)[0].state(1.0)[0]
-
-    return _compliance(resolution, receptance)
+    angles = surface_angles(resolution)
+    last_order = ORDERS * (len(angles) - 1)
+    orders = np.arange(0, last_order + 1, 2)
+    if isinstance(body, Ball):
+        receptance = -ball(orders, body.poisson).state(1.0)[0]
+    else:
+        receptance = socket(orders, body)[0].state(1.0)[0]
+    norms = 2 * np.pi / (2 * orders + 1)  # of P_n(cos theta) squared over the hemisphere
+    roots = np.sqrt(receptance * norms)[:, None] * hat_coefficients(resolution, last_order)
+    return Compliance(angles, roots.T @ roots)
 
 
 def ball(orders: ArrayLike, poisson: float) -> Solid:
@@ -129,16 +131,6 @@ def modes(
         -(n + 2) / r**3,
     ]
     return np.array([inner, inner, outer, outer]) * np.array([radial, polar, normal, shear])
-
-
-def _compliance(resolution, receptance):
-    """Compliance from the surface's displacement under each P_n(cos theta), a function of n."""
-    angles = surface_angles(resolution)
-    last_order = ORDERS * (len(angles) - 1)
-    orders = np.arange(0, last_order + 1, 2)
-    norms = 2 * np.pi / (2 * orders + 1)  # of P_n(cos theta) squared over the hemisphere
-    roots = np.sqrt(receptance(orders) * norms)[:, None] * hat_coefficients(resolution, last_order)
-    return Compliance(angles, roots.T @ roots)
 
 
 @lru_cache(maxsize=4)

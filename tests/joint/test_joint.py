@@ -264,7 +264,7 @@ def test_error_estimate_covers_the_error_at_large_displacements():
 def test_contact_grown_from_the_pole_is_that_found_by_pivoting(kinematics, socket, ratio):
     joint = Joint(30, ratio, socket=socket, kinematics=kinematics)
     bodies = [series.compliance(body, 64) for body in (joint.ball_body, joint.socket_body)]
-    problem, axial = contact_kinematics.PROBLEMS[kinematics](joint, *bodies)
+    problem, axial = contact_kinematics.problem_of(joint, *bodies)
     for depth in (0.02, 0.2, 0.5):
         nested = nested_contact.NestedContacts(joint, *bodies, 2.0, np.array([depth]))
         pressure = nested.pressure(depth)
