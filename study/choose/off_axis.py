@@ -13,7 +13,7 @@ import numpy as np
 
 from study import checks
 from study.joint import Joint, force_curve, tilted_contact
-from study.joint.supports import Core, WholeOutside
+from study.joint.supports import Core
 from study.joint.tilted import LARGEST_TILT
 
 OF_RULE = 0.002
@@ -53,10 +53,7 @@ def axial_law_suffices(joint: Joint, depth_star: float, tilt: float, tolerance: 
     depth = checks.number("depth_star", depth_star, above=0, scalar=True)
     most = checks.number("tilt", tilt, "deg", above=0, most=LARGEST_TILT, scalar=True)
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
-    all_round = isinstance(joint.ball_support, Core) and isinstance(
-        joint.socket_support, WholeOutside
-    )
-    if all_round:
+    if isinstance(joint.ball_support, Core) and joint.is_held_all_round:
         edge = force_curve(joint, depth).contact_half_angle_deg[0] + most
         edge += _WALLS * np.degrees(joint.socket_ratio - 1)
         stiff = all(m.poisson <= _LARGEST_POISSON for m in joint.materials.values())

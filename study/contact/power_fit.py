@@ -47,7 +47,10 @@ def fit_power(depth: ArrayLike, force: ArrayLike, exponent: float | None = None)
     exponent
         Given, if only the coefficient is to be fitted.
     """
-    depths, forces = checks.same_length(2, depth=depth, force=force)
+    depths, forces = np.asarray(depth, dtype=float), np.asarray(force, dtype=float)
+    if depths.ndim != 1 or depths.size < 2 or depths.shape != forces.shape:
+        wanted = "depth and force must be lists of the same length >= 2"
+        raise ValueError(f"{wanted}, got shapes {depths.shape} and {forces.shape}")
     checks.number("depth", depths, above=0)
     checks.number("force", forces, above=0)
     x, y = np.log(depths), np.log(forces)

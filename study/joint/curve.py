@@ -18,12 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 from study import checks
 from study.contact import largest_depth
 from study.joint import nested_contact, series
-from study.joint.bodies import layer_steps
 from study.joint.compliance import (
     FINEST_RESOLUTION,
     RESOLUTION,
     Compliance,
     HatFunctions,
+    layer_steps,
     surface_angles,
 )
 from study.joint.contact_kinematics import UnresolvedError, at_rim, unresolved

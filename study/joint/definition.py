@@ -13,8 +13,7 @@ import numpy as np
 from study import checks, parameters
 from study.contact import SOCKET_RATIO, Material, composite_modulus
 from study.contact.materials import read_material
-from study.joint.bodies import Ball, Socket, layer_steps
-from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
+from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO, Ball, Socket, layer_steps
 from study.joint.supports import HEMISPHERE, ClampedPlate, Configuration, WholeOutside
 from study.parameters import parameter
 
@@ -116,6 +115,11 @@ class Joint(Configuration):
         )
 
     @property
+    def is_held_all_round(self) -> bool:
+        """Whether the socket is held all over its outside."""
+        return isinstance(self.socket_support, WholeOutside)
+
+    @property
     def materials(self) -> dict[str, Material]:
         """Materials of ``ball`` and ``socket``, or ``layer 1`` and so on, from the inside out."""
         layers = {f"layer {k}": layer.material for k, layer in enumerate(self.layers, 1)}
@@ -147,12 +151,11 @@ class Joint(Configuration):
 
     def correction_options(self) -> dict[str, Any]:
         """Options of `study.contact.stiffened_hertz`; ``ValueError`` if it is not for the joint."""
-        held_outside = isinstance(self.socket_support, WholeOutside)
         for unsuited, what in (
             (self.layers, "a socket of layers"),
             (not self.ball_support.by_plane, f"ball_support {self.ball_support}"),
             (self.opening != HEMISPHERE, f"an opening of {self.opening:g} deg"),
-            (not held_outside, f"socket_support {self.socket_support}"),
+            (not self.is_held_all_round, f"socket_support {self.socket_support}"),
         ):
             if unsuited:
                 raise checks.RangeError(f"stiffened_hertz is not for {what}")

@@ -14,8 +14,15 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from study.joint.bodies import Ball, Socket, layer_steps
-from study.joint.compliance import RESOLUTION, Compliance, HatFunctions, surface_angles
+from study.joint.compliance import (
+    RESOLUTION,
+    Ball,
+    Compliance,
+    HatFunctions,
+    Socket,
+    layer_steps,
+    surface_angles,
+)
 from study.threads import one_thread
 
 ORDERS = 16

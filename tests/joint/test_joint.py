@@ -26,9 +26,8 @@ from study.joint import (
     series,
     whole_curve,
 )
-from study.joint.bodies import Ball, Socket
 from study.joint.complementarity import ComplementarityError
-from study.joint.compliance import HatFunctions
+from study.joint.compliance import Ball, HatFunctions, Socket
 from study.joint.supports import RIMS, Core, Sector
 
 REFERENCE = pd.read_csv(paths.DATA / "published" / "joint.csv")
