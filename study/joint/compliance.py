@@ -80,12 +80,8 @@ class Socket:
     @property
     def layers(self) -> NDArray[np.float64]:
         """Outer ratios, Poisson's ratios and Young's moduli; shape (3, layers)."""
-        return np.array(np.broadcast_arrays(*map(np.atleast_1d, self.constants)), dtype=float)
-
-    @property
-    def constants(self) -> tuple[Layered, Layered, Layered]:
-        """The three constants of the layers."""
-        return self.ratio, self.poisson, self.modulus
+        constants = map(np.atleast_1d, (self.ratio, self.poisson, self.modulus))
+        return np.array(np.broadcast_arrays(*constants), dtype=float)
 
     @property
     def held(self) -> dict[str, str]:

@@ -212,12 +212,8 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
     if solver is None:
         solver = "series" if joint.series_applies else "quadratic"
     checks.choice("solver", solver, SOLVERS)
-    if solver == "series" and not joint.series_applies:
-        raise ValueError(
-            "solver must be quadratic or linear for this joint: the series needs ball_support "
-            "guided, rim mirror and small displacements, got "
-            f"{', '.join(map(str, joint.configuration.values()))}"
-        )
+    if solver == "series":
+        joint.check_series()
     if solver == "linear" and joint.has_large_displacements:
         raise ValueError("solver must be quadratic for kinematics finite, got 'linear'")
     usual, least, most = RESOLUTION["series"], 32, FINEST_RESOLUTION

@@ -201,6 +201,15 @@ class Joint(Configuration):
         by_series = self.ball_body.by_series and self.socket_body.by_series
         return by_series and not self.has_large_displacements
 
+    def check_series(self) -> None:
+        """Refuse a joint that the exact series does not solve."""
+        if not self.series_applies:
+            raise ValueError(
+                "solver must be quadratic or linear for this joint: the series needs ball_support "
+                "guided, rim mirror and small displacements, got "
+                f"{', '.join(map(str, self.configuration.values()))}"
+            )
+
 
 PAPER_SUPPORTS: dict[str, Any] = {"ball_support": ClampedPlate(), "rim": "free"}
 """How the paper's finite elements hold ball and socket: identified from its Table 2."""

@@ -4,7 +4,7 @@
 table of its solved curve. The joint is solved at every depth.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -283,20 +283,15 @@ class DimensionalJoint(Configuration):
             contact = tilted_contact(joint, given / clearance, tilt)
         else:
             contact = under_force(joint, given / (modulus * clearance**2), tilt)
-        force_unit, pressure = modulus * clearance**2, modulus * clearance / self.socket_radius
-        return TiltedSolution(
-            depth=clearance * contact.depth_star,
-            tilt=contact.tilt,
-            force=force_unit * contact.force_star,
-            transverse=force_unit * contact.transverse_star,
-            stiffness=modulus * clearance * contact.stiffness_star,
-            transverse_stiffness=modulus * clearance * contact.transverse_stiffness_star,
-            peak_pressure=pressure * contact.peak_pressure_star,
-            peak_angle_deg=contact.peak_angle_deg,
-            contact_edges_deg=contact.contact_edges_deg,
-            reaches_rim=contact.reaches_rim,
-            error_estimate=contact.error_estimate,
-        )
+        units = {
+            "depth": clearance,
+            **dict.fromkeys(("force", "transverse"), modulus * clearance**2),
+            **dict.fromkeys(("stiffness", "transverse_stiffness"), modulus * clearance),
+            "peak_pressure": modulus * clearance / self.socket_radius,
+        }
+        found = {name: unit * getattr(contact, f"{name}_star") for name, unit in units.items()}
+        others = {of.name for of in fields(TiltedSolution)} - units.keys()
+        return TiltedSolution(**found, **{name: getattr(contact, name) for name in others})
 
     @staticmethod
     def _given(depth, force):

@@ -4,10 +4,9 @@ from pathlib import Path
 
 from study import checks
 from study.contact import materials, shapes, stiffening
-from study.contact.laws import LIMIT_MARGIN
+from study.contact.laws import LIMIT_MARGIN, stiffened_hertz
 from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
 from study.joint.dimensional import LEAST_CLEARANCE
-from study.joint.supports import PLATES, RIMS
 from study.pages import catalogue
 
 COPIED = ("UNIT", "DIGITS", "LEAST_R2_STAR", "RANGES")
@@ -28,7 +27,7 @@ def joint_data() -> dict:
         "margin": LIMIT_MARGIN,
         "least_clearance": LEAST_CLEARANCE,
         "walls": [THINNEST_RATIO - 1, THICKEST_RATIO - 1],
-        "choices": {"ball_support": [*map(str, PLATES)], "rim": RIMS},
+        "choices": {name: of.choices for name, of in stiffened_hertz.options.items() if of.choices},
         "softest": checks.SOFTEST,
         "least_stress": LEAST_STRESS,
         "materials": materials.table(),
