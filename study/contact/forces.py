@@ -34,8 +34,7 @@ def _elastic_force():
 
     The source has a branch for each of `SHAPES`, because compiled code cannot choose from a list of
     functions. A call takes as long as a law, so that the shapes' functions become a part of it. Its
-    lines are numbered from the end of this file on: numba looks up the source of a function, and
-    would otherwise read other lines of this file in their place.
+    lines are numbered from the end of this file on: numba would take others for its source.
     """
     names, branches = {**globals()}, ""
     for place, shape in enumerate(SHAPES):

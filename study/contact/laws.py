@@ -67,7 +67,7 @@ class Law:
     name
         Key of `LAWS`; of another law, that of its function.
     formula
-        Of R2* and all options, with their defaults; returns the law's `Parts`.
+        Function of R2* and all options, with their defaults, that returns the law's `Parts`.
     of_bodies
         Options that every joint with dimensions states: there they have no default.
     deepest
@@ -220,7 +220,7 @@ def liu(r2_star: Floats) -> Parts:
 def winkler(r2_star: Floats, coefficient: float | None = None) -> Parts:
     """Winkler with fitted coefficient: P* = f1w(R2*) ds^2 (Eq. 28, derived; f1w fitted).
 
-    The default of the ``coefficient`` f1w > 0 is this study's fit in the paper's joint
+    The default of the ``coefficient`` f1w is this study's fit in the paper's joint
     (`study.joint.paper_joint`), linear in R2*.
     """
     return Parts(_coefficient("winkler", r2_star, coefficient), shapes.winkler)
@@ -248,8 +248,8 @@ def hyperbolic_winkler(
     f2 = ds [1/2 - sin(2a)/(2a) + sin(a)^2/(2 a^2)], with another coefficient. In the paper's joint
     its error for ds from 0.1 to 0.5 is up to 29 %, that of the flat element up to 32 %.
 
-    Both are series, without cancellation (`study.contact.shapes.hyperbolic`). The largest depth is
-    pi^2/8, a half-angle of 90 deg. The default of the ``coefficient`` f1 > 0 is as for `winkler`.
+    The largest depth is pi^2/8, a half-angle of 90 deg. The default of the ``coefficient`` f1 is as
+    for `winkler`.
     """
     scale = _coefficient(AREA_COEFFICIENTS[area], r2_star, coefficient)
     return Parts(scale, shapes.hyperbolic, shapes.BRACKETS[area])

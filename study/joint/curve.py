@@ -57,8 +57,7 @@ class ForceCurve:
         factor above 10 for the series and about 1 for elements of bodies that are held at a core,
         a neck or a seat, where stresses have no bound. A force that is not extrapolated, because
         the contact is a ring or the solver ``linear``, is that of the finer mesh. Other results
-        than the force have their own errors. `study.joint.TiltedContact` and
-        `study.joint.DimensionalSolution` have the same estimate.
+        than the force have their own errors.
     angles, pressure
         Polar angles in rad, shape (n,), and the pressure there in E* dR/R2, shape (k, n): that of
         the finer mesh, whose force is not extrapolated.
@@ -112,7 +111,7 @@ def force_curve(
         For contact that reaches the socket's rim or is too small for the elements to resolve, a
         solver that cannot solve this joint, or a value outside its range.
     study.joint.complementarity.ComplementarityError
-        If the contact does not converge; the message has the residual.
+        If the contact does not converge.
     """
     depths = np.atleast_1d(checks.number("depth_star", depth_star, least=0))
     checks.number("depth_star", depths, below=largest_depth(joint.r2_star))
@@ -173,10 +172,7 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
 def depths_and_forces(
     joint: Joint, deepest: float = 1.0, resolution: int | None = None
 ) -> tuple[Floats, Floats]:
-    """Depths and forces of `whole_curve` at all nodes, without pressures: 8 ms for known bodies.
-
-    Only for nested contacts, of ``small`` or ``linear`` kinematics.
-    """
+    """Depths and forces of `whole_curve` at all nodes of nested contacts: 8 ms for known bodies."""
     nested, _, last = _nested_to(joint, deepest, resolution)
     inside = slice(_FIRST // 2, last + 1)
     return nested.depth[inside], nested.force[inside]

@@ -219,9 +219,9 @@ def paper_joint(r2_star: float = 200, **changes: Any) -> Joint:
     """The joint of the paper's figures and tables, as far as it can be known.
 
     Clamped ball, free rim, socket ratio 1.298, linear kinematics and Poisson's ratio 0.3 of both
-    bodies. They are identified from Table 2 and Fig. 14 (notebook 13). The rim follows from the
-    text alone ("the entire external surface of the socket is fixed"), and changes nothing there.
-    R2* = 200 is that of Fig. 10 and Table 2; ``changes`` are other attributes of `Joint`.
+    bodies. They are identified from Table 2 and Fig. 14 (notebook 13), but for the rim, which
+    follows from the text ("the entire external surface of the socket is fixed"). R2* = 200 is that
+    of Fig. 10 and Table 2; ``changes`` are other attributes of `Joint`.
     """
     return Joint(r2_star, **(PAPER_SUPPORTS | changes))
 

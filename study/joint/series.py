@@ -4,8 +4,7 @@ Mirrored about the equator, ball and socket are a whole sphere and a whole spher
 pressures of even Legendre order. Each order is solved alone. Two of its displacement modes are
 regular at the centre, and two are singular there (Lur'e, Three-dimensional problems of the theory
 of elasticity, 1964). The layers of a shell are bonded, and joined by the flexibility of those
-outside. The bodies are those of `study.joint.fem` with a ``guided`` ball and a ``mirror`` rim. Only
-the hat functions of the pressure are left of a mesh.
+outside. The bodies are those of `study.joint.fem` with a ``guided`` ball and a ``mirror`` rim.
 """
 
 from dataclasses import dataclass
@@ -61,8 +60,8 @@ class Solid:
 def compliance(body: Ball | Socket, resolution: int = RESOLUTION["series"]) -> Compliance:
     """Compliance of a solid ball, or of a shell fixed on its outer sphere.
 
-    The body is symmetric about its equatorial plane. The ``resolution`` is the number of pressure
-    elements along the quarter circle, a multiple of 16. The series ends after `ORDERS` per element.
+    The ``resolution`` is the number of pressure elements along the quarter circle, a multiple of
+    16. The series ends after `ORDERS` per element.
     """
     angles = surface_angles(resolution)
     last_order = ORDERS * (len(angles) - 1)
@@ -144,12 +143,10 @@ def modes(
 def hat_coefficients(resolution: int, last_order: int) -> NDArray[np.float64]:
     """Legendre coefficients of every hat, continued evenly about the equator: (orders, hats).
 
-    For the even orders up to the last, and hats at the nodes of `surface_angles`.
-
-    By parts, the integral of h P_n sin(theta) is that of h' (J_(n+1) - J_(n-1))' / (2n + 1),
-    where J_n is the integral of P_n(cos theta) over theta from the pole. It obeys
-    (n + 1)^2 J_(n+1) = (2n + 1) sin(theta) P_n + n^2 J_(n-1), which damps errors: no
-    quadrature, whatever the order.
+    Orders are even, up to the last. By parts, the integral of h P_n sin(theta) is that of
+    h' (J_(n+1) - J_(n-1))' / (2n + 1), where J_n is the integral of P_n(cos theta) over theta from
+    the pole. It obeys (n + 1)^2 J_(n+1) = (2n + 1) sin(theta) P_n + n^2 J_(n-1), which damps
+    errors: no quadrature, whatever the order.
     """
     angles = surface_angles(resolution)
     sine, cosine = np.sin(angles), np.cos(angles)
