@@ -7,7 +7,7 @@ from helpers.laws import IN_SI_UNITS
 from study import contact
 from study.contact import DimensionalLaw, stiffening
 from study.joint import Joint, fem, force_curve, series, tilted, tilted_contact, whole_curve
-from study.joint.bodies import Ball, Socket
+from study.joint.compliance import Ball, Socket
 from study.joint.supports import Core
 from study.measure import charts
 

@@ -27,7 +27,7 @@ from study.joint.compliance import RESOLUTION
 from study.joint.dimensional import usual_depth
 from study.joint.law_parameters import law_parameters
 from study.joint.nested_contact import LEAST_R2_STAR
-from study.joint.supports import Core, WholeOutside
+from study.joint.supports import Core
 from study.joint.tilted import LARGEST_TILT
 from study.threads import one_thread
 
@@ -266,7 +266,7 @@ def axial_law_suffices(joint: Joint, depth_star: float, tilt: float, tolerance: 
     depth = checks.number("depth_star", depth_star, above=0, scalar=True)
     most = checks.number("tilt", tilt, "deg", above=0, most=LARGEST_TILT, scalar=True)
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
-    if isinstance(joint.ball_support, Core) and isinstance(joint.socket_support, WholeOutside):
+    if isinstance(joint.ball_support, Core) and joint.is_held_all_round:
         edge = force_curve(joint, depth).contact_half_angle_deg[0] + most
         edge += _WALLS * np.degrees(joint.socket_ratio - 1)
         stiff = all(m.poisson <= _LARGEST_POISSON for m in joint.materials.values())

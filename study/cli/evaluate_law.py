@@ -11,8 +11,8 @@ def _options():
     """Options of all laws, each with the laws that have it."""
     about, owners = {}, {}
     for law in LAWS.values():
-        for name, option in law.options.items():
-            about[name] = option.about
+        about |= law.options
+        for name in law.options:
             owners.setdefault(name, []).append(law.name)
     return {name: cli.option_of(about[name], f"for {', '.join(owners[name])}") for name in about}
 

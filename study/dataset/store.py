@@ -222,8 +222,7 @@ def write_package(package: dict[str, Any], changed: list[Path]) -> None:
 
 def summary(frame: pd.DataFrame) -> pd.DataFrame:
     """One row per case of a frame of `load`: its parameters, ranges and largest error."""
-    keys = ["case", "r2_star", "socket_ratio", "poisson_ball", "modulus_ratio", "layers"]
-    keys += ["ball_support", "rim", "kinematics", "solver"]
+    keys = [*frame.loc[:, "case":"solver"].columns.drop("poisson_socket")]
     return (
         frame.groupby(keys, sort=False)
         .agg(

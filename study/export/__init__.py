@@ -111,7 +111,7 @@ def export(
         checks.choice("format of a joint without dimensions", form, formulas.DIMENSIONLESS)
     checks.choice(f"law of format {form}", law, [LAW_OF.get(form, law)])
     if law == "stiffened_hertz":
-        checks.choice("kinematics of stiffened_hertz", plain.kinematics, ("linear",))
+        plain.check_linear(law)
         plain.correction_options()  # refused before the joint is solved
     fitted = law == "power" or form == "mujoco"
     least, deepest = _range(depth_star, plain, fitted)

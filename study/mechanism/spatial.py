@@ -9,7 +9,7 @@ the ball's, with n = e/abs(e). The depth is d = abs(e) - dR and its rate d' = n 
 force on the ball is -N n with N = P(d) (1 + D d'/d0'), where d0' is the rate at the start of this
 contact. The sliding velocity v is that of the ball's surface at R1 n. Friction on the ball is
 T = -mu c(abs(v)) N v/abs(v), with the moment R1 n x T. Its spin s about n has the moment
--mu c(r abs(s)) N r n s/abs(s), with a friction radius r (`study.joint.pressure`). Each is as if it
+-mu c(r abs(s)) N r n s/abs(s), with a friction radius r (`study.joint.curve`). Each is as if it
 were alone: a ball that slides and spins at once has less of both.
 """
 

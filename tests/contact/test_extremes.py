@@ -76,7 +76,7 @@ def test_steuermanns_profile_of_high_order_on_a_nearly_full_ball():
         (lambda: Joint(1e308), r"r2_star must be > 1 and <= 1e\+40 in size, got 1e\+308"),
         (lambda: Joint(200, socket=Material(2e-4)), "over that of the ball must be >= 1e-09"),
         (lambda: simulate(Scene(crank_length=1e-9)), r"speed of the crank must be <= 1e\+06"),
-        (lambda: contact.hertz([0.1, 0.2], [20, 30, 40]), "depth_star and r2_star must have"),
+        (lambda: contact.hertz([0.1, 0.2], [20, 30, 40]), "shape mismatch"),
         (lambda: contact.hertz(10**5000, 200), "depth_star must be a number, got"),
         (
             lambda: contact.DimensionalLaw(

@@ -177,7 +177,7 @@ def test_help_states_every_option_with_its_default(name, options):
     signature, text = law.__doc__.split("\n\n", 1)
     assert signature.startswith(f"{name}(depth_star, r2_star, *, derivative=False")
     for option in options:
-        assert f"{option}={law.options[option].default!r}" in signature
+        assert f"{option}={law.defaults[option]!r}" in signature
         assert f"{option}" in text
 
 

@@ -11,11 +11,9 @@ from helpers.copied import copy_project, environment, study
 from study import paths
 
 pytestmark = pytest.mark.slow
-LAW = '''FACTOR = Option(1.1, Parameter("Factor", limits={"above": 0}))
-
-
-@new_law("user's", options={"factor": FACTOR})
-def stiffer(r2_star: Floats, factor: float) -> Parts:
+LAW = '''@new_law("user's")
+@describe(factor=Parameter("Factor", limits={"above": 0}))
+def stiffer(r2_star: Floats, factor: float = 1.1) -> Parts:
     """Hertz's law times a ``factor``."""
     return Parts(factor * hertz_factor(r2_star), shapes.hertz)
 

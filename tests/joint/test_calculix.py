@@ -7,7 +7,7 @@ from other_programs import calculix, calculix_tilted
 from study import checks
 from study.joint import Joint, Material, fem, tilted_contact
 from study.joint import force_curve as own
-from study.joint.bodies import Ball
+from study.joint.compliance import Ball
 
 installed = pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
 

@@ -26,9 +26,8 @@ from study.joint import (
     series,
     whole_curve,
 )
-from study.joint.bodies import Ball, Socket
 from study.joint.complementarity import ComplementarityError
-from study.joint.compliance import HatFunctions
+from study.joint.compliance import Ball, HatFunctions, Socket
 from study.joint.supports import RIMS, Core, Sector
 
 REFERENCE = pd.read_csv(paths.DATA / "published" / "joint.csv")
@@ -264,7 +263,7 @@ def test_error_estimate_covers_the_error_at_large_displacements():
 def test_contact_grown_from_the_pole_is_that_found_by_pivoting(kinematics, socket, ratio):
     joint = Joint(30, ratio, socket=socket, kinematics=kinematics)
     bodies = [series.compliance(body, 64) for body in (joint.ball_body, joint.socket_body)]
-    problem, axial = contact_kinematics.PROBLEMS[kinematics](joint, *bodies)
+    problem, axial = contact_kinematics.problem_of(joint, *bodies)
     for depth in (0.02, 0.2, 0.5):
         nested = nested_contact.NestedContacts(joint, *bodies, 2.0, np.array([depth]))
         pressure = nested.pressure(depth)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from other_programs import calculix
 
 from study.joint import Joint, Layer, Material, force_curve, series
-from study.joint.bodies import Socket
+from study.joint.compliance import Socket
 
 EVEN = np.arange(0, 10_001, 2)
 STEEL, PTFE = Material(2e11, 0.3), Material(5e8, 0.46)

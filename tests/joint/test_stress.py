@@ -11,8 +11,7 @@ from other_programs import calculix
 
 from study.contact import hertz
 from study.joint import Joint, Layer, Material, fem, first_yield, force_curve, stress
-from study.joint.bodies import Ball
-from study.joint.compliance import HatFunctions
+from study.joint.compliance import Ball, HatFunctions
 
 SMALL = Joint(200, kinematics="small")
 BODIES = {"ball": (0.5, 0.97), "socket": (1.02, 1.25)}

@@ -17,7 +17,7 @@ from study.joint import (
     tilted_contact,
     under_force,
 )
-from study.joint.bodies import Ball
+from study.joint.compliance import Ball
 from study.joint.supports import Core, Neck
 
 CORE, LAME = "core:0.2", fem.lame_parameters(1.0, 0.3)

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.joint import Joint, fem
-from study.joint.bodies import Ball
+from study.joint.compliance import Ball
 
 CONTACTS = {"surface": "SURFACE TO SURFACE", "node": "NODE TO SURFACE"}
 NODES = (3, 6)

@@ -19,7 +19,7 @@ def test_imports_are_followed_to_the_modules_that_define_the_names():
         *("checks.py", "contact/bodies.py", "contact/materials.py", "joint/complementarity.py"),
         *("joint/compliance.py", "joint/curve.py", "joint/fem.py", "joint/definition.py"),
         *("joint/contact_kinematics.py", "joint/series.py", "joint/supports.py", "threads.py"),
-        *("joint/bodies.py", "joint/large_displacement.py", "joint/nested_contact.py"),
+        *("joint/large_displacement.py", "joint/nested_contact.py"),
         "parameters.py",
     }
     assert "contact/laws.py" in reached("dataset/fitting.py")

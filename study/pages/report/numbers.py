@@ -2,13 +2,12 @@
 
 from study import checks, dataset
 from study.contact import COMPARED_LAWS, LAWS, materials, shapes, stiffening
-from study.contact.laws import LIMIT_MARGIN
+from study.contact.laws import LIMIT_MARGIN, stiffened_hertz
 from study.contact.power_fit import USUAL_RANGE
 from study.dataset import design, store
 from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
 from study.joint.dimensional import LEAST_CLEARANCE
 from study.joint.law_parameters import law_parameters
-from study.joint.supports import PLATES, RIMS
 from study.pages import catalogue
 from study.pages.figures import LOOKS
 
@@ -91,7 +90,7 @@ def joint_data() -> dict:
         "margin": LIMIT_MARGIN,
         "least_clearance": LEAST_CLEARANCE,
         "walls": [THINNEST_RATIO - 1, THICKEST_RATIO - 1],
-        "choices": {"ball_support": [*map(str, PLATES)], "rim": RIMS},
+        "choices": {name: of.choices for name, of in stiffened_hertz.options.items() if of.choices},
         "softest": checks.SOFTEST,
         "least_stress": LEAST_STRESS,
         "materials": materials.table(),
