@@ -14,7 +14,8 @@ def indexed_by_a_number(tree):
         if isinstance(node, ast.Subscript) and RECORDS & {*ast.unparse(node.value).split(".")}:
             last = node.slice.elts[-1] if isinstance(node.slice, ast.Tuple) else node.slice
             last = last.operand if isinstance(last, ast.UnaryOp) else last
-            if isinstance(last, ast.Constant) and isinstance(last.value, int):
+            is_number = isinstance(last, ast.Constant) and isinstance(last.value, int)
+            if is_number and not ast.unparse(node.value).endswith(".shape"):
                 yield ast.unparse(node)
 
 
