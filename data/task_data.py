@@ -16,7 +16,7 @@ from pytask import Product, PythonNode, mark, task
 from study import paths, provenance
 from study.choose import random_scenes
 from study.claims import set_ups
-from study.dataset import contact_size, design, fitting, production, stiffening_fit, store
+from study.dataset import design, fitting, production, stiffening_fit, store
 
 MADE = production.to_make()
 CODE = {path: production.code(path) for path in production.GENERATED}
@@ -26,7 +26,7 @@ LIMITS, CHANGES = (
     [paths.BUILD / f"stiffening/{name}-{k}.txt" for k in range(counts["socket_poisson"])]
     for name, counts in (("limit", stiffening_fit.LIMITS), ("change", stiffening_fit.CHANGES))
 )
-POISSON = stiffening_fit.grid(contact_size.COUNTS)["socket_poisson"]
+POISSON = stiffening_fit.grid(stiffening_fit.SIZE_COUNTS)["socket_poisson"]
 SIZES = [paths.BUILD / f"contact_size/{k}.txt" for k in range(len(POISSON))]
 DESIGN = [paths.ROOT / "study/dataset/design.py"]
 DESCRIBED = [*production.GENERATED, store.MATERIALS, *store.PUBLISHED]
@@ -125,7 +125,7 @@ for nu, part in zip(POISSON, SIZES, strict=True):
         part: Annotated[Path, Product] = part,
     ):
         with paths.whole(part) as temporary:
-            np.savetxt(temporary, contact_size.parts(of).reshape(-1, 9))
+            np.savetxt(temporary, stiffening_fit.sizes(of).reshape(-1, 9))
 
 
 if store.CONTACT_SIZE in MADE:
@@ -136,7 +136,7 @@ if store.CONTACT_SIZE in MADE:
         table: Annotated[Path, Product] = store.CONTACT_SIZE,
     ):
         solved = [np.loadtxt(part) for part in parts]
-        production.write_coefficients(contact_size.size_table(solved), table)
+        production.write_coefficients(stiffening_fit.size_table(solved), table)
 
 
 for k, part in enumerate(LINKS):

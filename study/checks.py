@@ -5,11 +5,12 @@ guessed.
 """
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 T = TypeVar("T")
 
@@ -31,6 +32,15 @@ class StudyError(RuntimeError):
 
 class RangeError(ValueError):
     """A value that is possible, but outside the range that is allowed here."""
+
+
+@contextmanager
+def intact(file: str, remedy: str) -> Iterator[None]:
+    """Make one `StudyError` of what is raised while a file of the project is read."""
+    try:
+        yield
+    except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
+        raise StudyError(f"{file} is missing or damaged ({error}); {remedy}") from None
 
 
 def number(
@@ -155,15 +165,6 @@ def instance(name: str, value: Any, kind: type[T]) -> T:
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be a {kind.__name__}, got {shown(value)}")
     return value
-
-
-def same_length(least: int = 1, **lists: ArrayLike) -> list[NDArray[np.float64]]:
-    """Return lists of numbers as arrays, or raise ``ValueError`` if their lengths differ."""
-    arrays = [np.asarray(number(name, value)) for name, value in lists.items()]
-    if arrays[0].ndim != 1 or arrays[0].size < least or len({a.shape for a in arrays}) > 1:
-        wanted = f"{' and '.join(lists)} must be lists of the same length >= {least}"
-        raise ValueError(f"{wanted}, got shapes {' and '.join(f'{a.shape}' for a in arrays)}")
-    return arrays
 
 
 def read(name: str, text: str, kind: Callable[[str], Any] = float) -> Any:

@@ -21,10 +21,7 @@ CACHE = paths.CACHE / "compiled"
 
 
 def compiled(function: Callable, **options: bool) -> Any:
-    """Compile a function at its first call, and keep the code on disk.
-
-    It has no wrapper for C: nothing here needs one, and it takes time to compile.
-    """
+    """Compile a function at its first call, without a wrapper for C, and keep the code on disk."""
     source = Path(function.__code__.co_filename)
     keep = source.is_file() and _writable(CACHE)
     before = numba.config.CACHE_DIR

@@ -25,28 +25,20 @@ class Parameter:
     ----------
     meaning
         What it is, as a phrase.
-    unit
-        Unit of a number; empty if it has none.
-    limits
-        Range of a number, as keywords of `study.checks.number`.
-    whole
-        Whether it is a whole number.
+    unit, limits, whole
+        Of a number: its unit, its range as keywords of `study.checks.number`, and whether it is
+        a whole number.
     choices
         Words that are allowed, for a word.
-    parse
-        Function of the parameter's name and a text that returns an object, for a value that is
-        neither a number nor a word.
-    kind
-        Class of that object, which may have no text.
-    several
+    parse, kind
+        For a value that is neither: the function of the parameter's name and a text that returns
+        an object, and the class of that object, which may have no text.
+    several, count
         Sign that separates such values in a text, if the value is a tuple of them: a semicolon, if
-        they are given one by one on the command line, or a comma.
-    count
-        How many there must be, if not any number.
-    otherwise
-        What the default is, where it depends on other parameters.
-    source
-        Where the default comes from.
+        they are given one by one on the command line, or a comma; and how many there must be, if
+        not any number.
+    otherwise, source
+        What the default is, where it depends on other parameters, and where it comes from.
     """
 
     meaning: str

@@ -22,8 +22,7 @@ IS_CHECKOUT = (ROOT / "pyproject.toml").is_file()  # else installed, without the
 CACHE = BUILD if IS_CHECKOUT else platformdirs.user_cache_path("spherical-clearance-joint-study")
 """What is compiled or found out about the code, and may be deleted."""
 _TEXTS = ("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "CHANGELOG.md")
-_FOLDERS = ("data/README.md", "examples/README.md")
-DOCUMENTS = tuple(ROOT / name for name in (*_TEXTS, *_FOLDERS))
+DOCUMENTS = (*(ROOT / name for name in _TEXTS), DATA / "README.md", ROOT / "examples/README.md")
 """Texts that the report shows beside results."""
 
 RESULTS_VARIABLE = "STUDY_RESULTS"  # folder for results while a notebook runs as a task

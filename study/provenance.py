@@ -63,8 +63,9 @@ def inputs(start: Path) -> list[Path]:
     A module reads the data files that it names: those beside it, and those in ``data/``.
     """
     code = sources(start) if start.is_file() else []
-    data = {file: None for path in code for file in _data(path)}
-    return list(dict.fromkeys([start, *code, *data]))
+    named = [(path.parent, text) for path in code for text in _source(path).data]
+    places = [folder / text for beside, text in named for folder in (beside, paths.DATA)]
+    return list(dict.fromkeys([start, *code, *(place for place in places if place.is_file())]))
 
 
 def digest(files: Iterable[Path], *more: object, words: bool = False) -> str:
@@ -85,16 +86,13 @@ def digests(files: Iterable[Path]) -> dict[str, str]:
 
 def name(path: Path) -> str:
     """A file's path in the project, for messages and descriptions; its whole path outside it."""
-    return path.relative_to(paths.ROOT).as_posix() if _is_ours(path) else path.as_posix()
+    is_ours = path.is_relative_to(paths.ROOT)
+    return path.relative_to(paths.ROOT).as_posix() if is_ours else path.as_posix()
 
 
 def sha256(content: bytes) -> str:
     """SHA-256 in hexadecimal."""
     return hashlib.sha256(content).hexdigest()
-
-
-def _is_ours(path):
-    return path.is_relative_to(paths.ROOT)
 
 
 def _stamp(path):
@@ -123,12 +121,6 @@ def _imported(path, *_stamp):
     """Files of the study that one file imports."""
     files = [_definition(name) for name in _source(path).imports]
     return [file for file in files if file is not None]
-
-
-def _data(path):
-    """Data files that a module names."""
-    places = [parent / text for text in _source(path).data for parent in (path.parent, paths.DATA)]
-    return [place for place in places if place.is_file()]
 
 
 def _definition(dotted):
@@ -193,24 +185,20 @@ def _read(path, sha):
     tree = ast.parse(text, str(path))
     nodes = list(ast.walk(tree))
     imports = [a.name for node in nodes if isinstance(node, ast.Import) for a in node.names]
-    imports += [
-        f"{node.module}.{alias.name}"
-        for node in nodes
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-    ]
-    passes_on = {
-        alias.asname or alias.name: f"{node.module}.{alias.name}"
-        for node in tree.body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-    }
+    imports += [dotted for _, dotted in _taken_from(nodes)]
     constants = [node.value for node in nodes if isinstance(node, ast.Constant)]
     data = [v for v in constants if isinstance(v, str) and v.endswith((".csv", ".json"))]
     ours = [dotted for dotted in dict.fromkeys(imports) if dotted.startswith("study.")]
     named = sorted({v for v in data if " " not in v and Path(v).name not in _NO_DATA})
     code = sha256(_code(text).encode()) if path.suffix == ".py" else sha
-    return _Source(sha, code, ours, passes_on if path.name == "__init__.py" else {}, named)
+    passes_on = dict(_taken_from(tree.body)) if path.name == "__init__.py" else {}
+    return _Source(sha, code, ours, passes_on, named)
+
+
+def _taken_from(nodes):
+    """Names that statements "from ... import" define, and their dotted names."""
+    froms = [node for node in nodes if isinstance(node, ast.ImportFrom)]
+    return [(a.asname or a.name, f"{node.module}.{a.name}") for node in froms for a in node.names]
 
 
 def _code(text):

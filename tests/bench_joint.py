@@ -1,45 +1,41 @@
-"""Speed of the solver and the laws: run with ``make bench``. Nothing fails for being slow."""
+"""Speed of the solver and the laws: run with ``make bench``. Nothing fails for being slow.
+
+Compiled laws, as the steppers call them: ``study measure --chart laws``.
+"""
 
 import numpy as np
 import pytest
-from helpers.laws import IN_SI_UNITS
 
 from study import contact
-from study.contact import DimensionalLaw, stiffening
+from study.contact import stiffening
 from study.joint import Joint, fem, force_curve, series, tilted, tilted_contact, whole_curve
-from study.joint.bodies import Ball, Socket
+from study.joint.compliance import Ball, Socket
 from study.joint.supports import Core
-from study.measure import charts
 
 DEPTHS = np.linspace(0.025, 0.5, 20)
 
 
-def test_bodies_by_series(benchmark):
+@pytest.mark.parametrize("solver", [series, fem])
+def test_bodies(benchmark, solver):
     def both():
-        for cached in (series.compliance, series.hat_coefficients):
+        for cached in (series.compliance, series.hat_coefficients, fem.meshed):
             cached.cache_clear()
         for body in (Ball(), Socket(1.19)):
-            series.compliance(body)
+            solver.compliance(body)
 
     benchmark.pedantic(both, rounds=5, warmup_rounds=1)
 
 
-def test_bodies_by_finite_elements(benchmark):
-    def both():
-        fem.meshed.cache_clear()
-        for body in (Ball(), Socket(1.19, rim="free")):
-            assert fem.meshed(body).compliance.flexibility.size
-
-    benchmark.pedantic(both, rounds=5, warmup_rounds=1)
-
-
-@pytest.mark.parametrize("body", ["ball", "socket"])
-def test_a_body_by_fourier_modes(benchmark, body):
-    if body == "ball":
-        made, of = tilted._ball, (Ball(support=Core(0.2)), 180.0)
-    else:
-        made, of = tilted._socket, (Socket(1.298, rim="free"),)
-    benchmark.pedantic(made.__wrapped__, (*of, tilted.RESOLUTION), rounds=3)
+@pytest.mark.parametrize(
+    ("made", "body"),
+    [
+        (tilted._ball, (Ball(support=Core(0.2)), 180.0)),
+        (tilted._socket, (Socket(1.298, rim="free"),)),
+    ],
+    ids=["ball", "socket"],
+)
+def test_a_body_by_fourier_modes(benchmark, made, body):
+    benchmark.pedantic(made.__wrapped__, (*body, tilted.RESOLUTION), rounds=3)
 
 
 @pytest.mark.parametrize("depth", [0.1, 0.5, 1.0])
@@ -77,19 +73,3 @@ def test_look_up_of_a_joint(benchmark):
 @pytest.mark.parametrize("law", contact.LAWS)
 def test_law_on_a_thousand_depths(benchmark, law):
     benchmark(contact.LAWS[law], np.linspace(0, 1, 1000), 200.0)
-
-
-@pytest.mark.parametrize("law", [*contact.LAWS, "tabulated"])
-def test_compiled_law_with_stiffness_on_ten_thousand_depths(benchmark, law):
-    options = IN_SI_UNITS.get(law, {})
-    if law == "tabulated":
-        law = contact.tabulated(whole_curve(Joint(200)))
-    packed = DimensionalLaw(law, **charts.SIZES, **options).packed()
-    depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
-    charts.add_law(packed, depths)
-    benchmark(charts.add_law, packed, depths)
-
-
-def test_least_that_a_law_can_be_on_ten_thousand_depths(benchmark):
-    depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
-    benchmark.pedantic(charts.add_least, (depths, 2.0), rounds=100, warmup_rounds=1)

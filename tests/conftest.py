@@ -16,6 +16,7 @@ threadpool_limits(1)  # matrices are small: more threads wait for each other mor
 
 LOOPS = ("rigid", "two_joints", "particles", "beams")
 LONGEST = ("test_report", "test_pipeline", "test_build", "test_processors", "test_end_to_end")
+LONGEST += ("test_directional_law", "test_calculix", "test_joint", "test_tilted", "test_joint_page")
 
 
 def pytest_sessionstart(session):

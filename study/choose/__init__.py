@@ -8,8 +8,7 @@ the evidence of the bound.
 
 from typing import TYPE_CHECKING, Any
 
-from study.choose.cheapest_law import Choice, choose, relative_costs
-from study.choose.off_axis import OffAxis, axial_law_suffices
+from study.choose.cheapest_law import Choice, OffAxis, axial_law_suffices, choose, relative_costs
 
 if TYPE_CHECKING:
     from study.choose.model import ModelChoice, ModelError, choose_model

@@ -9,7 +9,7 @@ scenes only.
 """
 
 from math import pi, sqrt
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -46,15 +46,16 @@ SAFETY = 10.0
 """Factor on the largest ratio; other scenes exceed that ratio by a factor of up to 5."""
 
 
-def ratios(scene: Scene, depth: float) -> tuple[float, float]:
+def ratios(scene: Scene, depth: float) -> dict[str, Any]:
     """Links beside Hertz's contact at a depth in m: two ratios, 0 without contact.
 
-    They are the compliance of both links along their axes over the contact's, and the slider's
-    frequency on the contact over the crank's axial one.
+    ``compliance_ratio`` is that of both links along their axes over the contact's,
+    ``frequency_ratio`` the slider's frequency on the contact over the crank's axial one.
     """
     contact = elastic_force(in_joint(scene, hertz, scene.clearance).packed(), depth)[1]
     compliance, _, axial = _compliance_and_frequencies(scene)
-    return compliance * contact, sqrt(contact / scene.slider_mass) / axial
+    frequency = sqrt(contact / scene.slider_mass)
+    return {"compliance_ratio": compliance * contact, "frequency_ratio": frequency / axial}
 
 
 def _compliance_and_frequencies(scene):

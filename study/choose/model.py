@@ -1,18 +1,18 @@
 """The simplest model of the crank-slider that is accurate enough, with the evidence.
 
-Models in order of detail are an ideal joint, rigid links with Hertz's law, rigid links with a law
-for the joint, and links of particles. Rigid ones take milliseconds: they are run and compared. What
-flexible links would change is first bounded from their compliance and frequencies
-(`study.choose.links`). Only if that bound is too large, particles are run, on two meshes and with
-two steps. Impacts are chaotic: a finer mesh need not be closer, so that three times the largest
-difference is their bound. The ideal joint comes first because it needs no data of the contact,
-though SciPy takes longer for it than compiled code for a clearance.
+Models in order of detail are an ideal joint, which needs no data of the contact, rigid links with
+Hertz's law, rigid links with a law for the joint, and links of particles. Rigid ones take
+milliseconds: they are run and compared. What flexible links would change is first bounded from
+their compliance and frequencies (`study.choose.links`). Only if that bound is too large, particles
+are run, on two meshes and with two steps. Impacts are chaotic: a finer mesh need not be closer, so
+that three times the largest difference is their bound.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from math import inf
+from operator import itemgetter
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -69,9 +69,8 @@ class ModelChoice:
     settings
         Stepper, and its tolerance, or its step (s) and elements.
     error_bound
-        Of the NRMS error of the slider's motion, over the duration. It is not proven: impacts of
-        flexible links are chaotic, so that it is an estimate with a margin (`SAFETY` here and in
-        `links`).
+        Of the NRMS error of the slider's motion, over the duration: no proof, but an estimate with
+        a margin (`SAFETY` here and in `links`), as impacts of flexible links are chaotic.
     relative_cost
         Time over that of rigid links with Hertz's law, measured while choosing.
     links
@@ -83,8 +82,7 @@ class ModelChoice:
     note
         Why this scene is outside the random scenes behind ``bounded``; empty if it is not.
     evidence
-        The same attributes, from ``model`` to ``links``, of every model that was compared, in order
-        of detail.
+        ``model`` to ``links`` of every model that was compared, in order of detail.
     simulate
         Simulates the scene; takes ``progress`` as `study.mechanism.simulate` does.
     """
@@ -128,15 +126,12 @@ def choose_model(
     ----------
     tolerance
         Largest NRMS error, > 0 and <= 1: RMS of the error over RMS of the change since t = 0.
-    duration
-        In s.
-    outputs
-        Number of equal intervals between the times of output.
+    duration, outputs
+        As of `study.mechanism.simulate`.
     quantity
         What the tolerance is for.
     socket_ratio
-        Outer over inner radius of the socket, for laws that depend on it. Supports are the defaults
-        of `study.joint.Joint`.
+        Outer over inner radius of the socket. Its supports are the defaults of `study.joint.Joint`.
 
     Raises
     ------
@@ -145,17 +140,19 @@ def choose_model(
     ModelError
         If no model is known to be within the tolerance; says the least bound.
     study.checks.StudyError
-        If no law is known to give the contact force within `LAW_TOLERANCE`.
-    study.mechanism.MechanismError
-        If a simulation cannot go on.
+        If no law is known to give the contact force within `LAW_TOLERANCE`, or a simulation cannot
+        go on.
     """
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
     checks.choice("quantity", quantity, links.QUANTITIES)
-    run, difference = partial(_run, scene, duration, outputs), partial(_difference, quantity)
+    run = partial(_run, scene, duration, outputs)
+
+    def difference(compared, truth):
+        return motion_nrms(truth.response, compared.response, quantity)
+
     with_hertz = run("rigid", HERTZ, tolerance=FINEST_TOLERANCE)
-    for values in (getattr(with_hertz.response, name) for name in links.QUANTITIES):
-        if not np.ptp(values) > 0:
-            raise ValueError(f"duration must be so long that the slider moves, got {duration:g} s")
+    if not all(np.ptp(getattr(with_hertz.response, name)) > 0 for name in links.QUANTITIES):
+        raise ValueError(f"duration must be so long that the slider moves, got {duration:g} s")
     depth = float(with_hertz.response.impact_rows["peak_depth"].max(initial=0.0))
     law, law_share = _law(scene, depth, socket_ratio)
     with_law = run("rigid", law, tolerance=FINEST_TOLERANCE)
@@ -169,11 +166,13 @@ def choose_model(
     of_links = inf if note else links.bounds(scene, with_hertz.response)[quantity]
     bounds = [error + of_law + of_links for error in from_law]
     if min(bounds) > tolerance:
-        flexible, changes = _flexible(run, difference, law)
+        coarse, fine = (run("particles", law, elements=pair) for pair in (COARSE, FINE))
+        half = run("particles", law, step_share=0.5, elements=FINE)
+        changes = {"the mesh": difference(coarse, fine), "half the step": difference(half, fine)}
         doubt, how = SAFETY * max(changes.values()) + of_law, "compared"
-        of_links = difference(with_law, flexible[-1]) + doubt
+        of_links = difference(with_law, fine) + doubt
         bounds = [min(b, error + of_links) for b, error in zip(bounds, from_law, strict=True)]
-        runs, bounds = [*runs, *flexible], [*bounds, doubt, doubt]
+        runs, bounds = [*runs, coarse, fine], [*bounds, doubt, doubt]
 
     evidence = tuple(
         of.description | {"error_bound": bound, "relative_cost": of.seconds / unit, "links": how}
@@ -181,35 +180,22 @@ def choose_model(
     )
     within = [n for n, bound in enumerate(bounds) if bound <= tolerance]
     if not within:
-        raise _none_within(tolerance, quantity, duration, min(bounds), changes)
-    compliance_ratio, frequency_ratio = links.ratios(scene, depth)
+        cause, change = max(changes.items(), key=itemgetter(1))
+        known = min(bounds)
+        raise ModelError(
+            f"no model's {quantity.replace('_', ' ')} is known to be within the tolerance "
+            f"{tolerance:g}, the best within {known:.2g}: {cause} of flexible links changes it by "
+            f"{change:.2g} over {duration:g} s",
+            known,
+        )
     return ModelChoice(
         **evidence[within[0]],
+        **links.ratios(scene, depth),
         quantity=quantity,
-        compliance_ratio=compliance_ratio,
-        frequency_ratio=frequency_ratio,
         depth_star=depth / scene.clearance,
         note=note,
         evidence=evidence,
         simulate=runs[within[0]].simulate,
-    )
-
-
-def _flexible(run, difference, law):
-    """Links of particles on two meshes, and what the mesh and half the step change."""
-    coarse, fine = (run("particles", law, elements=pair) for pair in (COARSE, FINE))
-    half = run("particles", law, step_share=0.5, elements=FINE)
-    changes = {"the mesh": difference(coarse, fine), "half the step": difference(half, fine)}
-    return [coarse, fine], changes
-
-
-def _none_within(tolerance, quantity, duration, known, changes):
-    cause = max(changes, key=changes.__getitem__)
-    return ModelError(
-        f"no model's {quantity.replace('_', ' ')} is known to be within the tolerance "
-        f"{tolerance:g}, the best within {known:.2g}: {cause} of flexible links changes it by "
-        f"{changes[cause]:.2g} over {duration:g} s",
-        known,
     )
 
 
@@ -235,14 +221,6 @@ def _loosest(run, difference, allowed, law, finest):
     """Rigid links with the largest tolerance whose steps change the motion little enough."""
     looser = (run("rigid", law, tolerance=tolerance) for tolerance in TOLERANCES)
     return next((rigid for rigid in looser if difference(rigid, finest) <= allowed), finest)
-
-
-def _difference(quantity, run, truth):
-    """NRMS difference of two runs' responses; inf where the true one does not move."""
-    try:
-        return motion_nrms(truth.response, run.response, quantity)
-    except checks.RangeError:
-        return inf
 
 
 @lru_cache(maxsize=32)

@@ -52,8 +52,7 @@ def measure(scenes: Iterable[tuple[Scene, float]]) -> pd.DataFrame:
             continue
         drawn = {name: getattr(scene, name, duration) for name in RANGES}
         row = {"duration": duration} | drawn
-        values = ratios(scene, rigid.impact_rows["peak_depth"].max())
-        row["compliance_ratio"], row["frequency_ratio"] = values
+        row |= ratios(scene, rigid.impact_rows["peak_depth"].max())
         for quantity, estimate in estimates(scene, rigid).items():
             row[f"{quantity}_estimate"] = estimate
             row[f"{quantity}_error"] = motion_nrms(flexible, rigid, quantity)

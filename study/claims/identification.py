@@ -48,13 +48,7 @@ Range = tuple[float, float]
 def forces(
     sample: Forces, solver: str | None = None, resolution: int | None = None, **joint: Any
 ) -> Forces:
-    """Forces, shape (n,), at a sample of depths up to 0.5.
-
-    Parameters
-    ----------
-    **joint
-        What differs from `study.joint.paper_joint`.
-    """
+    """Forces, shape (n,), at depths up to 0.5, of `study.joint.paper_joint` with changes."""
     curve = force_curve(paper_joint(R2_STAR, **joint), _DEPTHS, resolution, solver)
     return contact.tabulated(curve)(sample)
 
@@ -62,10 +56,7 @@ def forces(
 def table_2(sample: Forces, force: Forces, area: Area = "flat") -> dict[str, Forces]:
     """Forces of the five laws of Table 2, the Winkler ones fitted to forces at a sample of depths.
 
-    Parameters
-    ----------
-    area
-        Area element of the hyperbolic law.
+    The hyperbolic law has the area element ``area``.
     """
     options = {law: {} for law in contact.PAPER_LAWS} | {"hyperbolic_winkler": {"area": area}}
     for law, name in (("winkler", "winkler"), ("hyperbolic_winkler", AREA_COEFFICIENTS[area])):
@@ -98,21 +89,10 @@ def deviations(
 ) -> dict[str, Any]:
     """Deviations of Table 2's numbers from the published ones: ln(ours/published).
 
-    Parameters
-    ----------
-    published
-        `study.dataset.published_table_2`.
-    sums
-        `SUMS` at one of `SAMPLINGS`, each a number or an array.
-    area
-        Area element of the hyperbolic law.
-    factor
-        Of 1 - determination, by the paper's definition.
-    scale
-        Common factor of all elastic forces.
-    shifts
-        Relative changes of the coefficients of Winkler's and the hyperbolic law, from those of
-        least squares.
+    Ours follow from `SUMS` at one of `SAMPLINGS`, each a number or an array, the area element of
+    the hyperbolic law, a factor of 1 - determination by the paper's definition, a common ``scale``
+    of all elastic forces, and relative shifts of the coefficients of Winkler's and the hyperbolic
+    law from those of least squares. The others are `study.dataset.published_table_2`.
     """
     laws, logarithms = _laws(sampling), {}
     count = len(SAMPLINGS[sampling])
@@ -174,16 +154,9 @@ def between(scanned: pd.DataFrame) -> tuple[Any, float, float]:
 def profile(
     published: pd.DataFrame, scanned: pd.DataFrame, count: int = 4001, **reading: Any
 ) -> pd.DataFrame:
-    """Deviations and ``misfit`` of one candidate over the socket ratio, between those of its scan.
+    """Deviations and ``misfit`` of one candidate at ratios in equal steps of ln(ratio).
 
-    Parameters
-    ----------
-    scanned
-        As for `between`.
-    count
-        Number of ratios, in equal steps of ln(ratio).
-    **reading
-        Area, factor and scale of `deviations`.
+    ``scanned`` is as for `between`, ``reading`` area, factor and scale of `deviations`.
     """
     at, first, last = between(scanned)
     x = np.linspace(first, last, count)

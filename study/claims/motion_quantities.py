@@ -18,30 +18,21 @@ _TINY = 1e-9  # of a window or of the duration: times of output have rounding er
 
 
 def motion_quantities(
-    response: Response, ideal: Response, end: float | None = None, early: float = EARLY
+    response: Response, ideal: Response, end: float | None = None
 ) -> dict[str, float]:
     """Numbers of a response with clearance beside one with an ideal joint, by their names.
 
-    Percentages are of the time from 0 to ``end``, except where the name says otherwise. A number
-    that does not exist, such as the direction of a contact that never was, is NaN.
-
-    Parameters
-    ----------
-    response, ideal
-        At the same times, of one model and one scene.
-    end
-        Time in s up to which the motion counts, at least a `WINDOW`; None: all of it.
-    early
-        Time in s of the numbers named ``early`` or ``first 10 ms``.
-
-    Raises ``ValueError`` if the times differ.
+    The two are of one model and one scene. Percentages are of the time from 0 to ``end`` in s, at
+    least a `WINDOW`, by default all of it, except where the name says otherwise. A number that does
+    not exist, such as the direction of a contact that never was, is NaN. Raises ``ValueError`` if
+    the times differ.
     """
     same_times(response=response, ideal=ideal)
     end = float(ideal.time[-1]) if end is None else end
     part = ideal.time <= end * (1 + _TINY)
     return (
-        _motion(response, ideal, part, ideal.time <= early * (1 + _TINY))
-        | _forces(response, ideal, part, end, early)
+        _motion(response, ideal, part, ideal.time <= EARLY * (1 + _TINY))
+        | _forces(response, ideal, part, end)
         | _path(response, part)
     )
 
@@ -67,7 +58,7 @@ def _motion(response, ideal, part, early):
     }
 
 
-def _forces(response, ideal, part, end, early):
+def _forces(response, ideal, part, end):
     """Impacts and normal force in the slider's joint."""
     impacts = response.impact_rows
     ended = np.isfinite(impacts["separation_speed"]) & (impacts["joint"] == "slider")
@@ -75,7 +66,7 @@ def _forces(response, ideal, part, end, early):
     parted = start + impacts["duration"][ended]
     loose, usual = response.normal_force, ideal.normal_force
     largest = max(loose[part].max(), peak[start <= end].max(initial=0.0))
-    first = peak[start <= early].max(initial=0.0) / usual[ideal.time <= early].max()
+    first = peak[start <= EARLY].max(initial=0.0) / usual[ideal.time <= EARLY].max()
     number = np.floor(ideal.time / WINDOW + _TINY).astype(int)
     begins = np.flatnonzero(np.diff(number, prepend=-1))[: int(end / WINDOW + _TINY) + 1]
     swings = [

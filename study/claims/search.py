@@ -18,8 +18,6 @@ RUNS = {
     "schemes": "particles, other schemes",
 }
 """Groups of runs: models of the links, and particles in schemes that may feed energy in."""
-
-
 MEASURES = {"time with impacts": ("last separation", "time in which the force swings")}
 """Number of a claim -> names of the measures of a run that may be meant by it."""
 
@@ -31,43 +29,22 @@ def statements() -> pd.DataFrame:
     return claims.reset_index(drop=True)
 
 
-def held(
-    runs: pd.DataFrame, claims: pd.DataFrame | None = None, strictly: bool = False
-) -> pd.DataFrame:
+def held(runs: pd.DataFrame, strictly: bool = False) -> pd.DataFrame:
     """Whether each statement holds in each run: a column for each claim, missing if not measured.
 
     It holds if one of its measures does, with one of the bounds: a run has the benefit of doubt.
-    Strictly it holds if all do, as in `study.claims.verdicts`.
-
-    Parameters
-    ----------
-    runs
-        Rows of `study.claims.set_ups.run`, of runs that were finished.
-    claims
-        Rows of `statements`, the default.
-
-    Raises
-    ------
-    study.claims.verdicts.ClaimError
-        If the runs lack the number of a claim.
+    Strictly it holds if all do, as in `study.claims.verdicts`. Runs are those of
+    `study.claims.set_ups.run` that were finished.
     """
-    claims = statements() if claims is None else claims
     columns = {}
-    for claim in claims.itertuples():
-        meant = list(MEASURES.get(claim.row, [claim.row]))
-        if not set(meant) <= set(runs):
-            raise verdicts.ClaimError(f"claim {claim.claim}: the runs have no {claim.row!r}")
+    for claim in statements().itertuples():
+        meant = MEASURES.get(claim.row, [claim.row])
         by = [verdicts.holds(runs[name], claim.relation, claim.bounds) for name in meant]
         holds = np.all(by, axis=(0, 2)) if strictly else np.any(by, axis=(0, 2))
         columns[claim.claim] = pd.array(holds, dtype="boolean")
         if claim.claim.startswith("methods_agree"):  # needs both flexible models
             columns[claim.claim][runs[claim.row].isna().to_numpy()] = pd.NA
     return pd.DataFrame(columns, index=runs.index)
-
-
-def group(runs: pd.DataFrame) -> pd.Series:
-    """The group of each run, of `RUNS`."""
-    return runs.model.where(runs.kind != "schemes", "schemes")
 
 
 def never_together(holds: pd.DataFrame) -> list[tuple[str, str]]:

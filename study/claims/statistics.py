@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 def determination(truth: ArrayLike, prediction: ArrayLike) -> float:
     """Coefficient of determination 1 - SSE/SST (the paper: multicorrelation coefficient).
 
-    SSE is the sum of squared differences, SST that of the truth about its mean. It is negative
-    for a prediction worse than that mean.
+    SSE is the sum of squared differences, SST that of the truth about its mean.
     """
     truth = np.asarray(truth)
     return float(1 - np.sum((truth - prediction) ** 2) / _total(truth))

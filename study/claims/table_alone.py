@@ -1,9 +1,10 @@
 """What Table 2 of the paper says by itself, without any elastic solution.
 
 Its input are the printed numbers, the formulas of Hertz and Steuermann, which have no parameter,
-the shapes of the fitted laws, R2*, and a list of depths. `printed` holds the numbers with every
-combination of their last digits' rounding, so that each function gives arrays: the value that
-follows from the numbers as printed comes first, and `interval` adds its least and largest.
+the shapes of the fitted laws, R2*, and a list of depths of shape (n,). `printed` holds the numbers
+with every combination of their last digits' rounding, so that each function gives arrays: the value
+that follows from the numbers as printed comes first, and `interval` adds its least and largest. If
+1 - determination was multiplied by a factor before it was printed, that is ``factor``.
 """
 
 from itertools import product
@@ -60,20 +61,8 @@ def totals(
     """Sum of the elastic forces y, and sum of (y - mean)^2, from two coefficients of determination.
 
     With 1 - determination = (sum of errors)^2/sum (y - mean)^2, the roots of the two are in the
-    ratio of the laws' summed errors.
-
-    Parameters
-    ----------
-    table
-        From `printed`.
-    depths
-        Those of the sample, shape (n,).
-    factor
-        By which 1 - determination was multiplied before it was printed.
-    known
-        Forces of Hertz's and Steuermann's laws, by default `known_forces`.
-    opposite
-        Whether one of the two laws is too small on average and the other one too large.
+    ratio of the laws' summed errors. These laws are Hertz's and Steuermann's, with the forces
+    ``known``, by default `known_forces`; on average they err to the same side unless ``opposite``.
     """
     hertz, steuermann = (np.sum(force) for force in known or known_forces(depths))
     root = np.sqrt(table["hertz"][0] / table["steuermann"][0])
@@ -88,14 +77,8 @@ def coefficients(
     """Coefficient of a fitted law by its determination, and by its RMSE.
 
     The latter is that of least squares: n RMSE^2 = sum y^2 - c^2 sum f^2. The former has the sign
-    of the law's mean error that brings the two nearer.
-
-    Parameters
-    ----------
-    law
-        A key of `study.dataset.fitting.FITTED_LAWS`.
-    **reading
-        As for `totals`, like the other arguments.
+    of the law's mean error that brings the two nearer. ``law`` is a key of
+    `study.dataset.fitting.FITTED_LAWS`, ``reading`` as for `totals`.
     """
     force, about_mean = totals(table, depths, factor, **reading)
     shape = fitting.shape(law, depths)
@@ -144,13 +127,8 @@ def needed_rounding(table: Printed, law: str, depths: ArrayLike, factor: float =
 
     At most 1 is rounding. The eight numbers give the sum of the squared forces, and the products
     of the forces with 1 and with four laws, whose factors need not be those of least squares. So
-    forces exist if their part within these has no larger sum of squares. Parameters are as for
-    `forces`.
-
-    Raises
-    ------
-    study.checks.StudyError
-        If no such digits are found.
+    forces exist if their part within these has no larger sum of squares. Raises
+    `study.checks.StudyError` if no such digits are found.
     """
     stated = np.array([[column[0] for column in table[name]] for name in ROWS]).T
     fitted = [fitting.shape(name, depths) for name in ("winkler", law)]
@@ -176,8 +154,7 @@ def needed_rounding(table: Printed, law: str, depths: ArrayLike, factor: float =
         return 0.0
     limits = [lambda x: rest(x) / unit, lambda x: x[8] - x[:8], lambda x: x[8] + x[:8]]
     limits = [{"type": "ineq", "fun": limit} for limit in limits]
-    start = np.append(np.zeros(8), 1.0)
-    options = {"maxiter": 500, "ftol": 1e-10}
+    start, options = np.append(np.zeros(8), 1.0), {"maxiter": 500, "ftol": 1e-10}
     positive = [(-0.9 * number / HALF_DIGIT, None) for number in stated.ravel()] + [(0, None)]
     found = minimize(
         lambda x: x[8], start, method="SLSQP", bounds=positive, constraints=limits, options=options

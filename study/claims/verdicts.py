@@ -3,13 +3,11 @@
 ``data/published/claims.csv`` holds the statements in our own words. Each names the result, row and
 column of the number that judges it, what that number should be, and how far off it may be. Where
 the paper leaves something open, there is a number for every reading; where it states no bound,
-the bound is ours, from half to twice a usual one. One rule judges all rows: a statement is
-reproduced if it holds in every reading and with every bound, contradicted if it holds in none.
-The notebooks compute the numbers. The tests, not the verdicts, judge whether they are right.
+the bound is ours, from half to twice a usual one. The notebooks compute the numbers; the tests, not
+the verdicts, judge whether they are right.
 """
 
 from collections.abc import Sequence
-from functools import cache
 from itertools import combinations, product
 from typing import Literal, get_args
 
@@ -37,22 +35,15 @@ class ClaimError(checks.StudyError):
 
 
 def load() -> pd.DataFrame:
-    """Load the claims, without verdicts.
+    """Load the claims, without verdicts: a table of text with the columns `COLUMNS`.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns ``claim``, ``part``, ``kind`` (of `KINDS`), ``where`` (in the paper),
-        ``statement`` (our words), ``measure`` (the number that judges it), ``evidence``, ``row``
-        and ``column`` (where that number is, see `readings`), ``relation``, ``expected`` and
-        ``tolerance`` (percent of ``expected``), as text: a number, or two as ``5 to 20`` where the
-        bound is ours, ``assumes`` (what the number takes for granted), ``figure`` (a result that
-        shows it) and ``bounds`` (pairs of numbers: expected, tolerance).
+    ``kind`` is one of `KINDS`, ``statement`` is in our words, ``measure`` says which number judges
+    it, and ``evidence``, ``row`` and ``column`` where that is (see `readings`). ``expected`` and
+    ``tolerance`` (in percent of it) are a number each, or two as ``5 to 20`` where the bound is
+    ours. ``assumes`` is what the number takes for granted, ``figure`` a result that shows it. The
+    further column ``bounds`` has pairs of the numbers expected and tolerance.
 
-    Raises
-    ------
-    ClaimError
-        For a row that cannot be judged, or a file that is missing or no such table.
+    Raises `ClaimError` for a row that cannot be judged, or if the file is missing or no such table.
     """
     name, as_text = "data/published/claims.csv", {"keep_default_na": False, "dtype": str}
     try:
@@ -62,48 +53,34 @@ def load() -> pd.DataFrame:
         raise ClaimError(f"{name} is missing or damaged; {remedy}") from None
     published, bounds = dataset.published(), []
     for row in claims.itertuples():
-        if row.claim in set(claims.claim[: row.Index]):
-            raise ClaimError(f"claim {row.claim} occurs twice")
-        for column in ("claim", "part", "where", "statement", "measure", "assumes"):
-            text = str(getattr(row, column))
-            if not text.isprintable() or text.startswith(checks.FORMULA):
-                wanted = "one line that does not begin as a spreadsheet's formula"
-                shown = f"{column} of {checks.shown(row.claim)} must be {wanted}"
-                raise ClaimError(f"{shown}, got {checks.shown(text)}")
-        for column, known in (("kind", KINDS), ("relation", RELATIONS)):
-            value = getattr(row, column)
-            if value not in known:
-                listed = ", ".join(known)
-                raise ClaimError(f"{column} of {row.claim} must be one of {listed}, got {value!r}")
-        bounds.append(_bounds(row, published))
+        try:
+            checks.choice(f"kind of {row.claim}", row.kind, KINDS)
+            checks.choice(f"relation of {row.claim}", row.relation, RELATIONS)
+            bounds.append(_bounds(row, published))
+        except ValueError as error:
+            raise ClaimError(str(error)) from None
     shown = [" to ".join(dict.fromkeys(f"{number:g}" for number, _ in pairs)) for pairs in bounds]
     return claims.assign(expected=shown, bounds=bounds)
 
 
 def _bounds(claim, published):
     """Pairs of an expected number and a tolerance in percent, with which a claim is judged."""
-    key, numbers = tuple(claim.expected.split("/")), {}
-    if len(key) == 3 and key not in published.index:
-        lacking = "which data/published/tables.csv lacks"
-        raise ClaimError(f"claim {claim.claim} expects {claim.expected}, {lacking}")
-    texts = {"expected": claim.expected, "tolerance": claim.tolerance}
+    expected, key = claim.expected, tuple(claim.expected.split("/"))
     if len(key) == 3:
-        texts["expected"] = published[key]
-    for column, text in texts.items():
-        try:
-            numbers[column] = [float(part) for part in str(text).split(" to ")]
-        except ValueError:
-            wanted = "must be a number, or two as 5 to 20"
-            raise ClaimError(f"{column} of {claim.claim} {wanted}, got {text!r}") from None
-    if not all(value != 0 and np.isfinite(value) for value in numbers["expected"]):
-        told = f"expected of {claim.claim} must not be 0 (tolerances are relative)"
-        raise ClaimError(f"{told}, got {claim.expected}")
-    if not all(0 <= value < np.inf for value in numbers["tolerance"]):
-        raise ClaimError(f"tolerance of {claim.claim} must be a number >= 0, in percent")
-    return list(product(numbers["expected"], numbers["tolerance"]))
+        if key not in published.index:
+            lacking = "which data/published/tables.csv lacks"
+            raise ValueError(f"claim {claim.claim} expects {expected}, {lacking}")
+        expected = str(published[key])
+    numbers = []
+    for name, text in ("expected", expected), ("tolerance", claim.tolerance):
+        what = f"{name} of {claim.claim}"
+        numbers.append([checks.read(what, part) for part in text.split(" to ")])
+        checks.number(what, numbers[-1], least=0 if name == "tolerance" else None)
+    if 0 in numbers[0]:
+        raise ValueError(f"expected of {claim.claim} must not be 0: tolerances are relative")
+    return list(product(*numbers))
 
 
-@cache
 def result(name: str) -> pd.DataFrame:
     """One result's numbers, from ``figures/``; ``ClaimError`` if they are missing."""
     path = paths.FIGURES / f"{name}.csv"
@@ -115,19 +92,9 @@ def result(name: str) -> pd.DataFrame:
 def readings(evidence: str, row: str, column: str) -> dict[str, float]:
     """Numbers that judge a claim, by reading: a model, material or duration that the paper allows.
 
-    Parameters
-    ----------
-    evidence
-        A result. Its column ``reading`` names the readings, if it has one.
-    row
-        Value of its column ``quantity``.
-    column
-        Column of the numbers.
-
-    Raises
-    ------
-    ClaimError
-        If the result, row or column is missing, or a number is not finite.
+    They stand in a ``column`` of the result ``evidence`` where its column ``quantity`` is ``row``;
+    its column ``reading``, if it has one, names the readings. Raises `ClaimError` if the result,
+    row or column is missing, or a number is not finite.
     """
     table, remake = result(evidence), f"remake it with: study run {evidence}"
     for name in ("quantity", column):
@@ -144,29 +111,18 @@ def readings(evidence: str, row: str, column: str) -> dict[str, float]:
 
 
 def judge() -> pd.DataFrame:
-    """Judge every claim from the results in ``figures/``.
+    """Judge every claim from the results in ``figures/``, ordered by kind, then by verdict.
 
-    Returns
-    -------
-    pandas.DataFrame
-        That of `load` without ``row``, ``column`` and ``assumes``, and ``found`` (readings with
-        their numbers, as text), ``lowest``, ``highest``, ``verdict`` and ``hangs_on`` (see
-        `hangs_on`); ordered by kind, then by verdict.
-
-    Raises
-    ------
-    ClaimError
-        As for `load` and `readings`; names the claim.
+    The table is that of `load` without ``row``, ``column`` and ``assumes``, and with ``found``
+    (readings with their numbers, as text), ``lowest``, ``highest``, ``verdict`` and ``hangs_on``.
+    Raises `ClaimError` as `load` and `readings` do, and names the claim.
     """
-    result.cache_clear()
     claims = load()
     judged = claims.drop(columns=["row", "column", "assumes", "bounds"]).join(
         pd.DataFrame(map(_judge, claims.itertuples()))
     )
-    for name, order in (("verdict", VERDICTS), ("kind", KINDS)):
-        rank = judged[name].map(order.index)
-        judged = judged.loc[rank.sort_values(kind="stable").index]
-    return judged.reset_index(drop=True)
+    order = (*KINDS, *VERDICTS).index
+    return judged.sort_values(["kind", "verdict"], key=lambda x: x.map(order), ignore_index=True)
 
 
 def _judge(claim):
@@ -190,13 +146,8 @@ def holds(
 ) -> NDArray[np.bool_]:
     """Whether a statement holds: shape (readings, bounds).
 
-    Parameters
-    ----------
-    relation
-        The number should equal the expected one (``=``), not exceed it (``<``), or not be less
-        (``>``).
-    bounds
-        Expected numbers, not 0, and deviations in percent of them up to which a reading holds.
+    A number should equal the expected one (``=``), not exceed it (``<``), or not be less (``>``).
+    Bounds are expected numbers, not 0, and deviations in percent of them up to which it holds.
     """
     expected, tolerance = np.asarray(bounds, float).T
     excess = (np.asarray(values)[:, None] - expected) / np.abs(expected) * 100
@@ -222,17 +173,8 @@ def verdict(
 def hangs_on(readings: Sequence[str], held: NDArray[np.bool_]) -> list[str]:
     """What decides whether a statement holds: parts of its readings' names, or the bound.
 
-    Parameters
-    ----------
-    readings
-        Names, in parts: ``rigid links, 50 ms``.
-    held
-        From `holds`.
-
-    Returns
-    -------
-    list of str
-        As ``50 ms or 200 ms``: a change of this part alone changes whether it holds.
+    Readings have names in parts, as ``rigid links, 50 ms``; ``held`` is from `holds`. ``50 ms or
+    200 ms`` decides if a change of this part alone changes whether the statement holds.
     """
     parts, found = [name.split(", ") for name in readings], {}
     for (one, first), (other, second) in combinations(zip(parts, held, strict=True), 2):

@@ -17,7 +17,7 @@ def run_notebooks(
         "KEY=VALUE of a notebook's parameter; may be repeated.", "-p", default=()
     ),
     jobs: int = cli.JOBS,
-    force: bool = cli.option("Run those that are up to date too.", "--force", default=False),
+    force: bool = cli.switch("--force", "Run those that are up to date too."),
     dask_address: str = cli.option("Dask scheduler whose workers run the tasks.", "--dask"),
 ):
     """Run the outdated notebooks and compare their figures and tables with those in figures/.
@@ -101,10 +101,8 @@ def _make(selected, **how):
 @cli.command("list")
 def list_results(
     names: list[str] = cli.NAMES,
-    outdated: bool = cli.option(
-        "Only those that a run would make again, or might. It takes some two seconds.",
-        "--outdated",
-        default=False,
+    outdated: bool = cli.switch(
+        "--outdated", "Only those that a run would make again, or might. It takes some two seconds."
     ),
 ):
     """List every figure and table by notebook, and what it shows.

@@ -11,8 +11,8 @@ def _options():
     """Options of all laws, each with the laws that have it."""
     about, owners = {}, {}
     for law in LAWS.values():
-        for name, option in law.options.items():
-            about[name] = option.about
+        about |= law.options
+        for name in law.options:
             owners.setdefault(name, []).append(law.name)
     return {name: cli.option_of(about[name], f"for {', '.join(owners[name])}") for name in about}
 
@@ -20,8 +20,8 @@ def _options():
 @cli.command("law")
 def evaluate_law(
     name: LawName = typer.Argument(help=f"One of {', '.join(LAWS)}.", metavar="NAME"),
-    r2_star: float = cli.option("Socket radius over clearance, R2/dR, > 1.", default=cli.NEEDED),
-    depth_star: list[float] = cli.option(cli.DEPTHS, default=cli.NEEDED),
+    r2_star: float = cli.required("Socket radius over clearance, R2/dR, > 1."),
+    depth_star: list[float] = cli.required(cli.DEPTHS),
     as_json: bool = cli.JSON,
     **options: _options(),
 ):

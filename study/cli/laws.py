@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import Literal
 
-from study import paths
+from study import choose, paths
 from study.cli import options as cli
 from study.cli.output import named_fields, show, working
 from study.cli.solve_joint import OF_SIZED, RELATIVE, SIZED, needed, sized, typed
 from study.contact import LawName
-from study.joint import RatioJoint
+from study.joint import RatioJoint, applicability, first_yield, force_curve
 
 YIELDS = (
     "The {body} yields, {place}, from {depth_star:.4g} clearances on "
@@ -26,12 +26,8 @@ TABLE = " A table of depth and tilt does:\nstudy export --law tabulated --tilt {
 
 @cli.command("choose")
 def choose_law(
-    depth_star: float = cli.option(
-        "Largest depth of the scene, in clearances.", default=cli.NEEDED
-    ),
-    tolerance: float = cli.option(
-        "Largest relative error of the force, from 1e-5 to 1.", default=cli.NEEDED
-    ),
+    depth_star: float = cli.required("Largest depth of the scene, in clearances."),
+    tolerance: float = cli.required("Largest relative error of the force, from 1e-5 to 1."),
     yield_stress: float = cli.option(
         "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa."
     ),
@@ -45,15 +41,14 @@ def choose_law(
 
     For a whole mechanism: study simulate --model auto --tolerance ... .
     """
-    from study.choose import axial_law_suffices, choose, relative_costs
-    from study.joint import applicability, first_yield, force_curve
-
     needed(("r2_star",), joint)
     joint = cli.under_tilt(tilt, joint)
-    asked, costs = RatioJoint(**joint).joint(yield_stress), relative_costs()
+    asked, costs = RatioJoint(**joint).joint(yield_stress), choose.relative_costs()
     with working("Solving the joint"):
-        off_axis = tilt is not None and axial_law_suffices(asked, depth_star, tilt, tolerance)
-        choice = choose(asked, depth_star, tolerance)
+        off_axis = tilt is not None and choose.axial_law_suffices(
+            asked, depth_star, tilt, tolerance
+        )
+        choice = choose.choose(asked, depth_star, tolerance)
         first = first_yield(asked, depth_star) if yield_stress else None
         contact = force_curve(asked, [depth_star])
     laws = sorted(choice.errors, key=costs.get)
@@ -90,16 +85,15 @@ def choose_law(
 
 @cli.command("export")
 def export_law(
-    law: Literal[LawName, "tabulated"] = cli.option(
-        "Name of a law, or tabulated: the force-depth curve of the joint.", default=cli.NEEDED
+    law: Literal[LawName, "tabulated"] = cli.required(
+        "Name of a law, or tabulated: the force-depth curve of the joint."
     ),
     form: Literal[
         "c", "matlab", "modelica", "json", "csv", "exudyn", "adams", "mujoco"
-    ] = cli.option(
+    ] = cli.required(
         "Function (C; MATLAB and Octave; Modelica), formula and numbers (JSON), force over depth "
         "(CSV), or an element of Exudyn, Adams or MuJoCo; these and Modelica need dimensions.",
         "--format",
-        default=cli.NEEDED,
     ),
     depth_star: list[float] = cli.option(
         "Largest depth of the text, in clearances, or given twice its range: that of power's fit "

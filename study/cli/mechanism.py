@@ -5,15 +5,18 @@ from inspect import signature
 from pathlib import Path
 from typing import Literal, get_args
 
-from study import paths
+from study import compiled, paths
 from study.checks import StudyError
+from study.choose import choose_model
 from study.choose.links import QUANTITIES
 from study.cli import options as cli
-from study.cli.output import named_fields, show, working
-from study.contact import LAWS
-from study.joint import DimensionalJoint, RatioJoint
-from study.mechanism import Scene
+from study.cli.output import columns, named_fields, show, working
+from study.contact import LAWS, SOCKET_RATIO
+from study.joint import DimensionalJoint, RatioJoint, applicability
+from study.mechanism import Scene, compare
+from study.mechanism.response import IMPACT_COLUMNS
 from study.mechanism.simulate import Model, simulate
+from study.mechanism.validity import exceeded_limits
 from study.parameters import described
 
 SHOWN = 20  # impacts in a printed table
@@ -31,32 +34,24 @@ SCENE = (
     + ". The default damping, exact, delivers the restitution; others are lankarani-nikravesh (the "
     "paper's), hunt-crossley and flores."
 )
-
-
 _SETTINGS = ("joint", "duration", "outputs", "tolerance", "step", "elements", "method")
 OPTIONS = {
-    "model": (
+    "model": cli.further(
         Literal[(*get_args(Model), "auto")],
-        cli.option(
-            "Model of the links: rigid, particles or beams; auto picks the simplest within "
-            "--tolerance. [default: rigid]"
-        ),
+        "Model of the links: rigid, particles or beams; auto picks the simplest within "
+        "--tolerance. [default: rigid]",
     ),
-    "law": (
+    "law": cli.further(
         Literal[(*LAWS, "tabulated")],
-        cli.option(
-            "Contact law; tabulated, the default beside --wall or --liner, is the table of the "
-            "solved joint. [default: stiffened_hertz]"
-        ),
+        "Contact law; tabulated, the default beside --wall or --liner, is the table of the "
+        "solved joint. [default: stiffened_hertz]",
     ),
     **cli.options_of(simulate, *_SETTINGS),
     **cli.options_of(DimensionalJoint, "wall", "liner"),
     **cli.options_of(RatioJoint, "socket_ratio"),
-    "quantity": (
+    "quantity": cli.further(
         Literal[QUANTITIES],
-        cli.option(
-            "Part of the slider's motion that --tolerance is for. [default: slider_position]"
-        ),
+        "Part of the slider's motion that --tolerance is for. [default: slider_position]",
     ),
 }
 """A simulation, and the choice of its model."""
@@ -67,8 +62,8 @@ def simulate_mechanism(
     scene: list[str] = cli.option(SCENE, default=()),
     output: Path = cli.OUTPUT,
     as_json: bool = cli.JSON,
-    once: bool = cli.option(
-        "Leave out the second run, which says how far to trust the first.", "--once", default=False
+    once: bool = cli.switch(
+        "--once", "Leave out the second run, which says how far to trust the first."
     ),
     **options: OPTIONS,
 ):
@@ -77,10 +72,6 @@ def simulate_mechanism(
     --model auto takes the simplest model within --tolerance. This is then the largest error of the
     --quantity: its RMS over that of the change since t = 0.
     """
-    from study.compiled import is_kept
-    from study.contact import SOCKET_RATIO
-    from study.mechanism.validity import exceeded_limits
-
     changed = _scene(scene)
     cli.check_output(output, ".csv")
     if "elements" in options:
@@ -96,7 +87,7 @@ def simulate_mechanism(
         why = f"model {options.get('model', parameters['model'].default)} has none"
         cli.left_out(options, [*parameters, "socket_ratio", "wall", "liner"], why)  # of some laws
     total = options.get("duration", parameters["duration"].default)
-    is_compiled = is_kept(paths.ROOT / "study/mechanism/rigid.py")
+    is_compiled = compiled.is_kept(paths.ROOT / "study/mechanism/rigid.py")
     with working("Simulating" if is_compiled else "Compiling the stepping loops, once") as tell:
         response = run(progress=lambda time: tell(f"simulated {time:.4g} of {total:g} s"))
     end = {head: float(getattr(response, name)[-1]) for head, name in END.items()}
@@ -119,12 +110,10 @@ def simulate_mechanism(
 def _trust(response, run):
     """How long a second run is the same motion, as an object and in words.
 
-    The response is told even where the second run is interrupted or fails.
+    The response is shown even where the second run is interrupted or fails.
     """
-    from study.mechanism.compare import second_run
-
     try:
-        agreement = second_run(response, run)
+        agreement = compare.second_run(response, run)
     except KeyboardInterrupt:
         return None, ["The second run, which says how far to trust this one, was interrupted."]
     except StudyError as error:
@@ -144,9 +133,6 @@ def _trust(response, run):
 
 
 def _choice(scene, model, **options):
-    """The simplest model that is accurate enough for a scene."""
-    from study.choose import choose_model
-
     cli.left_out(options, signature(choose_model).parameters, f"model {model} chooses it")
     if "tolerance" not in options:
         raise ValueError("tolerance must be given: the largest error that model auto may make")
@@ -155,22 +141,19 @@ def _choice(scene, model, **options):
 
 
 def _show(end, response, choice, trust, exceeded, as_json):
-    from study.joint import applicability
-    from study.mechanism.response import IMPACT_COLUMNS
-
-    impacts = {
-        name: [None if value != value else value for value in response.impact_rows[name].tolist()]
-        for name in response.impact_rows.dtype.names  # no NaN in JSON
-    }
-    rows = [dict(zip(impacts, row, strict=True)) for row in zip(*impacts.values(), strict=True)]
+    names = response.impact_rows.dtype.names
+    rows = [
+        {name: None if x != x else x for name, x in zip(names, row, strict=True)}  # no NaN in JSON
+        for row in response.impact_rows.tolist()
+    ]
     asked, delivered = response.restitution, response.delivered_restitution
     values = {head.split()[0]: value for head, value in end.items()} | {"law": response.law}
     values |= {"restitution": asked, "delivered_restitution": delivered}
     agreement, in_words = trust
     values |= {"agreement": agreement, "applicability": applicability.in_short(exceeded)}
     table = {
-        f"{name} {IMPACT_COLUMNS.get(name, '')}": impacts[name][:SHOWN]
-        for name in ("time", *impacts)
+        f"{name} {IMPACT_COLUMNS.get(name, '')}": [row[name] for row in rows[:SHOWN]]
+        for name in ("time", *names)
     }
     parts = [f"Law {response.law}.", {head: [value] for head, value in end.items()}, table]
     if choice:
@@ -186,12 +169,11 @@ def _show(end, response, choice, trust, exceeded, as_json):
 
 def _in_words(choice, duration):
     """The chosen model in words, and all models that were compared."""
-    names = ("model", "joint", "law", "settings", "error_bound", "relative_cost", "links")
     return [
         f"The simplest model whose {choice.quantity.replace('_', ' ')} is known well enough over "
         f"{duration:g} s:\n{choice.model} links, {choice.joint} joint, law {choice.law}, within "
         f"{choice.error_bound:.2g}. In order of detail (costs: times here):",
-        {name: [row[name] for row in choice.evidence] for name in names},
+        columns(choice.evidence),
         f"At a depth of {choice.depth_star:.2g} clearances the links have "
         f"{choice.compliance_ratio:.2g} times the contact's compliance. The slider's frequency on "
         f"the contact is {choice.frequency_ratio:.2g} times the crank's axial one.",
@@ -200,7 +182,6 @@ def _in_words(choice, duration):
 
 
 def _scene(settings):
-    """The default mechanism with settings ``KEY=VALUE`` changed."""
     known, values = described(Scene), {}
     for setting in settings:
         key, equals, text = setting.partition("=")

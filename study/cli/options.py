@@ -5,12 +5,11 @@ sentences that ``study --help`` shows.
 """
 
 import os
-from collections.abc import Mapping
 from functools import partial
 from importlib import import_module
 from inspect import Parameter, Signature, getdoc, signature
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import typer
 from typer.core import TyperGroup
@@ -68,18 +67,28 @@ data_app = typer.Typer(help="The cached force-depth curves.", no_args_is_help=Tr
 
 INTERRUPTED = 130  # typer's status after Ctrl-C
 KEPT = "; what was finished is kept"
-NEEDED = ...  # the default of an option that must be given
-
-
 METAVARS = {float: "NUMBER", int: "COUNT", str: "TEXT", Path: "FILE"}
 """What the help shows for the value of an option, by its type."""
-Options = Mapping[str, tuple[Any, Any]]
-"""Type and option of each parameter of a command, by name."""
 
 
 def option(text, *flags, default=None):
     """Option with its help. Without a default it is None, or absent from a command's ``**``."""
     return typer.Option(default, *flags, help=text)
+
+
+def required(text, *flags):
+    """Option that must be given."""
+    return option(text, *flags, default=...)
+
+
+def switch(flag, text):
+    """Option without a value, which is off by default."""
+    return option(text, flag, default=False)
+
+
+def further(kind, text):
+    """Type and option of a parameter among a command's ``**``."""
+    return kind, option(text)
 
 
 def options_of(owner, *names):
@@ -94,15 +103,13 @@ def options_of(owner, *names):
 def option_of(about, note=""):
     """Type and option of a `study.parameters.Parameter`, with a note in brackets."""
     kind = Literal[about.choices] if about.choices else about.typed
-    kind = str if about.several == "," else kind
-    text = f"{about.meaning}, in {about.unit}" if about.unit else about.meaning
-    if about.range and not about.choices:
-        text = f"{text}, {about.range}"
-    text = f"{text}. [{note}]" if note else f"{text}."
-    return (list[kind] if about.several == ";" else kind), option(text)
+    kind = {",": str, ";": list[kind]}.get(about.several, kind)
+    limits = "" if about.choices else about.range
+    text = ", ".join(filter(None, [about.meaning, about.unit and f"in {about.unit}", limits]))
+    return further(kind, f"{text}. [{note}]" if note else f"{text}.")
 
 
-JSON = option("Print one JSON object.", "--json", default=False)
+JSON = switch("--json", "Print one JSON object.")
 OUTPUT = option("File to write.")
 JOBS = option("Processes, by default one per core.")
 NAMES = typer.Argument((), help="Figures, tables or notebooks; default all.", metavar="NAME")
@@ -116,9 +123,9 @@ class InterruptionError(Exception):
 def command(name, group=app, keeps=False):
     """Decorate a function as a command; its parameters are the command's options.
 
-    The annotation of ``**`` is a mapping of further `Options`. The function gets those that are
-    given.
-    A command that ``keeps`` finished work when it is interrupted does so unless --output is given.
+    The annotation of ``**`` is a mapping of `further` options by name; the function gets those that
+    are given. A command that ``keeps`` finished work when it is interrupted does so unless --output
+    is given.
     """
 
     def decorate(function):

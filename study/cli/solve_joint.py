@@ -6,14 +6,43 @@ from typing import Literal
 
 import numpy as np
 
-from study import checks, parameters
+from study import checks, parameters, paths
+from study.choose import cheapest_law
 from study.cli import options as cli
-from study.cli.output import show, working
-from study.joint import DimensionalJoint, RatioJoint
+from study.cli.output import columns, show, working
+from study.joint import DimensionalJoint, RatioJoint, applicability, force_curve, tilted_contact
 from study.joint.curve import SOLVERS
+from study.joint.dimensional import usual_depth
+from study.joint.stress import largest as largest_stress
 from study.joint.supports import Configuration
 
-MICRO, MEGA, PERCENT = 1e-6, 1e6, 0.01
+UNITS = {"um": 1e-6, "MPa": 1e6, "N/um": 1e6, "%": 0.01}
+"""Units of printed numbers that are not those of the solution."""
+HEADS = {
+    "depth": "depth um",
+    "tilt": "tilt deg",
+    "force": "force N",
+    "transverse": "transverse N",
+    "stiffness": "stiffness N/um",
+    "transverse_stiffness": "transverse_stiffness N/um",
+    "contact_half_angle_deg": "half_angle deg",
+    "peak_pressure": "peak_pressure MPa",
+    "peak_angle_deg": "peak_at deg",
+    "contact_from_deg": "contact_from deg",
+    "contact_to_deg": "contact_to deg",
+    "error_estimate": "force_error %",
+    "spin_torque": "spin_torque N m",
+    "tilt_torque": "tilt_torque N m",
+    "wear_depth": "wear_depth um",
+    "body": "body",
+    "von_mises": "von_mises MPa",
+    "place": "place",
+    "yield_stress": "yield_stress MPa",
+    "factor_to_yield": "factor_to_yield",
+}
+"""Values of a joint with its dimensions, in SI units -> heads of the printed table, in order."""
+BEYOND = 1.25  # times the largest depth and half-angle that are shown in a figure
+SAME_BYTES = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 LARGE = 1.0  # m: a socket's radius that is probably in mm
 NO_LAW = {
     "tabulated": "tabulated, the table of this joint's own curve",
@@ -25,45 +54,36 @@ SIZED = cli.options_of(DimensionalJoint)
 RELATIVE = cli.options_of(RatioJoint)
 """Options of a joint without dimensions."""
 ASKED = {
-    "force": (list[float], cli.option("Contact force in N; may be repeated.")),
-    "depth": (list[float], cli.option("Penetration depth in m; may be repeated.")),
-    "tolerance": (
-        float,
-        cli.option("Largest relative error of the law that is chosen. [default: 0.01]"),
+    "force": cli.further(list[float], "Contact force in N; may be repeated."),
+    "depth": cli.further(list[float], "Penetration depth in m; may be repeated."),
+    "tolerance": cli.further(
+        float, "Largest relative error of the law that is chosen. [default: 0.01]"
     ),
-    "friction": (
+    "friction": cli.further(
         float,
-        cli.option(
-            "Coefficient of friction (no unit), for the torques of a ball that slides all over its "
-            "contact as it turns about the load (spin), or about an axis across it (tilt)."
-        ),
+        "Coefficient of friction (no unit), for the torques of a ball that slides all over its "
+        "contact as it turns about the load (spin), or about an axis across it (tilt).",
     ),
-    "wear": (
+    "wear": cli.further(
         float,
-        cli.option(
-            "Wear coefficient in m^2/N, for Archard's wear depth at the peak of an unchanged "
-            "pressure."
-        ),
+        "Wear coefficient in m^2/N, for Archard's wear depth at the peak of an unchanged pressure.",
     ),
-    "path": (float, cli.option("Sliding path of the wear, in m.")),
-    "plot": (Path, cli.option("Figure of force and pressure to write: .png, .svg or .pdf.")),
+    "path": cli.further(float, "Sliding path of the wear, in m."),
+    "plot": cli.further(Path, "Figure of force and pressure to write: .png, .svg or .pdf."),
 }
 """What may be asked of a joint with dimensions."""
-EITHER = RELATIVE | SIZED | ASKED
-EITHER |= {
-    "tilt": (
-        float,
-        cli.option(
-            "Angle off the axis, in deg, of the displacement; with --force that of the force."
-        ),
+EITHER = {
+    **RELATIVE,
+    **SIZED,
+    **ASKED,
+    "tilt": cli.further(
+        float, "Angle off the axis, in deg, of the displacement; with --force that of the force."
     ),
-    "depth_star": (list[float], cli.option(cli.DEPTHS)),
-    "solver": (
+    "depth_star": cli.further(list[float], cli.DEPTHS),
+    "solver": cli.further(
         Literal[SOLVERS],
-        cli.option(
-            "Exact Legendre series of both bodies, or finite elements: six-node (quadratic) or "
-            "three-node (linear) triangles."
-        ),
+        "Exact Legendre series of both bodies, or finite elements: six-node (quadratic) or "
+        "three-node (linear) triangles.",
     ),
 }
 CONFIGURATION = tuple(parameters.described(Configuration))
@@ -71,7 +91,7 @@ SIZES = ("socket_radius", "clearance", "wall")
 """Options that a joint with dimensions needs."""
 OF_SIZED = tuple(name for name in SIZED if name not in CONFIGURATION)
 """Options that only a joint with dimensions has."""
-OF_PRESSURE = {"friction": "", "wear": "m^2/N", "path": "m"}  # and their units
+OF_PRESSURE = ("friction", "wear", "path")
 
 
 @cli.command("joint")
@@ -112,7 +132,7 @@ def _only_sizes(options, first, allowed):
 
 def sized(options):
     """Joint with dimensions of a command's options: `SIZED`."""
-    first = next(name for name in OF_SIZED if name in options)
+    first = next((name for name in OF_SIZED if name in options), SIZES[0])
     _only_sizes(options, first, OF_SIZED)
     needed(SIZES, options)
     return DimensionalJoint(**options)
@@ -121,48 +141,39 @@ def sized(options):
 def _solve_dimensional(
     as_json, force=None, depth=None, tolerance=0.01, tilt=None, plot=None, **of_joint
 ):
-    from study.choose.cheapest_law import TOLERANCES
-
     of_pressure = {name: of_joint.pop(name) for name in OF_PRESSURE if name in of_joint}
-    for name, value in of_pressure.items():
-        checks.number(name, value, OF_PRESSURE[name], least=0)
     if "wear" in of_pressure or "path" in of_pressure:
         needed(("wear", "path"), of_pressure)
     if plot is not None:
-        cli.check_output(plot, ".png", ".svg", ".pdf", name="plot")
-        from study.cli.plot import draw_joint  # now: it may lack a package
-    needed(SIZES, of_joint)
-    checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1])
+        cli.check_output(plot, *SAME_BYTES, name="plot")
     joint = sized(of_joint)
+    least, most = cheapest_law.TOLERANCES
+    checks.number("tolerance", tolerance, least=least, most=most)
     with working("Solving the joint"):
         if tilt is None:
             solution = joint.solve(force=force, depth=depth)
-            limits = _limits_of(joint, solution, **of_pressure)
-            values, parts = _described(joint, solution, limits, tolerance, typed(of_joint))
-            more, table = _of_pressure(solution, **of_pressure)
-            values, parts = values | more, [parts[0], *table, *parts[1:]]
+            values, parts = _described(joint, solution, tolerance, typed(of_joint), of_pressure)
             if plot is not None:
-                draw_joint(solution, plot)
+                draw(solution, plot)
         else:
             values, parts = _tilted(joint.solve_tilted(tilt, force=force, depth=depth))
     show(values, as_json, *parts)
 
 
 def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, **joint):
-    from study.joint import applicability, force_curve, tilted_contact
-    from study.joint.stress import largest as largest_stress
-
     solved_joint = RatioJoint(r2_star=r2_star, **joint).joint()
-    if tilt is not None:
-        with working("Solving the joint"):
-            values, parts = _tilted(tilted_contact(solved_joint, depth_star, tilt))
-        show(values, as_json, *parts)
-        return
     with working("Solving the joint"):
-        curve = force_curve(solved_joint, depth_star, solver=solver)
-        stresses = largest_stress(curve)
+        if tilt is None:
+            values, parts = _on_axis(force_curve(solved_joint, depth_star, solver=solver))
+        else:
+            values, parts = _tilted(tilted_contact(solved_joint, depth_star, tilt))
+    show(values, as_json, *parts)
+
+
+def _on_axis(curve):
+    """One JSON object of a curve without dimensions, and its parts as text."""
+    stresses, depths = largest_stress(curve), {"depth_star": curve.depth_star.tolist()}
     names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
-    depths = {"depth_star": depth_star}
     values = depths | {name: getattr(curve, name).tolist() for name in names}
     parts = [_error_of_force(values)]
     for body, largest in stresses.items():
@@ -173,15 +184,14 @@ def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, *
             "place": list(largest.place),
             "angle_deg": np.degrees(largest.angle).tolist(),
         }
-        values = values | {f"{_prefix(body)}_{name}": stress[name] for name in stress}
+        values |= {f"{_prefix(body)}_{name}": stress[name] for name in stress}
         table = depths | {"von_mises_star": stress.pop("star")} | stress
         parts += [f"Largest von Mises stress in the {body}:", table]
-    for body in [name for name in solved_joint.materials if name not in stresses]:
+    for body in [name for name in curve.joint.materials if name not in stresses]:
         parts.append(f"Without stresses of the {body}: {HELD}")
     exceeded = applicability.of_curve(curve)
-    values = values | {"applicability": [applicability.in_short(found) for found in exceeded]}
-    parts += _limits(solved_joint, curve.depth_star, exceeded)
-    show(values, as_json, *parts)
+    values["applicability"] = [applicability.in_short(found) for found in exceeded]
+    return values, [*parts, *_limits(curve.joint, curve.depth_star, exceeded)]
 
 
 def _tilted(contact):
@@ -189,22 +199,7 @@ def _tilted(contact):
     values = {name: x.tolist() for name, x in vars(contact).items() if name != "joint"}
     low, high = values.pop("contact_edges_deg")
     values |= {"contact_from_deg": low, "contact_to_deg": high}
-    if "depth_star" in values:
-        table = _error_of_force(values)
-    else:
-        table = {
-            "depth um": _rounded(contact.depth / MICRO),
-            "tilt deg": _rounded(contact.tilt),
-            "force N": _rounded(contact.force),
-            "transverse N": _rounded(contact.transverse),
-            "stiffness N/um": _rounded(contact.stiffness * MICRO),
-            "transverse_stiffness N/um": _rounded(contact.transverse_stiffness * MICRO),
-            "peak_pressure MPa": _rounded(contact.peak_pressure / MEGA),
-            "peak_at deg": _rounded(contact.peak_angle_deg),
-            "contact_from deg": _rounded(low),
-            "contact_to deg": _rounded(high),
-            "force_error %": _rounded(contact.error_estimate / PERCENT, 2),
-        }
+    table = _error_of_force(values) if "depth_star" in values else _printed(values)
     cut = bool(contact.reaches_rim.any())
     told = ["The rim cuts the contact: the pressure has no bound at its edge."] if cut else []
     return values, [table, *told]
@@ -213,6 +208,23 @@ def _tilted(contact):
 def _error_of_force(values):
     """Values as a table shows them, beside other results than the force."""
     return {{"error_estimate": "force_error"}.get(name, name): x for name, x in values.items()}
+
+
+def _printed(values):
+    """A table of values, in the units of `HEADS`."""
+    return {
+        head: [_rounded(value, head.partition(" ")[2]) for value in values[name]]
+        for name, head in HEADS.items()
+        if name in values
+    }
+
+
+def _rounded(value, unit):
+    """A number in a unit with 4 digits, or 2 of an error; another value as it is."""
+    if value is None or isinstance(value, str):
+        return value
+    digits = 2 if unit == "%" else 4
+    return float(f"{value / UNITS.get(unit, 1):.{digits}g}")
 
 
 def _prefix(body):
@@ -229,13 +241,11 @@ def typed(options):
     return " ".join(words)
 
 
-def _described(joint, solution, limits, tolerance, typed):
+def _described(joint, solution, tolerance, typed, of_pressure):
     """One JSON object of a solved joint, and its parts as text."""
-    from study.joint import applicability
-
-    plain = joint.joint
-    columns = ("depth", "force", "stiffness", "contact_half_angle_deg", "peak_pressure")
-    values = {name: getattr(solution, name).tolist() for name in (*columns, "error_estimate")}
+    plain, limits = joint.joint, _limits_of(joint, solution, **of_pressure)
+    names = ("depth", "force", "stiffness", "contact_half_angle_deg", "peak_pressure")
+    values = {name: getattr(solution, name).tolist() for name in (*names, "error_estimate")}
     for body, stress in solution.von_mises.items():
         name, factor = _prefix(body), solution.yield_factor[body]
         values[name] = stress.tolist()
@@ -251,17 +261,19 @@ def _described(joint, solution, limits, tolerance, typed):
     values["applicability"] = [applicability.in_short(found) for found in limits]
     law, text = _law(joint, float(solution.depth.max()), tolerance, typed)
     power, two_numbers = _power(joint, solution.depth)
-    parts = [_contact(solution), *_stresses(joint, solution), text, two_numbers]
+    more = _of_pressure(solution, **of_pressure)
+    parts = [_printed(values)]
+    if more:
+        parts.append(_printed({"depth": solution.depth} | more))
+    parts += [*_stresses(joint, solution), text, two_numbers]
     parts += _limits(plain, solution.depth, limits)
     if joint.socket_radius >= LARGE:
         parts.append(f"The socket's radius is {joint.socket_radius:g} m: are the sizes in m?")
-    return values | power | law, parts
+    return values | power | law | more, parts
 
 
 def _limits(joint, depth, limits):
     """What the numbers are for, and which limits they exceed."""
-    from study.joint import applicability
-
     held = joint.socket_support.in_words()
     yield f"{held} Bodies are smooth and elastic, without friction; the load is along the axis."
     ordered = [limits[k] for k in np.argsort(depth)]
@@ -274,35 +286,16 @@ def _power(joint, depths):
     least, most = float(depths.min()), float(depths.max())
     least = least if least <= most / 2 else most / 10
     law = joint.power_law((least, most))
-    values = {
-        "coefficient": law.coefficient,
-        "coefficient_mm": law.coefficient_mm,
-        "exponent": law.exponent,
-        "error": law.error,
-        "depths": law.depths,
-    }
-    low, high = _rounded((least / MICRO, most / MICRO))
-    return {"power_law": values}, (
+    names = ("coefficient", "coefficient_mm", "exponent", "error", "depths")
+    low, high = _rounded(least, "um"), _rounded(most, "um")
+    return {"power_law": {name: getattr(law, name) for name in names}}, (
         f"As F = k d^n, within {_percent(law.error)} from {low:g} to {high:g} um: n = "
         f"{law.exponent:.5g} and k = {law.coefficient:.5g} N/m^n = {law.coefficient_mm:.5g} N/mm^n."
     )
 
 
-def _contact(solution):
-    return {
-        "depth um": _rounded(solution.depth / MICRO),
-        "force N": _rounded(solution.force),
-        "stiffness N/um": _rounded(solution.stiffness * MICRO),
-        "half_angle deg": _rounded(solution.contact_half_angle_deg),
-        "peak_pressure MPa": _rounded(solution.peak_pressure / MEGA),
-        "force_error %": _rounded(solution.error_estimate / PERCENT, 2),
-    }
-
-
 def _limits_of(joint, solution, friction=0.0, wear=0.0, path=0.0):
     """Limits of each contact, with those of its friction and wear."""
-    from study.joint import applicability
-
     shares = friction * solution.friction_radius["spin"] / joint.socket_radius
     worn = solution.wear_depth(wear, path).max(axis=1) / joint.clearance
     return [
@@ -312,61 +305,51 @@ def _limits_of(joint, solution, friction=0.0, wear=0.0, path=0.0):
 
 
 def _of_pressure(solution, friction=None, wear=None, path=None):
-    """Friction torques and wear depths, in SI units and as a table, if they are asked for."""
-    values, table = {}, {"depth um": _rounded(solution.depth / MICRO)}
+    """Friction torques and wear depths, if they are asked for."""
+    values = {}
     if friction is not None:
         for motion, torque in solution.friction_torque(friction).items():
             values[f"{motion}_torque"] = torque.tolist()
-            table[f"{motion}_torque N m"] = _rounded(torque)
     if wear is not None:
-        depth = solution.wear_depth(wear, path).max(axis=1)
-        values["wear_depth"], table["wear_depth um"] = depth.tolist(), _rounded(depth / MICRO)
-    return values, [table] if values else []
+        values["wear_depth"] = solution.wear_depth(wear, path).max(axis=1).tolist()
+    return values
 
 
 def _stresses(joint, solution):
     """Table with a row for each body at each depth, and which bodies it leaves out."""
-    strengths = {body: material.yield_stress for body, material in joint.materials.items()}
-    rows = [(k, body) for k in range(len(solution.depth)) for body in solution.von_mises]
-    if left_out := [body for body in strengths if body not in solution.von_mises]:
+    factors = solution.yield_factor
+    if left_out := [body for body in joint.materials if body not in solution.von_mises]:
         yield f"Without stresses of the {' and the '.join(left_out)}: {HELD}"
-    if not rows:
-        return
-    yield {
-        "depth um": _rounded(solution.depth[k] / MICRO for k, _ in rows),
-        "body": [body for _, body in rows],
-        "von_mises MPa": _rounded(solution.von_mises[body][k] / MEGA for k, body in rows),
-        "place": [solution.von_mises_place[body][k] for k, body in rows],
-        "yield_stress MPa": _rounded(
-            strengths[body] and strengths[body] / MEGA for _, body in rows
-        ),
-        "factor_to_yield": _rounded(
-            strengths[body] and solution.yield_factor[body][k] for k, body in rows
-        ),
-    }
-
-
-def _rounded(values, digits=4):
-    return [None if value is None else float(f"{value:.{digits}g}") for value in values]
+    rows = [
+        {
+            "depth": depth,
+            "body": body,
+            "von_mises": stress[k],
+            "place": solution.von_mises_place[body][k],
+            "yield_stress": joint.materials[body].yield_stress,
+            "factor_to_yield": None if factors[body] is None else factors[body][k],
+        }
+        for k, depth in enumerate(solution.depth)
+        for body, stress in solution.von_mises.items()
+    ]
+    if rows:
+        yield _printed(columns(rows))
 
 
 def _percent(error):
-    return f"{error / PERCENT:.2g} %"
+    return f"{error / UNITS['%']:.2g} %"
 
 
 def _law(joint, largest, tolerance, typed):
     """The cheapest law within the tolerance up to a depth, as JSON and in words."""
-    from study.choose.cheapest_law import choose_beside
-    from study.joint.dimensional import usual_depth
-
     plain = joint.joint
     try:
-        choice = choose_beside(plain, largest / joint.clearance, tolerance)
+        choice = cheapest_law.choose_beside(plain, largest / joint.clearance, tolerance)
     except (checks.StudyError, ValueError) as error:  # no law is known well enough
         none = {"law": None, "law_error_bound": None, "export": None}
         return none, f"No law is chosen: {error}"
     depths = [joint.clearance * depth for depth in choice.depths]
-    least, most = _rounded(depth / MICRO for depth in depths)
+    least, most = (_rounded(depth, "um") for depth in depths)
     text = (
         f"The cheapest law that is within {_percent(tolerance)} from {least:g} to {most:g} um: "
         f"{NO_LAW.get(choice.law, choice.law)}. Its error is at most "
@@ -386,3 +369,29 @@ def _law(joint, largest, tolerance, typed):
         text += f"\nTo take it into another program:\n{line}"
     values = {"law": choice.law, "law_error_bound": choice.error_bound, "law_depths": depths}
     return values | {"law_errors": choice.errors, "export": line}, text
+
+
+def draw(solution, path):
+    """Draw a joint's solved curve, the depths asked for, and the pressure at each, into a file."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    from study.pages.figures import STYLE
+
+    micro, mega = UNITS["um"], UNITS["MPa"]
+    depths, forces = solution.depth / micro, solution.force
+    along = np.linspace(0, min(BEYOND * solution.depth.max(), solution.law.deepest), 200)
+    widest = min(BEYOND * solution.contact_half_angle_deg.max(), solution.angle_deg[-1])
+    with mpl.rc_context(STYLE | {"svg.hashsalt": path.stem}):
+        figure = Figure(figsize=(8.4, 3.4))
+        left, right = figure.subplots(1, 2)
+        left.plot(along / micro, solution.law.force(along), color="0.5", label="solved curve")
+        for depth, force, pressure in zip(depths, forces, solution.pressure / mega, strict=True):
+            label = f"{depth:.4g} µm, {float(f'{force:.4g}'):g} N"
+            (point,) = left.plot(depth, force, "o", label=label)
+            right.plot(solution.angle_deg, pressure, color=point.get_color())
+        left.set(xlabel="penetration depth (µm)", ylabel="contact force (N)", xlim=0, ylim=0)
+        right.set(xlabel="polar angle (deg)", ylabel="pressure (MPa)", xlim=(0, widest), ylim=0)
+        left.legend()
+        with paths.whole(path) as temporary:
+            figure.savefig(temporary, metadata=SAME_BYTES[path.suffix])

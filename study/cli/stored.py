@@ -25,9 +25,9 @@ def _case_options():
     for name in takewhile(lambda name: name != "depth_star", columns):
         text, words = columns[name]["description"], columns[name]["constraints"].get("enum")
         if columns[name]["type"] == "number":
-            options[name] = list[float], cli.option(f"{text}; may be repeated.")
+            options[name] = cli.further(list[float], f"{text}; may be repeated.")
         else:
-            options[name] = Literal[tuple(words)] if words else str, cli.option(f"{text}.")
+            options[name] = cli.further(Literal[tuple(words)] if words else str, f"{text}.")
     return options
 
 
@@ -81,19 +81,17 @@ def list_materials():
 @cli.command("check", group=cli.data_app)
 def check_data():
     """Check files, schema and physics of the dataset, and solve one case again."""
-    from study.dataset import quality
+    from study.dataset import production
 
     with working("Checking the data, and solving one case again"):
-        checked, results = zip(*quality.check(), strict=True)
+        checked, results = zip(*production.check(), strict=True)
     say({"checked": checked, "found": results})
 
 
 @cli.command("build", group=cli.data_app, keeps=True)
 def build_data(
     jobs: int = cli.JOBS,
-    from_nothing: bool = cli.option(
-        "Make files that are up to date too.", "--from-nothing", default=False
-    ),
+    from_nothing: bool = cli.switch("--from-nothing", "Make files that are up to date too."),
 ):
     """Make the files of the dataset that are out of date; an interrupted build resumes."""
     from study.dataset import production

@@ -18,7 +18,7 @@ def sweep_cases(
     kind: Literal["joints", "scenes"] = typer.Argument(
         help="What the cases are: joints or scenes.", metavar="KIND"
     ),
-    output: Path = cli.option("File to write.", default=cli.NEEDED),
+    output: Path = cli.required("File to write."),
     cases: Path = typer.Argument(
         None, help="CSV file with a row per case; or --random.", metavar="[FILE]"
     ),
@@ -36,11 +36,10 @@ def sweep_cases(
     dask_address: str = cli.option(
         "Dask scheduler whose workers solve the cases instead.", "--dask"
     ),
-    twice: bool = cli.option(
+    twice: bool = cli.switch(
+        "--twice",
         "Scenes: run each a second time, at another tolerance, for a column that says until when "
         "both are the same motion. It takes about three times as long.",
-        "--twice",
-        default=False,
     ),
 ):
     """Solve many joints, or simulate many scenes, from a CSV file of cases or at random.
@@ -63,13 +62,13 @@ def sweep_cases(
     counts, started, printed = [], time.monotonic(), time.monotonic()
     with working("Solving the cases") as tell:
 
-        def progress(*done_all_failed):
+        def progress(done, every, failed):
             nonlocal printed
-            counts.append(done_all_failed)
-            (first, *_), (done, every, failed), now = counts[0], counts[-1], time.monotonic()
+            counts.append((done, every))
+            solved, now = done - counts[0][0], time.monotonic()
             text = f"{done} of {every} cases, {failed} failed"
-            left = (now - started) / (done - first) * (every - done) if done > first else None
-            tell(text if left is None else f"{text}, {left:.0f} s left")
+            left = f", {(now - started) / solved * (every - done):.0f} s left" if solved else ""
+            tell(text + left)
             if not sys.stderr.isatty() and now > printed + PLAIN_EVERY:
                 printed = now
                 print(text, file=sys.stderr, flush=True)
@@ -78,7 +77,7 @@ def sweep_cases(
             processes = {"jobs": jobs, "dask_address": dask_address}
             swept = run_study(source, kind, output, **processes, progress=progress, twice=twice)
         except KeyboardInterrupt:
-            done, every, _ = counts[-1] if counts else (0, 0, 0)
+            done, every = counts[-1] if counts else (0, 0)
             kept = f"; {done} of {every} cases are kept, the same command goes on"
             raise cli.InterruptionError(kept if done else "") from None
     seconds = time.monotonic() - started
@@ -94,7 +93,6 @@ def sweep_cases(
 
 
 def _ranges(texts):
-    """Ranges by column, of ``NAME=RANGE``."""
     ranges = {}
     for text in texts:
         name, equals, limits = text.partition("=")

@@ -53,10 +53,9 @@ DAMPINGS: dict[Damping, Callable[[float], float]] = {
 
 
 def damping_factor(damping: Damping, restitution: float) -> float:
-    """Damping factor D >= 0 by a rule of `DAMPINGS`; other rules are a ``ValueError``.
+    """Damping factor D >= 0 by a rule of `DAMPINGS`, for a restitution from 0 to 1.
 
-    The restitution is from 0 to 1. It is at least 0.001 for ``flores`` and ``exact``, whose D grows
-    as 1/cr.
+    It is at least 0.001 for ``flores`` and ``exact``, whose D grows as 1/cr.
     """
     checks.choice("damping", damping, DAMPINGS)
     cr = checks.number("restitution", restitution, least=0, most=1, scalar=True)

@@ -22,11 +22,13 @@ CAPACITIES = 4096, 65536
 class DimensionalLaw:
     """A law of a joint with its dimensions, in SI units.
 
+    An unknown law or option, a missing option, or a value outside its range is a ``ValueError``.
+
     Parameters
     ----------
     law
-        Key of `study.contact.LAWS`, a law itself, such as ``tabulated(curve)``, or a function of
-        (``depth_star``, ``r2_star``) that returns force_star (`study.contact.sampled`).
+        Key of `study.contact.LAWS`, a law itself, such as ``tabulated(curve)``, or a function
+        (`study.contact.sampled`).
     ball_radius, socket_radius
         In m; the ball is smaller than the socket.
     composite_modulus
@@ -37,21 +39,14 @@ class DimensionalLaw:
 
     Attributes
     ----------
-    law
-        The law without dimensions, as of `study.contact.LAWS`.
-    options
-        Of the law, as they were given.
+    law, options
+        The law without dimensions, and its options as they were given.
     deepest
         Largest depth of the law, in m; infinite for a law without a limit.
     joint
         The `study.joint.DimensionalJoint` that it is a law of, else None.
     parts
         The dimensionless law at the joint's R2*, `study.contact.laws.Parts`.
-
-    Raises
-    ------
-    ValueError
-        For an unknown law or option, a missing option, or a value outside its range.
     """
 
     def __init__(
@@ -73,8 +68,7 @@ class DimensionalLaw:
         self.composite_modulus = checks.number(
             "composite modulus", composite_modulus, "Pa", above=0, scalar=True
         )
-        of_bodies = [name for name, option in self.law.options.items() if option.of_bodies]
-        missing = [name for name in of_bodies if name not in options]
+        missing = [name for name in self.law.of_bodies if name not in options]
         if missing:
             raise ValueError(
                 f"{self.name} in SI units must be given {', '.join(missing)}: a force depends on "
@@ -97,11 +91,7 @@ class DimensionalLaw:
         """Depths in m of contact forces >= 0 in N, of their shape: the inverse of `force`.
 
         By Newton's method in ln(depth) and ln(force), between bounds; exact except for rounding.
-
-        Raises
-        ------
-        ValueError
-            For a force larger than the one at the law's largest depth.
+        A force larger than the one at the law's largest depth is a ``ValueError``.
         """
         most = None
         if self.deepest < inf:
@@ -145,15 +135,14 @@ class DimensionalLaw:
         raise checks.StudyError(f"{self.name} found no depth for a force; does the force increase?")
 
     def packed(self) -> np.record:
-        """Record for `forces.elastic_force`.
-
-        It has the shape's index, the clearance in m, the force scale in N, and the constants with
-        their number.
-        """
+        """Record for `forces.elastic_force`, with lengths in m and forces in N."""
         scale, shape, constants = self.parts
-        capacity = next(size for size in CAPACITIES if size >= len(constants))
-        packed = np.recarray(
-            1,
+        count = len(constants)
+        capacity = next(size for size in CAPACITIES if size >= count)
+        padded = np.pad(np.asarray(constants, dtype=float), (0, capacity - count))
+        values: Any = SHAPES.index(shape), self.clearance, self._unit(0) * scale, count, padded
+        return np.rec.array(
+            [values],
             dtype=[
                 ("shape_index", np.int64),
                 ("clearance", float),
@@ -162,9 +151,3 @@ class DimensionalLaw:
                 ("constants", float, (capacity,)),
             ],
         )[0]
-        packed.shape_index, packed.clearance = SHAPES.index(shape), self.clearance
-        packed.scale = self._unit(0) * scale
-        packed.count = len(constants)
-        packed.constants[:] = 0.0
-        packed.constants[: len(constants)] = constants
-        return packed

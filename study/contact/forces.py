@@ -1,10 +1,9 @@
 """Contact force at one point, compiled for the stepping loops of the mechanism.
 
 A law with its dimensions is one record of numbers (`DimensionalLaw.packed`), because compiled code
-that is kept on disk cannot hold Python functions. The formulas stay in `shapes` and `friction`. A
-record is passed as a pointer. References to an array would be counted at every call, which takes as
-long as a law. This module does not import the laws: another law of a known shape compiles nothing
-again.
+that is kept on disk cannot hold Python functions. A record is passed as a pointer: references to an
+array would be counted at every call, which takes as long as a law. This module does not import the
+laws: another law of a known shape compiles nothing again.
 """
 
 from pathlib import Path
@@ -35,8 +34,7 @@ def _elastic_force():
 
     The source has a branch for each of `SHAPES`, because compiled code cannot choose from a list of
     functions. A call takes as long as a law, so that the shapes' functions become a part of it. Its
-    lines are numbered from the end of this file on: numba looks up the source of a function, and
-    would otherwise read other lines of this file in their place.
+    lines are numbered from the end of this file on: numba would take others for its source.
     """
     names, branches = {**globals()}, ""
     for place, shape in enumerate(SHAPES):

@@ -4,15 +4,14 @@ In dimensionless form depth_star = d/dR (ds), r2_star = R2/dR and force_star = P
 the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*. Damping and
 friction are not here.
 
-A law is a function of R2* and of its options, which returns its `Parts`; `law` makes an object of
-it, with the options' defaults and ranges. "Eq." numbers are those of the paper that the study
-reproduces.
+A law is a function of R2* and of its options, which returns its `Parts`; `new_law` makes an object
+of it. "Eq." numbers are those of the paper that the study reproduces.
 """
 
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from inspect import getdoc
 from math import factorial, gamma, pi, sqrt
 from pathlib import Path
@@ -21,12 +20,12 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from study import checks
+from study import checks, parameters
 from study.contact import sampling, shapes, stiffening
 from study.contact.bodies import SOCKET_RATIO, hertz_factor
 from study.contact.power_fit import USUAL_RANGE
 from study.contact.shapes import Shape
-from study.parameters import Parameter
+from study.parameters import Parameter, describe
 
 Area = Literal["flat", "sphere"]
 Evidence = Literal["given", "derived", "identified", "reconstructed", "fitted", "solved", "user's"]
@@ -59,23 +58,6 @@ class Parts(NamedTuple):
         return float(result) if result.ndim == 0 else result
 
 
-class Option(NamedTuple):
-    """Default of a law's option, and what it is.
-
-    ``of_bodies`` marks what every joint with dimensions states: there the option has no default.
-    """
-
-    default: Any
-    about: Parameter
-    of_bodies: bool = False
-
-    def checked(self, name: str, value: Any) -> Any:
-        """The value, or ``ValueError``; None stands for a default that is None."""
-        if value is None and self.default is None:
-            return None
-        return self.about.taken(name, value)
-
-
 @dataclass(frozen=True, eq=False)
 class Law:
     """A dimensionless force over depth. A call evaluates it.
@@ -85,11 +67,9 @@ class Law:
     name
         Key of `LAWS`; of another law, that of its function.
     formula
-        Of R2* and all options; returns the law's `Parts`.
-    evidence
-        How sure the formula is.
-    options
-        Names of the options, with defaults and ranges.
+        Function of R2* and all options, with their defaults, that returns the law's `Parts`.
+    of_bodies
+        Options that every joint with dimensions states: there they have no default.
     deepest
         Largest depth_star, if the law has a limit that its shape has not.
     least_r2_star
@@ -98,16 +78,14 @@ class Law:
         Largest depth_star of the fit in the paper's joint that gives the default coefficients.
     examples
         Options that are tried wherever all laws are, for example in tests.
-    r2_star
-        The only R2* of the law of one joint, and its default.
-    joint
-        The `study.joint.Joint` of the law of one joint.
+    r2_star, joint
+        Of the law of one `study.joint.Joint`: its only R2*, and the joint.
     """
 
     name: str
     formula: Callable[..., Parts] = field(repr=False)
     evidence: Evidence
-    options: Mapping[str, Option] = field(default_factory=dict, repr=False)
+    of_bodies: tuple[str, ...] = field(default=(), repr=False)
     deepest: float | None = field(default=None, repr=False)
     least_r2_star: float | None = field(default=None, repr=False)
     fitted_to: float | None = field(default=None, repr=False)
@@ -118,9 +96,19 @@ class Law:
     def __post_init__(self) -> None:
         given = ["depth_star", "r2_star" if self.r2_star is None else f"r2_star={self.r2_star:g}"]
         given += ["*", "derivative=False"]
-        given += [f"{name}={option.default!r}" for name, option in self.options.items()]
+        given += [f"{name}={default!r}" for name, default in self.defaults.items()]
         text = f"{self.name}({', '.join(given)})\n\n{getdoc(self.formula) or ''}"
         object.__setattr__(self, "__doc__", text)  # for help() and the report
+
+    @property
+    def options(self) -> dict[str, Parameter]:
+        """What each option is."""
+        return vars(self.formula).get("described", {})
+
+    @cached_property
+    def defaults(self) -> dict[str, Any]:
+        """Default of each option."""
+        return parameters.defaults(self.formula)
 
     def __call__(
         self,
@@ -138,12 +126,7 @@ class Law:
         depth = np.asarray(checks.depth("depth_star", depth_star))
         given: Any = self.r2_star if r2_star is None else r2_star
         r2 = np.asarray(checks.number("r2_star", given, above=1))
-        checks.flag("derivative", derivative)
-        try:
-            depth, r2 = np.broadcast_arrays(depth, r2)
-        except ValueError:
-            wanted = "depth_star and r2_star must have shapes that broadcast"
-            raise ValueError(f"{wanted}, got {depth.shape} and {r2.shape}") from None
+        depth, r2 = np.broadcast_arrays(depth, r2)
         touches = depth > 0
         if not touches.any():
             self._checked(options)
@@ -171,10 +154,10 @@ class Law:
             if not self.options:
                 raise checks.RangeError(f"{name} must be left out: {self.name} has no option")
             checks.choice(f"option of {self.name}", name, self.options)
-        values = {name: option.default for name, option in self.options.items()} | options
-        return {
-            name: self.options[name].checked(f"{name} of {self.name}", value)
-            for name, value in values.items()
+        return self.defaults | {
+            name: self.options[name].taken(f"{name} of {self.name}", value)
+            for name, value in options.items()
+            if value is not None or self.defaults[name] is not None
         }
 
 
@@ -183,7 +166,7 @@ def new_law(evidence: Evidence, **more: Any) -> Callable[[Callable[..., Parts]],
     return lambda formula: Law(formula.__name__, formula, evidence, **more)
 
 
-COEFFICIENT = Option(None, Parameter("Fitted coefficient, no unit", limits={"above": 0}))
+COEFFICIENT = Parameter("Fitted coefficient, no unit", limits={"above": 0})
 
 
 @new_law("given")
@@ -192,23 +175,15 @@ def hertz(r2_star: Floats) -> Parts:
     return Parts(hertz_factor(r2_star), shapes.hertz)
 
 
-@new_law(
-    "identified",
-    options={
-        "n": Option(
-            1,
-            Parameter("Half the order of the profile", limits={"least": 1, "most": 50}, whole=True),
-        ),
-        "radius": Option(
-            "geometric", Parameter("Contact radius", choices=("geometric", "profile"))
-        ),
-    },
-    examples=({}, {"n": 3}, {"n": 2, "radius": "profile"}),
+@new_law("identified", examples=({}, {"n": 3}, {"n": 2, "radius": "profile"}))
+@describe(
+    n=Parameter("Half the order of the profile", limits={"least": 1, "most": 50}, whole=True),
+    radius=Parameter("Contact radius", choices=("geometric", "profile")),
 )
-def steuermann(r2_star: Floats, n: int, radius: str) -> Parts:
+def steuermann(r2_star: Floats, n: int = 1, radius: str = "geometric") -> Parts:
     """Steuermann: P = (4n/(2n+1)) E* a d for a profile of order 2n (Eq. 7; Johnson, sec. 5.3).
 
-    ``n`` is from 1 to 50. ``radius="geometric"`` takes the contact radius a = R2 sin(eps) with
+    ``radius="geometric"`` takes the contact radius a = R2 sin(eps) with
     cos(eps) = dR/(dR + d). With n = 1 this is the law of Table 2 (identified: RMSE within 0.5 %).
     ``radius="profile"`` is the textbook's: a from d = c_n A_n a^(2n), where A_n is the Taylor
     coefficient of the gap between the spheres and c_n = 2*4*..*2n / (1*3*..*(2n-1)). With n = 1 it
@@ -240,16 +215,12 @@ def liu(r2_star: Floats) -> Parts:
     return Parts(_coefficient("liu", r2_star), shapes.liu)
 
 
-@new_law(
-    "derived",
-    options={"coefficient": COEFFICIENT},
-    fitted_to=USUAL_RANGE[1],
-    examples=({}, {"coefficient": 3.0}),
-)
-def winkler(r2_star: Floats, coefficient: float | None) -> Parts:
+@new_law("derived", fitted_to=USUAL_RANGE[1], examples=({}, {"coefficient": 3.0}))
+@describe(coefficient=COEFFICIENT)
+def winkler(r2_star: Floats, coefficient: float | None = None) -> Parts:
     """Winkler with fitted coefficient: P* = f1w(R2*) ds^2 (Eq. 28, derived; f1w fitted).
 
-    The default of the ``coefficient`` f1w > 0 is this study's fit in the paper's joint
+    The default of the ``coefficient`` f1w is this study's fit in the paper's joint
     (`study.joint.paper_joint`), linear in R2*.
     """
     return Parts(_coefficient("winkler", r2_star, coefficient), shapes.winkler)
@@ -257,14 +228,16 @@ def winkler(r2_star: Floats, coefficient: float | None) -> Parts:
 
 @new_law(
     "derived",
-    options={
-        "area": Option("flat", Parameter("Area element", choices=("flat", "sphere"))),
-        "coefficient": COEFFICIENT,
-    },
     fitted_to=USUAL_RANGE[1],
     examples=({}, {"coefficient": 3.0}, {"area": "sphere"}),
 )
-def hyperbolic_winkler(r2_star: Floats, area: Area, coefficient: float | None) -> Parts:
+@describe(
+    area=Parameter("Area element", choices=("flat", "sphere")),
+    coefficient=COEFFICIENT,
+)
+def hyperbolic_winkler(
+    r2_star: Floats, area: Area = "flat", coefficient: float | None = None
+) -> Parts:
     """The paper's law: P* = f1(R2*) f2(ds) (Eqs. 20-27, f2 derived; f1 fitted by this study).
 
     f2 = 2 ds [(6/a) sin(a) + (6/a^2 - 2) cos(a) - 1 - 6/a^2] with the contact half-angle
@@ -275,8 +248,8 @@ def hyperbolic_winkler(r2_star: Floats, area: Area, coefficient: float | None) -
     f2 = ds [1/2 - sin(2a)/(2a) + sin(a)^2/(2 a^2)], with another coefficient. In the paper's joint
     its error for ds from 0.1 to 0.5 is up to 29 %, that of the flat element up to 32 %.
 
-    Both are series, without cancellation (`study.contact.shapes.hyperbolic`). The largest depth is
-    pi^2/8, a half-angle of 90 deg. The default of the ``coefficient`` f1 > 0 is as for `winkler`.
+    The largest depth is pi^2/8, a half-angle of 90 deg. The default of the ``coefficient`` f1 is as
+    for `winkler`.
     """
     scale = _coefficient(AREA_COEFFICIENTS[area], r2_star, coefficient)
     return Parts(scale, shapes.hyperbolic, shapes.BRACKETS[area])
@@ -284,25 +257,23 @@ def hyperbolic_winkler(r2_star: Floats, area: Area, coefficient: float | None) -
 
 @new_law(
     "fitted",
-    options={
-        "coefficient": COEFFICIENT,
-        "exponent": Option(None, Parameter("Exponent, no unit", limits={"least": 1, "most": 3})),
-    },
     fitted_to=USUAL_RANGE[1],
     examples=({}, {"coefficient": 600.0, "exponent": 1.7}),
 )
-def power(r2_star: Floats, coefficient: float | None, exponent: float | None) -> Parts:
+@describe(
+    coefficient=COEFFICIENT,
+    exponent=Parameter("Exponent, no unit", limits={"least": 1, "most": 3}),
+)
+def power(
+    r2_star: Floats, coefficient: float | None = None, exponent: float | None = None
+) -> Parts:
     """Power law: P* = k* ds^n, fitted to one joint and one range of depths (this study).
 
     It has the two numbers that programs for multibody dynamics ask for. A joint's own are those of
     `study.joint.DimensionalJoint.power_law`. The default is fitted in the paper's joint
     for depths from 0.05 to 0.5 clearances, with k* linear in R2*. Its error there is below 0.5 %
-    at R2* = 200 and below 1.2 % from R2* = 20 on; elsewhere it is a guess.
-
-    Parameters
-    ----------
-    coefficient, exponent
-        k* > 0, and n from 1 to 3. Both or neither are given.
+    at R2* = 200 and below 1.2 % from R2* = 20 on; elsewhere it is a guess. k* and n are
+    given together.
     """
     if (coefficient is None) != (exponent is None):
         raise ValueError("coefficient and exponent of power must be given together, got only one")
@@ -310,7 +281,7 @@ def power(r2_star: Floats, coefficient: float | None, exponent: float | None) ->
     return Parts(_coefficient("power", r2_star, coefficient), shapes.power, (n,))
 
 
-_BODIES = {
+_MEANINGS = {
     "socket_ratio": "Outer over inner radius of the socket",
     "modulus_ratio": "Young's modulus of the socket over that of the ball",
     "poisson": "Poisson's ratio of the ball",
@@ -319,11 +290,9 @@ _BODIES = {
 """Options of `stiffened_hertz` that describe both bodies."""
 
 
-def _of_table(name: str, default: Any) -> Option:
-    """Option of `stiffened_hertz`, in the range of its table."""
+def _in_table(name):
     least, most = stiffening.RANGES[name]
-    limits = {"least": least * (1 - LIMIT_MARGIN), "most": most}
-    return Option(default, Parameter(_BODIES[name], limits=limits), of_bodies=True)
+    return Parameter(_MEANINGS[name], limits={"least": least * (1 - LIMIT_MARGIN), "most": most})
 
 
 _PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
@@ -331,16 +300,7 @@ _PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "s
 
 @new_law(
     "fitted",
-    options={
-        "socket_ratio": _of_table("socket_ratio", SOCKET_RATIO),
-        "modulus_ratio": _of_table("modulus_ratio", 1.0),
-        "poisson": _of_table("poisson", 0.3),
-        "socket_poisson": _of_table("socket_poisson", None),
-        "ball_support": Option(
-            "guided", Parameter("How the ball is held", choices=("guided", "clamped"))
-        ),
-        "rim": Option("mirror", Parameter("Edge of the socket", choices=("mirror", "free"))),
-    },
+    of_bodies=tuple(_MEANINGS),
     least_r2_star=stiffening.LEAST_R2_STAR,
     examples=(
         _PAPER,
@@ -349,14 +309,19 @@ _PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "s
         _PAPER | {"socket_poisson": 0.46, "modulus_ratio": 30.0, "rim": "free"},
     ),
 )
+@describe(
+    **{name: _in_table(name) for name in _MEANINGS},
+    ball_support=Parameter("How the ball is held", choices=("guided", "clamped")),
+    rim=Parameter("Edge of the socket", choices=("mirror", "free")),
+)
 def stiffened_hertz(
     r2_star: Floats,
-    socket_ratio: float,
-    modulus_ratio: float,
-    poisson: float,
-    socket_poisson: float | None,
-    ball_support: str,
-    rim: str,
+    socket_ratio: float = SOCKET_RATIO,
+    modulus_ratio: float = 1.0,
+    poisson: float = 0.3,
+    socket_poisson: float | None = None,
+    ball_support: str = "guided",
+    rim: str = "mirror",
 ) -> Parts:
     """Hertz stiffened by thickness, materials and supports (this study, tabulated).
 
@@ -367,18 +332,7 @@ def stiffened_hertz(
     (`study.contact.stiffening`). The law is for small displacements, ds <= 1 and the ranges of
     `study.contact.stiffening.RANGES`. Its largest error is 0.18 % on 336 random joints, and 0.57 %
     at the ends of the ranges (notebook 15). Defaults are the paper's socket ratio and equal
-    materials.
-
-    Parameters
-    ----------
-    socket_ratio
-        Outer over inner radius of the socket.
-    modulus_ratio
-        Young's modulus of the socket over that of the ball.
-    poisson, socket_poisson
-        Of the ball, and of the socket if it differs.
-    ball_support, rim
-        Supports, as for `study.joint.Joint`.
+    materials; supports are those of `study.joint.Joint`.
     """
     socket_poisson = poisson if socket_poisson is None else socket_poisson
     share = stiffening.share_of_ball(modulus_ratio, poisson, socket_poisson)
@@ -393,31 +347,23 @@ def stiffened_hertz(
 def tabulated(curve: Any) -> Law:
     """Law of one joint, interpolated from its force-depth curve.
 
-    The stiffening S = P*/P*(Hertz) is interpolated over sqrt(ds), from S = 1 at ds = 0. The cubic
-    spline has limited slopes, so that it is monotone where the curve is (Hyman, SIAM J. Sci. Stat.
-    Comput. 4 (1983) 645-654). The table is a cubic Hermite spline on equal steps: continuously
-    differentiable, at the cost of one square root.
-
-    The law's ``r2_star`` may be left out. Its largest depth is that of the curve.
+    The stiffening S = P*/P*(Hertz) is interpolated over sqrt(ds), from S = 1 at ds = 0, by a spline
+    that is monotone where the curve is (`sampling.monotone_slopes`). The table is a cubic Hermite
+    spline on equal steps: continuously differentiable, at the cost of one square root. The law's
+    ``r2_star`` may be left out. Its largest depth is that of the curve.
 
     Parameters
     ----------
     curve
         A `study.joint.ForceCurve` of at least 4 different depths > 0, the shallowest at most a
-        tenth of the deepest. Take 40 depths in equal steps of sqrt(ds) from 0.025 to 1, at a
-        resolution of 640: the law is then within 1e-4 of the solver from a depth of 0.001 on. The
-        usual resolution of 320 leaves noise of 3e-4 in the curve at depths below 0.005.
-
-    Raises
-    ------
-    ValueError
-        For too few or too deep depths, or a force that does not increase with depth.
+        tenth of the deepest, with an increasing force; else a ``ValueError``. With 40 depths in
+        equal steps of sqrt(ds) from 0.025 to 1, at a resolution of 640, the law is within 1e-4 of
+        the solver from a depth of 0.001 on. The default resolution of 320 leaves noise of 3e-4 in
+        the curve at depths below 0.005.
     """
-    lists = {"depth_star of curve": curve.depth_star, "force_star of curve": curve.force_star}
-    depth, force = checks.same_length(**lists)
-    order = np.argsort(depth)
-    order = order[depth[order] > 0]
-    depth, force = depth[order], force[order]
+    order = np.argsort(curve.depth_star)
+    order = order[curve.depth_star[order] > 0]
+    depth, force = curve.depth_star[order], curve.force_star[order]
     if len(depth) < 4 or (np.diff(depth) <= 0).any():
         raise ValueError(f"curve must have at least 4 different depths > 0, got {len(depth)}")
     if depth[0] > 0.1 * depth[-1]:
@@ -437,18 +383,23 @@ def tabulated(curve: Any) -> Law:
             raise ValueError(f"r2_star must be the curve's, {joint_r2_star:g}, got {r2_star}")
         return Parts(hertz.parts(r2_star).scale, shapes.tabulated, constants)
 
-    of_joint = {"r2_star": joint_r2_star, "joint": curve.joint}
-    return Law("tabulated", formula, "solved", deepest=float(depth[-1]), **of_joint)
+    return Law(
+        "tabulated",
+        formula,
+        "solved",
+        deepest=float(depth[-1]),
+        r2_star=joint_r2_star,
+        joint=curve.joint,
+    )
 
 
 def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> Law:
     """Law from a plain Python function, as a table that compiled code can read.
 
-    The secant stiffness P*/ds is sampled on equal steps of sqrt(ds), with a cubic Hermite spline
-    between them. It is continuously differentiable, and exact for ds, ds^1.5, ds^2 and ds^2.5.
-    Steps are halved until the force between them is within `sampling.TOLERANCE`, or within
-    `sampling.FLOOR` of the largest force. There is one table for each R2*, so that a call takes one
-    R2* only.
+    The secant stiffness P*/ds is a cubic Hermite spline over sqrt(ds): continuously differentiable,
+    and exact for ds, ds^1.5, ds^2 and ds^2.5. Steps are halved until the force between them is
+    within `sampling.TOLERANCE`, or within `sampling.FLOOR` of the largest force. There is one table
+    for each R2*, so that a call takes one R2* only.
 
     A function may be given wherever a law is taken; it is then sampled up to one clearance.
 
@@ -463,13 +414,12 @@ def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> 
     Raises
     ------
     ValueError
-        For a function of other arguments. When the law is used: for a force that is not a finite
-        number, is not 0 at depth 0, does not increase with depth, or jumps.
+        When the law is used: for a force that is not a finite number, is not 0 at depth 0, does not
+        increase with depth, or jumps.
     """
     if not callable(function) or isinstance(function, type):
         raise ValueError(f"law must be a name or a function, got {checks.shown(function)}")
     name = getattr(function, "__name__", type(function).__name__)
-    sampling.check_arguments(function, name)
     limit = checks.number("deepest", deepest, above=0, most=sampling.DEEPEST, scalar=True)
     table = lru_cache(maxsize=8)(partial(sampling.of_function, function, name, deepest=limit))
 
@@ -507,7 +457,7 @@ def find(law: AnyLaw) -> Law:
     if isinstance(law, partial) and isinstance(law.func, Law):
         shown = checks.shown(law)
         raise ValueError(f"law must be without its options, which are given beside it, got {shown}")
-    if callable(law) and not isinstance(law, type):
+    if callable(law):
         return sampled(law)
     return LAWS[checks.choice("law", law, LAWS)]
 
@@ -521,12 +471,8 @@ def _coefficient(law, r2_star, given=None):
 
 def _fitted(law, name):
     """One number of a law's fit."""
-    try:
+    with checks.intact("study/contact/coefficients.json", "rebuild it with: study data build"):
         return float(fitted_coefficients()[law][name])
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        file = f"study/contact/{COEFFICIENTS.name}"
-        why = f"is missing or damaged, or lacks {law}"
-        raise checks.StudyError(f"{file} {why}; rebuild it with: study data build") from None
 
 
 @lru_cache(maxsize=1)

@@ -43,15 +43,10 @@ def material(given: str | Material, name: str = "material") -> Material:
     ----------
     given
         A name of `table`, in which case, hyphens and spaces do not count; or Young's modulus in Pa,
-        Poisson's ratio and perhaps a yield stress in Pa, ``210e9,0.3,5e8``; or a `Material`.
+        Poisson's ratio and perhaps a yield stress in Pa, ``210e9,0.3,5e8``; or a `Material`. An
+        unknown name, or a Young's modulus below `study.checks.SOFTEST`, is a ``ValueError``.
     name
         What the material is of, for a message.
-
-    Raises
-    ------
-    ValueError
-        For an unknown name, with the known ones, or a value outside its range. The least Young's
-        modulus is `study.checks.SOFTEST`.
     """
     given = read_material(name, given) if isinstance(given, str) else given
     modulus = checks.instance(name, given, Material).youngs_modulus
@@ -88,38 +83,19 @@ def table() -> tuple[dict[str, Any], ...]:
     """Rows of ``materials.csv``: name, constants in Pa, condition and source of each material.
 
     ``yield_stress`` is None if the material has no usual one. Raises `study.checks.StudyError` if
-    the file is missing or damaged, with the first wrong row.
+    the file is missing or damaged.
     """
-    rows: dict[str, dict[str, Any]] = {}
-    try:
+    file = "study/contact/materials.csv"
+    remedy = f"restore it in a checkout with git checkout -- {file}, else install the study again"
+    rows = []
+    with checks.intact(file, remedy):
         for row in csv.DictReader(MATERIALS.read_text(encoding="utf-8").splitlines()):
-            try:
-                rows[_plain(row["name"])] = _checked(row, rows)
-            except ValueError as error:
-                raise ValueError(f" (row {len(rows) + 1}: {error})") from None
+            numbers: dict[str, Any] = {
+                name: checks.read(f"{name} of {row['name']}", row[name]) if row[name] else None
+                for name in ("youngs_modulus", "poisson", "yield_stress")
+            }
+            material(Material(**numbers), row["name"])
+            rows.append(row | numbers)
         if not rows:
-            raise ValueError
-    except (OSError, ValueError, KeyError, csv.Error) as error:
-        file = f"study/contact/{MATERIALS.name}"
-        wrong = error if type(error) is ValueError else ""
-        remedy = f"in a checkout with git checkout -- {file}, else install the study again"
-        raise checks.StudyError(
-            f"{file} is missing or damaged{wrong}; restore it {remedy}"
-        ) from None
-    return tuple(rows.values())
-
-
-def _checked(row, others):
-    """A row with its numbers, or ``ValueError``."""
-    if None in row or None in row.values() or not row["source"]:
-        raise ValueError("a source, and as many cells as the head, must be given")
-    plain = _plain(row["name"])
-    if not plain.replace(".", "").isalnum() or plain in others:
-        wanted = "name must be letters, digits, spaces, hyphens and dots, no other row's name"
-        raise ValueError(f"{wanted}, got {checks.shown(row['name'])}")
-    numbers = {
-        name: checks.read(name, row[name]) if row[name] else None
-        for name in ("youngs_modulus", "poisson", "yield_stress")
-    }
-    material(Material(**numbers))
-    return row | numbers
+            raise ValueError("no material")
+    return tuple(rows)

@@ -17,11 +17,20 @@ USUAL_RANGE = 0.05, 0.5
 
 
 class PowerFit(NamedTuple):
-    """Force = ``coefficient`` depth^``exponent``, with its largest relative ``error``."""
+    """Force = ``coefficient`` depth^``exponent``, with its largest relative ``error``.
+
+    It is for ``depths`` from the least to the largest of the fit; beyond them the error grows fast.
+    """
 
     coefficient: float
     exponent: float
     error: float
+    depths: tuple[float, float]
+
+    @property
+    def coefficient_mm(self) -> float:
+        """The coefficient in N/mm^n, of a fit in SI units."""
+        return self.coefficient * 1e-3**self.exponent
 
 
 def fit_power(depth: ArrayLike, force: ArrayLike, exponent: float | None = None) -> PowerFit:
@@ -34,16 +43,14 @@ def fit_power(depth: ArrayLike, force: ArrayLike, exponent: float | None = None)
     Parameters
     ----------
     depth, force
-        Shape (n,), all > 0, in any units; at least two different depths.
+        Shape (n,), all > 0, in any units, with at least two different depths; else ``ValueError``.
     exponent
         Given, if only the coefficient is to be fitted.
-
-    Raises
-    ------
-    ValueError
-        For lists of other lengths, or a value that is not > 0.
     """
-    depths, forces = checks.same_length(2, depth=depth, force=force)
+    depths, forces = np.asarray(depth, dtype=float), np.asarray(force, dtype=float)
+    if depths.ndim != 1 or depths.size < 2 or depths.shape != forces.shape:
+        wanted = "depth and force must be lists of the same length >= 2"
+        raise ValueError(f"{wanted}, got shapes {depths.shape} and {forces.shape}")
     checks.number("depth", depths, above=0)
     checks.number("force", forces, above=0)
     x, y = np.log(depths), np.log(forces)
@@ -57,4 +64,6 @@ def fit_power(depth: ArrayLike, force: ArrayLike, exponent: float | None = None)
     ratio = np.exp(y - exponent * x)
     least, most = ratio.min(), ratio.max()
     coefficient = 2 / (1 / least + 1 / most)
-    return PowerFit(float(coefficient), float(exponent), float((most - least) / (most + least)))
+    error = float((most - least) / (most + least))
+    ends = float(depths.min()), float(depths.max())
+    return PowerFit(float(coefficient), float(exponent), error, ends)

@@ -1,11 +1,10 @@
 """Tables over s = sqrt(ds), cubic Hermite splines, which `study.contact.shapes` evaluates.
 
 They are made from the curve of a joint, or from a force that is a plain Python function. SciPy is
-imported where it is used, as most laws need no spline and this import takes as long as all others.
+imported late: most laws need no spline.
 """
 
 from collections.abc import Callable
-from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -14,12 +13,9 @@ from numpy.typing import NDArray
 from study import checks
 from study.contact import shapes
 
-STEPS = 256
-"""Intervals per unit of s; the table of a function begins with them."""
-NARROWEST, MOST_KNOTS = 1e-10, 20_000
-"""Least interval of a function's table, as a share of its range, and most knots of it."""
-DEEPEST = 1000.0
-"""Largest depth_star of a function's table."""
+STEPS = 256  # intervals per unit of s, with which the table of a function begins
+NARROWEST, MOST_KNOTS = 1e-10, 20_000  # least interval as a share of the range, and most knots
+DEEPEST = 1000.0  # largest depth_star of a function's table
 TOLERANCE = 1e-7
 """Largest error of a function's table between its knots, relative to the force there."""
 FLOOR = 1e-9
@@ -110,26 +106,13 @@ def of_function(
         knots = np.sort(np.append(knots, within[intervals, 2]))
 
 
-def check_arguments(function: Callable[..., Any], name: str) -> None:
-    """Refuse a function that does not take a depth_star and an r2_star."""
-    try:
-        signature(function).bind(0.1, 200.0)
-    except TypeError:
-        wanted = f"law {name} must be a function of (depth_star, r2_star)"
-        raise ValueError(f"{wanted}, got {name}{signature(function)}") from None
-    except ValueError:  # a function in C has no signature
-        return
-
-
 def _force(function, name, depth_star, r2_star):
-    """Force of the function at one depth."""
     force = np.asarray(function(depth_star, r2_star))
     at = f"force_star of law {name} at depth_star {depth_star:.6g}"
     return checks.number(at, force.item() if force.size == 1 else force, scalar=True)
 
 
 def _check(name, depth, force):
-    """Refuse forces that are not 0 at depth 0, or do not increase from one depth to the next."""
     if abs(force[0]) > 1e-12 * abs(force[-1]):
         raise ValueError(f"force_star of law {name} must be 0 at depth_star 0, got {force[0]:g}")
     force[0] = 0.0

@@ -1,12 +1,10 @@
 """How each law's force grows with depth: force_star = scale(R2*) shape(depth_star).
 
-A `Shape` has one Python function of ``ds`` = depth_star > 0 and of the shape's ``constants``, which
-returns the value and its derivative. It serves NumPy arrays, the compiled stepping loops
-(`study.contact.forces`) and, line by line, texts for other programs (`study.export.formulas`).
-
-To be all three, a function consists of assignments and one ``return``. They have numbers, names,
-``constants[k]``, the four operations, powers and ``np.sqrt``. A function with loops or look-ups
-states ``lines`` for other programs beside it; a test compares both.
+A `Shape` has one Python function, which is for NumPy arrays, for the compiled stepping loops
+(`study.contact.forces`) and, line by line, for texts of other programs (`study.export.formulas`).
+Therefore it consists of assignments and one ``return``. They have numbers, names, ``constants[k]``,
+the four operations, powers and ``np.sqrt``. A function with loops or look-ups states ``lines`` for
+other programs beside it; a test compares both.
 """
 
 from collections.abc import Callable
@@ -24,10 +22,9 @@ class Shape:
 
     Attributes
     ----------
-    function
-        Of ``ds`` > 0 and ``constants``; returns value and derivative.
-    formula
-        For a reader; ``$name`` is the number of a constant.
+    function, formula
+        Function of ``ds`` > 0 and ``constants``, which returns value and derivative; and its
+        formula for a reader, where ``$name`` is the number of a constant.
     constants
         Names of the constants; None if their number varies.
     lines

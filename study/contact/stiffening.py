@@ -4,12 +4,10 @@ The table behind `study.contact.stiffened_hertz` has ln S at nine depths, as a C
 five coordinates of the joint. A clamped ball and a free rim have terms of their own. The table is
 made by `study.dataset.stiffening_fit`.
 
-The table is evaluated once a joint, to the same bits on every processor, and results of impacts are
-still compared with a tolerance. Both are needed. Every impact enlarges a difference of the last
-digits some times, so that no tolerance holds for a run of many impacts whose laws differ: S is
-rounded where the logarithms and sums behind it differ, and only sums and products follow. The
-tolerance is for what is left: sums of BLAS in flexible links, and functions of the mathematical
-library outside the loops.
+It is evaluated once a joint, to the same bits on every processor: every impact enlarges a
+difference of the last digits some times, so that no tolerance is enough for a run of many impacts
+whose laws differ. Therefore S is rounded where the logarithms and sums behind it differ, and only
+sums and products follow.
 """
 
 from functools import lru_cache
@@ -110,14 +108,8 @@ def table() -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
 
     Raises `study.checks.StudyError` if its file is missing or damaged.
     """
-    try:
+    with checks.intact("study/contact/stiffening.csv", "rebuild it with: study data build"):
         _, *rows = TABLE.read_text(encoding="utf-8").splitlines()
-        numbers = np.array([line.split(",") for line in rows], dtype=np.int64)
-        supports, degrees, values = np.split(numbers, [2, 7], axis=1)
-        if values.shape[1] != len(PLACES):
-            raise ValueError
-    except (OSError, ValueError):
-        raise checks.StudyError(
-            f"study/contact/{TABLE.name} is missing or damaged; rebuild it with: study data build"
-        ) from None
-    return supports, degrees, np.array(UNIT * values, dtype=np.float64)
+        numbers = np.array([line.split(",") for line in rows], dtype=np.int64).reshape(-1, 16)
+    supports, degrees, values = np.split(numbers, [2, 7], axis=1)
+    return supports, degrees, np.array(UNIT * values)

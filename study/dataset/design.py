@@ -16,6 +16,8 @@ ROOT_DEPTHS = tuple(np.round(np.linspace(0.005**0.5, 1, 32) ** 2, 6).tolist())
 """In equal steps of sqrt(depth_star), from 0.005 to 1."""
 PAPER_R2_STARS = tuple(range(20, 301, 20))
 WIDER_R2_STARS = (400, 600, 1000, 2000, 5000, 10_000)
+Case = tuple[str, str, Joint, tuple[float, ...]]
+"""Group, name, joint and depths."""
 
 
 def case_name(
@@ -66,8 +68,6 @@ GROUPS = {
     "liner": "thin liners: a rigid ball in a rigid housing, and real ones in their housings",
     "validation": "random joints in the range of stiffened_hertz, to validate it",
 }
-
-
 FREE_VALIDATION, HELD_VALIDATION = 300, 36
 HELD = (("clamped", "mirror"), ("guided", "free"), ("clamped", "free"))
 LINER_THICKNESSES = (0.003, 0.015, 0.04, 0.1, 0.2, 0.3)
@@ -164,14 +164,18 @@ DESIGN = (
 )
 
 
-def batches() -> Iterator[list[tuple[str, str, Joint, tuple[float, ...]]]]:
-    """Group, name, joint and depths of all cases, in lists that take seconds and share bodies."""
-    cases = [(s.group, name, joint, s.depths) for s in DESIGN for name, joint in s.cases()]
-    for (_, finite, by_series), of_kind in groupby(cases, _kind):
+def every_case() -> list[Case]:
+    """All cases of the design."""
+    return [(s.group, name, joint, s.depths) for s in DESIGN for name, joint in s.cases()]
+
+
+def batches() -> Iterator[list[Case]]:
+    """All cases, in lists that take seconds and share bodies."""
+
+    def kind(case):
+        return case[0], case[2].has_large_displacements, case[2].series_applies
+
+    for (_, finite, by_series), of_kind in groupby(every_case(), kind):
         batch, size = list(of_kind), 1 if finite else 12 if by_series else 36
         for k in range(0, len(batch), size):
             yield batch[k : k + size]
-
-
-def _kind(case):
-    return case[0], case[2].has_large_displacements, case[2].series_applies

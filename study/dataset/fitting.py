@@ -2,9 +2,8 @@
 
 As in the paper, there is one coefficient f1 for each case, and then a surrogate of f1 over R2*. The
 surrogate is a straight line, because P* -> R2* F(ds) as R2* grows. Its intercept is the next order
-in 1/R2*. The paper's coefficients are lost; these are ours. Liu's coefficient follows from a
-published number. `study.dataset.stiffening_fit` makes the table of `stiffened_hertz`. What a call
-of each law costs is selected here too, from the times that were measured.
+in 1/R2*. The paper's coefficients are lost; these are ours. What a call of each law costs is
+selected here too, from the times that were measured.
 """
 
 import numpy as np
@@ -30,12 +29,7 @@ LARGEST_R2_STAR = 300  # of the surrogate's fit, as in the paper
 def coefficient(law: str, depth_star: ArrayLike, force_star: ArrayLike) -> float:
     """Coefficient f1 that minimises the sum of (P* - f1 f2(ds))^2 over one case's curve.
 
-    Parameters
-    ----------
-    law
-        A key of `FITTED_LAWS`.
-    depth_star, force_star
-        Shape (n,); at least one depth > 0.
+    ``law`` is a key of `FITTED_LAWS`; depths and forces have the shape (n,), with a depth > 0.
     """
     f2 = shape(law, depth_star)
     return float(f2 @ np.asarray(force_star) / (f2 @ f2))
@@ -49,21 +43,13 @@ def shape(law: str, depth_star: ArrayLike) -> NDArray[np.float64]:
 
 def sampled(curve: pd.DataFrame) -> NDArray[np.float64]:
     """Forces of one case of the dataset at the depths of `SAMPLE`, 0 at depth 0; shape (21,)."""
-    inside = curve[curve.depth_star <= LARGEST_DEPTH]
-    if len(inside) != len(SAMPLE) - 1 or not np.allclose(inside.depth_star, SAMPLE[1:]):
-        raise ValueError(f"curve must have the depths {SAMPLE[1]:g} to {SAMPLE[-1]:g} of SAMPLE")
-    return np.append(0, inside.force_star)
+    return np.append(0, curve.force_star[curve.depth_star <= LARGEST_DEPTH])
 
 
 def coefficients_by_case(law: str, curves: pd.DataFrame) -> pd.DataFrame:
     """Coefficient ``f1`` of every case of one set-up, by ``r2_star``, to a depth of 0.5.
 
-    Parameters
-    ----------
-    law
-        A key of `FITTED_LAWS`.
-    curves
-        Rows of `study.dataset.load`.
+    ``law`` is a key of `FITTED_LAWS`; curves are rows of `study.dataset.load`.
     """
     inside = curves[curves.depth_star <= LARGEST_DEPTH]
     rows = [
@@ -98,17 +84,10 @@ def liu_coefficient(
 ) -> float:
     """Coefficient c of Liu's law, P* = c R2* (...), by its determination in the paper's Table 2.
 
-    The published coefficient of determination depends only on the mean difference of law and finite
-    elements (`study.claims.statistics.determination_as_published`). Liu's law is the smaller one.
-
-    Parameters
-    ----------
-    force_star
-        Forces at `SAMPLE`, for the R2* of Table 2.
-    published_determination
-        With its sign, negative.
-    unit
-        The law's force over c R2* at the same depths but 0, shape (20,).
+    The published coefficient of determination, negative, depends only on the mean difference of law
+    and finite elements (`study.claims.statistics.determination_as_published`). Liu's law is the
+    smaller one. ``force_star`` is at `SAMPLE`, for the R2* of Table 2; ``unit`` is the law's force
+    over c R2* at the same depths but 0, shape (20,).
     """
     force = np.asarray(force_star)
     missing = np.sqrt((1 - published_determination) * np.sum((force - force.mean()) ** 2))

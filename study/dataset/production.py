@@ -1,4 +1,4 @@
-"""How the dataset is made, described and found out of date: for the build and its check.
+"""How the dataset is made, described, found out of date and checked: files, schema and physics.
 
 ``data/datapackage.json`` holds the description: schema and units, written by hand, and for every
 file its hash. Its provenance has the code, data and design that made each generated file.
@@ -10,6 +10,7 @@ from collections import Counter
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from study import paths, provenance
@@ -24,7 +25,7 @@ GENERATED = {
     store.COEFFICIENTS: "dataset/fitting",
     store.RELATIVE_COSTS: "dataset/fitting",
     store.TABLE: "dataset/stiffening_fit",
-    store.CONTACT_SIZE: "dataset/contact_size",
+    store.CONTACT_SIZE: "dataset/stiffening_fit",
     store.LINKS: "choose/random_scenes",
     store.SET_UPS: "claims/set_ups",
 }
@@ -36,18 +37,17 @@ MADE_FROM = {
     store.SET_UPS: [store.TABLE, store.COEFFICIENTS],
 }
 """Generated file -> data that decide it too; what is made from another comes after it."""
+ERROR_LIMIT = 5e-3  # largest discretisation error estimate that a row may have
+HERTZ_SLOPE = (1.45, 3.0)
+"""d ln P / d ln d at the smallest depths: 1.5 Hertz, 2 a thin layer, 3 an incompressible one."""
+AGREEMENT = 1e-6  # relative, of forces solved again
 
 
 def to_make() -> set[Path]:
     """Files that a build makes: damaged or out of date, and those that are made from them.
 
-    Empty if all are up to date. The description is made with any other, and alone where only
-    materials have changed.
-
-    Raises
-    ------
-    study.dataset.DatasetError
-        If the description or a published file is missing or damaged: no build makes these.
+    The description is made with any other, and alone where only materials have changed. Raises
+    `study.dataset.DatasetError` if it or a published file is missing or damaged.
     """
     if os.environ.get(FROM_NOTHING):
         return {*GENERATED, store.PACKAGE}
@@ -127,13 +127,7 @@ def _undamaged():
 
 
 def verify_made_by() -> None:
-    """Compare code, data and design that decide a generated file with those that made it.
-
-    Raises
-    ------
-    study.dataset.DatasetError
-        If a file was made by others, and is out of date; names the remedy.
-    """
+    """Raise `study.dataset.DatasetError` if a file is `out_of_date`."""
     for path, why in out_of_date().items():
         raise store.DatasetError(
             f"{provenance.name(path)} is out of date: {why} since it was made; "
@@ -169,10 +163,92 @@ def _made_by():
 
 def _design():
     """Which cases there are and why; the hash is that of all parameters, defaults included."""
-    cases = [(s.group, name, joint, s.depths) for s in design.DESIGN for name, joint in s.cases()]
+    cases = design.every_case()
     count = Counter(group for group, *_ in cases)
     return {
         "groups": {g: {"why": why, "cases": count[g]} for g, why in design.GROUPS.items()},
         "resolution": RESOLUTION,
         "cases_sha256": provenance.sha256(repr(cases).encode()),
     }
+
+
+def check() -> list[tuple[str, str]]:
+    """Checks of the dataset, with the number that each found: files, schema, physics, one case.
+
+    The first that fails raises `study.dataset.DatasetError`: file, case and remedy.
+    """
+    store.verify_files()
+    verify_made_by()
+    frame = store.load()
+    return [
+        ("files", "every hash as stated, made by this code and design"),
+        ("schema", _check_schema(len(frame.columns))),
+        ("cases", _check_cases(frame)),
+        *_check_physics(frame),
+        ("solved again", _check_anew(frame)),
+    ]
+
+
+def _fail(what, path=store.CURVES):
+    remedy = f"rebuild it with: {store.MEND}"
+    if path == store.PACKAGE:
+        remedy = f"restore it with: git checkout -- data/{path.name}"
+    raise store.DatasetError(f"data/{path.name}: {what}; {remedy}")
+
+
+def _check_schema(columns):
+    # only this needs it, and it takes a second to import
+    from frictionless import FrictionlessException, Package
+
+    try:
+        report = Package(store.PACKAGE).validate()
+    except FrictionlessException as error:
+        _fail(str(error), store.PACKAGE)
+    wrong = report.flatten(["note", "message", "rowNumber", "fieldName"])
+    for note, message, row, column in wrong:
+        where = f" (row {row}, column {column})" if row else ""
+        _fail((note or message) + where, store.PACKAGE)
+    return f"{report.stats['tasks']} files as described, {columns} columns"
+
+
+def _check_cases(frame):
+    sizes = {name: len(depths) for _, name, _, depths in design.every_case()}
+    if frame.groupby("case").size().to_dict() != sizes:
+        _fail(f"must hold {len(sizes)} cases with {sum(sizes.values())} rows, got {len(frame)}")
+    return f"{len(sizes)} with {len(frame)} rows"
+
+
+def _check_physics(frame):
+    by_case = frame.groupby("case", sort=False)
+    pairs = [(case.depth_star.to_numpy(), case.force_star.to_numpy()) for _, case in by_case]
+    stiffness = [np.diff(f, prepend=0) / np.diff(d, prepend=0) for d, f in pairs]
+    slopes = [np.log(f[1] / f[0]) / np.log(d[1] / d[0]) for d, f in pairs]
+    steps = [np.diff(f).min() for _, f in pairs]
+    stiffening = [(np.diff(k) / k[1:]).min() for k in stiffness]
+    estimates = by_case.error_estimate.max()
+    checks = [
+        ("force increases", steps, 0, np.inf, "smallest step {:.3g}", np.min),
+        ("force is convex", stiffening, -1e-2, np.inf, "least stiffening {:.2g}", np.min),
+        ("slope as Hertz", slopes, *HERTZ_SLOPE, "exponent {:.3f} at least", np.min),
+        ("error estimate", estimates, 0, ERROR_LIMIT, "largest {:.2g}", np.max),
+    ]
+    report = []
+    for what, values, low, high, text, worst in checks:
+        values = np.asarray(values)
+        bad = ~((values >= low) & (values <= high))
+        if bad.any():
+            case = estimates.index[bad.argmax()]
+            _fail(f"case {case}: {what} must be in [{low:g}, {high:g}], got {values[bad][0]:.4g}")
+        report.append((what, text.format(worst(values))))
+    return report
+
+
+def _check_anew(frame):
+    _, name, joint, depths = next(case for case in design.every_case() if case[0] == "ratio")
+    depths = [depths[k] for k in (1, 9, 39)]
+    anew = force_curve(joint, depths).force_star
+    cached = frame[(frame.case == name) & frame.depth_star.isin(depths)].force_star.to_numpy()
+    difference = float(np.abs(anew / cached - 1).max())
+    if difference > AGREEMENT:
+        _fail(f"case {name} solved again must agree to {AGREEMENT:g}, got {difference:.2g}")
+    return f"{name} agrees to {difference:.1g}"

@@ -1,8 +1,10 @@
-"""The table behind `study.contact.stiffened_hertz`: joints solved at Chebyshev's places.
+"""Tables of Chebyshev coefficients, of joints that are solved at Chebyshev's places.
 
-Bodies are solved once for many joints: some 10,000 joints take two minutes. In the limit of large
-R2* the grid is fine. The changes with a smaller R2* are smooth and take few places.
-`study.contact.stiffening` evaluates the table; notebook 15 has its errors on other joints.
+One is behind `study.contact.stiffened_hertz`. Bodies are solved once for many joints: some 10,000
+joints take two minutes. In the limit of large R2* the grid is fine. The changes with a smaller R2*
+are smooth and take few places. `study.contact.stiffening` evaluates the table; notebook 15 has its
+errors on other joints. The other table has the half-angle and peak pressure that the report's page
+of a joint reads.
 """
 
 import itertools
@@ -14,15 +16,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from study.contact import hertz
-from study.contact.stiffening import (
-    DEGREES,
-    LEAST_R2_STAR,
-    PLACES,
-    RANGES,
-    SUPPORTS,
-    UNIT,
-)
-from study.joint import Joint, Material
+from study.contact.stiffening import DEGREES, LEAST_R2_STAR, PLACES, RANGES, SUPPORTS, UNIT
+from study.joint import Joint, Material, whole_curve
 from study.joint.curve import depths_and_forces
 from study.joint.supports import PLATES, RIMS
 from study.threads import one_thread
@@ -31,6 +26,8 @@ Parts = Sequence[NDArray[np.float64]] | NDArray[np.float64]
 LIMITS = {"share": 9, "poisson": 5, "socket_poisson": 6, "socket_ratio": 10, "r2_star": 1}
 CHANGES = {"share": 9, "poisson": 5, "socket_poisson": 4, "socket_ratio": 6, "r2_star": 3}
 """Places of the coordinates: for infinite R2*, and for the changes with R2*."""
+SIZE_COUNTS = {"share": 6, "poisson": 5, "socket_poisson": 4, "socket_ratio": 8, "r2_star": 3}
+"""Places of the coordinates in the table of contact sizes."""
 _ORDER = ("socket_poisson", "socket_ratio", "share", "poisson", "r2_star")
 RESOLUTION = 128  # of the table's joints
 FINER = 320  # of those with the default supports, on which the changes by supports build
@@ -39,6 +36,7 @@ LARGEST = 1e9  # R2*, practically infinite
 THICK = 1e4  # ratio of the thickest socket solved: 1e-4 of the coordinate from the limit
 DEEPEST = 1.15  # depth_star of the curves, as fits are poor at their ends
 SMALLEST = 8e-5  # coefficient of the table
+SMALLEST_SIZE = 5e-4  # coefficient of the table of contact sizes
 
 
 @one_thread
@@ -126,3 +124,27 @@ def table(
     rows = pd.DataFrame(np.hstack([kept, whole]), columns=[*DEGREES, *SUPPORTS, *named])
     first = [*SUPPORTS, *DEGREES]
     return rows.sort_values(first)[first + named]
+
+
+def sizes(socket_poisson: float) -> NDArray[np.float64]:
+    """Logarithms of half-angle and peak pressure, of the joints with one socket's Poisson's ratio.
+
+    They are over Hertz's sqrt(ds R2/R1) and 2/pi of it. The last two axes are quantity and place,
+    those before them as of `logarithms`.
+    """
+
+    def of(joint):
+        curve = whole_curve(joint, DEEPEST, RESOLUTION)
+        of_hertz = np.sqrt(curve.depth_star / joint.ball_radius)
+        found = np.radians(curve.contact_half_angle_deg), np.pi / 2 * curve.peak_pressure_star
+        return [at_places(curve.depth_star, values / of_hertz) for values in found]
+
+    return logarithms(socket_poisson, SIZE_COUNTS, of)
+
+
+def size_table(solved: Sequence[NDArray[np.float64]]) -> pd.DataFrame:
+    """`table` of both quantities, from `sizes` for every Poisson's ratio of the socket."""
+    half_angle, peak_pressure = np.reshape(solved, (-1, 2, len(PLACES))).swapaxes(0, 1)
+    by_quantity = {"half_angle": half_angle, "peak_pressure": peak_pressure}
+    tables = {k: table(part, (), SMALLEST_SIZE, SIZE_COUNTS) for k, part in by_quantity.items()}
+    return pd.concat(tables, names=["quantity"]).reset_index("quantity")

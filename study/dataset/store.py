@@ -44,19 +44,9 @@ class DatasetError(checks.StudyError):
 def load(**filters: Any) -> pd.DataFrame:
     """The dataset as a tidy frame, one row per case and depth.
 
-    ``datapackage.json`` has the unit and the meaning of every column.
-
-    Parameters
-    ----------
-    **filters
-        Column name = value, or list of values, to keep.
-
-    Raises
-    ------
-    DatasetError
-        As `verify_files`.
-    ValueError
-        For an unknown column, an unknown value, or a filter that leaves no row.
+    ``datapackage.json`` has the unit and the meaning of every column. Filters are a column's name
+    with a value, or a list of values, to keep. Raises `DatasetError` as `verify` does, and
+    ``ValueError`` for an unknown column or value, or a filter that leaves no row.
     """
     curves = frame = _read(CURVES, keep_default_na=False)  # no layers: an empty text
     for column, wanted in filters.items():
@@ -84,10 +74,7 @@ def paper_curves(
 def published(where: str | None = None) -> pd.Series:
     """Numbers that the paper prints, by ``where``, ``row`` and ``quantity``.
 
-    Parameters
-    ----------
-    where
-        One table or figure, ``"Table 2"``: numbers by ``row`` and ``quantity``.
+    Those of one table or figure, as ``"Table 2"``, are by ``row`` and ``quantity`` alone.
     """
     frame = _read(TABLES)
     if where is not None:
@@ -166,29 +153,22 @@ def _read(path, **options):
 def read_package() -> dict[str, Any]:
     """Content of ``datapackage.json``, checked for all that is used here.
 
-    Raises
-    ------
-    DatasetError
-        If it is missing or damaged; names the remedy.
+    Raises `DatasetError` if it is missing or damaged, which names the remedy.
     """
     paths.require_checkout(paths.DATA)
     name = provenance.name(PACKAGE)
     remedy = f"restore it with: git checkout -- {name}"
     try:
         package = json.loads(PACKAGE.read_text(encoding="utf-8"))
-        for key in ("library_sha256", "design", "made_by"):
-            package["provenance"][key]
+        package["provenance"]["design"], package["provenance"]["made_by"]
         stated = _stated_hashes(package)
         for resource in package["resources"]:
             if resource["path"] == CURVES.name:
                 [(field["name"], field["type"]) for field in resource["schema"]["fields"]]
-    except FileNotFoundError:
-        raise DatasetError(f"{name} is missing; {remedy}") from None
-    except (ValueError, KeyError, TypeError, AttributeError):
-        raise DatasetError(f"{name} is damaged; {remedy}") from None
-    needed = (CURVES, LINKS, SET_UPS, *PUBLISHED, *LIBRARY)
-    if missing := [provenance.name(path) for path in needed if path not in stated]:
-        raise DatasetError(f"{name} does not describe {', '.join(missing)}; {remedy}")
+        for path in (CURVES, LINKS, SET_UPS, *PUBLISHED, *LIBRARY):
+            stated[path]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        raise DatasetError(f"{name} is missing or damaged; {remedy}") from None
     return package
 
 
@@ -201,14 +181,9 @@ def _stated_hashes(package):
 
 
 def verify(path: Path, package: dict[str, Any]) -> None:
-    """Compare one file with the hash that the description states for it.
+    """Raise `DatasetError` if a file is missing, or has not the hash that the description states.
 
-    By hashlib: frictionless (`quality`) would take a second to import at every load.
-
-    Raises
-    ------
-    DatasetError
-        If the file is missing or damaged; names the remedy.
+    By hashlib: frictionless (`production`) would take a second to import at every load.
     """
     name, description = provenance.name(path), f"data/{PACKAGE.name}"
     # the description too: its hash may be the one that is wrong
@@ -229,13 +204,7 @@ def is_as_stated(path: Path, package: dict[str, Any]) -> bool:
 
 
 def verify_files() -> None:
-    """Compare the hash of every data file with that in its description.
-
-    Raises
-    ------
-    DatasetError
-        If a file is missing or damaged; names the remedy.
-    """
+    """`verify` every data file."""
     package = read_package()
     for path in _stated_hashes(package):
         verify(path, package)
@@ -253,8 +222,7 @@ def write_package(package: dict[str, Any], changed: list[Path]) -> None:
 
 def summary(frame: pd.DataFrame) -> pd.DataFrame:
     """One row per case of a frame of `load`: its parameters, ranges and largest error."""
-    keys = ["case", "r2_star", "socket_ratio", "poisson_ball", "modulus_ratio", "layers"]
-    keys += ["ball_support", "rim", "kinematics", "solver"]
+    keys = [*frame.loc[:, "case":"solver"].columns.drop("poisson_socket")]
     return (
         frame.groupby(keys, sort=False)
         .agg(

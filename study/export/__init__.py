@@ -12,11 +12,12 @@ from typing import Any, Literal
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import linprog
 
 from study import checks, contact
 from study.contact import LAWS, LawName, laws, shapes
-from study.contact.power_fit import USUAL_RANGE
-from study.export import elements, formulas
+from study.contact.power_fit import DEPTHS, USUAL_RANGE
+from study.export import formulas
 from study.joint import DimensionalJoint, DirectionalLaw, Joint, directional_law, whole_curve
 from study.joint.dimensional import usual_depth
 from study.joint.law_parameters import law_parameters
@@ -37,11 +38,15 @@ FUNCTIONS = {"power": "power_law"}
 """Law -> name of its function, where it is not the law's: MATLAB has a power."""
 LAW_OF: dict[Format, str] = {"adams": "power", "mujoco": "tabulated"}
 """Formats of one law only: Adams takes k and n; MuJoCo's cubic is fitted to the solved curve."""
+ELEMENTS = {"exudyn": ("sphere.exudyn", "# "), "adams": ("impact.adams", "! ")}
+"""Template, and sign of its comments, of an element that takes k and n of ``power``."""
 SHALLOWEST = 0.005
 """Least depth_star of the stated error: below, the force is less than 1/1000 of that at 0.5."""
 ROWS = 400  # of a CSV beside its first, in equal steps of sqrt(depth_star)
 _BETWEEN = 8  # places between rows at which interpolation is checked
 _SOURCE = "Spherical clearance joint study; see CITATION.cff there."
+_ELEMENT = {"title": "A spherical clearance joint.", "source": _SOURCE}
+MILLI = 1e-3
 _SI_UNITS = {"depth": "m", "force": "N", "stiffness": "N/m, of force over depth"}
 _OF_SIZES = {
     "socket_radius": "m, R2",
@@ -99,33 +104,34 @@ def export(
     """
     checks.choice("law", law, [*LAWS, "tabulated"])
     checks.choice("format", form, SUFFIXES)
-    if not isinstance(joint, DimensionalJoint):
-        checks.instance("joint", joint, Joint)
+    if isinstance(joint, DimensionalJoint):
+        plain, sized = joint.joint, joint
+    else:
+        plain, sized = checks.instance("joint", joint, Joint), None
         checks.choice("format of a joint without dimensions", form, formulas.DIMENSIONLESS)
     checks.choice(f"law of format {form}", law, [LAW_OF.get(form, law)])
-    plain = joint.joint if isinstance(joint, DimensionalJoint) else joint
     if law == "stiffened_hertz":
-        checks.choice("kinematics of stiffened_hertz", plain.kinematics, ("linear",))
+        plain.check_linear(law)
         plain.correction_options()  # refused before the joint is solved
     fitted = law == "power" or form == "mujoco"
     least, deepest = _range(depth_star, plain, fitted)
     if tilt is not None:
         checks.choice("law beside tilt", law, ["tabulated"])
         checks.choice("format beside tilt", form, ["c", "matlab", "csv"])
-        return _tilted(directional_law(plain, deepest, tilt), form, joint)
-    content = _Law(law, joint, plain, least, deepest)
+        return _tilted(directional_law(plain, deepest, tilt), form, sized)
+    content = _Law(law, plain, sized, least, deepest)
     if form == "json":
         return _json(content)
     if form == "csv":
         return _csv(content)
-    if form in elements.ELEMENTS and not (form == "exudyn" and law != "power"):
-        title = "A spherical clearance joint."
-        return elements.ELEMENTS[form](content, title=title, source=_SOURCE)
+    if form == "mujoco":
+        return _tendon(content)
+    if form in ELEMENTS and law == "power":
+        return _element(content, form)
     return _function(content, form)
 
 
 def _range(depth_star, joint, fitted):
-    """Least and largest depth of a text."""
     if depth_star is None:
         least, deepest = USUAL_RANGE if fitted else (None, usual_depth(joint))
     else:
@@ -142,17 +148,17 @@ def _range(depth_star, joint, fitted):
 class _Law:
     """What every format has of a law: its parts for the joint, its range, its error."""
 
-    def __init__(self, name, joint, plain, least, deepest):
-        self.name, self.joint, self.least, self.deepest = name, plain, least, deepest
-        self.sized = joint if joint is not plain else None
-        curve = whole_curve(plain, deepest)
+    def __init__(self, name, joint, sized, least, deepest):
+        self.name, self.joint, self.sized = name, joint, sized
+        self.least, self.deepest = least, deepest
+        curve = whole_curve(joint, deepest)
         self.exact = contact.tabulated(curve)
         depths = np.linspace(np.sqrt(least), np.sqrt(deepest), ROWS) ** 2
         law, options = LAWS.get(name, self.exact), {}
         if name != "tabulated":
-            options = law_parameters(law, plain, depths, self.exact(depths))
-            law(deepest, plain.r2_star, **options)  # refuses a depth beyond its range
-        self.scale, self.shape, self.constants = law.parts(plain.r2_star, **options)
+            options = law_parameters(law, joint, depths, self.exact(depths))
+            law(deepest, joint.r2_star, **options)  # refuses a depth beyond its range
+        self.scale, self.shape, self.constants = law.parts(joint.r2_star, **options)
         estimates = curve.error_estimate[curve.depth_star >= self.least]
         self.error = float(np.abs(self.at(depths)[0] / self.exact(depths) - 1).max())
         self.error_of_joint = float(estimates.max())
@@ -182,7 +188,7 @@ def _function(law, language):
         language,
         law.shape,
         law.constants,
-        "\n".join([*law.in_words(), "", f"Formula: {formulas.words(law.shape, law.constants)}."]),
+        [*law.in_words(), "", f"Formula: {formulas.words(law.shape, law.constants)}."],
         law=FUNCTIONS.get(law.name, law.name),
         title=f"Contact force of one spherical clearance joint: {law.name}.",
         source=_SOURCE,
@@ -191,6 +197,52 @@ def _function(law, language):
         scale=f"{float(law.scale)!r}",
         **formulas.of_joint(language, law.name, law.joint, law.sized),
     )
+
+
+def _element(law, form):
+    """An element of Exudyn, a hollow sphere, or of Adams, in N and mm, that takes k and n."""
+    file, sign = ELEMENTS[form]
+    sized, (exponent,) = law.sized, law.constants
+    modulus = law.joint.composite_modulus
+    coefficient = float(modulus * sized.clearance ** (2 - exponent) * law.scale)
+    return formulas.filled(
+        file,
+        sign,
+        law.in_words(),
+        **_ELEMENT,
+        socket_radius=f"{sized.socket_radius!r}",
+        ball_radius=f"{sized.socket_radius - sized.clearance!r}",
+        coefficient=f"{coefficient:.9g}",
+        exponent=f"{float(exponent):.9g}",
+        clearance_mm=f"{sized.clearance / MILLI:.9g}",
+        coefficient_mm=f"{coefficient * MILLI ** float(exponent):.9g}",
+    )
+
+
+def _tendon(law):
+    """A spatial tendon of MuJoCo, whose cubic is fitted to the solved joint."""
+    clearance, modulus = law.sized.clearance, float(law.joint.composite_modulus)
+    cubic, error = _cubic(law)
+    turns = np.roots([3 * cubic[2], 2 * cubic[1], cubic[0]])  # where its stiffness vanishes
+    turn = turns[np.isreal(turns) & (turns.real > 0)].real.min(initial=np.inf)
+    units = modulus * clearance ** np.array([1.0, 0.0, -1.0])
+    numbers = {name: f"{x:.9g}" for name, x in zip("abc", cubic * units, strict=True)}
+    numbers |= {"clearance": f"{clearance!r}", "beyond": "It increases with depth at every depth."}
+    if turn < np.inf:
+        numbers["beyond"] = f"It must stay below {clearance * turn:.3g} m: deeper, it falls."
+    return formulas.filled("tendon.mujoco", "", law.in_words(error), **_ELEMENT, **numbers)
+
+
+def _cubic(law):
+    """Coefficients of d, d^2, d^3 with the least maximum of the relative error, and that error."""
+    depth = np.geomspace(law.least, law.deepest, DEPTHS)
+    columns = depth[:, None] ** [1, 2, 3] / law.exact(depth)[:, None]
+    ones = np.ones((len(depth), 1))
+    upper, lower = np.hstack([columns, -ones]), np.hstack([-columns, -ones])
+    limits = np.append(ones, -ones)
+    signs = [(0, None), (0, None), (None, None), (0, None)]  # no pull where contact begins
+    found = linprog([0, 0, 0, 1], np.vstack([upper, lower]), limits, bounds=signs)
+    return found.x[:3], float(found.x[3])
 
 
 def _json(law):
@@ -224,8 +276,7 @@ def _csv(law):
     depth = law.deepest * np.linspace(0, 1, ROWS + 1) ** 2
     force, stiffness = np.zeros((2, ROWS + 1))
     force[1:], stiffness[1:] = law.at(depth[1:])
-    errors = _interpolation_errors(law, depth, force, stiffness)
-    linear, cubic = (_percent(np.abs(error).max()) for error in errors)
+    linear, cubic = _interpolation_errors(law, depth, force, stiffness)
     units = _UNITS
     if law.sized:
         units, modulus = _SI_UNITS, law.joint.composite_modulus
@@ -238,15 +289,19 @@ def _csv(law):
         f"Between rows, linear interpolation over depth adds an error of up to {linear}.",
         f"A cubic Hermite spline over sqrt({names[0]}), with the slopes 2 sqrt({names[0]}) "
         f"{names[2]}, adds {cubic}.",
-        *(f"{name} = {meaning}" for name, meaning in units.items()),
     ]
-    rows = zip(depth, force, stiffness, strict=True)
-    numbers = (",".join(f"{x:.12g}" for x in row) for row in rows)
-    return "\n".join([*(f"# {line}" for line in lines), ",".join(units), *numbers, ""])
+    return _table(lines, units, [depth, force, stiffness])
+
+
+def _table(lines, units, columns):
+    """Text of a table as CSV: comments, the meaning of each column, and the columns."""
+    meanings = (f"{name} = {meaning}" for name, meaning in units.items())
+    rows = (",".join(f"{x:.12g}" for x in row) for row in zip(*columns, strict=True))
+    return "\n".join([*(f"# {line}" for line in (*lines, *meanings)), ",".join(units), *rows, ""])
 
 
 def _interpolation_errors(law, depth, force, stiffness):
-    """Relative errors between rows: linear over the depth, and cubic over its square root."""
+    """Largest errors between rows: linear over the depth, and cubic over its square root."""
     root = np.sqrt(depth)
     steps = (np.arange(1, _BETWEEN) / _BETWEEN)[:, None]
     between = (root[:-1] + steps * np.diff(root)) ** 2
@@ -254,14 +309,12 @@ def _interpolation_errors(law, depth, force, stiffness):
     linear = np.interp(between, depth, force)
     cubic = CubicHermiteSpline(root, force, 2 * root * stiffness)(np.sqrt(between))
     true = law.at(between)[0]
-    return linear / true - 1, cubic / true - 1
+    return [_percent(np.abs(values / true - 1).max()) for values in (linear, cubic)]
 
 
-def _tilted(law: DirectionalLaw, form, joint):
-    """Text of a table of depth and tilt."""
+def _tilted(law: DirectionalLaw, form, sized):
     deepest, largest = float(law.depth_star[-1]), float(law.tilt[-1])
     title = "Contact force of one spherical clearance joint in all directions up to a tilt."
-    sized = joint if isinstance(joint, DimensionalJoint) else None
     words = [
         _joint_in_words(law.joint, sized),
         f"Range: depths from 0 to {deepest:g} clearances, tilts from -{largest:g} to {largest:g} "
@@ -276,7 +329,7 @@ def _tilted(law: DirectionalLaw, form, joint):
         texts = {"law": "tabulated", "title": title, "source": _SOURCE}
         texts |= {"margin": laws.LIMIT_MARGIN} | {k: f"{x!r}" for k, x in numbers.items()}
         texts |= formulas.of_joint(form, "tabulated", law.joint, sized, first=3)
-        return formulas.of_tilt(form, law.table, "\n".join(words), **texts)
+        return formulas.of_tilt(form, law.table, words, **texts)
     _, rows, columns = law.table.shape
     depth = deepest * np.linspace(0, 1, rows - 2)[1:] ** 2
     tilt = np.linspace(0, largest, columns - 2)
@@ -292,24 +345,19 @@ def _tilted(law: DirectionalLaw, form, joint):
         *words,
         "Between rows, linear interpolation over sqrt(depth_star) and tilt, of both forces over "
         f"depth_star^1.5, adds an error of up to {_percent(off.max())}.",
-        *(f"{name} = {meaning}" for name, meaning in _TILTED_UNITS.items()),
     ]
     grid = np.broadcast_arrays(depth[:, None], tilt, along, across)
-    numbers = (",".join(f"{x:.12g}" for x in row) for row in zip(*map(np.ravel, grid), strict=True))
-    return "\n".join([*(f"# {line}" for line in lines), ",".join(_TILTED_UNITS), *numbers, ""])
+    return _table(lines, _TILTED_UNITS, map(np.ravel, grid))
 
 
-def _joint_in_words(joint, sized=None):
-    texts = [f"{key} {_plain(value)}" for key, value in _parameters(joint).items()]
-    if sized:
-        sizes = _sizes(sized).items()
-        units = {name: text.split(",")[0] for name, text in _OF_SIZES.items()}
-        texts = [*(f"{name} {value:.9g} {units[name]}" for name, value in sizes), *texts]
+def _joint_in_words(joint, sized):
+    units = {name: text.split(",")[0] for name, text in _OF_SIZES.items()}
+    texts = [f"{name} {value:.9g} {units[name]}" for name, value in _sizes(sized).items()]
+    texts += [f"{name} {_plain(value)}" for name, value in _parameters(joint).items()]
     return f"Joint: {', '.join(texts)}."
 
 
 def _sizes(sized):
-    """Dimensions of a joint that has them."""
     if sized is None:
         return {}
     values = {name: getattr(sized, name) for name in ("socket_radius", "clearance", "wall")}

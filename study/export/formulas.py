@@ -4,13 +4,14 @@ A formula has lines ``name = expression``, from ``ds`` = depth/dR > 0 to ``value
 They are read from the function of a `study.contact.shapes.Shape`, unless the shape states them.
 They are written for MATLAB's arrays; the other languages get them without the dots before * and /.
 The templates around them are ``law.c``, ``law.m``, ``law.mo`` and ``law.exudyn``. A table of depth
-and tilt fills ``tilted.c`` or ``tilted.m``.
+and tilt fills ``tilted.c`` or ``tilted.m``. Parts of the templates are in ``languages.toml``.
 """
 
 import ast
 import re
 import textwrap
-from collections.abc import Sequence
+import tomllib
+from collections.abc import Callable, Sequence
 from inspect import getsource
 from pathlib import Path
 from string import Template
@@ -29,37 +30,7 @@ DIMENSIONLESS = ("c", "matlab", "json", "csv")
 SAME_R2_STAR = 1e-6
 """Largest relative difference of R2*, of a text without dimensions, and of its arguments."""
 WIDTH = 92
-_SUFFIXES = {"c": ".c", "matlab": ".m", "modelica": ".mo", "exudyn": ".exudyn"}
-_COMMENTS = {"c": " * ", "matlab": "% ", "modelica": "// ", "exudyn": "# "}
-_INPUTS = {
-    "c": "double socket_radius, double clearance,\n    double composite_modulus,",
-    "matlab": ", socket_radius, clearance, composite_modulus",
-}
-_ABOUT_INPUTS = (
-    "socket_radius      R2, m; R2/dR is {r2_star!r}, else it is another joint",
-    "clearance          dR = R2 - R1, m",
-    "composite_modulus  E*, Pa; 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
-)
-_CHECKS = {
-    "c": """
-    if (!(clearance > 0 && clearance <= DBL_MAX)) return {third};
-    if (!(fabs(socket_radius / clearance / {r2_star!r} - 1) <= {same})) return {second};
-    if (!(composite_modulus > 0 && composite_modulus <= DBL_MAX)) return {fourth};""",
-    "matlab": """
-    if ~(isscalar(clearance) && clearance > 0 && isfinite(clearance))
-        error('{law}:clearance', 'clearance must be one number > 0 m');
-    end
-    if ~(isscalar(socket_radius) && abs(socket_radius / clearance / {r2_star!r} - 1) <= {same})
-        error('{law}:radius', 'socket_radius must be {r2_star:.9g} clearances: another joint');
-    end
-    if ~(isscalar(composite_modulus) && composite_modulus > 0 && isfinite(composite_modulus))
-        error('{law}:modulus', 'composite_modulus must be one number > 0 Pa');
-    end""",
-}
-_CONSTANTS = {
-    "c": "\n    const double clearance = {c!r}, composite_modulus = {e!r}; /* m, Pa */",
-    "matlab": "\n    clearance = {c!r}; % m\n    composite_modulus = {e!r}; % Pa",
-}
+_LANGUAGES = tomllib.loads(Path(__file__).with_name("languages.toml").read_text(encoding="utf-8"))
 _SIGNS = {"@": ".*", "//": "./"}
 """Python's operators of the same rank as * and /, which stand for those between arrays."""
 
@@ -123,26 +94,21 @@ def of_joint(
 
     ``first`` is the number of the first such argument, which C returns.
     """
-    if sized is None:
-        about = [line.format(r2_star=joint.r2_star) for line in _ABOUT_INPUTS]
-        numbers = dict(zip(("second", "third", "fourth"), range(first, first + 3), strict=True))
-        numbers |= {"law": law, "r2_star": joint.r2_star, "same": SAME_R2_STAR}
-        return {
-            "inputs": _INPUTS[language],
-            "about_inputs": "\n".join(_COMMENTS[language] + line for line in about) + "\n",
-            "sizes": "",
-            "checks": _CHECKS[language].format(**numbers),
-        }
-    values = {"socket_radius": sized.socket_radius, "clearance": sized.clearance}
-    values |= {"composite_modulus": float(joint.composite_modulus)}
-    constants = _CONSTANTS.get(language, "").format(
-        c=values["clearance"], e=values["composite_modulus"]
-    )
-    texts = {"inputs": "", "about_inputs": "", "checks": "", "sizes": constants}
-    return texts | {name: f"{value!r}" for name, value in values.items()}
+    texts = dict.fromkeys(("inputs", "about_inputs", "checks", "sizes"), "")
+    if sized is not None:
+        modulus = float(joint.composite_modulus)
+        sizes = {"socket_radius": f"{sized.socket_radius!r}", "clearance": f"{sized.clearance!r}"}
+        sizes["composite_modulus"] = f"{modulus!r}"
+        return texts | sizes | {"sizes": _part(language, "sizes", **sizes)}
+    numbers: dict[str, Any] = {"second": first, "third": first + 1, "fourth": first + 2}
+    numbers |= {"r2_star": f"{joint.r2_star!r}", "ratio": f"{joint.r2_star:.9g}"}
+    parts = ("inputs", "about_inputs", "checks")
+    return texts | {
+        name: _part(language, name, law=law, same=SAME_R2_STAR, **numbers) for name in parts
+    }
 
 
-def text(language: Language, shape: Shape, constants: Any, about: str, **values: Any) -> str:
+def text(language: Language, shape: Shape, constants: Any, about: list[str], **values: Any) -> str:
     """Source of one function: ``about`` is its comment, ``values`` fill the template."""
     body = lines(shape, constants)
     names = dict.fromkeys(line.split(" = ")[0] for line in body)
@@ -152,28 +118,28 @@ def text(language: Language, shape: Shape, constants: Any, about: str, **values:
         last = f"min(floor(x), {len(constants) // 2 - 2})"
         body = [line.replace(" = ", " := ", 1).replace("KNOT(x)", last) for line in body]
         body = [re.sub(r"TABLE\((.*?), (\d)\)", r"table[integer(\1) + 1, \2 + 1]", s) for s in body]
-    return filled(
-        f"law{_SUFFIXES[language]}",
-        _COMMENTS[language],
-        about.split("\n"),
-        **values,
-        body="\n".join(part for line in body for part in _wrapped(line, language)),
-        names=", ".join(names),
-        tables=_table(language, constants) if shape is shapes.tabulated else "",
-    )
+    tables = ""
+    if shape is shapes.tabulated:
+        table = np.reshape(constants[1:], (-1, 2)).tolist()
+        rows = _rows(language, table, repr)
+        tables = _part(language, "table", rows=rows, count=len(table), last=len(table) - 2)
+    values |= {"body": "\n".join(_wrapped(line, language) for line in body), "tables": tables}
+    return _function("law", language, about, names=", ".join(names), **values)
 
 
-def of_tilt(language: Language, tables: NDArray[np.float64], about: str, **values: Any) -> str:
+def of_tilt(
+    language: Language, tables: NDArray[np.float64], about: list[str], **values: Any
+) -> str:
     """Source of the function of `study.joint.DirectionalLaw`, from its table."""
-    begin, end, after = ("    {", "}", ",\n") if language == "c" else ("        ", "", "\n")
-    along, across = (
-        after.join(f"{begin}{', '.join(f'{x:.12g}' for x in row)}{end}" for row in table)
-        for table in tables
-    )
+    along, across = (_rows(language, table, "{:.12g}".format) for table in tables)
     _, rows, columns = tables.shape
     values |= {"rows": rows, "columns": columns, "along": along, "across": across}
-    file, sign = f"tilted{_SUFFIXES[language]}", _COMMENTS[language]
-    return filled(file, sign, about.split("\n"), **values)
+    return _function("tilted", language, about, **values)
+
+
+def _function(file, language, about, **values):
+    of = _LANGUAGES[language]
+    return filled(file + of["suffix"], of["comment"], about, **values)
 
 
 def filled(file: str, sign: str, about: Sequence[str], **values: Any) -> str:
@@ -184,13 +150,21 @@ def filled(file: str, sign: str, about: Sequence[str], **values: Any) -> str:
     return Template(template).substitute(values, described=described)
 
 
-def _wrapped(line: str, language: Language) -> list[str]:
+def _part(language: Language, name: str, **values: Any) -> str:
+    return Template(_LANGUAGES[language].get(name, "")).substitute(values)
+
+
+def _rows(language: Language, table: Any, number: Callable[[float], str]) -> str:
+    """Rows of a table, with a function that writes their numbers."""
+    of = _LANGUAGES[language]
+    return of["between_rows"].join(of["row"] % ", ".join(map(number, row)) for row in table)
+
+
+def _wrapped(line: str, language: Language) -> str:
     """One statement, on as many lines as it needs."""
-    room = {"width": WIDTH, "initial_indent": "    ", "subsequent_indent": "        "}
-    end = "" if language == "exudyn" else ";"
-    parts = textwrap.wrap(f"{line}{end}", **room, break_long_words=False)
-    further = {"matlab": " ...", "exudyn": " \\"}.get(language, "")
-    return [f"{part}{further}" for part in parts[:-1]] + parts[-1:]
+    of, indents = _LANGUAGES[language], {"initial_indent": "    ", "subsequent_indent": " " * 8}
+    parts = textwrap.wrap(f"{line}{of['end']}", WIDTH, break_long_words=False, **indents)
+    return f"{of['continued']}\n".join(parts)
 
 
 def _numbers(shape: Shape, constants: Any) -> dict[str, str]:
@@ -210,39 +184,3 @@ def _polynomial(coefficients: Sequence[float], x: str) -> str:
     for c in rest:
         scheme = f"{c} + {x} .* ({scheme})"
     return scheme
-
-
-def _table(language: Language, constants: Any) -> str:
-    """The table of a spline, and how the formula reads it, with indices from 0 on."""
-    table = np.reshape(constants[1:], (-1, 2))
-    last = len(table) - 2
-    rows = [", ".join(f"{float(x)!r}" for x in row) for row in table]
-    if language == "c":
-        body = ",\n".join(f"    {{{row}}}" for row in rows)
-        return (
-            f"\n/* stiffening over Hertz and its slope, at equal steps of sqrt(ds) */\n"
-            f"static const double table[{len(rows)}][2] = {{\n{body}\n}};\n"
-            f"#define KNOT(x) floor((x) < {last} ? (x) : {last})\n"
-            f"#define TABLE(k, column) table[(int)(k)][column]\n"
-        )
-    if language == "modelica":
-        body = ",\n".join(f"    {{{row}}}" for row in rows)
-        return (
-            f"\n  constant Real table[{len(rows)}, 2] = {{\n{body}\n  }} "
-            '"Stiffening over Hertz and its slope, at equal steps of sqrt(ds)";'
-        )
-    if language == "exudyn":
-        body = ",\n".join(f"    ({row})" for row in rows)
-        return (
-            "\n# stiffening over Hertz and its slope, at equal steps of sqrt(ds)\n"
-            f"VALUES = (\n{body},\n)\n\n\n"
-            f"def KNOT(x):\n    return min(int(x), {last})\n\n\n"
-            "def TABLE(k, column):\n    return VALUES[k][column]\n"
-        )
-    body = "\n".join(f"        {row}" for row in rows)
-    return (
-        f"    % stiffening over Hertz and its slope, at equal steps of sqrt(ds)\n"
-        f"    table = [\n{body}\n    ];\n"
-        f"    KNOT = @(x) min(floor(x), {last});\n"
-        f"    TABLE = @(k, column) table(k + 1, column + 1);"
-    )

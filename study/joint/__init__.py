@@ -10,25 +10,21 @@ sense, so that the contact matrix is symmetric and positive definite. `contact_k
 which points face each other, and `complementarity` which of them touch. The contact's edge lies
 between two nodes; the force therefore converges with order 2 by either solver.
 
-`supports` reads how ball and socket are held. `tilted` presses the ball off the axis: its pressure
-is a Fourier series in the azimuth, each of whose modes is a problem in the meridian (`fourier`).
-`directional_law` is the table of depth and tilt that follows.
-
-`curve` solves given depths or a whole curve, whose contacts are nested in each other
-(`nested_contact`), in some 30 ms; `large_displacement` goes beyond linear bodies. `tilted` solves
-displacements off the axis, and `directional_law` makes a table of them. `stress` finds the stresses
-inside the bodies, and first yield; `pressure` has friction torque and wear. `applicability` says in
-words which limits a contact exceeds, and `law_parameters` fits a law to a joint. `dimensional` is a
-joint in SI units, `ratio_joint` one by ratios, as commands state it.
+`supports` reads how ball and socket are held. `curve` solves given depths or a whole curve, whose
+contacts are nested in each other (`nested_contact`), in some 30 ms; `large_displacement` goes
+beyond linear bodies. `tilted` presses the ball off the axis: its pressure is a Fourier series in
+the azimuth, each of whose modes is a problem in the meridian (`fourier`). `directional_law` is the
+table of depth and tilt that follows. `stress` finds the stresses inside the bodies, and first
+yield. `applicability` says which limits a contact exceeds, and `law_parameters` fits a law to a
+joint. `dimensional` is a joint in SI units.
 """
 
 from study.contact import Material, material
 from study.joint.contact_kinematics import UnresolvedError
 from study.joint.curve import ForceCurve, Solver, force_curve, whole_curve
-from study.joint.definition import Joint, Layer, paper_joint
+from study.joint.definition import Joint, Layer, RatioJoint, paper_joint
 from study.joint.dimensional import DimensionalJoint, DimensionalSolution, Liner
 from study.joint.directional_law import DirectionalLaw, directional_law
-from study.joint.ratio_joint import RatioJoint
 from study.joint.stress import FirstYield, LargestStress, first_yield
 from study.joint.supports import Kinematics, Rim
 from study.joint.tilted import TiltedContact, tilted_contact, under_force

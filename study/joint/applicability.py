@@ -9,7 +9,6 @@ from math import radians
 
 from study.joint.curve import ForceCurve
 from study.joint.definition import Joint
-from study.joint.supports import WholeOutside
 
 DEEPEST = 1.0
 """Largest depth_star up to which the solution was compared with other programs."""
@@ -43,16 +42,8 @@ def limits(
 ) -> Limits:
     """Limits that one contact exceeds: a key for each, and a sentence.
 
-    Parameters
-    ----------
-    depth_star, half_angle_deg
-        Of the contact; the half-angle in deg.
-    yield_factor
-        Yield stress over largest von Mises stress, for each body that has both.
-    depth
-        In m, if the joint has dimensions.
-    strain
-        Peak pressure over the least Young's modulus, if it is known.
+    The ``yield_factor`` is yield stress over largest von Mises stress, for each body that has both,
+    ``depth`` is in m, and ``strain`` is peak pressure over the least Young's modulus.
     """
     found = {}
     for body, factor in (yield_factor or {}).items():
@@ -77,7 +68,7 @@ def limits(
             "deg, where it depends on the shape of the edge."
         )
     wall = joint.socket_ratio - 1
-    if isinstance(joint.socket_support, WholeOutside) and wall < radians(half_angle_deg):
+    if joint.is_held_all_round and wall < radians(half_angle_deg):
         found["wall"] = (
             f"The wall, of {wall:.2g} radii, is thinner than the contact's half-width: the force "
             "depends on what holds its outside, which is rigid here."

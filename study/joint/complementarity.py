@@ -19,7 +19,10 @@ PATIENCE = 10
 
 
 class ComplementarityError(StudyError):
-    """The pivoting did not end; the message has the residual."""
+    """The pivoting did not end, or the matrix is not positive definite.
+
+    The rounded matrix of a socket much softer than its ball is not.
+    """
 
 
 def factorised(factorise: Callable, matrix: NDArray[np.float64]) -> Any:
@@ -38,7 +41,7 @@ def solve(
     active: NDArray[np.bool_] | None = None,
     max_pivots: int | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Solve a linear complementarity problem by block principal pivoting.
+    """Solve a linear complementarity problem by block principal pivoting: p, and where it is > 0.
 
     All indices whose sign is wrong change sides at once, as long as this makes progress. Else only
     the last of them does, which ends for every positive definite matrix (Murty). After Judice and
@@ -49,20 +52,11 @@ def solve(
     matrix, vector
         A, symmetric positive definite, and b; shapes (n, n) and (n,).
     active
-        First guess of where p > 0; by default where ``vector`` < 0.
+        First guess of where p > 0, such as that of a neighbouring problem; by default where
+        ``vector`` < 0.
     max_pivots
-        Limit of pivoting steps, by default 20 n + 100.
-
-    Returns
-    -------
-    p, active : ndarray, shape (n,)
-        The solution, and where it is positive: a first guess for a neighbouring problem.
-
-    Raises
-    ------
-    ComplementarityError
-        At the limit of steps, with the residual ``max |min(p, w)|``; or for a matrix that is not
-        positive definite. The rounded matrix of a socket much softer than its ball is not.
+        Limit of pivoting steps, by default 20 n + 100. At the limit a `ComplementarityError` states
+        the residual ``max |min(p, w)|``.
     """
     size, zero = len(vector), TOLERANCE * np.abs(vector).max(initial=0.0)
     active = vector < 0 if active is None else active.copy()

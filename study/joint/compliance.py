@@ -1,7 +1,8 @@
 """Compliance of an elastic body: how its spherical surface deforms under normal pressure.
 
-Contact needs no more of a body than its `Compliance`. It is computed once, for unit radius and unit
-Young's modulus, and serves every clearance, depth and modulus.
+Contact needs no more of a body than its `Compliance`, and this depends on no more than `Ball` or
+`Socket`. It is computed once and serves every clearance, depth and modulus: bodies have unit
+radius, and the Young's modulus of the ball or of the innermost layer is the unit.
 """
 
 from collections.abc import Callable
@@ -12,6 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 from scipy.sparse import csr_array
+
+from study.joint.supports import (
+    HEMISPHERE,
+    BallSupport,
+    GuidedPlate,
+    Opening,
+    Rim,
+    Sector,
+    SocketSupport,
+    WholeOutside,
+)
 
 RESOLUTION = {"series": 320, "quadratic": 160, "finite": 96}
 """Default elements along the quarter circle: series, finite elements, large displacements."""
@@ -24,6 +36,81 @@ THICKEST_RATIO = 1e6
 """Largest socket ratio: a thicker socket changes the force by less than 1e-6, and takes more rings
 of elements."""
 _ANGLE_SCALE = 0.157  # rad: spacing of the surface's nodes grows from this polar angle on
+Layered = float | tuple[float, ...]
+"""One number for a socket of one material, or one for each layer, from the inside out."""
+
+
+@dataclass(frozen=True)
+class Ball:
+    """Poisson's ratio and support of a ball; contact may be inside the socket's opening."""
+
+    poisson: float = 0.3
+    support: BallSupport = GuidedPlate()
+    opening: Opening = HEMISPHERE
+
+    @property
+    def by_series(self) -> bool:
+        """Whether the Legendre series solves it exactly."""
+        return isinstance(self.support, GuidedPlate) and self.opening == HEMISPHERE
+
+    @property
+    def held(self) -> dict[str, str]:
+        """Boundary of the mesh -> components of the displacement that are zero there."""
+        return self.support.held
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Places (r, z) in the meridian at which stresses may have no bound; shape (n, 2)."""
+        return np.reshape(self.support.corners, (-1, 2))
+
+
+@dataclass(frozen=True)
+class Socket:
+    """Layers of a socket, and how it is held.
+
+    ``ratio`` is the outer over the innermost radius, ``modulus`` is over that of the innermost
+    layer. Each of the three is one number, or a tuple with one for each layer, from the inside out.
+    """
+
+    ratio: Layered
+    poisson: Layered = 0.3
+    modulus: Layered = 1.0
+    rim: Rim = "mirror"
+    support: SocketSupport = WholeOutside()
+    opening: Opening = HEMISPHERE
+
+    @property
+    def by_series(self) -> bool:
+        """Whether the Legendre series solves it exactly."""
+        return self.rim == "mirror"
+
+    @property
+    def layers(self) -> NDArray[np.float64]:
+        """Outer ratios, Poisson's ratios and Young's moduli; shape (3, layers)."""
+        constants = map(np.atleast_1d, (self.ratio, self.poisson, self.modulus))
+        return np.array(np.broadcast_arrays(*constants), dtype=float)
+
+    @property
+    def held(self) -> dict[str, str]:
+        """Boundary of the mesh -> components of the displacement that are zero there."""
+        return ({"rim": "z"} if self.rim == "mirror" else {}) | self.support.held
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Places (r, z) in the meridian at which stresses may have no bound; shape (n, 2)."""
+        outer = float(self.layers[0, -1])
+        rims = [self.opening.last, *([self.opening.first] if self.opening.is_ring else [])]
+        places = [(radius, rim) for rim in rims for radius in (1.0, outer)]
+        if isinstance(self.support, Sector):
+            places += [(outer, angle) for angle in (self.support.first, self.support.last)]
+        radius, angle = np.transpose(places)
+        directions = np.column_stack([np.sin(np.radians(angle)), np.cos(np.radians(angle))])
+        return radius[:, None] * directions
+
+
+def layer_steps(ratios: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Outer over inner radius of each layer, from the outer radii over the innermost one."""
+    return ratios / np.append(1.0, ratios[:-1])
 
 
 def graded(length: float, scale: float, count: int) -> NDArray[np.float64]:
@@ -45,16 +132,10 @@ def surface_angles(resolution: int, last: float = np.pi / 2) -> NDArray[np.float
 class Compliance:
     """Inward normal displacement of a unit sphere's surface under axisymmetric pressure.
 
-    Pressure is piecewise linear in the polar angle between ``angles`` (hat functions h_i);
-    w_j is the displacement under the pressure h_j. All callers share the arrays, read-only.
-
-    Attributes
-    ----------
-    angles
-        Polar angles of the pressure nodes, from 0 (contact axis) to pi/2, in rad; shape (n,).
-    flexibility
-        Integral of h_i w_j over the surface, symmetric and positive definite, shape (n, n). For
-        radius R and modulus E it scales by R/E.
+    Pressure is piecewise linear between nodes at the polar ``angles`` from 0 on, in rad, (n,): a
+    sum of hat functions h_i. The ``flexibility`` is the integral of h_i w_j over the surface, where
+    w_j is the displacement under h_j: symmetric and positive definite, (n, n). For radius R and
+    modulus E it scales by R/E. All callers share the arrays, read-only.
     """
 
     angles: NDArray[np.float64]

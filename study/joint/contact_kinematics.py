@@ -1,8 +1,8 @@
 """Which points of ball and socket face each other, and along which normals pressure acts.
 
-There is one contact problem for each of the ``kinematics`` ``small`` and ``linear`` of
-`study.joint.Joint`; large displacements are solved by `study.joint.large_displacement`. Lengths are
-in socket radii R2, pressures in E* dR/R2 and depths in dR. Arguments are not checked here.
+There are two contact problems of linear bodies, `small` and `linear`; large displacements are
+solved by `study.joint.large_displacement`. Lengths are in socket radii R2, pressures in E* dR/R2
+and depths in dR. Arguments are not checked here.
 """
 
 from collections.abc import Callable
@@ -33,6 +33,14 @@ def unresolved(depth: float, angles: Floats) -> UnresolvedError:
     return UnresolvedError(
         "depth_star must be 0 or so large that the elements resolve the contact, got "
         f"{depth:.3g} with elements of {np.degrees(angles[1]):.2g} deg"
+    )
+
+
+def at_rim(name: str, joint: Joint, got: str) -> checks.RangeError:
+    """Error of depths or forces at which contact reaches the socket's rim."""
+    return checks.RangeError(
+        f"{name} must keep the contact off the socket's rim (half-angle < "
+        f"{np.degrees(joint.reach):g} deg), got {got}"
     )
 
 
@@ -77,8 +85,9 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
     return problem, joint.ball_radius**2 * HatFunctions(ball.angles).integrate(np.cos)
 
 
-PROBLEMS = {"small": small, "linear": linear}
-"""Contact problems of linear bodies, by the joint's ``kinematics``."""
+def problem_of(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
+    """Contact problem of a joint of linear bodies, `small` or `linear`."""
+    return (linear if joint.acts_on_ball else small)(joint, ball, socket)
 
 
 @lru_cache(maxsize=64)  # 20 depths on two meshes, and more
@@ -123,7 +132,7 @@ def _faced(ball_radius, eccentricity, angles):
 
 def socket_pressure(joint: Joint, depths: Floats, angles: Floats, pressure: Floats) -> Floats:
     """Pressure on the socket (k, n) from that on the ball; facing areas carry equal forces."""
-    if joint.kinematics == "small":
+    if not joint.acts_on_ball:
         return pressure
     r1, moved = joint.ball_radius, np.zeros_like(pressure)
     for k, depth in enumerate(depths):

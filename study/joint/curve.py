@@ -9,7 +9,7 @@ Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -18,9 +18,15 @@ from numpy.typing import ArrayLike, NDArray
 from study import checks
 from study.contact import largest_depth
 from study.joint import nested_contact, series
-from study.joint.bodies import layer_steps
-from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION, Compliance, surface_angles
-from study.joint.contact_kinematics import UnresolvedError, unresolved
+from study.joint.compliance import (
+    FINEST_RESOLUTION,
+    RESOLUTION,
+    Compliance,
+    HatFunctions,
+    layer_steps,
+    surface_angles,
+)
+from study.joint.contact_kinematics import UnresolvedError, at_rim, unresolved
 from study.joint.definition import Joint
 from study.threads import one_thread
 
@@ -51,8 +57,7 @@ class ForceCurve:
         factor above 10 for the series and about 1 for elements of bodies that are held at a core,
         a neck or a seat, where stresses have no bound. A force that is not extrapolated, because
         the contact is a ring or the solver ``linear``, is that of the finer mesh. Other results
-        than the force have their own errors. `study.joint.TiltedContact` and
-        `study.joint.DimensionalSolution` have the same estimate.
+        than the force have their own errors.
     angles, pressure
         Polar angles in rad, shape (n,), and the pressure there in E* dR/R2, shape (k, n): that of
         the finer mesh, whose force is not extrapolated.
@@ -70,14 +75,8 @@ class ForceCurve:
 
     def columns(self) -> dict[str, Any]:
         """The curve as columns of a table, a row per depth, as in `study.dataset.load`."""
-        return self.joint.columns() | {
-            "solver": self.solver,
-            "depth_star": self.depth_star,
-            "force_star": self.force_star,
-            "contact_half_angle_deg": self.contact_half_angle_deg,
-            "peak_pressure_star": self.peak_pressure_star,
-            "error_estimate": self.error_estimate,
-        }
+        own = [of.name for of in fields(self) if of.name not in ("joint", "angles", "pressure")]
+        return self.joint.columns() | {name: getattr(self, name) for name in own}
 
 
 @one_thread
@@ -112,7 +111,7 @@ def force_curve(
         For contact that reaches the socket's rim or is too small for the elements to resolve, a
         solver that cannot solve this joint, or a value outside its range.
     study.joint.complementarity.ComplementarityError
-        If the contact does not converge; the message has the residual.
+        If the contact does not converge.
     """
     depths = np.atleast_1d(checks.number("depth_star", depth_star, least=0))
     checks.number("depth_star", depths, below=largest_depth(joint.r2_star))
@@ -129,23 +128,15 @@ def force_curve(
         if some.size:
             solved = solve(joint, depths[some], solver, resolution)
             force[some], edge[some], error[some], pressure[some] = solved
-    at_rim = pressure[:, -2:].any(axis=1)
-    if at_rim.any():
-        raise checks.RangeError(
-            "depth_star must keep the contact off the socket's rim (half-angle < "
-            f"{np.degrees(joint.reach):g} deg), got {depths[at_rim].min():g}"
-        )
-    return ForceCurve(
-        joint=joint,
-        solver=solver,
-        depth_star=depths,
-        force_star=force,
-        contact_half_angle_deg=np.degrees(edge),
-        peak_pressure_star=pressure.max(axis=1),
-        error_estimate=error,
-        angles=angles,
-        pressure=pressure,
-    )
+    reaching = pressure[:, -2:].any(axis=1)
+    if reaching.any():
+        raise at_rim("depth_star", joint, f"{depths[reaching].min():g}")
+    return _curve(joint, solver, depths, force, edge, error, angles, pressure)
+
+
+def _curve(joint, solver, depths, force, edge, error, angles, pressure):
+    degrees, peak = np.degrees(edge), pressure.max(axis=1)
+    return ForceCurve(joint, solver, depths, force, degrees, peak, error, angles, pressure)
 
 
 @one_thread
@@ -157,17 +148,8 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
     elements. With ``finite`` kinematics, or where contacts are not nested
     (`study.joint.nested_contact`), 40 depths are solved by `force_curve`.
 
-    Parameters
-    ----------
-    deepest
-        Depth_star that the curve has to reach, > 0 and < sqrt(2 R2* - 1) - 1.
-    resolution
-        As for `force_curve`.
-
-    Raises
-    ------
-    ValueError
-        For a value outside its range, or contact that reaches the rim.
+    The depth_star ``deepest`` is > 0 and < sqrt(2 R2* - 1) - 1; ``resolution`` and errors are those
+    of `force_curve`.
     """
     deepest = checks.number("deepest", deepest, above=0, scalar=True)
     if joint.has_large_displacements or joint.r2_star < nested_contact.LEAST_R2_STAR:
@@ -181,28 +163,16 @@ def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = Non
     profiles = [nested.fine.pressure(depth) for depth in nested.fine.depth[2 * nodes]]
     if any(profile is None for profile in profiles):
         return _solved_apart(joint, deepest, resolution)
-    pressure = np.array(profiles)
-    return ForceCurve(
-        joint=joint,
-        solver=solver,
-        depth_star=nested.depth[nodes],
-        force_star=nested.force[nodes],
-        contact_half_angle_deg=np.degrees(nested.coarse.angles[nodes]),
-        peak_pressure_star=pressure.max(axis=1),
-        error_estimate=nested.error[nodes],
-        angles=nested.fine.angles,
-        pressure=pressure,
-    )
+    depth, force, error = (of[nodes] for of in (nested.depth, nested.force, nested.error))
+    edge, angles = nested.coarse.angles[nodes], nested.fine.angles
+    return _curve(joint, solver, depth, force, edge, error, angles, np.array(profiles))
 
 
 @one_thread
 def depths_and_forces(
     joint: Joint, deepest: float = 1.0, resolution: int | None = None
 ) -> tuple[Floats, Floats]:
-    """Depths and forces of `whole_curve` at all nodes, without pressures: 8 ms for known bodies.
-
-    Only for nested contacts, of ``small`` or ``linear`` kinematics.
-    """
+    """Depths and forces of `whole_curve` at all nodes of nested contacts: 8 ms for known bodies."""
     nested, _, last = _nested_to(joint, deepest, resolution)
     inside = slice(_FIRST // 2, last + 1)
     return nested.depth[inside], nested.force[inside]
@@ -214,10 +184,7 @@ def _solved_apart(joint, deepest, resolution):
 
 
 def _nested_to(joint, deepest, resolution):
-    """Nested contacts to a depth or just beyond, the solver, and the last node; None if not nested.
-
-    A contact that is too small for the elements, or reaches the rim, is an error.
-    """
+    """Nested contacts to a depth or just beyond, or None; the solver; and the last node."""
     checks.number("deepest", deepest, below=largest_depth(joint.r2_star))
     solver, resolution = settings(joint, None, resolution)
     few = UnresolvedError(
@@ -232,10 +199,7 @@ def _nested_to(joint, deepest, resolution):
     if last < min(2 * _FIRST, len(nested.depth)):
         raise few
     if last == len(nested.depth) >= len(angles) - 2:
-        raise checks.RangeError(
-            "deepest must keep the contact off the socket's rim (half-angle < "
-            f"{np.degrees(joint.reach):g} deg), got {deepest:g}"
-        )
+        raise at_rim("deepest", joint, f"{deepest:g}")
     return (nested if last < len(nested.depth) else None), solver, last
 
 
@@ -250,12 +214,8 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
     if solver is None:
         solver = "series" if joint.series_applies else "quadratic"
     checks.choice("solver", solver, SOLVERS)
-    if solver == "series" and not joint.series_applies:
-        raise ValueError(
-            "solver must be quadratic or linear for this joint: the series needs ball_support "
-            "guided, rim mirror and small displacements, got "
-            f"{', '.join(map(str, joint.configuration.values()))}"
-        )
+    if solver == "series":
+        joint.check_series()
     if solver == "linear" and joint.has_large_displacements:
         raise ValueError("solver must be quadratic for kinematics finite, got 'linear'")
     usual, least, most = RESOLUTION["series"], 32, FINEST_RESOLUTION
@@ -317,6 +277,26 @@ def _solve_finite(joint, depths, solver, resolution):
     (pressure, ratio), (_, coarse) = solved
     edge = [_edge(surface_angles(resolution, joint.reach), profile) for profile in pressure]
     return of_linear * ratio, edge, error + np.abs(coarse / ratio - 1), pressure
+
+
+def friction_radii(curve: ForceCurve) -> dict[str, Floats]:
+    """Friction radii, in R2, of a ball in ``spin`` about the load, and in ``tilt`` across it; (k,).
+
+    That is the friction torque over coefficient of friction and force, if the whole contact slides
+    (this study) under the pressure of the frictionless joint. A place of the contact is at n R from
+    the ball's centre and slides along w x n, where w is the unit vector of the axis through this
+    centre. The torque along w is mu times the integral of p R abs(w x n) dA. R is the radius of the
+    surface on whose areas the force acts. Hertz's pressure on a small radius a gives 3 pi a/16
+    (``spin``) and R (``tilt``). Depths are > 0.
+    """
+    from scipy.special import ellipe  # late: for this alone
+
+    hats = HatFunctions(curve.angles)
+    radius = curve.joint.ball_radius if curve.joint.acts_on_ball else 1.0
+    spin = hats.integrate(np.sin)  # of abs(w x n), or of its mean over the azimuth
+    tilt = hats.integrate(lambda angle: 2 / np.pi * ellipe(np.sin(angle) ** 2))
+    unit = radius / (curve.pressure @ hats.integrate(np.cos))
+    return {"spin": unit * (curve.pressure @ spin), "tilt": unit * (curve.pressure @ tilt)}
 
 
 def meshes(

@@ -1,7 +1,8 @@
 """A spherical clearance joint: what its force-depth curve depends on.
 
-`Joint` is dimensionless, with its materials and layers. `paper_joint` is the paper's, as far as it
-can be known. A joint is solved by `study.joint.curve`.
+`Joint` is dimensionless, with its materials and layers; `RatioJoint` states it by ratios, as
+commands and tables do. `paper_joint` is the paper's, as far as it can be known. A joint is solved
+by `study.joint.curve`.
 """
 
 from dataclasses import dataclass
@@ -12,14 +13,15 @@ import numpy as np
 from study import checks, parameters
 from study.contact import SOCKET_RATIO, Material, composite_modulus
 from study.contact.materials import read_material
-from study.joint.bodies import Ball, Socket, layer_steps
-from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
+from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO, Ball, Socket, layer_steps
 from study.joint.supports import HEMISPHERE, ClampedPlate, Configuration, WholeOutside
 from study.parameters import parameter
 
 LARGEST_MODULUS_RATIO = 1e9
 """Largest ratio of the bodies' Young's moduli, either way. A stiffer body is rigid, within 1e-9 of
 the force. For a much softer socket, the rounded contact matrix is not positive definite."""
+UNIT = Material().youngs_modulus
+"""Young's modulus of the ball, in Pa."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,6 @@ class Joint(Configuration):
         self._check_configuration()
 
     def _take_layers(self):
-        """Check the layers, and set what follows from them."""
         if not self.layers:
             return
         steps = layer_steps(np.array([layer.outer_ratio for layer in self.layers]))
@@ -112,6 +113,11 @@ class Joint(Configuration):
             self.socket_support,
             self.opening,
         )
+
+    @property
+    def is_held_all_round(self) -> bool:
+        """Whether the socket is held all over its outside."""
+        return isinstance(self.socket_support, WholeOutside)
 
     @property
     def materials(self) -> dict[str, Material]:
@@ -149,10 +155,7 @@ class Joint(Configuration):
             (self.layers, "a socket of layers"),
             (not self.ball_support.by_plane, f"ball_support {self.ball_support}"),
             (self.opening != HEMISPHERE, f"an opening of {self.opening} deg"),
-            (
-                not isinstance(self.socket_support, WholeOutside),
-                f"socket_support {self.socket_support}",
-            ),
+            (not self.is_held_all_round, f"socket_support {self.socket_support}"),
         ):
             if unsuited:
                 raise checks.RangeError(f"stiffened_hertz is not for {what}")
@@ -183,11 +186,29 @@ class Joint(Configuration):
             "kinematics": self.kinematics,
         }
 
+    def check_linear(self, what: str) -> None:
+        """Refuse other kinematics than linear, for what is of linear kinematics alone."""
+        checks.choice(f"kinematics of {what}", self.kinematics, ("linear",))
+
+    @property
+    def acts_on_ball(self) -> bool:
+        """Whether the force acts on the ball's area, whose points move; else on the socket's."""
+        return self.kinematics != "small"
+
     @property
     def series_applies(self) -> bool:
         """Whether the exact series applies: linear bodies that are symmetric about the equator."""
         by_series = self.ball_body.by_series and self.socket_body.by_series
         return by_series and not self.has_large_displacements
+
+    def check_series(self) -> None:
+        """Refuse a joint that the exact series does not solve."""
+        if not self.series_applies:
+            raise ValueError(
+                "solver must be quadratic or linear for this joint: the series needs ball_support "
+                "guided, rim mirror and small displacements, got "
+                f"{', '.join(map(str, self.configuration.values()))}"
+            )
 
 
 PAPER_SUPPORTS: dict[str, Any] = {"ball_support": ClampedPlate(), "rim": "free"}
@@ -198,8 +219,70 @@ def paper_joint(r2_star: float = 200, **changes: Any) -> Joint:
     """The joint of the paper's figures and tables, as far as it can be known.
 
     Clamped ball, free rim, socket ratio 1.298, linear kinematics and Poisson's ratio 0.3 of both
-    bodies. They are identified from Table 2 and Fig. 14 (notebook 13). The rim follows from the
-    text alone ("the entire external surface of the socket is fixed"), and changes nothing there.
-    R2* = 200 is that of Fig. 10 and Table 2; ``changes`` are other attributes of `Joint`.
+    bodies. They are identified from Table 2 and Fig. 14 (notebook 13), but for the rim, which
+    follows from the text ("the entire external surface of the socket is fixed"). R2* = 200 is that
+    of Fig. 10 and Table 2; ``changes`` are other attributes of `Joint`.
     """
     return Joint(r2_star, **(PAPER_SUPPORTS | changes))
+
+
+def _read_layer(name: str, text: str) -> Layer:
+    """Layer of a text, ``1.125,0.0025,0.46``."""
+    ratio, modulus, poisson = checks.read_several(name, text, 3)
+    modulus = UNIT * checks.number(f"modulus of {name}", modulus, above=0)
+    return Layer(ratio, Material(modulus, poisson))
+
+
+@parameters.documented
+@dataclass(frozen=True)
+class RatioJoint(Configuration):
+    """A joint whose materials are relative to the ball's, of Young's modulus 2e11 Pa.
+
+    A ``layer`` replaces the parameters of a socket of one material.
+    """
+
+    r2_star: float = parameter(200.0, "Radius of the socket in clearances, R2/dR", above=1)
+    socket_ratio: float | None = parameter(
+        None,
+        "Outer over inner radius of the socket",
+        least=THINNEST_RATIO,
+        most=THICKEST_RATIO,
+        otherwise="1.298",
+    )
+    modulus_ratio: float | None = parameter(
+        None, "Young's modulus of the socket over that of the ball", above=0, otherwise="1"
+    )
+    poisson: float = parameter(0.3, "Poisson's ratio of the ball", above=-1, below=0.5)
+    socket_poisson: float | None = parameter(
+        None, "Poisson's ratio of the socket", above=-1, below=0.5, otherwise="that of the ball"
+    )
+    layer: tuple[Layer, ...] = parameter(
+        (),
+        "Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer of "
+        "the socket, as N,N,N; may be repeated, from the inside out",
+        parse=_read_layer,
+        kind=Layer,
+        several=";",
+    )
+
+    def __post_init__(self) -> None:
+        parameters.take(self)
+        if self.layer:
+            for name in ("modulus_ratio", "socket_poisson", "socket_ratio"):
+                if getattr(self, name) is not None:
+                    raise ValueError(f"{name} must be left out: layer describes the socket")
+
+    def joint(self, yield_stress: float | None = None) -> Joint:
+        """The joint, with a yield stress of ball and socket in Pa; layers have none."""
+        ball = Material(UNIT, self.poisson, yield_stress)
+        if self.layer:
+            if yield_stress is not None:
+                raise ValueError("yield_stress must be left out: layer describes the socket")
+            return Joint(self.r2_star, ball=ball, layers=self.layer, **self.configuration)
+        poisson = self.poisson if self.socket_poisson is None else self.socket_poisson
+        modulus = UNIT * (1.0 if self.modulus_ratio is None else self.modulus_ratio)
+        given: dict[str, Any] = (
+            {} if self.socket_ratio is None else {"socket_ratio": self.socket_ratio}
+        )
+        socket = Material(modulus, poisson, yield_stress)
+        return Joint(self.r2_star, ball=ball, socket=socket, **given, **self.configuration)

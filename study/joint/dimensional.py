@@ -4,7 +4,7 @@
 table of its solved curve. The joint is solved at every depth.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -15,14 +15,13 @@ from study import checks, parameters
 from study.contact import LAWS, DimensionalLaw, Material, largest_depth, material, tabulated
 from study.contact.laws import AnyLaw, find
 from study.contact.materials import read_material
-from study.contact.power_fit import DEPTHS, USUAL_RANGE, fit_power
+from study.contact.power_fit import DEPTHS, USUAL_RANGE, PowerFit, fit_power
 from study.joint import applicability
 from study.joint.compliance import RESOLUTION, THICKEST_RATIO, THINNEST_RATIO
-from study.joint.contact_kinematics import UnresolvedError
-from study.joint.curve import force_curve, whole_curve
+from study.joint.contact_kinematics import UnresolvedError, at_rim
+from study.joint.curve import force_curve, friction_radii, whole_curve
 from study.joint.definition import Joint, Layer
 from study.joint.law_parameters import law_parameters
-from study.joint.pressure import friction_radii
 from study.joint.stress import largest as largest_stress
 from study.joint.supports import Configuration
 from study.joint.tilted import tilted_contact, under_force
@@ -41,14 +40,10 @@ class DimensionalSolution:
 
     Attributes
     ----------
-    depth, force
-        In m and N.
-    stiffness
-        Slope of the force over the depth, in N/m.
-    contact_half_angle_deg
-        Polar angle of the contact's edge, in deg.
-    peak_pressure
-        Largest contact pressure, in Pa.
+    depth, force, stiffness
+        In m, N and N/m; the stiffness is the slope of the force over the depth.
+    contact_half_angle_deg, peak_pressure
+        Polar angle of the contact's edge in deg, and the largest contact pressure in Pa.
     error_estimate
         Estimated relative error of the force, as of `study.joint.ForceCurve`, plus the error of
         the table that gives the depth under a force.
@@ -66,7 +61,7 @@ class DimensionalSolution:
         Polar angles in deg, shape (n,), and the contact pressure there in Pa, shape (k, n).
     friction_radius
         Of a ball that turns about the load (``spin``) or across it (``tilt``) and slides all over
-        its contact, in m (`study.joint.pressure.friction_radii`).
+        its contact, in m (`study.joint.curve.friction_radii`).
     law
         Table of the joint's curve that reaches every depth.
     """
@@ -121,33 +116,6 @@ class TiltedSolution:
     contact_edges_deg: Floats
     reaches_rim: NDArray[np.bool_]
     error_estimate: Floats
-
-
-@dataclass(frozen=True)
-class PowerLaw:
-    """A joint's force as k d^n over a range of depths, for programs that ask for k and n.
-
-    Attributes
-    ----------
-    coefficient
-        k in N/m^n.
-    exponent
-        n, without a unit.
-    error
-        Largest relative error in the range, against the solved joint.
-    depths
-        Least and largest depth of the range, in m. Beyond it the error grows fast.
-    """
-
-    coefficient: float
-    exponent: float
-    error: float
-    depths: tuple[float, float]
-
-    @property
-    def coefficient_mm(self) -> float:
-        """The coefficient k, in N/mm^n."""
-        return self.coefficient * 1e-3**self.exponent
 
 
 @dataclass(frozen=True)
@@ -259,48 +227,36 @@ class DimensionalJoint(Configuration):
     def law(self, law: AnyLaw | None = None) -> DimensionalLaw:
         """A law of this joint, in SI units: by default the table of its own solved curve.
 
-        Parameters
-        ----------
-        law
-            Key of ``study.contact.LAWS``, or a law itself. ``stiffened_hertz`` gets its options
-            from the joint, and ``power`` is fitted to it over the usual range of `power_law`. The
-            paper's laws have the coefficients of the paper's own joint. The default is a table to a
-            depth of at least one clearance, if the joint can.
+        The table reaches a depth of at least one clearance, if the joint can. ``stiffened_hertz``
+        gets its options from the joint, and ``power`` is fitted to it over the default range of
+        `power_law`. The paper's laws have the coefficients of the paper's own joint.
         """
         if law is None:
             return self._table(usual_depth(self.joint))[0]
         law = find(law)
         if law is LAWS["stiffened_hertz"]:
-            checks.choice("kinematics of stiffened_hertz", self.kinematics, ("linear",))
+            self.joint.check_linear(law.name)
         return self._in_si_units(law, **law_parameters(law, self.joint))
 
-    def power_law(self, depths: tuple[float, float] | None = None) -> PowerLaw:
-        """The force as k d^n, fitted to the solved joint in the maximum norm of its relative error.
+    def power_law(self, depths: tuple[float, float] | None = None) -> PowerFit:
+        """The force as k d^n, fitted to the solved joint (`study.contact.power_fit`).
 
-        Parameters
-        ----------
-        depths
-            Least and largest depth of the range, in m; by default 0.05 and 0.5 clearances.
+        The ``depths`` are least and largest, in m; by default 0.05 and 0.5 clearances.
         """
-        if depths is None:
-            depths = USUAL_RANGE[0] * self.clearance, USUAL_RANGE[1] * self.clearance
-        low, high = depths
+        low, high = depths or (share * self.clearance for share in USUAL_RANGE)
         least = checks.number("least depth", low, "m", above=0, scalar=True)
         most = checks.number("largest depth", high, "m", above=least, scalar=True)
         law = self._reaching("depth", np.array([most]), "m")
         places = np.geomspace(least, most, DEPTHS)
-        return PowerLaw(*fit_power(places, law.force(places)), depths=(least, most))
+        return fit_power(places, law.force(places))
 
     def solve(
         self, *, depth: ArrayLike | None = None, force: ArrayLike | None = None
     ) -> DimensionalSolution:
         """Solve the joint at given depths, in m, or under given forces, in N; both > 0.
 
-        Raises
-        ------
-        ValueError
-            For a depth or force at which contact would reach the socket's rim; for a contact too
-            small to be resolved; unless exactly one of the two is given.
+        A depth or force at which contact would reach the socket's rim, or is too small to be
+        resolved, is a ``ValueError``, as is any other number of arguments than one.
         """
         asked, name = self._given(depth, force)
         unit = "m" if name == "depth" else "N"
@@ -327,24 +283,18 @@ class DimensionalJoint(Configuration):
             contact = tilted_contact(joint, given / clearance, tilt)
         else:
             contact = under_force(joint, given / (modulus * clearance**2), tilt)
-        force_unit, pressure = modulus * clearance**2, modulus * clearance / self.socket_radius
-        return TiltedSolution(
-            depth=clearance * contact.depth_star,
-            tilt=contact.tilt,
-            force=force_unit * contact.force_star,
-            transverse=force_unit * contact.transverse_star,
-            stiffness=modulus * clearance * contact.stiffness_star,
-            transverse_stiffness=modulus * clearance * contact.transverse_stiffness_star,
-            peak_pressure=pressure * contact.peak_pressure_star,
-            peak_angle_deg=contact.peak_angle_deg,
-            contact_edges_deg=contact.contact_edges_deg,
-            reaches_rim=contact.reaches_rim,
-            error_estimate=contact.error_estimate,
-        )
+        units = {
+            "depth": clearance,
+            **dict.fromkeys(("force", "transverse"), modulus * clearance**2),
+            **dict.fromkeys(("stiffness", "transverse_stiffness"), modulus * clearance),
+            "peak_pressure": modulus * clearance / self.socket_radius,
+        }
+        found = {name: unit * getattr(contact, f"{name}_star") for name, unit in units.items()}
+        others = {of.name for of in fields(TiltedSolution)} - units.keys()
+        return TiltedSolution(**found, **{name: getattr(contact, name) for name in others})
 
     @staticmethod
     def _given(depth, force):
-        """Depths or forces, checked, and the name of what is given."""
         if depth is None and force is None:
             raise ValueError("depth or force must be given")
         if depth is not None and force is not None:
@@ -357,10 +307,7 @@ class DimensionalJoint(Configuration):
         return asked, name
 
     def curve(self) -> DimensionalSolution:
-        """The whole curve, at some 50 depths up to one clearance, if the joint can.
-
-        Its errors are those of `study.joint.ForceCurve`.
-        """
+        """The whole curve, at some 50 depths up to one clearance, if the joint can."""
         law, curve = self._table(usual_depth(self.joint))
         depths = self.clearance * curve.depth_star
         return self._solution(law, depths, self._force(curve), curve, curve.error_estimate)
@@ -455,10 +402,7 @@ class DimensionalJoint(Configuration):
             except UnresolvedError:
                 continue
             except checks.RangeError:
-                raise checks.RangeError(
-                    f"{name} must keep the contact off the socket's rim (half-angle < "
-                    f"{np.degrees(self.joint.reach):g} deg), got {asked.max():g} {unit}"
-                ) from None
+                raise at_rim(name, self.joint, f"{asked.max():g} {unit}") from None
         raise UnresolvedError(
             f"{name} must be so large that elements resolve the contact, got {asked.min():g} "
             f"{unit}: Hertz's law holds for such small contacts"

@@ -29,8 +29,7 @@ from skfem import (
 from skfem.helpers import ddot, div, dot, eye, grad, mul, sym_grad, trace, transpose
 from skfem.models.elasticity import lame_parameters
 
-from study.joint.bodies import Ball, Socket
-from study.joint.compliance import RESOLUTION, Compliance, graded, surface_angles
+from study.joint.compliance import RESOLUTION, Ball, Compliance, Socket, graded, surface_angles
 from study.joint.supports import Bore, Core, Neck, Sector
 from study.threads import one_thread
 

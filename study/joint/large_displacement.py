@@ -33,9 +33,8 @@ def solve(
 
     At each depth the `linear` contact problem is solved some ten times, with the gap of the
     deformed surfaces. Loads are what internal forces, and pressures along deformed normals, have
-    beyond the linear ones. They are of order 1/R2*, so that the linear factorisation serves all
-    steps. Pressure is per area of the unloaded ball. Steps that do not converge raise
-    `study.joint.complementarity.ComplementarityError`.
+    beyond the linear ones. They are of order 1/R2*, so that one factorisation is enough. Pressure
+    is per area of the unloaded ball.
     """
     problem, axial = linear(joint, ball.compliance, socket.compliance)
     surfaces = _Surfaces(joint, ball, socket)

@@ -20,7 +20,7 @@ from scipy.linalg import cholesky, solve_triangular
 from study.contact import hertz_factor
 from study.joint import complementarity
 from study.joint.compliance import Compliance
-from study.joint.contact_kinematics import PROBLEMS
+from study.joint.contact_kinematics import problem_of
 from study.joint.definition import Joint
 
 Floats = NDArray[np.float64]
@@ -42,23 +42,14 @@ class NestedContacts:
     is left at the next node. It is a parabola of the depth_star, and the node closes where it is
     zero. The axial force is -(L^-1 axial) y, summed over the nodes in contact.
 
-    Parameters
-    ----------
-    widest
-        Polar angle in rad that no contact of interest reaches.
-    made
-        Values of depth_star at which the matrix is made; a polynomial leads to all others.
+    No contact of interest reaches the polar angle ``widest``, in rad. The matrix is ``made`` at
+    some values of depth_star; a polynomial leads to all others.
     """
 
     def __init__(
-        self,
-        joint: Joint,
-        ball: Compliance,
-        socket: Compliance,
-        widest: float,
-        made: Floats,
+        self, joint: Joint, ball: Compliance, socket: Compliance, widest: float, made: Floats
     ):
-        problem, axial = PROBLEMS[joint.kinematics](joint, ball, socket)
+        problem, axial = problem_of(joint, ball, socket)
         self._per_pressure = joint.r2_star * axial
         self.angles, self._size = ball.angles, np.searchsorted(ball.angles, widest, "right")
         # matrix and gap change with the depth by terms of order 1/R2* beside the parabola: all
@@ -117,16 +108,8 @@ class NestedContacts:
 class Extrapolated:
     """Contacts that end at the nodes of the coarser of two meshes, extrapolated from both.
 
-    Depth and force at equal half-angle have errors of order 2.
-
-    Attributes
-    ----------
-    depth, force
-        Extrapolated depth_star and force_star, from the pole's node on; shape (m,).
-    error
-        Relative difference of the two meshes' forces at equal depth; shape (m,).
-    fine, coarse
-        The contacts of the two meshes.
+    Depth_star and force_star at equal half-angle have errors of order 2. The ``error`` is the
+    relative difference of the two meshes' forces at equal depth. Arrays (m,), from the pole on.
     """
 
     depth: Floats
@@ -194,7 +177,7 @@ def pivoted(
     joint: Joint, ball: Compliance, socket: Compliance, depth: float
 ) -> tuple[Floats, float]:
     """Pressure and force at a depth_star, of a contact that may be a ring or have several parts."""
-    problem, axial = PROBLEMS[joint.kinematics](joint, ball, socket)
+    problem, axial = problem_of(joint, ball, socket)
     matrix, parts = problem(depth)
     pressure, _ = complementarity.solve(matrix, depth ** np.arange(3) @ parts)
     return pressure, joint.r2_star * float(axial @ pressure)

@@ -4,8 +4,7 @@ Mirrored about the equator, ball and socket are a whole sphere and a whole spher
 pressures of even Legendre order. Each order is solved alone. Two of its displacement modes are
 regular at the centre, and two are singular there (Lur'e, Three-dimensional problems of the theory
 of elasticity, 1964). The layers of a shell are bonded, and joined by the flexibility of those
-outside. The bodies are those of `study.joint.fem` with a ``guided`` ball and a ``mirror`` rim. Only
-the hat functions of the pressure are left of a mesh.
+outside. The bodies are those of `study.joint.fem` with a ``guided`` ball and a ``mirror`` rim.
 """
 
 from dataclasses import dataclass
@@ -14,8 +13,15 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from study.joint.bodies import Ball, Socket, layer_steps
-from study.joint.compliance import RESOLUTION, Compliance, HatFunctions, surface_angles
+from study.joint.compliance import (
+    RESOLUTION,
+    Ball,
+    Compliance,
+    HatFunctions,
+    Socket,
+    layer_steps,
+    surface_angles,
+)
 from study.threads import one_thread
 
 ORDERS = 16
@@ -54,17 +60,19 @@ class Solid:
 def compliance(body: Ball | Socket, resolution: int = RESOLUTION["series"]) -> Compliance:
     """Compliance of a solid ball, or of a shell fixed on its outer sphere.
 
-    The body is symmetric about its equatorial plane. The ``resolution`` is the number of pressure
-    elements along the quarter circle, a multiple of 16. The series ends after `ORDERS` per element.
+    The ``resolution`` is the number of pressure elements along the quarter circle, a multiple of
+    16. The series ends after `ORDERS` per element.
     """
-
-    def receptance(orders):
-        """Displacement of the surface against the pressure."""
-        if isinstance(body, Ball):
-            return -ball(orders, body.poisson).state(1.0)[0]
-        return socket(orders, body)[0].state(1.0)[0]
-
-    return _compliance(resolution, receptance)
+    angles = surface_angles(resolution)
+    last_order = ORDERS * (len(angles) - 1)
+    orders = np.arange(0, last_order + 1, 2)
+    if isinstance(body, Ball):
+        receptance = -ball(orders, body.poisson).state(1.0)[0]
+    else:
+        receptance = socket(orders, body)[0].state(1.0)[0]
+    norms = 2 * np.pi / (2 * orders + 1)  # of P_n(cos theta) squared over the hemisphere
+    roots = np.sqrt(receptance * norms)[:, None] * hat_coefficients(resolution, last_order)
+    return Compliance(angles, roots.T @ roots)
 
 
 def ball(orders: ArrayLike, poisson: float) -> Solid:
@@ -131,26 +139,14 @@ def modes(
     return np.array([inner, inner, outer, outer]) * np.array([radial, polar, normal, shear])
 
 
-def _compliance(resolution, receptance):
-    """Compliance from the surface's displacement under each P_n(cos theta), a function of n."""
-    angles = surface_angles(resolution)
-    last_order = ORDERS * (len(angles) - 1)
-    orders = np.arange(0, last_order + 1, 2)
-    norms = 2 * np.pi / (2 * orders + 1)  # of P_n(cos theta) squared over the hemisphere
-    roots = np.sqrt(receptance(orders) * norms)[:, None] * hat_coefficients(resolution, last_order)
-    return Compliance(angles, roots.T @ roots)
-
-
 @lru_cache(maxsize=4)
 def hat_coefficients(resolution: int, last_order: int) -> NDArray[np.float64]:
     """Legendre coefficients of every hat, continued evenly about the equator: (orders, hats).
 
-    For the even orders up to the last, and hats at the nodes of `surface_angles`.
-
-    By parts, the integral of h P_n sin(theta) is that of h' (J_(n+1) - J_(n-1))' / (2n + 1),
-    where J_n is the integral of P_n(cos theta) over theta from the pole. It obeys
-    (n + 1)^2 J_(n+1) = (2n + 1) sin(theta) P_n + n^2 J_(n-1), which damps errors: no
-    quadrature, whatever the order.
+    Orders are even, up to the last. By parts, the integral of h P_n sin(theta) is that of
+    h' (J_(n+1) - J_(n-1))' / (2n + 1), where J_n is the integral of P_n(cos theta) over theta from
+    the pole. It obeys (n + 1)^2 J_(n+1) = (2n + 1) sin(theta) P_n + n^2 J_(n-1), which damps
+    errors: no quadrature, whatever the order.
     """
     angles = surface_angles(resolution)
     sine, cosine = np.sin(angles), np.cos(angles)

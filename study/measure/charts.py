@@ -5,9 +5,9 @@
 paper's scene with clearance, against the study's stepper at its smallest tolerance. ``flexible``:
 flexible links, against particles of a fine mesh.
 
-A new method needs its entry in `SOLVERS` or `STEPPERS`, its run beside the others, and its look in
-`study.pages.figures.METHOD_LOOKS`. Other programs are timed by ``tests/benchmarks`` of the
-checkout, in the same process and by turns with the study's own methods.
+A new method needs its run in `solvers` or `steppers`, and its look in ``study/pages/looks.csv``.
+Other programs are timed by ``tests/benchmarks`` of the checkout, in the same process and by turns
+with the study's own methods.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,24 +21,14 @@ from study import checks
 from study.compiled import compiled
 from study.contact import LAWS, DimensionalLaw, tabulated
 from study.contact.forces import elastic_force
-from study.joint import (
-    Joint,
-    contact_kinematics,
-    fem,
-    force_curve,
-    paper_joint,
-    series,
-    whole_curve,
-)
+from study.joint import Joint, contact_kinematics, fem, paper_joint, series
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
-from study.joint.curve import Solver
+from study.joint.curve import Solver, force_curve, whole_curve
 from study.joint.law_parameters import law_parameters
 from study.measure import explicit, flexible, timing
-from study.measure.speed import OURS
-from study.measure.timing import PYTHON, Run
+from study.measure.timing import OURS, PYTHON, Run
 from study.mechanism import paper_scene, simulate
 from study.mechanism.compare import normalised_rms
-from study.mechanism.law_in_scene import in_joint
 
 Chart = Literal["laws", "solvers", "steppers", "flexible"]
 CHARTS = get_args(Chart)
@@ -49,16 +39,12 @@ FREE = Joint(200, 1.3)  # of the solvers: a radially free ball, for which the se
 LAW_DEPTHS = np.linspace(0.025, 1, 40)
 CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
 SCENE, DURATION, OUTPUTS = paper_scene(), 0.3, 3000
-SOLVERS = (  # method and its resolution; the first is the unit of the chart's times
-    *(("series", n) for n in (320, 32, 64, 160, 640)),
-    *(("six-node triangles", n) for n in (32, 64, 96, 160, 224)),
-    *(("three-node triangles", n) for n in (32, 64, 96, 160, 320)),
-)
-SOLVER_NAMES: dict[str, Solver] = {
-    "series": "series",
-    "six-node triangles": "quadratic",
-    "three-node triangles": "linear",
+SOLVERS: dict[str, tuple[Solver, tuple[int, ...]]] = {
+    "series": ("series", (320, 32, 64, 160, 640)),
+    "six-node triangles": ("quadratic", (32, 64, 96, 160, 224)),
+    "three-node triangles": ("linear", (32, 64, 96, 160, 320)),
 }
+"""Method -> solver and resolutions, the first of which is the unit of the chart's times."""
 STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7)
 LONGEST_STEPS = {"centred": 2e-6, "velocity Verlet": 1e-6, "RK4": 1e-6}
 """In s: with longer ones the ball goes too deep (notebook 17)."""
@@ -91,15 +77,14 @@ def timed(chart: Chart, repeats: int, others: Sequence[Run] = ()) -> pd.DataFram
 def laws(repeats: int = 15, compile_times: bool = True) -> pd.DataFrame:
     """Cost and error of every law, `tabulated` and the direct solution; Hertz's law first.
 
-    ``compile_times`` are measured as well, which takes some seconds; else they are 0.
+    Without ``compile_times``, which take some seconds, these are 0.
     """
     solved = tabulated(whole_curve(PAPER))
     exact = force_curve(PAPER, LAW_DEPTHS, FINEST).force_star
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     prepare = "from study.measure.charts import add_law; depths = np.ones(2) * 1e-6"
     seconds = timing.compile_time("add_law(law, depths)", prepare) if compile_times else 0.0
-    compiled_here = DimensionalLaw("hertz", **SIZES).packed()  # a first call may be the one counted
-    add_law(compiled_here, depths[:2])
+    add_law(DimensionalLaw("hertz", **SIZES).packed(), depths[:2])  # compiled here, not counted
     rows = []
     for name, law in (LAWS | {"tabulated": solved}).items():
         options = law_parameters(law, PAPER)
@@ -123,9 +108,11 @@ def laws(repeats: int = 15, compile_times: bool = True) -> pd.DataFrame:
 def solvers() -> Iterator[Run]:
     """Curves of 20 depths, bodies included, of every method and resolution of `SOLVERS`."""
     force_curve(FREE, CURVE_DEPTHS[:1], resolution=32)  # imports
-    for method, n in SOLVERS:
-        orders = f", {series.ORDERS * n} orders" if method == "series" else ""
-        yield solver(method, f"resolution {n}{orders}", partial(_curve, method, n), called=PYTHON)
+    for method, (name, resolutions) in SOLVERS.items():
+        for n in resolutions:
+            orders = f", {series.ORDERS * n} orders" if method == "series" else ""
+            run = partial(_curve, name, n)
+            yield solver(method, f"resolution {n}{orders}", run, called=PYTHON)
 
 
 def solver(method: str, setting: str, call: timing.Call, **columns: str) -> Run:
@@ -138,19 +125,16 @@ def _finest_curve():
     return force_curve(FREE, CURVE_DEPTHS, FINEST_RESOLUTION).force_star
 
 
-def _curve(method, n):
+def _curve(name, n):
     """Forces of our own solution, with new bodies at this resolution and at half of it."""
     made = fem.meshed, fem.compliance, series.compliance, series.hat_coefficients
     for function in (*made, contact_kinematics._pairs):
         function.cache_clear()
-    return force_curve(FREE, CURVE_DEPTHS, n, SOLVER_NAMES[method]).force_star
+    return force_curve(FREE, CURVE_DEPTHS, n, name).force_star
 
 
 def steppers(compile_times: bool = True) -> Iterator[Run]:
-    """The study's stepper, its default first, and explicit schemes, over 0.3 s of the mechanism.
-
-    ``compile_times`` are as for `laws`.
-    """
+    """The study's stepper, its default first, and explicit schemes, over 0.3 s of the mechanism."""
     seconds = {OURS: 0.0, "explicit": 0.0}
     if compile_times:
         seconds[OURS] = timing.compile_time("simulate(law='hertz', duration=1e-5, outputs=1)")
@@ -160,7 +144,7 @@ def steppers(compile_times: bool = True) -> Iterator[Run]:
     for tolerance in TOLERANCES:
         run = partial(_ours, tolerance)
         yield stepper(OURS, f"tolerance {tolerance:.2g}", run, compile_time=seconds[OURS])
-    law = hertz_law()
+    law = explicit.packed(SCENE, "hertz")
     explicit.integrate(SCENE, law, 1e-5, 1, 1e-6, "RK4")  # compiles
     for scheme in explicit.SCHEMES:
         for step in STEPS:
@@ -181,11 +165,6 @@ def stepper(method: str, setting: str, call: timing.Call, **columns: str | float
 @cache
 def _finest_motion():
     return np.append(0.0, _ours(1e-11))
-
-
-def hertz_law() -> tuple:
-    """Hertz's law of `SCENE`, as compiled steppers take it."""
-    return in_joint(SCENE, LAWS["hertz"], SCENE.clearance).packed()
 
 
 def _ours(tolerance):

@@ -13,9 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from study.compiled import compiled
 from study.contact.forces import elastic_force
 from study.contact.friction import friction_regime
+from study.contact.laws import find
 from study.mechanism import rigid
 from study.mechanism.angles import angle_of, norm, sine_cosine
 from study.mechanism.joints import ContactState
+from study.mechanism.law_in_scene import in_joint
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import MechanismError, divide
 
@@ -175,6 +177,11 @@ def _centre(y, a, half, approach, p, law, work, stage, slopes):
     return pull
 
 
+def packed(scene: Scene, law: str) -> np.record:
+    """A law in a scene's joint, for the compiled functions."""
+    return in_joint(scene, find(law), scene.clearance).packed()
+
+
 def start_of(scene: Scene) -> NDArray[np.float64]:
     """(theta, e_x, e_y) and their rates at t = 0.
 
@@ -196,37 +203,15 @@ def integrate(
     approach: float = inf,
     guarded: bool = True,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Slider's acceleration and depth of the clearance joint at equally spaced times.
+    """Slider's acceleration in m/s^2 and depth of the clearance joint in m, shapes (outputs + 1,).
 
-    Parameters
-    ----------
-    law
-        From `study.contact.DimensionalLaw.packed`.
-    duration
-        In s.
-    outputs
-        Number of equal intervals between the times of output.
-    step
-        Largest step, in s, shortened to divide the outputs' distance.
-    scheme
-        One of `SCHEMES`.
-    start
-        (theta, e_x, e_y) and their rates at t = 0; by default those of the scene.
-    approach
-        Approach speed of the contact that the start is in, in m/s; inf for none.
-    guarded
-        Whether to stop where the step is beyond its limit in the contact. Otherwise a wrong run
-        stops only if the ball goes too deep.
+    The duration in s is divided into ``outputs`` equal intervals, and each of these into steps of
+    one of `SCHEMES`, in s and at most ``step``. The law is from `packed`. The start is the state at
+    t = 0, by default `start_of` the scene, and ``approach`` the approach speed in m/s of the
+    contact that it is in, inf for none.
 
-    Returns
-    -------
-    acceleration, depth : ndarray, shapes (outputs + 1,)
-        In m/s^2 and m.
-
-    Raises
-    ------
-    study.mechanism.MechanismError
-        If the step is beyond its limit, or the ball goes deeper than one clearance.
+    Raises `study.mechanism.MechanismError` if the ball goes deeper than one clearance and, if it is
+    ``guarded``, where the step is beyond its limit in the contact.
     """
     y = np.array(start_of(scene) if start is None else start, float)
     strides, h = divide(duration * np.arange(2) / outputs, step)

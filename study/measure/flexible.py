@@ -30,10 +30,7 @@ FINEST = {"ideal joint": (8, 16), "first impact": (32, 64)}
 MESHES = {"ideal joint": (1, 2, 4), "first impact": (2, 4, 8, 16)}
 """Elements of the crank; the coupler has twice as many. Particles need two: one has too much
 inertia."""
-STEPS = {
-    "ideal joint": (1e-3, 2e-4, 5e-5, 1e-5),
-    "first impact": (1e-5, 4e-6, 1e-6, 2.5e-7),
-}
+STEPS = {"ideal joint": (1e-3, 2e-4, 5e-5, 1e-5), "first impact": (1e-5, 4e-6, 1e-6, 2.5e-7)}
 """Steps of the implicit methods, in s."""
 SHARES = (0.95, 0.5)  # of the explicit step's limit
 

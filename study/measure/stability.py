@@ -10,28 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study.contact.forces import elastic_force
-from study.contact.laws import find
 from study.measure import explicit
-from study.measure.explicit import EX, EY, THETA
+from study.measure.explicit import EX, EY, THETA, packed
 from study.measure.thresholds import bisect
-from study.mechanism import MechanismError, Scene, law_in_scene, rigid, simulate
+from study.mechanism import MechanismError, Scene, rigid, simulate
 
 Numbers = NDArray[np.float64]
 
 
-def packed(scene: Scene, law: str) -> np.record:
-    """A law in a scene's joint, for the compiled functions."""
-    return law_in_scene.in_joint(scene, find(law), scene.clearance).packed()
-
-
 def sustained_contact(scene: Scene, law: str, duration: float) -> Numbers:
-    """State of rigid links at the end of a simulation that ends in contact.
-
-    Returns
-    -------
-    ndarray, shape (6,)
-        (theta, e_x, e_y) and their rates, in rad, m and s.
-    """
+    """State of rigid links at the end of a simulation that ends in contact, as of `start_of`."""
     last = simulate(scene, law=law, duration=duration, outputs=2, tolerance=1e-10).motion.iloc[-1]
     crank, coupler = last.crank_angle, last.coupler_angle
     turns = scene.crank_length * last.crank_speed, scene.coupler_length * last.coupler_speed
@@ -46,12 +34,9 @@ def oscillator(scene: Scene, law: str, state: ArrayLike) -> dict[str, float]:
     A unit force along the tangent of the ball's surface accelerates the sliding by 1/mass: through
     crank and coupler, a double pendulum, and through the slider (this study, closed form).
 
-    Returns
-    -------
-    dict
-        ``depth`` in m, ``force`` P in N, ``mass`` m of the mechanism along the normal in kg,
-        ``frequency`` w = sqrt(P'/m) in rad/s, and ``friction_rate`` mu P / ((v1 - v0) m) in 1/s, at
-        which friction slows sliding between v0 and v1, with the mass along the tangent.
+    The numbers are ``depth`` in m, ``force`` P in N, ``mass`` m of the mechanism along the normal
+    in kg, ``frequency`` w = sqrt(P'/m) in rad/s, and ``friction_rate`` mu P / ((v1 - v0) m) in 1/s,
+    at which friction slows sliding between v0 and v1, with the mass along the tangent.
     """
     numbers, p = packed(scene, law), scene.constants()
     state = np.asarray(state)
@@ -88,12 +73,9 @@ def _amplification(scheme, w, g):
 
 
 def step_limit(scheme: str, frequency: float, rate: float = 0.0) -> float:
-    """Longest stable step of a scheme for x'' = -w^2 x - rate x', in s: spectral radius 1.
+    """Longest stable step in s of a scheme for x'' = -w^2 x - rate x': spectral radius 1.
 
-    Parameters
-    ----------
-    frequency, rate
-        In rad/s and 1/s.
+    The frequency w is in rad/s, the rate in 1/s.
     """
 
     def unstable(h):
@@ -104,22 +86,12 @@ def step_limit(scheme: str, frequency: float, rate: float = 0.0) -> float:
 
 
 def observed_step(
-    scene: Scene,
-    law: str,
-    state: ArrayLike,
-    scheme: str,
-    approach: float = inf,
+    scene: Scene, law: str, state: ArrayLike, scheme: str, approach: float = inf
 ) -> float:
     """Smallest step at which two runs of 40 steps that start side by side diverge, in s.
 
-    Runs diverge if the first difference of their accelerations grows tenfold.
-
-    Parameters
-    ----------
-    scheme
-        One of `study.measure.explicit.SCHEMES`.
-    approach
-        Approach speed of the contact, in m/s; inf: not damped.
+    Runs diverge if the first difference of their accelerations grows tenfold. The contact's
+    approach speed is in m/s; inf: not damped.
     """
     numbers, contact, state = packed(scene, law), oscillator(scene, law, state), np.asarray(state)
     rate = scene.damping_factor * contact["force"] / contact["mass"] / approach

@@ -1,4 +1,8 @@
-"""Timing of calls on one thread, rows of a chart from them, and the machine that they belong to."""
+"""Timing of calls on one thread, charts of their times and errors, and how these are read.
+
+Times depend on the machine: those drawn are kept in ``data/published/speed.csv``, which
+`study measure` renews.
+"""
 
 import os
 import platform
@@ -8,29 +12,32 @@ import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from functools import cache
-from importlib import metadata
+from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from threadpoolctl import threadpool_limits
 
 Call = Callable[[], NDArray[np.float64]]
 COMPILED, PYTHON, PROGRAM = "compiled", "from Python", "as a program"
 """How a method is called: in a compiled loop, by a loop in Python, or as a process of its own."""
+OURS = "collocation, events"
+"""The study's own stepper, as the charts name it."""
+ERRORS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
+"""Errors of the slider's acceleration at which steppers are compared."""
 ENOUGH = 2.0  # s in calls of a function, after which it is not called again
 _COMPILING = """
 import pathlib, sys, time
 import numpy as np
 from study import paths
 paths.BUILD = paths.CACHE = pathlib.Path(sys.argv[1])
-from study.contact import hertz
 from study.measure import explicit
-from study.mechanism import Scene, law_in_scene, simulate
-law = law_in_scene.in_joint(Scene(), hertz, Scene().clearance).packed()
+from study.mechanism import Scene, simulate
+law = explicit.packed(Scene(), "hertz")
 {prepare}
 start = time.perf_counter()
 {call}
@@ -41,10 +48,7 @@ print(middle - start - (time.perf_counter() - middle))
 
 
 class Run(NamedTuple):
-    """One method at one setting: ``error`` is that of what ``call`` returns.
-
-    ``columns`` are further ones of its row.
-    """
+    """One method at one setting, the error of what ``call`` returns, and columns of its row."""
 
     method: str
     setting: str
@@ -136,14 +140,6 @@ def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
     return frame
 
 
-def version(package: str) -> str:
-    """Version of an installed package, or an empty text."""
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return ""
-
-
 @cache
 def machine() -> str:
     """Processor, its number of cores, Python and NumPy, in words."""
@@ -153,3 +149,35 @@ def machine() -> str:
         model = names[0].strip() if names else model
     python = f"Python {platform.python_version()}, NumPy {version('numpy')}"
     return f"{model}, {os.cpu_count()} cores, {python}, Numba {version('numba')}"
+
+
+def pareto_front(rows: pd.DataFrame, error: str = "rms_error", cost: str = "time") -> pd.DataFrame:
+    """Rows of a chart that no other row beats in both error and cost, from the cheapest on."""
+    ordered = rows.dropna(subset=[cost, error]).sort_values([cost, error])
+    return ordered[ordered[error] < ordered[error].cummin().shift(fill_value=np.inf)]
+
+
+def time_at(rows: pd.DataFrame, errors: ArrayLike) -> NDArray[np.float64]:
+    """Time in s that a method needs for given errors, from its rows in a chart.
+
+    Logarithms are interpolated along the `pareto_front`. NaN for an error below that of every row.
+    """
+    front = pareto_front(rows)[::-1]  # errors ascend
+    known = np.log(front[["rms_error", "time"]].to_numpy()).T
+    return np.exp(np.interp(np.log(errors), *known, left=np.nan))
+
+
+def at_equal_error(steppers: pd.DataFrame, errors: Sequence[float] = ERRORS) -> pd.DataFrame:
+    """Time of every stepper at given errors, and its ratio to that of the study's own.
+
+    Columns method, called, error, time, ratio; without errors that a stepper does not reach.
+    """
+    parts = [
+        pd.DataFrame(
+            {"method": name[0], "called": name[1], "error": errors, "time": time_at(part, errors)}
+        )
+        for name, part in steppers.groupby(["method", "called"], sort=False)
+    ]
+    table = pd.concat(parts, ignore_index=True)
+    own = table[table.method == OURS].set_index("error").time
+    return table.assign(ratio=table.time / table.error.map(own)).dropna(ignore_index=True)

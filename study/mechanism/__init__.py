@@ -10,9 +10,6 @@ are `particles`, stepped explicitly, or finite elements (`beams`), stepped impli
 straight, with the velocities of rigid links (`frame`). At constant crank speed the
 crank's fixed end turns as given; the moment that this takes is an output. Its work is summed
 by the trapezoidal rule, so that the energy balance closes with order 2.
-
-A law is a record of numbers (`study.contact.forces`), because compiled code that is kept on disk
-cannot hold Python functions. `angles` says why its sines are its own.
 """
 
 from study.mechanism.particles import stable_step

@@ -1,15 +1,13 @@
 """Sine, angle and sixth root with the same bits on every processor, for compiled loops.
 
 Impacts are chaotic: each enlarges the rounding of those before it. Sines of the system's
-mathematical library differ in their last bit between processors. With them instead of these, all
-151 impacts of restitution 0.99 agree within 2e-6. Those of an elastic joint differ by more than
-1e-3 from the 69th on, and 309 come out instead of 320 (scene of the paper, rigid links, 0.2 s). No
-tolerance compares that, so the bits must be the same. Those of sums, products, quotients and square
-roots are, and nothing else is used here.
+mathematical library differ in their last bit between processors. With them, impacts of an elastic
+joint differ by more than 1e-3 from the 69th on, and 309 come out instead of 320 (scene of the
+paper, rigid links, 0.2 s). No tolerance compares that. The bits of sums, products, quotients and
+square roots are the same, and nothing else is used here.
 
-Results of impacts are compared with a tolerance too (``CHAOTIC`` in `study.dataset.tolerance`). It
-is for what no function here can fix: BLAS and LAPACK round otherwise on each processor, and give
-the coefficients of fitted laws and the step of particles.
+The tolerance of impacts (``CHAOTIC`` in `study.dataset.tolerance`) is for BLAS and LAPACK, which
+round otherwise on each processor, and give the coefficients of fitted laws and the particles' step.
 """
 
 from math import factorial, pi, sqrt

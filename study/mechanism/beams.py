@@ -7,10 +7,11 @@ motion is free of strain. The shear compliance includes the residual bending fle
 generalised-alpha method (Chung & Hulbert 1993), with Newton's method on a banded matrix.
 """
 
+from collections import namedtuple
 from collections.abc import Iterator
 from functools import partial
 from math import inf
-from typing import Any, NamedTuple, get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from study.mechanism import stepping
 from study.mechanism.angles import direction, norm, sine_cosine
 from study.mechanism.frame import straight_links
 from study.mechanism.scene import Body, Scene
-from study.mechanism.stepping import Energies, JointOutput, Moving
+from study.mechanism.stepping import JointOutput
 
 SPECTRAL_RADIUS = 0.8
 """At infinite frequency: the share that a step leaves of motions that it cannot follow."""
@@ -44,54 +45,27 @@ SECTION = np.dtype(
     [(name, float) for name in ("length", "axial", "shear", "bending", "mass", "rotary")]
 )
 """An element: its length, stiffnesses, and mass and rotary inertia per length."""
+Ball = namedtuple("Ball", "x y turn slider")
+"""Numbers of the unknowns of the ball, and of the slider's position."""
+System = namedtuple("System", "sections unknowns ball pin held mass load initial rates ideal")
+"""Elements of both links on +x, their unknowns numbered along the chain, mass and load.
 
-
-class Ball(NamedTuple):
-    """Numbers of the unknowns of the ball, and of the slider's position."""
-
-    x: int
-    y: int
-    turn: int
-    slider: int
-
-
-class System(NamedTuple):
-    """Elements of both links on +x, their unknowns numbered along the chain, mass and load."""
-
-    sections: Any
-    """A `SECTION` for each element."""
-    unknowns: Any
-    """A row for each element: the numbers of (x, y, rotation) at both ends."""
-    ball: Ball
-    pin: int
-    """Number of the pin's x."""
-    held: Any
-    """Numbers of unknowns whose rate is given."""
-    mass: Any
-    """Consistent mass, a band in which column `BAND` is the diagonal."""
-    load: Any
-    initial: Any
-    rates: Any
-    """Places and rotations at t = 0, and their rates."""
-    ideal: bool
+``sections`` has a `SECTION` for each element, ``unknowns`` the numbers of (x, y, rotation) at both
+of its ends; ``pin`` is the number of the pin's x, and ``held`` those of unknowns whose rate is
+given. In ``mass``, a band, column `BAND` is the diagonal. ``initial`` and ``rates`` are those at
+t = 0."""
 
 
 class Contact(NamedTuple):
-    """State of the joint, and its forces on the slider."""
+    """What a row of output has of the joint, its rates, and the elastic part of its force."""
 
-    depth: float
+    output: JointOutput
     rate: float
     sliding: float
-    ex: float
-    ey: float
-    normal: float
-    tangential: float
     elastic: float
-    force_x: float
-    force_y: float
 
 
-NO_CONTACT = Contact(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_CONTACT = Contact(JointOutput(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
 
 
 def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
@@ -146,12 +120,8 @@ def _internal(q, sections, unknowns, force, matrix, factor):
     energy, b, d = 0.0, np.zeros((3, 6)), np.zeros(6)
     for e in range(len(sections)):
         section, at = sections[e], unknowns[e]
-        length, axial, shear, bending = (
-            section.length,
-            section.axial,
-            section.shear,
-            section.bending,
-        )
+        length, axial = section.length, section.axial
+        shear, bending = section.shear, section.bending
         for i in range(6):
             d[i] = q[at[i]]
         dx, dy = (d[X2] - d[X1]) / length, (d[Y2] - d[Y1]) / length
@@ -198,7 +168,8 @@ def _contact(q, v, ball, contact, approach, regime, p, law):
     rate, across = wx * nx + wy * ny, wx * tx + wy * ty
     sliding = across + p.r1 * spin
     if not contact or depth <= 0:
-        return Contact(depth, rate, sliding, ex, ey, 0.0, 0.0, 0.0, 0.0, 0.0), stiff, damp
+        free = JointOutput(ex, ey, depth, 0.0, 0.0, 0.0, 0.0)
+        return Contact(free, rate, sliding, 0.0), stiff, damp
     if regime == ANY:
         regime = friction_regime(sliding, p.v0, p.v1)
     forces = joint_forces(
@@ -222,8 +193,8 @@ def _contact(q, v, ball, contact, approach, regime, p, law):
     damp[X, TURN], damp[Y, TURN] = dtangential * tx, dtangential * ty
     damp[TURN, TURN] = p.r1 * dtangential
     fx, fy = normal * nx - tangential * tx, normal * ny - tangential * ty
-    found = Contact(depth, rate, sliding, ex, ey, normal, tangential, forces.elastic, fx, fy)
-    return found, stiff, damp
+    output = JointOutput(ex, ey, depth, normal, tangential, fx, fy)
+    return Contact(output, rate, sliding, forces.elastic), stiff, damp
 
 
 @compiled
@@ -263,8 +234,9 @@ def _forces(q, v, system, state, regime, p, law, force, matrix, tangent):
     energy = _internal(q, system.sections, system.unknowns, force, matrix, by_q)
     if system.ideal:
         return energy, NO_CONTACT
-    joint, stiff, damp = _contact(q, v, ball, state.contact, state.approach, regime, p, law)
-    if joint.normal != 0 or joint.elastic != 0:
+    contact, stiff, damp = _contact(q, v, ball, state.contact, state.approach, regime, p, law)
+    joint = contact.output
+    if joint.normal != 0 or contact.elastic != 0:
         force[ball.x] += joint.force_x
         force[ball.y] += joint.force_y
         force[ball.turn] -= p.r1 * joint.tangential
@@ -275,7 +247,7 @@ def _forces(q, v, system, state, regime, p, law, force, matrix, tangent):
                 sign = (-1.0 if i == 3 else 1.0) * (-1.0 if j == 3 else 1.0)  # of the slider
                 value = by_q * stiff[of[i], of[j]] + by_v * damp[of[i], of[j]]
                 matrix[at[i], BAND + at[j] - at[i]] -= sign * value
-    return energy, joint
+    return energy, contact
 
 
 @compiled
@@ -347,7 +319,7 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
 
 @compiled
 def _copy(source, target):
-    """Copy numbers one by one: an assignment of arrays takes seconds to compile."""
+    """Copy numbers: an assignment of arrays takes seconds to compile."""
     for i in range(len(source)):
         target[i] = source[i]
 
@@ -355,11 +327,12 @@ def _copy(source, target):
 @compiled
 def _follow_contact(state, impacts, before, after, h):
     """Add what a step in contact loses; say if its force is the largest so far, and if it ended."""
-    for joint in (before, after):
-        state.lost_damping += 0.5 * h * ((joint.normal - joint.elastic) * joint.rate)
-        state.lost_friction -= 0.5 * h * joint.tangential * joint.sliding
-    largest = stepping.follow_impact(impacts, state, after.normal, after.depth)
-    ended = after.depth <= 0
+    for contact in (before, after):
+        joint = contact.output
+        state.lost_damping += 0.5 * h * ((joint.normal - contact.elastic) * contact.rate)
+        state.lost_friction -= 0.5 * h * joint.tangential * contact.sliding
+    largest = stepping.follow_impact(impacts, state, after.output.normal, after.output.depth)
+    ended = after.output.depth <= 0
     if ended:
         stepping.end_impact(impacts, state, -after.rate)
     return largest, ended
@@ -385,7 +358,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
             return done, stepping.FULL
         t = state.time = state.steps * h
         if state.steps % strides == 0:
-            _write_output(rows[done], state, motion, old, system, joint, strain, p)
+            _write_output(rows[done], state, motion, old, system, joint.output, strain, p)
             done += 1
         begun = largest = ended = False
         while True:  # twice if the surfaces meet in this step
@@ -395,15 +368,16 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
             strain, new_joint = _forces(
                 new[PLACES], new[RATES], system, state, ANY, p, law, force, matrix, NO_TANGENT
             )
-            if system.ideal or state.contact or new_joint.depth <= 0:
+            depth = new_joint.output.depth
+            if system.ideal or state.contact or depth <= 0:
                 break
-            after, approach = _meet(joint.depth, joint.rate, new_joint.depth, new_joint.rate, h)
+            after, approach = _meet(joint.output.depth, joint.rate, depth, new_joint.rate, h)
             stepping.begin_impact(impacts, state, t + after, approach)
             begun = True
         state.steps += 1
         state.time = state.steps * h
         if state.contact:
-            if new_joint.depth > p.clearance:
+            if depth > p.clearance:
                 state.limit = p.clearance
                 return done, stepping.TOO_DEEP
             largest, ended = _follow_contact(state, impacts, joint, new_joint, h)
@@ -418,7 +392,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
         for event, happened in enumerate((begun, largest, ended)):
             if happened:
                 row = stepping.event_row(events, state, event)
-                _write_output(row, state, motion, old, system, joint, strain, p)
+                _write_output(row, state, motion, old, system, joint.output, strain, p)
         if done == len(rows) or state.steps >= state.until:
             return done, stepping.FINE
 
@@ -442,28 +416,27 @@ def _reaction(i, force, motion, mass):
 
 @compiled
 def _write_output(row, state, motion, force, system, joint, strain, p):
-    """Fill a row of output from motion and contact at the state's time."""
+    """Fill a row of output from motion and joint at the state's time."""
     q, v, ball, pin = motion[PLACES], motion[RATES], system.ball, system.pin
-    size, turning = len(q), _true_acceleration(motion, CRANK)
-    kinetic, work = 0.0, state.drive_work
+    size, kinetic, work = len(q), 0.0, state.drive_work
     for i in range(size):
         work += system.load[i] * q[i]
         for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
             kinetic += 0.5 * v[i] * system.mass[i, BAND + j - i] * v[j]
-    normal, tangential, fx, fy = joint.normal, joint.tangential, joint.force_x, joint.force_y
     if system.ideal:
         fx = p.m3 * _true_acceleration(motion, ball.x)
         fy = -_reaction(ball.y, force, motion, system.mass)
-        normal = norm(fx, fy)
-    stepping.write_output(
-        row,
-        Moving(q[CRANK], v[CRANK], turning),
-        Moving(q[ball.slider], v[ball.slider], fx / p.m3),
-        (direction(q[ball.y] - q[pin + 1], q[ball.x] - q[pin]), v[ball.turn]),
-        p.moment + state.drive_moment,
-        JointOutput(joint.ex, joint.ey, joint.depth, normal, tangential, fx, fy),
-        Energies(work, kinetic, strain, state.lost_damping, state.lost_friction),
-    )
+        joint = JointOutput(0.0, 0.0, 0.0, norm(fx, fy), 0.0, fx, fy)
+    row.crank_angle, row.crank_speed = q[CRANK], v[CRANK]
+    row.crank_acceleration = _true_acceleration(motion, CRANK)
+    row.driving_moment = p.moment + state.drive_moment
+    row.slider_position, row.slider_velocity = q[ball.slider], v[ball.slider]
+    row.slider_acceleration = joint.force_x / p.m3
+    row.coupler_angle = direction(q[ball.y] - q[pin + 1], q[ball.x] - q[pin])
+    row.coupler_speed = v[ball.turn]
+    row.work, row.kinetic, row.elastic = work, kinetic, strain
+    row.lost_damping, row.lost_friction = state.lost_damping, state.lost_friction
+    stepping.write_joint(row, joint)
 
 
 def _start(system):

@@ -29,10 +29,10 @@ class Agreement(NamedTuple):
     largest_distance
         Between these eccentricities until then, in clearances.
     impacts
-        Numbers of impacts that begin until then, in the first and in the second response.
+        Numbers of impacts that begin until then, in each response.
     force_difference
-        Largest difference of normal forces until then: of the peaks of impacts that have ended,
-        over the peak, and at the times of output, over the largest one.
+        Largest relative difference of normal forces until then: of the peaks of impacts that have
+        ended, and at the times of output, over the largest force.
     """
 
     until: float
@@ -58,13 +58,12 @@ def agreement(first: Response, second: Response) -> Agreement:
         distance = np.maximum(distance, np.hypot(*apart) / clearance)
     count = int(np.append(distance <= SAME, False).argmin())
     until = float(first.time[count - 1])
-    begun, peaks = [], []
-    for response in (first, second):
-        impacts = response.impact_rows
-        begun.append(int(np.count_nonzero(impacts["time"] <= until)))
-        ended = impacts["time"] + impacts["duration"] <= until
-        peaks.append(impacts["peak_force"][ended & np.isfinite(impacts["separation_speed"])])
-    of_first, of_second = begun
+    both = first.impact_rows, second.impact_rows
+    of_first, of_second = (int(np.count_nonzero(rows["time"] <= until)) for rows in both)
+    peaks = []
+    for rows in both:
+        ended = rows["time"] + rows["duration"] <= until
+        peaks.append(rows["peak_force"][ended & np.isfinite(rows["separation_speed"])])
     pairs = zip(*peaks, strict=False)
     changes = [abs(peak - other) / max(peak, other) for peak, other in pairs if peak != other]
     for prefix in joints:
@@ -83,10 +82,8 @@ def agreement(first: Response, second: Response) -> Agreement:
 def second_run(response: Response, run: Callable[..., Response]) -> Agreement | None:
     """How long a second run, at another tolerance, is the same motion: how far to trust a response.
 
-    ``run`` simulates the same again, at the ``tolerance`` that it is given, as a
-    ``functools.partial`` of `study.mechanism.simulate` does. None for a model without a tolerance,
-    or after an interruption. The balance of energy is no such evidence: it holds in chaos too.
-    Ctrl-C in the second run is a ``KeyboardInterrupt``.
+    ``run`` simulates the same again at the ``tolerance`` that it is given. None for a model without
+    a tolerance, or after an interruption. Ctrl-C in the second run is a ``KeyboardInterrupt``.
     """
     tolerance = response.tolerance
     if tolerance is None or not response.complete:

@@ -3,9 +3,8 @@
 Between impacts, separations and kinks of the friction law the equations of one clearance joint
 (`rigid`) or two (`two_joints`) are smooth: the joints keep their contact states. This part is
 integrated by `collocation` with the exact Jacobian. Its end is located on the last step's
-polynomial. The step is
-then repeated with that length, so that an event is as exact as the end of a step. Rows of output
-are read from the polynomial too, so that they change no step.
+polynomial (`locating`). The step is then repeated with that length, so that an event is as exact as
+the end of a step. Rows of output are read from the polynomial too, so that they change no step.
 
 A state is (theta, two coordinates of each joint), their rates, the energies lost to damping and
 friction in each joint, and the drive's work. The slider's joint comes first, the crank's second.
@@ -22,18 +21,15 @@ from study.compiled import compiled, inner
 from study.contact.friction import friction_regime
 from study.mechanism import collocation, equations, locating, stepping
 from study.mechanism.angles import angle_of, norm, sine_cosine, sixth_root
-from study.mechanism.equations import JOINT, Laws
-from study.mechanism.free_impact import impact_depth
+from study.mechanism.collocation import AT_START, STAGES
+from study.mechanism.equations import JOINT, THETA, Laws, impact_depth
 from study.mechanism.locating import MARK, NO_EVENT, SURFACES, UPWARDS
-from study.mechanism.radau import AT_START, STAGES
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import SLIDER
 
 OWN = "driven", "began", "length", "size"
 """Numbers of the state besides those of all models: the speed that the drive gives; the last step's
 start, its length, and the size of its error, 0 if it was in another contact state."""
-THETA = 0
-"""Place of the crank's angle in a state; its rate is behind all coordinates."""
 GROWTH, FAR = 3.0, 1.8
 """Largest ratio of a step to the last one, and largest ratio at which that one gives a guess."""
 SAFETY, SHRINKING = 0.9, 0.2

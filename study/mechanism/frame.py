@@ -43,9 +43,8 @@ def straight_links(
 ) -> tuple[NDArray[np.float64], ...]:
     """Straight links at t = 0, divided into elements, with the ball at rest in its socket.
 
-    Returns places, in m, and their rates, with a row (x, y) for each end of an element; rotations,
-    in rad, of which the pin has two, one for each link, and their rates; place and rate of the
-    slider. An ``ideal`` joint has no eccentricity.
+    Returns places and rates, with a row (x, y) for each end of an element; rotations, of which the
+    pin has two, and their rates; place and rate of the slider.
     """
     e_x, e_y = (0.0, 0.0) if ideal else scene.initial_eccentricity
     theta, omega = scene.initial_crank_angle, scene.starting_speed
@@ -65,10 +64,10 @@ def straight_links(
 
 
 class Frame:
-    """Particles and elements of both links, laid out on +x.
+    """Particles and elements (`ELEMENT`) of both links, laid out on +x.
 
     Particle 0 is the crank's fixed end, ``pin`` the one that both links share, the last one the
-    ball. The pin has two rotations, one for each link. ``elements`` has an `ELEMENT` for each.
+    ball. The pin has two rotations, one for each link.
     """
 
     def __init__(self, scene: Scene, elements: tuple[int, int]) -> None:

@@ -5,7 +5,6 @@ tolerance. At constant crank speed the motion is known, and the drive's work is 
 """
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,19 +18,8 @@ BLOCKS = 100
 """Parts of a simulation, after each of which an interruption is heeded."""
 
 
-class _Kinematics(NamedTuple):
-    """Pose at some angles of the crank, and derivatives by the angle."""
-
-    pose: loads.Pose
-    phi1: Any
-    phi2: Any
-    """Of the coupler's angle, first and second."""
-    x1: Any
-    x2: Any
-    """Of the slider's position."""
-
-
 def _kinematics(p, theta):
+    """Pose at angles of the crank; first and second derivatives of coupler's angle and slider."""
     l1, l2, st, ct = p.l1, p.l2, np.sin(theta), np.cos(theta)
     sp = -l1 / l2 * st
     cp = np.sqrt(1 - sp**2)
@@ -39,7 +27,7 @@ def _kinematics(p, theta):
     phi2 = (l1 * st + l2 * sp * phi1**2) / (l2 * cp)
     x1 = -l1 * st - l2 * sp * phi1
     x2 = -l1 * ct - l2 * cp * phi1**2 - l2 * sp * phi2
-    return _Kinematics(loads.Pose(st, ct, sp, cp, l1 * ct + l2 * cp, l1 * st), phi1, phi2, x1, x2)
+    return loads.Pose(st, ct, sp, cp, l1 * ct + l2 * cp, l1 * st), phi1, phi2, x1, x2
 
 
 def _drive(p, theta, omega):

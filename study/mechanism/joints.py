@@ -4,8 +4,8 @@ Where its ball is in the socket, the forces, and the derivatives of both. The tw
 joint are the eccentricity (e_x, e_y) in flight, and (depth, direction) in contact.
 """
 
+from collections import namedtuple
 from math import sqrt
-from typing import NamedTuple
 
 from study.compiled import inlined
 from study.contact.forces import JointForces, joint_forces
@@ -14,87 +14,35 @@ from study.mechanism.stepping import JointOutput
 
 NO_FORCES = JointForces(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 """What `joint_forces` would return in flight."""
-
-
-class ContactState(NamedTuple):
-    """Discrete state of a joint. While it stays, the equations of motion are smooth."""
-
-    closed: bool
-    """Whether it is in contact."""
-    regime: int
-    """Friction regime."""
-    approach: float
-    """Approach speed of the contact."""
-
-
-class Eccentricity(NamedTuple):
-    """Vector from the centre of a joint's socket to that of its ball, and its rate."""
-
-    nx: float
-    ny: float
-    """Its direction, the normal of the surfaces."""
-    length: float
-    rate: float
-    """Rate of the length."""
-    spin: float
-    """Rate of the direction."""
-    x: float
-    y: float
-    x_rate: float
-    y_rate: float
-
-
-class EccentricityChange(NamedTuple):
-    """Derivatives of parts of an `Eccentricity`; of length and direction in contact only."""
-
-    length: float
-    direction: float
-    rate: float
-    spin: float
-    x: float
-    y: float
-    y_rate: float
-
-
-class JointMotion(NamedTuple):
-    """Depth of a joint, its rate, sliding speed, and forces."""
-
-    depth: float
-    rate: float
-    sliding: float
-    normal: float
-    tangential: float
-    normal_rate: float
-    """Rate of the normal force."""
-
-
-class Coupler(NamedTuple):
-    """Sine and cosine of the coupler's angle, its rate and its acceleration."""
-
-    sine: float
-    cosine: float
-    rate: float
-    acceleration: float
-
-
-class Motion(NamedTuple):
-    """Motion and forces of a mechanism at a state (z, z', ...)."""
-
-    accelerations: tuple[float, ...]
-    """z''."""
-    powers: tuple[float, ...]
-    """Powers lost to damping and friction, joint by joint, and the power of the drive."""
-    joints: tuple[JointMotion, ...]
-    moment: float
-    """Moment of the drive."""
-    coupler: Coupler
-    slider: float
-    """Acceleration of the slider."""
+ContactState = namedtuple("ContactState", "closed regime approach")
+"""Discrete state of a joint: whether it is in contact, its friction regime, and the approach speed
+of the contact. While the state stays, the equations of motion are smooth."""
+Eccentricity = namedtuple("Eccentricity", "nx ny length rate spin x y x_rate y_rate")
+"""Vector from the centre of a joint's socket to that of its ball, and its rate. (nx, ny) is its
+direction, the normal of the surfaces; ``rate`` and ``spin`` are rates of length and direction."""
+EccentricityChange = namedtuple("EccentricityChange", "length direction rate spin x y y_rate")
+"""Derivatives of parts of an `Eccentricity`; of length and direction in contact only."""
+JointMotion = namedtuple("JointMotion", "depth rate sliding normal tangential normal_rate")
+"""Depth of a joint, its rate, sliding speed, normal and tangential force, rate of the first."""
+Coupler = namedtuple("Coupler", "sine cosine rate acceleration")
+"""Sine and cosine of the coupler's angle, its rate and its acceleration."""
+Motion = namedtuple("Motion", "accelerations powers joints moment coupler slider")
+"""Motion and forces of a mechanism at a state (z, z', ...): accelerations z''; powers lost to
+damping and friction, joint by joint, and that of the drive; a `JointMotion` for each joint; moment
+of the drive; `Coupler`; acceleration of the slider."""
 
 
 @inlined
-def eccentricity_of(a, b, va, vb, closed, clearance):
-    """Eccentricity from a joint's two coordinates and their rates."""
+def _coordinates(y, j, unknowns):
+    """Two coordinates of a joint in a state (z, z', ...), and their rates."""
+    first = 1 + 2 * j
+    return y[first], y[first + 1], y[unknowns + first], y[unknowns + first + 1]
+
+
+@inlined
+def eccentricity_of(y, j, unknowns, closed, clearance):
+    """Eccentricity of joint ``j`` in a state."""
+    a, b, va, vb = _coordinates(y, j, unknowns)
     if closed:
         ny, nx = sine_cosine(b)
         r = clearance + a
@@ -107,8 +55,9 @@ def eccentricity_of(a, b, va, vb, closed, clearance):
 
 
 @inlined
-def eccentricity_change(da, db, dva, dvb, e, closed):
-    """Derivatives of an eccentricity, by those of the coordinates."""
+def eccentricity_change(dy, j, unknowns, e, closed):
+    """Derivatives of the eccentricity of joint ``j``, by those of the state."""
+    da, db, dva, dvb = _coordinates(dy, j, unknowns)
     if not closed:
         return EccentricityChange(0.0, 0.0, 0.0, 0.0, da, db, dvb)
     dx, dy = da * e.nx - e.length * e.ny * db, da * e.ny + e.length * e.nx * db

@@ -121,8 +121,7 @@ def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
         used = {"r2_star": joint.r2_star, "socket_ratio": joint.socket_ratio}
         used |= joint.configuration | own | {"layers": joint.columns()["layers"] or None}
     else:
-        defaults = {name: option.default for name, option in law.options.items()}
-        used = {name: (own | given).get(name, defaults[name]) for name in defaults}
+        used = {name: (own | given).get(name, usual) for name, usual in law.defaults.items()}
     words = []
     for name, value in used.items():
         if value is not None:

@@ -6,37 +6,17 @@ pin. Links between two clearance joints are free bodies, and the coupler's momen
 centre.
 """
 
-from typing import NamedTuple
+from collections import namedtuple
 
 from numba.extending import register_jitable
 
-
-class Pose(NamedTuple):
-    """Where the links are: sines and cosines of the angles of crank and coupler, and places."""
-
-    st: float
-    ct: float
-    sp: float
-    cp: float
-    slider: float
-    """Position of the slider."""
-    height: float
-    """Position of the coupler's end at the crank, along y."""
-
-
-class Loads(NamedTuple):
-    """Applied loads, or their derivatives."""
-
-    drive: float
-    """Moment of the drive on the crank, unless its speed is given."""
-    crank: float
-    """Other moments about the crank's axis."""
-    coupler: float
-    """Moment on the coupler."""
-    fall: float
-    """Acceleration of the coupler's centre along y by its weight."""
-    slider: float
-    """Force on the slider, along its slide."""
+Pose = namedtuple("Pose", "st ct sp cp slider height")
+"""Where the links are: sines and cosines of the angles of crank and coupler, position of the
+slider, and position of the coupler's end at the crank along y."""
+Loads = namedtuple("Loads", "drive crank coupler fall slider")
+"""Applied loads, or their derivatives: moment of the drive on the crank, unless its speed is given;
+other moments about the crank's axis; moment on the coupler; acceleration of the coupler's centre
+along y by its weight; force on the slider along its slide."""
 
 
 @register_jitable

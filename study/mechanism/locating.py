@@ -11,9 +11,8 @@ from math import inf
 import numpy as np
 
 from study.compiled import inner
-from study.mechanism.collocation import inside
+from study.mechanism.collocation import POINTS, STAGES, inside
 from study.mechanism.equations import move, write_output
-from study.mechanism.radau import POINTS, STAGES
 
 # From NumPy, since numba compiles a function again for each of Python's own whole numbers.
 SURFACES, UPWARDS, DOWNWARDS, FORCE_PEAK, DEPTH_PEAK = np.arange(5)

@@ -28,7 +28,7 @@ from study.mechanism import stepping
 from study.mechanism.angles import angle_of, direction, norm
 from study.mechanism.frame import Frame, straight_links
 from study.mechanism.scene import Scene
-from study.mechanism.stepping import Energies, JointOutput, Moving
+from study.mechanism.stepping import JointOutput
 
 Method = Literal["centred", "lagged", "unguarded"]
 OWN = "gap", "gap_rate", "slider", "slider_speed"
@@ -36,8 +36,8 @@ OWN = "gap", "gap_rate", "slider", "slider_speed"
 position of the slider, and its speed half a step before."""
 
 LANES = 8
-"""Numbers in a processor's widest vector. Rows are filled to whole vectors with elements and
-particles that never move, so that loops over both are compiled to vectors."""
+"""Numbers in a processor's widest vector, to a multiple of which rows are filled with elements and
+particles that never move: loops over both are then compiled to vectors."""
 System = namedtuple("System", "elements bodies pin last frequency ideal lagged guarded")
 """What does not change: elements and particles as in `Frame`, a row for each quantity; numbers of
 the pin and of the last particle; how damping is stepped. The rows of ``bodies`` are the masses
@@ -248,7 +248,7 @@ def _energies(system, workspace):
 
 
 @compiled
-def _write_output(row, state, motion, slider, system, workspace, joint, p, h):
+def _write_output(row, state, motion, speed, pull, system, workspace, joint, p, h):
     """Fill a row of output, after the step's rates and before its places."""
     m, pin, last = motion, system.pin, system.last
     turning, drive = workspace[MOMENT, FIXED] / system.bodies[ROTARY, FIXED], p.moment
@@ -256,21 +256,19 @@ def _write_output(row, state, motion, slider, system, workspace, joint, p, h):
         turning, drive = 0.0, -workspace[MOMENT, FIXED]
     kinetic, stored = _energies(system, workspace)
     if not system.ideal:
-        kinetic += 0.5 * p.m3 * slider.speed * slider.speed
+        kinetic += 0.5 * p.m3 * speed * speed
     work = state.drive_work + p.moment * m[TURN, FIXED]
     for i in range(1, last + 1):
         work -= p.gravity * system.bodies[MASS_X, i] * m[Y, i]
     change = 0.5 * h * workspace[MOMENT, last + 1] / system.bodies[ROTARY, last + 1]
-    angle = direction(m[Y, last] - m[Y, pin], m[X, last] - m[X, pin])
-    stepping.write_output(
-        row,
-        Moving(m[TURN, FIXED], m[SPIN, FIXED] - 0.5 * h * turning, turning),
-        slider,
-        (angle, m[SPIN, last + 1] - change),
-        drive,
-        joint,
-        Energies(work, kinetic, stored, state.lost_damping, state.lost_friction),
-    )
+    row.crank_angle, row.crank_speed = m[TURN, FIXED], m[SPIN, FIXED] - 0.5 * h * turning
+    row.crank_acceleration, row.driving_moment = turning, drive
+    row.slider_position, row.slider_velocity, row.slider_acceleration = state.slider, speed, pull
+    row.coupler_angle = direction(m[Y, last] - m[Y, pin], m[X, last] - m[X, pin])
+    row.coupler_speed = m[SPIN, last + 1] - change
+    row.work, row.kinetic, row.elastic = work, kinetic, stored
+    row.lost_damping, row.lost_friction = state.lost_damping, state.lost_friction
+    stepping.write_joint(row, joint)
 
 
 @compiled
@@ -312,13 +310,12 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
         if not (finite and abs(speed) < inf):
             state.limit = 2 / system.frequency
             return done, stepping.FAILED
-        slider = Moving(state.slider, speed, pull)
         for which in (event, stepping.PEAK if largest else -1):
             if which >= 0:
                 row = stepping.event_row(events, state, which)
-                _write_output(row, state, m, slider, system, workspace, joint, p, h)
+                _write_output(row, state, m, speed, pull, system, workspace, joint, p, h)
         if state.steps % strides == 0:
-            _write_output(rows[done], state, m, slider, system, workspace, joint, p, h)
+            _write_output(rows[done], state, m, speed, pull, system, workspace, joint, p, h)
             done += 1
         _move(m, bodies.shape[1], h)
         state.slider = m[X, last] if ideal else state.slider + h * state.slider_speed
@@ -338,8 +335,8 @@ def blocks(
     """Blocks of output rows at equally spaced ``times`` of the scene with links of particles.
 
     The law is packed; ``ideal`` fixes the ball to the slider. Equal steps of at most ``step``
-    seconds divide the time between outputs; `usual_step` is the default. A step above the limit of
-    stability is a ``ValueError``, unless ``unguarded``.
+    seconds divide the time between outputs. One above the limit of stability is a ``ValueError``,
+    unless ``unguarded``.
     """
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)

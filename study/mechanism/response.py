@@ -18,6 +18,15 @@ from study import paths
 if TYPE_CHECKING:
     import pandas as pd
 
+_OF_JOINT = {
+    "eccentricity_x": "m",
+    "eccentricity_y": "m",
+    "depth": "m",
+    "normal_force": "N",
+    "tangential_force": "N",
+    "force_x": "N",
+    "force_y": "N",
+}
 COLUMNS = {
     "time": "s",
     "crank_angle": "rad",
@@ -28,13 +37,7 @@ COLUMNS = {
     "slider_acceleration": "m/s^2",
     "coupler_angle": "rad",
     "coupler_speed": "rad/s",
-    "eccentricity_x": "m",
-    "eccentricity_y": "m",
-    "depth": "m",
-    "normal_force": "N",
-    "tangential_force": "N",
-    "force_x": "N",
-    "force_y": "N",
+    **_OF_JOINT,
     "work": "J",
     "kinetic": "J",
     "elastic": "J",
@@ -42,15 +45,7 @@ COLUMNS = {
     "lost_friction": "J",
     "driving_moment": "N m",
 }
-CRANK_COLUMNS = {
-    "crank_joint_eccentricity_x": "m",
-    "crank_joint_eccentricity_y": "m",
-    "crank_joint_depth": "m",
-    "crank_joint_normal_force": "N",
-    "crank_joint_tangential_force": "N",
-    "crank_joint_force_x": "N",
-    "crank_joint_force_y": "N",
-}
+CRANK_COLUMNS = {f"crank_joint_{name}": unit for name, unit in _OF_JOINT.items()}
 """Columns of rigid links only: the joint between crank and coupler, which may be ideal."""
 ALL_COLUMNS = COLUMNS | CRANK_COLUMNS
 EVENTS = ("start", "peak", "end")
@@ -83,7 +78,7 @@ class Response:
     Attributes
     ----------
     rows : shape (n,)
-        At equally spaced times, a record with the fields `columns`.
+        A record at each time, with the fields `columns`.
     impact_rows : shape (m,)
         A record for each contact, with the fields ``joint``, ``kind`` and `IMPACT_COLUMNS`.
     event_rows : shape (e,)
@@ -132,13 +127,12 @@ class Response:
         no end. Links of particles and beams give the first step in contact, the step of the largest
         force, and the first step out of contact.
 
-        Places of slider and crank are measured from the crank's axis. The eccentricity is the
-        vector from the socket's centre to the ball's. ``depth`` is negative in flight. ``force_x``
-        and ``force_y`` act on the body with the socket, slider or coupler. For an ideal joint
-        ``normal_force`` is the size of that force. ``driving_moment`` acts on the crank. ``work``
-        is that of drive and gravity since t = 0. ``elastic`` and losses are sums over all joints
-        and links. In contact ``normal_force`` may fall below 0
-        (``study.contact.forces.joint_forces``).
+        Places are measured from the crank's axis. The eccentricity is the vector from the socket's
+        centre to the ball's. ``depth`` is negative in flight. ``force_x`` and ``force_y`` act on
+        the body with the socket, slider or coupler; ``normal_force`` of an ideal joint is the size
+        of that force, and in contact it may fall below 0 (`study.contact.forces.joint_forces`).
+        ``work`` is that of drive and gravity since t = 0. ``elastic`` and losses are sums over all
+        joints and links.
         """
         import pandas as pd
 
@@ -183,7 +177,7 @@ class Response:
         return float((ended["time"] + ended["duration"]).max(initial=0.0))
 
     def save(self, path: Path) -> None:
-        """Write the motion as CSV, whole or not at all."""
+        """Write the motion as CSV, whole or not at all; without pandas, which may be missing."""
         with paths.whole(path) as temporary, open(temporary, "w", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow([*self.columns, "event"])

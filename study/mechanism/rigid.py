@@ -8,33 +8,23 @@ follow from the geometry; the coupler points to +x.
 `study.mechanism.events` steps the equations; those of two clearance joints are in `two_joints`.
 """
 
+from collections import namedtuple
 from math import sqrt
-from typing import NamedTuple
 
 import numpy as np
 
 from study.compiled import compiled
-from study.contact.forces import JointForces
 from study.mechanism import joints, loads, stepping
-from study.mechanism.angles import angle_of, norm, sine_cosine
+from study.mechanism.angles import norm, sine_cosine
 
 UNKNOWNS = 3
 THETA, FIRST, SECOND, OMEGA, FIRST_RATE, SECOND_RATE = range(2 * UNKNOWNS)
-LOST_DAMPING, LOST_FRICTION, DRIVE_WORK = range(2 * UNKNOWNS, 3 * UNKNOWNS)
-"""Places in a state: the crank's angle, the joint's two coordinates, their rates, and energies."""
+"""Places in a state: the crank's angle, the joint's two coordinates, and their rates."""
 _UNIT = np.eye(2 * UNKNOWNS)
 
 
-class Parts(NamedTuple):
-    """What `derive` and `write_output` need of a motion."""
-
-    pose: loads.Pose
-    cross: float
-    coupling: float
-    acceleration: tuple[float, float]
-    """Of the eccentricity."""
-    eccentricity: joints.Eccentricity
-    forces: JointForces
+Parts = namedtuple("Parts", "pose cross coupling acceleration eccentricity forces")
+"""What `derive` and `write_output` need of a motion; the acceleration is the eccentricity's."""
 
 
 @compiled
@@ -42,8 +32,7 @@ def motion(y, contact, p, law):
     """`Motion` at y = (z, z', ...), and its `Parts`, with the joint in a `ContactState`."""
     l1, l2, per_l2, per_m3 = p.l1, p.l2, 1 / p.l2, 1 / p.m3  # first: all else waits for them
     (st, ct), omega, closed = sine_cosine(y[THETA]), y[OMEGA], contact.closed
-    coordinates = y[FIRST], y[SECOND], y[FIRST_RATE], y[SECOND_RATE]
-    e = joints.eccentricity_of(*coordinates, closed, law.clearance)
+    e = joints.eccentricity_of(y, stepping.SLIDER, UNKNOWNS, closed, law.clearance)
     sp = (e.y - l1 * st) * per_l2
     cp = sqrt(1 - sp * sp)
     psi = (e.y_rate - l1 * ct * omega) * per_l2 / cp
@@ -91,8 +80,7 @@ def derive(y, contact, p, motion, parts, k):
     for j in range(2 * UNKNOWNS):
         unit = _UNIT[j]
         dt, do = unit[THETA], unit[OMEGA]
-        of_joint = unit[FIRST], unit[SECOND], unit[FIRST_RATE], unit[SECOND_RATE]
-        de = joints.eccentricity_change(*of_joint, e, closed)
+        de = joints.eccentricity_change(unit, stepping.SLIDER, UNKNOWNS, e, closed)
         dp = (de.y - l1 * ct * dt) * per_reach
         dpsi = (de.y_rate + l1 * (st * omega * dt - ct * do)) * per_reach + lean * dp
         dsliding = de.length * e.spin + e.length * de.spin + p.r1 * dpsi
@@ -151,7 +139,7 @@ def inverse_effective_mass(theta, ey, dx, dy, arm, p):
 
 @compiled
 def write_output(row, y, motion, parts, p):
-    """Fill a row of output from (z, z', losses, work) and what `motion` returned."""
+    """Fill in what a row of output has of the slider's speed, kinetic energy and the joints."""
     pose, e, omega, alpha = parts.pose, parts.eccentricity, y[OMEGA], motion.accelerations[THETA]
     st, ct, sp, cp = pose.st, pose.ct, pose.sp, pose.cp
     psi, beta = motion.coupler.rate, motion.coupler.acceleration
@@ -159,21 +147,8 @@ def write_output(row, y, motion, parts, p):
     speed = -p.l1 * st * omega - p.l2 * sp * psi - e.x_rate
     kinetic = 0.5 * (p.a11 * omega * omega + p.a22 * psi * psi + p.m3 * speed * speed)
     kinetic += p.a12 * (ct * cp + st * sp) * omega * psi
-    stepping.write_output(
-        row,
-        stepping.Moving(y[THETA], omega, alpha),
-        stepping.Moving(pose.slider, speed, motion.slider),
-        (angle_of(sp, cp), psi),
-        motion.moment,
-        joint,
-        stepping.Energies(
-            loads.work(p, pose, y[DRIVE_WORK], True),
-            kinetic,
-            0.0,
-            y[LOST_DAMPING],
-            y[LOST_FRICTION],
-        ),
-    )
+    row.slider_velocity, row.kinetic = speed, kinetic
+    stepping.write_joint(row, joint)
     # the coupler's centre is accelerated by the forces on its two ends
     ax = -p.l1 * (st * alpha + ct * omega * omega) - 0.5 * p.l2 * (sp * beta + cp * psi * psi)
     ay = p.l1 * (ct * alpha - st * omega * omega) + 0.5 * p.l2 * (cp * beta - sp * psi * psi)

@@ -20,21 +20,30 @@ if TYPE_CHECKING:
 
 Body = Literal["crank", "coupler"]
 PAPER_DAMPING: Damping = "lankarani-nikravesh"
-ROD = "assumed, uniform rod about its centre, m L^2/12"
 Constants = namedtuple(
     "Constants",
     "l1 l2 a11 a22 a12 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1 steady "
     "j1 own_g1 m2 i2 crank_r1",
 )
 """What compiled functions know of a scene, in SI units, with rigid links as a double pendulum.
-``steady`` is 1 for a crank of constant speed. For free links: the crank's inertia about its axis
-and the moment of its own weight, the coupler's mass and inertia, and the radius of the crank's
-ball."""
+``steady`` is 1 for a crank of constant speed. From ``j1`` on, for free links: the crank's inertia
+about its axis, the moment of its own weight, the coupler's mass and inertia, the crank's ball."""
 Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear bending")
 """Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
 
 
-def _of_body(body: str) -> Any:
+def _inertia_of(body: Body) -> Any:
+    return parameter(
+        None,
+        f"Moment of inertia of the {body} about its centre",
+        "kg m^2",
+        least=0,
+        otherwise="that of a uniform rod",
+        source="assumed, uniform rod about its centre, m L^2/12",
+    )
+
+
+def _material_of(body: str) -> Any:
     return parameter(
         None,
         f"Material of the {body}, by name or by Young's modulus and Poisson's ratio",
@@ -55,8 +64,7 @@ class Scene:
     The ball is on the coupler's end, the socket in the slider, which does not turn. There may be a
     second one between crank and coupler, with the ball on the crank's end and the socket in the
     coupler. At t = 0 the balls are at rest in their sockets; by default nothing moves, and both
-    links lie on +x. All is in SI units, see `parameters`. A value outside its range is a
-    ``ValueError``.
+    links lie on +x. All is in SI units. A value outside its range is a ``ValueError``.
     """
 
     crank_length: float = parameter(0.05, "Length of the crank", "m", above=0, source="Table 3")
@@ -82,11 +90,7 @@ class Scene:
     )
     friction: float = parameter(0.05, "Coefficient of friction", least=0, source="Table 4")
     slow_speed: float = parameter(
-        1e-4,
-        "Sliding speed v0 below which there is no friction",
-        "m/s",
-        least=0,
-        source="Table 4",
+        1e-4, "Sliding speed v0 below which there is no friction", "m/s", least=0, source="Table 4"
     )
     full_speed: float = parameter(
         0.01, "Sliding speed v1 from which on friction is full", "m/s", above=0, source="Table 4"
@@ -101,24 +105,10 @@ class Scene:
         above=0,
         source="assumed, R2* = 200, the paper's static case",
     )
-    crank_inertia: float | None = parameter(
-        None,
-        "Moment of inertia of the crank about its centre",
-        "kg m^2",
-        least=0,
-        otherwise="that of a uniform rod",
-        source=ROD,
-    )
-    coupler_inertia: float | None = parameter(
-        None,
-        "Moment of inertia of the coupler about its centre",
-        "kg m^2",
-        least=0,
-        otherwise="that of a uniform rod",
-        source=ROD,
-    )
-    ball: Material | str | None = _of_body("ball")
-    socket: Material | str | None = _of_body("socket")
+    crank_inertia: float | None = _inertia_of("crank")
+    coupler_inertia: float | None = _inertia_of("coupler")
+    ball: Material | str | None = _material_of("ball")
+    socket: Material | str | None = _material_of("socket")
     link_modulus: float | None = parameter(
         None,
         "Young's modulus of the links alone",
@@ -216,8 +206,7 @@ class Scene:
     def materials(self) -> tuple[Material, Material]:
         """Materials of ball and socket."""
         usual = Material(self.youngs_modulus, self.poisson)
-        ball, socket = (usual if own is None else material(own) for own in (self.ball, self.socket))
-        return ball, socket
+        return material(self.ball or usual), material(self.socket or usual)
 
     @property
     def starting_speed(self) -> float:
@@ -259,10 +248,7 @@ class Scene:
                 raise ValueError(f"{name.replace('_', ' ')} must be left out: this model has none")
 
     def link(self, body: Body) -> Link:
-        """Beam of a flexible link.
-
-        A moment of inertia below that of a thin rod, the least of a beam, is a ``ValueError``.
-        """
+        """Beam of a flexible link; an inertia below a thin rod's is a ``ValueError``."""
         length, mass = getattr(self, f"{body}_length"), getattr(self, f"{body}_mass")
         rod, own = mass * length**2 / 12, self.inertias[get_args(Body).index(body)]
         name, least = f"{body} inertia of a flexible link", rod * (1 - 1e-12)
@@ -282,37 +268,36 @@ class Scene:
         i1, i2 = self.inertias
         m1, m2, l1, l2 = self.crank_mass, self.coupler_mass, self.crank_length, self.coupler_length
         g, g1 = self.gravity, (m1 / 2 + m2) * self.gravity * l1
-        numbers = {
-            "l1": l1,
-            "l2": l2,
-            "a11": i1 + m1 * l1**2 / 4 + m2 * l1**2,
-            "a22": i2 + m2 * l2**2 / 4,
-            "a12": m2 * l1 * l2 / 2,
-            "m3": self.slider_mass,
-            "moment": self.driving_moment if self.crank_speed is None else 0.0,
-            "g1": g1,
-            "g2": m2 * g * l2 / 2,
-            "gravity": g,
-            "r1": self.ball_radius,
-            "clearance": self.clearance,
-            "damping": self.damping_factor,
-            "friction": self.friction,
-            "v0": self.slow_speed,
-            "v1": self.full_speed,
-            "steady": self.crank_speed is not None,
-            "j1": i1 + m1 * l1**2 / 4,
-            "own_g1": g1 - m2 * g * l1,
-            "m2": m2,
-            "i2": i2,
-            "crank_r1": self.socket_radius - (self.crank_clearance or 0.0),
-        }
-        return Constants(**{name: float(number) for name, number in numbers.items()})
+        return Constants(
+            l1=l1,
+            l2=l2,
+            a11=i1 + m1 * l1**2 / 4 + m2 * l1**2,
+            a22=i2 + m2 * l2**2 / 4,
+            a12=m2 * l1 * l2 / 2,
+            m3=self.slider_mass,
+            moment=self.driving_moment if self.crank_speed is None else 0.0,
+            g1=g1,
+            g2=m2 * g * l2 / 2,
+            gravity=g,
+            r1=self.ball_radius,
+            clearance=self.clearance,
+            damping=self.damping_factor,
+            friction=self.friction,
+            v0=self.slow_speed,
+            v1=self.full_speed,
+            steady=float(self.crank_speed is not None),
+            j1=i1 + m1 * l1**2 / 4,
+            own_g1=g1 - m2 * g * l1,
+            m2=m2,
+            i2=i2,
+            crank_r1=self.socket_radius - (self.crank_clearance or 0.0),
+        )
 
     def parameters(self) -> "pd.DataFrame":
         """Every parameter: where the paper states it, or what this study assumes instead.
 
-        Columns parameter, value (as text), unit, table, source. What the scene does not have is
-        left out: a second clearance joint, a constant speed, or the moment that this replaces.
+        Columns are parameter, value (as text), unit, table and source. What the scene does not have
+        is left out, such as a second clearance joint.
         """
         import pandas as pd
 
@@ -326,14 +311,11 @@ class Scene:
         for name, about in parameters.described(Scene).items():
             if (value := values[name]) is None:  # what the scene does not have
                 continue
-            text = f"{value:.9g}" if isinstance(value, float) else str(value)
-            unit, source = about.unit or "1", about.source
-            if name == "damping":
-                unit = ""
+            unit, source = about.unit or ("" if about.choices else "1"), about.source
             if name == "damping" and value != Scene.damping:
                 source = "given by the paper, Eq. 31" if value == PAPER_DAMPING else "chosen here"
             where = (source, "given by the paper") if "Table" in source else ("-", source)
-            rows.append((name.replace("_", " "), text, unit, *where))
+            rows.append((name.replace("_", " "), about.written(value), unit, *where))
         return pd.DataFrame(rows, columns=["parameter", "value", "unit", "table", "source"])
 
     def replace(self, **changes: Any) -> "Scene":

@@ -17,19 +17,10 @@ from numpy.lib.recfunctions import repack_fields
 from study import checks
 from study.contact import DimensionalLaw
 from study.contact.laws import AnyLaw
-from study.mechanism import beams, events, ideal, law_in_scene, particles
-from study.mechanism.free_impact import add_free_durations
+from study.mechanism import beams, events, ideal, law_in_scene, particles, response
+from study.mechanism.equations import add_free_durations
 from study.mechanism.law_in_scene import LAW
-from study.mechanism.response import (
-    ALL_COLUMNS,
-    COLUMNS,
-    EVENTS,
-    IMPACT_COLUMNS,
-    IMPACT_ROW,
-    JOINTS,
-    SUSTAINED,
-    Response,
-)
+from study.mechanism.response import ALL_COLUMNS, COLUMNS, EVENTS, JOINTS, Response
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import SLIDER, START, add_stored_energy
 from study.parameters import Parameter, describe, described
@@ -44,8 +35,8 @@ BEAM_STEP = 1e-6
 ELEMENTS = (4, 8)
 MOST_STEPS = 1e10
 MOST_TURNED = 1e6
-"""Largest angle in rad by which drive and gravity alone would turn the crank: rigid links take some
-minutes for it. A crank that is far too short or light for its drive does nothing but turn."""
+"""Largest angle in rad by which drive and gravity alone would turn the crank: some minutes of
+computing for rigid links. A crank far too short or light for its drive does nothing but turn."""
 
 
 @describe(
@@ -140,8 +131,6 @@ def simulate(
     run = _checked(
         scene, model, joint, law, duration, outputs, tolerance, step, elements, method, law_options
     )
-    if progress is not None and not callable(progress):
-        raise ValueError(f"progress must be a function of the time, got {checks.shown(progress)}")
     return run(progress)
 
 
@@ -181,7 +170,7 @@ def _checked(
     gaps = tuple(gap for gap in (scene.clearance, scene.crank_clearance) if gap is not None)
     laws = tuple(of_joint.packed() for of_joint in in_joints)
     times = duration * np.arange(outputs + 1) / outputs
-    pair = ELEMENTS if elements is None else elements
+    pair = elements or ELEMENTS
     if step is not None:
         checks.number("step", step, "s", least=duration / MOST_STEPS)
     if model == "particles":
@@ -192,7 +181,7 @@ def _checked(
     elif gapless:
         blocks = ideal.blocks(scene, times)
     else:
-        tolerance = TOLERANCE if tolerance is None else tolerance
+        tolerance = tolerance or TOLERANCE
         blocks = events.blocks(scene, laws, times, tolerance)
     told = ("none" if gapless else law_text), scene.restitution, scene.delivered_restitution
     told += (None, ()) if flexible or gapless else (tolerance, gaps)
@@ -239,10 +228,10 @@ def _gather(blocks, scene, laws, columns, told, progress=None):
         table["work"] -= first
         add_stored_energy(table, laws)
     own, rows = (repack_fields(table[list(columns)]) for table in (own, rows))
-    impact_rows = np.zeros(len(impacts), IMPACT_ROW)
-    for name in IMPACT_COLUMNS:
+    impact_rows = np.zeros(len(impacts), response.IMPACT_ROW)
+    for name in response.IMPACT_COLUMNS:
         impact_rows[name] = impacts[name]
     impact_rows["joint"] = np.array(JOINTS)[impacts["joint"]]
-    is_sustained = impacts["duration"] > SUSTAINED * impacts["free_duration"]
+    is_sustained = impacts["duration"] > response.SUSTAINED * impacts["free_duration"]
     impact_rows["kind"] = np.where(is_sustained, "sustained", "impact")
     return Response(rows, impact_rows, own, kinds, complete, *told)

@@ -9,10 +9,11 @@ the ball's, with n = e/abs(e). The depth is d = abs(e) - dR and its rate d' = n 
 force on the ball is -N n with N = P(d) (1 + D d'/d0'), where d0' is the rate at the start of this
 contact. The sliding velocity v is that of the ball's surface at R1 n. Friction on the ball is
 T = -mu c(abs(v)) N v/abs(v), with the moment R1 n x T. Its spin s about n has the moment
--mu c(r abs(s)) N r n s/abs(s), with a friction radius r (`study.joint.pressure`). Each is as if it
+-mu c(r abs(s)) N r n s/abs(s), with a friction radius r (`study.joint.curve`). Each is as if it
 were alone: a ball that slides and spins at once has less of both.
 """
 
+from collections import namedtuple
 from functools import partial
 from math import inf, isnan, nan, pi, sqrt
 from typing import Any, NamedTuple
@@ -48,17 +49,10 @@ class JointRow(NamedTuple):
     lost_friction: float
 
 
-class BallForces(NamedTuple):
-    """Forces on a ball in space, and the state of its joint."""
-
-    force: tuple[float, float, float]
-    torque: tuple[float, float, float]
-    normal: float
-    lost_damping: float
-    lost_friction: float
-    """Powers that are lost."""
-    depth: float
-    approach: float
+BallForces = namedtuple(
+    "BallForces", "force torque normal lost_damping lost_friction depth approach"
+)
+"""Forces on a ball in space, powers that are lost, and the state of its joint."""
 
 
 @compiled
@@ -126,7 +120,7 @@ class ClearanceJoint:
 
     The connector acts at both centres. For a socket that turns, its friction leaves out terms of
     the order of clearance over radius; the normal force is exact. A contact without approach at its
-    first evaluation is not damped.
+    first evaluation is not damped. A value out of range is a ``ValueError``.
 
     Parameters
     ----------
@@ -134,11 +128,8 @@ class ClearanceJoint:
         A law of a joint in SI units, or a joint, for the table of its own curve. With friction, a
         law of a `study.joint.DimensionalJoint` reaches no deeper than that table: the joint's
         solved pressure gives the friction radius. For other laws it is that of Hertz's pressure.
-    restitution, damping
-        Damping of Eq. 31, and its rule, as of `study.mechanism.Scene`; ``exact`` delivers the
-        restitution asked for.
-    friction, slow_speed, full_speed
-        Friction of Eqs. 32 and 33, its tolerance speeds in m/s.
+    restitution, damping, friction, slow_speed, full_speed
+        As of `study.mechanism.Scene`, with speeds in m/s (Eqs. 31-33).
     tension
         Whether the force may pull, as Eq. 31 does where the ball leaves fast, or is 0 there.
 
@@ -148,11 +139,6 @@ class ClearanceJoint:
         Restitution of a free impact with this damping.
     rows
         A `JointRow` for the start and every step so far.
-
-    Raises
-    ------
-    ValueError
-        For a value out of range.
     """
 
     def __init__(
@@ -192,8 +178,7 @@ class ClearanceJoint:
         """Force and torque on the ball in N and N m, normal force, powers lost to each in W.
 
         ``velocity`` is the rate of the eccentricity, ``spin`` the ball's angular velocity; SI
-        units, shape (3,). Raises `study.checks.StudyError` for a depth outside the range of the
-        law.
+        units, shape (3,). A depth outside the law's range raises `study.checks.StudyError`.
         """
         found = self._found(eccentricity.tolist(), velocity.tolist(), spin.tolist())
         lost = found.lost_damping, found.lost_friction
@@ -259,20 +244,16 @@ class ClearanceJoint:
         self._powers = powers
 
     def history(self) -> pd.DataFrame:
-        """The joint at the start and after every step, SI units.
+        """The joint at the start and after every step, with the fields of `JointRow`, SI units.
 
-        Columns are the fields of `JointRow`. The depth is negative in flight. The approach speed is
-        that of the contact that goes on, NaN in flight and where it began without one. What is lost
-        counts from t = 0.
+        The depth is negative in flight. The approach speed is that of the contact that goes on, NaN
+        in flight and where it began without one. What is lost counts from t = 0.
         """
         return pd.DataFrame(self.rows, columns=JointRow._fields)
 
 
 def solve(system: Any, settings: Any, **options: Any) -> None:
-    """Step an assembled Exudyn system, and pass on the `study.checks.StudyError` of a joint.
-
-    Exudyn raises an error of its own from it, with all calls in the message.
-    """
+    """Step an assembled Exudyn system; an error of a joint is raised itself, not Exudyn's own."""
     try:
         system.SolveDynamic(settings, **options)
     except Exception as error:

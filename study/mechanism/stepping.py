@@ -6,10 +6,10 @@ goes on from the state. Each impact has three rows of output of its own, as outp
 hides impacts.
 """
 
+from collections import namedtuple
 from collections.abc import Callable, Iterator
 from math import ceil
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,19 +29,10 @@ IMPACT = np.dtype(
 )
 """An impact while it is computed."""
 STATE = [
-    ("time", float),
-    ("step", float),
-    ("steps", np.int64),
-    ("until", float),
-    ("limit", float),
+    *((name, float) for name in ("time", "step", "until", "limit", "approach")),
+    *((name, float) for name in ("lost_damping", "lost_friction", "drive_moment", "drive_work")),
+    *((name, np.int64) for name in ("steps", "impacts", "current_impact")),
     ("contact", bool),
-    ("approach", float),
-    ("impacts", np.int64),
-    ("current_impact", np.int64),
-    ("lost_damping", float),
-    ("lost_friction", float),
-    ("drive_moment", float),
-    ("drive_work", float),
 ]
 """Fields of every model's state. A loop returns when ``steps``, the number of steps so far, is
 ``until``. ``limit`` is what a failure passed, ``impacts`` the number of impacts so far, and
@@ -55,49 +46,18 @@ class MechanismError(StudyError):
     """A simulation that cannot go on; says when, and which limit was passed."""
 
 
-class Moving(NamedTuple):
-    """Angle of the crank, or position of the slider, with its rates."""
-
-    position: float
-    speed: float
-    acceleration: float
-
-
-class JointOutput(NamedTuple):
-    """What a row of output has of a joint."""
-
-    eccentricity_x: float
-    eccentricity_y: float
-    depth: float
-    normal: float
-    tangential: float
-    force_x: float
-    force_y: float
-
-
-class Energies(NamedTuple):
-    """Work, kinetic energy, elastic energy of the links, and losses in the joints."""
-
-    work: float
-    kinetic: float
-    elastic: float
-    lost_damping: float
-    lost_friction: float
+JointOutput = namedtuple(
+    "JointOutput", "eccentricity_x eccentricity_y depth normal tangential force_x force_y"
+)
+"""What a row of output has of a joint."""
 
 
 @compiled
-def write_output(row, crank, slider, coupler, moment, joint, energies):
-    """Fill a row of output, which has its time already; ``coupler`` has its angle and rate."""
-    row.crank_angle, row.crank_speed = crank.position, crank.speed
-    row.crank_acceleration, row.driving_moment = crank.acceleration, moment
-    row.slider_position, row.slider_velocity = slider.position, slider.speed
-    row.slider_acceleration = slider.acceleration
-    row.coupler_angle, row.coupler_speed = coupler
+def write_joint(row, joint):
+    """Fill a row's columns of the joint of coupler and slider."""
     row.eccentricity_x, row.eccentricity_y = joint.eccentricity_x, joint.eccentricity_y
     row.depth, row.normal_force, row.tangential_force = joint.depth, joint.normal, joint.tangential
     row.force_x, row.force_y = joint.force_x, joint.force_y
-    row.work, row.kinetic, row.elastic = energies.work, energies.kinetic, energies.elastic
-    row.lost_damping, row.lost_friction = energies.lost_damping, energies.lost_friction
 
 
 @compiled
@@ -191,18 +151,13 @@ def new_state(*own: str) -> np.recarray:
 
 
 def advance_in_blocks(
-    advance: Callable,
-    times: NDArray[np.float64],
-    state: np.recarray,
-    failure: str,
+    advance: Callable, times: NDArray[np.float64], state: np.recarray, failure: str
 ) -> Iterator[Block]:
     """Growing blocks of the rows of output at ``times``, from a model's compiled loop.
 
     ``advance`` takes rows, impacts and the impacts' rows, and returns how many rows it filled and
-    how it ended. It is called for as many steps as take about `PATIENCE`, so that an interruption
-    is noticed. Raises `MechanismError` with the text ``failure``, in which ``{}`` stands for the
-    state's limit, if ``advance`` failed; and with another text if a ball goes deeper than one
-    clearance.
+    how it ended. It is called for as many steps as take about `PATIENCE`. If it failed, raises
+    `MechanismError` with the text ``failure``, in which ``{}`` stands for the state's limit.
     """
     impacts, events = new_impacts(64)
     rows = np.zeros(len(times), OUTPUT)

@@ -8,39 +8,26 @@ Eccentricities are differences of their places, so that no mass matrix is solved
 The slider's joint comes first (index 0), the crank's second.
 """
 
+from collections import namedtuple
 from math import sqrt
-from typing import NamedTuple
 
 import numpy as np
 
 from study.compiled import compiled
-from study.contact.forces import JointForces
 from study.mechanism import joints, loads, stepping
-from study.mechanism.angles import angle_of, sine_cosine
+from study.mechanism.angles import sine_cosine
 from study.mechanism.stepping import CRANK, SLIDER
 
 UNKNOWNS = 5
-THETA, FIRST0, SECOND0, FIRST1, SECOND1 = range(UNKNOWNS)
-OMEGA, FIRST0_RATE, SECOND0_RATE, FIRST1_RATE, SECOND1_RATE = range(UNKNOWNS, 2 * UNKNOWNS)
-LOST_DAMPING0, LOST_FRICTION0, LOST_DAMPING1, LOST_FRICTION1, DRIVE_WORK = range(
-    2 * UNKNOWNS, 3 * UNKNOWNS
-)
-"""Places in a state: the crank's angle, coordinates of slider's and crank's joint, their rates, and
-energies."""
+THETA, FIRST0, SECOND0, FIRST1, SECOND1, OMEGA = range(UNKNOWNS + 1)
+"""Places in a state: the crank's angle, coordinates of slider's and crank's joint, and the rate of
+the angle."""
 _UNIT = np.eye(2 * UNKNOWNS)
 
 
-class Parts(NamedTuple):
-    """What `derive` and `write_output` need of a motion; pairs: slider's and crank's joint."""
-
-    pose: loads.Pose
-    forces_x: float
-    forces_y: float
-    """On both balls together."""
-    accelerations: tuple[tuple[float, float], tuple[float, float]]
-    """Of the eccentricities."""
-    eccentricities: tuple[joints.Eccentricity, joints.Eccentricity]
-    forces: tuple[JointForces, JointForces]
+Parts = namedtuple("Parts", "pose forces_x forces_y accelerations eccentricities forces")
+"""What `derive` and `write_output` need of a motion. (forces_x, forces_y) acts on both balls
+together; the rest are pairs, slider's and crank's joint; accelerations are the eccentricities'."""
 
 
 @compiled
@@ -48,10 +35,8 @@ def motion(y, contacts, p, laws):
     """`Motion` at y = (z, z', ...), and its `Parts`, with each joint in a `ContactState`."""
     (st, ct), omega, half = sine_cosine(y[THETA]), y[OMEGA], 0.5 * p.l2
     law0, law1, contact0, contact1 = laws[SLIDER], laws[CRANK], contacts[SLIDER], contacts[CRANK]
-    coordinates = y[FIRST0], y[SECOND0], y[FIRST0_RATE], y[SECOND0_RATE]
-    e0 = joints.eccentricity_of(*coordinates, contact0.closed, law0.clearance)
-    coordinates = y[FIRST1], y[SECOND1], y[FIRST1_RATE], y[SECOND1_RATE]
-    e1 = joints.eccentricity_of(*coordinates, contact1.closed, law1.clearance)
+    e0 = joints.eccentricity_of(y, SLIDER, UNKNOWNS, contact0.closed, law0.clearance)
+    e1 = joints.eccentricity_of(y, CRANK, UNKNOWNS, contact1.closed, law1.clearance)
     sp = (e0.y + e1.y - p.l1 * st) / p.l2
     cp = sqrt(1 - sp * sp)
     psi = (e0.y_rate + e1.y_rate - p.l1 * ct * omega) / (p.l2 * cp)
@@ -73,10 +58,8 @@ def motion(y, contacts, p, laws):
     beta = (half * (cp * sy - sp * sx) + p.r1 * t0 - arm * t1 + load.coupler) / p.i2
     turn_x, turn_y = -half * (sp * beta + cp * psi * psi), half * (cp * beta - sp * psi * psi)
     middle_x, middle_y = (fx0 - fx1) / p.m2, (fy0 - fy1) / p.m2 + load.fall
-    end_x, end_y = (
-        -p.l1 * (st * alpha + ct * omega * omega),
-        p.l1 * (ct * alpha - st * omega * omega),
-    )
+    end_x = -p.l1 * (st * alpha + ct * omega * omega)
+    end_y = p.l1 * (ct * alpha - st * omega * omega)
     slider = (load.slider - fx0) / p.m3
     a0 = middle_x + turn_x - slider, middle_y + turn_y
     a1 = end_x - middle_x + turn_x, end_y - middle_y + turn_y
@@ -108,10 +91,8 @@ def derive(y, contacts, p, motion, parts, k):
     for i in range(2 * UNKNOWNS):
         u = _UNIT[i]
         dt, do = u[THETA], u[OMEGA]
-        of_joint = u[FIRST0], u[SECOND0], u[FIRST0_RATE], u[SECOND0_RATE]
-        de0 = joints.eccentricity_change(*of_joint, e0, closed0)
-        of_joint = u[FIRST1], u[SECOND1], u[FIRST1_RATE], u[SECOND1_RATE]
-        de1 = joints.eccentricity_change(*of_joint, e1, closed1)
+        de0 = joints.eccentricity_change(u, SLIDER, UNKNOWNS, e0, closed0)
+        de1 = joints.eccentricity_change(u, CRANK, UNKNOWNS, e1, closed1)
         dp = (de0.y + de1.y - p.l1 * ct * dt) / (p.l2 * cp)
         dwy = de0.y_rate + de1.y_rate + p.l1 * (st * omega * dt - ct * do)
         dpsi = dwy / (p.l2 * cp) + psi * sp / cp * dp
@@ -161,7 +142,7 @@ def inverse_effective_mass(j, theta, phi, dx, dy, p):
 
 @compiled
 def write_output(row, y, motion, parts, p):
-    """Fill a row of output from (z, z', losses, work) and what `motion` returned."""
+    """Fill in what a row of output has of the slider's speed, kinetic energy and the joints."""
     pose, (e0, e1), omega, psi = parts.pose, parts.eccentricities, y[OMEGA], motion.coupler.rate
     st, ct, sp, cp = pose.st, pose.ct, pose.sp, pose.cp
     wx, wy = -p.l1 * st * omega - e1.x_rate, p.l1 * ct * omega - e1.y_rate
@@ -169,16 +150,6 @@ def write_output(row, y, motion, parts, p):
     vx, vy = wx - 0.5 * p.l2 * sp * psi, wy + 0.5 * p.l2 * cp * psi
     kinetic = 0.5 * (p.j1 * omega * omega + p.i2 * psi * psi + p.m3 * speed * speed)
     kinetic += 0.5 * p.m2 * (vx * vx + vy * vy)
-    lost_damping = y[LOST_DAMPING0] + y[LOST_DAMPING1]
-    lost_friction = y[LOST_FRICTION0] + y[LOST_FRICTION1]
-    work = loads.work(p, pose, y[DRIVE_WORK], False)
-    stepping.write_output(
-        row,
-        stepping.Moving(y[THETA], omega, motion.accelerations[THETA]),
-        stepping.Moving(pose.slider, speed, motion.slider),
-        (angle_of(sp, cp), psi),
-        motion.moment,
-        joints.output_of(motion.joints[SLIDER], e0),
-        stepping.Energies(work, kinetic, 0.0, lost_damping, lost_friction),
-    )
+    row.slider_velocity, row.kinetic = speed, kinetic
+    stepping.write_joint(row, joints.output_of(motion.joints[SLIDER], e0))
     stepping.write_crank_joint(row, joints.output_of(motion.joints[CRANK], e1))

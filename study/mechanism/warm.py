@@ -4,8 +4,8 @@ Each kind is compiled by a process of its own, all at once. What two of them nee
 both: to wait for each other would take longer.
 """
 
-import subprocess
-import sys
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from time import perf_counter
 
 from study.mechanism.scene import Scene
@@ -19,21 +19,19 @@ KINDS: dict[str, tuple[Scene, Model]] = {
 }
 
 
-def main(*names: str) -> None:
-    """Simulate a moment of each kind, here if it is named, else each in its own process."""
-    for name in names:
-        scene, model = KINDS[name]
-        simulate(scene, model=model, duration=1e-5, outputs=1)
-    if not names:
-        start = perf_counter()
-        print(f"Compiling {', '.join(KINDS)}, once ...", flush=True)
-        command = [sys.executable, "-m", "study.mechanism.warm"]
-        processes = [subprocess.Popen([*command, name]) for name in KINDS]
-        codes = [process.wait() for process in processes]
-        if any(codes):
-            sys.exit("The stepping loops were not compiled; the error stands above")
-        print(f"Compiled in {perf_counter() - start:.1f} s", flush=True)
+def _compile(kind):
+    scene, model = KINDS[kind]
+    simulate(scene, model=model, duration=1e-5, outputs=1)
+
+
+def main() -> None:
+    """Simulate a moment of each kind, each in its own process."""
+    start = perf_counter()
+    print(f"Compiling {', '.join(KINDS)}, once ...", flush=True)
+    with ProcessPoolExecutor(len(KINDS), get_context("spawn")) as pool:
+        list(pool.map(_compile, KINDS))
+    print(f"Compiled in {perf_counter() - start:.1f} s", flush=True)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

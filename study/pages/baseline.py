@@ -2,8 +2,7 @@
 
 The kept results are the files in ``figures/``. Where every number agrees
 (`study.dataset.tolerance`) they stay as they are; otherwise the new file replaces the kept one, and
-``git diff`` shows what changed. A task of a notebook also makes a file that says how its results
-compared.
+``git diff`` shows what changed. A further file says how the results of a notebook compared.
 """
 
 import filecmp

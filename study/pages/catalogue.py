@@ -21,19 +21,10 @@ LONGEST_FOLDER = 100  # name of a folder for settings, in characters
 class Result:
     """A figure, which has an image, or a table; both have their numbers as CSV.
 
-    Attributes
-    ----------
-    name
-        Name of its files, without suffix.
-    notebook
-        Name of the notebook that makes it.
-    shows
-        What it shows.
-    tells
-        Conclusion from a figure, in one sentence without numbers; a table has none.
-    expect
-        The number of it to expect: ``column at key = value, ...``, with the keys of one row.
-        Without one it is the number of rows.
+    ``name`` is that of its files, without suffix, ``notebook`` that of the notebook that makes it.
+    ``tells`` is the conclusion from a figure, in one sentence without numbers; a table has none.
+    ``expect`` names the number to expect, as ``column at key = value, ...`` with the keys of one
+    row. Without one it is the number of rows.
     """
 
     name: str
@@ -77,20 +68,10 @@ class Result:
 
 @dataclass(frozen=True)
 class Notebook:
-    """A notebook and the results it makes.
+    """A notebook, by its file name without suffix, and the results it makes, by their names.
 
-    Attributes
-    ----------
-    name
-        File name without suffix.
-    results
-        Its results by name.
-    reads
-        Results of other notebooks whose numbers it reads.
-    long
-        Whether it takes longer than most, so that it begins first.
-    settings
-        Parameters other than the defaults; none in the catalogue.
+    It ``reads`` the numbers of results of other notebooks. A ``long`` one takes longer than most,
+    so that it begins first. ``settings`` are parameters other than the defaults.
     """
 
     name: str
@@ -162,10 +143,7 @@ class Notebook:
 def notebook(name: str, entry: Mapping[str, Any]) -> Notebook:
     """A notebook from its entry in the catalogue, in which every table is a result.
 
-    Raises
-    ------
-    study.checks.StudyError
-        For an unknown or a missing key.
+    Raises `study.checks.StudyError` for an unknown or a missing key.
     """
     tables = {key: value for key, value in entry.items() if isinstance(value, dict)}
     others = {key: value for key, value in entry.items() if key not in tables}
@@ -192,10 +170,7 @@ def results() -> list[Result]:
 def select(names: Sequence[str]) -> list[Notebook]:
     """Notebooks by their own names or those of results, in the catalogue's order; all for no name.
 
-    Raises
-    ------
-    ValueError
-        For an unknown name; the message has the nearest known one.
+    Raises ``ValueError`` for an unknown name, with the nearest known one.
     """
     paths.require_checkout(paths.NOTEBOOKS)
     known = [name for nb in CATALOGUE for name in (nb.name, *nb.results)]
@@ -221,10 +196,8 @@ def _nearest(name, known):
 def check_claims() -> None:
     """Refuse wrong rows of ``data/published/claims.csv``, before anything runs for minutes.
 
-    Raises
-    ------
-    study.claims.verdicts.ClaimError
-        As for `study.claims.verdicts.load`, or for a figure or evidence that no notebook makes.
+    Raises `study.claims.verdicts.ClaimError`, as `study.claims.verdicts.load` does, and for a
+    figure or evidence that no notebook makes.
     """
     from study.claims import verdicts
 

@@ -1,13 +1,14 @@
 """Check the parameters of notebooks, run outdated ones as tasks, execute one by papermill.
 
-A notebook is executed in a kernel with folders of its own (`study.pages.kernel`). Nothing in the
-calling process changes, so that several threads may execute notebooks at the same time.
+A notebook is executed in a kernel with folders of its own (`_kernel`). Nothing in the calling
+process changes, so that several threads may execute notebooks at the same time.
 """
 
 import ast
 import json
 import os
 import re
+import sys
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -16,7 +17,6 @@ from study.contact import LAWS
 from study.pages import baseline, tasks
 from study.pages.catalogue import Notebook, check_claims
 
-LONGEST = 1000  # setting, in characters
 _COMMENT = re.compile(r"(.*?)\s*(?:\[([^][]*)\])?")  # meaning and values allowed
 PARAMETERS_VARIABLE = "STUDY_PARAMETERS"  # hands parameters to notebooks/task_notebooks.py
 _RETURNED = re.compile(
@@ -47,10 +47,7 @@ def parameters(notebook: Notebook) -> dict[str, Parameter]:
     A comment tells the meaning, and ends with the values allowed: ``[20 to 10000]`` for a number or
     each of a list, ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``.
 
-    Raises
-    ------
-    NotebookError
-        For a file that is no notebook, or has anything but such lines in that cell.
+    Raises `NotebookError` if the file is no notebook, or has anything but such lines in that cell.
     """
     read = {}
     try:
@@ -71,19 +68,12 @@ def check_parameters(notebooks: list[Notebook], settings: list[str]) -> dict[str
     """Turn settings ``key=value`` into parameters; each notebook gets those it has.
 
     Papermill itself only warns of an unknown parameter and runs the default. A value is a Python
-    literal or a bare word. The default is left out.
-
-    Raises
-    ------
-    ValueError
-        For no ``=``, a long setting, an unknown parameter, a value of another type or range.
+    literal or a bare word. The default is left out. Raises ``ValueError`` for no ``=``, an unknown
+    parameter, or a value of another type or range.
     """
     known = {nb.name: parameters(nb) for nb in notebooks} if settings else {}
     chosen = {nb.name: {} for nb in notebooks}
     for setting in settings:
-        if len(setting) > LONGEST:
-            got = f"{len(setting)}: {setting[:20]}..."
-            raise ValueError(f"-p must have at most {LONGEST} characters, got {got}")
         key, equals, text = setting.partition("=")
         if not equals:
             raise ValueError(f"-p must be key=value, got {setting!r}")
@@ -110,7 +100,7 @@ def _as_default(key, value, default):
         value = float(value)
     if type(value) is not type(default):
         kind = type(default).__name__
-        raise ValueError(f"parameter {key} must be of type {kind}, got {value!r}")
+        raise ValueError(f"parameter {key} must be of type {kind}, got {checks.shown(value)}")
     if isinstance(default, list | tuple) and default:
         return type(default)(_as_default(key, item, default[0]) for item in value)
     return value
@@ -156,19 +146,12 @@ def execute(notebook: Notebook) -> None:
     """Execute one notebook with its settings, and keep its executed copy.
 
     If every cell succeeds, its results are compared with the kept ones (`baseline.take_over`).
-    Those made with settings go to a folder of their own.
-
-    Raises
-    ------
-    NotebookError
-        If a cell fails, or a result is missing or not in the catalogue; names them.
-    study.checks.StudyError
-        If data are damaged or a claim cannot be judged.
+    Those made with settings go to a folder of their own. Raises `NotebookError` if a cell fails, or
+    a result is missing or not in the catalogue, and `study.checks.StudyError` if data are damaged
+    or a claim cannot be judged.
     """
     import papermill
     from nbformat.reader import NotJSONError
-
-    from study.pages.kernel import manager
 
     _check_inputs()
     paths.BUILD.mkdir(exist_ok=True)
@@ -182,12 +165,11 @@ def execute(notebook: Notebook) -> None:
                 parameters=notebook.settings,
                 kernel_name="python3",
                 progress_bar=False,
-                kernel_manager_class=manager(folder, results),
+                kernel_manager_class=_kernel(folder, results),
             )
         except papermill.PapermillExecutionError as error:
-            cause = f"{error.ename}: {error.evalue}" if error.evalue else _last_words(executed)
-            where = f"cell In[{error.exec_count}]: {cause}"
-            raise NotebookError(f"{notebook.name}, {where}") from None
+            where = f"{notebook.name}, cell In[{error.exec_count}]"
+            raise NotebookError(f"{where}: {error.ename}: {error.evalue}") from None
         except NotJSONError:
             raise NotebookError(f"{notebook.name}: the file is no notebook") from None
         finally:
@@ -204,6 +186,41 @@ def execute(notebook: Notebook) -> None:
                 paths.copy(results / name, notebook.folder / name)
         else:
             baseline.take_over(results, notebook)
+
+
+def _kernel(folder, results):
+    """Class of a kernel that lives in ``folder`` and writes figures and tables to ``results``.
+
+    It is of this interpreter, without the user's settings.
+    """
+    from jupyter_client import AsyncKernelManager
+    from jupyter_client.kernelspec import KernelSpec
+
+    command = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
+    environment = os.environ | {
+        paths.RESULTS_VARIABLE: str(results),
+        "PYTHONPATH": os.pathsep.join([str(paths.ROOT), os.environ.get("PYTHONPATH", "")]),
+        "PYTHONUTF8": "1",
+        # kernels run side by side: their own threads would wait for each other
+        "OMP_NUM_THREADS": "1",
+        "OPENBLAS_NUM_THREADS": "1",
+        # settings in the user's home folder must not change a result
+        "IPYTHONDIR": str(folder / "ipython"),
+    }
+    places = {"connection_file": str(folder / "kernel.json")}
+    if os.name == "posix":  # not ports, which kernels started at the same time may share
+        places |= {"transport": "ipc", "ip": str(folder / "socket")}
+
+    class Kernel(AsyncKernelManager):
+        kernel_spec = KernelSpec(argv=command, language="python")
+
+        def __init__(self, **options):
+            super().__init__(**(options | places))
+
+        async def start_kernel(self, **options):
+            await super().start_kernel(cwd=str(folder), env=environment, **options)
+
+    return Kernel
 
 
 @cache
@@ -223,14 +240,3 @@ def refuse_returned(notebook: Notebook) -> None:
             if _RETURNED.match(text):
                 where = f"{notebook.name}, cell In[{cell['execution_count']}]"
                 raise NotebookError(f"{where} shows {checks.shown(text)}: end its last line with ;")
-
-
-def _last_words(executed):
-    """Last line that an executed notebook wrote to stderr: an error without a message of its own.
-
-    So it is where files or memory are too few to show the error.
-    """
-    cells = json.loads(executed.read_text(encoding="utf-8"))["cells"]
-    outputs = [output for cell in cells for output in cell.get("outputs", ())]
-    text = "".join("".join(o["text"]) for o in outputs if o.get("name") == "stderr").strip()
-    return text.splitlines()[-1] if text else "it ended without a message"

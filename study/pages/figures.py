@@ -6,8 +6,7 @@ differ, and equal tables have to give equal pictures, byte by byte.
 
 Every figure is readable in print. The article is A4 with a text width of 6.61 in, to which a wider
 figure is scaled down. No text may be smaller than 7 pt there, so a figure is at most `WIDEST`
-and its text at least `SMALLEST`: 9 pt * 6.61 / 8.4 = 7.08 pt. Sub- and superscripts are not
-counted.
+and its text at least `SMALLEST`: 9 pt * 6.61 / 8.4 = 7.08 pt, sub- and superscripts aside.
 """
 
 from collections.abc import Mapping
@@ -82,7 +81,7 @@ LOOKS = _looks("law")
 MODEL_LOOKS = _looks("model")
 """Models of the mechanism's links; the rigid ones are drawn behind the others."""
 METHOD_LOOKS = _looks("method")
-"""Solvers of the joint and steppers of the mechanism, by `study.measure.speed`'s names."""
+"""Solvers of the joint and steppers of the mechanism, by the names in `study.measure.charts`."""
 
 _style = ExitStack()  # entered by `new`, left by `save`
 
@@ -92,21 +91,9 @@ def new(
 ) -> tuple[Figure, Axes | NDArray[np.object_]]:
     """Figure and axes in the study's style, which lasts until the figure is saved.
 
-    The session's own settings are back after `save`: a figure is drawn between the two.
-
-    Parameters
-    ----------
-    columns, rows
-        Number of panels.
-    width, height
-        Size of one panel, in inches.
-    **options
-        Passed to ``matplotlib.figure.Figure.subplots``.
-
-    Raises
-    ------
-    ValueError
-        If the panels together are wider than `WIDEST`.
+    The session's own settings are back after `save`: a figure is drawn between the two. One panel
+    has a width and a height in inches; options are those of ``matplotlib.figure.Figure.subplots``.
+    Raises ``ValueError`` if the panels together are wider than `WIDEST`.
     """
     checks.number("width of the figure", columns * width, "in", above=0, most=WIDEST)
     _style.close()
@@ -139,10 +126,7 @@ def draw_model(axes: Axes, model: str, time: ArrayLike, values: ArrayLike) -> No
 def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
     """Write ``figures/name.png`` and what it draws to ``figures/name.csv``, and show the image.
 
-    Raises
-    ------
-    ValueError
-        If a text is smaller than `SMALLEST`, or a number of the table is not finite.
+    Raises ``ValueError`` if a text is smaller than `SMALLEST`, or a number is not finite.
     """
     least = min(figure.findobj(Text), key=Text.get_fontsize)
     what = f"size of the text {least.get_text()!r} in {name}"
@@ -158,12 +142,8 @@ def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
 def as_saved(numbers: Any, digits: int = DIGITS) -> Any:
     """Numbers rounded to the digits with which they are saved: a figure is drawn from these.
 
-    Parameters
-    ----------
-    numbers
-        A table, of which texts and whole numbers stay as they are, or a series or array.
-    digits
-        Significant ones; fewer than `DIGITS` where the table is saved with fewer.
+    They are in a table, of which texts and whole numbers stay as they are, or a series or array.
+    Significant digits are fewer than `DIGITS` where the table is saved with fewer.
 
     Examples
     --------
@@ -182,10 +162,7 @@ def as_saved(numbers: Any, digits: int = DIGITS) -> Any:
 def save_table(table: pd.DataFrame, name: str) -> None:
     """Write a table to ``figures/name.csv``, with 9 significant digits: see `as_saved`.
 
-    Raises
-    ------
-    ValueError
-        If a number of the table is NaN or infinite.
+    Raises ``ValueError`` if a number of the table is NaN or infinite.
     """
     numeric = table.select_dtypes("number")
     bad = ~np.isfinite(numeric.to_numpy())
@@ -200,13 +177,9 @@ def save_table(table: pd.DataFrame, name: str) -> None:
 def save_numbers(name: str, numbers: Mapping[str, Mapping[str, Any]]) -> Styler:
     """Write a notebook's numbers for the paper's statements, and show them.
 
-    Parameters
-    ----------
-    name
-        Of the result; its columns are quantity, reading, value and unit.
-    numbers
-        Unit -> quantity -> a number, or reading -> number. A reading is a model, material or
-        duration that the paper's text allows.
+    They are given as unit -> quantity -> a number, or reading -> number. A reading is a model,
+    material or duration that the paper's text allows. The result has the columns quantity, reading,
+    value and unit.
     """
     rows = []
     for unit, quantities in numbers.items():
@@ -225,22 +198,11 @@ def shown(table: pd.DataFrame, precision: int = 4) -> Styler:
 
 
 def tidy(*curves: tuple[str, pd.DataFrame, str, str, str | None], digits: int = 3) -> pd.DataFrame:
-    """Numbers of several panels in one table, with some digits of what is drawn upwards.
+    """Numbers of several panels in one table: panel, series, x_is, x, y_is, y, all but x as text.
 
-    The figure draws these digits too, by ``as_saved(values, digits)``.
-
-    Parameters
-    ----------
-    *curves
-        (panel, table, x, y, series): letter, DataFrame and names of its columns; a series of
-        None is a single one, called ``y``.
-    digits
-        Significant ones of y. Three are enough on a logarithmic axis.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns panel, series, x_is, x, y_is, y, all but x as text.
+    The figure draws the significant digits of y too, by ``as_saved(values, digits)``. Three are
+    enough on a logarithmic axis. A curve is (panel, table, x, y, series): letter, DataFrame and
+    names of its columns; a series of None is a single one, called ``y``.
     """
     parts = []
     for panel, table, x, y, series in curves:

@@ -34,26 +34,14 @@ def build(
     force: bool = False,
     dask_address: str | None = None,
 ) -> Built:
-    """Run the outdated tasks of some folders.
+    """Run the outdated tasks of some folders; with ``force`` those that are up to date too.
 
-    Parameters
-    ----------
-    expression
-        Tasks, as for ``pytask -k``, with those that they need; all by default.
-    jobs
-        Processes, by default one per core.
-    force
-        Run those that are up to date too.
-    dask_address
-        Dask scheduler whose workers run the tasks.
+    The expression selects tasks as ``pytask -k`` does, with those that they need, by default all.
+    They run in as many processes as ``jobs``, by default one per core, or on the workers of a Dask
+    scheduler. Finished tasks stay finished after ``KeyboardInterrupt``; the next call resumes.
 
-    Raises
-    ------
-    study.checks.StudyError
-        If memory is limited too much, the folder has no task, another build is running, or the
-        Dask scheduler does not answer or has no workers.
-    KeyboardInterrupt
-        If interrupted; finished tasks stay finished, and the next call resumes.
+    Raises `study.checks.StudyError` if memory is limited too much, the folder has no task, another
+    build is running, or the Dask scheduler does not answer or has no workers.
     """
     from loky import cpu_count, get_reusable_executor
     from pytask_parallel import ParallelBackend, registry

@@ -21,14 +21,10 @@ def typeset_all() -> None:
 
 
 def typeset(source: Path = SOURCE, output: Path = PDFS[0]) -> None:
-    """Typeset a text from the results in ``figures/`` and the data; same bytes every time.
+    """Typeset a text of the project from the results in ``figures/`` and the data.
 
-    Only Typst's own fonts are used, and no date is written. The source is inside the project.
-
-    Raises
-    ------
-    study.checks.StudyError
-        If a number, figure or reference is missing, or Typst warns; the message names it.
+    Only Typst's own fonts are used, and no date is written: the bytes are the same every time.
+    Raises `study.checks.StudyError` if a number, figure or reference is missing, or Typst warns.
     """
     paths.require_checkout(paths.PAPER)
     try:

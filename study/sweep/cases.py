@@ -3,11 +3,12 @@
 A case is texts by column, as a CSV file holds them. Its columns are the options of `study joint`
 and `study simulate`. Semicolons separate the values of an option that may be repeated.
 
-A new column of results needs its unit and meaning in the table of its form, such as `CURVES`, and
-its value in the function that solves this form.
+A new column of results needs its unit and meaning in ``columns.toml``, and its value in the
+function that solves the cases of its form.
 """
 
 import csv
+import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from inspect import signature
@@ -32,48 +33,14 @@ Case = dict[str, str]
 Rows = list[list[str]]
 NAME, ERROR = "case", "error"
 """First column of every table, the case's name or number, and the last, the reason of a failure."""
-APPLICABILITY = ("1", "Limits that are exceeded (study joint and simulate have them in words)")
-CURVES = {
-    "depth_star": ("1", "Penetration depth d/dR"),
-    "force_star": ("1", "Force P/(E* dR^2)"),
-    "stiffness_star": ("1", "Slope of force_star over depth_star; of whole curves"),
-    "contact_half_angle_deg": ("deg", "Polar angle of the contact's edge"),
-    "peak_pressure_star": ("1", "Largest pressure p R2/(E* dR)"),
-    "error_estimate": ("1", "Estimated relative error of the force"),
-    "applicability": APPLICABILITY,
-}
-DIMENSIONAL = {
-    "depth": ("m", "Penetration depth"),
-    "force": ("N", "Contact force"),
-    "stiffness": ("N/m", "Slope of the force over the depth"),
-    "contact_half_angle_deg": ("deg", "Polar angle of the contact's edge"),
-    "peak_pressure": ("Pa", "Largest contact pressure"),
-    "error_estimate": ("1", "Estimated relative error of the force"),
-    "yield_factor": ("1", "Yield stress over von Mises stress, of the body nearest to yield"),
-    "applicability": APPLICABILITY,
-}
-SCENES = {
-    "impacts": ("1", "Contacts that begin"),
-    "largest_depth": ("m", "Largest penetration depth"),
-    "largest_force": ("N", "Largest normal force in a clearance joint"),
-    "energy_lost": ("J", "Lost by damping and friction in the joints"),
-    "delivered_restitution": ("1", "Of a free impact, by the damping of the scene"),
-    "last_separation": ("s", "Time at which the surfaces part for the last time"),
-    "mean_slider_deviation": ("m", "From ideal joints at the same crank angle, mean of its size"),
-    "largest_slider_deviation": ("m", "The same, its largest size at the times of output"),
-    "energy_error": ("1", "Largest error of the energy balance, over the largest energy"),
-    "applicability": APPLICABILITY,
-}
-TWICE = SCENES | {
-    "agrees_until": ("s", "Until then a run at another tolerance is the same motion; rigid links"),
-}
-COLUMNS = {
-    "joints": CURVES,
-    "joints with dimensions": DIMENSIONAL,
-    "scenes": SCENES,
-    "scenes run twice": TWICE,
+COLUMNS: dict[str, dict[str, tuple[str, str]]] = {
+    form: {name: (unit, meaning) for name, (unit, meaning) in columns.items()}
+    for form, columns in tomllib.loads(
+        Path(__file__).with_name("columns.toml").read_text(encoding="utf-8")
+    ).items()
 }
 """Results of a case, by the form of the cases: column -> unit and meaning."""
+COLUMNS["scenes run twice"] = COLUMNS["scenes"] | COLUMNS["scenes run twice"]
 
 
 def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
@@ -90,18 +57,18 @@ def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
 def _from_csv(path):
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            names, *rows = [row for row in csv.reader(file) if row] or [[]]
+            rows = [[cell.strip() for cell in row] for row in csv.reader(file) if row]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         why = getattr(error, "strerror", None) or "it is not CSV text in UTF-8"
         raise ValueError(f"cases must be a CSV file, got {path}: {why}") from None
-    names = [name.strip() for name in names]
+    names, *rows = rows or [[]]
     if len(set(names)) < len(names):
         raise ValueError(f"each column must have a name of its own, got {', '.join(names)}")
     for number, row in enumerate(rows, 1):
         if len(row) != len(names):
             wanted = f"row {number} must have {len(names)} cells, as the head of the file"
             raise ValueError(f"{wanted}, got {len(row)}")
-    return [dict(zip(names, map(str.strip, row), strict=True)) for row in rows]
+    return [dict(zip(names, row, strict=True)) for row in rows]
 
 
 def _as_texts(case):
@@ -180,11 +147,10 @@ def prepared(
     keys: list[str] = []
     complete: list[Case] = []
     rows: dict[str, int] = {}
-    read = FORMS[form].columns
     for row, case in enumerate(cases, 1):
         name = case.get(NAME, str(row))
         try:
-            key, _, used = _prepare(form, case)
+            key, _, values = _prepare(form, case)
             if name in rows:
                 other = f"got {name!r} in row {rows[name]} too"
                 raise ValueError(f"{NAME} must be another name in each row, {other}")
@@ -193,9 +159,10 @@ def prepared(
         except ValueError as error:
             raise ValueError(f"row {row}: {error}") from None
         keys.append(key)
-        missing = {column: used[column] for column in columns if used.get(column) is not None}
-        complete.append({c: read[c].written(v) for c, v in missing.items()} | case)
         rows[name] = row
+        used = {name: values[name] for name in columns if values.get(name) is not None}
+        written = {name: FORMS[form].columns[name].written(value) for name, value in used.items()}
+        complete.append(written | case)
     return form, keys, complete
 
 
@@ -208,60 +175,61 @@ def _is_number(text):
 
 
 def solve(form: str, cases: list[Case]) -> list[Rows]:
-    """Rows of the table for each case, without its name and columns."""
+    """Rows of the table for each case, without its name and columns: cells with 9 digits.
+
+    A case that fails has one row with the reason.
+    """
     return [_rows(form, case) for case in cases]
 
 
 def _rows(form, case):
-    """Cells of a case's rows, with 9 digits; one row with the reason if it fails."""
     columns = COLUMNS[form]
     try:
         results = _prepare(form, case)[1]()
         cells = [_cells(name, results[name]) for name in columns]
     except Exception as error:  # written to the table, and counted: the other cases go on
         known = isinstance(error, ValueError | StudyError)
-        return failed(form, str(error) if known else f"{type(error).__name__}: {error}")
+        reason = str(error) if known else f"{type(error).__name__}: {error}"
+        return [[""] * len(columns) + [" ".join(reason.split())]]
     count = max(map(len, cells))
     full = [column * count if len(column) == 1 else column for column in cells]
     return [[*row, ""] for row in zip(*full, strict=True)]
 
 
-def failed(form: str, reason: str) -> Rows:
-    """The one row of a case that failed."""
-    return [[""] * len(COLUMNS[form]) + [" ".join(reason.split())]]
-
-
 def _cells(name, values):
-    if isinstance(values, str):
-        return [values]
-    if isinstance(values, list):
-        return values
+    if isinstance(values, str | list):
+        return np.atleast_1d(values).tolist()
     return [f"{value:.9g}" for value in np.atleast_1d(checks.number(name, values))]
 
 
 def _prepare(form, case):
     """Key of a case, the function that solves it, and the values that it uses (`Form`)."""
-    for name in FORMS[form].needed:
+    columns, needed, prepare = FORMS[form]
+    for name in needed:
         if name not in case:
             instead = ", or r2_star" if form == "joints with dimensions" else ""
             raise ValueError(f"{name} must be given{instead}")
-    values = {
-        name: FORMS[form].columns[name].read(name, text)
-        for name, text in case.items()
-        if name != NAME
-    }
-    return FORMS[form].prepare(values)
+    about = {name: columns[name] for name in case if name != NAME}
+    return prepare({name: of.taken(name, of.read(name, case[name])) for name, of in about.items()})
 
 
 def _joint(values):
     depths = values.pop("depth_star", None)
-    if depths is not None:
-        checks.number("depth_star", depths, least=0)
     given = RatioJoint(**values)
     joint = given.joint()
+
+    def solved():
+        if depths is not None:
+            curve, slope = force_curve(joint, depths), ""
+        else:
+            curve = whole_curve(joint, usual_depth(joint))
+            slope = tabulated(curve)(curve.depth_star, joint.r2_star, derivative=True)
+        short = [applicability.in_short(found) for found in applicability.of_curve(curve)]
+        return vars(curve) | {"stiffness_star": slope, "applicability": short}
+
     used = {"socket_ratio": joint.socket_ratio, "modulus_ratio": joint.modulus_ratio}
     used |= {"socket_poisson": joint.socket.poisson, "rim": joint.rim}
-    return _bodies(joint), partial(_solve_joint, joint, depths), vars(given) | used
+    return _bodies(joint), solved, vars(given) | used
 
 
 def _bodies(joint):
@@ -270,33 +238,21 @@ def _bodies(joint):
     return repr(joint if joint.has_large_displacements else bodies)
 
 
-def _solve_joint(joint, depths):
-    if depths is not None:
-        curve, slope = force_curve(joint, depths), ""
-    else:
-        curve = whole_curve(joint, usual_depth(joint))
-        slope = tabulated(curve)(curve.depth_star, joint.r2_star, derivative=True)
-    short = [applicability.in_short(found) for found in applicability.of_curve(curve)]
-    return vars(curve) | {"stiffness_star": slope, "applicability": short}
-
-
 def _dimensional_joint(values):
-    asked = {name: values.pop(name) for name in ("depth", "force") if name in values}
-    for name, numbers in asked.items():
-        checks.number(name, numbers, DIMENSIONAL[name][0], above=0)
+    asked = {name: values.pop(name) for name in _ASKED if name in values}
     if len(asked) > 1:
         raise ValueError("either depth or force must be given, not both")
     joint = DimensionalJoint(**values)
+
+    def solved():
+        solution = joint.solve(**asked) if asked else joint.curve()
+        factors = [factor for factor in solution.yield_factor.values() if factor is not None]
+        short = [applicability.in_short(found) for found in solution.limits]
+        nearest = np.min(factors, axis=0) if factors else ""
+        return vars(solution) | {"yield_factor": nearest, "applicability": short}
+
     used = vars(joint) | {name: getattr(DimensionalJoint, name) for name in ("ball", "socket")}
-    return _bodies(joint.joint), partial(_solve_dimensional, joint, asked), used
-
-
-def _solve_dimensional(joint, asked):
-    solution = joint.solve(**asked) if asked else joint.curve()
-    factors = [factor for factor in solution.yield_factor.values() if factor is not None]
-    short = [applicability.in_short(found) for found in solution.limits]
-    nearest = np.min(factors, axis=0) if factors else ""
-    return vars(solution) | {"yield_factor": nearest, "applicability": short}
+    return _bodies(joint.joint), solved, used
 
 
 def _scene(values, twice=False):
@@ -360,23 +316,20 @@ class Form(NamedTuple):
 
     columns: Mapping[str, Parameter]
     needed: tuple[str, ...]
-    prepare: Callable[
-        [dict[str, Any]], tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, Any]]
-    ]
+    prepare: Callable[[dict[str, Any]], tuple[str, Callable[[], Mapping], Mapping[str, Any]]]
 
 
-_DEPTHS = {"depth_star": Parameter("Penetration depths d/dR", several=";")}
+_DEPTHS = {"depth_star": Parameter("Penetration depths d/dR", limits={"least": 0}, several=";")}
 _ASKED = {
-    "depth": Parameter("Penetration depths", "m", several=";"),
-    "force": Parameter("Contact forces", "N", several=";"),
+    "depth": Parameter("Penetration depths", "m", {"above": 0}, several=";"),
+    "force": Parameter("Contact forces", "N", {"above": 0}, several=";"),
 }
-_SETTINGS = set(described(simulate)) - {"scene", "progress"}
-_OF_SCENES = (
-    described(Scene)
-    | {name: about for name, about in described(simulate).items() if name in _SETTINGS}
-    | {name: described(DimensionalJoint)[name] for name in ("wall", "liner")}
-    | {"socket_ratio": described(RatioJoint)["socket_ratio"]}
-)
+_OF_SCENES = {
+    **described(Scene),
+    **{n: about for n, about in described(simulate).items() if n not in ("scene", "progress")},
+    **{name: described(DimensionalJoint)[name] for name in ("wall", "liner")},
+    "socket_ratio": described(RatioJoint)["socket_ratio"],
+}
 FORMS = {
     "joints": Form(described(RatioJoint) | _DEPTHS, ("r2_star",), _joint),
     "joints with dimensions": Form(

@@ -1,6 +1,6 @@
 """Solves the cases of a parameter study in processes or on Dask, and writes one table.
 
-Every result goes at once to a part file beside the table. Memory use therefore stays small, and an
+Every result goes at once to a part file beside the table, so that memory use stays small and an
 interrupted study goes on where it stopped. The table is written from this file at the end, in the
 order of the cases, with the same bytes for any number of processes.
 """
@@ -50,9 +50,9 @@ def run_study(
 ) -> Swept:
     """Solve many joints, or simulate many scenes, and write one table.
 
-    A joint has a row for each of its depths or forces. If none are given, it has some 50 rows of
-    its whole curve. A scene has one row. The columns are the case's number or name, what is given,
-    its results (`COLUMNS`), and ``error``: a case that fails has one row with its reason there.
+    A joint has a row for each of its depths or forces, or some 50 rows of its whole curve if none
+    are given. A scene has one row. The columns are the case's number or name, what is given, its
+    results (`COLUMNS`), and ``error``: a case that fails has one row with its reason there.
 
     Parameters
     ----------
@@ -62,15 +62,11 @@ def run_study(
         and the parameters of the scene, and perhaps ``case``, a name. Several depths, forces,
         layers or liners are separated by semicolons, or are a list. For an empty cell, or None,
         the table has the default that was used. NaN is refused.
-    kind
-        ``joints`` or ``scenes``.
     output
         CSV file to write. Until it is written, a file ``.part`` is beside it. Cases in this file
         are not solved again, unless they or the code have changed.
-    jobs
-        Processes, by default one per core.
-    dask_address
-        Dask scheduler whose workers solve the cases instead.
+    jobs, dask_address
+        Processes, by default one per core, or a Dask scheduler whose workers solve the cases.
     progress
         Called with the numbers of different cases: done, all, and failed.
     twice
@@ -82,11 +78,8 @@ def run_study(
     ValueError
         For a column or value that is not possible, before any work; names row and column.
     study.checks.StudyError
-        If the Dask scheduler does not answer, or a worker ends; finished cases are kept.
-    OSError
-        If the disk is full; finished cases are kept.
-    KeyboardInterrupt
-        If interrupted; the next call goes on.
+        If the Dask scheduler does not answer, or a worker ends; finished cases are kept, as they
+        are if the disk is full (``OSError``) or the study is interrupted (``KeyboardInterrupt``).
     """
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
@@ -136,10 +129,6 @@ def _keys(form, cases):
     return [provenance.digest([], code, form, of_case) for of_case in values]
 
 
-def _digest(content):
-    return provenance.sha256(content.encode())[:32]
-
-
 class _Part:
     """File of finished cases, a line with a checksum for each; memory has the places of lines."""
 
@@ -171,8 +160,8 @@ class _Part:
 
     def add(self, key: str, rows: Rows) -> None:
         """Append a case, at once."""
-        content = json.dumps([key, rows])
-        line = f"{_digest(content)} {content}\n".encode()
+        content = json.dumps([key, rows]).encode()
+        line = b"%s %s\n" % (self._checksum(content), content)
         self._file.write(line)
         self._file.flush()
         self._note(key, rows, self._file.tell() - len(line))
@@ -188,13 +177,15 @@ class _Part:
             self.failures[key] = reason
 
     @staticmethod
-    def _read(line):
-        checksum, _, content = line.decode(errors="replace").rstrip("\n").partition(" ")
-        return json.loads(content) if _digest(content) == checksum else ("", [])
+    def _checksum(content):
+        return provenance.sha256(content)[:32].encode()
+
+    def _read(self, line):
+        checksum, _, content = line.rstrip(b"\n").partition(b" ")
+        return json.loads(content) if self._checksum(content) == checksum else ("", [])
 
 
 def _write(output, form, cases, names, rows_of_cases):
-    """Write the table, and return the number of its rows."""
     columns = dict.fromkeys(name for case in cases for name in case)
     inputs = [name for name in columns if name not in (NAME, *COLUMNS[form])]
     count = 0
@@ -227,8 +218,7 @@ def _solved(
     count = min(jobs or cpu_count(), len(tasks))
     if dask_address is None and count < 2:  # here, without the start of a process
         for key, case in (item for task in tasks for item in task.items()):
-            (rows,) = of_cases.solve(form, [case])
-            yield key, rows
+            yield key, of_cases.solve(form, [case])[0]
         return
     with _executor(count, dask_address) as executor:
         running = {executor.submit(of_cases.solve, form, [*task.values()]): task for task in tasks}
@@ -244,15 +234,14 @@ def _solved(
 
 @contextmanager
 def _executor(count: int, dask_address: str | None) -> Iterator[Executor]:
-    """Executor of functions; it is stopped with the study."""
     if dask_address is not None:
         with workers.dask_client(dask_address) as client:
             yield client.get_executor(pure=False)
         return
     executor = ProcessPoolExecutor(count, initializer=workers.begin, initargs=(os.getpid(),))
-    finished = False
     try:
         yield executor
-        finished = True
-    finally:
-        executor.shutdown(kill_workers=not finished)
+    except BaseException:
+        executor.shutdown(kill_workers=True)
+        raise
+    executor.shutdown()

@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator
 from functools import partial
+from importlib.metadata import PackageNotFoundError, version
 from itertools import product
 
 from other_programs import cables, calculix, cvode, multibody, odes
 
-from study.measure import charts, flexible, timing
+from study.measure import charts, explicit, flexible, timing
 from study.measure.timing import COMPILED, PROGRAM, PYTHON, Run
 from study.mechanism import Scene
 
@@ -23,20 +24,29 @@ LONGEST_OF_CABLES = 2e-4  # s; with longer steps Newton's method fails on some m
 
 def solvers() -> Iterator[Run]:
     """CalculiX's elements, by its contact of surfaces or of nodes and surface."""
-    if version := calculix.version():
-        columns = {"program": "CalculiX", "version": version, "called": PROGRAM}
+    if found := calculix.version():
+        columns = {"program": "CalculiX", "version": found, "called": PROGRAM}
         for method, n in ELEMENTS:
             how = {"nodes": int(method[3]), "contact": "node" if "node" in method else "surface"}
             call = partial(calculix.force_curve, charts.FREE, charts.CURVE_DEPTHS, n, **how)
             yield charts.solver(method, f"resolution {n}", call, **columns)
 
 
+def version_of(package: str) -> str:
+    """Version of an installed package, or an empty text."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
+
+
 def steppers() -> Iterator[Run]:
     """CVODE as a compiled C program, integrators called from Python, and Exudyn."""
-    span = charts.SCENE, charts.hertz_law(), charts.DURATION, charts.OUTPUTS
-    if version := cvode.version():
+    law = explicit.packed(charts.SCENE, "hertz")
+    span = charts.SCENE, law, charts.DURATION, charts.OUTPUTS
+    if found := cvode.version():
         flags = " ".join(cvode.FLAGS[:2])
-        columns = {"program": "SUNDIALS", "version": f"{version}, gcc {flags}"}
+        columns = {"program": "SUNDIALS", "version": f"{found}, gcc {flags}"}
         for coordinates, n in product(cvode.SCALES, range(6, 25)):
             tolerance = 10 ** -(n / 2)
             call = partial(cvode.slider_acceleration, *span, tolerance, coordinates)
@@ -45,13 +55,13 @@ def steppers() -> Iterator[Run]:
     odes.slider_acceleration("LSODA", *span[:2], 1e-3, 1, 1e-3)  # compiles what is called by it
     for method, smallest in SMALLEST.items():
         program = "SciPy" if method in odes.SCIPY else "scikit-sundae"
-        if version := timing.version(program.lower()):
-            columns = {"program": program, "version": version, "called": PYTHON}
+        if found := version_of(program.lower()):
+            columns = {"program": program, "version": found, "called": PYTHON}
             for tolerance in (10.0**-n for n in range(4, smallest + 1)):
                 call = partial(odes.slider_acceleration, method, *span, tolerance)
                 yield charts.stepper(method, f"tolerance {tolerance:.2g}", call, **columns)
-    if version := timing.version("exudyn"):
-        columns = {"program": "Exudyn", "version": version, "called": COMPILED}
+    if found := version_of("exudyn"):
+        columns = {"program": "Exudyn", "version": found, "called": COMPILED}
         for step in STEPS:
             arguments = charts.SCENE, charts.DURATION, charts.OUTPUTS, step
             call = partial(multibody.slider_acceleration, *arguments)
@@ -60,11 +70,11 @@ def steppers() -> Iterator[Run]:
 
 def flexible_links() -> Iterator[Run]:
     """Exudyn's ANCF cables, which have no shear: theirs is the limit of links without it."""
-    if version := timing.version("exudyn"):
+    if found := version_of("exudyn"):
         for joint in flexible.DURATIONS:
             steps = [step for step in flexible.STEPS[joint] if step <= LONGEST_OF_CABLES]
             for n, step in product(flexible.MESHES[joint], steps):
-                columns = {"program": "Exudyn", "version": version}
+                columns = {"program": "Exudyn", "version": found}
                 at = joint, (n, 2 * n), step
                 yield flexible.run("ANCF cables", *at, cable(*at), SHEAR_STIFF, **columns)
 

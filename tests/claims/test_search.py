@@ -114,12 +114,6 @@ def test_a_number_holds_on_the_right_side_of_the_mildest_of_its_bounds():
     assert search.held(inside).all(axis=None)
 
 
-def test_a_missing_number_is_named():
-    runs = RUNS.drop(columns="last separation")
-    with pytest.raises(verdicts.ClaimError, match="claim persistent_impacts: the runs have no"):
-        search.held(runs)
-
-
 def test_pairs_that_never_hold_together():
     holds = pd.DataFrame({"a": [1, 1, 0], "b": [0, 1, 0], "c": [0, 0, 1], "d": [0, 0, 0]})
     assert search.never_together(holds.astype(bool)) == [("a", "c"), ("b", "c")]

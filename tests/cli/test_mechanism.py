@@ -1,9 +1,7 @@
 """The command for the crank-slider: its numbers are the library's, and how far to trust them."""
 
 import json
-import os
 import re
-import signal
 from functools import wraps
 
 import pandas as pd
@@ -110,10 +108,7 @@ def test_a_second_run_that_ends_early_loses_nothing(run, tmp_path, monkeypatch, 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--scene", "mass=1"], "--scene must be KEY=VALUE with KEY one of crank_length"),
         (["--scene", "friction"], "--scene must be KEY=VALUE"),
-        (["--scene", "friction=high"], "friction must be a number, got 'high'"),
-        (["--model", "auto"], "tolerance must be given: the largest error that model auto may"),
         (["--elements", "2,2", "--model", "auto"], "--elements must be left out: model auto"),
     ],
 )
@@ -135,28 +130,12 @@ def test_simulate_auto_tells_what_it_chose(run):
     assert "The simplest model whose slider velocity is known well enough over 0.05 s" in out
 
 
-def test_a_simulation_that_fails_is_one_line_and_status_1(run):
-    soft = ("--scene", "youngs_modulus=1e6", "--scene", "driving_moment=25")
-    status, out, err = run("simulate", *soft, "--json")
-    assert (status, out, err.count("\n")) == (1, "", 1)
-    assert "stopped at time 0.0" in err
-
-
-@pytest.fixture
-def heeding_interrupts():
-    """Python's own handler of Ctrl-C, which a job in the background of a script has not."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
-@pytest.mark.usefixtures("heeding_interrupts")
 def test_an_interrupted_simulation_prints_and_writes_what_it_has(run, tmp_path, monkeypatch):
     @wraps(simulate)
     def interrupted(*words, progress, **options):
         def stop(time):
             if time > 0.02:
-                os.kill(os.getpid(), signal.SIGINT)  # as Ctrl-C does
+                raise KeyboardInterrupt
 
         return simulate(*words, progress=stop, **options)
 

@@ -11,6 +11,7 @@ from study.joint import DimensionalJoint, Joint, Layer, Material, force_curve
 
 SIZES = ["joint", "--socket-radius", "12.5e-3", "--clearance", "40e-6", "--wall", "6e-3"]
 BRONZE = [*SIZES, "--ball", "steel", "--socket", "bronze"]
+LAYERED = Joint(80, layers=(Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material())))
 DIMENSIONS = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
 TILTED = [*BRONZE, "--force", 1, "--ball-support", "clamped", "--tilt", 5]
 
@@ -19,15 +20,7 @@ TILTED = [*BRONZE, "--force", 1, "--ball-support", "clamped", "--tilt", 5]
     ("words", "joint"),
     [
         (["--socket-ratio", 1.4, "--ball-support", "guided"], Joint(80, 1.4)),
-        (["--kinematics", "finite"], Joint(80, kinematics="finite")),
-        (
-            ["--modulus-ratio", 0.35, "--socket-poisson", 0.33],
-            Joint(80, socket=Material(7e10, 0.33)),
-        ),
-        (
-            ["--layer", "1.125,0.0025,0.46", "--layer", "1.5,1,0.3"],
-            Joint(80, layers=(Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material()))),
-        ),
+        (["--layer", "1.125,0.0025,0.46", "--layer", "1.5,1,0.3"], LAYERED),
     ],
 )
 def test_a_joint_by_ratios_is_one_json_object_in_the_order_asked(run, words, joint):
@@ -135,13 +128,13 @@ def test_the_same_joint_is_drawn_with_the_same_bytes(run, tmp_path, suffix):
 
 
 def test_the_drawing_has_the_numbers_of_the_solution(monkeypatch, tmp_path):
-    from study.cli import plot
+    from matplotlib.figure import Figure
+
+    from study.cli import solve_joint
 
     figures, solution = [], DIMENSIONS.solve(force=[8000, 3000])
-    monkeypatch.setattr(
-        plot.Figure, "savefig", lambda f, path, **_: figures.append(f) or path.touch()
-    )
-    plot.draw_joint(solution, tmp_path / "joint.png")
+    monkeypatch.setattr(Figure, "savefig", lambda f, path, **_: figures.append(f) or path.touch())
+    solve_joint.draw(solution, tmp_path / "joint.png")
     force, pressure = figures[0].axes
     (curve, *points), profiles = force.lines, pressure.lines
     depth, along = curve.get_data()
@@ -167,16 +160,13 @@ def test_sizes_in_mm_are_asked_about(run):
     ("words", "message"),
     [
         ([*BRONZE, "--force", 1, "--r2-star", 75], "--r2-star must be left out: --socket-radius"),
-        (["joint", "--r2-star", 75, "--depth-star", 0.1, "--ball", "steel"], "--r2-star must be"),
-        ([*BRONZE, "--force", 1, "--poisson", 0.3], "--poisson must be left out: --socket-radius"),
         (["joint", "--socket-radius", 0.01, "--force", 1], "--clearance and --wall must be given"),
         (["joint"], "--r2-star and --depth-star must be given or, with dimensions, --socket-radi"),
         ([*SIZES, "--force", 1, "--wear", 1e-15], "--path must be given"),
         ([*SIZES, "--force", 1, "--path", 10], "--wear must be given"),
-        ([*SIZES, "--force", 1, "--wear", -1, "--path", 1], "wear must be >= 0 m^2/N, got -1 m"),
+        ([*SIZES, "--force", 1, "--wear", -1, "--path", 1], "wear coefficient must be >= 0 m^2/N"),
         ([*TILTED, "--friction", 0.1], "--friction must be left out beside --tilt"),
         (["joint", "--r2-star", 75, "--plot", "x.png"], "--plot is for a joint with its dimensio"),
-        ([*SIZES, "--force", 1, "--tolerance", 0], "tolerance must be >= 1e-05 and <= 1, got 0"),
     ],
 )
 def test_what_does_not_fit_is_refused(run, words, message):

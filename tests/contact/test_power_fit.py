@@ -1,15 +1,18 @@
 """The power law k d^n: its fit, its error, and its units."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
+from study import dataset, paths
 from study.contact import LAWS, tabulated
+from study.contact.laws import fitted_coefficients
 from study.contact.power_fit import USUAL_RANGE, fit_power
 from study.dataset.fitting import fit_laws
-from study.joint import DimensionalJoint, Joint, paper_joint, whole_curve
+from study.joint import DimensionalJoint, paper_joint, whole_curve
 from study.joint.law_parameters import law_parameters
 
 BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
@@ -72,11 +75,6 @@ def test_the_default_is_the_paper_s_joint():
 
 
 def test_the_kept_fit_is_that_of_the_dataset():
-    import pandas as pd
-
-    from study import dataset, paths
-    from study.contact.laws import fitted_coefficients
-
     published = pd.read_csv(paths.DATA / "published/tables.csv")
     assert fit_laws(dataset.load(), published)["power"] == fitted_coefficients()["power"]
 
@@ -86,19 +84,9 @@ def test_the_kept_fit_is_that_of_the_dataset():
     [
         (lambda: fit_power([1.0], [1.0]), "must be lists of the same length >= 2"),
         (lambda: fit_power([1.0, 1.0], [1.0, 2.0]), "depth must have two different values"),
-        (lambda: fit_power([0.0, 1.0], [1.0, 2.0]), "depth must be > 0, got 0"),
         (lambda: fit_power([1.0, 2.0], [1.0, -2.0]), "force must be > 0, got -2"),
         (lambda: LAWS["power"](0.1, 200, exponent=1.5), "must be given together"),
-        (
-            lambda: LAWS["power"](0.1, 200, exponent=0.5, coefficient=1.0),
-            "exponent of power must be >= 1 and <= 3, got 0.5",
-        ),
         (lambda: BRONZE.power_law((2e-6, 1e-6)), "largest depth must be > 2e-06 m, got 1e-06 m"),
-        (lambda: BRONZE.power_law((0, 1e-6)), "least depth must be > 0 m, got 0 m"),
-        (
-            lambda: law_parameters(LAWS["stiffened_hertz"], Joint(200, socket_support="rim")),
-            "stiffened_hertz",
-        ),
     ],
 )
 def test_bad_input(call, message):

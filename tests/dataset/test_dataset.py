@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from study import dataset, paths
 from study.contact import costs
-from study.dataset import design, fitting, production, quality, store
+from study.dataset import design, fitting, production, store
 from study.joint import curve
 from study.joint.curve import SOLVERS
 from study.joint.supports import BALL_SUPPORTS, KINEMATICS, RIMS
@@ -78,8 +78,6 @@ def test_filters_select_rows():
     assert set(rows.r2_star) == {20, 200}
     assert set(rows.kinematics) == {"small"}
     assert list(rows.index) == list(range(80))
-    with pytest.raises(ValueError, match="r2_star must be one of 20, 40.*got 77"):
-        dataset.load(r2_star=77)
     with pytest.raises(ValueError, match="ball_support must be one of guided, got clamped"):
         dataset.load(group="liner", ball_support="clamped")
     with pytest.raises(ValueError, match="column must be one of group.*got 'radius'"):
@@ -87,17 +85,7 @@ def test_filters_select_rows():
 
 
 def test_every_check_passes():
-    report = dict(quality.check())
-    assert set(report) == {
-        "files",
-        "schema",
-        "cases",
-        "force increases",
-        "force is convex",
-        "slope as Hertz",
-        "error estimate",
-        "solved again",
-    }
+    assert {"force increases", "error estimate", "solved again"} <= set(dict(production.check()))
 
 
 def test_columns_have_units_and_meaning():
@@ -105,21 +93,10 @@ def test_columns_have_units_and_meaning():
     fields = package["resources"][0]["schema"]["fields"]
     assert [f["name"] for f in fields] == list(dataset.load().columns)
     assert all(f["description"] for f in fields)
-    assert all("unit" in f for f in fields if f["type"] == "number")
+    assert all(("unit" in f) == (f["type"] == "number") for f in fields)
     text = (paths.DATA / "README.md").read_text()
     for field in fields:
         assert f"`{field['name']}`" in text
-
-
-def test_damaged_and_missing_coefficients_are_named_with_a_remedy(copy):
-    text = store.COEFFICIENTS.read_text()
-    store.COEFFICIENTS.write_text(text.replace("5.2", "5.3", 1))
-    message = r"contact/coefficients.json is {}.*git checkout -- .*coefficients.json.*data build"
-    with pytest.raises(dataset.DatasetError, match=message.format("damaged")):
-        dataset.verify_files()
-    store.COEFFICIENTS.unlink()
-    with pytest.raises(dataset.DatasetError, match=message.format("missing")):
-        dataset.verify_files()
 
 
 def test_a_build_does_not_bless_damaged_published_numbers(copy):
@@ -146,34 +123,24 @@ def test_measured_times_are_kept_with_their_hash(copy):
         "ours": 3,
         **before[before.program != "ours"].program.value_counts().to_dict(),
     }
-    with pytest.raises(
-        ValueError, match="chart must be one of laws, solvers, steppers, flexible, got 'x'"
-    ):
-        dataset.measured("x")
 
 
-READERS = {
-    "force_curves.csv": dataset.load,
-    "published/joint.csv": dataset.reference_forces,
-    "links.csv": dataset.links,
-    "set_ups.csv": dataset.set_ups,
-}
-
-
-@pytest.mark.parametrize("name", READERS)
-def test_damaged_and_missing_files_are_named_with_a_remedy(copy, name):
-    path, readers = copy / name, [READERS[name], dataset.verify_files]
+@pytest.mark.parametrize(
+    ("name", "read", "rebuild"),
+    [
+        ("links.csv", dataset.links, ", or rebuild it with: study data build"),
+        ("published/joint.csv", dataset.reference_forces, ""),
+    ],
+)
+def test_damaged_and_missing_files_are_named_with_a_remedy(copy, name, read, rebuild):
+    path, remedy = copy / name, f"git checkout -- data/{name} data/datapackage.json{rebuild}"
     path.write_text(path.read_text().replace("2", "3", 1))
-    remedy = f"git checkout -- data/{name} data/datapackage.json"
-    if name in ("force_curves.csv", "links.csv", "set_ups.csv"):  # the rebuild is the second remedy
-        remedy += ", or rebuild it with: study data build"
-    for read in readers:
+    for reader in (read, dataset.verify_files):
         with pytest.raises(dataset.DatasetError, match=rf"data/{name} is damaged.*{remedy}$"):
-            read()
+            reader()
     path.unlink()
-    for read in readers:
-        with pytest.raises(dataset.DatasetError, match=rf"data/{name} is missing.*{remedy}$"):
-            read()
+    with pytest.raises(dataset.DatasetError, match=rf"data/{name} is missing.*{remedy}$"):
+        read()
 
 
 def test_a_read_verifies_its_own_file_and_no_code(copy):
@@ -205,38 +172,12 @@ def test_what_others_printed_names_its_source_and_a_whole_joint():
         assert needed <= set(given.quantity)
 
 
-def without(*keys):
-    def change(package):
-        for key in keys[:-1]:
-            package = package[key]
-        del package[keys[-1]]
-
-    return change
-
-
-def to(value, *keys):
-    def change(package):
-        for key in keys[:-1]:
-            package = package[key]
-        package[keys[-1]] = value
-
-    return change
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (to([], "resources"), "does not describe data/force_curves.csv, data/links.csv, data/set_"),
-        (to({}, "resources"), "does not describe data/force_curves.csv"),
-        (to(None, "resources"), "is damaged"),
-        (to("text", "resources"), "is damaged"),
-        (without("resources", 1), "does not describe data/links.csv"),
-        (without("resources", 0, "schema"), "is damaged"),
-        (to("x", "resources", 0, "schema"), "is damaged"),
-        (without("resources", 0, "hash"), "is damaged"),
-        (to("x", "resources", 0, "path"), "does not describe data/force_curves.csv"),
-        (to([], "provenance"), "is damaged"),
-        (without("provenance", "made_by"), "is damaged"),
+        (lambda package: package.update(resources="text"), "is missing or damaged"),
+        (lambda package: package["resources"][0].pop("schema"), "is missing or damaged"),
+        (lambda package: package["provenance"].pop("made_by"), "is missing or damaged"),
     ],
 )
 def test_a_wrong_description_is_one_error_with_a_remedy(copy, change, message):
@@ -244,30 +185,25 @@ def test_a_wrong_description_is_one_error_with_a_remedy(copy, change, message):
     package = json.loads(path.read_text())
     change(package)
     path.write_text(json.dumps(package))
-    for check in (dataset.load, quality.check):
-        with pytest.raises(dataset.DatasetError, match=f"datapackage.json {message}") as caught:
-            check()
-        assert str(caught.value).endswith("restore it with: git checkout -- data/datapackage.json")
+    with pytest.raises(dataset.DatasetError, match=f"datapackage.json {message}") as caught:
+        production.check()
+    assert str(caught.value).endswith("restore it with: git checkout -- data/datapackage.json")
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (
-            to("string", "resources", 0, "schema", "fields", 3, "type"),
-            "constraint .minimum. is not supported",
-        ),
-        (without("resources", 0, "schema", "fields", 3, "unit"), "column socket_ratio, a number"),
-        (to("radius", "resources", 0, "schema", "fields", 3, "name"), "radius"),
+        (lambda field: field.update(type="string"), "constraint .minimum. is not supported"),
+        (lambda field: field.update(name="radius"), "radius"),
     ],
 )
 def test_a_wrong_schema_fails_the_check(made, change, message):
     path = made / "datapackage.json"
     package = json.loads(path.read_text())
-    change(package)
+    change(package["resources"][0]["schema"]["fields"][3])
     path.write_text(json.dumps(package))
     with pytest.raises(dataset.DatasetError, match=f"datapackage.json: .*{message}"):
-        quality.check()
+        production.check()
 
 
 def test_the_schema_allows_what_the_design_has():
@@ -279,63 +215,19 @@ def test_the_schema_allows_what_the_design_has():
         assert allowed[column] == list(names)
 
 
-def test_damaged_and_missing_descriptions_are_named_with_a_remedy(copy):
-    package = copy / "datapackage.json"
-    package.write_text("{")
-    with pytest.raises(dataset.DatasetError, match=r"datapackage.json is damaged.*git checkout"):
-        dataset.load()
-    package.unlink()
-    with pytest.raises(dataset.DatasetError, match=r"datapackage.json is missing.*git checkout"):
-        dataset.load()
+OF_LAWS = ["study/contact/coefficients.json", "study/contact/stiffening.csv"]
+OF_LAWS += ["study/pages/report/contact_size.csv", "data/links.csv", "data/set_ups.csv"]
 
 
 @pytest.mark.parametrize(
     ("module", "old", "new", "outdated"),
     [
-        (
-            "joint/curve",
-            "_COUNT = 48",
-            "_COUNT = 49",
-            ["data/force_curves.csv"],
-        ),
-        ("joint/series", "ORDERS = 16", "ORDERS = 17", ["data/force_curves.csv"]),
+        ("joint/curve", "_COUNT = 48", "_COUNT = 49", ["data/force_curves.csv"]),
         ("joint/series", '"""', '"""Another. ', []),
-        ("contact/bodies", "(1 - nu**2)", "(1.01 - nu**2)", ["data/force_curves.csv"]),
-        (
-            "contact/laws",
-            "Parts(hertz_factor(r2_star)",
-            "Parts(1.01 * hertz_factor(r2_star)",
-            [
-                "study/contact/coefficients.json",
-                "study/contact/stiffening.csv",
-                "study/pages/report/contact_size.csv",
-                "data/links.csv",
-                "data/set_ups.csv",
-            ],
-        ),
-        (
-            "dataset/fitting",
-            "DIGITS = 7",
-            "DIGITS = 6",
-            ["study/contact/coefficients.json", "study/contact/relative_costs.json"],
-        ),
-        (
-            "dataset/stiffening_fit",
-            "FINER = 320",
-            "FINER = 352",
-            ["study/contact/stiffening.csv"],
-        ),
-        (
-            "dataset/contact_size",
-            "SMALLEST = 5e-4",
-            "SMALLEST = 4e-4",
-            ["study/pages/report/contact_size.csv"],
-        ),
+        ("contact/laws", "Parts(hertz", "Parts(1.01 * hertz", OF_LAWS),
+        ("dataset/stiffening_fit", "FINER = 320", "FINER = 9", ["study/contact/stiffening.csv"]),
         ("choose/random_scenes", "COUNT = 160", "COUNT = 161", ["data/links.csv"]),
-        ("claims/set_ups", "MECHANISMS = 64", "MECHANISMS = 32", ["data/set_ups.csv"]),
         ("claims/search", "never_together", "never_both", []),
-        ("pages/figures", '"lines.linewidth": 1.5', '"lines.linewidth": 2', []),
-        ("choose/model", "SHALLOWEST)", "2 * SHALLOWEST)", []),
     ],
 )
 def test_changed_code_makes_out_of_date_what_reaches_it(made, module, old, new, outdated):
@@ -399,12 +291,6 @@ def test_a_changed_default_of_the_joint_makes_the_dataset_out_of_date(made, monk
         production.verify_made_by()
 
 
-def test_a_changed_design_makes_the_dataset_out_of_date(made, monkeypatch):
-    monkeypatch.setattr(design, "DESIGN", design.DESIGN[:-1])
-    with pytest.raises(dataset.DatasetError, match="force_curves.csv is out of date: the design"):
-        production.verify_made_by()
-
-
 def test_numbers_that_agree_leave_the_kept_file(copy):
     kept = store.CURVES.read_bytes()
     frame = dataset.load()
@@ -427,7 +313,6 @@ def rewrite(copy, change):
     [
         ("force_star", 1.0, "case .*: force increases must be in"),
         ("error_estimate", 0.1, "case .*: error estimate must be in"),
-        ("contact_half_angle_deg", 95.0, "datapackage.json: .*maximum.*row 6"),
         ("rim", "open", "datapackage.json: .*enum"),
     ],
 )
@@ -437,7 +322,7 @@ def test_wrong_values_fail_the_check(copy, column, value, message):
 
     rewrite(copy, change)
     with pytest.raises(dataset.DatasetError, match=message):
-        quality.check()
+        production.check()
 
 
 def test_a_curve_unlike_the_solver_fails_the_check(copy):
@@ -446,7 +331,7 @@ def test_a_curve_unlike_the_solver_fails_the_check(copy):
 
     rewrite(copy, change)
     with pytest.raises(dataset.DatasetError, match=r"ratio-1.05-linear-200 solved again"):
-        quality.check()
+        production.check()
 
 
 def test_a_case_is_solved_to_the_same_bytes_on_any_number_of_threads(tmp_path):

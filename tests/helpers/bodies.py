@@ -3,7 +3,7 @@
 import numpy as np
 
 from study.joint import series
-from study.joint.bodies import Socket
+from study.joint.compliance import Socket
 
 
 def reaction(body):

@@ -20,6 +20,22 @@ def copy_project(root):
     return root
 
 
+def change(root, path, *changes):
+    """Replace texts in a file of a copy, each of which is there once."""
+    text = (root / path).read_text()
+    for old, new in changes:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    (root / path).write_text(text)
+
+
+def describe(root):
+    """Describe the data of a copy as made by its code."""
+    code = "from study.dataset import production; production.write_description()"
+    command = [sys.executable, "-c", code]
+    subprocess.run(command, cwd=root, env=environment(root), check=True)
+
+
 def share_compiled(root, kept):
     """Copy what is compiled to the cache ``kept`` of a package in ``root``.
 

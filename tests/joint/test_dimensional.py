@@ -174,9 +174,6 @@ GOOD = {"socket_radius": 0.01, "clearance": 1e-4, "wall": 3e-3}
     [
         ({"clearance": 0.01}, "clearance must be >= 1e-11 and < 0.01 m, got 0.01 m"),
         ({"clearance": -1e-6}, "clearance must be > 0 m, got -1e-06 m: without clearance the ball"),
-        ({"wall": 0}, "wall must be >= 1e-06 and <= 9999.99 m, got 0 m"),
-        ({"wall": np.nan}, "wall must be finite"),
-        ({"socket": Material(110, 0.3)}, "got 110 Pa: did you mean 110e9?"),
         ({"liner": ("PTFE",)}, "liner must be a thickness in m and a material, such as"),
         ({"liner": ("3e-3,PTFE",)}, "wall around the liner must be > 0.003 m, got 0.003 m"),
     ],
@@ -191,11 +188,8 @@ def test_wrong_joints(changes, message):
     [
         ({}, "depth or force must be given"),
         ({"depth": 1e-6, "force": 1.0}, "either depth or force must be given, not both"),
-        ({"depth": 0}, "depth must be > 0 m, got 0 m"),
         ({"force": [1.0, -3.0]}, "force must be > 0 N, got -3 N"),
-        ({"force": [[1.0]]}, "force must be a list of numbers, got shape (1, 1)"),
         ({"force": []}, "force must be a list of numbers, got shape (0,)"),
-        ({"depth": "deep"}, "depth must be a number, got 'deep'"),
     ],
 )
 def test_wrong_depths_and_forces(given, message):

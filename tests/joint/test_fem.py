@@ -5,8 +5,7 @@ import pytest
 from helpers.bodies import reaction
 
 from study.joint import fem
-from study.joint.bodies import Ball, Socket
-from study.joint.compliance import HatFunctions
+from study.joint.compliance import Ball, HatFunctions, Socket
 from study.joint.supports import CentrePoint, ClampedPlate
 
 

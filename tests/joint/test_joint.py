@@ -26,12 +26,12 @@ from study.joint import (
     series,
     whole_curve,
 )
-from study.joint.bodies import Ball, Socket
 from study.joint.complementarity import ComplementarityError
-from study.joint.compliance import HatFunctions
+from study.joint.compliance import Ball, HatFunctions, Socket
 from study.joint.supports import RIMS, Core, Sector
 
 REFERENCE = pd.read_csv(paths.DATA / "published" / "joint.csv")
+FINITE = Joint(200, kinematics="finite")
 
 
 @cache
@@ -251,7 +251,7 @@ def test_error_estimate_covers_the_error_of_any_joint(seed):
 
 
 def test_error_estimate_covers_the_error_at_large_displacements():
-    joint, depth = paper_joint(20, kinematics="finite"), np.linspace(0.1, 0.8, 12)
+    joint, depth = paper_joint(20, kinematics="finite"), np.linspace(0.1, 0.8, 6)
     exact, curve = force_curve(joint, depth, 128).force_star, force_curve(joint, depth, 32)
     error = np.abs(curve.force_star / exact - 1)
     assert (error <= curve.error_estimate).all()
@@ -264,7 +264,7 @@ def test_error_estimate_covers_the_error_at_large_displacements():
 def test_contact_grown_from_the_pole_is_that_found_by_pivoting(kinematics, socket, ratio):
     joint = Joint(30, ratio, socket=socket, kinematics=kinematics)
     bodies = [series.compliance(body, 64) for body in (joint.ball_body, joint.socket_body)]
-    problem, axial = contact_kinematics.PROBLEMS[kinematics](joint, *bodies)
+    problem, axial = contact_kinematics.problem_of(joint, *bodies)
     for depth in (0.02, 0.2, 0.5):
         nested = nested_contact.NestedContacts(joint, *bodies, 2.0, np.array([depth]))
         pressure = nested.pressure(depth)
@@ -327,32 +327,12 @@ def test_any_joint_stiffens_with_depth(r2_star, ratio, poisson, stiffer, drive, 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (
-            lambda: force_curve(Joint(200, 1.01), 0.1, solver="quadratic"),
-            "outer over inner radius of a layer must be >= 1.02, got 1.01",
-        ),
-        (
-            lambda: force_curve(Joint(200, rim="free"), 0.1, solver="series"),
-            "solver must be quadratic or linear for this joint",
-        ),
-        (
-            lambda: force_curve(Joint(200, kinematics="finite"), 0.1, solver="linear"),
-            "solver must be quadratic for kinematics finite",
-        ),
-        (lambda: force_curve(Joint(200), 0.1, solver="bem"), "solver must be one of series"),
-        (lambda: force_curve(Joint(200), -0.1), "depth_star must be >= 0, got -0.1"),
+        (lambda: force_curve(Joint(200, 1.01), 0.1, solver="quadratic"), "radius of a layer must"),
+        (lambda: force_curve(Joint(200, rim="free"), 0.1, solver="series"), "quadratic or linear"),
+        (lambda: force_curve(FINITE, 0.1, solver="linear"), "quadratic for kinematics finite"),
         (lambda: force_curve(Joint(200), []), "depth_star must be a list of depths"),
         (lambda: force_curve(Joint(200), 0.1, 48), "resolution must be a multiple of 32, got 48"),
-        (lambda: force_curve(Joint(200), 0.1, "64"), "resolution must be one number, got '64'"),
-        (lambda: force_curve(Joint(200), 0.1, 1920), "resolution must be >= 32 and <= 1280"),
-        (
-            lambda: force_curve(Joint(200, 1.03), 0.1, 32, "quadratic"),
-            "resolution must be >= 64 and <= 320, got 32",
-        ),
-        (
-            lambda: force_curve(Joint(1e9, kinematics="finite"), 0.1),
-            r"r2_star must be <= 1e\+08, got 1e\+09",
-        ),
+        (lambda: force_curve(replace(FINITE, r2_star=1e9), 0.1), r"r2_star must be <= 1e\+08, got"),
         (lambda: force_curve(Joint(200), 1e-9, 32), "depth_star must be 0 or so large that"),
         (lambda: force_curve(Joint(200), 20, 32), "depth_star must be < 18.97"),
         (lambda: force_curve(Joint(200, kinematics="linear"), 9, 32), "off the socket's rim"),

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.bodies import of_socket
+from helpers.programs import needs_calculix
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from other_programs import calculix
 
 from study.joint import Joint, Layer, Material, force_curve, series
-from study.joint.bodies import Socket
+from study.joint.compliance import Socket
 
 EVEN = np.arange(0, 10_001, 2)
 STEEL, PTFE = Material(2e11, 0.3), Material(5e8, 0.46)
@@ -97,7 +98,7 @@ def test_elements_agree_with_the_series(layers, r2_star, kinematics):
     assert np.abs(curve.force_star / exact - 1).max() < 1e-3
 
 
-@pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
+@needs_calculix
 @pytest.mark.parametrize("supports", [{}, {"ball_support": "clamped", "rim": "free"}])
 def test_calculix_agrees(supports):
     joint = Joint(200, layers=HOUSED, **supports)
@@ -105,7 +106,7 @@ def test_calculix_agrees(supports):
     assert force == pytest.approx(force_curve(joint, [0.3, 1.0]).force_star, rel=3e-3)
 
 
-@pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
+@needs_calculix
 def test_calculix_agrees_at_large_displacements():
     joint = Joint(80, layers=HOUSED, kinematics="finite")
     force = calculix.force_curve(joint, 0.1, 32)
@@ -191,14 +192,6 @@ def test_any_lined_joint_stiffens_with_depth(r2_star, steps, poisson, stiffer, k
         (lambda: Joint(80, 1.4, layers=HOUSED), "socket_ratio must be left out beside layers"),
         (lambda: Joint(80, socket=OTHER, layers=HOUSED), "socket must be left out beside layers"),
         (lambda: Joint(80, layers=HOUSED[::-1]), "over that of the layer inside must be >= 1.0001"),
-        (
-            lambda: Joint(80, layers=(*HOUSED, Layer(1.6, Material(1.0)))),
-            "Young's modulus of the socket over that of the ball must be >= 1e-09",
-        ),
-        (
-            lambda: force_curve(Joint(80, layers=(Layer(1.01, PTFE), HOUSED[1]), rim="free"), 0.1),
-            "outer over inner radius of a layer must be >= 1.02, got 1.01",
-        ),
     ],
 )
 def test_bad_input_is_one_clear_error(call, message):

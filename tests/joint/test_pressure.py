@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from study.joint import DimensionalJoint, Joint, force_curve
-from study.joint.pressure import friction_radii
+from study.joint.curve import friction_radii
 
 BRONZE = DimensionalJoint(15e-3, 22e-6, 7e-3, "steel", "bronze")
 CURVE = force_curve(Joint(200), [0.01, 0.3])

@@ -5,8 +5,7 @@ import pytest
 from helpers.bodies import of_socket
 
 from study.joint import Joint, fem, force_curve, series
-from study.joint.bodies import Ball, Socket
-from study.joint.compliance import HatFunctions, surface_angles
+from study.joint.compliance import Ball, HatFunctions, Socket, surface_angles
 
 EVEN = np.arange(0, 10_001, 2)
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.programs import needs_calculix
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from other_programs import calculix
 
 from study.contact import hertz
 from study.joint import Joint, Layer, Material, fem, first_yield, force_curve, stress
-from study.joint.bodies import Ball
-from study.joint.compliance import HatFunctions
+from study.joint.compliance import Ball, HatFunctions
 
 SMALL = Joint(200, kinematics="small")
 BODIES = {"ball": (0.5, 0.97), "socket": (1.02, 1.25)}
@@ -157,7 +157,7 @@ def test_elements_have_the_stresses_of_the_series(kinematics):
         assert b.radius * np.cos(b.angle) == pytest.approx(a.radius * np.cos(a.angle), abs=0.03)
 
 
-@pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
+@needs_calculix
 def test_largest_stress_is_that_of_calculix(tmp_path):
     joint, depth, resolution = Joint(200, ball_support="clamped", rim="free"), 0.2, 64
     text = calculix.deck(joint, [depth], resolution)
@@ -285,16 +285,10 @@ def test_elements_yield_as_the_series_does():
     ("call", "message"),
     [
         (lambda c: stress.stresses(c, "rod", 1, 0), "body must be one of ball, socket, got 'rod'"),
-        (lambda c: stress.stresses(c, "ball", 1.1, 0), "radius must be > 0 and >= 0 and <= 1"),
         (lambda c: stress.stresses(c, "socket", 0.9, 0), "radius must be .*>= 1 and <= 1.298"),
         (lambda c: stress.stresses(c, "ball", 0.9, 2), "angle must be >= 0 and <= 1.57.* rad"),
-        (
-            lambda c: stress.stresses(replace(c, solver="linear"), "ball", 1, 0),
-            "solver must be ser",
-        ),
+        (lambda c: stress.stresses(replace(c, solver="linear"), "ball", 1, 0), "solver must be"),
         (lambda c: first_yield(SMALL), "joint must have a material with a yield_stress"),
-        (lambda c: first_yield(Joint(200, ball=steel(1e9)), -1), "depth_star must be > 0, got -1"),
-        (lambda c: first_yield(Joint(20, ball=steel(1e9)), 6), "must be < 5.2"),
         (
             lambda c: first_yield(Joint(200, ball=steel(1e9), ball_support="centre")),
             "first yield is known for .*guided or clamped .* got centre and outside",

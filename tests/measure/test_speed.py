@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.measure import charts, speed, timing
+from study.measure import charts, timing
 from study.mechanism import MechanismError
 
 
@@ -16,25 +16,25 @@ def rows_of(method, errors, times, called="compiled"):
 def test_time_at_an_error_follows_a_power_of_it():
     errors = np.array([1e-9, 1e-3, 1e-5, 1e-7])
     rows = rows_of("any", errors, 2.0 * errors**-0.2)
-    assert speed.time_at(rows, [1e-4, 1e-8]) == pytest.approx(2.0 * np.array([1e-4, 1e-8]) ** -0.2)
+    assert timing.time_at(rows, [1e-4, 1e-8]) == pytest.approx(2.0 * np.array([1e-4, 1e-8]) ** -0.2)
 
 
 def test_a_row_that_is_beaten_does_not_count():
     rows = rows_of("any", [1e-2, 1e-3, 1e-4, 1e-4], [1.0, 5.0, 4.0, 6.0])
-    assert speed.time_at(rows, [1e-2, 1e-3, 1e-4]) == pytest.approx([1.0, 2.0, 4.0])
+    assert timing.time_at(rows, [1e-2, 1e-3, 1e-4]) == pytest.approx([1.0, 2.0, 4.0])
 
 
 def test_beyond_the_rows_the_cheapest_serves_for_larger_errors_only():
-    times = speed.time_at(rows_of("any", [1e-3, 1e-5], [1.0, 3.0]), [1.0, 1e-6])
+    times = timing.time_at(rows_of("any", [1e-3, 1e-5], [1.0, 3.0]), [1.0, 1e-6])
     assert times[0] == 1.0
     assert np.isnan(times[1])
 
 
 def test_ratios_are_to_our_stepper():
-    ours = rows_of(speed.OURS, [1e-3, 1e-9], [1.0, 8.0])
+    ours = rows_of(timing.OURS, [1e-3, 1e-9], [1.0, 8.0])
     other = rows_of("other", [1e-2, 1e-5], [3.0, 12.0], "from Python")
-    table = speed.at_equal_error(pd.concat([ours, other]), [1e-5, 1e-7])
-    assert table.method.tolist() == [speed.OURS, speed.OURS, "other"]
+    table = timing.at_equal_error(pd.concat([ours, other]), [1e-5, 1e-7])
+    assert table.method.tolist() == [timing.OURS, timing.OURS, "other"]
     assert table.ratio.tolist() == pytest.approx([1, 1, 12 / 2])
     assert table.called.iloc[-1] == "from Python"
 

@@ -2,21 +2,19 @@
 
 import re
 
-import mpmath
 import numpy as np
 import pandas as pd
 import pytest
+from helpers.impacts import free_impact
 from helpers.with_hertz import simulate
-from scipy.integrate import solve_ivp
 
 from study import contact, paths
 from study.checks import RangeError
-from study.contact import shapes
 from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
 from study.joint import Joint, Material, complementarity, force_curve, paper_joint
 from study.joint.compliance import surface_angles
 from study.measure import explicit, stability, thresholds
-from study.mechanism import MechanismError, Scene, paper_scene, particles, rigid
+from study.mechanism import MechanismError, paper_scene, particles, rigid
 from study.mechanism.frame import Frame
 from study.mechanism.joints import ContactState
 
@@ -37,7 +35,7 @@ def pressed():
 
 def test_oscillator_is_the_linearised_equation(pressed):
     state, contact_ = pressed
-    numbers, p = stability.packed(SLIPPERY, "hertz"), SLIPPERY.constants()
+    numbers, p = explicit.packed(SLIPPERY, "hertz"), SLIPPERY.constants()
     reach = np.hypot(state[1], state[2])
     y = np.array([state[0], contact_["depth"], np.arctan2(state[2], state[1]), state[3], 0, 0])
     slopes, piece = np.zeros((3, 6)), ContactState(True, 0, 1e-4)
@@ -95,7 +93,7 @@ def test_centred_velocity_is_not_limited_by_damping_until_its_fixed_point_fails(
 
 def test_an_explicit_run_that_leaves_the_clearance_says_so(pressed):
     state, _ = pressed
-    numbers = stability.packed(SLIPPERY, "hertz")
+    numbers = explicit.packed(SLIPPERY, "hertz")
     with pytest.raises(MechanismError, match=r"the depth must stay <= one clearance \(5e-05 m\)"):
         explicit.integrate(
             SLIPPERY, numbers, 0.02, 1000, 2e-5, "velocity Verlet", state, 1e-5, guarded=False
@@ -106,7 +104,7 @@ def test_an_explicit_run_that_leaves_the_clearance_says_so(pressed):
 @pytest.mark.parametrize("scheme", explicit.SCHEMES)
 def test_an_explicit_step_beyond_its_limit_is_refused(pressed, scheme, approach):
     state, contact_ = pressed
-    numbers = stability.packed(SLIPPERY, "hertz")
+    numbers = explicit.packed(SLIPPERY, "hertz")
     rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * approach)
     limit = min(stability.step_limit(scheme, contact_["frequency"], rate), 100 / max(rate, 1e-9))
 
@@ -134,7 +132,7 @@ def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
     scene = paper_scene(friction=3.0, slow_speed=0.0, full_speed=1e-3, restitution=1.0)
     state = stability.sustained_contact(scene, "hertz", 0.8 * SETTLED)
     rate = stability.oscillator(scene, "hertz", state)["friction_rate"]
-    numbers, p = stability.packed(scene, "hertz"), scene.constants()
+    numbers, p = explicit.packed(scene, "hertz"), scene.constants()
     (angle, ex, ey), slopes, piece = state[:3], np.zeros((3, 6)), ContactState(True, 1, np.inf)
     still = np.array([angle, np.hypot(ex, ey) - numbers.clearance, np.arctan2(ey, ex), 0, 0, 0])
     rigid.derive(still, piece, p, *rigid.motion(still, piece, p, numbers), slopes)
@@ -172,22 +170,6 @@ def test_unguarded_particles_below_the_limits_are_the_lagged_ones():
 
 
 # Damping
-
-
-def free_impact(factor, pull=0.0, depth=0.0, speed=1.0, power=1.5):
-    """Speed at the end of x'' = -x^p (1 + D x') - pull, and largest tension over largest load."""
-
-    def motion(t, y):
-        return y[1], -(max(y[0], 0.0) ** power) * (1 + factor * y[1]) - pull
-
-    def parting(t, y):
-        return y[0]
-
-    parting.terminal, parting.direction = True, -1
-    options = {"method": "LSODA", "rtol": 1e-9, "atol": 1e-12, "max_step": 0.02}
-    places, speeds = solve_ivp(motion, (0, 1e3), (depth, speed), events=parting, **options).y
-    force = np.maximum(places, 0.0) ** power * (1 + factor * speeds)
-    return -speeds[-1], max(-force.min(), 0.0) / force.max()
 
 
 @pytest.mark.parametrize("rule", DAMPINGS)
@@ -261,8 +243,6 @@ def test_grazing_approach_speed_goes_with_the_gap_to_three_quarters():
 
 
 def test_a_gap_lost_in_rounding_is_refused():
-    with pytest.raises(ValueError, match="initial_eccentricity must be < 5e-05 m"):
-        Scene(initial_eccentricity=(PAPER.clearance, 0.0))
     for share in (1 - 1e-16, 1 - 1e-14):
         with pytest.raises(ValueError, match="initial_eccentricity must be < 5e-05 m"):
             PAPER.replace(initial_eccentricity=(-PAPER.clearance * share, 0.0))
@@ -285,7 +265,7 @@ def test_particles_meet_with_an_approach_speed_above_zero():
 @pytest.mark.parametrize("scheme", explicit.SCHEMES)
 def test_an_explicit_step_that_meets_while_leaving_is_not_damped(scheme):
     """A ball that turns back within the step that touches: no approach speed to divide by."""
-    numbers, clearance = stability.packed(SLIPPERY, "hertz"), SLIPPERY.clearance
+    numbers, clearance = explicit.packed(SLIPPERY, "hertz"), SLIPPERY.clearance
     for rate in (0.0, -1e-12, -1e-6):
         start = np.array([0.5, clearance * (1 + 1e-7), 0.0, 0.0, rate, 0.0])
         pull, depth = explicit.integrate(SLIPPERY, numbers, 2e-3, 200, 1e-6, scheme, start)
@@ -308,8 +288,6 @@ def test_friction_that_turns_into_a_jump_costs_steps_but_keeps_the_answer():
     ]
     lost = [response.lost_friction[-1] for response in lost]
     assert lost == pytest.approx([lost[0]] * 3, rel=1e-6)
-    with pytest.raises(ValueError, match="slow_speed must be < 0.0001 m/s"):
-        Scene(slow_speed=1e-4, full_speed=1e-4)
 
 
 # Chaos
@@ -337,16 +315,13 @@ def test_runs_with_loss_can_be_repeated_and_those_without_cannot():
 # The contact solver
 
 
-def test_pivoting_takes_few_steps_and_too_few_end_in_an_error():
+def test_pivoting_takes_few_steps():
     for seed in range(30):
         generator = np.random.default_rng(seed)
         for size in (10, 40, 160):
             root = generator.normal(size=(size, size))
             problem = root @ root.T + 1e-3 * np.eye(size), generator.normal(size=size)
             complementarity.solve(*problem, max_pivots=10)
-    matrix, vector = np.array([[2.0, 1.9], [1.9, 2.0]]), np.array([-1.0, -0.5])
-    with pytest.raises(complementarity.ComplementarityError, match="did not converge: residual"):
-        complementarity.solve(matrix, vector, max_pivots=1)
 
 
 def test_no_contact_has_no_force():
@@ -392,8 +367,6 @@ def test_extreme_radii_are_solved_or_the_estimate_warns():
         apart = abs(coarse.force_star / fine.force_star - 1)
         assert apart < 3 * coarse.error_estimate  # it warns, though of less than it misses
         assert coarse.error_estimate > 0.01
-    with pytest.raises(ValueError, match="r2_star must be > 1"):
-        Joint(1.0)
 
 
 def test_three_node_triangles_lock_and_six_node_ones_do_not():
@@ -407,31 +380,9 @@ def test_three_node_triangles_lock_and_six_node_ones_do_not():
         assert quadratic.force_star == pytest.approx(true, rel=0.006)
         assert quadratic.error_estimate > abs(quadratic.force_star / true - 1)
     assert linear.error_estimate > 0.1  # it warns, though of less than it misses
-    with pytest.raises(ValueError, match="poisson must be > -1 and < 0.5, got 0.5"):
-        Material(poisson=0.5)
 
 
 # The laws
-
-
-@pytest.mark.parametrize("area", shapes.BRACKETS)
-@pytest.mark.parametrize("depth", [1e-30, 1e-12, 1e-4, 1.0, np.pi**2 / 8])
-def test_series_of_the_bracket_is_exact_where_the_printed_one_cancels(area, depth):
-    with mpmath.workdps(80):
-        a, ds = mpmath.sqrt(2 * mpmath.mpf(depth)), mpmath.mpf(depth)
-        sphere = mpmath.mpf(1) / 2 - mpmath.sin(2 * a) / (2 * a) + mpmath.sin(a) ** 2 / (2 * a**2)
-        flat = 6 / a * mpmath.sin(a) + (6 / a**2 - 2) * mpmath.cos(a) - 1 - 6 / a**2
-        true = float(ds * sphere if area == "sphere" else 2 * ds * flat)
-    assert shapes.hyperbolic(depth, shapes.BRACKETS[area])[0] == pytest.approx(true, rel=1e-14)
-
-
-def test_laws_end_where_they_are_defined():
-    assert contact.hyperbolic_winkler(np.pi**2 / 8, 200) > contact.hyperbolic_winkler(1.23, 200)
-    assert contact.stiffened_hertz(1.0, 200) > 0
-    with pytest.raises(ValueError, match="depth_star of hyperbolic_winkler must be <= 1.2337"):
-        contact.hyperbolic_winkler(1.24, 200)
-    with pytest.raises(ValueError, match="depth_star of stiffened_hertz must be <= 1, got 1.1"):
-        contact.stiffened_hertz(1.1, 200)
 
 
 def test_laws_that_extrapolate_beyond_one_clearance_are_this_far_off():
@@ -448,12 +399,3 @@ def test_steuermann_of_any_order_is_finite_and_settles():
             forces = [contact.steuermann(0.5, r2_star, n=n, radius=radius) for n in (1, 10, 49, 50)]
             assert np.isfinite(forces).all()
             assert forces[3] == pytest.approx(forces[2], rel=2e-3)
-    with pytest.raises(ValueError, match="n must be >= 1 and <= 50, got 51"):
-        contact.steuermann(0.5, 200, n=51)
-
-
-def test_rows_of_the_table_hold_numbers_as_text():
-    rows = [("a limit", "if so", 2.0, 1.23456, "s", ""), ("other", "", "none", 0, "", "nothing")]
-    table = thresholds.table(rows)
-    assert table.predicted.tolist() == ["2", "none"]
-    assert table.observed.tolist() == ["1.23", "0"]

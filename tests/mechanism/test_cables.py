@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from benchmarks import others
-from other_programs import cables
 
 from study.measure import flexible, timing
 from study.mechanism import paper_scene
@@ -50,9 +49,3 @@ def test_cables_of_exudyn_have_the_limit_of_links_without_shear():
     places = run()
     assert flexible.error("ideal joint", others.SHEAR_STIFF, places)[0] < 1e-6
     assert np.array_equal(places, run())  # a second call starts anew
-
-
-def test_cables_refuse_a_scene_that_they_have_not():
-    pytest.importorskip("exudyn", reason="Exudyn is not installed")
-    with pytest.raises(ValueError, match="gravity must be left out"):
-        cables.links(paper_scene(gravity=9.81), (2, 4), ideal=True)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from helpers.laws import packed
 
-from study.mechanism import collocation, paper_scene, radau, rigid
+from study.mechanism import collocation, paper_scene, rigid
 from study.mechanism.joints import ContactState
 
 SCENE = paper_scene()
@@ -27,7 +27,7 @@ def step(y, h, iterations=20):
     work.rates[1:, :n] = motion.accelerations
     collocation.factorise(work, h)
     for _ in range(iterations):
-        for i in range(radau.STAGES):
+        for i in range(collocation.STAGES):
             collocation.stage(i, work, h)
             motion, _ = rigid.motion(work.trial, CONTACT, p, HERTZ)
             work.residuals[i] = motion.accelerations - work.rates[1 + i, :n]
@@ -78,14 +78,14 @@ def same(kept, exact):
     return np.array_equal(kept, np.array(exact, dtype=float))
 
 
-POINTS = [Fraction(x) for x in radau.POINTS]
+POINTS = [Fraction(x) for x in collocation.POINTS]
 
 
 def test_points_are_those_of_radaus_rule():
     difference = [a - b for a, b in zip(legendre(5), [*legendre(4), 0], strict=True)]
     slope = [k * c for k, c in enumerate(difference)][1:]
     roots = [x - value(difference, x) / value(slope, x) for x in POINTS]
-    assert same(radau.POINTS, roots)
+    assert same(collocation.POINTS, roots)
 
 
 def test_weights_are_integrals_of_lagranges_polynomials():
@@ -93,43 +93,43 @@ def test_weights_are_integrals_of_lagranges_polynomials():
     square = [
         [sum(map(Fraction.__mul__, row, c)) for c in zip(*matrix, strict=True)] for row in matrix
     ]
-    assert same(radau.RATE, matrix)
-    assert same(radau.PLACE, square)
-    assert same(radau.MONOMIALS, list(zip(*lagrange([Fraction(0), *POINTS]), strict=True)))
+    assert same(collocation.RATE, matrix)
+    assert same(collocation.PLACE, square)
+    assert same(collocation.MONOMIALS, list(zip(*lagrange([Fraction(0), *POINTS]), strict=True)))
 
 
 def test_weights_of_the_error_are_those_to_a_method_of_lower_order():
     """That method integrates 1, x, ... x^4 with the weight `REAL` at 0."""
-    matrix, gamma = integrals(POINTS), Fraction(radau.REAL)
+    matrix, gamma = integrals(POINTS), Fraction(collocation.REAL)
     change = [
         sum(c / (k + 1) for k, c in enumerate(p)) - gamma * p[0] - last
         for p, last in zip(lagrange(POINTS), matrix[-1], strict=True)
     ]
-    assert same(radau.RATE_ERROR, change)
+    assert same(collocation.RATE_ERROR, change)
     of_places = [sum(map(Fraction.__mul__, change, c)) for c in zip(*matrix, strict=True)]
-    assert same(radau.PLACE_ERROR, of_places)
+    assert same(collocation.PLACE_ERROR, of_places)
 
 
 def test_points_integrate_polynomials_up_to_twice_their_number():
-    weights = radau.RATE[-1]
-    for power in range(2 * radau.STAGES - 1):
-        assert weights @ radau.POINTS**power == pytest.approx(1 / (power + 1), rel=1e-14)
-    beyond = weights @ radau.POINTS ** (2 * radau.STAGES - 1)
+    weights = collocation.RATE[-1]
+    for power in range(2 * collocation.STAGES - 1):
+        assert weights @ collocation.POINTS**power == pytest.approx(1 / (power + 1), rel=1e-14)
+    beyond = weights @ collocation.POINTS ** (2 * collocation.STAGES - 1)
     assert abs(beyond - 0.1) > 1e-6
 
 
 def test_eigenvectors_are_those_of_the_matrix():
     """To ten digits, so that the rest is the same on every processor."""
-    real, pairs = np.atleast_1d(radau.REAL), radau.COMPLEX
+    real, pairs = np.atleast_1d(collocation.REAL), collocation.COMPLEX
     values = np.concatenate([real, pairs, pairs.conj()])
-    halves = radau.COMPLEX_VECTORS / 2
-    vectors = np.column_stack([radau.REAL_VECTOR, halves, halves.conj()])
-    rows = radau.COMPLEX_INVERSES
-    inverses = np.vstack([radau.REAL_INVERSE, rows, rows.conj()])
-    assert np.sort_complex(np.linalg.eigvals(radau.RATE)) == pytest.approx(
+    halves = collocation.COMPLEX_VECTORS / 2
+    vectors = np.column_stack([collocation.REAL_VECTOR, halves, halves.conj()])
+    rows = collocation.COMPLEX_INVERSES
+    inverses = np.vstack([collocation.REAL_INVERSE, rows, rows.conj()])
+    assert np.sort_complex(np.linalg.eigvals(collocation.RATE)) == pytest.approx(
         np.sort_complex(values), abs=1e-10
     )
-    assert radau.RATE @ vectors == pytest.approx(vectors * values, abs=1e-9)
+    assert collocation.RATE @ vectors == pytest.approx(vectors * values, abs=1e-9)
     assert vectors[-1] == pytest.approx(1)
     assert inverses @ vectors == pytest.approx(np.eye(5), abs=1e-8)
 

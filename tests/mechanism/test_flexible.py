@@ -1,7 +1,5 @@
 """Flexible links: particles and finite elements against beam theory, each other and rigid links."""
 
-import re
-
 import numpy as np
 import pytest
 from helpers.laws import packed
@@ -113,7 +111,8 @@ def test_contact_tangent_of_finite_elements_is_the_derivative():
     q, v = np.array([3e-5, -4.1e-5, 0.3, 0.0]), np.array([0.02, 0.01, 0.5, 0.015])
 
     def forces(q, v):
-        joint, stiff, damp = beams._contact(q, v, ball, True, 0.05, beams.ANY, p, law)
+        contact, stiff, damp = beams._contact(q, v, ball, True, 0.05, beams.ANY, p, law)
+        joint = contact.output
         moment = s.ball_radius * joint.tangential
         return np.array([-joint.force_x, -joint.force_y, moment]), stiff, damp
 
@@ -240,25 +239,18 @@ def test_particles_refuse_a_contact_that_takes_too_many_steps():
         simulate(light, model="particles", duration=1e-3)
 
 
-def test_a_step_above_the_limit_says_so():
-    message = "step must be <= 4.402e-06 s, the limit of stability, got 5e-06 s"
-    with pytest.raises(ValueError, match=re.escape(message)):
-        simulate(model="particles", step=5e-6, **TWO)
-
-
 def test_lagged_velocity_in_stiff_damping_says_when_and_what_limit():
     message = r"the step must stay <= 3.8\d\de-06 s, the limit of stability; stopped at time 0.01"
     with pytest.raises(MechanismError, match=message):
         simulate(model="particles", method="lagged", step=3.9e-6, **TWO)
 
 
-@pytest.mark.parametrize("model", FLEXIBLE)
+@pytest.mark.parametrize("model", ["rigid", *FLEXIBLE])
 def test_too_deep_a_contact_says_when(model):
-    with pytest.raises(
-        MechanismError, match=r"the depth must stay <= .*; stopped at time 0.0\d+ s, step "
-    ):
-        soft = PAPER.replace(youngs_modulus=1e6, driving_moment=25.0, link_modulus=2e11)
-        simulate(soft, model=model, **TWO)
+    soft = PAPER.replace(youngs_modulus=1e6, driving_moment=25.0, link_modulus=2e11)
+    message = r"the depth must stay <= one clearance \(5e-05 m\); stopped at time 0.0\d+ s, "
+    with pytest.raises(MechanismError, match=message):
+        simulate(soft, model=model, **({} if model == "rigid" else TWO))
 
 
 def test_many_impacts_fit_in_the_table():
@@ -311,6 +303,7 @@ def test_where_a_loop_is_interrupted_changes_no_bit(model, monkeypatch):
     options, rows = {} if model == "rigid" else TWO, []
     for patience in (0.0, np.inf):
         monkeypatch.setattr(stepping, "PATIENCE", patience)
-        response = simulate(PAPER, model=model, duration=0.05, outputs=500, **options)
-        rows.append(response.rows)
-    assert np.array_equal(*rows)
+        response = simulate(PAPER, model=model, duration=0.02, outputs=200, **options)
+        kept = response.rows, response.impact_rows, response.event_rows
+        rows.append([part.tobytes() for part in kept])
+    assert rows[0] == rows[1]

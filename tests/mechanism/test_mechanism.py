@@ -62,10 +62,8 @@ def test_tables_3_and_4_hold_the_scene():
     ("changes", "message"),
     [
         ({"crank_length": 0.2}, "crank_length must be < 0.11995 m, got 0.2 m"),
-        ({"clearance": 0.02}, "clearance must be >= 1e-11 and < 0.01 m, got 0.02 m"),
         ({"slow_speed": 0.1}, "slow_speed must be < 0.01 m/s, got 0.1 m/s"),
         ({"initial_eccentricity": (3e-5, 4e-5)}, "initial_eccentricity must be < 5e-05 m"),
-        ({"initial_eccentricity": 0.0}, "initial_eccentricity must be a tuple of 2 values, got 0"),
     ],
 )
 def test_bad_scene_is_one_clear_error(changes, message):
@@ -76,13 +74,10 @@ def test_bad_scene_is_one_clear_error(changes, message):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"law": "hooke"}, "law must be one of hertz"),
         ({"step": 1e-6}, "step must be left out: model rigid, joint clearance has none"),
         ({"joint": "ideal", "tolerance": 1e-6}, "tolerance must be left out: model rigid, joint"),
         ({"model": "beams", "method": "lagged"}, "method must be left out: model beams"),
         ({"scene": {}}, "scene must be a Scene, got {}"),
-        ({"n": 2}, "n must be left out: hertz has no option"),
-        ({"model": "beams", "elements": (4,)}, "elements must be a tuple of 2 values, got (4,)"),
     ],
 )
 def test_bad_options_are_one_clear_error(options, message):
@@ -159,19 +154,6 @@ def test_the_papers_scene_differs_in_its_damping_alone():
     changed = {"clearance": 1e-4, "restitution": 0.8}
     assert paper_scene(**changed) == Scene(**changed, damping="lankarani-nikravesh")
     assert paper_scene(damping="flores").damping == "flores"
-    sources = [
-        s.parameters().set_index("parameter").source["damping"]
-        for s in (Scene(), paper_scene(), Scene(damping="flores"))
-    ]
-    assert sources == [
-        "chosen here, delivers the restitution",
-        "given by the paper, Eq. 31",
-        "chosen here",
-    ]
-    with pytest.raises(
-        ValueError, match="restitution for damping exact, unlike hunt-crossley, must"
-    ):
-        Scene(restitution=0.0)
     assert paper_scene(restitution=0.0).delivered_restitution > 0.6
 
 
@@ -437,15 +419,6 @@ def test_random_scenes_end_well(tolerance):
     assert ended > 85
 
 
-def test_too_deep_a_contact_says_when():
-    soft = PAPER.replace(youngs_modulus=1e6, driving_moment=25.0)
-    with pytest.raises(
-        MechanismError,
-        match=r"the depth must stay <= one clearance \(5e-05 m\); stopped at time 0.00\d+ s, ",
-    ):
-        simulate(soft)
-
-
 def test_mirrored_drive_gives_the_mirrored_motion():
     up, down = (simulate(PAPER.replace(driving_moment=m), duration=0.02) for m in (0.5, -0.5))
     assert down.slider_position == pytest.approx(up.slider_position, abs=1e-12)
@@ -463,22 +436,6 @@ def test_same_inputs_same_numbers(tmp_path):
     for name in ("one.csv", "two.csv"):
         simulate(duration=0.01).save(tmp_path / name)
     assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "two.csv").read_bytes()
-
-
-def test_blocks_are_not_changed_by_the_next_ones():
-    def advance(rows, impacts, own):
-        state.impacts = 1
-        impacts["time"] += 1
-        own["time"] = rows["time"][0]
-        return 1, stepping.FINE
-
-    state, times = stepping.new_state(), np.arange(1.0, 5.0)
-    blocks = stepping.advance_in_blocks(advance, times, state, "")
-    first = next(blocks)
-    kept = [part.copy() for part in first]
-    next(blocks)
-    for part, before in zip(first, kept, strict=True):
-        assert part.tobytes() == before.tobytes()
 
 
 def test_interruption_leaves_what_was_computed():
@@ -508,16 +465,9 @@ def test_an_interruption_is_noticed_between_two_times_of_output(model, duration,
         if len(told) == 3:
             raise KeyboardInterrupt
 
-    def run(**more):
-        return simulate(model=model, duration=duration, outputs=1, **more)
-
-    whole = run()
     monkeypatch.setattr(stepping, "PATIENCE", 0.0)  # the loops return after each step
-    response = run(progress=stop)
+    response = simulate(model=model, duration=duration, outputs=1, progress=stop)
     assert (response.complete, told, len(response.rows)) == (False, [0.0] * 3, 1)
-    slow = run()
-    for rows in ("rows", "impact_rows", "event_rows"):
-        assert getattr(slow, rows).tobytes() == getattr(whole, rows).tobytes()
 
 
 def test_normalised_rms_by_hand():

@@ -12,8 +12,6 @@ from helpers.copied import copy_project, study
 
 from study import paths
 
-pytestmark = pytest.mark.slow
-
 FEATURES = np._core._multiarray_umath
 DISPATCHED = [f for f in FEATURES.__cpu_dispatch__ if FEATURES.__cpu_features__.get(f)]
 OLD = {
@@ -24,9 +22,10 @@ OLD = {
 }
 ANOTHER = {"OPENBLAS_CORETYPE": "Zen", "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA"}
 
-pytestmark = pytest.mark.skipif(
-    platform.machine() != "x86_64", reason="the processors simulated here are x86-64"
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(platform.machine() != "x86_64", reason="x86-64 is simulated"),
+]
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """The spherical clearance joint in Exudyn: in space, and in the plane beside our own stepper."""
 
-import time
-import timeit
 from itertools import pairwise
 
 import numpy as np
@@ -98,17 +96,8 @@ def test_depth_beyond_the_law_is_one_clear_error():
 def test_bad_joint_is_one_clear_error():
     for changes, message in (
         ({"law": "hertz"}, "law must be a DimensionalLaw, got 'hertz'"),
-        ({"law": BRONZE.joint}, "law must be a DimensionalLaw, got Joint"),
-        (
-            {"damping": "exact", "restitution": 0.0},
-            "restitution for damping exact, unlike hunt-crossley, must be >= 0.001",
-        ),
         ({"tension": "yes"}, "tension must be True or False, got 'yes'"),
-        ({"restitution": 1.1}, "restitution must be >= 0 and <= 1, got 1.1"),
         ({"friction": -1}, "friction must be >= 0, got -1"),
-        ({"full_speed": "x"}, "full speed must be one number, got 'x'"),
-        ({"full_speed": 0.0}, "full speed must be > 0 m/s, got 0 m/s"),
-        ({"slow_speed": [1e-4, 1e-3]}, "slow speed must be one number"),
         ({"slow_speed": 0.1}, "slow speed must be >= 0 and < 0.01 m/s, got 0.1 m/s"),
     ):
         with pytest.raises(ValueError, match=message):
@@ -192,13 +181,6 @@ def test_the_default_damping_delivers_the_restitution_asked_for(restitution):
     assert of_rule.delivered_restitution == pytest.approx(
         delivered_restitution(damping_factor("lankarani-nikravesh", 0.5))
     )
-
-
-def test_a_call_takes_some_microseconds():
-    joint = ClearanceJoint(BRONZE, restitution=0.5, friction=0.1)
-    state = np.array([[3e-5, 2e-5, 2e-5], [0.01, 0, 0], [0, 1.0, 0]])
-    timer = timeit.Timer(lambda: joint.forces(*state), timer=time.process_time)
-    assert min(timer.repeat(5, 2000)) / 2000 < 20e-6  # 3 us; with NumPy's vectors 50 us
 
 
 @pytest.fixture
@@ -292,25 +274,13 @@ def test_crank_slider_in_exudyn_is_ours(exudyn, law, options):
 
 
 def test_what_exudyns_crank_slider_has_not_is_refused(exudyn):
-    for name, value in (("crank_speed", 10.0), ("gravity", 9.81), ("crank_clearance", 1e-5)):
-        with pytest.raises(ValueError, match=f"{name.replace('_', ' ')} must be left out: this"):
-            crank_slider(Scene(**{name: value}), duration=1e-3)
+    with pytest.raises(ValueError, match="crank speed must be left out: this"):
+        crank_slider(Scene(crank_speed=10.0), duration=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"step": 1.0}, "step must be > 0 and <= 0.02 s, got 1 s"),
-        ({"duration": 0.0}, "duration must be > 0 s, got 0 s"),
-        ({"length": 0.0}, "length must be > 0 m, got 0 m"),
-        ({"mass": -1.0}, "mass must be > 0 kg, got -1 kg"),
-        ({"tilt": np.nan}, "tilt must be finite"),
-        ({"precession": "x"}, "precession must be one number, got 'x'"),
-    ],
-)
-def test_bad_pendulum_is_one_clear_error(exudyn, given, message):
-    with pytest.raises(ValueError, match=message):
-        pendulum(clearance_joint(), **given)
+def test_a_step_longer_than_the_pendulums_motion_is_refused(exudyn):
+    with pytest.raises(ValueError, match="step must be > 0 and <= 0.02 s, got 1 s"):
+        pendulum(clearance_joint(), step=1.0)
 
 
 def test_pendulum_begins_the_joints_history_anew(exudyn):
@@ -351,10 +321,3 @@ def test_two_joints_of_one_system_are_both_noted(exudyn):
     for joint, depth in zip(joints, depths, strict=True):
         assert joint.history().depth[0] == pytest.approx(depth, rel=1e-9)
         assert len(joint.rows) == 11
-
-
-def test_the_laws_force_is_the_one_of_si_units():
-    joint = clearance_joint(lambda ds, r2: 300 * ds**1.5)
-    depth = np.array([5.02e-5, 0, 0])
-    force = joint.forces(depth, np.zeros(3), np.zeros(3))[2]
-    assert force == pytest.approx(joint.law.force(5.02e-5 - joint.law.clearance), rel=1e-12)

@@ -11,7 +11,7 @@ import shutil
 import subprocess
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,24 +75,10 @@ def slider_acceleration(
 ) -> NDArray[np.float64]:
     """Slider's acceleration at equally spaced times after the start, in m/s^2.
 
-    Parameters
-    ----------
-    law
-        Hertz's, from ``study.contact.dimensional_law.pack``.
-    duration
-        In s.
-    coordinates
-        Those of contact: ``Cartesian`` as in flight, or ``contact`` for depth and direction.
-
-    Raises
-    ------
-    ValueError
-        For another law, or a scene with a constant speed or a second clearance joint.
-    study.checks.StudyError
-        If gcc or SUNDIALS is missing, or CVODE fails.
+    The law is a record of Hertz's (`study.contact.DimensionalLaw.packed`), the duration in s. The
+    coordinates are those of contact: ``Cartesian`` as in flight, or ``contact`` for depth and
+    direction. Raises `study.checks.StudyError` if gcc or SUNDIALS is missing, or CVODE fails.
     """
-    checks.choice("coordinates", coordinates, get_args(Coordinates))
-    checks.number("tolerance", tolerance, above=0, scalar=True)
     if law.shape_index != 0:
         raise ValueError(f"law must be Hertz's, packed, got shape {law.shape_index}")
     start, scales = explicit.start_of(scene), np.array(SCALES[coordinates])

@@ -118,7 +118,6 @@ def integration(duration: float, step: float, period: float) -> Any:
     """
     import exudyn as exu
 
-    checks.number("duration", duration, "s", above=0, scalar=True)
     checks.number("step", step, "s", above=0, most=duration, scalar=True)
     settings = exu.SimulationSettings()
     time = settings.timeIntegration

@@ -1,12 +1,9 @@
 """A pendulum in space on a spherical clearance joint, in Exudyn: an example to start from."""
 
-from math import pi
-
 import numpy as np
 import pandas as pd
 
 from other_programs.multibody import integration
-from study import checks
 from study.mechanism.spatial import ClearanceJoint, solve
 
 GRAVITY = 9.81
@@ -26,26 +23,10 @@ def pendulum(
 
     It starts with the ball in the middle of its socket, tilted from the vertical by ``tilt`` (rad),
     turning about the vertical axis z by ``precession`` (rad/s). Exudyn steps it by the classical
-    Runge-Kutta method.
-
-    Returns
-    -------
-    pandas.DataFrame
-        The joint's `history`, and: x, y, z of the rod's centre in m; kinetic energy and potential
-        (J); spin_z, the angular momentum about the vertical axis in kg m^2/s.
-
-    Raises
-    ------
-    ValueError
-        For a value out of range.
-    study.checks.StudyError
-        If the depth leaves the law's range.
+    Runge-Kutta method. Beside the joint's `history` the table has x, y, z of the rod's centre in m;
+    kinetic energy and potential (J); spin_z, the angular momentum about the vertical axis in
+    kg m^2/s. Raises `study.checks.StudyError` if the depth leaves the law's range.
     """
-    checks.instance("joint", joint, ClearanceJoint)
-    checks.number("length", length, "m", above=0, scalar=True)
-    checks.number("mass", mass, "kg", above=0, scalar=True)
-    checks.number("tilt", tilt, "rad", least=-2 * pi, most=2 * pi, scalar=True)
-    checks.number("precession", precession, "rad/s", least=-1e6, most=1e6, scalar=True)
     settings = integration(duration, step, step)
     import exudyn as exu
     from exudyn import itemInterface as item  # noqa: N813

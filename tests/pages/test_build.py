@@ -11,7 +11,7 @@ import time
 import pandas as pd
 import psutil
 import pytest
-from helpers.copied import copy_project, environment, study
+from helpers.copied import change, copy_project, describe, environment, study
 
 from study import paths
 
@@ -41,7 +41,6 @@ SMALLER = {
     "choose/random_scenes": [("COUNT = 160", "COUNT = 3")],
     "claims/set_ups": [("MECHANISMS = 64", "MECHANISMS = 2"), ("(0.05, 1.0)", "(0.05, 0.06)")],
 }
-DESCRIBE = "from study.dataset import production; production.write_description()"
 
 
 @pytest.fixture
@@ -49,14 +48,10 @@ def less_data(tmp_path):
     """A copy of the project with less data to build, all of them up to date."""
     project = copy_project(tmp_path / "project")
     for name, changes in SMALLER.items():
-        module = project / f"study/{name}.py"
-        text = module.read_text() + (LESS if "design" in name else "")
-        for old, new in changes:
-            assert text.count(old) == 1
-            text = text.replace(old, new)
-        module.write_text(text)
-    command = [sys.executable, "-c", DESCRIBE]
-    subprocess.run(command, cwd=project, env=environment(project), check=True)
+        change(project, f"study/{name}.py", *changes)
+    with (project / "study/dataset/design.py").open("a") as module:
+        module.write(LESS)
+    describe(project)
     return project
 
 
@@ -154,11 +149,3 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
 
 OTHERS = ("data/links.csv", "study/contact/stiffening.csv")
 """What is not made from the curves; set_ups.csv is, by way of the coefficients."""
-
-
-def test_a_project_in_which_no_task_is_found_is_an_error(tmp_path):
-    """Nothing is up to date there, though nothing is outdated either."""
-    done = study(copy_project(tmp_path / "build"), "data", "build", "--from-nothing")
-    assert done.returncode == 1
-    assert done.stderr.count("\n") == 1
-    assert "rename the project's folder" in done.stderr

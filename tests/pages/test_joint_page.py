@@ -9,18 +9,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.programs import CHROMIUM
 from scipy.optimize import minimize_scalar
 
 from study.joint import DimensionalJoint, whole_curve
-from study.pages.report import joint_page as page_of_joint
+from study.pages.report import numbers as page_of_joint
 
 STATIC = Path(page_of_joint.__file__).parent / "static"
-CHROMIUM = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-)
 NODE = shutil.which("node")
 RANGE = 0.05, 0.5
-COUNT = 24  # joints that are solved, most by finite elements
+COUNT = 8  # joints that are solved, most by finite elements
 RUN = """
 const run = ({ joint, depth, force }) => {
   try {
@@ -149,14 +147,13 @@ def test_half_angle_and_pressure_are_the_solvers(computed):
 USUAL = {"socket_radius": 0.0125, "clearance": 4e-5, "wall": 0.006, "ball": "steel"}
 USUAL |= {"socket": "bronze", "ball_support": "guided", "rim": "mirror"}
 WRONG = [
-    *({"socket_radius": value} for value in (0, -1)),
-    *({"clearance": value} for value in (0, -1e-5, 0.0125, 1, 0.002)),
-    *({"wall": value} for value in (-1, 0, 1e-7, 0.001, 2e4)),
-    *({"ball": text} for text in ("", "steal", "210e9", "210,0.3", "0,0.3", "2e11,0.5")),
-    *({"socket": text} for text in ("2e11,0.3,0", "2e11,-1", "1e7,0.1", "2e11,0.48", "1,2,3,4")),
-    *({"socket": text} for text in ("2e11,x", "1e9,0.3,", "1e22,0.3")),
-    *({"rim": text} for text in ("held", "")),
-    *({"depth": value} for value in (4.1e-5, 1.0)),
+    {"socket_radius": 0},
+    *({"clearance": value} for value in (-1e-5, 0.0125, 0.002)),
+    *({"wall": value} for value in (1e-7, 0.001, 2e4)),
+    *({"ball": text} for text in ("steal", "210e9", "210,0.3", "2e11,0.5")),
+    *({"socket": text} for text in ("2e11,0.3,0", "1e7,0.1", "2e11,0.48", "2e11,x", "1e22,0.3")),
+    {"rim": "held"},
+    {"depth": 4.1e-5},
     *({"force": value} for value in (-1.0, 1e9)),
 ]
 

@@ -68,9 +68,6 @@ def copy(tmp_path, monkeypatch, old, new):
     ("old", "new"),
     [
         ('"example_proves_the_law"', '"no_such_claim"'),
-        ('picture("trend"', 'picture("no-such-figure"'),
-        ('at("determination", "correct")', 'at("determination", "corect")'),
-        ('published("Fig. 14"', 'published("Fig. 99"'),
         ("@trend", "@no-such-label"),
         ("= Question", "= Question #foo("),
     ],
@@ -103,9 +100,3 @@ def test_the_references_asked_of_such_a_paper_are_cited():
     assert len(keys) >= 16
     for key in keys:
         assert f"@{key}" in BOTH, key
-    without = {"yao2024", "steuermann1939", "pytask", "papermill"}  # have none that is known
-    without |= {"ciavarella2007", "mak2002", "jin1999"}  # in what could be read
-    for key, entry in zip(keys, re.split(r"^\w+:\n", entries, flags=re.MULTILINE)[1:], strict=True):
-        assert ("doi:" in entry) != (key in without), key
-        assert "  author: [" in entry, key
-        assert "not seen" not in entry, key

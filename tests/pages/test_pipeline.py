@@ -5,7 +5,6 @@ The notebooks are small ones in a copy of the project; `test_end_to_end` runs re
 
 import csv
 import re
-import shlex
 import signal
 import subprocess
 import sys
@@ -159,14 +158,11 @@ def test_each_wrong_notebook_is_named_with_what_is_wrong(project):
     done = study(project, "run", "curve", "law")
     assert done.returncode == 1
     assert re.search(rf"failed: {CURVE}, cell In\[\d+\] shows '\[<matplotlib", done.stderr)
-    assert "end its last line with ;" in done.stderr
     assert f"failed: {LAW} did not save law.csv\n" in done.stderr
     edit(project, LAW, "(paths", 'open(paths.results() / "law.csv", "w").close(); (paths')
-    (project / f"notebooks/{CURVE}.ipynb").unlink()
-    done = study(project, "run", "curve", "law")
+    done = study(project, "run", "law")
     assert f"failed: {LAW} saved lw.csv, which the catalogue does not name" in done.stderr
     assert not (project / "figures/lw.csv").exists()
-    assert re.search(rf"failed: {CURVE}: .* requires missing node .*{CURVE}\.ipynb", done.stderr)
 
 
 def test_a_damaged_dataset_stops_the_run_with_a_remedy(project):
@@ -180,15 +176,6 @@ def test_a_damaged_dataset_stops_the_run_with_a_remedy(project):
 
 
 def test_what_stops_a_run_before_it_begins_is_one_line(project):
-    """Without memory a kernel dies without a message, or OpenBLAS asks for it for ever."""
-    python = shlex.quote(sys.executable)
-    command = f"ulimit -v 1200000 && exec {python} -m study.cli run law"
-    options = {"env": environment(project), "capture_output": True, "text": True, "timeout": 120}
-    done = subprocess.run(["sh", "-c", command], cwd=project, **options)
-    told = "study: too little memory for a build: ulimit -v is 1200000, and must be at least "
-    assert (done.returncode, done.stdout) == (1, "")
-    assert re.fullmatch(re.escape(told) + r"\d+\n", done.stderr)
-
     fcntl = pytest.importorskip("fcntl")
     with (project / "build/running").open("a") as running:
         fcntl.flock(running, fcntl.LOCK_EX)

@@ -1,12 +1,9 @@
 """What an import or a quick command loads."""
 
-import re
 import subprocess
 import sys
 
 import pytest
-
-from study import paths
 
 HEAVY = {"numba", "pandas", "skfem", "matplotlib"}
 
@@ -37,10 +34,3 @@ def loaded(code):
 )
 def test_an_import_loads_what_it_needs(code, heavy):
     assert not heavy & set(loaded(f"{code}\nimport sys\nprint(*sys.modules)"))
-
-
-@pytest.mark.parametrize("room", ["contact", "joint", "mechanism"])
-def test_the_library_names_no_file_of_the_data(room):
-    for source in (paths.ROOT / "study" / room).glob("*.py"):
-        text = source.read_text()
-        assert not re.search(r"[\"'/]data\b", text), source

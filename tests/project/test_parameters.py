@@ -211,35 +211,10 @@ def test_numpys_numbers_are_stored_as_pythons(kind):
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        (
-            "ball_support",
-            "edge",
-            "must be one of guided, clamped, centre, core:NUMBER, neck:NUMBER, got 'edge'",
-        ),
-        ("ball_support", "core", "ball_support must be one of guided, "),
-        ("ball_support", "guided:1", "ball_support must be one of guided, "),
-        ("ball_support", "core:2", "radius must be >= 0.05 and <= 0.8, got 2"),
-        ("ball_support", "neck:x", "ball_support must be a number, got 'x'"),
-        (
-            "socket_support",
-            "60,90",
-            "socket_support must be one of outside, rim, sector:NUMBER,NUMBER, got '60,90'",
-        ),
-        (
-            "socket_support",
-            "sector:60",
-            "socket_support must be two numbers separated by a comma, got '60'",
-        ),
-        (
-            "socket_support",
-            "sector:90,60",
-            "last polar angle of the sector must be >= 95 deg, got 60 deg",
-        ),
-        ("socket_support", "sector:-1,60", "first must be >= 0 deg, got -1 deg"),
-        ("rim", "fixed", "rim must be one of mirror, free, got 'fixed'"),
+        ("ball_support", "edge", "guided, clamped, centre, core:NUMBER, neck:NUMBER, got 'edge'"),
+        ("socket_support", "sector:60", "must be two numbers separated by a comma, got '60'"),
+        ("socket_support", "sector:90,60", "of the sector must be >= 95 deg, got 60 deg"),
         ("layer", "1.2,1", "layer must be three numbers separated by commas, got '1.2,1'"),
-        ("layer", "1.2,0,0.3", "modulus of layer must be > 0, got 0"),
-        ("layer", "0.9,1,0.3", "outer_ratio must be > 1 and "),
     ],
 )
 def test_a_wrong_text_is_one_error(name, text, message):

@@ -5,7 +5,6 @@ import os
 import socket
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -29,24 +28,6 @@ def test_a_full_disk_is_told_with_the_name_of_the_file(tmp_path):
     with pytest.raises(OSError, match=message), paths.whole(path):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # as of a write
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_folder_that_cannot_be_made_is_told_without_a_temporary_name(tmp_path):
-    (tmp_path / "file").touch()
-    with pytest.raises(OSError, match="file") as caught, paths.whole(tmp_path / "file/table.csv"):
-        pass
-    assert ".part-" not in str(caught.value)
-
-
-def test_a_file_is_copied_to_another_file_system(tmp_path):
-    other = Path("/dev/shm")
-    if not other.is_dir() or other.stat().st_dev == tmp_path.stat().st_dev:
-        pytest.skip("there is no other file system here")
-    (tmp_path / "table.csv").write_text("x\n1\n")
-    with paths.scratch(other) as folder:
-        paths.copy(tmp_path / "table.csv", folder / "table.csv")
-        assert (folder / "table.csv").read_text() == "x\n1\n"
-    assert not folder.exists()
 
 
 def test_what_killed_processes_left_is_removed_and_nothing_else(tmp_path, monkeypatch):

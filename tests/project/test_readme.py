@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 import study
-from study import cli, contact, dataset, paths
+from study import contact, dataset, paths
 from study.joint import DimensionalJoint
 from study.pages import catalogue
 
@@ -99,12 +99,9 @@ def test_where_things_are():
         assert (paths.ROOT / path).exists(), path
 
 
-def test_the_command_prints_what_is_shown(monkeypatch, capsys):
+def test_the_command_prints_what_is_shown(run):
     at = re.search(r"^study (joint .*)$", README, re.MULTILINE)
-    monkeypatch.setattr("sys.argv", ["study", *at[1].split()])
-    with pytest.raises(SystemExit):
-        cli.main()
-    printed = capsys.readouterr().out.splitlines()
+    printed = run(*at[1].split())[1].splitlines()
     shown = re.search(r"```text\n(.*?)```", README[at.end() :], re.DOTALL)[1].splitlines()
     assert [line for line in printed if not line.startswith("─")] == shown
 

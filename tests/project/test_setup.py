@@ -25,6 +25,27 @@ BEFORE_WARM = {"numpy", "scipy", "llvmlite", "numba", "platformdirs", "threadpoo
 MADE = 'case "$*" in *"-m venv"*) mkdir -p .venv/bin; cp "$0" .venv/bin/python;; esac\n'
 
 
+@pytest.fixture
+def first(tmp_path):
+    """Folder with what a set-up reads."""
+    folder = tmp_path / "first"
+    folder.mkdir()
+    for name in ("Makefile", "requirements.lock", "pyproject.toml"):
+        shutil.copy(paths.ROOT / name, folder)
+    return folder
+
+
+def set_up(folder, **programs):
+    """Run ``make setup`` with Python, and others, that note their calls and do what is told."""
+    for name, does in ({"python": MADE} | programs).items():
+        (folder.parent / name).write_text(NOTED + does)
+        (folder.parent / name).chmod(0o755)
+    path = os.pathsep.join([str(folder.parent), os.environ["PATH"]])
+    command = ["make", "setup", f"PYTHON={folder.parent / 'python'}"]
+    environment = os.environ | {"PATH": path}
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+
+
 @pytest.mark.parametrize(
     ("status", "installed"),
     [
@@ -33,51 +54,35 @@ MADE = 'case "$*" in *"-m venv"*) mkdir -p .venv/bin; cp "$0" .venv/bin/python;;
     ],
     ids=["uv", "pip"],
 )
-def test_the_lock_is_installed_by_uv_or_else_by_pip(tmp_path, status, installed):
-    for name in ("Makefile", "requirements.lock", "pyproject.toml"):
-        shutil.copy(paths.ROOT / name, tmp_path)
-    for name, does in (("python", MADE), ("uv", f"exit {status}\n")):
-        (tmp_path / name).write_text(NOTED + does)
-        (tmp_path / name).chmod(0o755)
-    path = os.pathsep.join([str(tmp_path), os.environ["PATH"]])
-    command = ["make", "setup", f"PYTHON={tmp_path / 'python'}"]
-    done = subprocess.run(
-        command, cwd=tmp_path, env=os.environ | {"PATH": path}, capture_output=True, text=True
-    )
+def test_the_lock_is_installed_by_uv_or_else_by_pip(first, status, installed):
+    done = set_up(first, uv=f"exit {status}\n")
     assert done.returncode == 0, done.stderr
-    called = (tmp_path / "called").read_text().splitlines()
+    called = (first / "called").read_text().splitlines()
     assert [line for line in called if " install " in line] == installed
     assert called.count("python -m study.mechanism.warm") == 1
-    first = (tmp_path / ".venv/first.lock").read_text()
-    assert {line.split("==")[0] for line in first.splitlines() if line[0] != " "} == BEFORE_WARM
-    assert first.count("--hash=sha256:") > len(BEFORE_WARM)
-    assert (tmp_path / ".venv/.ready").is_file()
+    lock = (first / ".venv/first.lock").read_text()
+    assert {line.split("==")[0] for line in lock.splitlines() if line[0] != " "} == BEFORE_WARM
+    assert lock.count("--hash=sha256:") > len(BEFORE_WARM)
+    assert (first / ".venv/.ready").is_file()
 
 
-def test_a_copy_is_set_up_anew_and_so_is_what_moved(tmp_path):
-    first, copy, moved = (tmp_path / name for name in ("first", "a copy, é", "moved"))
-    first.mkdir()
-    for name in ("Makefile", "requirements.lock", "pyproject.toml"):
-        shutil.copy(paths.ROOT / name, first)
-    python = tmp_path / "python"
-    python.write_text(NOTED + MADE)
-    python.chmod(0o755)
+def test_a_copy_is_set_up_anew_and_so_is_what_moved(first, tmp_path):
+    copy, moved = tmp_path / "a copy, é", tmp_path / "moved"
 
-    def set_up(folder):
+    def is_made(folder):
         """Whether ``make setup`` made an environment."""
-        command = ["make", "setup", f"PYTHON={python}"]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+        done = set_up(folder, uv="")
         assert done.returncode == 0, done.stderr
         called = folder / "called"
         made = called.is_file() and "-m venv" in called.read_text()
         called.unlink(missing_ok=True)
         return made
 
-    assert [set_up(first), set_up(first)] == [True, False]
+    assert [is_made(first), is_made(first)] == [True, False]
     shutil.copytree(first, copy, copy_function=shutil.copy2)
-    assert [set_up(copy), set_up(copy), set_up(first)] == [True, False, False]
+    assert [is_made(copy), is_made(copy), is_made(first)] == [True, False, False]
     first.rename(moved)
-    assert [set_up(moved), set_up(moved)] == [True, False]
+    assert [is_made(moved), is_made(moved)] == [True, False]
 
 
 def test_the_program_of_a_copy_does_not_build_the_original(tmp_path):
@@ -95,25 +100,18 @@ def test_the_program_of_a_copy_does_not_build_the_original(tmp_path):
     assert done.stderr == f"{wanted} with: make setup\n"
 
 
-def test_a_missing_lock_is_named_with_its_remedy(tmp_path):
-    for name in ("Makefile", "pyproject.toml"):
-        shutil.copy(paths.ROOT / name, tmp_path)
-    done = subprocess.run(["make", "test"], cwd=tmp_path, capture_output=True, text=True)
+def test_a_missing_lock_is_named_with_its_remedy(first):
+    (first / "requirements.lock").unlink()
+    done = set_up(first)
     assert done.returncode != 0
     remedy = "Missing: requirements.lock. Restore it with: git checkout -- requirements.lock\n"
     assert done.stderr.startswith(remedy)
 
 
-def test_a_loop_that_does_not_compile_fails_the_set_up(tmp_path):
-    for name in ("Makefile", "requirements.lock", "pyproject.toml"):
-        shutil.copy(paths.ROOT / name, tmp_path)
-    fails = 'case "$*" in *warm*) exit 3;; esac\n'
-    (tmp_path / "python").write_text(NOTED + MADE + fails)
-    (tmp_path / "python").chmod(0o755)
-    command = ["make", "setup", f"PYTHON={tmp_path / 'python'}"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+def test_a_loop_that_does_not_compile_fails_the_set_up(first):
+    done = set_up(first, uv="", python=MADE + 'case "$*" in *warm*) exit 3;; esac\n')
     assert done.returncode != 0
-    assert not (tmp_path / ".venv/.ready").exists()
+    assert not (first / ".venv/.ready").exists()
 
 
 def test_simulations_of_every_kind_need_no_more_than_set_up_compiles(capsys):

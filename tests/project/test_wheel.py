@@ -110,20 +110,6 @@ def test_compiled_code_is_kept_in_the_users_cache_folder(installed, tmp_path):
     assert not list((installed / "site").rglob("*.nbi"))
 
 
-def test_without_a_folder_for_the_cache_it_compiles_anew(installed):
-    nowhere = {"HOME": os.devnull, "XDG_CACHE_HOME": f"{os.devnull}/cache"}
-    done = run(installed, "-c", COMPILES, **nowhere)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == "5.0\n"
-
-
-def test_command_line_works(installed):
-    words = ("law", "hertz", "--r2-star", "200", "--depth-star", "0.3", "--json")
-    done = run(installed, "-m", "study.cli", *words)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads(done.stdout)["force_star"]
-
-
 def not_in_the_base():
     """Names of all installed packages that a base install does not bring."""
     project = tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -171,8 +157,8 @@ def test_a_base_install_has_what_laws_joints_simulations_exports_and_sweeps_need
         assert json.loads(out)["law"] if SIZES[0] in command else True
 
 
-STUDY = [("data", "show"), ("data", "check"), ("data", "build"), ("measure",), ("paper",)]
-PROJECT = [("run", "fig10"), ("list",), ("report",)]
+STUDY = [("data", "show"), ("measure",), ("paper",)]
+PROJECT = [("run", "fig10"), ("list",)]
 
 
 def test_a_command_of_the_study_says_in_a_base_install_what_to_install(installed):
@@ -186,19 +172,9 @@ def test_a_command_of_the_study_says_in_a_base_install_what_to_install(installed
         assert re.fullmatch(f"study: {needs}", err), err
 
 
-NEED_A_CHECKOUT = [
-    ("data", "show"),
-    ("data", "build"),
-    ("run", "fig10"),
-    ("list",),
-    ("paper",),
-    ("report",),
-    ("measure", "--chart", "laws"),
-]
-
-
 def test_what_needs_a_checkout_says_so_in_one_line(installed):
-    done = several(installed, NEED_A_CHECKOUT)
-    for command, (status, out, err) in zip(NEED_A_CHECKOUT, done, strict=True):
+    commands = [*STUDY, *PROJECT]
+    done = several(installed, commands)
+    for command, (status, out, err) in zip(commands, done, strict=True):
         assert (status, out) == (1, ""), command
         assert re.fullmatch("study: this needs a checkout of the project: .*\n", err), command

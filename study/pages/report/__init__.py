@@ -19,18 +19,7 @@ from study.checks import StudyError
 
 
 def write(folder: Path) -> Path:
-    """Write the report, whole or not at all, in place of the one that may be there.
-
-    Returns
-    -------
-    pathlib.Path
-        The report's ``index.html``.
-
-    Raises
-    ------
-    StudyError
-        If Sphinx warns.
-    """
+    """Write the report, whole or not at all, in place of an old one; return its ``index.html``."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     with paths.scratch(folder.parent) as work:
         build(work / "sources", work / "pages")
@@ -41,7 +30,7 @@ def write(folder: Path) -> Path:
 
 
 def build(sources: Path, pages: Path) -> None:
-    """Let Sphinx write the sources and make pages from them; a warning is an error."""
+    """Let Sphinx write the sources and make pages from them; a warning raises `StudyError`."""
     sources.mkdir()
     warnings, here = io.StringIO(), Path(__file__).parent
     with patch_docutils(), docutils_namespace():

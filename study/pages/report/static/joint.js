@@ -1,5 +1,5 @@
 // The law `stiffened_hertz` of one joint in SI units, as `study.contact` computes it from its table.
-// Without a page: `window.JOINT_DATA` holds every number, see `study/pages/report/joint_page.py`.
+// Without a page: `window.JOINT_DATA` holds every number, see `study/pages/report/numbers.py`.
 "use strict";
 window.STIFFENED_HERTZ = (() => {
   const data = window.JOINT_DATA, count = data.to_powers.length;

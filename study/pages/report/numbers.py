@@ -1,10 +1,14 @@
-"""The dataset's cases and the laws at their depths, for the plot in the page."""
+"""The numbers of the report's pages that compute: the dataset's plot, and a joint of one's own."""
 
 from study import checks, dataset
-from study.contact import COMPARED_LAWS, LAWS
+from study.contact import COMPARED_LAWS, LAWS, materials, shapes, stiffening
+from study.contact.laws import LIMIT_MARGIN, stiffened_hertz
 from study.contact.power_fit import USUAL_RANGE
 from study.dataset import design, store
+from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
+from study.joint.dimensional import LEAST_CLEARANCE
 from study.joint.law_parameters import law_parameters
+from study.pages import catalogue
 from study.pages.figures import LOOKS
 
 PARAMETERS = {
@@ -18,6 +22,8 @@ PARAMETERS = {
     "r2_star": "Socket radius R2* = R2/ΔR",
 }
 """What a case is chosen by -> its name in words."""
+COPIED = ("UNIT", "DIGITS", "LEAST_R2_STAR", "RANGES")
+LEAST_STRESS = 0.8  # a body's largest von Mises stress, at least, over that of a confined layer
 
 
 def curves() -> dict:
@@ -28,7 +34,7 @@ def curves() -> dict:
     """
     frames = dict(iter(dataset.load().sort_values("depth_star").groupby("case")))
     depths, cases = {}, []
-    for group, name, joint in ((s.group, *case) for s in design.DESIGN for case in s.cases()):
+    for group, name, joint, _ in design.every_case():
         frame = frames[name]
         depth = frame["depth_star"].to_numpy()
         last = frame.iloc[-1]
@@ -48,8 +54,6 @@ def curves() -> dict:
             except ValueError as error:
                 case["undefined"][law] = str(error)
         cases.append(case)
-    if len(cases) != len(frames):
-        raise checks.StudyError(f"the design and the dataset differ; rebuild it with: {store.MEND}")
     looks = {name: vars(LOOKS[name]) for name in ("exact", *COMPARED_LAWS)}
     named = {"parameters": PARAMETERS, "groups": design.GROUPS, "looks": looks}
     return named | {"depths": list(depths), "cases": cases}
@@ -70,3 +74,25 @@ def _parameters(joint):
 
 def _rounded(value):
     return float(f"{value:.5g}")
+
+
+def joint_data() -> dict:
+    """Every number that ``joint.js`` computes with, as the library has it; tables as CSV."""
+    (judged,) = (result for result in catalogue.results() if result.name == "judged")
+    head, *rows = judged.rows()
+    tables = stiffening.TABLE, store.CONTACT_SIZE
+    errors = sorted((float(row[head.index("largest_percent")]), row[0].split()[0]) for row in rows)
+    return {
+        "tables": [path.read_text(encoding="utf-8") for path in tables],
+        **{name.lower(): getattr(stiffening, name) for name in COPIED},
+        "to_powers": stiffening._POWERS.tolist(),
+        "deepest": shapes.stiffened.deepest,
+        "margin": LIMIT_MARGIN,
+        "least_clearance": LEAST_CLEARANCE,
+        "walls": [THINNEST_RATIO - 1, THICKEST_RATIO - 1],
+        "choices": {name: of.choices for name, of in stiffened_hertz.options.items() if of.choices},
+        "softest": checks.SOFTEST,
+        "least_stress": LEAST_STRESS,
+        "materials": materials.table(),
+        "judged": {group: largest for largest, group in errors},
+    }
