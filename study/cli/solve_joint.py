@@ -15,6 +15,7 @@ from study.joint.curve import SOLVERS
 from study.joint.dimensional import usual_depth
 from study.joint.stress import largest as largest_stress
 from study.joint.supports import Configuration
+from study.joint.tilted_stress import largest_off_axis
 
 UNITS = {"um": 1e-6, "MPa": 1e6, "N/um": 1e6, "%": 0.01}
 """Units of printed numbers that are not those of the solution."""
@@ -27,12 +28,14 @@ HEADS = {
     "transverse_stiffness": "transverse_stiffness N/um",
     "contact_half_angle_deg": "half_angle deg",
     "peak_pressure": "peak_pressure MPa",
+    "peak_error": "peak_error %",
     "peak_angle_deg": "peak_at deg",
     "contact_from_deg": "contact_from deg",
     "contact_to_deg": "contact_to deg",
     "error_estimate": "force_error %",
     "spin_torque": "spin_torque N m",
     "tilt_torque": "tilt_torque N m",
+    "turn_torque": "turn_torque N m",
     "wear_depth": "wear_depth um",
     "body": "body",
     "von_mises": "von_mises MPa",
@@ -41,8 +44,10 @@ HEADS = {
     "factor_to_yield": "factor_to_yield",
 }
 """Values of a joint with its dimensions, in SI units -> heads of the printed table, in order."""
+AROUND = 5.0  # deg beyond the ends of a contact off the axis that are shown
 BEYOND = 1.25  # times the largest depth and half-angle that are shown in a figure
 SAME_BYTES = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+DEFAULT_TOLERANCE = 0.01
 LARGE = 1.0  # m: a socket's radius that is probably in mm
 NO_LAW = {
     "tabulated": "tabulated, the table of this joint's own curve",
@@ -57,12 +62,14 @@ ASKED = {
     "force": cli.further(list[float], "Contact force in N; may be repeated."),
     "depth": cli.further(list[float], "Penetration depth in m; may be repeated."),
     "tolerance": cli.further(
-        float, "Largest relative error of the law that is chosen. [default: 0.01]"
+        float, f"Largest relative error of the law that is chosen. [default: {DEFAULT_TOLERANCE:g}]"
     ),
     "friction": cli.further(
         float,
         "Coefficient of friction (no unit), for the torques of a ball that slides all over its "
-        "contact as it turns about the load (spin), or about an axis across it (tilt).",
+        "contact as it turns about the load (spin), or about an axis across it (tilt). Off the "
+        "axis, tilt is about the normal of the plane of load and axis, and turn about the third "
+        "axis, which is that of a ring loaded across.",
     ),
     "wear": cli.further(
         float,
@@ -77,7 +84,9 @@ EITHER = {
     **SIZED,
     **ASKED,
     "tilt": cli.further(
-        float, "Angle off the axis, in deg, of the displacement; with --force that of the force."
+        float,
+        "Angle off the axis, in deg, of the displacement; with --force that of the force. "
+        "[default: 90 for a ring or a ball with a bore, else a load along the axis]",
     ),
     "depth_star": cli.further(list[float], cli.DEPTHS),
     "solver": cli.further(
@@ -92,6 +101,9 @@ SIZES = ("socket_radius", "clearance", "wall")
 OF_SIZED = tuple(name for name in SIZED if name not in CONFIGURATION)
 """Options that only a joint with dimensions has."""
 OF_PRESSURE = ("friction", "wear", "path")
+ON_AXIS = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
+OFF_AXIS = ("tilt", "force_star", "transverse_star", "stiffness_star", "transverse_stiffness_star")
+OFF_AXIS += ("peak_pressure_star", "peak_error", "peak_angle_deg", "reaches_rim", "error_estimate")
 
 
 @cli.command("joint")
@@ -100,8 +112,9 @@ def solve_joint(as_json: bool = cli.JSON, **options: EITHER):
 
     With dimensions: --socket-radius, --clearance, --wall and --force or --depth, in SI units, with
     materials by name. Without: --r2-star and --depth-star. Stresses are then in E* dR/R2, and their
-    radius is relative to that of the body's surface. With --tilt the ball is pressed off the axis:
-    forces along and across its displacement, positive towards larger tilt, and no stresses.
+    radius is relative to that of the body's surface. With --tilt, and always for a ring or a ball
+    with a bore, the ball is pressed off the axis: the force and the stiffness are those along its
+    displacement, and the transverse ones are across it, positive towards larger tilt.
     """
     if dimensions := [name for name in (*OF_SIZED, *ASKED) if name in options]:
         _only_sizes(options, dimensions[0], (*OF_SIZED, *ASKED, "tilt"))
@@ -109,12 +122,7 @@ def solve_joint(as_json: bool = cli.JSON, **options: EITHER):
     else:
         needed(("r2_star", "depth_star"), options, " or, with dimensions, --socket-radius, ...")
         solve = _solve_dimensionless
-    options = cli.under_tilt(options.get("tilt"), options)
-    if "tilt" in options:
-        for name in ("solver", "tolerance", "friction", "wear", "path", "plot"):
-            if name in options:
-                raise ValueError(f"{cli.flag(name)} must be left out beside --tilt")
-    solve(as_json, **options)
+    solve(as_json, **cli.under_tilt(options.get("tilt"), options))
 
 
 def needed(names, options, more=""):
@@ -139,43 +147,61 @@ def sized(options):
 
 
 def _solve_dimensional(
-    as_json, force=None, depth=None, tolerance=0.01, tilt=None, plot=None, **of_joint
+    as_json, force=None, depth=None, tolerance=None, tilt=None, plot=None, **of_joint
 ):
     of_pressure = {name: of_joint.pop(name) for name in OF_PRESSURE if name in of_joint}
     if "wear" in of_pressure or "path" in of_pressure:
         needed(("wear", "path"), of_pressure)
     if plot is not None:
         cli.check_output(plot, *SAME_BYTES, name="plot")
+    for name, value in of_pressure.items():
+        checks.number(name, value, "m" if name == "path" else "", least=0)
     joint = sized(of_joint)
+    tilt = joint.default_tilt if tilt is None else tilt
+    _only_along_axis(tilt, tolerance=tolerance)
+    tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
     least, most = cheapest_law.TOLERANCES
     checks.number("tolerance", tolerance, least=least, most=most)
     with working("Solving the joint"):
-        if tilt is None:
-            solution = joint.solve(force=force, depth=depth)
-            values, parts = _described(joint, solution, tolerance, typed(of_joint), of_pressure)
-            if plot is not None:
-                draw(solution, plot)
-        else:
-            values, parts = _tilted(joint.solve_tilted(tilt, force=force, depth=depth))
+        solution = joint.solve(force=force, depth=depth, tilt=tilt)
+        asked = tolerance, typed(of_joint), of_pressure
+        values, parts = _described(joint, solution, tilt, *asked)
+        if plot is not None:
+            draw(joint, solution, tilt, plot)
     show(values, as_json, *parts)
+
+
+def _only_along_axis(tilt, **options):
+    """Refuse options that mean nothing for a load off the axis."""
+    for name, value in options.items():
+        if tilt is not None and value is not None:
+            raise ValueError(f"{cli.flag(name)} must be left out for a load off the axis")
 
 
 def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, **joint):
     solved_joint = RatioJoint(r2_star=r2_star, **joint).joint()
+    tilt = solved_joint.default_tilt if tilt is None else tilt
+    _only_along_axis(tilt, solver=solver)
     with working("Solving the joint"):
         if tilt is None:
-            values, parts = _on_axis(force_curve(solved_joint, depth_star, solver=solver))
+            solved = force_curve(solved_joint, depth_star, solver=solver)
+            stresses, exceeded = largest_stress(solved), applicability.of_curve(solved)
+            values, parts = _without_dimensions(solved, ON_AXIS, stresses, exceeded)
         else:
-            values, parts = _tilted(tilted_contact(solved_joint, depth_star, tilt))
+            solved = tilted_contact(solved_joint, depth_star, tilt)
+            stresses, exceeded = largest_off_axis(solved), applicability.of_contact(solved)
+            values, parts = _without_dimensions(solved, OFF_AXIS, stresses, exceeded, tilt)
     show(values, as_json, *parts)
 
 
-def _on_axis(curve):
-    """One JSON object of a curve without dimensions, and its parts as text."""
-    stresses, depths = largest_stress(curve), {"depth_star": curve.depth_star.tolist()}
-    names = ("force_star", "contact_half_angle_deg", "peak_pressure_star", "error_estimate")
-    values = depths | {name: getattr(curve, name).tolist() for name in names}
-    parts = [_error_of_force(values)]
+def _without_dimensions(solved, names, stresses, exceeded, tilt=None):
+    """One JSON object of what is solved without dimensions, and its parts as text."""
+    depths = {"depth_star": solved.depth_star.tolist()}
+    values = depths | {name: getattr(solved, name).tolist() for name in names}
+    if tilt is not None:
+        values |= _ends(solved)
+    table = {{"error_estimate": "force_error"}.get(name, name): x for name, x in values.items()}
+    parts = [table]
     for body, largest in stresses.items():
         stress = {
             "star": largest.von_mises.tolist(),
@@ -187,27 +213,16 @@ def _on_axis(curve):
         values |= {f"{_prefix(body)}_{name}": stress[name] for name in stress}
         table = depths | {"von_mises_star": stress.pop("star")} | stress
         parts += [f"Largest von Mises stress in the {body}:", table]
-    for body in [name for name in curve.joint.materials if name not in stresses]:
+    for body in [name for name in solved.joint.materials if name not in stresses]:
         parts.append(f"Without stresses of the {body}: {HELD}")
-    exceeded = applicability.of_curve(curve)
     values["applicability"] = [applicability.in_short(found) for found in exceeded]
-    return values, [*parts, *_limits(curve.joint, curve.depth_star, exceeded)]
+    return values, [*parts, *_limits(solved.joint, solved.depth_star, exceeded, tilt)]
 
 
-def _tilted(contact):
-    """One JSON object of a contact off the axis, whose fields are arrays, and its parts as text."""
-    values = {name: x.tolist() for name, x in vars(contact).items() if name != "joint"}
-    low, high = values.pop("contact_edges_deg")
-    values |= {"contact_from_deg": low, "contact_to_deg": high}
-    table = _error_of_force(values) if "depth_star" in values else _printed(values)
-    cut = bool(contact.reaches_rim.any())
-    told = ["The rim cuts the contact: the pressure has no bound at its edge."] if cut else []
-    return values, [table, *told]
-
-
-def _error_of_force(values):
-    """Values as a table shows them, beside other results than the force."""
-    return {{"error_estimate": "force_error"}.get(name, name): x for name, x in values.items()}
+def _ends(solved):
+    """Where a contact off the axis ends, in deg."""
+    low, high = solved.contact_edges_deg.tolist()
+    return {"contact_from_deg": low, "contact_to_deg": high}
 
 
 def _printed(values):
@@ -241,11 +256,15 @@ def typed(options):
     return " ".join(words)
 
 
-def _described(joint, solution, tolerance, typed, of_pressure):
+def _described(joint, solution, tilt, tolerance, typed, of_pressure):
     """One JSON object of a solved joint, and its parts as text."""
     plain, limits = joint.joint, _limits_of(joint, solution, **of_pressure)
     names = ("depth", "force", "stiffness", "contact_half_angle_deg", "peak_pressure")
+    if tilt is not None:
+        names += ("tilt", "transverse", "transverse_stiffness", "peak_angle_deg", "peak_error")
     values = {name: getattr(solution, name).tolist() for name in (*names, "error_estimate")}
+    if tilt is not None:
+        values |= _ends(solution) | {"reaches_rim": solution.reaches_rim.tolist()}
     for body, stress in solution.von_mises.items():
         name, factor = _prefix(body), solution.yield_factor[body]
         values[name] = stress.tolist()
@@ -259,33 +278,41 @@ def _described(joint, solution, tolerance, typed, of_pressure):
     values |= {name: getattr(plain, name) for name in without}
     values["depth_star"] = (solution.depth / joint.clearance).tolist()
     values["applicability"] = [applicability.in_short(found) for found in limits]
-    law, text = _law(joint, float(solution.depth.max()), tolerance, typed)
-    power, two_numbers = _power(joint, solution.depth)
+    if tilt is None:
+        law, text = _law(joint, float(solution.depth.max()), tolerance, typed)
+    else:
+        tilt = float(f"{solution.tilt[solution.depth.argmax()]:.4g}")  # of the displacement
+        line = f"study export --law tabulated --direction {tilt:g} --format c {typed}"
+        law = {"law": "tabulated", "direction": tilt, "export": line}
+        text = f"To take the force along {tilt:g} deg into another program, as a table:\n{line}"
+    power, two_numbers = _power(joint, solution.depth, tilt)
     more = _of_pressure(solution, **of_pressure)
     parts = [_printed(values)]
     if more:
         parts.append(_printed({"depth": solution.depth} | more))
     parts += [*_stresses(joint, solution), text, two_numbers]
-    parts += _limits(plain, solution.depth, limits)
+    parts += _limits(plain, solution.depth, limits, tilt)
     if joint.socket_radius >= LARGE:
         parts.append(f"The socket's radius is {joint.socket_radius:g} m: are the sizes in m?")
     return values | power | law | more, parts
 
 
-def _limits(joint, depth, limits):
+def _limits(joint, depth, limits, tilt):
     """What the numbers are for, and which limits they exceed."""
-    held = joint.socket_support.in_words()
-    yield f"{held} Bodies are smooth and elastic, without friction; the load is along the axis."
+    held, load = joint.socket_support.in_words(), "along the axis"
+    if tilt is not None:
+        load = f"{tilt:g} deg off the axis"
+    yield f"{held} Bodies are smooth and elastic, without friction; the load is {load}."
     ordered = [limits[k] for k in np.argsort(depth)]
     for sentence in applicability.worst(ordered):
         yield f"Beyond a limit: {sentence}"
 
 
-def _power(joint, depths):
+def _power(joint, depths, tilt):
     """K and n over the depths, or over a tenth of the largest to it, as JSON and in words."""
     least, most = float(depths.min()), float(depths.max())
     least = least if least <= most / 2 else most / 10
-    law = joint.power_law((least, most))
+    law = joint.power_law((least, most), tilt)
     names = ("coefficient", "coefficient_mm", "exponent", "error", "depths")
     low, high = _rounded(least, "um"), _rounded(most, "um")
     return {"power_law": {name: getattr(law, name) for name in names}}, (
@@ -371,7 +398,7 @@ def _law(joint, largest, tolerance, typed):
     return values | {"law_errors": choice.errors, "export": line}, text
 
 
-def draw(solution, path):
+def draw(joint, solution, tilt, path):
     """Draw a joint's solved curve, the depths asked for, and the pressure at each, into a file."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
@@ -380,18 +407,24 @@ def draw(solution, path):
 
     micro, mega = UNITS["um"], UNITS["MPa"]
     depths, forces = solution.depth / micro, solution.force
-    along = np.linspace(0, min(BEYOND * solution.depth.max(), solution.law.deepest), 200)
-    widest = min(BEYOND * solution.contact_half_angle_deg.max(), solution.angle_deg[-1])
+    law = joint.law(tilt=tilt)
+    along = np.linspace(0, min(BEYOND * solution.depth.max(), law.deepest), 200)
+    ends = 0, min(BEYOND * solution.contact_half_angle_deg.max(), solution.angle_deg[-1])
+    if tilt is not None:
+        ends = np.clip(
+            [solution.contact_edges_deg.min() - AROUND, solution.contact_edges_deg.max() + AROUND],
+            *solution.angle_deg[[0, -1]],
+        )
     with mpl.rc_context(STYLE | {"svg.hashsalt": path.stem}):
         figure = Figure(figsize=(8.4, 3.4))
         left, right = figure.subplots(1, 2)
-        left.plot(along / micro, solution.law.force(along), color="0.5", label="solved curve")
+        left.plot(along / micro, law.force(along), color="0.5", label="solved curve")
         for depth, force, pressure in zip(depths, forces, solution.pressure / mega, strict=True):
             label = f"{depth:.4g} µm, {float(f'{force:.4g}'):g} N"
             (point,) = left.plot(depth, force, "o", label=label)
             right.plot(solution.angle_deg, pressure, color=point.get_color())
         left.set(xlabel="penetration depth (µm)", ylabel="contact force (N)", xlim=0, ylim=0)
-        right.set(xlabel="polar angle (deg)", ylabel="pressure (MPa)", xlim=(0, widest), ylim=0)
+        right.set(xlabel="polar angle (deg)", ylabel="pressure (MPa)", xlim=ends, ylim=0)
         left.legend()
         with paths.whole(path) as temporary:
             figure.savefig(temporary, metadata=SAME_BYTES[path.suffix])

@@ -9,6 +9,7 @@ from math import radians
 
 from study.joint.curve import ForceCurve
 from study.joint.definition import Joint
+from study.joint.tilted import TiltedContact
 
 DEEPEST = 1.0
 """Largest depth_star up to which the solution was compared with other programs."""
@@ -36,14 +37,17 @@ def limits(
     depth_star: float,
     half_angle_deg: float,
     *,
+    to_rim: float | None = None,
     yield_factor: Mapping[str, float] | None = None,
     depth: float | None = None,
     strain: float | None = None,
 ) -> Limits:
     """Limits that one contact exceeds: a key for each, and a sentence.
 
-    The ``yield_factor`` is yield stress over largest von Mises stress, for each body that has both,
-    ``depth`` is in m, and ``strain`` is peak pressure over the least Young's modulus.
+    The contact ends ``to_rim`` deg from the nearest rim, by default that of a contact about the
+    axis; 0 if a rim, or the edge of a ball's face, cuts it. The ``yield_factor`` is yield stress
+    over largest von Mises stress, for each body that has both, ``depth`` is in m, and ``strain`` is
+    peak pressure over the least Young's modulus.
     """
     found = {}
     for body, factor in (yield_factor or {}).items():
@@ -62,10 +66,17 @@ def limits(
             f"The peak pressure is {strain:.2g} of the softest body's modulus. Beyond {STRAIN:g} "
             "strains are not small, as the solution takes them."
         )
-    if half_angle_deg > joint.opening.last - NEAR_RIM:
+    if to_rim is None:
+        to_rim = joint.opening.last - half_angle_deg
+    if to_rim <= 0:
         found["rim"] = (
-            f"The contact ends at {half_angle_deg:.3g} deg, near the rim at {joint.opening} "
-            "deg, where it depends on the shape of the edge."
+            "A rim of the socket, or the edge of the ball's face, cuts the contact: the pressure "
+            "has no bound at a sharp edge, and depends on the edge's shape."
+        )
+    elif to_rim < NEAR_RIM:
+        found["rim"] = (
+            f"The contact ends {to_rim:.2g} deg from the socket's rim, where it depends on the "
+            "shape of the edge."
         )
     wall = joint.socket_ratio - 1
     if joint.is_held_all_round and wall < radians(half_angle_deg):
@@ -107,6 +118,15 @@ def of_curve(curve: ForceCurve) -> list[Limits]:
     """Limits that each contact of a curve without dimensions exceeds."""
     contacts = zip(curve.depth_star, curve.contact_half_angle_deg, strict=True)
     return [limits(curve.joint, depth, angle) for depth, angle in contacts]
+
+
+def of_contact(contact: TiltedContact) -> list[Limits]:
+    """Limits that each contact off the axis exceeds, without dimensions."""
+    contacts = contact.depth_star, contact.contact_half_angle_deg, contact.to_rim_deg
+    return [
+        limits(contact.joint, depth, angle, to_rim=to_rim)
+        for depth, angle, to_rim in zip(*contacts, strict=True)
+    ]
 
 
 def in_short(found: Limits) -> str:

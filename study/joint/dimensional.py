@@ -4,7 +4,7 @@
 table of its solved curve. The joint is solved at every depth.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -23,15 +23,20 @@ from study.joint.curve import force_curve, friction_radii, whole_curve
 from study.joint.definition import Joint, Layer
 from study.joint.law_parameters import law_parameters
 from study.joint.stress import largest as largest_stress
-from study.joint.supports import Configuration
-from study.joint.tilted import tilted_contact, under_force
+from study.joint.supports import Configuration, Pin
+from study.joint.tilted import tilted_contact, tilted_curve, under_force
+from study.joint.tilted_stress import largest_off_axis
 from study.parameters import parameter
 
 Floats = NDArray[np.float64]
 LEAST_CLEARANCE = 1e-9
 """Over the socket's radius: a smaller clearance is lost in the rounding of the radii."""
 _whole_curve = lru_cache(maxsize=16)(whole_curve)  # the same for every yield stress and size
+_tilted_curve = lru_cache(maxsize=16)(tilted_curve)
 _USUAL, _STEP = 1.0, 1.2  # clearances that a table reaches; how much further the next one does
+_NARROWEST = 0.02  # clearances that the table of a narrow socket reaches at least
+_SAME = ("tilt", "peak_angle_deg", "contact_edges_deg", "peak_error", "reaches_rim", "angle_deg")
+_SAME += ("error_estimate",)  # results off the axis that have no unit of the joint's
 
 
 @dataclass(frozen=True)
@@ -62,8 +67,6 @@ class DimensionalSolution:
     friction_radius
         Of a ball that turns about the load (``spin``) or across it (``tilt``) and slides all over
         its contact, in m (`study.joint.curve.friction_radii`).
-    law
-        Table of the joint's curve that reaches every depth.
     """
 
     depth: Floats
@@ -79,7 +82,6 @@ class DimensionalSolution:
     angle_deg: Floats
     pressure: Floats
     friction_radius: dict[str, Floats]
-    law: DimensionalLaw
 
     def friction_torque(self, friction: float) -> dict[str, Floats]:
         """Torque in N m, as of ``friction_radius``, at a coefficient of friction >= 0; (k,)."""
@@ -98,24 +100,35 @@ class DimensionalSolution:
 
 
 @dataclass(frozen=True)
-class TiltedSolution:
-    """Results of a joint pressed off its axis: arrays in the order asked for, (k,), in SI units.
+class TiltedSolution(DimensionalSolution):
+    """Results of a joint pressed off its axis: the same, and more arrays of shape (k,).
 
-    As `study.joint.TiltedContact`, with depths in m, forces in N, stiffness in N/m and pressure in
-    Pa. The force is along the displacement, ``transverse`` is across it.
+    The force and the stiffness are those along the displacement. The contact's half-angle is half
+    the angle between its ends in the plane of symmetry, in which ``angle_deg`` are signed polar
+    angles. The ball may also ``turn`` about the axis in this plane across the force.
+
+    Attributes
+    ----------
+    tilt
+        Angle of the displacement off the axis, in deg.
+    transverse, transverse_stiffness
+        Force across the displacement, positive towards larger tilt, and its derivative by a
+        displacement across, in N and N/m.
+    peak_angle_deg, contact_edges_deg
+        Signed polar angles of the peak pressure, and of both ends of the contact, shape (2, k).
+    peak_error
+        Estimated relative error of the peak pressure (`study.joint.TiltedContact`).
+    reaches_rim
+        Whether a rim, or the edge of a ball's face, cuts the contact.
     """
 
-    depth: Floats
     tilt: Floats
-    force: Floats
     transverse: Floats
-    stiffness: Floats
     transverse_stiffness: Floats
-    peak_pressure: Floats
     peak_angle_deg: Floats
     contact_edges_deg: Floats
+    peak_error: Floats
     reaches_rim: NDArray[np.bool_]
-    error_estimate: Floats
 
 
 @dataclass(frozen=True)
@@ -202,6 +215,9 @@ class DimensionalJoint(Configuration):
         checks.number("wall around the liner", self.wall, "m", above=inside)
         for body in ("ball", "socket"):
             material(getattr(self, body), body)
+        if isinstance(self.ball_support, Pin):
+            bore = self.ball_support.in_ball(radius - self.clearance)
+            object.__setattr__(self, "ball_support", bore)
         object.__setattr__(self, "rim", self.joint.rim)  # and errors of the joint belong here
 
     @cached_property
@@ -224,74 +240,74 @@ class DimensionalJoint(Configuration):
         values = self.joint.materials.values()
         return dict(zip(["ball", *liners, "socket"], values, strict=True))
 
-    def law(self, law: AnyLaw | None = None) -> DimensionalLaw:
+    def law(self, law: AnyLaw | None = None, tilt: float | None = None) -> DimensionalLaw:
         """A law of this joint, in SI units: by default the table of its own solved curve.
 
         The table reaches a depth of at least one clearance, if the joint can. ``stiffened_hertz``
         gets its options from the joint, and ``power`` is fitted to it over the default range of
-        `power_law`. The paper's laws have the coefficients of the paper's own joint.
+        `power_law`. The paper's laws have the coefficients of the paper's own joint. With a
+        ``tilt``, in deg, the table is that of the force along a displacement in this direction.
         """
+        tilt = self._direction(tilt)
         if law is None:
-            return self._table(usual_depth(self.joint))[0]
+            return self._reaching("depth", np.zeros(1), "m", tilt)
+        if tilt is not None:
+            raise ValueError(
+                f"law off the axis must be the table of the joint's own curve, got {law}: leave "
+                "the law out, or take k and n from power_law"
+            )
         law = find(law)
         if law is LAWS["stiffened_hertz"]:
             self.joint.check_linear(law.name)
         return self._in_si_units(law, **law_parameters(law, self.joint))
 
-    def power_law(self, depths: tuple[float, float] | None = None) -> PowerFit:
+    def power_law(
+        self, depths: tuple[float, float] | None = None, tilt: float | None = None
+    ) -> PowerFit:
         """The force as k d^n, fitted to the solved joint (`study.contact.power_fit`).
 
-        The ``depths`` are least and largest, in m; by default 0.05 and 0.5 clearances.
+        The ``depths`` are least and largest, in m; by default 0.05 and 0.5 clearances. With a
+        ``tilt``, in deg, it is the force along a displacement in this direction.
         """
         low, high = depths or (share * self.clearance for share in USUAL_RANGE)
         least = checks.number("least depth", low, "m", above=0, scalar=True)
         most = checks.number("largest depth", high, "m", above=least, scalar=True)
-        law = self._reaching("depth", np.array([most]), "m")
+        law = self._reaching("depth", np.array([most]), "m", self._direction(tilt))
         places = np.geomspace(least, most, DEPTHS)
         return fit_power(places, law.force(places))
 
     def solve(
-        self, *, depth: ArrayLike | None = None, force: ArrayLike | None = None
+        self,
+        *,
+        depth: ArrayLike | None = None,
+        force: ArrayLike | None = None,
+        tilt: ArrayLike | None = None,
     ) -> DimensionalSolution:
         """Solve the joint at given depths, in m, or under given forces, in N; both > 0.
 
-        A depth or force at which contact would reach the socket's rim, or is too small to be
-        resolved, is a ``ValueError``, as is any other number of arguments than one.
+        With a ``tilt``, in deg off the axis, the result is a `TiltedSolution`. It is the direction
+        of the displacement if depths are given, and of the force if forces are. Rings and bored
+        balls have a tilt of 90 deg by default.
+
+        A depth or force at which contact along the axis would reach the socket's rim, or is too
+        small to be resolved, is a ``ValueError``, as is any other number of arguments than one.
         """
         asked, name = self._given(depth, force)
+        tilt = self._direction(tilt)
+        if tilt is not None:
+            star = asked / (self.clearance if name == "depth" else self._force_unit)
+            solve = tilted_contact if name == "depth" else under_force
+            return self._off_axis(solve(self.joint, star, tilt))
         unit = "m" if name == "depth" else "N"
         law = self._reaching(name, asked, unit)
         depths = asked if force is None else np.asarray(law.depth(asked))
         solved = self._solved(depths / self.clearance, name, asked, unit)
-        forces = asked if depth is None else self._force(solved)
-        off = np.abs(forces / self._force(solved) - 1)
-        return self._solution(law, depths, forces, solved, solved.error_estimate + off)
+        forces = asked if depth is None else self._force_unit * solved.force_star
+        off = np.abs(forces / (self._force_unit * solved.force_star) - 1)
+        return self._on_axis(law, depths, forces, solved, solved.error_estimate + off)
 
-    def solve_tilted(
-        self, tilt: ArrayLike, *, depth: ArrayLike | None = None, force: ArrayLike | None = None
-    ) -> TiltedSolution:
-        """Solve the joint pressed off its axis: at given depths, in m, or under forces, in N.
-
-        The ``tilt``, in deg off the axis, is the direction of the displacement if depths are given,
-        and of the force if forces are. Errors are those of `study.joint.tilted_contact`, and a
-        ``ValueError`` unless exactly one of the two is given.
-        """
-        given, name = self._given(depth, force)
-        joint, clearance = self.joint, self.clearance
-        modulus = joint.composite_modulus
-        if name == "depth":
-            contact = tilted_contact(joint, given / clearance, tilt)
-        else:
-            contact = under_force(joint, given / (modulus * clearance**2), tilt)
-        units = {
-            "depth": clearance,
-            **dict.fromkeys(("force", "transverse"), modulus * clearance**2),
-            **dict.fromkeys(("stiffness", "transverse_stiffness"), modulus * clearance),
-            "peak_pressure": modulus * clearance / self.socket_radius,
-        }
-        found = {name: unit * getattr(contact, f"{name}_star") for name, unit in units.items()}
-        others = {of.name for of in fields(TiltedSolution)} - units.keys()
-        return TiltedSolution(**found, **{name: getattr(contact, name) for name in others})
+    def _direction(self, tilt):
+        return self.default_tilt if tilt is None else tilt
 
     @staticmethod
     def _given(depth, force):
@@ -307,20 +323,66 @@ class DimensionalJoint(Configuration):
         return asked, name
 
     def curve(self) -> DimensionalSolution:
-        """The whole curve, at some 50 depths up to one clearance, if the joint can."""
-        law, curve = self._table(usual_depth(self.joint))
-        depths = self.clearance * curve.depth_star
-        return self._solution(law, depths, self._force(curve), curve, curve.error_estimate)
+        """The whole curve along the axis, at some 50 depths up to one clearance, if possible."""
+        law = self.law()
+        curve = _whole_curve(self.joint, law.deepest / self.clearance)
+        depths, forces = self.clearance * curve.depth_star, self._force_unit * curve.force_star
+        return self._on_axis(law, depths, forces, curve, curve.error_estimate)
 
-    def _force(self, curve):
-        return self.joint.composite_modulus * self.clearance**2 * curve.force_star
+    @property
+    def _force_unit(self):
+        return self.joint.composite_modulus * self.clearance**2
 
-    def _solution(self, law, depths, forces, solved, errors):
+    @property
+    def _pressure_unit(self):
+        return self.joint.composite_modulus * self.clearance / self.socket_radius
+
+    def _on_axis(self, law, depths, forces, solved, errors):
         """Stiffness by a law at depths, and all else from the joint solved there."""
-        largest = largest_stress(solved)
-        modulus, strengths = self.joint.composite_modulus, self.materials
+        to_rim = self.opening.last - solved.contact_half_angle_deg
+        return DimensionalSolution(
+            depth=depths,
+            force=forces,
+            stiffness=np.asarray(law.stiffness(depths)),
+            error_estimate=errors,
+            angle_deg=np.degrees(solved.angles),
+            pressure=self._pressure_unit * solved.pressure,
+            **self._shared(
+                depths,
+                solved.contact_half_angle_deg,
+                np.maximum(to_rim, 1e-9),  # along the axis a contact ends inside the rim
+                solved.peak_pressure_star,
+                largest_stress(solved),
+                friction_radii(solved),
+            ),
+        )
+
+    def _off_axis(self, contact):
+        """Results of a contact off the axis, in SI units."""
+        depths = self.clearance * contact.depth_star
+        stiffness = self._force_unit / self.clearance
+        return TiltedSolution(
+            depth=depths,
+            force=self._force_unit * contact.force_star,
+            transverse=self._force_unit * contact.transverse_star,
+            stiffness=stiffness * contact.stiffness_star,
+            transverse_stiffness=stiffness * contact.transverse_stiffness_star,
+            pressure=self._pressure_unit * contact.pressure_star,
+            **{name: getattr(contact, name) for name in _SAME},
+            **self._shared(
+                depths,
+                contact.contact_half_angle_deg,
+                contact.to_rim_deg,
+                contact.peak_pressure_star,
+                largest_off_axis(contact),
+                contact.friction_radius_star,
+            ),
+        )
+
+    def _shared(self, depths, half_angles, to_rim, peaks, largest, radii):
+        """Results that a joint has both on and off its axis, by their names."""
+        strengths, pressure = self.materials, self._pressure_unit
         bodies = dict(zip(self.joint.materials, strengths, strict=True))
-        pressure = modulus * self.clearance / self.socket_radius
         stresses = {bodies[name]: pressure * stress.von_mises for name, stress in largest.items()}
         factors = {
             body: strength / stress if (strength := strengths[body].yield_stress) else None
@@ -332,36 +394,38 @@ class DimensionalJoint(Configuration):
             applicability.limits(
                 self.joint,
                 depth / self.clearance,
-                solved.contact_half_angle_deg[k],
+                half_angles[k],
+                to_rim=to_rim[k],
                 yield_factor={body: f[k] for body, f in factors.items() if f is not None},
                 depth=depth,
-                strain=pressure * solved.peak_pressure_star[k] / softest,
+                strain=pressure * peaks[k] / softest,
             )
             | soft
             for k, depth in enumerate(depths)
         )
-        radii = friction_radii(solved)
-        return DimensionalSolution(
-            depth=depths,
-            force=forces,
-            stiffness=np.asarray(law.stiffness(depths)),
-            contact_half_angle_deg=solved.contact_half_angle_deg,
-            peak_pressure=pressure * solved.peak_pressure_star,
-            error_estimate=errors,
-            von_mises=stresses,
-            von_mises_place={bodies[name]: stress.place for name, stress in largest.items()},
-            yield_factor=factors,
-            limits=limits,
-            angle_deg=np.degrees(solved.angles),
-            pressure=pressure * solved.pressure,
-            friction_radius={motion: self.socket_radius * r for motion, r in radii.items()},
-            law=law,
-        )
+        return {
+            "contact_half_angle_deg": half_angles,
+            "peak_pressure": pressure * peaks,
+            "von_mises": stresses,
+            "von_mises_place": {bodies[name]: stress.place for name, stress in largest.items()},
+            "yield_factor": factors,
+            "limits": limits,
+            "friction_radius": {motion: self.socket_radius * r for motion, r in radii.items()},
+        }
 
-    def _reaching(self, name, asked, unit):
+    def _reaching(self, name, asked, unit, tilt=None):
         """Least table that reaches all depths or forces asked for."""
         deepest = usual_depth(self.joint)
-        law, _ = self._table(deepest)
+        law = None
+        while law is None:
+            try:
+                law = self._table(deepest, tilt)
+            except UnresolvedError:
+                raise
+            except checks.RangeError:  # a narrow socket, whose rim is nearer than one clearance
+                if deepest < _NARROWEST:
+                    raise
+                deepest /= _STEP
 
         def most():
             return law.deepest if name == "depth" else law.force(law.deepest)
@@ -369,7 +433,7 @@ class DimensionalJoint(Configuration):
         while most() < asked.max():
             deepest *= _STEP
             try:
-                law, _ = self._table(deepest)
+                law = self._table(deepest, tilt)
             except checks.RangeError:
                 raise checks.RangeError(
                     f"{name} must be <= {most():.6g} {unit}, got {asked.max():g} {unit}: just "
@@ -377,9 +441,12 @@ class DimensionalJoint(Configuration):
                 ) from None
         return law
 
-    def _table(self, deepest):
-        curve = _whole_curve(self.joint, deepest)
-        return self._in_si_units(tabulated(curve)), curve
+    def _table(self, deepest, tilt=None):
+        if tilt is None:
+            curve = _whole_curve(self.joint, deepest)
+        else:
+            curve = _tilted_curve(self.joint, float(tilt), deepest)
+        return self._in_si_units(tabulated(curve))
 
     def _in_si_units(self, law, **options):
         in_si_units = DimensionalLaw(

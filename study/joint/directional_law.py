@@ -17,11 +17,9 @@ from study.contact import hertz, largest_depth, tabulated
 from study.contact.laws import LIMIT_MARGIN
 from study.joint.curve import whole_curve
 from study.joint.definition import Joint
-from study.joint.tilted import LARGEST_TILT, RESOLUTION, tilted_contact
+from study.joint.tilted import LARGEST_TILT, RESOLUTION, SHALLOWEST, tilted_contact
 
 Floats = NDArray[np.float64]
-SHALLOWEST = 0.05
-"""Least depth_star that is solved: elements hardly resolve shallower contacts."""
 LEAST_DEEPEST = 0.2
 """Least end of a table, in clearances."""
 _DEPTHS, _STEP = 7, 10.0  # depths solved; most deg from one tilt to the next

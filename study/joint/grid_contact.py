@@ -101,7 +101,8 @@ class Contacts:
         while True:
             nodes = np.flatnonzero(wanted)
             by_socket = share_of_socket * self.socket.matrix(nodes)
-            by_ball = self._of_ball(moved[nodes], mass[nodes][:, nodes], size[nodes])
+            whole = size[nodes] / grid.ends[nodes]
+            by_ball = self._of_ball(moved[nodes], mass[nodes][:, nodes], whole)
             scale = share_of_ball * (1 / r1 if moves else r1)
             matrix = by_socket + scale * by_ball
             pressure, active = complementarity.solve(matrix, gap[nodes], guess[nodes])
@@ -144,7 +145,7 @@ class Contacts:
     def _peak(self, nodes, pressure, mass):
         """Maximum pressure, and its signed polar angle in the plane of symmetry in deg.
 
-        Pressures at single nodes ripple by some 3 %. The maximum is therefore that of a parabola
+        Pressures at single nodes ripple by up to 2 %. The maximum is therefore that of a parabola
         in both angles, fitted by the nodes' areas around the maximum of a mean over neighbours.
         At an edge of a body, where there is no such maximum, it is the largest of the nodes.
         """
@@ -187,15 +188,18 @@ class Contacts:
         order = in_plane[np.argsort(self.signed_angle[in_plane], kind="stable")]
         return self.signed_angle[order], pressure[order]
 
-    def _of_ball(self, moved, mass, size):
-        """Flexibility of the ball under hats of the socket, of a unit ball."""
+    def _of_ball(self, moved, mass, whole):
+        """Flexibility of the ball under hats of the socket, of a unit ball.
+
+        The integrals ``whole`` of the hats are those on both sides of the plane of symmetry.
+        """
         # displacements are wanted where points of the socket face the ball, whose hats are
         # lumped; what they do not see acts as on a half-space
         columns = np.unique(moved.indices)
         moved = moved[:, columns]
         spread = moved @ csr_array(np.diag(1 / self.ball.areas[columns]))
         unseen = (mass - spread @ moved.T).toarray()
-        local = np.sqrt(2 / np.pi * (1 - self.joint.ball.poisson**2) * np.sqrt(size))
+        local = np.sqrt(2 / np.pi * (1 - self.joint.ball.poisson**2) * np.sqrt(whole))
         seen = spread @ (spread @ self.ball.matrix(columns)).T
         return seen + local[:, None] * unseen * local
 

@@ -23,6 +23,10 @@ RESOLUTION = 48
 FINEST_RESOLUTION = 96
 LARGEST_TILT = 170.0
 """In deg: beyond it no socket has a surface."""
+SHALLOWEST = 0.05
+"""Minimum depth_star of a curve or a table: elements hardly resolve shallower contacts."""
+DEPTHS = 9
+"""Depths of a curve."""
 _DEEPEST = 1.0  # depth_star of the largest first guess under a force
 MOTIONS = "spin", "tilt", "turn"
 _MOST_STEPS = 40
@@ -87,6 +91,21 @@ class TiltedContact:
     resolution: int
     grids: tuple[tuple[GridContact, GridContact], ...] = field(repr=False)
 
+    @property
+    def contact_half_angle_deg(self) -> Floats:
+        """Half the angle between the contact's ends in the plane of symmetry, in deg; (k,)."""
+        low, high = self.contact_edges_deg
+        return (high - low) / 2
+
+    @property
+    def to_rim_deg(self) -> Floats:
+        """Angle from the contact's end to the nearest rim, in deg, or 0 if it is cut; (k,)."""
+        (low, high), opening = self.contact_edges_deg, self.joint.opening
+        to_rim = opening.last - np.maximum(np.abs(low), high)
+        if opening.is_ring:
+            to_rim = np.minimum(to_rim, low - opening.first)
+        return np.where(self.reaches_rim, 0.0, np.maximum(to_rim, 1e-9))
+
 
 @one_thread
 def tilted_contact(
@@ -140,6 +159,18 @@ def under_force(
     found = [_pressed(joint, fine, coarse, *at) for at in zip(forces, tilts, strict=True)]
     depths, directions = np.array([at for at, _ in found]).T
     return _result(joint, depths, directions, [solved for _, solved in found], resolution)
+
+
+@one_thread
+def tilted_curve(joint: Joint, tilt: float, deepest: float = 1.0) -> TiltedContact:
+    """Contacts in one direction at `DEPTHS` depths, for a table of the force along it.
+
+    They are in equal steps of the root of the depth_star, from a sixteenth of the largest one, or
+    from `SHALLOWEST`. Arguments and errors are those of `tilted_contact`.
+    """
+    last = checks.number("deepest", deepest, least=10 * SHALLOWEST, scalar=True)
+    roots = np.linspace(np.sqrt(max(SHALLOWEST, last / 16)), np.sqrt(last), DEPTHS)
+    return tilted_contact(joint, roots**2, tilt)
 
 
 def _checked(joint, values, tilt, name, resolution):
