@@ -104,6 +104,10 @@ def export_law(
         "Largest direction of a displacement off the axis, in deg: tabulated is then a table of "
         "depth and tilt, with the forces along and across."
     ),
+    direction: float = cli.option(
+        "Angle off the axis, in deg, of the one displacement that the law is for: tabulated and "
+        "power give the force along it. [default: 90 for a ring or a ball with a bore, else 0]"
+    ),
     output: Path = cli.OUTPUT,
     **joint: RELATIVE | SIZED,
 ):
@@ -115,7 +119,7 @@ def export_law(
     from study.export import SUFFIXES, export
 
     cli.check_output(output, SUFFIXES[form])
-    joint = cli.under_tilt(tilt, joint)
+    joint = cli.under_tilt(tilt if direction is None else direction, joint)
     if any(name in joint for name in OF_SIZED):
         asked = sized(joint)
         depths = [value / asked.clearance for value in depth or ()]
@@ -127,7 +131,7 @@ def export_law(
             raise ValueError("--depth must be left out: it is for a joint with its dimensions")
         asked = RatioJoint(**joint).joint()
     with working("Solving the joint, and its error"):
-        text = export(law, form, asked, sorted(depth_star or ()) or None, tilt)
+        text = export(law, form, asked, sorted(depth_star or ()) or None, tilt, direction)
     if output is None:
         print(text, end="")
     else:

@@ -21,6 +21,7 @@ from study.export import formulas
 from study.joint import DimensionalJoint, DirectionalLaw, Joint, directional_law, whole_curve
 from study.joint.dimensional import usual_depth
 from study.joint.law_parameters import law_parameters
+from study.joint.tilted import tilted_curve
 
 Exported = Literal[LawName, "tabulated"]
 Format = Literal["c", "matlab", "modelica", "json", "csv", "exudyn", "adams", "mujoco"]
@@ -73,6 +74,7 @@ def export(
     joint: Joint | DimensionalJoint,
     depth_star: float | Sequence[float] | None = None,
     tilt: float | None = None,
+    direction: float | None = None,
 ) -> str:
     """Text of a law in one of the formats.
 
@@ -93,6 +95,9 @@ def export(
     tilt
         Largest direction of a displacement off the axis, in deg: ``tabulated`` is then the table of
         depth and tilt of `study.joint.directional_law`, and gives forces along and across.
+    direction
+        Angle off the axis, in deg, of the one displacement that the law is for: ``tabulated`` and
+        ``power`` give the force along it. By default 90 for a ring or a bored ball, else 0.
 
     Raises
     ------
@@ -116,10 +121,18 @@ def export(
     fitted = law == "power" or form == "mujoco"
     least, deepest = _range(depth_star, plain, fitted)
     if tilt is not None:
+        if not plain.has_pole:
+            raise ValueError(
+                "tilt must be left out for a ring or a ball with a bore, whose table of depth and "
+                "tilt would begin on the axis: give the direction of the displacement"
+            )
         checks.choice("law beside tilt", law, ["tabulated"])
         checks.choice("format beside tilt", form, ["c", "matlab", "csv"])
         return _tilted(directional_law(plain, deepest, tilt), form, sized)
-    content = _Law(law, plain, sized, least, deepest)
+    direction = plain.default_tilt if direction is None else direction
+    if direction is not None:
+        checks.choice("law along a direction off the axis", law, ["tabulated", "power"])
+    content = _Law(law, plain, sized, least, deepest, direction)
     if form == "json":
         return _json(content)
     if form == "csv":
@@ -148,12 +161,17 @@ def _range(depth_star, joint, fitted):
 class _Law:
     """What every format has of a law: its parts for the joint, its range, its error."""
 
-    def __init__(self, name, joint, sized, least, deepest):
+    def __init__(self, name, joint, sized, least, deepest, direction):
         self.name, self.joint, self.sized = name, joint, sized
         self.least, self.deepest = least, deepest
-        curve = whole_curve(joint, deepest)
+        if direction is None:
+            self.load, curve = "along the axis", whole_curve(joint, deepest)
+        else:
+            self.load = f"along a displacement {direction:g} deg off the axis"
+            curve = tilted_curve(joint, direction, deepest)
+            self.least = max(least, float(curve.depth_star.min()))
         self.exact = contact.tabulated(curve)
-        depths = np.linspace(np.sqrt(least), np.sqrt(deepest), ROWS) ** 2
+        depths = np.linspace(np.sqrt(self.least), np.sqrt(deepest), ROWS) ** 2
         law, options = LAWS.get(name, self.exact), {}
         if name != "tabulated":
             options = law_parameters(law, joint, depths, self.exact(depths))
@@ -179,7 +197,7 @@ class _Law:
             _joint_in_words(self.joint, self.sized),
             f"Range: depths from 0 to {self.deepest:g} clearances.",
             f"Error of the force, from {self.least:g} clearances on: {text}",
-            "The law is elastic, smooth and without friction, for a load along the axis.",
+            f"The law is elastic, smooth and without friction, for a load {self.load}.",
         ]
 
 

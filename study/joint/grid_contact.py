@@ -235,7 +235,7 @@ def _rigid_ball(joint, normal, centre):
 def _unresolved(depth):
     return UnresolvedError(
         "depth_star must be so large that the elements resolve the contact, got "
-        f"{depth:.3g}: press along the axis, or take a finer resolution"
+        f"{depth:.3g}: take a larger depth or a finer resolution"
     )
 
 

@@ -283,18 +283,19 @@ class Opening:
     Written as ``90``, or for a ring as ``55:125``.
     """
 
-    last: float = parameter(..., "opening", "deg", least=30, most=170)
-    first: float = parameter(0.0, "first angle of the opening", "deg", least=0)
+    last: float
+    first: float = 0.0
 
     def __post_init__(self) -> None:
-        parameters.take(self)
+        checks.number("first angle of opening", self.first, "deg", least=0, scalar=True)
         if self.is_ring and self.first > self.last - 2 * CLEAR:
             raise checks.RangeError(
                 f"opening of a ring must be FIRST:LAST with LAST >= FIRST + {2 * CLEAR:g} deg, "
                 f"such as 55:125, got {self}"
             )
         if self.is_ring:
-            checks.number("first angle of the opening of a ring", self.first, "deg", least=CLEAR)
+            checks.number("first angle of opening of a ring", self.first, "deg", least=CLEAR)
+        checks.number("opening", self.last, "deg", least=30, most=170, scalar=True)
 
     def __str__(self) -> str:
         return f"{self.first:.9g}:{self.last:.9g}" if self.is_ring else f"{self.last:.9g}"

@@ -166,9 +166,10 @@ def tilted_curve(joint: Joint, tilt: float, deepest: float = 1.0) -> TiltedConta
     """Contacts in one direction at `DEPTHS` depths, for a table of the force along it.
 
     They are in equal steps of the root of the depth_star, from a sixteenth of the largest one, or
-    from `SHALLOWEST`. Arguments and errors are those of `tilted_contact`.
+    from `SHALLOWEST`, to ``deepest`` or at least 0.5. Other arguments and errors are those of
+    `tilted_contact`.
     """
-    last = checks.number("deepest", deepest, least=10 * SHALLOWEST, scalar=True)
+    last = max(checks.number("deepest", deepest, above=0, scalar=True), 10 * SHALLOWEST)
     roots = np.linspace(np.sqrt(max(SHALLOWEST, last / 16)), np.sqrt(last), DEPTHS)
     return tilted_contact(joint, roots**2, tilt)
 
