@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from helpers.programs import needs_calculix
-from other_programs import calculix, calculix_tilted
+from other_programs import calculix, calculix_ring, calculix_tilted
 
 from study import checks
 from study.joint import Joint, Material, fem, tilted_contact
@@ -40,6 +40,40 @@ def test_a_load_off_the_axis_whose_contact_is_cut_by_the_rim():
     assert contact.reaches_rim
     # this coarse mesh is 0.6 % too stiff; forces of finer ones are kept in `test_tilted`
     assert calculix_tilted.force(joint, 0.5, 60) == pytest.approx(expected, abs=0.01 * expected[0])
+
+
+@needs_calculix
+def test_a_rod_end_whose_contact_is_cut_by_both_rims():
+    joint = Joint(200, ball_support="bore:0.5,45", opening="55:125")
+    contact = tilted_contact(joint, 0.5, 90, 32)
+    assert contact.reaches_rim
+    force, pressure = calculix_ring.pressed(joint, 0.5, resolution=4, shells=2)
+    # forces of finer meshes are kept in `test_tilted`
+    assert force == pytest.approx(contact.force_star[0], rel=5e-3)
+    assert pressure == pytest.approx(contact.peak_pressure_star[0], rel=0.03)
+
+
+def test_bricks_of_a_rod_end_are_right_handed_and_held_in_their_planes_of_symmetry():
+    joint = Joint(200, ball_support="bore:0.5,45", opening="55:125")
+    cards = _cards(calculix_ring.deck(joint, 0.5, resolution=2, shells=1))
+    place = {}
+    for name in ("BALL", "SOCKET"):
+        place |= {int(k): np.array(x, float) for k, *x in cards[f"*NODE, NSET={name}"]}
+        rows = cards[f"*ELEMENT, TYPE=C3D20, ELSET={name}"]
+        for first, rest in zip(rows[::2], rows[1::2], strict=True):
+            nodes = [place[int(k)] for k in (first + rest)[1:]]
+            sides = [nodes[k] - nodes[0] for k in (1, 3, 4)]
+            assert np.linalg.det(sides) > 0
+        for what, axis in (("PLANE", 1), ("EQUATOR", 2)):
+            held = {int(k) for (k,) in cards[f"*NSET, NSET={name}{what}"]}
+            of_body = {int(k) for k, *_ in cards[f"*NODE, NSET={name}"]}
+            assert held == {k for k in of_body if abs(place[k][axis]) < 1e-12}
+    bore = [place[int(k)] for (k,) in cards["*NSET, NSET=BALLHELD"]]
+    radii = np.hypot(*(np.array(bore)[:, :2] - [1 / 200, 0]).T)
+    assert radii == pytest.approx(0.5 * joint.ball_radius)
+    assert np.array([place[int(k)] for (k,) in cards["*NSET, NSET=FIRST"]]) == pytest.approx(
+        np.array([[1, 0, 0]] * 2)
+    )
 
 
 @needs_calculix

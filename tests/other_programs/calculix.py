@@ -171,7 +171,11 @@ def _body(name, mesh, places, first):
 
 
 def run(text: str, count: int, total: re.Pattern[str] = _TOTAL) -> NDArray[np.float64]:
-    """Reactions at the driven nodes, one row per step: by default the axial ones."""
+    """Reactions at the driven nodes, one row per step: by default the axial ones.
+
+    ``total`` is searched in the printed results (``.dat``), after which come those of the mesh
+    (``.frd``).
+    """
     program = shutil.which("ccx")
     if program is None:
         raise checks.StudyError("ccx (Debian's calculix-ccx) is not installed")
@@ -183,8 +187,9 @@ def run(text: str, count: int, total: re.Pattern[str] = _TOTAL) -> NDArray[np.fl
             done = subprocess.run([program, "joint"], cwd=folder, env=one_thread, **options)
         except subprocess.TimeoutExpired as error:
             raise checks.StudyError(f"ccx took more than {TIMEOUT:g} s") from error
-        results = Path(folder, "joint.dat")
-        forces = total.findall(results.read_text()) if results.exists() else []
+        results = [Path(folder, f"joint.{ending}") for ending in ("dat", "frd")]
+        said = "".join(result.read_text() for result in results if result.exists())
+    forces = total.findall(said)
     lines = [line.strip() for line in done.stdout.splitlines() if line.strip(" _\n")]
     wrong = [" ".join(lines[i : i + 2]) for i, line in enumerate(lines) if "*ERROR" in line]
     if done.returncode or wrong or len(forces) != count:

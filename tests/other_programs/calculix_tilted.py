@@ -7,6 +7,7 @@ ones. Lengths are in socket radii R2 and stresses in E*.
 """
 
 import re
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -22,6 +23,7 @@ _TOTAL = re.compile(r"for set BALLHELD and time\s+\S+\s+(\S+)\s+\S+\s+(\S+)")
 _ROUND = 0.5  # how far the square in the middle of a cap is bent to a disc
 _RINGS = 0.6  # around it, over the elements of half its side
 _DEPTH_SCALE = 0.15  # elements grow from this depth below the surface on
+_NONE = 1e-12  # R2
 _FAR, _GROWTH = np.radians(150), 0.3  # where the ball's second cap begins; growth towards it
 
 
@@ -44,28 +46,38 @@ def deck(joint, depth_star, tilt, resolution=3, shells=2, shift=0.3, penalty=300
     core = checks.instance("ball_support", joint.ball_support, Core).radius
     checks.choice("kinematics", joint.kinematics, ("linear",))
     checks.instance("socket_support", joint.socket_support, WholeOutside)
-    opening = np.radians(checks.number("opening", joint.opening, "deg", below=90))
+    if joint.opening.is_ring:
+        raise ValueError(f"opening must be that of a cup, got {joint.opening}")
+    opening = np.radians(checks.number("opening", joint.opening.last, "deg", below=90))
     centre = np.array([np.sin(np.radians(tilt)), 0, np.cos(np.radians(tilt))]) / joint.r2_star
-    of_ball, of_socket = joint.modulus_shares
     half = (1 - core) / 2
     outer, inner = graded(half, _DEPTH_SCALE, shells), graded(half, core, shells)
     radii = joint.ball_radius * np.append(1 - outer, core + inner[-2::-1])
     points, quads, near = _half_sphere(resolution, opening, shift)
-    ball, after = _body("BALL", points, quads[:, ::-1], near, radii, centre, (1, 1))
+    in_ball = partial(_on_sphere, centre=centre)
+    ball, after = body("BALL", points, quads[:, ::-1], near, radii, in_ball, (1, 1))
     points, quads = _cap(resolution, opening, shift, round(_RINGS * resolution))
     radii = 1 + graded(joint.socket_ratio - 1, _DEPTH_SCALE, shells)
     lines = [
         *ball,
-        *_body("SOCKET", points, quads, len(quads), radii, 0 * centre, after)[0],
+        *body("SOCKET", points, quads, len(quads), radii, _on_sphere, after)[0],
+        *solution(joint, depth_star * centre, penalty, ["BALLPLANE, 2, 2", "SOCKETPLANE, 2, 2"]),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def solution(joint, displacement, penalty, planes):
+    """Materials, contact, supports and the step that moves the ball, as lines of a deck."""
+    of_ball, of_socket = joint.modulus_shares
+    return [
         *calculix.material("BALL", 1 / of_ball, joint.ball.poisson),
         *calculix.material("SOCKET", 1 / of_socket, joint.socket.poisson),
         *calculix.pair(penalty, "surface"),
-        *("*BOUNDARY", "BALLPLANE, 2, 2", "SOCKETPLANE, 2, 2", "SOCKETHELD, 1, 3"),
+        *("*BOUNDARY", *planes, "SOCKETHELD, 1, 3"),
         *("*STEP, INC=1000", "*STATIC", "1., 1.", "*BOUNDARY"),
-        *(f"BALLHELD, {k}, {k}, {depth_star * part:.12g}" for k, part in enumerate(centre, 1)),
+        *(f"BALLHELD, {k}, {k}, {part:.12g}" for k, part in enumerate(displacement, 1)),
         *("*NODE PRINT, NSET=BALLHELD, TOTALS=ONLY, FREQUENCY=1000", "RF", "*END STEP"),
     ]
-    return "\n".join(lines) + "\n"
 
 
 def _cap(n, angle, shift, rings):
@@ -82,7 +94,7 @@ def _cap(n, angle, shift, rings):
     edge = np.concatenate([number[:n, -1], number[n, :0:-1], number[n::-1, 0]])
     share = np.arange(1, rings + 1)[:, None] / rings
     around = (1 - share) * square[edge] + share * np.exp(1j * np.linspace(0, np.pi, 4 * n + 1))
-    quads = [_patch(number), _patch(np.vstack([edge, _numbers(square.size, around)]).T)]
+    quads = [patch(number), patch(np.vstack([edge, _numbers(square.size, around)]).T)]
     flat = np.append(square, around)
     flat = (flat + shift) / (1 + shift * flat)  # conformal: bricks stay about square
     return _vectors(angle * np.abs(flat), np.angle(flat)), np.vstack(quads)
@@ -100,7 +112,7 @@ def _half_sphere(n, angle, shift):
     theta, phi = np.meshgrid(theta, phi, indexing="ij")
     between, start = _numbers(len(points), theta), len(points) + theta.size
     last = start + len(opposite) + np.arange(-4 * n - 1, 0)
-    band = _patch(np.vstack([rim, between, last]).T)
+    band = patch(np.vstack([rim, between, last]).T)
     every = np.vstack([points, _vectors(theta.ravel(), phi.ravel()), opposite * [1, 1, -1]])
     return every, np.vstack([quads, band, turned[:, ::-1] + start]), len(quads) + len(band)
 
@@ -114,37 +126,45 @@ def _numbers(start, array):
     return start + np.arange(array.size).reshape(array.shape)
 
 
-def _patch(number):
+def patch(number):
     """Quadrilaterals of a structured patch of points."""
     corners = number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]
     return np.column_stack([corner.ravel() for corner in corners])
 
 
-def _body(name, points, quads, near, radii, centre, first):
+def _on_sphere(points, radius, centre=0.0):
+    """Positions on a sphere, of vectors of any length."""
+    return centre + radius * points / np.linalg.norm(points, axis=1)[:, None]
+
+
+def body(name, points, quads, near, shells, place, first):
     """Nodes, bricks and sets of a body, numbered from ``first`` (node, brick) on; and the next.
 
-    Its surface is the first ``near`` quadrilaterals. A brick's nodes are those of its first face,
-    of its second one, the middles of both faces' edges, and those between the faces.
+    Positions are ``place(points, shell)``; half-way between two points or shells are the middles
+    of edges. The body's surface is the first ``near`` quadrilaterals of the first shell. A brick's
+    nodes are those of its first face, of its second one, the middles of both faces' edges, and
+    those between the faces.
     """
     sides = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=2), axis=2)
     edges, side = np.unique(sides.reshape(-1, 2), axis=0, return_inverse=True)
     side = side.reshape(-1, 4) + len(points)
-    middles = points[edges].sum(axis=1)
-    shell = np.vstack([points, middles / np.linalg.norm(middles, axis=1)[:, None]])
-    places = [np.vstack([a * shell, (a + b) / 2 * points]) for a, b in pairwise(radii)]
-    next_shell, places = len(places[0]), np.vstack([*places, radii[-1] * shell])
-    brick = np.hstack([quads, quads + next_shell, side, side + next_shell, quads + len(shell)])
-    bricks = np.vstack([brick + k * next_shell for k in range(len(radii) - 1)]) + first[0]
+    every = np.vstack([points, points[edges].mean(axis=1)])
+    places = [[place(every, a), place(points, (a + b) / 2)] for a, b in pairwise(shells)]
+    next_shell = len(every) + len(points)
+    places = np.vstack([*(np.vstack(both) for both in places), place(every, shells[-1])])
+    brick = np.hstack([quads, quads + next_shell, side, side + next_shell, quads + len(every)])
+    bricks = np.vstack([brick + k * next_shell for k in range(len(shells) - 1)]) + first[0]
     numbers = np.arange(len(places)) + first[0]
     lines = [f"*NODE, NSET={name}"]
     lines += [
-        f"{k}, {x:.14g}, {y:.14g}, {z:.14g}"
-        for k, (x, y, z) in zip(numbers, places + centre, strict=True)
+        f"{k}, {x:.14g}, {y:.14g}, {z:.14g}" for k, (x, y, z) in zip(numbers, places, strict=True)
     ]
     lines += [f"*ELEMENT, TYPE=C3D20, ELSET={name}"]
     for k, nodes in enumerate(bricks.tolist(), first[1]):
         lines += [", ".join(map(str, [k, *nodes[:10]])) + ",", ", ".join(map(str, nodes[10:]))]
     lines += [f"*SURFACE, NAME={name}SURFACE", *(f"{first[1] + k}, S1" for k in range(near))]
-    for what, nodes in (("HELD", numbers[-len(shell) :]), ("PLANE", numbers[places[:, 1] == 0])):
-        lines += [f"*NSET, NSET={name}{what}", *(f"{k}," for k in nodes)]
+    _, across, along = np.abs(places.T) < _NONE
+    sets = {"HELD": numbers[-len(every) :], "PLANE": numbers[across], "EQUATOR": numbers[along]}
+    for what, nodes in sets.items():
+        lines += [f"*NSET, NSET={name}{what}", *(f"{k}," for k in nodes)] if len(nodes) else []
     return lines, (first[0] + len(places), first[1] + len(bricks))
