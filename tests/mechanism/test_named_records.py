@@ -4,7 +4,7 @@ import ast
 
 from study import paths
 
-RECORDS = {"row", "rows", "event", "events", "impact", "impacts", "state", "forces", "motion"}
+RECORDS = {"row", "event", "impact", "impacts", "state", "forces", "motion"}
 RECORDS |= {"p", "law", "parts", "joint", "contact", "load", "pose", "ball", "system", "section"}
 
 
