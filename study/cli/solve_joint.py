@@ -10,6 +10,7 @@ from study import checks, parameters, paths
 from study.choose import cheapest_law
 from study.cli import options as cli
 from study.cli.output import columns, show, working
+from study.contact.power_fit import USUAL_RANGE
 from study.joint import DimensionalJoint, RatioJoint, applicability, force_curve, tilted_contact
 from study.joint.curve import SOLVERS
 from study.joint.dimensional import usual_depth
@@ -152,7 +153,9 @@ def _solve_dimensional(
     with working("Solving the joint"):
         if tilt is None:
             solution = joint.solve(force=force, depth=depth)
-            values, parts = _described(joint, solution, tolerance, typed(of_joint), of_pressure)
+            of_power = None if depth is None else solution.depth
+            described = typed(of_joint), of_pressure, of_power
+            values, parts = _described(joint, solution, tolerance, *described)
             if plot is not None:
                 draw(solution, plot)
         else:
@@ -241,7 +244,7 @@ def typed(options):
     return " ".join(words)
 
 
-def _described(joint, solution, tolerance, typed, of_pressure):
+def _described(joint, solution, tolerance, typed, of_pressure, of_power):
     """One JSON object of a solved joint, and its parts as text."""
     plain, limits = joint.joint, _limits_of(joint, solution, **of_pressure)
     names = ("depth", "force", "stiffness", "contact_half_angle_deg", "peak_pressure")
@@ -260,7 +263,7 @@ def _described(joint, solution, tolerance, typed, of_pressure):
     values["depth_star"] = (solution.depth / joint.clearance).tolist()
     values["applicability"] = [applicability.in_short(found) for found in limits]
     law, text = _law(joint, float(solution.depth.max()), tolerance, typed)
-    power, two_numbers = _power(joint, solution.depth)
+    power, two_numbers = _power(joint, of_power)
     more = _of_pressure(solution, **of_pressure)
     parts = [_printed(values)]
     if more:
@@ -281,9 +284,15 @@ def _limits(joint, depth, limits):
         yield f"Beyond a limit: {sentence}"
 
 
-def _power(joint, depths):
-    """K and n over the depths, or over a tenth of the largest to it, as JSON and in words."""
-    least, most = float(depths.min()), float(depths.max())
+def _power(joint, depths=None):
+    """K and n from 0.05 to 0.5 clearances, or over the depths asked for, as JSON and in words.
+
+    One depth that is asked for is the largest; the least is then a tenth of it.
+    """
+    if depths is None:
+        least, most = joint.clearance * np.minimum(USUAL_RANGE, usual_depth(joint.joint))
+    else:
+        least, most = float(depths.min()), float(depths.max())
     least = least if least <= most / 2 else most / 10
     law = joint.power_law((least, most))
     names = ("coefficient", "coefficient_mm", "exponent", "error", "depths")
@@ -291,6 +300,7 @@ def _power(joint, depths):
     return {"power_law": {name: getattr(law, name) for name in names}}, (
         f"As F = k d^n, within {_percent(law.error)} from {low:g} to {high:g} um: n = "
         f"{law.exponent:.5g} and k = {law.coefficient:.5g} N/m^n = {law.coefficient_mm:.5g} N/mm^n."
+        + ("" if depths is not None else " For another range give --depth twice.")
     )
 
 

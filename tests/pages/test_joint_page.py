@@ -24,7 +24,8 @@ const run = ({ joint, depth, force }) => {
   try {
     const law = window.STIFFENED_HERTZ.law(joint), at = depth ?? law.depth(force);
     return { depth: at, force: law.force(at), stiffness: law.stiffness(at), deepest: law.deepest,
-      power: law.power(...RANGE), ...law.size(at), stress: law.stress(at), inverse: law.depth(law.force(at)) };
+      power: law.power(...RANGE), ...law.size(at),
+      stress: law.stress(at), inverse: law.depth(law.force(at)) };
   } catch (error) { return { refused: error.message }; }
 };
 const told = JSON.stringify(GIVEN.map(run));
