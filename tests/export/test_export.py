@@ -298,7 +298,9 @@ def test_two_joints_for_exudyn_share_no_name(law):
 @pytest.mark.parametrize("tilt", [None, 20.0])
 def test_a_function_of_matlab_has_the_name_of_its_file(run, tmp_path, tilt):
     words = ["export", "--law", "tabulated", "--format", "matlab", "--r2-star", 100]
-    words += [] if tilt is None else ["--tilt", tilt, "--depth-star", 0.1]
+    words += (
+        [] if tilt is None else ["--tilt", tilt, "--depth-star", 0.2, "--ball-support", "clamped"]
+    )
     assert run(*words, "--output", tmp_path / "hip.m")[0] == 0
     assert re.search(r"^function .* = hip\(", (tmp_path / "hip.m").read_text())
     status, _, err = run(*words, "--output", tmp_path / "hip.m", "--name", "knee")
