@@ -82,7 +82,7 @@
       ["Peak pressure", `${few(size.peak_pressure * MICRO)} MPa`],
       ...Object.entries(factors).map(([body, range]) => [`Factor to yield of the ${body}`, range ? `${range.map((factor) => few(factor, 2)).join(" to ")} (bounds; study joint computes it)` : "the material has no yield stress"]),
       ["Error of the force", `at most ${few(judged.validation, 2)} % on random joints, ${few(judged.ends, 2)} % at the ends of the law's ranges`],
-      [`Power law F = k dⁿ from ${from} to ${to} clearances`, `n = ${general(n)}, k = ${general(k)} N/mⁿ = ${perMm} N/mmⁿ`],
+      [`Power law F = k dⁿ of stiffened_hertz, from ${from} to ${to} clearances`, `n = ${general(n)}, k = ${general(k)} N/mⁿ = ${perMm} N/mmⁿ`],
       ["Largest error of the power law", `${few(100 * error, 2)} %`],
     ]);
     const sentences = [
