@@ -29,7 +29,7 @@ LEAST_STRESS, MOST_STRESS = 0.93, (1.2, 0.75)
 
 The upper one is a + b angle^2, with the contact's half-angle in rad. The lower one is over that of
 a confined layer where the socket's wall is thinner than the contact's half-width. They leave 0.02
-and 0.038 beyond what 330 random joints in the law's ranges have.
+and 0.038 beyond what 330 random joints have (R2* 20 to 1e4, walls 0.11 to 5.1 R2).
 """
 
 

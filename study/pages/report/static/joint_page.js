@@ -94,7 +94,7 @@
       ...Object.entries(factors).map(([body, range]) => !range ? `Yield of the ${body} is not checked here, because its material has no yield stress.` :
         range[1] < 1 ? `The ${body} yields. The force is for elastic bodies, and too large from there on.` :
         range[0] < 1 ? `The ${body} may yield: study joint, below, computes whether it does.` : ""),
-      "The factors to yield are between bounds that hold for every joint of this page; study joint, below, computes the stresses.",
+      "The factors to yield are between bounds that held for all of 330 random joints; study joint, below, computes the stresses.",
       "The socket has no liner. For a joint with a liner use study joint with --liner.",
       depth < 20 * ROUGHNESS ? `A roughness of ${ROUGHNESS / MICRO} µm (RMS) is not small beside the depth.` : "",
     ];
