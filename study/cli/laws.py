@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Literal
 
-from study import choose, paths
+from study import checks, choose, paths
 from study.cli import options as cli
 from study.cli.output import named_fields, show, working
 from study.cli.solve_joint import OF_SIZED, RELATIVE, SIZED, needed, sized, typed
@@ -97,7 +97,7 @@ def export_law(
     ),
     depth_star: list[float] = cli.option(
         "Largest depth of the text, in clearances, or given twice its range: that of power's fit "
-        "and of the errors. [default: 1, if the joint can go so deep; for a fit 0.05 and 0.5]"
+        "and of the errors. [default: 1, if the joint can go so deep; for power 0.05 and 0.5]"
     ),
     depth: list[float] = cli.option("The same in m, for a joint with its dimensions."),
     tilt: float = cli.option(
@@ -107,6 +107,10 @@ def export_law(
     direction: float = cli.option(
         "Angle off the axis, in deg, of the one displacement that the law is for: tabulated and "
         "power give the force along it. [default: 90 for a ring or a ball with a bore, else 0]"
+    ),
+    name: str = cli.option(
+        "Name of the function or element, so that several joints fit into one model. [default: "
+        "that of the law or of the program's element; for MATLAB that of the file]"
     ),
     output: Path = cli.OUTPUT,
     **joint: RELATIVE | SIZED,
@@ -119,6 +123,9 @@ def export_law(
     from study.export import SUFFIXES, export
 
     cli.check_output(output, SUFFIXES[form])
+    if form == "matlab" and output is not None:  # MATLAB finds a function by its file
+        name = name or output.stem
+        checks.choice(f"name of the function in {output.name}", name, [output.stem])
     joint = cli.under_tilt(tilt if direction is None else direction, joint)
     if any(name in joint for name in OF_SIZED):
         asked = sized(joint)
@@ -131,7 +138,8 @@ def export_law(
             raise ValueError("--depth must be left out: it is for a joint with its dimensions")
         asked = RatioJoint(**joint).joint()
     with working("Solving the joint, and its error"):
-        text = export(law, form, asked, sorted(depth_star or ()) or None, tilt, direction)
+        depths = sorted(depth_star or ()) or None
+        text = export(law, form, asked, depths, tilt=tilt, direction=direction, name=name)
     if output is None:
         print(text, end="")
     else:

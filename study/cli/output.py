@@ -4,6 +4,7 @@ import csv
 import json
 import sys
 from contextlib import contextmanager
+from itertools import zip_longest
 from shutil import get_terminal_size
 from textwrap import fill
 
@@ -89,15 +90,27 @@ def _table(table):
     """A table as text; a paragraph for each row on a terminal that is too narrow."""
     names, _, units = zip(*(head.partition(" ") for head in table), strict=True)
     units = [unit or UNITS.get(name, "") for name, unit in zip(names, units, strict=True)]
-    rows = [[_text(value) for value in row] for row in zip(*table.values(), strict=True)]
-    lines = [names, *([units] if any(units) else []), *rows]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    whole = sum(widths) + len(GAP) * (len(widths) - 1)
-    if rows and whole > _terminal():
+    rows = [[text_of(value) for value in row] for row in zip(*table.values(), strict=True)]
+    heads = [names, *([units] if any(units) else [])]
+    if _width([*heads, *rows]) > _terminal():  # a word of a name below the other
+        words = [name.split("_") for name in names]
+        heads = [*zip_longest(*words, fillvalue=""), *heads[1:]]
+    if rows and _width([*heads, *rows]) > _terminal():
         return "\n\n".join(_paragraph(names, units, row) for row in rows)
+    lines = [*heads, *rows]
+    widths = _widths(lines)
     texts = [GAP.join(map(str.ljust, line, widths)).rstrip() for line in lines]
-    texts.insert(len(lines) - len(rows), "─" * whole)
+    texts.insert(len(heads), "─" * _width(lines))
     return "\n".join(texts)
+
+
+def _widths(lines):
+    return [max(map(len, column)) for column in zip(*lines, strict=True)]
+
+
+def _width(lines):
+    widths = _widths(lines)
+    return sum(widths) + len(GAP) * (len(widths) - 1)
 
 
 def _paragraph(names, units, row):
@@ -110,11 +123,12 @@ def _terminal():
     return get_terminal_size().columns if sys.stdout.isatty() else sys.maxsize
 
 
-def _text(value):
+def text_of(value):
+    """A value as a table shows it."""
     if value is None or value == {}:
         return "-"
     if isinstance(value, dict):
-        return ", ".join(f"{key} {_text(item)}" for key, item in value.items())
+        return ", ".join(f"{key} {text_of(item)}" for key, item in value.items())
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

@@ -10,6 +10,7 @@ from study import checks, parameters, paths
 from study.choose import cheapest_law
 from study.cli import options as cli
 from study.cli.output import columns, show, working
+from study.contact.power_fit import USUAL_RANGE
 from study.joint import DimensionalJoint, RatioJoint, applicability, force_curve, tilted_contact
 from study.joint.curve import SOLVERS
 from study.joint.dimensional import usual_depth
@@ -164,7 +165,8 @@ def _solve_dimensional(
     checks.number("tolerance", tolerance, least=least, most=most)
     with working("Solving the joint"):
         solution = joint.solve(force=force, depth=depth, tilt=tilt)
-        asked = tolerance, typed(of_joint), of_pressure
+        of_power = None if depth is None else solution.depth
+        asked = tolerance, typed(of_joint), of_pressure, of_power
         values, parts = _described(joint, solution, tilt, *asked)
         if plot is not None:
             draw(joint, solution, tilt, plot)
@@ -256,7 +258,7 @@ def typed(options):
     return " ".join(words)
 
 
-def _described(joint, solution, tilt, tolerance, typed, of_pressure):
+def _described(joint, solution, tilt, tolerance, typed, of_pressure, of_power):
     """One JSON object of a solved joint, and its parts as text."""
     plain, limits = joint.joint, _limits_of(joint, solution, **of_pressure)
     names = ("depth", "force", "stiffness", "contact_half_angle_deg", "peak_pressure")
@@ -285,7 +287,7 @@ def _described(joint, solution, tilt, tolerance, typed, of_pressure):
         line = f"study export --law tabulated --direction {tilt:g} --format c {typed}"
         law = {"law": "tabulated", "direction": tilt, "export": line}
         text = f"To take the force along {tilt:g} deg into another program, as a table:\n{line}"
-    power, two_numbers = _power(joint, solution.depth, tilt)
+    power, two_numbers = _power(joint, tilt, of_power)
     more = _of_pressure(solution, **of_pressure)
     parts = [_printed(values)]
     if more:
@@ -308,9 +310,15 @@ def _limits(joint, depth, limits, tilt):
         yield f"Beyond a limit: {sentence}"
 
 
-def _power(joint, depths, tilt):
-    """K and n over the depths, or over a tenth of the largest to it, as JSON and in words."""
-    least, most = float(depths.min()), float(depths.max())
+def _power(joint, tilt, depths=None):
+    """K and n from 0.05 to 0.5 clearances, or over the depths asked for, as JSON and in words.
+
+    One depth that is asked for is the largest; the least is then a tenth of it.
+    """
+    if depths is None:
+        least, most = joint.clearance * np.minimum(USUAL_RANGE, usual_depth(joint.joint))
+    else:
+        least, most = float(depths.min()), float(depths.max())
     least = least if least <= most / 2 else most / 10
     law = joint.power_law((least, most), tilt)
     names = ("coefficient", "coefficient_mm", "exponent", "error", "depths")
@@ -318,6 +326,7 @@ def _power(joint, depths, tilt):
     return {"power_law": {name: getattr(law, name) for name in names}}, (
         f"As F = k d^n, within {_percent(law.error)} from {low:g} to {high:g} um: n = "
         f"{law.exponent:.5g} and k = {law.coefficient:.5g} N/m^n = {law.coefficient_mm:.5g} N/mm^n."
+        + ("" if depths is not None else " For another range give --depth twice.")
     )
 
 

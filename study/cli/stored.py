@@ -10,7 +10,7 @@ from typing import Literal
 
 from study import checks, paths
 from study.cli import options as cli
-from study.cli.output import columns, fail, say, show_table, working
+from study.cli.output import columns, fail, say, show_table, text_of, working
 
 
 def _case_options():
@@ -36,13 +36,22 @@ def show_data(**values: _case_options()):
     """Show a summary of the cases with the given values, or every depth of one case.
 
     For a number that none of them has, the nearest one is shown, as standard error then says.
+    On a terminal, columns whose values are all the same are named above the table.
     Plain CSV if the output is not a terminal.
     """
     from study import dataset
 
     cases, case = _nearest(values) if values else dataset.load(), "case" in values
     rows = cases.loc[:, "depth_star":] if case else dataset.summary(cases)
-    show_table(rows.to_dict("list"), f"{len(rows)} {'depths' if case else 'cases'}.")
+    sentence = f"{len(rows)} {'depths' if case else 'cases'}."
+    if sys.stdout.isatty() and len(rows) > 1:
+        same = [column for column in rows if rows[column].nunique() == 1]
+        told = [
+            f"{name} {text_of(rows[name].iloc[0])}" for name in same if rows[name].iloc[0] != ""
+        ]
+        sentence += f" The same for all: {', '.join(told)}." if told else ""
+        rows = rows.drop(columns=same)
+    show_table(rows.to_dict("list"), sentence)
 
 
 def _nearest(values):

@@ -36,6 +36,15 @@ class Material:
         return f"{self.youngs_modulus:.9g},{self.poisson:.9g}"
 
 
+def in_words(of: Material) -> str:
+    """Name of a material with these numbers, if `table` has one; else the numbers."""
+    numbers = of.youngs_modulus, of.poisson, of.yield_stress
+    for row in table():
+        if numbers == (row["youngs_modulus"], row["poisson"], row["yield_stress"]):
+            return row["name"]
+    return f"{of.youngs_modulus:g} Pa and Poisson's ratio {of.poisson:g}"
+
+
 def material(given: str | Material, name: str = "material") -> Material:
     """Material from its name or its numbers, or a material itself, checked.
 

@@ -222,7 +222,7 @@ def write_package(package: dict[str, Any], changed: list[Path]) -> None:
 
 def summary(frame: pd.DataFrame) -> pd.DataFrame:
     """One row per case of a frame of `load`: its parameters, ranges and largest error."""
-    keys = [*frame.loc[:, "case":"solver"].columns.drop("poisson_socket")]
+    keys = [*frame.loc[:, "case":"solver"].columns]
     return (
         frame.groupby(keys, sort=False)
         .agg(

@@ -7,6 +7,8 @@ is C89 and needs the standard library only; the MATLAB one runs in GNU Octave to
 """
 
 import json
+import keyword
+import re
 from collections.abc import Sequence
 from typing import Any, Literal
 
@@ -16,6 +18,7 @@ from scipy.optimize import linprog
 
 from study import checks, contact
 from study.contact import LAWS, LawName, laws, shapes
+from study.contact.materials import in_words
 from study.contact.power_fit import DEPTHS, USUAL_RANGE
 from study.export import formulas
 from study.joint import DimensionalJoint, DirectionalLaw, Joint, directional_law, whole_curve
@@ -38,15 +41,21 @@ SUFFIXES: dict[Format, str] = {
 FUNCTIONS = {"power": "power_law"}
 """Law -> name of its function, where it is not the law's: MATLAB has a power."""
 LAW_OF: dict[Format, str] = {"adams": "power", "mujoco": "tabulated"}
-"""Formats of one law only: Adams takes k and n; MuJoCo's cubic is fitted to the solved curve."""
+"""Formats of one law only: Adams takes k and n; MuJoCo's cubics are fitted to the solved curve."""
 ELEMENTS = {"exudyn": ("sphere.exudyn", "# "), "adams": ("impact.adams", "! ")}
 """Template, and sign of its comments, of an element that takes k and n of ``power``."""
 SHALLOWEST = 0.005
 """Least depth_star of the stated error: below, the force is less than 1/1000 of that at 0.5."""
+KNOTS = 0.0, 0.004, 0.08
+"""Depths where MuJoCo's tendons begin, over the largest depth of the text."""
+FIRST = 0.001
+"""Least depth_star of the error of MuJoCo's tendons."""
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")
+"""Names of functions and elements that every language takes."""
+_PYTHON = r"\b(CLEARANCE|MODULUS|VALUES|KNOT|TABLE|contact_force|_force|solver_settings)\b"
 ROWS = 400  # of a CSV beside its first, in equal steps of sqrt(depth_star)
 _BETWEEN = 8  # places between rows at which interpolation is checked
 _SOURCE = "Spherical clearance joint study; see CITATION.cff there."
-_ELEMENT = {"title": "A spherical clearance joint.", "source": _SOURCE}
 MILLI = 1e-3
 _SI_UNITS = {"depth": "m", "force": "N", "stiffness": "N/m, of force over depth"}
 _OF_SIZES = {
@@ -75,6 +84,7 @@ def export(
     depth_star: float | Sequence[float] | None = None,
     tilt: float | None = None,
     direction: float | None = None,
+    name: str | None = None,
 ) -> str:
     """Text of a law in one of the formats.
 
@@ -90,14 +100,17 @@ def export(
         The one joint that the text is for. Modelica and the elements need its dimensions.
     depth_star
         Largest depth of the text, in clearances; or the least and the largest, between which
-        ``power`` and MuJoCo's cubic are fitted and errors are stated. By default the largest is 1,
-        if the joint can go so deep, and for a fit 0.05 and 0.5.
+        ``power`` and MuJoCo's cubics are fitted and errors are stated. By default the largest is 1,
+        if the joint can go so deep, and for ``power`` 0.05 and 0.5.
     tilt
         Largest direction of a displacement off the axis, in deg: ``tabulated`` is then the table of
         depth and tilt of `study.joint.directional_law`, and gives forces along and across.
     direction
         Angle off the axis, in deg, of the one displacement that the law is for: ``tabulated`` and
         ``power`` give the force along it. By default 90 for a ring or a bored ball, else 0.
+    name
+        Name of the function or element, so that several joints fit into one model; by default
+        that of the law or of the program's element.
 
     Raises
     ------
@@ -109,6 +122,9 @@ def export(
     """
     checks.choice("law", law, [*LAWS, "tabulated"])
     checks.choice("format", form, SUFFIXES)
+    if name is not None and (not NAME.fullmatch(name) or keyword.iskeyword(name)):
+        wanted = "name must begin with a letter, and have letters, digits and _ only, up to 63"
+        raise ValueError(f"{wanted}, got {name!r}")
     if isinstance(joint, DimensionalJoint):
         plain, sized = joint.joint, joint
     else:
@@ -118,8 +134,8 @@ def export(
     if law == "stiffened_hertz":
         plain.check_linear(law)
         plain.correction_options()  # refused before the joint is solved
-    fitted = law == "power" or form == "mujoco"
-    least, deepest = _range(depth_star, plain, fitted)
+    shallowest = FIRST if form == "mujoco" else SHALLOWEST
+    least, deepest = _range(depth_star, plain, law == "power", shallowest)
     if tilt is not None:
         if not plain.has_pole:
             raise ValueError(
@@ -128,11 +144,11 @@ def export(
             )
         checks.choice("law beside tilt", law, ["tabulated"])
         checks.choice("format beside tilt", form, ["c", "matlab", "csv"])
-        return _tilted(directional_law(plain, deepest, tilt), form, sized)
+        return _tilted(directional_law(plain, deepest, tilt), form, sized, name)
     direction = plain.default_tilt if direction is None else direction
     if direction is not None:
         checks.choice("law along a direction off the axis", law, ["tabulated", "power"])
-    content = _Law(law, plain, sized, least, deepest, direction)
+    content = _Law(law, plain, sized, (least, deepest), direction, name)
     if form == "json":
         return _json(content)
     if form == "csv":
@@ -144,7 +160,7 @@ def export(
     return _function(content, form)
 
 
-def _range(depth_star, joint, fitted):
+def _range(depth_star, joint, fitted, shallowest):
     if depth_star is None:
         least, deepest = USUAL_RANGE if fitted else (None, usual_depth(joint))
     else:
@@ -154,16 +170,16 @@ def _range(depth_star, joint, fitted):
             raise ValueError(f"{wanted}, got {checks.shown(depth_star)}")
         least, deepest = given[0] if len(given) == 2 else None, float(given[-1])
     if least is None:
-        least = deepest / 10 if fitted else min(SHALLOWEST, deepest / 12)
+        least = deepest / 10 if fitted else min(shallowest, deepest / 12)
     return checks.number("least depth_star", least, above=0, below=deepest, scalar=True), deepest
 
 
 class _Law:
     """What every format has of a law: its parts for the joint, its range, its error."""
 
-    def __init__(self, name, joint, sized, least, deepest, direction):
-        self.name, self.joint, self.sized = name, joint, sized
-        self.least, self.deepest = least, deepest
+    def __init__(self, name, joint, sized, depths, direction, called):
+        self.name, self.joint, self.sized, self.called = name, joint, sized, called
+        self.least, self.deepest = least, deepest = depths
         if direction is None:
             self.load, curve = "along the axis", whole_curve(joint, deepest)
         else:
@@ -195,26 +211,37 @@ class _Law:
             text = f"at most {_percent(error)} against the solved joint. {text.capitalize()}"
         return [
             _joint_in_words(self.joint, self.sized),
-            f"Range: depths from 0 to {self.deepest:g} clearances.",
-            f"Error of the force, from {self.least:g} clearances on: {text}",
+            f"Range: depths from 0 to {_depth(self.deepest, self.sized)}.",
+            f"Error of the force, from {_depth(self.least, self.sized)} on: {text}",
             f"The law is elastic, smooth and without friction, for a load {self.load}.",
         ]
 
 
 def _function(law, language):
-    return formulas.text(
+    name = law.called or FUNCTIONS.get(law.name, law.name)
+    if language == "modelica":
+        name = law.called or "ClearanceJoint"
+    text = formulas.text(
         language,
         law.shape,
         law.constants,
         [*law.in_words(), "", f"Formula: {formulas.words(law.shape, law.constants)}."],
-        law=FUNCTIONS.get(law.name, law.name),
+        law=name,
         title=f"Contact force of one spherical clearance joint: {law.name}.",
         source=_SOURCE,
         deepest=f"{law.deepest!r}",
         margin=laws.LIMIT_MARGIN,
         scale=f"{float(law.scale)!r}",
-        **formulas.of_joint(language, law.name, law.joint, law.sized),
+        **formulas.of_joint(language, name, law.joint, law.sized),
     )
+    return _named(text, law.called) if language == "exudyn" else text
+
+
+def _named(text, name):
+    """A text in Python whose names at its top have a name in them, if one is given."""
+    if name is None:
+        return text
+    return re.sub(_PYTHON, rf"{name}_\1", text.replace("add_joint", f"add_{name}"))
 
 
 def _element(law, form):
@@ -223,11 +250,12 @@ def _element(law, form):
     sized, (exponent,) = law.sized, law.constants
     modulus = law.joint.composite_modulus
     coefficient = float(modulus * sized.clearance ** (2 - exponent) * law.scale)
-    return formulas.filled(
+    text = formulas.filled(
         file,
         sign,
         law.in_words(),
-        **_ELEMENT,
+        **_element_of(law),
+        prefix=f"{law.called}_" if law.called else "",
         socket_radius=f"{sized.socket_radius!r}",
         ball_radius=f"{sized.socket_radius - sized.clearance!r}",
         coefficient=f"{coefficient:.9g}",
@@ -235,41 +263,97 @@ def _element(law, form):
         clearance_mm=f"{sized.clearance / MILLI:.9g}",
         coefficient_mm=f"{coefficient * MILLI ** float(exponent):.9g}",
     )
+    return _named(text, law.called) if form == "exudyn" else text
+
+
+def _element_of(law):
+    """Title and source of an element."""
+    title = f"A spherical clearance joint{f' named {law.called}' if law.called else ''}."
+    return {"title": title, "source": _SOURCE}
 
 
 def _tendon(law):
-    """A spatial tendon of MuJoCo, whose cubic is fitted to the solved joint."""
+    """Spatial tendons of MuJoCo side by side, whose cubics are fitted to the solved joint."""
     clearance, modulus = law.sized.clearance, float(law.joint.composite_modulus)
-    cubic, error = _cubic(law)
-    turns = np.roots([3 * cubic[2], 2 * cubic[1], cubic[0]])  # where its stiffness vanishes
-    turn = turns[np.isreal(turns) & (turns.real > 0)].real.min(initial=np.inf)
-    units = modulus * clearance ** np.array([1.0, 0.0, -1.0])
-    numbers = {name: f"{x:.9g}" for name, x in zip("abc", cubic * units, strict=True)}
-    numbers |= {"clearance": f"{clearance!r}", "beyond": "It increases with depth at every depth."}
+    knots = law.deepest * np.array(KNOTS)
+    cubics, error = _cubics(law, knots)
+    whole = sum(
+        (np.polynomial.Polynomial([0, *c])(np.polynomial.Polynomial([-k, 1])))
+        for c, k in zip(cubics, knots, strict=True)
+    )
+    turns = whole.deriv().roots()  # of the force beyond the last knot
+    turn = turns[np.isreal(turns) & (turns.real > law.deepest)].real.min(initial=np.inf)
+    below = law.least / np.array([2, 10])
+    off = (law.exact(below) ** -1) * _sum(cubics, knots, below) - 1
+    unit, lengths = modulus * clearance**2, clearance * below
+    told = [
+        f"{d:.2g} m it is {100 * abs(e):.2g} % too {'large' if e > 0 else 'small'} "
+        f"({unit * f:.2g} N)"
+        for d, e, f in zip(lengths, off, law.exact(below) * np.abs(off), strict=True)
+    ]
+    beyond = "it increases with depth at every depth."
     if turn < np.inf:
-        numbers["beyond"] = f"It must stay below {clearance * turn:.3g} m: deeper, it falls."
-    return formulas.filled("tendon.mujoco", "", law.in_words(error), **_ELEMENT, **numbers)
+        beyond = f"it falls from {clearance * turn:.3g} m on, where it must not be used."
+    units = modulus * clearance ** np.array([1.0, 0.0, -1.0])
+    prefix = f"{law.called}_" if law.called else ""
+    tendons = [
+        {
+            "name": f"{law.called or 'clearance_joint'}_{k}",
+            "starts": f"{clearance + clearance * knot:.12g}",
+        }
+        | {"stiffness": " ".join(f"{x:.9g}" for x in cubic * units)}
+        for k, (cubic, knot) in enumerate(zip(cubics, knots, strict=True), 1)
+    ]
+    outside = f"Outside: at {' and at '.join(told)}; beyond the range {beyond}"
+    return formulas.filled(
+        "tendon.mujoco",
+        "",
+        [*law.in_words(error), outside],
+        **_element_of(law),
+        tendons="\n".join(_TENDON.format(**of, prefix=prefix) for of in tendons),
+        prefix=prefix,
+    )
 
 
-def _cubic(law):
-    """Coefficients of d, d^2, d^3 with the least maximum of the relative error, and that error."""
-    depth = np.geomspace(law.least, law.deepest, DEPTHS)
-    columns = depth[:, None] ** [1, 2, 3] / law.exact(depth)[:, None]
+_TENDON = """    <spatial name="{name}" springlength="0 {starts}" stiffness="{stiffness}">
+      <site site="{prefix}socket"/>
+      <site site="{prefix}ball"/>
+    </spatial>"""
+
+
+def _sum(cubics, knots, depth):
+    """Dimensionless force of cubics that begin at knots."""
+    beyond = np.maximum(depth - knots[:, None], 0)
+    return sum(beyond**power * cubics[:, power - 1, None] for power in (1, 2, 3)).sum(axis=0)
+
+
+def _cubics(law, knots):
+    """Coefficients of d, d^2, d^3 beyond each knot, (knots, 3), and their relative error.
+
+    Its maximum is as small as it can be.
+    """
+    depth = np.geomspace(law.least, law.deepest, 4 * DEPTHS)
+    depth = np.union1d(depth, knots[knots > law.least])  # where the error has a kink
+    beyond = np.maximum(depth[:, None] - knots, 0)[..., None]
+    columns = (beyond ** [1, 2, 3]).reshape(len(depth), -1) / law.exact(depth)[:, None]
     ones = np.ones((len(depth), 1))
     upper, lower = np.hstack([columns, -ones]), np.hstack([-columns, -ones])
     limits = np.append(ones, -ones)
-    signs = [(0, None), (0, None), (None, None), (0, None)]  # no pull where contact begins
-    found = linprog([0, 0, 0, 1], np.vstack([upper, lower]), limits, bounds=signs)
-    return found.x[:3], float(found.x[3])
+    free = (None, None)  # but no pull where contact begins
+    signs = [(0, None), (0, None), *[free] * (columns.shape[1] - 2), (0, None)]
+    found = linprog([*[0] * columns.shape[1], 1], np.vstack([upper, lower]), limits, bounds=signs)
+    return found.x[:-1].reshape(-1, 3), float(found.x[-1])
 
 
 def _json(law):
     content = {
         "law": law.name,
+        **({"name": law.called} if law.called else {}),
         "source": _SOURCE,
         "formula": formulas.words(law.shape, law.constants),
         "units": _UNITS | (_OF_SIZES if law.sized else {}),
         "joint": _parameters(law.joint),
+        **({"materials": _materials(law.sized)} if law.sized else {}),
         "range": {"depth_star": [0, law.deepest]},
         "error": {
             "from_depth_star": law.least,
@@ -302,7 +386,7 @@ def _csv(law):
         force = modulus * law.sized.clearance**2 * force
     names = list(units)
     lines = [
-        f"Contact force of one spherical clearance joint: {law.name}. {_SOURCE}",
+        f"Contact force of one spherical clearance joint: {law.called or law.name}. {_SOURCE}",
         *law.in_words(),
         f"Between rows, linear interpolation over depth adds an error of up to {linear}.",
         f"A cubic Hermite spline over sqrt({names[0]}), with the slopes 2 sqrt({names[0]}) "
@@ -330,12 +414,12 @@ def _interpolation_errors(law, depth, force, stiffness):
     return [_percent(np.abs(values / true - 1).max()) for values in (linear, cubic)]
 
 
-def _tilted(law: DirectionalLaw, form, sized):
+def _tilted(law: DirectionalLaw, form, sized, name):
     deepest, largest = float(law.depth_star[-1]), float(law.tilt[-1])
     title = "Contact force of one spherical clearance joint in all directions up to a tilt."
     words = [
         _joint_in_words(law.joint, sized),
-        f"Range: depths from 0 to {deepest:g} clearances, tilts from -{largest:g} to {largest:g} "
+        f"Range: depths from 0 to {_depth(deepest, sized)}, tilts from -{largest:g} to {largest:g} "
         "deg: the direction of the displacement off the socket's axis.",
         f"Error of the force, from {law.depth_star[0]:.3g} clearances on: the joint is solved, and "
         f"the table read, within about {_percent(law.error)}; below, it leads to Hertz's law.",
@@ -344,9 +428,10 @@ def _tilted(law: DirectionalLaw, form, sized):
         (row_steps, column_steps), scale = law.steps, contact.hertz(1.0, law.joint.r2_star)
         numbers = {"deepest": deepest, "largest": largest, "scale": scale}
         numbers |= {"row_steps": row_steps, "column_steps": column_steps}
-        texts = {"law": "tabulated", "title": title, "source": _SOURCE}
+        called = name or "tabulated"
+        texts = {"law": called, "title": title, "source": _SOURCE}
         texts |= {"margin": laws.LIMIT_MARGIN} | {k: f"{x!r}" for k, x in numbers.items()}
-        texts |= formulas.of_joint(form, "tabulated", law.joint, sized, first=3)
+        texts |= formulas.of_joint(form, called, law.joint, sized, first=3)
         return formulas.of_tilt(form, law.table, words, **texts)
     _, rows, columns = law.table.shape
     depth = deepest * np.linspace(0, 1, rows - 2)[1:] ** 2
@@ -359,7 +444,7 @@ def _tilted(law: DirectionalLaw, form, sized):
     true = np.array(law.force(between, (tilt[1:] + tilt[:-1]) / 2))
     off = np.hypot(*(middle * between**1.5 - true)) / np.hypot(*true)
     lines = [
-        f"{title} {_SOURCE}",
+        f"{f'{name}: ' if name else ''}{title} {_SOURCE}",
         *words,
         "Between rows, linear interpolation over sqrt(depth_star) and tilt, of both forces over "
         f"depth_star^1.5, adds an error of up to {_percent(off.max())}.",
@@ -368,11 +453,24 @@ def _tilted(law: DirectionalLaw, form, sized):
     return _table(lines, _TILTED_UNITS, map(np.ravel, grid))
 
 
+def _depth(depth_star, sized):
+    """A depth in clearances, and in um if the clearance is known."""
+    in_um = f" ({1e6 * depth_star * sized.clearance:.4g} um)" if sized else ""
+    return f"{depth_star:g} clearances{in_um}"
+
+
 def _joint_in_words(joint, sized):
     units = {name: text.split(",")[0] for name, text in _OF_SIZES.items()}
     texts = [f"{name} {value:.9g} {units[name]}" for name, value in _sizes(sized).items()]
+    if sized:
+        texts[1] += f" ({1e6 * sized.clearance:.4g} um)"
+        texts += [f"{body} of {material}" for body, material in _materials(sized).items()]
     texts += [f"{name} {_plain(value)}" for name, value in _parameters(joint).items()]
     return f"Joint: {', '.join(texts)}."
+
+
+def _materials(sized):
+    return {body: in_words(material) for body, material in sized.materials.items()}
 
 
 def _sizes(sized):

@@ -4,7 +4,7 @@ $described
 //
 // The function is plain Modelica; the model needs the Modelica Standard Library 4.
 within;
-package ClearanceJoint "Contact of one spherical clearance joint, law $law"
+package $law "Contact of one spherical clearance joint"
   constant Real socket_radius(unit = "m") = $socket_radius;
   constant Real clearance(unit = "m") = $clearance;
   constant Real composite_modulus(unit = "Pa") = $composite_modulus;
@@ -42,4 +42,4 @@ $body
     frame_a.t = zeros(3);
     frame_b.t = zeros(3);
   end Joint;
-end ClearanceJoint;
+end $law;

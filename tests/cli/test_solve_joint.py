@@ -173,3 +173,15 @@ def test_what_does_not_fit_is_refused(run, words, message):
     status, out, err = run(*words)
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert message in err
+
+
+def test_k_and_n_are_for_one_range_unless_depths_are_asked_for(run):
+    """From 0.05 to 0.5 clearances, or a tenth of the depth to it."""
+    for words, depths in (
+        (["--force", 3000], None),
+        (["--depth", 4e-6], (0.4e-6, 4e-6)),
+        (["--depth", 1e-6, "--depth", 9e-6], (1e-6, 9e-6)),
+    ):
+        found = json.loads(run(*BRONZE, *words, "--json")[1])["power_law"]
+        assert found["exponent"] == pytest.approx(DIMENSIONS.power_law(depths).exponent)
+        assert found["depths"] == pytest.approx(depths or (2e-6, 20e-6))

@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 
 from study import contact, dataset, paths
+from study.cli import output
 from study.contact import materials
 from study.dataset import store
 from study.measure import timing
@@ -25,13 +26,26 @@ def test_cases_are_csv_where_piped_and_fit_a_terminal(run, on_a_terminal):
     assert list(table.case) == list(cases.case)
     assert table.largest_force.to_numpy() == pytest.approx(cases.largest_force, rel=1e-8)
     lines = on_a_terminal(*words)
-    assert lines[0] == f"{len(cases)} cases."
+    same = "r2_star 200, kinematics linear, largest_depth 1."
+    assert f"{len(cases)} cases. The same for all: {same}" in " ".join(lines)
+    lines = lines[lines.index("") :]
     assert max(map(len, lines)) <= 80
-    rows = " ".join(line or "\n" for line in lines[1:]).split("\n")[1:]
+    assert any("poisson_socket: " in line for line in lines)
+    rows = " ".join(line or "\n" for line in lines).split("\n")[1:]
     assert [row.split()[:2] for row in rows] == [["case:", f"{case},"] for case in cases.case]
     assert all("largest_force: " in row and "P/(E* dR^2)" in row for row in rows)
     one = pd.read_csv(StringIO(run("data", "show", "--case", "paper-small-200")[1]))
     assert list(one) == list(dataset.load().loc[:, "depth_star":])
+
+
+def test_cases_are_a_table_on_a_wide_terminal(run, on_a_terminal, monkeypatch):
+    monkeypatch.setattr(output, "_terminal", lambda: 200)
+    lines = on_a_terminal("data", "show")
+    cases = dataset.summary(dataset.load())
+    assert lines[0] == f"{len(cases)} cases."
+    assert max(map(len, lines)) <= 200
+    assert [line.split()[0] for line in lines[-len(cases) :]] == list(cases.case)
+    assert "poisson" in lines[2]
 
 
 def test_of_a_number_that_no_case_has_the_nearest_is_shown(run):

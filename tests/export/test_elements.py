@@ -6,6 +6,7 @@ is read back.
 
 import re
 
+import numpy as np
 import pytest
 from scipy.optimize import brentq
 
@@ -65,10 +66,15 @@ def test_exudyn(law):
 def test_mujoco():
     mujoco = pytest.importorskip("mujoco")
     text = export("tabulated", "mujoco", BRONZE)
-    tendon = re.search(r"<tendon>.*</tendon>", text, re.DOTALL)[0]
-    ball = '<body><freejoint/><geom size="0.01" mass="1"/><site name="ball"/></body>'
-    world = f'<worldbody><site name="socket"/>{ball}</worldbody>'
-    model = mujoco.MjModel.from_xml_string(f"<mujoco>{world}{tendon}</mujoco>")
+    other = export("tabulated", "mujoco", BRONZE, name="other")  # in the same model, at rest
+    world = "".join(
+        f'<site name="{prefix}socket"/><body><freejoint/><geom size="0.01" mass="1"/>'
+        f'<site name="{prefix}ball"/></body>'
+        for prefix in ("", "other_")
+    )
+    tendons = "".join(re.search(r"<tendon>.*</tendon>", x, re.DOTALL)[0] for x in (text, other))
+    body = f"<worldbody>{world}</worldbody>{tendons}"
+    model = mujoco.MjModel.from_xml_string(f"<mujoco>{body}</mujoco>")
     data = mujoco.MjData(model)
 
     def force_at(depth):
@@ -80,6 +86,44 @@ def test_mujoco():
     for force in FORCES:
         depth = brentq(lambda d, f=force: force_at(d) - f, 0, 0.5 * BRONZE.clearance, xtol=1e-15)
         assert_depth(depth, force, stated_error(text))
+    depths = BRONZE.clearance * np.geomspace(0.001, 1, 50)
+    off = np.array([force_at(depth) for depth in depths]) / BRONZE.law().force(depths) - 1
+    assert 0.9 * stated_error(text) < np.abs(off).max() < 1.001 * stated_error(text) < 0.01
+    outside = re.findall(r"at\s+(\S+) m it is (\S+) % too large", text)
+    assert len(outside) == 2
+    for depth, percent in outside:
+        off = 100 * (force_at(float(depth)) / BRONZE.law().force(float(depth)) - 1)
+        assert off == pytest.approx(float(percent), rel=0.05)
+    turn = float(re.search(r"it\s+falls\s+from\s+(\S+)\s+m", text)[1])
+    around = [force_at(turn * factor) for factor in (0.9, 1, 1.1)]
+    assert max(around) == around[1]
+
+
+@pytest.mark.parametrize("name", [None, "left"])
+@pytest.mark.parametrize("gap", [0.0, 1e-5])
+def test_exudyn_delivers_the_restitution(gap, name):
+    """Of a ball that starts at first touch, or before it; Exudyn's own rule is rough at 0.2."""
+    exudyn = pytest.importorskip("exudyn")
+    from exudyn import itemInterface as item  # noqa: N813
+
+    module, speed, prefix = {}, 0.1, f"{name}_" if name else ""
+    exec(export("power", "exudyn", BRONZE, name=name), module)
+    for restitution, error in ((1, 0.002), (0.8, 0.002), (0.5, 0.002), (0.2, 0.006)):
+        system = exudyn.SystemContainer().AddSystem()
+        ground = system.AddObject(item.ObjectGround())
+        start = {"referenceCoordinates": [BRONZE.clearance - gap, 0, 0, 0, 0, 0]}
+        start["initialVelocities"] = [speed, 0, 0, 0, 0, 0]
+        node = system.AddNode(item.NodeRigidBodyRxyz(**start))
+        of_body = {"mass": 1, "inertia": [1, 1, 1, 0, 0, 0]}
+        body = system.AddObject(item.ObjectRigidBody(nodeNumber=node, **of_body))
+        markers = [system.AddMarker(item.MarkerBodyRigid(bodyNumber=b)) for b in (ground, body)]
+        module[f"add_{name or 'joint'}"](system, *markers, restitution)
+        system.Assemble()
+        settings = module[f"{prefix}solver_settings"]((gap + 6e-5) / speed, 500)
+        settings.solutionSettings.writeSolutionToFile = False
+        system.SolveDynamic(settings)
+        velocity = system.GetNodeOutput(node, exudyn.OutputVariableType.Velocity)[0]
+        assert -velocity / speed == pytest.approx(restitution, abs=error)
 
 
 @pytest.mark.parametrize("law", ["power", "stiffened_hertz", "tabulated"])

@@ -272,7 +272,45 @@ def test_every_shape_is_that_of_a_law():
     assert {parts.shape for parts in PARTS} == {*shapes.SHAPES} - {shapes.sampled}
 
 
+@pytest.mark.parametrize("form", SUFFIXES)
+def test_a_name_is_that_of_function_or_element(form):
+    text = export(LAW_OF.get(form, "power"), form, BRONZE, name="left_hip")
+    assert "left_hip" in text
+    for word in ("ball of bearing steel", "socket of bronze", "40 um"):
+        assert form == "json" or word in re.sub(r"\s+[*%#!/]*\s*", " ", text)
+    assert form != "json" or json.loads(text)["materials"]["ball"] == "bearing steel"
+    if form in ("c", "matlab"):
+        assert re.search(r"^(int|function .* =) left_hip\(", text, re.MULTILINE)
+
+
+@pytest.mark.parametrize("law", ["hertz", "tabulated", "power"])
+def test_two_joints_for_exudyn_share_no_name(law):
+    pytest.importorskip("exudyn")
+    names = []
+    for name in ("left", "right"):
+        module = {}
+        exec(export(law, "exudyn", BRONZE, name=name), module)
+        names.append({of for of, x in module.items() if getattr(x, "__module__", "") != "math"})
+    shared = names[0] & names[1]
+    assert shared <= {"__builtins__", "exudyn", "item"}
+
+
+@pytest.mark.parametrize("tilt", [None, 20.0])
+def test_a_function_of_matlab_has_the_name_of_its_file(run, tmp_path, tilt):
+    words = ["export", "--law", "tabulated", "--format", "matlab", "--r2-star", 100]
+    words += (
+        [] if tilt is None else ["--tilt", tilt, "--depth-star", 0.2, "--ball-support", "clamped"]
+    )
+    assert run(*words, "--output", tmp_path / "hip.m")[0] == 0
+    assert re.search(r"^function .* = hip\(", (tmp_path / "hip.m").read_text())
+    status, _, err = run(*words, "--output", tmp_path / "hip.m", "--name", "knee")
+    assert (status, err.count("\n")) == (2, 1)
+    assert "name of the function in hip.m must be hip, got 'knee'" in err or "one of hip" in err
+
+
 def test_bad_input_is_one_clear_error():
+    with pytest.raises(ValueError, match="name must begin with a letter, .* got '2nd hip'"):
+        export("hertz", "c", BRONZE, name="2nd hip")
     with pytest.raises(ValueError, match=r"law must be one of hertz, .*, tabulated, got 'hooke'"):
         export("hooke", "c", Joint(200))
     with pytest.raises(ValueError, match="format must be one of c, matlab, modelica, json, csv"):

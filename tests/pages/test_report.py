@@ -497,6 +497,12 @@ def test_a_joint_follows_its_form_and_the_address_follows_it(browse):
     found.clamped = text("results");
     choose("value", "50");
     found.refused = refused();
+    choose("value", "35");
+    found.yields = text("applies").split("\\n").find((line) => line.includes("yield"));
+    const wall = form.elements.wall_mm.value;
+    choose("wall_mm", "1");
+    found.thin = refused();
+    choose("wall_mm", wall);
     setTimeout(() => tell({ ...found, address: location.hash }), 1000);
     """
     found = told(browse("joint.html", TELL + FORM + script))
@@ -516,7 +522,11 @@ def test_a_joint_follows_its_form_and_the_address_follows_it(browse):
     depth = DimensionalJoint(**sizes).law("stiffened_hertz").depth(3000)
     assert found["depth"] == f"{1e6 * depth:.6g}"
     assert found["clamped"] != found["first"]
-    assert found["refused"].startswith("depth of stiffened_hertz must be <= 4e-05 m, got 5e-05 m")
+    beyond = "Its value: depth of stiffened_hertz must be <= 4e-05 m, got 5e-05 m"
+    assert found["refused"].startswith(beyond)
+    assert found["thin"].startswith("Wall of the socket, mm: socket_ratio of stiffened_hertz must")
+    assert "Factor to yield of the socket\n2.7 to 3.8" in found["first"]
+    assert found["yields"].startswith("The socket yields.")
     assert "socket=&socket_youngs_modulus_GPa=110&socket_poisson=0.34" in found["address"]
     assert "ball_support=clamped" in found["address"]
 

@@ -129,8 +129,20 @@ window.STIFFENED_HERTZ = (() => {
       return { half_angle: 180 / Math.PI * half, peak_pressure: 2 / Math.PI * composite / r2_star * peak };
     }
 
+    // The least and the largest that the largest von Mises stress of each body can be, in Pa, by the tests.
+    function stress(depth) {
+      const { half_angle, peak_pressure } = size(depth), angle = half_angle * Math.PI / 180, { least, most, of_hertz } = data.stress;
+      const thin = options.socket_ratio - 1 < angle, [low, high] = data.ranges.poisson;
+      return Object.fromEntries(Object.entries({ ball: first, socket: second }).map(([body, { poisson }]) => {
+        const hertz = of_hertz[0] + (of_hertz[1] - of_hertz[0]) * (poisson - low) / (high - low);
+        const layer = (1 - 2 * poisson) / (1 - poisson);  // of a confined layer
+        const shares = [least * (thin && body === "socket" ? layer : hertz), hertz * (most[0] + most[1] * angle ** 2)];
+        return [body, shares.map((share) => share * peak_pressure)];
+      }));
+    }
+
     const hertz = (depth) => unit * (depth / gap) ** 1.5;
-    return { ...options, r2_star, clearance: gap, deepest, bodies: { ball: first, socket: second }, force, stiffness, depth, power, size, hertz };
+    return { ...options, r2_star, clearance: gap, deepest, bodies: { ball: first, socket: second }, force, stiffness, depth, power, size, stress, hertz };
   }
 
   return { law, general, read, number };
