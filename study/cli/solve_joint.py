@@ -196,7 +196,7 @@ def _on_axis(curve):
 
 def _tilted(contact):
     """One JSON object of a contact off the axis, whose fields are arrays, and its parts as text."""
-    values = {name: x.tolist() for name, x in vars(contact).items() if name != "joint"}
+    values = {name: x.tolist() for name, x in vars(contact).items() if isinstance(x, np.ndarray)}
     low, high = values.pop("contact_edges_deg")
     values |= {"contact_from_deg": low, "contact_to_deg": high}
     table = _error_of_force(values) if "depth_star" in values else _printed(values)

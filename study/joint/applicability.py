@@ -6,9 +6,11 @@ says. It answers beyond these limits too; whoever uses the number has to know.
 
 from collections.abc import Mapping, Sequence
 from math import radians
+from typing import Any
 
 from study.joint.curve import ForceCurve
 from study.joint.definition import Joint
+from study.joint.tilted import TiltedContact
 
 DEEPEST = 1.0
 """Largest depth_star up to which the solution was compared with other programs."""
@@ -36,14 +38,17 @@ def limits(
     depth_star: float,
     half_angle_deg: float,
     *,
+    middle_deg: float = 0.0,
     yield_factor: Mapping[str, float] | None = None,
     depth: float | None = None,
     strain: float | None = None,
 ) -> Limits:
     """Limits that one contact exceeds: a key for each, and a sentence.
 
-    The ``yield_factor`` is yield stress over largest von Mises stress, for each body that has both,
-    ``depth`` is in m, and ``strain`` is peak pressure over the least Young's modulus.
+    The contact extends by ``half_angle_deg`` to both sides of the polar angle ``middle_deg`` of its
+    middle, in the plane of symmetry. The ``yield_factor`` is yield stress over largest von Mises
+    stress, for each body that has both, ``depth`` is in m, and ``strain`` is peak pressure over the
+    least Young's modulus.
     """
     found = {}
     for body, factor in (yield_factor or {}).items():
@@ -62,10 +67,10 @@ def limits(
             f"The peak pressure is {strain:.2g} of the softest body's modulus. Beyond {STRAIN:g} "
             "strains are not small, as the solution takes them."
         )
-    if half_angle_deg > joint.opening.last - NEAR_RIM:
+    for end, rim in _near_rim(joint, middle_deg - half_angle_deg, middle_deg + half_angle_deg):
         found["rim"] = (
-            f"The contact ends at {half_angle_deg:.3g} deg, near the rim at {joint.opening} "
-            "deg, where it depends on the shape of the edge."
+            f"The contact ends at {end:.3g} deg, near the rim at {rim:.3g} deg, where it depends "
+            "on the shape of the edge."
         )
     wall = joint.socket_ratio - 1
     if joint.is_held_all_round and wall < radians(half_angle_deg):
@@ -79,6 +84,16 @@ def limits(
             f"{ROUGHNESS:g} m: rough surfaces are softer than this."
         )
     return found
+
+
+def _near_rim(joint, low, high):
+    """Ends of a contact that are near a rim, or near an edge of a bored ball, and that angle."""
+    first, last = joint.ball_support.surface
+    first, last = max(first, joint.opening.first), min(last, joint.opening.last)
+    if not joint.has_pole and low < first + NEAR_RIM:
+        yield low, first
+    if high > last - NEAR_RIM:
+        yield high, last
 
 
 def friction_limit(share: float) -> Limits:
@@ -107,6 +122,19 @@ def of_curve(curve: ForceCurve) -> list[Limits]:
     """Limits that each contact of a curve without dimensions exceeds."""
     contacts = zip(curve.depth_star, curve.contact_half_angle_deg, strict=True)
     return [limits(curve.joint, depth, angle) for depth, angle in contacts]
+
+
+def of_tilted(
+    contact: TiltedContact, of_each: Sequence[Mapping[str, Any]] | None = None
+) -> list[Limits]:
+    """Limits that each contact off the axis exceeds; ``of_each`` are keywords of `limits`."""
+    (low, high), joint = contact.contact_edges_deg, contact.joint
+    places = zip(contact.depth_star, (high - low) / 2, (low + high) / 2, strict=True)
+    several = zip(places, of_each or [{}] * len(low), strict=True)
+    return [
+        limits(joint, depth, half, middle_deg=middle, **more)
+        for (depth, half, middle), more in several
+    ]
 
 
 def in_short(found: Limits) -> str:

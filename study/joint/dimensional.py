@@ -102,7 +102,8 @@ class TiltedSolution:
     """Results of a joint pressed off its axis: arrays in the order asked for, (k,), in SI units.
 
     As `study.joint.TiltedContact`, with depths in m, forces in N, stiffness in N/m and pressure in
-    Pa. The force is along the displacement, ``transverse`` is across it.
+    Pa. The force is along the displacement, ``transverse`` is across it. The ``limits`` are those
+    that each contact exceeds (`study.joint.applicability.limits`).
     """
 
     depth: Floats
@@ -113,9 +114,11 @@ class TiltedSolution:
     transverse_stiffness: Floats
     peak_pressure: Floats
     peak_angle_deg: Floats
+    peak_error: Floats
     contact_edges_deg: Floats
     reaches_rim: NDArray[np.bool_]
     error_estimate: Floats
+    limits: tuple[applicability.Limits, ...]
 
 
 @dataclass(frozen=True)
@@ -290,7 +293,13 @@ class DimensionalJoint(Configuration):
             "peak_pressure": modulus * clearance / self.socket_radius,
         }
         found = {name: unit * getattr(contact, f"{name}_star") for name, unit in units.items()}
-        others = {of.name for of in fields(TiltedSolution)} - units.keys()
+        moduli = {body: material.youngs_modulus for body, material in self.materials.items()}
+        soft = applicability.modulus_limit(moduli)
+        strains = found["peak_pressure"] / min(moduli.values())
+        pairs = zip(found["depth"], strains, strict=True)
+        of_each = [{"depth": depth, "strain": strain} for depth, strain in pairs]
+        found["limits"] = tuple(each | soft for each in applicability.of_tilted(contact, of_each))
+        others = {of.name for of in fields(TiltedSolution)} - found.keys()
         return TiltedSolution(**found, **{name: getattr(contact, name) for name in others})
 
     @staticmethod
