@@ -2,6 +2,7 @@
 
 import csv
 import os
+import re
 import signal
 import sys
 from contextlib import suppress
@@ -11,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from study import paths
 from study.checks import StudyError
 from study.contact import LAWS
 from study.joint import (
@@ -272,6 +274,16 @@ def test_a_ring_and_a_tilt_are_solved_off_the_axis(tmp_path):
     assert hip.transverse_star.item() < -0.001 * hip.force_star.item()
     assert axial.tilt.isna().all()
     assert axial.displacement_tilt.item() == 0
+
+
+def test_the_table_of_the_examples_can_be_solved(tmp_path):
+    text = (paths.ROOT / "examples/README.md").read_text(encoding="utf-8")
+    (tmp_path / "cases.csv").write_text(re.search(r"```text\n(case,.*?)```", text, re.DOTALL)[1])
+    given = cases.load(tmp_path / "cases.csv")
+    form, _, complete = cases.prepared("joints", given)
+    assert [case["tilt"] for case in complete] == ["90", "20"]
+    for case in given:
+        cases._prepare(form, case)  # raises for a case that is not possible
 
 
 def test_a_joint_with_dimensions_off_the_axis_is_that_of_the_solver(tmp_path):
