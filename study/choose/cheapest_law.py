@@ -270,7 +270,7 @@ def axial_law_suffices(joint: Joint, depth_star: float, tilt: float, tolerance: 
         edge = force_curve(joint, depth).contact_half_angle_deg[0] + most
         edge += _WALLS * np.degrees(joint.socket_ratio - 1)
         stiff = all(m.poisson <= _LARGEST_POISSON for m in joint.materials.values())
-        if stiff and edge <= joint.opening and tolerance >= OF_RULE:
+        if stiff and edge <= joint.opening.last and tolerance >= OF_RULE:
             return OffAxis(True, OF_RULE, "rule")
     tilts = np.linspace(0, most, _TILTS + 1)[1:]
     found = tilted_contact(joint, np.full(_TILTS, depth), tilts)

@@ -45,9 +45,11 @@ def sweep_cases(
     """Solve many joints, or simulate many scenes, from a CSV file of cases or at random.
 
     A file has a row for each case. Its columns are the options of study joint, such as
-    socket_radius or opening, or those of study simulate and the mechanism parameters. Several
-    depths, forces, layers or liners of a case are separated by semicolons. Without depths or forces
-    the whole curve is solved. After an interruption the same command goes on.
+    socket_radius, opening or tilt, or those of study simulate and the mechanism parameters. Other
+    columns are kept as they are. Several depths, forces, layers or liners of a case are separated
+    by semicolons. Without depths or forces the whole curve is solved, or 8 depths off the axis. A
+    case whose values are not possible has the reason in the column error, and the others are
+    solved; the exit status is then 1. After an interruption the same command goes on.
     """
     from study.sweep import random_cases, run_study
 
@@ -84,6 +86,8 @@ def sweep_cases(
     lines = [f"{swept.cases} cases in {seconds:.3g} s, {swept.rows} rows in {output}. Its results:"]
     for name, (unit, text) in swept.columns.items():
         lines.append(f"  {name}: {text}{f', {unit}' * (unit != '1')}")
+    if swept.kept:
+        lines.append(f"Kept as they are, because they are no parameters: {', '.join(swept.kept)}.")
     say("\n".join(lines))
     if swept.failures:
         (name, why), *_ = swept.failures.items()

@@ -29,13 +29,15 @@ _PACKAGES = ("numpy", "scipy", "numba", "scikit-fem")
 class Swept(NamedTuple):
     """Numbers of cases and of rows in the table, columns of results, and why cases failed.
 
-    ``columns`` has the unit and the meaning of each, ``failures`` the reasons by number or name.
+    ``columns`` has the unit and the meaning of each, ``failures`` the reasons by number or name,
+    and ``kept`` the columns that are no parameters.
     """
 
     cases: int
     rows: int
     columns: dict[str, tuple[str, str]]
     failures: dict[str, str]
+    kept: list[str]
 
 
 def run_study(
@@ -51,8 +53,12 @@ def run_study(
     """Solve many joints, or simulate many scenes, and write one table.
 
     A joint has a row for each of its depths or forces, or some 50 rows of its whole curve if none
-    are given. A scene has one row. The columns are the case's number or name, what is given, its
-    results (`COLUMNS`), and ``error``: a case that fails has one row with its reason there.
+    are given (off the axis 8 rows, from 0.05 to 0.5 clearances). A scene has one row. The columns
+    are the case's number or name, what is given, its results (`COLUMNS`), and ``error``: a case
+    whose values are not possible, or that fails, has one row with its reason there.
+
+    A joint with a ``tilt``, and a ring or a bored ball, whose tilt is 90 deg by default, is pressed
+    off the axis (`study.joint.tilted_contact`).
 
     Parameters
     ----------
@@ -61,7 +67,8 @@ def run_study(
         ``to_dict("records")``. Columns are the options of study joint, or those of study simulate
         and the parameters of the scene, and perhaps ``case``, a name. Several depths, forces,
         layers or liners are separated by semicolons, or are a list. For an empty cell, or None,
-        the table has the default that was used. NaN is refused.
+        the table has the default that was used. NaN is an error of its case. Columns that are no
+        parameters are kept as they are.
     output
         CSV file to write. Until it is written, a file ``.part`` is beside it. Cases in this file
         are not solved again, unless they or the code have changed.
@@ -76,7 +83,8 @@ def run_study(
     Raises
     ------
     ValueError
-        For a column or value that is not possible, before any work; names row and column.
+        Before any work, if no case is possible; names row and column. For a column that may be a
+        misspelt parameter, is one of another kind of cases, or has the name of a result.
     study.checks.StudyError
         If the Dask scheduler does not answer, or a worker ends; finished cases are kept, as they
         are if the disk is full (``OSError``) or the study is interrupted (``KeyboardInterrupt``).
@@ -89,7 +97,8 @@ def run_study(
         raise ValueError(f"output must be another file than the cases, got {output}")
     every_case = of_cases.load(cases)
     form, bodies, complete = of_cases.prepared(kind, every_case, twice)
-    keys = _keys(form, every_case)
+    own = of_cases.own_columns(form, dict.fromkeys(name for case in every_case for name in case))
+    keys = _keys(form, every_case, own)
     different = dict(zip(keys, zip(bodies, every_case, strict=True), strict=True))
     output.parent.mkdir(parents=True, exist_ok=True)
     with _Part(output.with_name(f"{output.name}.part"), set(keys)) as part:
@@ -113,7 +122,7 @@ def run_study(
             raise OSError(error.errno, why, str(output)) from None
     named = zip(names, keys, strict=True)
     failures = {name: part.failures[key] for name, key in named if key in part.failures}
-    return Swept(len(every_case), count, COLUMNS[form], failures)
+    return Swept(len(every_case), count, COLUMNS[form], failures, own)
 
 
 def _code() -> str:
@@ -122,10 +131,10 @@ def _code() -> str:
     return provenance.digest(files, *(version(package) for package in _PACKAGES))
 
 
-def _keys(form, cases):
-    """Key of each case, whatever its number, its name and the order of its columns."""
-    code = _code()
-    values = (sorted((name, text) for name, text in case.items() if name != NAME) for case in cases)
+def _keys(form, cases, own):
+    """Key of each case, whatever its number, name, own columns and the order of its columns."""
+    code, no_value = _code(), {NAME, *own}
+    values = (sorted(pair for pair in case.items() if pair[0] not in no_value) for case in cases)
     return [provenance.digest([], code, form, of_case) for of_case in values]
 
 

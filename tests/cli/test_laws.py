@@ -2,12 +2,14 @@
 
 import json
 import re
+import shlex
 
 import numpy as np
 import pytest
 
 from study import contact
-from study.joint import Joint, Material, first_yield
+from study.choose import choose
+from study.joint import DimensionalJoint, Joint, Material, first_yield
 
 CHOOSE = ["choose", "--r2-star", 200, "--depth-star", 0.3]
 
@@ -66,6 +68,92 @@ def test_choose_ends_with_status_1_where_no_law_is_known(run):
     status, out, err = run(*CHOOSE, "--tolerance", 1e-5, "--ball-support", "clamped")
     assert (status, out, err.count("\n")) == (1, "", 1)
     assert "no law is known to be within" in err
+
+
+SIZES = ["--socket-radius", 12.5e-3, "--clearance", 40e-6, "--wall", 6e-3, "--socket", "bronze"]
+
+
+def test_choose_takes_a_joint_with_its_dimensions(run):
+    plain = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+    depth = plain.solve(force=3000).depth[0]
+    words = ["choose", *SIZES, "--tolerance", 0.01]
+    found = [
+        json.loads(run(*words, *largest, "--json")[1])
+        for largest in (["--force", 3000], ["--depth", depth], ["--depth-star", depth / 40e-6])
+    ]
+    expected = choose(plain.joint, depth / 40e-6, 0.01)
+    for each in found:
+        assert each["law"] == expected.law == "stiffened_hertz"
+        assert each["depths"] == pytest.approx(expected.depths)
+        assert each["error_bound"] == pytest.approx(expected.error_bound)
+    text = run(*words, "--force", 3000)[1]
+    assert "clearances (0.2 to 4.232 um)." in text
+    line = text.splitlines()[-1]
+    assert line == found[0]["export"]
+    assert run(*shlex.split(line)[1:])[0] == 0
+    _, text, _ = run(*words, "--force", 90000)
+    assert "Beyond a limit: The socket yields" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([*SIZES], "one of --depth, --force and --depth-star must be given"),
+        ([*SIZES, "--depth", 1e-6, "--force", 3], "one of --depth, --force and --depth-star must"),
+        ([*SIZES, "--depth", -1], "depth must be > 0 m, got -1 m"),
+        ([*SIZES, "--depth", 1e-6, "--yield-stress", 1e9], "--yield-stress must be left out"),
+        ([*SIZES, "--depth", 1e-6, "--r2-star", 20], "--r2-star must be left out"),
+        (["--r2-star", 20, "--force", 3], "--force must be left out: it is for a joint with its"),
+        (["--depth-star", 0.1], "--r2-star must be given or, with dimensions, --socket-radius"),
+        (["--r2-star", 20], "--depth-star must be given"),
+    ],
+)
+def test_choose_needs_one_joint_and_one_largest_depth(run, words, message):
+    status, out, err = run("choose", "--tolerance", 0.01, *words)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert message in err
+
+
+def test_choose_heads_its_answer_with_no_law_that_does_not_serve_all_directions(run):
+    words = [*CHOOSE, "--ball-support", "neck:30", "--opening", 110, "--tilt", 20]
+    (_, text, _), (_, out, _) = (
+        run(*words, "--tolerance", 0.05, *more) for more in ([], ["--json"])
+    )
+    found = json.loads(out)
+    assert (found["law"], found["one_law_for_all_directions"]) == (None, False)
+    assert found["along_the_axis"]["law"] == "tabulated"
+    first, command, *_ = text.splitlines()
+    assert first.startswith("No one law along the axis is known to serve all directions up to 20")
+    assert command == found["export"]
+    assert "--law tabulated --tilt 20" in command
+    loose = json.loads(run(*words, "--tolerance", 0.5, "--json")[1])
+    assert loose["one_law_for_all_directions"] is True
+    assert loose["law"] == "hertz"
+    assert loose["error_bound"] + loose["direction_error"] <= 0.5
+    first = run(*words, "--tolerance", 0.5)[1].splitlines()[0]
+    assert first.startswith("One law along the axis serves all directions up to 20 deg: ")
+    tight = json.loads(run(*words, "--tolerance", loose["direction_error"], "--json")[1])
+    assert tight["law"] is None  # nothing is left for the law's own error
+
+
+def test_choose_says_what_to_use_where_no_law_along_the_axis_applies(run):
+    ring = ["--ball-support", "bore:0.5,45", "--opening", "55:125", "--tolerance", 0.1]
+    joint = DimensionalJoint(
+        12.5e-3, 40e-6, 6e-3, socket="bronze", ball_support="bore:0.5,45", opening="55:125"
+    )
+    status, out, _ = run("choose", *SIZES, *ring, "--force", 3000, "--json")
+    found = json.loads(out)
+    power = found["power_law"]
+    assert (status, found["law"], power["tilt"]) == (0, None, 90)
+    depth = power["depths"][1]
+    assert depth == pytest.approx(0.5 * 40e-6)
+    law = power["coefficient"] * depth ** power["exponent"]
+    force = joint.solve_tilted(90, depth=depth).force[0]
+    assert law == pytest.approx(force, rel=1.01 * power["error"])
+    text = run("choose", *CHOOSE[1:], *ring)[1]
+    assert text.startswith("No law along the axis applies to a ring, which is loaded across its")
+    assert "which is within the tolerance of 10 %" in text
+    assert text.splitlines()[-1].startswith("study export --law tabulated --tilt 90 --format c ")
 
 
 def test_export_takes_unequal_materials_and_one_unit_of_depth(run):

@@ -31,6 +31,27 @@ def test_each_limit_alone(key, inside, beyond):
     assert in_short(found) == key
 
 
+@pytest.mark.parametrize(
+    ("ball_support", "opening", "inside", "beyond", "rim"),
+    [
+        ("core:0.2", 110, (85, 19), (85, 21), 110),
+        ("core:0.2", "55:125", (90, 29), (80, 21), 55),
+        ("core:0.2", "55:125", (90, 29), (100, 21), 125),
+        ("bore:0.5,70", "55:125", (90, 14), (90, 16), 110),
+    ],
+)
+def test_a_contact_off_the_axis_near_a_rim_or_the_edge_of_a_bored_ball(
+    ball_support, opening, inside, beyond, rim
+):
+    joint = Joint(200, 3.0, ball_support=ball_support, opening=opening)
+    middle, half = inside
+    assert limits(joint, 0.5, half, middle_deg=middle) == {}
+    middle, half = beyond
+    found = limits(joint, 0.5, half, middle_deg=middle)
+    assert list(found) == ["rim"]
+    assert f"near the rim at {rim} deg" in found["rim"]
+
+
 def test_friction_that_may_bear_a_part_of_the_force(run):
     words = ["joint", "--socket-radius", 12.5e-3, "--clearance", 40e-6, "--wall", 6e-3]
     _, out, _ = run(*words, "--depth", 4e-6, "--friction", 0.01, "--json")

@@ -201,7 +201,7 @@ def test_the_command_says_it_in_words_and_in_json(run):
     assert said["one_law_for_all_directions"] is False
     assert 0.15 < said["direction_error"] < 0.25
     assert said["known_by"] == "measured"
-    assert "No one law is known to serve all directions up to 20 deg" in text
+    assert "No one law along the axis is known to serve all directions up to 20 deg" in text
     assert "\nstudy export --law tabulated --tilt 20 --format c --rim free --r2-star 200" in text
 
 

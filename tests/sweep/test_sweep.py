@@ -2,6 +2,7 @@
 
 import csv
 import os
+import re
 import signal
 import sys
 from contextlib import suppress
@@ -11,8 +12,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from study import paths
 from study.checks import StudyError
-from study.joint import DimensionalJoint, Joint, Material, RatioJoint, force_curve, whole_curve
+from study.contact import LAWS
+from study.joint import (
+    DimensionalJoint,
+    Joint,
+    Material,
+    RatioJoint,
+    force_curve,
+    tilted_contact,
+    whole_curve,
+)
+from study.joint.law_parameters import law_parameters
 from study.mechanism import MechanismError, Scene, compare, simulate
 from study.sweep import COLUMNS, cases, random_cases, run, run_study
 
@@ -20,6 +32,10 @@ JOINTS = {"r2_star": "20:2000:log", "socket_ratio": "1.1:2", "modulus_ratio": "0
 JOINTS |= {"kinematics": "small,linear"}
 SCENES = {"clearance": "2e-5:2e-4:log", "restitution": "0.2:0.95", "duration": "0.01"}
 SCENES |= {"law": "hertz,stiffened_hertz"}
+POWER = [f"power_{name}" for name in ("coefficient", "exponent", "error")]
+OFF_AXIS = ["displacement_tilt", "transverse_star", "peak_error", *POWER]
+"""Columns that a curve along the axis does not have itself."""
+RING = {"ball_support": "bore:0.5,45", "opening": "55:125"}
 OF_SIZES = {"socket_radius": 12.5e-3, "clearance": 40e-6, "wall": 6e-3, "socket": "bronze"}
 
 
@@ -34,14 +50,19 @@ def test_random_cases_give_the_same_bytes_with_one_process_and_two(tmp_path, kin
         found, table = swept(
             given, kind, tmp_path / f"{jobs}.csv", jobs, progress=lambda *n: progress.append(n)
         )
-        assert found == (12, len(table), COLUMNS[kind], {})
+        assert found == (12, len(table), COLUMNS[kind], {}, [])
     assert (tmp_path / "1.csv").read_bytes() == (tmp_path / "2.csv").read_bytes()
     assert sorted(os.listdir(tmp_path)) == ["1.csv", "2.csv"]
     assert progress == 2 * [(k, 12, 0) for k in range(13)]
     assert list(table.case.unique()) == list(range(1, 13))
     assert list(table) == ["case", *ranges, *COLUMNS[kind], "error"]
     assert table.error.isna().all()
-    assert table[list(COLUMNS[kind])].notna().all(axis=None)
+    assert (
+        table[list(COLUMNS[kind])]
+        .drop(columns="peak_error", errors="ignore")
+        .notna()
+        .all(axis=None)
+    )
 
 
 def test_joints_without_dimensions_are_those_of_the_solver(tmp_path):
@@ -55,8 +76,14 @@ def test_joints_without_dimensions_are_those_of_the_solver(tmp_path):
     socket = Material(2e11, 0.4)
     curve = force_curve(Joint(75, socket=socket), [0.5, 0.1])
     for rows, expected in ((lined, whole), (deep, curve)):
-        for name in set(COLUMNS["joints"]) - {"stiffness_star", "applicability"}:
+        for name in set(COLUMNS["joints"]) - {"stiffness_star", "applicability", *OFF_AXIS}:
             assert rows[name].to_numpy() == pytest.approx(getattr(expected, name), rel=1e-8)
+        fitted = law_parameters(LAWS["power"], expected.joint)
+        for name, value in fitted.items():
+            assert rows[f"power_{name}"].to_numpy() == pytest.approx(value, rel=1e-4)
+        assert rows.power_error.between(1e-3, 0.1).all()
+        assert (rows[["displacement_tilt", "transverse_star"]] == 0).all(axis=None)
+        assert rows.peak_error.isna().all()
     slope = np.gradient(whole.force_star, whole.depth_star)[1:-1]
     assert lined.stiffness_star[1:-1].to_numpy() == pytest.approx(slope, rel=0.03)
     assert deep.stiffness_star.isna().all()
@@ -72,8 +99,13 @@ def test_joints_with_dimensions_are_those_of_the_solver(tmp_path):
     _, table = swept(given, "joints", tmp_path / "table.csv")
     forces, lined, whole = (table[table.case == case] for case in (1, 2, 3))
     solved = DimensionalJoint(**OF_SIZES).solve(force=[3000, 8000])
-    for name in set(COLUMNS["joints with dimensions"]) - {"yield_factor", "applicability"}:
+    for name in ("depth", "force", "stiffness", "contact_half_angle_deg", "peak_pressure"):
         assert forces[name].to_numpy() == pytest.approx(getattr(solved, name), rel=1e-8)
+    assert forces.error_estimate.to_numpy() == pytest.approx(solved.error_estimate, rel=1e-6)
+    for rows in (forces, whole):
+        assert rows[POWER].iloc[0].to_list() == pytest.approx(
+            DimensionalJoint(**OF_SIZES).power_law()[:3], rel=1e-8
+        )
     assert forces.applicability.tolist() == ["inside", "wall"]
     factors = np.minimum(solved.yield_factor["ball"], solved.yield_factor["socket"])
     assert forces.yield_factor.to_numpy() == pytest.approx(factors, rel=1e-8)
@@ -195,19 +227,120 @@ def test_a_stopped_study_goes_on_and_passes_over_what_is_damaged(tmp_path, monke
 
 def test_a_case_that_fails_is_a_row_with_its_reason(tmp_path, monkeypatch):
     given = [{"r2_star": 50, "depth_star": depth} for depth in (0.1, 9.0, 0.1)]
+    given += [given[0] | {"socket_ratio": np.nan}, given[0] | {"r2_star": None}]
     found, table = swept(given, "joints", tmp_path / "table.csv")
-    assert (found.cases, found.rows, list(found.failures)) == (3, 3, ["2"])
+    assert (found.cases, found.rows, list(found.failures)) == (5, 5, ["2", "4", "5"])
     assert found.failures["2"].startswith("depth_star must be < 8.9")
+    assert found.failures["4"].startswith("socket_ratio must be finite and ")
+    assert found.failures["5"] == "r2_star must be given"
     assert table.error.tolist()[1] == found.failures["2"]
-    assert table.force_star.isna().tolist() == [False, True, False]
+    assert table.force_star.isna().tolist() == [False, True, False, True, True]
     assert table.force_star[0] == table.force_star[2]
 
-    def broken(*_):
+    def broken(*_, **__):
         raise KeyError("lost\nit")
 
     monkeypatch.setattr(cases, "force_curve", broken)
     ((row,),) = cases.solve("joints", [{"r2_star": "50", "depth_star": "0.1"}])
     assert row[-1] == "KeyError: 'lost\\nit'"
+
+
+def test_a_ring_and_a_tilt_are_solved_off_the_axis(tmp_path):
+    ring = {"r2_star": 200} | RING
+    given = [
+        ring | {"depth_star": "0.2;0.4"},
+        ring,
+        {"r2_star": 200, "ball_support": "clamped", "tilt": 20, "depth_star": 0.3},
+        {"r2_star": 200, "ball_support": "clamped", "depth_star": 0.3},
+        {"r2_star": 200, "tilt": 20, "depth_star": 0.3},
+    ]
+    found, table = swept(given, "joints", tmp_path / "table.csv")
+    assert list(found.failures) == ["5"]  # the ball is free across the axis
+    at_two, whole, hip, axial, _ = (table[table.case == case] for case in range(1, 6))
+    joint = RatioJoint(**ring).joint()
+    contact = tilted_contact(joint, [0.2, 0.4], 90)
+    names = ("force_star", "stiffness_star", "peak_pressure_star", "peak_error", "error_estimate")
+    for name in names:
+        assert at_two[name].to_numpy() == pytest.approx(getattr(contact, name), rel=1e-6)
+    assert (at_two.tilt == 90).all()
+    assert at_two.applicability.to_list() == ["wall", "rim; wall"]
+    assert (len(whole), whole.depth_star.iloc[0], whole.depth_star.iloc[-1]) == (8, 0.05, 0.5)
+    for rows in (at_two, whole):
+        k, n, error = rows[POWER].iloc[0]
+        off = k * whole.depth_star**n / whole.force_star - 1
+        assert np.abs(off).max() == pytest.approx(error, rel=1e-5)
+    free = RatioJoint(r2_star=200, ball_support="clamped", rim="free").joint()
+    assert hip.force_star.item() == pytest.approx(tilted_contact(free, 0.3, 20).force_star[0])
+    assert hip.transverse_star.item() < -0.001 * hip.force_star.item()
+    assert axial.tilt.isna().all()
+    assert axial.displacement_tilt.item() == 0
+
+
+def test_the_table_of_the_examples_can_be_solved(tmp_path):
+    text = (paths.ROOT / "examples/README.md").read_text(encoding="utf-8")
+    (tmp_path / "cases.csv").write_text(re.search(r"```text\n(case,.*?)```", text, re.DOTALL)[1])
+    given = cases.load(tmp_path / "cases.csv")
+    form, _, complete = cases.prepared("joints", given)
+    assert [case["tilt"] for case in complete] == ["90", "20"]
+    for case in given:
+        cases._prepare(form, case)  # raises for a case that is not possible
+
+
+def test_a_joint_with_dimensions_off_the_axis_is_that_of_the_solver(tmp_path):
+    hip = {"socket_radius": 14e-3, "clearance": 50e-6, "wall": 6e-3, "socket": "UHMWPE"}
+    hip |= {"ball_support": "clamped", "tilt": 20}
+    _, table = swept([hip | {"force": 2000}], "joints", tmp_path / "table.csv")
+    joint = DimensionalJoint(**{n: v for n, v in hip.items() if n != "tilt"}, rim="free")
+    solved = joint.solve_tilted(20, force=2000)
+    (row,) = table.to_dict("records")
+    assert (row["tilt"], row["displacement_tilt"]) == (20, pytest.approx(solved.tilt[0], rel=1e-8))
+    for name in ("depth", "force", "transverse", "peak_pressure", "peak_error", "error_estimate"):
+        assert row[name] == pytest.approx(getattr(solved, name)[0], rel=1e-6)
+    assert np.hypot(row["force"], row["transverse"]) == pytest.approx(2000, rel=1e-5)
+    law = row["power_coefficient"] * 20e-6 ** row["power_exponent"]
+    force = joint.solve_tilted(20, depth=20e-6).force[0]
+    assert law == pytest.approx(force, rel=1.1 * row["power_error"])
+    assert row["applicability"] == "wall"
+
+
+def test_k_and_n_are_empty_where_the_range_of_the_fit_cannot_be_solved(tmp_path):
+    given = [{"r2_star": 20, "opening": 30, "ball_support": "core:0.2", "depth_star": 0.1}]
+    _, table = swept(given, "joints", tmp_path / "table.csv")
+    assert table.force_star.notna().all()
+    assert table[POWER].isna().all(axis=None)
+
+
+def test_columns_of_the_user_are_kept_and_solve_nothing_anew(tmp_path):
+    output = tmp_path / "table.csv"
+    given = [{"part": f"no {n}", "r2_star": 50, "depth_star": 0.1, "load": ""} for n in (1, 2)]
+    solved = []
+    found = run_study(given, "joints", output, jobs=1, progress=lambda *n: solved.append(n[1]))
+    assert found.kept == ["part"]
+    assert solved[-1] == 1
+    table = pd.read_csv(output)
+    assert list(table)[:4] == ["case", "part", "r2_star", "depth_star"]
+    assert table.part.tolist() == ["no 1", "no 2"]
+
+
+@pytest.mark.parametrize(
+    ("column", "message"),
+    [
+        ("tlit", "did you mean tilt"),
+        ("Tilt", "did you mean tilt"),
+        ("opening_deg", "did you mean opening"),
+        ("socket_raduis", "did you mean socket_radius"),
+        ("force (N)", "did you mean force"),
+        ("r2_star", "it is a parameter of joints, not of joints with dimensions"),
+        ("friction", "it is a parameter of scenes, not of joints with dimensions"),
+        ("yield_factor", "it is a column of results"),
+    ],
+)
+def test_a_column_that_may_be_meant_as_another_is_refused(column, message):
+    form = "joints with dimensions"
+    with pytest.raises(ValueError, match=message):
+        cases._check_own(form, column)
+    for other in ("part", "socket_mass", "wall_2", "bolt", "id", "lot", "force_note"):
+        cases._check_own(form, other)
 
 
 @pytest.mark.parametrize(
@@ -259,7 +392,7 @@ FRICTION = ("--random", 5, "--range")
 @pytest.mark.parametrize(
     ("kind", "text", "words", "message"),
     [
-        ("joints", f"{SIZES}\n1e-2,5e-5,2e-3\n1e-2,-1,2e-3", (), "row 2: clearance must be > 0 m"),
+        ("joints", f"{SIZES}\n1e-2,-1,2e-3\n1e-2,-1,2e-3", (), "row 1: clearance must be > 0 m"),
         ("joints", f"{SIZES},depth,force\n1e-2,5e-5,2e-3,1e-6,5", (), "row 1: either depth or fo"),
         ("joints", "clearance\n5e-5", (), "row 1: socket_radius must be given, or r2_star"),
         ("joints", "r2_star,socket_rato\n50,1.2", (), "did you mean socket_ratio?"),
@@ -295,17 +428,11 @@ def test_bad_cases_in_python(tmp_path):
         run_study("none.csv", "joints", tmp_path / "table.csv")
 
 
-@pytest.mark.parametrize(
-    ("case", "message"),
-    [
-        ({"socket_ratio": np.nan}, "row 2: socket_ratio must be finite and .*, got nan"),
-        ({"case": "=1+1"}, "row 2: case must not begin as a spreadsheet's formula, got '=1[+]1'"),
-    ],
-)
-def test_a_missing_number_is_not_the_default(tmp_path, case, message):
-    cases = [{"r2_star": 50, "depth_star": 0.1}]
+def test_a_name_that_is_a_formula_of_a_spreadsheet_is_refused(tmp_path):
+    given = [{"r2_star": 50, "depth_star": 0.1}]
+    message = "row 2: case must not begin as a spreadsheet's formula, got '=1[+]1'"
     with pytest.raises(ValueError, match=message):
-        run_study([*cases, cases[0] | case], "joints", tmp_path / "table.csv")
+        run_study([*given, given[0] | {"case": "=1+1"}], "joints", tmp_path / "table.csv")
     assert os.listdir(tmp_path) == []
 
 
@@ -358,14 +485,15 @@ def test_a_worker_that_ends_is_an_error_and_what_was_finished_is_kept(tmp_path, 
 
 def test_a_file_with_a_failing_case_by_the_command_line(command, tmp_path, monkeypatch):
     monkeypatch.setattr("study.cli.sweep.PLAIN_EVERY", 0.0)
-    text = "\ufeffcase, r2_star ,depth_star\nfirst,50,0.1\n\nsecond,50,9\n"
+    text = "\ufeffcase, r2_star ,depth_star,note\nfirst,50,0.1,x\n\nsecond,50,9,\n"
     status, out, err = command("joints", text)
     assert status == 1
     assert out.startswith("2 cases in ")
     first, *columns = out.splitlines()
     assert first.endswith(f"s, 2 rows in {tmp_path / 'table.csv'}. Its results:")
-    assert len(columns) == len(COLUMNS["joints"])
-    assert columns[3] == "  contact_half_angle_deg: Polar angle of the contact's edge, deg"
+    assert len(columns) == len(COLUMNS["joints"]) + 1
+    assert columns[1] == "  displacement_tilt: Direction of the displacement off the axis, deg"
+    assert columns[-1] == "Kept as they are, because they are no parameters: note."
     *told, last = err.splitlines()
     assert told[-1] == "2 of 2 cases, 1 failed"
     assert last.startswith(
