@@ -166,8 +166,9 @@ def _checked(depth, force, joint, fit):
     least = 4 + len(fit)
     if depths.ndim != 1 or depths.shape != forces.shape or len(depths) < least:
         raise ValueError(
-            f"depth and force must be lists of the same length >= {least} for what is fitted, got "
-            f"shapes {depths.shape} and {forces.shape}: give more points or fit less"
+            f"depth and force must be lists of the same length >= {least}, to fit {least - 2} "
+            f"parameters, got shapes {depths.shape} and {forces.shape}: give more points, or fit "
+            "less"
         )
     if "offset" not in fit and (depths < 0).any():
         raise checks.RangeError(
@@ -175,30 +176,29 @@ def _checked(depth, force, joint, fit):
             "socket; change its sign, or fit the offset of the depth"
         )
     lowest = -NOISE * forces.max() if "offset" in fit else 0
-    if (forces < lowest).any() or forces.max() <= 0:
+    if (forces < lowest).any() or forces.max() < 0:
         raise checks.RangeError(
             f"force must be >= 0, got {forces.min():g}: a force that presses the ball into the "
             "socket is positive; change its sign, or, if it is noise about 0 before first touch, "
             "leave these points out or fit the offset of the depth"
         )
+    pressed = forces > 0 if "offset" in fit else (forces > 0) & (depths > 0)
+    if np.unique(depths[pressed]).size < 2:
+        raise ValueError("force must be > 0 at two different depths or more: there is no contact")
     order = np.lexsort((forces, depths))
     depths, forces = depths[order], forces[order]
-    if depths[0] == depths[-1]:
-        raise ValueError(f"depth must have different values, got only {depths[0]:g}")
     highest = np.maximum.accumulate(forces)
     falls = highest - forces
     worst = int(falls.argmax())
     if falls[worst] > NOISE * forces.max() or np.corrcoef(depths, forces)[0, 1] <= 0:
         before = int(forces[: worst + 1].argmax())
         raise ValueError(
-            f"force must increase with depth, got {forces[before]:g} at {depths[before]:g} and "
-            f"{forces[worst]:g} at {depths[worst]:g}: give one loading curve, without unloading, "
-            "and check that the columns are not exchanged"
+            f"force must increase with depth, got {forces[before]:g} {unit_of['force']} at "
+            f"{depths[before]:g} {unit_of['depth']} and then {forces[worst]:g}: give one loading "
+            "curve, without unloading, and check that the columns are not exchanged"
         )
     if joint is not None:
         _check_unit(depths, joint, unit_of["depth"], "offset" in fit)
-    if "offset" not in fit and np.count_nonzero((depths > 0) & (forces > 0)) < 2:
-        raise ValueError("force must be > 0 at two depths > 0 or more: the curve shows no contact")
     if joint is None or is_star:
         for name in fit:
             if name != "offset":
@@ -327,14 +327,17 @@ def _fit_law(law, joint, depth_star, force_star, fit):
     start = dict.fromkeys(names, 1.0)
     if "offset" in names:
         start["offset"] = _first_touch(depth_star, force_star)
-    if own:
-        shape = at(depth_star, offset=start.get("offset", 0.0), coefficient=1.0, clip=True)
-        start["coefficient"] = float(shape @ force_star / (shape @ shape))
-    if not start:
+    if not start and not own:
         return at(depth_star), {}, {}
+    options = {"coefficient": 1.0} if own else {}
+    shape = at(depth_star, offset=start.get("offset", 0.0), clip=True, **options)
+    if own:
+        start["coefficient"] = float(shape @ force_star / (shape @ shape))
     least = (LAWS[law].least_r2_star if law in LAWS else None) or 1.0
     most = min(SEARCHED[1], joint.r2_star / least * (1 - 1e-6))
     bounds = {"clearance": (SEARCHED[0], most)}
+    if "clearance" in start:
+        start["clearance"] = min(1.0, most)
     scales = {"offset": float(np.ptp(depth_star)), "coefficient": start.get("coefficient", 1.0)}
     values, errors = _least_squares(
         partial(at, depth_star, clip=True), force_star, start, bounds, scales

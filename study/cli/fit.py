@@ -130,7 +130,9 @@ def _column(names, what, head):
             f"a column must be named {wanted or what}, got {listed}: name it with {option}"
         )
     several = ", ".join(names[k] for k in found)
-    raise ValueError(f"one column of {what} must be chosen with {option}, got {several}")
+    raise ValueError(
+        f"one column of {what} must be chosen with {option}, by a name of its own, got {several}"
+    )
 
 
 def _unit(head, what):
@@ -180,8 +182,8 @@ def _parts(found, has_units, fit):
             f"rmse{force}": _digits(of.rmse),
             f"max_error{force}": _digits(of.max_error),
             "max_relative_error %": _digits(100 * of.max_relative_error, 3),
-            "R2": round(of.determination, 5),
-            "R2_adjusted": round(of.determination_adjusted, 5),
+            "R2": round(of.determination, 6),
+            "R2_adjusted": round(of.determination_adjusted, 6),
             "fitted": len(of.parameters),
         }
         for name in fit:
