@@ -1,7 +1,8 @@
 """The cheapest law for a joint, and the simplest model for a mechanism.
 
 `choose` compares every law with the solved joint. `axial_law_suffices` says whether a law along the
-axis is accurate for loads off it. `choose_model` runs models of rigid links, bounds what flexible
+axis is accurate for loads off it. `fit_curve` says which law follows a curve of your own, and fits
+what is not known of its joint. `choose_model` runs models of rigid links, bounds what flexible
 links would change (`links`), and runs these only if that bound is too large. `random_scenes` makes
 the evidence of the bound.
 """
@@ -9,18 +10,22 @@ the evidence of the bound.
 from typing import TYPE_CHECKING, Any
 
 from study.choose.cheapest_law import Choice, OffAxis, axial_law_suffices, choose, relative_costs
+from study.choose.own_curve import CurveFit, LawFit, fit_curve
 
 if TYPE_CHECKING:
     from study.choose.model import ModelChoice, ModelError, choose_model
 
 __all__ = [
     "Choice",
+    "CurveFit",
+    "LawFit",
     "ModelChoice",
     "ModelError",
     "OffAxis",
     "axial_law_suffices",
     "choose",
     "choose_model",
+    "fit_curve",
     "relative_costs",
 ]
 

@@ -1,7 +1,7 @@
 """The set-up of the paper's finite elements, inferred from its Table 2.
 
 A candidate is a socket ratio, a support of the ball, kinematics, elements, the depths of the
-sample, and the area element of f2. For each one the coefficient of determination and the RMSE of
+sample, and the area element of f2. For each one the coefficient kappa as printed and the RMSE of
 the rows with known formulas are compared with the published ones. They are functions of six sums
 of the forces.
 `study.claims.table_alone` infers what needs no elastic solution.
@@ -25,14 +25,16 @@ from study.dataset import fitting
 from study.dataset.fitting import LARGEST_DEPTH, R2_STAR
 from study.joint import force_curve, paper_joint
 
-NUMBERS = tuple(f"{quantity} {law}" for law in ROWS for quantity in ("1 - determination", "RMSE"))
+NUMBERS = tuple(
+    f"{quantity} {law}" for law in ROWS for quantity in ("1 - kappa_as_printed", "RMSE")
+)
 """The eight numbers that are compared."""
 SAMPLINGS = {f"{n}, from 0": np.linspace(0, LARGEST_DEPTH, n) for n in (19, 20, 21, 22, 39)} | {
     f"{n}, without 0": np.linspace(0, LARGEST_DEPTH, n + 1)[1:] for n in (19, 20, 21)
 }
 USUAL = "21, from 0"
 FACTORS = {"1": 1.0, "19/18": 19 / 18}
-"""Of 1 - determination: the latter is that of an adjusted coefficient."""
+"""Of 1 - kappa_as_printed: the latter is that of an adjusted coefficient."""
 RATIOS = tuple(np.round(1 + np.geomspace(0.05, 2.0, 13), 4).tolist())
 SUMS = ("force", "force^2", *ROWS[:3], *AREA_COEFFICIENTS.values())
 """Sums over a sample: of the forces, of their squares, and of the force times each law."""
@@ -90,13 +92,13 @@ def deviations(
     """Deviations of Table 2's numbers from the published ones: ln(ours/published).
 
     Ours follow from `SUMS` at one of `SAMPLINGS`, each a number or an array, the area element of
-    the hyperbolic law, a factor of 1 - determination by the paper's definition, a common ``scale``
-    of all elastic forces, and relative shifts of the coefficients of Winkler's and the hyperbolic
-    law from those of least squares. The others are `study.dataset.published_table_2`.
+    the hyperbolic law, a factor of 1 - kappa_as_printed, a common ``scale`` of all elastic forces,
+    and relative shifts of the coefficients of Winkler's and the hyperbolic law from those of least
+    squares. The others are `study.dataset.published_table_2`.
     """
     laws, logarithms = _laws(sampling), {}
     count = len(SAMPLINGS[sampling])
-    determination, rmse = published.determination.to_dict(), published.RMSE.to_dict()
+    kappa, rmse = published.kappa_as_printed.to_dict(), published.RMSE.to_dict()
     about_mean = sums["force^2"] - sums["force"] ** 2 / count
     names = (*ROWS[:3], AREA_COEFFICIENTS[area])
     for law, name, shift in zip(ROWS, names, (None, None, *shifts), strict=True):
@@ -104,7 +106,7 @@ def deviations(
         coefficient = 1 / scale if shift is None else (1 + shift) * sums[name] / squares
         missing = factor * (sums["force"] - coefficient * laws[name].sum()) ** 2 / about_mean
         errors = sums["force^2"] - 2 * coefficient * sums[name] + coefficient**2 * squares
-        logarithms[f"1 - determination {law}"] = np.log(missing / (1 - determination[law]))
+        logarithms[f"1 - kappa_as_printed {law}"] = np.log(missing / (1 - kappa[law]))
         logarithms[f"RMSE {law}"] = np.log(scale * np.sqrt(errors / count) / rmse[law])
     return logarithms
 
@@ -123,7 +125,7 @@ def shifted_misfit(
     """
     sums = {name: np.asarray(value)[..., None] for name, value in sums.items()}
     off = deviations(published, USUAL, sums, scale=scale, shifts=(shifts, shifts))
-    squares = [off[f"1 - determination {law}"] ** 2 + off[f"RMSE {law}"] ** 2 for law in ROWS]
+    squares = [off[f"1 - kappa_as_printed {law}"] ** 2 + off[f"RMSE {law}"] ** 2 for law in ROWS]
     return np.sqrt(sum(of_law.min(axis=-1) for of_law in squares) / len(NUMBERS))
 
 

@@ -1,48 +1,39 @@
 """How well a law agrees with the forces of the elastic solution, by the paper's measures.
 
 Each takes the truth first (the elastic solution's values) and the prediction second (the law's).
-Both are lists of the same length, of two values or more.
+Both are lists of the same length, of two values or more. The coefficient of determination by its
+usual definition is `determination`; that of the paper's Table 2 is `kappa_as_printed`.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from study.contact.agreement import adjusted, determination, rmse
 
-def determination(truth: ArrayLike, prediction: ArrayLike) -> float:
-    """Coefficient of determination 1 - SSE/SST (the paper: multicorrelation coefficient).
+__all__ = [
+    "adjusted",
+    "determination",
+    "goodness_of_fit",
+    "kappa_as_printed",
+    "relative_rmse",
+    "rmse",
+]
+AS_PRINTED = {"size": 20, "predictors": 1}
+"""Of the adjusted coefficients, whose factor is 19/18 in all five rows of the paper's Table 2. The
+21st depth is zero, where every law is exact; it seems not to count there."""
 
-    SSE is the sum of squared differences, SST that of the truth about its mean.
+
+def kappa_as_printed(truth: ArrayLike, prediction: ArrayLike) -> float:
+    """Coefficient of Table 2 and Fig. 14 of the paper: 1 - (sum of differences)^2/SST.
+
+    The paper calls it multicorrelation coefficient. SST is the sum of squared differences of the
+    truth from its mean. The sum of differences is squared instead of its terms (identified,
+    notebook 13). The result depends only on the number of values and the mean difference; errors of
+    opposite sign cancel.
     """
     truth = np.asarray(truth)
-    return float(1 - np.sum((truth - prediction) ** 2) / _total(truth))
-
-
-def determination_as_published(truth: ArrayLike, prediction: ArrayLike) -> float:
-    """The same as in Table 2 and Fig. 14 of the paper: 1 - (sum of differences)^2/SST.
-
-    The sum is squared instead of its terms (identified, notebook 13). The result depends only on
-    the number of values and the mean difference; errors of opposite sign cancel.
-    """
-    truth = np.asarray(truth)
-    return float(1 - np.sum(truth - prediction) ** 2 / _total(truth))
-
-
-def _total(truth):
-    return np.sum((truth - truth.mean()) ** 2)
-
-
-def adjusted(determination: float, size: int = 20, predictors: int = 1) -> float:
-    """Adjusted coefficient 1 - (1 - c) (n - 1)/(n - p - 1) of n values, p predictors and c.
-
-    The default factor, 19/18, is that of all five rows of the paper's Table 2. The 21st depth is
-    zero, where every law is exact; it seems not to count here.
-    """
-    return 1 - (1 - determination) * (size - 1) / (size - predictors - 1)
-
-
-def rmse(truth: ArrayLike, prediction: ArrayLike) -> float:
-    """Root-mean-square error sqrt(SSE/n), in the unit of the data."""
-    return float(np.sqrt(np.mean(np.subtract(truth, prediction) ** 2)))
+    squares = np.sum((truth - truth.mean()) ** 2)
+    return float(1 - np.sum(truth - prediction) ** 2 / squares)
 
 
 def relative_rmse(truth: ArrayLike, prediction: ArrayLike) -> float:
@@ -51,12 +42,13 @@ def relative_rmse(truth: ArrayLike, prediction: ArrayLike) -> float:
 
 
 def goodness_of_fit(truth: ArrayLike, prediction: ArrayLike) -> dict[str, float]:
-    """All measures; those without ``_correct`` follow `determination_as_published`."""
-    measures = {}
-    for suffix, measure in (("", determination_as_published), ("_correct", determination)):
-        coefficient = measure(truth, prediction)
-        measures[f"determination{suffix}"] = coefficient
-        measures[f"determination_adjusted{suffix}"] = adjusted(coefficient)
-    measures["RMSE"] = rmse(truth, prediction)
-    measures["relative_RMSE"] = relative_rmse(truth, prediction)
-    return measures
+    """All measures; both coefficients are adjusted as in the paper, by `AS_PRINTED`."""
+    kappa, square = kappa_as_printed(truth, prediction), determination(truth, prediction)
+    return {
+        "kappa_as_printed": kappa,
+        "kappa_adjusted_as_printed": adjusted(kappa, **AS_PRINTED),
+        "determination": square,
+        "determination_adjusted": adjusted(square, **AS_PRINTED),
+        "RMSE": rmse(truth, prediction),
+        "relative_RMSE": relative_rmse(truth, prediction),
+    }

@@ -4,7 +4,7 @@ Its input are the printed numbers, the formulas of Hertz and Steuermann, which h
 the shapes of the fitted laws, R2*, and a list of depths of shape (n,). `printed` holds the numbers
 with every combination of their last digits' rounding, so that each function gives arrays: the value
 that follows from the numbers as printed comes first, and `interval` adds its least and largest. If
-1 - determination was multiplied by a factor before it was printed, that is ``factor``.
+1 - kappa_as_printed was multiplied by a factor before it was printed, that is ``factor``.
 """
 
 from itertools import product
@@ -28,14 +28,17 @@ Printed = dict[str, tuple[Numbers, Numbers]]
 
 
 def printed(published: pd.DataFrame) -> Printed:
-    """1 - determination and RMSE of each of `ROWS`, each of shape (257,).
+    """1 - kappa_as_printed and RMSE of each of `ROWS`, each of shape (257,).
 
     The first element is as printed, the others are the 2^8 corners of what rounds to it.
     ``published`` is `study.dataset.published_table_2`.
     """
     corners = np.array([[0.0] * 8, *product((-HALF_DIGIT, HALF_DIGIT), repeat=8)]).T
     return {
-        law: (1 - published.determination[law] + corners[k], published.RMSE[law] + corners[k + 4])
+        law: (
+            1 - published.kappa_as_printed[law] + corners[k],
+            published.RMSE[law] + corners[k + 4],
+        )
         for k, law in enumerate(ROWS)
     }
 
@@ -58,9 +61,9 @@ def totals(
     known: tuple[ArrayLike, ArrayLike] | None = None,
     opposite: bool = False,
 ) -> tuple[Numbers, Numbers]:
-    """Sum of the elastic forces y, and sum of (y - mean)^2, from two coefficients of determination.
+    """Sum of the elastic forces y, and sum of (y - mean)^2, from two coefficients kappa as printed.
 
-    With 1 - determination = (sum of errors)^2/sum (y - mean)^2, the roots of the two are in the
+    With 1 - kappa_as_printed = (sum of errors)^2/sum (y - mean)^2, the roots of the two are in the
     ratio of the laws' summed errors. These laws are Hertz's and Steuermann's, with the forces
     ``known``, by default `known_forces`; on average they err to the same side unless ``opposite``.
     """
@@ -74,7 +77,7 @@ def totals(
 def coefficients(
     table: Printed, law: str, depths: ArrayLike, factor: float = 1.0, **reading
 ) -> tuple[Numbers, Numbers]:
-    """Coefficient of a fitted law by its determination, and by its RMSE.
+    """Coefficient of a fitted law by its kappa as printed, and by its RMSE.
 
     The latter is that of least squares: n RMSE^2 = sum y^2 - c^2 sum f^2. The former has the sign
     of the law's mean error that brings the two nearer. ``law`` is a key of
@@ -95,8 +98,8 @@ def disagreement(
     table: Printed, law: str, depths: ArrayLike, factor: float = 1.0, **reading
 ) -> Numbers:
     """How far the two `coefficients` of a law are apart, in percent; 0 for the paper's sample."""
-    by_determination, by_rmse = coefficients(table, law, depths, factor, **reading)
-    return 100 * (by_determination / by_rmse - 1)
+    by_kappa, by_rmse = coefficients(table, law, depths, factor, **reading)
+    return 100 * (by_kappa / by_rmse - 1)
 
 
 def forces(

@@ -28,6 +28,7 @@ COMMANDS = {
     "joint": ("solve_joint", "Solve one joint: force, depth, stiffness, pressure and stresses."),
     "law": ("evaluate_law", "Evaluate a contact law."),
     "choose": ("laws", "Choose the cheapest law that is accurate enough for a joint."),
+    "fit": ("fit", "Compare every law with a curve of your own, and fit what is not known."),
     "export": ("laws", "Export a law, for one joint, to another program."),
     "simulate": ("mechanism", "Simulate the crank-slider: its motion and every impact."),
     "sweep": ("sweep", "Solve many joints, or simulate many scenes, into one table."),

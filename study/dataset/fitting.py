@@ -85,7 +85,7 @@ def liu_coefficient(
     """Coefficient c of Liu's law, P* = c R2* (...), by its determination in the paper's Table 2.
 
     The published coefficient of determination, negative, depends only on the mean difference of law
-    and finite elements (`study.claims.statistics.determination_as_published`). Liu's law is the
+    and finite elements (`study.claims.statistics.kappa_as_printed`). Liu's law is the
     smaller one. ``force_star`` is at `SAMPLE`, for the R2* of Table 2; ``unit`` is the law's force
     over c R2* at the same depths but 0, shape (20,).
     """

@@ -86,12 +86,18 @@ def published(where: str | None = None) -> pd.Series:
 def published_table_2() -> pd.DataFrame:
     """Table 2 with the signs that the paper leaves out: absolute values above 1 are negative.
 
-    Columns ``determination``, ``determination_adjusted`` and ``RMSE``, a row per law.
+    Columns ``kappa_as_printed``, ``kappa_adjusted_as_printed`` and ``RMSE``, a row per law: the
+    paper's coefficient of determination is not the usual one (`study.claims.statistics`).
     """
     table = published("Table 2").rename({"proposed": "hyperbolic_winkler"}).unstack()
-    table = table.loc[list(contact.PAPER_LAWS), ["determination", "determination_adjusted", "RMSE"]]
-    signed = ["determination", "determination_adjusted"]
-    table[signed] = table[signed].where(table.determination < 1, -table)
+    names = {
+        "determination": "kappa_as_printed",
+        "determination_adjusted": "kappa_adjusted_as_printed",
+        "RMSE": "RMSE",
+    }
+    table = table.loc[list(contact.PAPER_LAWS), list(names)].rename(columns=names)
+    signed = list(table.columns[:2])
+    table[signed] = table[signed].where(table.kappa_as_printed < 1, -table)
     return table
 
 

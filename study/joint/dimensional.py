@@ -35,7 +35,14 @@ _whole_curve = lru_cache(maxsize=16)(whole_curve)  # the same for every yield st
 _tilted_curve = lru_cache(maxsize=16)(tilted_curve)
 _USUAL, _STEP = 1.0, 1.2  # clearances that a table reaches; how much further the next one does
 _NARROWEST = 0.02  # clearances that the table of a narrow socket reaches at least
-_SAME = ("tilt", "peak_angle_deg", "contact_edges_deg", "peak_error", "reaches_rim", "angle_deg")
+_SAME: tuple[str, ...] = (
+    "tilt",
+    "peak_angle_deg",
+    "contact_edges_deg",
+    "peak_error",
+    "reaches_rim",
+    "angle_deg",
+)
 _SAME += ("error_estimate",)  # results off the axis that have no unit of the joint's
 
 

@@ -346,7 +346,7 @@ def _largest_at_nodes(body, corners, lowest, pressure, edge, *layer):
 def far_from(corners: Floats, r: Floats, z: Floats) -> NDArray[np.bool_]:
     """Whether places (r, z) are at least `HEIGHT` from corners, (n, 2), in the meridian."""
     apart = np.hypot(r[:, None] - corners[:, 0], z[:, None] - corners[:, 1])
-    return (apart >= HEIGHT).all(axis=1)
+    return np.all(apart >= HEIGHT, axis=1)
 
 
 def _top(values, places, at):

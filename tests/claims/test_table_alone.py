@@ -12,7 +12,7 @@ from study.dataset import fitting
 DISC, SPHERE = "hyperbolic_winkler", "hyperbolic_winkler_sphere"
 
 
-def made(depths, force, digits, measure="determination"):
+def made(depths, force, digits, measure="kappa_as_printed"):
     """Table 2 of some forces, with a number of digits, as `table_alone.printed` wants it."""
     hertz, steuermann = table_alone.known_forces(depths)
     laws = {"hertz": hertz, "steuermann": steuermann}
@@ -20,7 +20,7 @@ def made(depths, force, digits, measure="determination"):
         laws[law] = fitting.coefficient(law, depths, force) * fitting.shape(law, depths)
     rows = {law: stats.goodness_of_fit(force, values) for law, values in laws.items()}
     table = pd.DataFrame(rows).T.round(digits)
-    return table.assign(determination=table[measure])
+    return table.assign(kappa_as_printed=table[measure])
 
 
 @pytest.fixture
@@ -61,7 +61,7 @@ def test_a_wrong_sample_or_factor_shows(depths, force):
 
 
 def test_by_the_usual_definition_one_number_is_the_same_for_all_laws(depths, force):
-    table = table_alone.printed(made(depths, force, 12, "determination_correct"))
+    table = table_alone.printed(made(depths, force, 12, "determination"))
     share = [missing[0] / rmse[0] ** 2 for missing, rmse in table.values()]
     assert share == pytest.approx([len(depths) / np.sum((force - force.mean()) ** 2)] * 4)
 
@@ -79,7 +79,7 @@ def test_corners_enclose_whatever_rounds_to_the_printed_table():
     bounds = [table_alone.interval(quantity(usual)) for quantity in quantities]
     for _ in range(200):
         moved = published.copy()
-        moved[["determination", "RMSE"]] += rng.uniform(-5e-5, 5e-5, (len(moved), 2))
+        moved[["kappa_as_printed", "RMSE"]] += rng.uniform(-5e-5, 5e-5, (len(moved), 2))
         inside = table_alone.printed(moved)
         for quantity, bound in zip(quantities, bounds, strict=True):
             assert bound["low"] <= quantity(inside)[0] <= bound["high"]
@@ -87,7 +87,7 @@ def test_corners_enclose_whatever_rounds_to_the_printed_table():
 
 def test_the_papers_table_alone():
     found = pd.read_csv(paths.FIGURES / "table_alone.csv").set_index(["quantity", "reading"])
-    share = found.loc["(1 - determination)/RMSE^2"]
+    share = found.loc["(1 - kappa_as_printed)/RMSE^2"]
     assert share.low["hertz"] > 1.05 * share.high["steuermann"]
     assert share.low["hyperbolic_winkler"] > 1.03 * share.high["winkler"]
     total = found.loc["sum of P*"]

@@ -1,0 +1,409 @@
+"""Which law follows a curve of your own, from finite elements or from a test rig.
+
+`fit_curve` compares every law with a measured or computed force over depth. Clearance, composite
+modulus and an offset of the depth can be fitted by least squares of the force. A law with a
+coefficient of its own always has this fitted. The power law needs no joint.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from study import checks
+from study.contact import LAWS, tabulated
+from study.contact.agreement import adjusted, determination, rmse
+from study.contact.power_fit import PowerFit, fit_power
+from study.joint import DimensionalJoint, Joint, whole_curve
+from study.joint.dimensional import usual_depth
+from study.joint.law_parameters import law_parameters
+from study.threads import one_thread
+
+Floats = NDArray[np.float64]
+Fitted = Literal["clearance", "modulus", "offset"]
+NOISE = 0.1
+"""Of the largest force: a force that falls by more, from one depth to a larger one, is no noise."""
+RELATIVE_FROM = 0.01
+"""Of the largest force: relative errors are those of forces from here on."""
+SEARCHED = 1 / 3, 3.0
+"""Least and largest clearance of a fit, over the given one."""
+_SHALLOWEST = 1e-4  # clearances: a curve that ends above has another unit
+_STEP, _SINGULAR = 1e-3, 1e-6  # of a derivative, relative; of singular values, least over largest
+_AT_ONCE = 200  # points of `fit_power`, whose memory grows with their third power
+_EXPONENTS = 0.1, 10.0
+
+
+@dataclass(frozen=True)
+class LawFit:
+    """How well a law follows the curve.
+
+    Attributes
+    ----------
+    law
+        Key of ``study.contact.LAWS``, or ``tabulated``: the joint's own elastic solution.
+    force
+        Of the law at the curve's depths, shape (n,).
+    rmse, max_error
+        Root-mean-square and largest error, in the unit of the force.
+    max_relative_error
+        Largest error over the force, where the force is at least 1 % of the largest one.
+    determination, determination_adjusted
+        R^2 = 1 - SSE/SST, and 1 - (1 - R^2) (n - 1)/(n - p - 1) with p fitted parameters.
+    parameters
+        Those that are fitted: ``coefficient`` (of the power law in N/m^n, else without a unit),
+        ``exponent``, ``clearance`` in m, composite ``modulus`` in Pa, ``offset`` of the depth.
+    standard_errors
+        Of the parameters that least squares of the force give, for independent errors of the
+        forces; that of the power law's coefficient is left out, as it depends on the exponent's.
+    """
+
+    law: str
+    force: Floats
+    rmse: float
+    max_error: float
+    max_relative_error: float
+    determination: float
+    determination_adjusted: float
+    parameters: dict[str, float]
+    standard_errors: dict[str, float]
+
+
+@dataclass(frozen=True)
+class CurveFit:
+    """Every law beside a curve.
+
+    Attributes
+    ----------
+    depth, force
+        The curve, by depth, shape (n,).
+    laws
+        The smallest RMSE first.
+    power
+        The force as k d^n, with its largest relative error and its range of depths.
+    left_out
+        Law -> why it is not compared.
+    notes
+        What the curve or the fit needs to be read with: sentences.
+    """
+
+    depth: Floats
+    force: Floats
+    laws: tuple[LawFit, ...]
+    power: PowerFit
+    left_out: dict[str, str]
+    notes: tuple[str, ...]
+
+
+@one_thread
+def fit_curve(
+    depth: ArrayLike,
+    force: ArrayLike,
+    joint: Joint | DimensionalJoint | None = None,
+    fit: Sequence[Fitted] = (),
+) -> CurveFit:
+    """Compare every law with a curve of force over depth, and fit what is not known.
+
+    Parameters
+    ----------
+    depth, force
+        Shape (n,), in any order, n >= 4 plus the number of fitted quantities: in m and N, or for a
+        `Joint` without dimensions in clearances and E* dR^2. Noise is allowed; forces are positive.
+    joint
+        With its dimensions, or without; None if unknown: only the power law is then fitted.
+    fit
+        ``clearance`` (the given one is where the search starts, the socket's radius is kept),
+        ``modulus`` (the composite one, E*) and ``offset``: the depth that is read at first touch.
+
+    Raises
+    ------
+    ValueError
+        For values that no curve of a joint has, or too few; the message says what to do.
+
+    Examples
+    --------
+    >>> joint = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+    >>> depth = np.linspace(1e-6, 20e-6, 20)
+    >>> fit_curve(depth, joint.law().force(depth), joint).laws[0].law
+    'tabulated'
+    """
+    for name in fit:
+        checks.choice("fit", name, get_args(Fitted))
+    depths, forces = _checked(depth, force, joint, fit)
+    plain = joint.joint if isinstance(joint, DimensionalJoint) else joint
+    length, modulus = 1.0, 1.0
+    if isinstance(joint, DimensionalJoint):
+        length, modulus = joint.clearance, joint.joint.composite_modulus
+    data = depths / length, forces / (modulus * length**2)
+    units = {"clearance": length, "modulus": modulus, "offset": length}
+    judged = partial(_judged, depths, forces, modulus * length**2, units)
+
+    power, fitted = _power(depths, forces, "offset" in fit)
+    found, left_out = [_judged(depths, forces, 1.0, {}, "power", *fitted)], {}
+    for law in [name for name in LAWS if name != "power"] + ["tabulated"]:
+        if plain is None:
+            left_out[law] = "it needs the sizes and materials of the joint, which are not given"
+            continue
+        try:
+            found.append(judged(law, *_fit_law(law, plain, *data, fit)))
+        except checks.RangeError as error:
+            left_out[law] = str(error)
+    found.sort(key=lambda of: (of.rmse, of.law))
+    notes = tuple(_notes(found, forces, fit, plain))
+    return CurveFit(depths, forces, tuple(found), power, left_out, notes)
+
+
+def _checked(depth, force, joint, fit):
+    """Depths and forces by depth, as arrays; `ValueError` if they are no curve of the joint."""
+    is_star = isinstance(joint, Joint)
+    unit_of = {"depth": "clearances" if is_star else "m", "force": "E* dR^2" if is_star else "N"}
+    if joint is None:
+        unit_of = dict.fromkeys(unit_of, "")
+    depths = np.asarray(checks.number("depth", depth, unit_of["depth"]))
+    forces = np.asarray(checks.number("force", force, unit_of["force"]))
+    least = 4 + len(fit)
+    if depths.ndim != 1 or depths.shape != forces.shape or len(depths) < least:
+        raise ValueError(
+            f"depth and force must be lists of the same length >= {least}, to fit {least - 2} "
+            f"parameters, got shapes {depths.shape} and {forces.shape}: give more points, or fit "
+            "less"
+        )
+    if "offset" not in fit and (depths < 0).any():
+        raise checks.RangeError(
+            f"depth must be >= 0, got {depths.min():g}: depth counts from first touch, towards the "
+            "socket; change its sign, or fit the offset of the depth"
+        )
+    lowest = -NOISE * forces.max() if "offset" in fit else 0
+    if (forces < lowest).any() or forces.max() < 0:
+        raise checks.RangeError(
+            f"force must be >= 0, got {forces.min():g}: a force that presses the ball into the "
+            "socket is positive; change its sign, or, if it is noise about 0 before first touch, "
+            "leave these points out or fit the offset of the depth"
+        )
+    pressed = forces > 0 if "offset" in fit else (forces > 0) & (depths > 0)
+    if np.unique(depths[pressed]).size < 2:
+        raise ValueError("force must be > 0 at two different depths or more: there is no contact")
+    order = np.lexsort((forces, depths))
+    depths, forces = depths[order], forces[order]
+    highest = np.maximum.accumulate(forces)
+    falls = highest - forces
+    worst = int(falls.argmax())
+    if falls[worst] > NOISE * forces.max() or np.corrcoef(depths, forces)[0, 1] <= 0:
+        before = int(forces[: worst + 1].argmax())
+        raise ValueError(
+            f"force must increase with depth, got {forces[before]:g} {unit_of['force']} at "
+            f"{depths[before]:g} {unit_of['depth']} and then {forces[worst]:g}: give one loading "
+            "curve, without unloading, and check that the columns are not exchanged"
+        )
+    if joint is not None:
+        _check_unit(depths, joint, unit_of["depth"], "offset" in fit)
+    if joint is None or is_star:
+        for name in fit:
+            if name != "offset":
+                raise ValueError(
+                    f"{name} can be fitted only to depths and forces with units and a joint with "
+                    "its dimensions"
+                )
+    return depths, forces
+
+
+def _check_unit(depths, joint, unit, with_offset):
+    largest = np.ptp(depths) if with_offset else depths[-1]
+    is_star = isinstance(joint, Joint)
+    radius = joint.r2_star if is_star else joint.socket_radius
+    told = "is the unit of the depths right?"
+    if largest >= radius:
+        raise checks.RangeError(
+            f"depth must be < {radius:g} {unit}, the radius of the socket, got {largest:g} {unit}: "
+            f"{told}"
+        )
+    least = _SHALLOWEST * (1 if is_star else joint.clearance)
+    if largest < least:
+        raise checks.RangeError(
+            f"the largest depth must be >= {least:g} {unit}, {_SHALLOWEST:g} clearances, got "
+            f"{largest:g} {unit}: {told}"
+        )
+
+
+def _notes(found, forces, fit, joint):
+    fall = float(np.max(np.maximum.accumulate(forces) - forces) / forces.max())
+    if fall > 0:
+        yield (
+            f"The force falls with the depth by up to {100 * fall:.2g} % of the largest force, "
+            "which is taken for noise."
+        )
+    if "modulus" in fit:
+        yield (
+            "A law with a coefficient of its own (winkler, hyperbolic_winkler, power) has no "
+            "modulus to fit, because the coefficient contains it."
+        )
+    if joint is not None and all(of.determination < 0.5 for of in found if of.law in _PREDICTED):
+        yield (
+            "No law without a coefficient of its own is near the curve. Check units, sizes and "
+            "materials, or fit the clearance, the modulus or the offset."
+        )
+
+
+_PREDICTED = {name for name, law in LAWS.items() if "coefficient" not in law.options}
+
+
+def _judged(depths, forces, unit, units, law, force_star, values, errors):
+    """`LawFit` of a law's forces, in a unit, with fitted values and standard errors in theirs."""
+    force = unit * force_star
+    square = determination(forces, force)
+    return LawFit(
+        law,
+        force,
+        rmse(forces, force),
+        float(np.abs(force - forces).max()),
+        _relative_error(forces, force),
+        square,
+        adjusted(square, len(forces), len(values)),
+        {name: units.get(name, 1) * value for name, value in values.items()},
+        {name: units.get(name, 1) * error for name, error in errors.items()},
+    )
+
+
+def _relative_error(forces, prediction):
+    counts = forces >= RELATIVE_FROM * forces.max()
+    return float(np.abs(prediction[counts] / forces[counts] - 1).max())
+
+
+def _power(depths, forces, with_offset):
+    """The power law: `PowerFit`, and forces, values and standard errors of its fit.
+
+    If the force increases from point to point, the fit is that of a solved joint: the least maximum
+    of the relative error. Else there is noise, and it is by least squares.
+    """
+    unit, most = np.ptp(depths) if with_offset else depths[-1], forces.max()
+    touching = (depths > 0) & (forces > 0)
+    is_clean = (np.diff(depths[touching]) > 0).all() and (np.diff(forces[touching]) > 0).all()
+    if is_clean and not with_offset:
+        d, f = depths[touching], forces[touching]
+        some = np.unique(np.linspace(0, len(d) - 1, min(len(d), _AT_ONCE)).round().astype(int))
+        fit = fit_power(d[some], f[some])
+        values = {"coefficient": fit.coefficient, "exponent": fit.exponent}
+        return fit, (fit.coefficient * depths**fit.exponent, values, {})
+
+    def model(coefficient, exponent, offset=0.0):
+        return coefficient * ((depths - offset) / unit).clip(0) ** exponent
+
+    start = {"coefficient": float(most), "exponent": 1.5}
+    if with_offset:
+        start["offset"] = _first_touch(depths, forces)
+    scales = {"coefficient": float(most), "offset": float(unit)}
+    values, errors = _least_squares(model, forces, start, {"exponent": _EXPONENTS}, scales)
+    force, offset = model(**values), values.get("offset", 0.0)
+    errors = {name: error for name, error in (errors or {}).items() if name != "coefficient"}
+    values["coefficient"] = float(values["coefficient"] / unit ** values["exponent"])
+    pressed = (depths - offset)[(depths > offset) & (forces > 0)]
+    ends = float(pressed.min()), float(pressed.max())
+    error = _relative_error(forces, force)
+    fit = PowerFit(values["coefficient"], values["exponent"], error, ends)
+    return fit, (force, values, errors)
+
+
+def _first_touch(depths, forces):
+    """Depth at which the force begins, as force^(2/3) is a line for Hertz's law."""
+    counts = forces > NOISE * forces.max()
+    if np.ptp(depths[counts]) == 0:
+        return float(depths[0])
+    slope, intercept = np.polyfit(depths[counts], forces[counts] ** (2 / 3), 1)
+    return float(-intercept / slope) if slope > 0 else float(depths[0])
+
+
+def _fit_law(law, joint, depth_star, force_star, fit):
+    """Forces of a law at depths, without dimensions, and its fitted values and standard errors."""
+    own = law in LAWS and "coefficient" in LAWS[law].options
+    kept = ["offset"]
+    if not own:
+        kept = list(get_args(Fitted))
+    elif law == "hyperbolic_winkler":  # Winkler's coefficient contains the clearance too
+        kept.append("clearance")
+    names = [name for name in fit if name in kept]
+    at = _evaluation(law, joint)
+    start = dict.fromkeys(names, 1.0)
+    if "offset" in names:
+        start["offset"] = _first_touch(depth_star, force_star)
+    if not start and not own:
+        return at(depth_star), {}, {}
+    options = {"coefficient": 1.0} if own else {}
+    shape = at(depth_star, offset=start.get("offset", 0.0), clip=True, **options)
+    if own:
+        start["coefficient"] = float(shape @ force_star / (shape @ shape))
+    least = (LAWS[law].least_r2_star if law in LAWS else None) or 1.0
+    most = min(SEARCHED[1], joint.r2_star / least * (1 - 1e-6))
+    bounds = {"clearance": (SEARCHED[0], most)}
+    if "clearance" in start:
+        start["clearance"] = min(1.0, most)
+    scales = {"offset": float(np.ptp(depth_star)), "coefficient": start.get("coefficient", 1.0)}
+    values, errors = _least_squares(
+        partial(at, depth_star, clip=True), force_star, start, bounds, scales
+    )
+    if errors is None:
+        raise checks.RangeError(
+            "more than one set of clearance and modulus gives the same force of this law: fit only "
+            "one of the two"
+        )
+    return at(depth_star, **values), values, errors
+
+
+def _evaluation(law: str, joint: Joint) -> Callable[..., Floats]:
+    """Function of depths and of the fitted quantities: a law's force in E* dR^2 as given."""
+    table = lru_cache(maxsize=64)(lambda other, deepest: tabulated(whole_curve(other, deepest)))
+
+    def force(
+        depth_star: Floats,
+        clearance: float = 1.0,
+        modulus: float = 1.0,
+        offset: float = 0.0,
+        clip: bool = False,
+        **options: Any,
+    ) -> Floats:
+        other = joint if clearance == 1 else replace(joint, r2_star=joint.r2_star / clearance)
+        depth = (depth_star - offset) / clearance
+        if law == "tabulated":
+            formula = table(other, max(usual_depth(other), float(depth.max())))
+        else:
+            formula = LAWS[law]
+            options |= law_parameters(formula, other)
+        if clip:  # while a fit searches
+            limit = formula.limit(formula.parts(other.r2_star, **options).shape)
+            depth = depth if limit is None else np.minimum(depth, limit)
+        return modulus * clearance**2 * formula(depth, other.r2_star, **options)
+
+    return force
+
+
+def _least_squares(model, forces, start, bounds, scales):
+    """Fitted values and their standard errors by name; None for these if values are degenerate."""
+    from scipy.optimize import least_squares
+
+    names, most = list(start), np.abs(forces).max()
+    scale = np.array([scales.get(name, 1.0) for name in names])
+    low, high = np.array([bounds.get(name, (-np.inf, np.inf)) for name in names]).T / scale
+    found = least_squares(
+        lambda x: (model(**dict(zip(names, scale * x, strict=True))) - forces) / most,
+        np.array([start[name] for name in names]) / scale,
+        jac="3-point",
+        bounds=(low, high),
+        diff_step=_STEP,
+        xtol=1e-10,
+        ftol=1e-12,
+        gtol=1e-12,
+    )
+    values = dict(zip(names, (scale * found.x).tolist(), strict=True))
+    norms = np.linalg.norm(found.jac, axis=0)
+    if not norms.all() or np.linalg.cond(found.jac / norms) > 1 / _SINGULAR:
+        return values, None
+    for name, at_bound in zip(names, found.active_mask, strict=True):
+        if at_bound:
+            raise checks.RangeError(
+                f"its best {name} is beyond the range that is searched, "
+                f"{bounds[name][0]:.3g} to {bounds[name][1]:.3g} times the given one"
+            )
+    covariance = np.linalg.inv(found.jac.T @ found.jac) * 2 * found.cost
+    errors = scale * np.sqrt(np.diag(covariance) / (len(forces) - len(names)))
+    return values, dict(zip(names, errors.tolist(), strict=True))

@@ -1,0 +1,253 @@
+"""The command for a curve of your own: study fit."""
+
+import csv
+import re
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import typer
+
+from study import checks, paths
+from study.cli import options as cli
+from study.cli.output import columns, show, working
+from study.cli.solve_joint import OF_SIZED, RELATIVE, SAME_BYTES, SIZED, needed, sized
+from study.joint import RatioJoint
+
+NO_UNIT = "none"
+UNITS = {
+    "depth": {"um": 1e-6, "mm": 1e-3, "m": 1.0, NO_UNIT: 1.0},
+    "force": {"N": 1.0, "kN": 1e3, NO_UNIT: 1.0},
+}
+"""Units of a curve -> their size in m or N."""
+_ALSO = {"µm": "um", "star": NO_UNIT}  # at the end of a head, as in depth_star
+SHOWN = {"clearance": ("um", 1e6), "modulus": ("GPa", 1e-9), "offset": ("um", 1e6)}
+"""Units in which fitted quantities are printed, and factors from SI units."""
+
+
+@cli.command("fit")
+def fit_own_curve(
+    curve: Path = typer.Argument(
+        help="CSV file with a head and a row for each point: a column of the penetration depth and "
+        "one of the force, such as 'depth [um]' and 'force [N]', or depth_star and force_star.",
+        metavar="FILE",
+    ),
+    depth_column: str = cli.option("Head of the column of depths, if it does not begin with depth"),
+    force_column: str = cli.option("Head of the column of forces, if it does not begin with force"),
+    depth_unit: Literal["m", "mm", "um", "none"] = cli.option(
+        "Unit of the depths, if the head has none; none for depths in clearances, d/dR."
+    ),
+    force_unit: Literal["N", "kN", "none"] = cli.option(
+        "Unit of the forces, if the head has none; none for P/(E* dR^2)."
+    ),
+    fit: list[str] = cli.option(
+        "Fit this too, by least squares of the force: clearance, whose search starts at "
+        "--clearance; modulus, the composite one, E*; or offset, the depth that is read at first "
+        "touch. May be repeated."
+    ),
+    plot: Path = cli.option("Figure of curve and laws to write: .png, .svg or .pdf."),
+    as_json: bool = cli.JSON,
+    **joint: RELATIVE | SIZED,
+):
+    """Compare every law with a curve of your own, and fit what is not known of its joint.
+
+    The curve is from finite elements or a test rig, for a load along the axis. The joint is
+    described as for study joint, with its dimensions, or without for a curve in clearances. If no
+    joint is given, only the power law k d^n is fitted.
+    """
+    from study.choose.own_curve import fit_curve
+
+    if plot is not None:
+        cli.check_output(plot, *SAME_BYTES, name="plot")
+    heads = {"depth": depth_column, "force": force_column}
+    units = {"depth": depth_unit, "force": force_unit}
+    depth, force, has_units = read_curve(curve, heads, units)
+    asked = _joint(joint, has_units)
+    with working("Comparing the laws"):
+        found = fit_curve(depth, force, asked, fit or ())
+    if plot is not None:
+        _draw(found, plot, has_units)
+    show(_values(found), as_json, *_parts(found, has_units, fit or ()))
+
+
+def _joint(options, has_units):
+    """Joint of the options, with dimensions if the curve has units; None without options."""
+    if not options:
+        return None
+    if any(name in options for name in OF_SIZED):
+        joint = sized(options)
+        return joint if has_units else joint.joint
+    if has_units:
+        raise ValueError(
+            "--socket-radius, --clearance and --wall must be given, because the curve has units; "
+            "--r2-star is for a curve in clearances (--depth-unit none --force-unit none)"
+        )
+    needed(("r2_star",), options)
+    return RatioJoint(**options).joint()
+
+
+def read_curve(path, heads, units):
+    """Depths and forces of a CSV file, of shape (n,), and whether they are in m and N.
+
+    ``heads`` and ``units`` of ``depth`` and ``force`` are None where the head of the file has them.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        lines = [line for line in text.splitlines() if line.strip(" ,;\t")]
+        separator = max(",;\t", key="".join(lines[:1]).count)
+        rows = list(csv.reader(lines, delimiter=separator, strict=True))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        why = getattr(error, "strerror", None) or "it is not CSV text in UTF-8"
+        raise ValueError(f"FILE must be a CSV file, got {path}: {why}") from None
+    if len(rows) < 2:
+        raise ValueError(f"{path} must have a line of heads and a row for each point, got none")
+    names, values, found = [name.strip() for name in rows[0]], [], {}
+    for what, head in heads.items():
+        column = _column(names, what, head)
+        found[what] = units[what] or _unit(names[column], what)
+        values.append(_numbers(rows, column, what) * UNITS[what][found[what]])
+    if (found["depth"] == NO_UNIT) != (found["force"] == NO_UNIT):
+        raise ValueError(
+            "depth and force must both have units, or both have none (in clearances and E* dR^2), "
+            f"got {found['depth']} and {found['force']}"
+        )
+    return *values, found["depth"] != NO_UNIT
+
+
+def _column(names, what, head):
+    """Index of the column of depths or forces."""
+    wanted = head.strip() if head else None
+    found = [
+        k
+        for k, name in enumerate(names)
+        if (name == wanted if wanted else re.match(rf"{what}(?![a-z])", name, re.IGNORECASE))
+    ]
+    if len(found) == 1:
+        return found[0]
+    option, listed = f"--{what}-column", ", ".join(names)
+    if not found:
+        raise ValueError(
+            f"a column must be named {wanted or what}, got {listed}: name it with {option}"
+        )
+    several = ", ".join(names[k] for k in found)
+    raise ValueError(
+        f"one column of {what} must be chosen with {option}, by a name of its own, got {several}"
+    )
+
+
+def _unit(head, what):
+    """Unit that the head of a column ends with."""
+    last = re.split(r"[\s_,/(\[]+", head.rstrip(")] "))[-1]
+    known = {name.casefold(): name for name in UNITS[what]}
+    known |= {name.casefold(): also for name, also in _ALSO.items() if also in UNITS[what]}
+    if last.casefold() not in known:
+        raise ValueError(
+            f"the unit of the column {head} must be one of {', '.join(UNITS[what])}: write it in "
+            f"the head, as {what} [{next(iter(UNITS[what]))}], or give it with --{what}-unit"
+        )
+    return known[last.casefold()]
+
+
+def _numbers(rows, column, what):
+    values = []
+    for k, row in enumerate(rows[1:], 1):
+        if len(row) != len(rows[0]):
+            raise ValueError(f"row {k} must have {len(rows[0])} cells, as the head, got {len(row)}")
+        name, text = f"{what} in row {k}", row[column].strip()
+        values.append(checks.read(name, text))
+        if not np.isfinite(values[-1]):
+            raise ValueError(f"{name} must be a finite number, got {text}: leave the row out")
+    return np.array(values)
+
+
+def _values(found):
+    """One JSON object of a fit."""
+    laws = [{n: v for n, v in vars(of).items() if n != "force"} for of in found.laws]
+    return {
+        "points": len(found.depth),
+        "laws": laws,
+        "power": found.power._asdict(),
+        "left_out": found.left_out,
+        "notes": list(found.notes),
+    }
+
+
+def _parts(found, has_units, fit):
+    """A fit as text: the table of the laws, and sentences."""
+    force = " N" if has_units else ""
+    rows = []
+    for of in found.laws:
+        row = {
+            "law": of.law,
+            f"rmse{force}": _digits(of.rmse),
+            f"max_error{force}": _digits(of.max_error),
+            "max_relative_error %": _digits(100 * of.max_relative_error, 3),
+            "R2": round(of.determination, 6),
+            "R2_adjusted": round(of.determination_adjusted, 6),
+            "fitted": len(of.parameters),
+        }
+        for name in fit:
+            unit, factor = SHOWN[name] if has_units else ("", 1)
+            for head, values in (("", of.parameters), ("_error", of.standard_errors)):
+                value = _digits(factor * values[name], 2 if head else 5) if name in values else None
+                row[f"{name}{head} {unit}".rstrip()] = value
+        rows.append(row)
+    yield columns(rows)
+    yield (
+        f"Errors over {len(found.depth)} points, relative ones where the force is at least 1 % of "
+        "the largest. R2 = 1 - SSE/SST; the adjusted one counts the fitted parameters, of which "
+        "winkler and hyperbolic_winkler always have one (their coefficient) and power two. "
+        "tabulated is the elastic solution of the joint."
+    )
+    yield _power(found, has_units)
+    reasons = {}
+    for law, why in found.left_out.items():
+        reasons.setdefault(why, []).append(law)
+    if reasons:
+        yield "\n".join(f"Without {', '.join(of)}: {why}." for why, of in reasons.items())
+    yield from found.notes
+
+
+def _power(found, has_units):
+    """The power law in a sentence."""
+    power, (law,) = found.power, [of for of in found.laws if of.law == "power"]
+    unit, factor = SHOWN["offset"] if has_units else ("", 1)
+    low, high = (f"{factor * depth:.4g}" for depth in power.depths)
+    coefficient = f"{power.coefficient:.5g}"
+    if has_units:
+        coefficient += f" N/m^n = {power.coefficient_mm:.5g} N/mm^n"
+    by = "Fitted to the least maximum of the relative error, as by study joint."
+    if "exponent" in law.standard_errors:
+        error = law.standard_errors["exponent"]
+        by = f"Fitted by least squares of the force; the standard error of n is {error:.2g}."
+    return (
+        f"As F = k d^n, within {100 * power.error:.2g} % from {low} to {high} {unit}".rstrip()
+        + f": n = {power.exponent:.5g} and k = {coefficient}. {by}"
+    )
+
+
+def _digits(value, digits=4):
+    return float(f"{value:.{digits}g}")
+
+
+def _draw(found, path, has_units):
+    """Draw a curve and the laws into a file."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    from study.pages.figures import STYLE
+
+    depths = found.depth * (SHOWN["offset"][1] if has_units else 1)
+    with mpl.rc_context(STYLE | {"svg.hashsalt": path.stem}):
+        figure = Figure(figsize=(8.4, 3.4))
+        left, right = figure.subplots(1, 2)
+        left.plot(depths, found.force, "o", color="0.5", ms=3, label="your curve")
+        for of in found.laws:
+            (line,) = left.plot(depths, of.force, label=of.law)
+            right.plot(depths, of.force - found.force, color=line.get_color())
+        unit = (" (µm)", " (N)") if has_units else (" (clearances)", r" ($P/(E^*\Delta R^2)$)")
+        left.set(xlabel=f"depth{unit[0]}", ylabel=f"force{unit[1]}")
+        right.set(xlabel=f"depth{unit[0]}", ylabel=f"law less curve{unit[1]}")
+        left.legend(fontsize=7)
+        with paths.whole(path) as temporary:
+            figure.savefig(temporary, metadata=SAME_BYTES[path.suffix])

@@ -1,0 +1,107 @@
+"""The command for a curve of your own: study fit."""
+
+import json
+
+import numpy as np
+import pytest
+
+from study import paths
+from study.choose import fit_curve
+from study.joint import DimensionalJoint
+
+SIZES = ["--socket-radius", 12.5e-3, "--clearance", 40e-6, "--wall", 6e-3, "--socket", "bronze"]
+MADE = paths.ROOT / "examples/fit_your_curve.csv"
+STAR = [(0, 0), (0.1, 14), (0.2, 45), (0.3, 88), (0.4, 141), (0.5, 205)]
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Path of a CSV file with a head and rows."""
+
+    def write(head, rows=STAR, separator=","):
+        lines = [head, *(separator.join(map(str, row)) for row in rows)]
+        (tmp_path / "curve.csv").write_text("\n".join(lines), encoding="utf-8")
+        return tmp_path / "curve.csv"
+
+    return write
+
+
+def test_the_command_prints_what_the_function_returns(run):
+    fit = ["--fit", "offset", "--fit", "clearance"]
+    status, out, err = run("fit", MADE, *SIZES, *fit, "--json")
+    assert (status, err) == (0, "")
+    found, (depth, force) = json.loads(out), np.loadtxt(MADE, delimiter=",", skiprows=1).T
+    joint = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+    expected = fit_curve(1e-6 * depth, force, joint, ("offset", "clearance"))
+    assert [of["law"] for of in found["laws"]] == [of.law for of in expected.laws]
+    assert found["laws"][0]["parameters"] == pytest.approx(expected.laws[0].parameters)
+    assert found["power"]["exponent"] == pytest.approx(expected.power.exponent)
+    assert found["left_out"] == expected.left_out
+    _, out, _ = run("fit", MADE, *SIZES, *fit)
+    assert "43.876" in next(line for line in out.splitlines() if line.startswith("tabulated"))
+    assert "the standard error of n is 0.0082" in out
+    assert "Without hertz, steuermann: its best clearance is beyond" in out
+
+
+@pytest.mark.parametrize(
+    ("head", "factors", "words"),
+    [
+        ("depth [mm],force [kN]", (1e3, 1e-3), ()),
+        ("Depth (µm);Force_N", (1e6, 1), ()),
+        ("depth/m\tforce", (1, 1), ("--force-unit", "N")),
+        (
+            "s,F in kN",
+            (1e6, 1e-3),
+            ("--depth-column=s", "--force-column=F in kN", "--depth-unit=um"),
+        ),
+    ],
+)
+def test_units_and_columns(run, written, head, factors, words):
+    depth = np.linspace(1e-6, 20e-6, 9)
+    rows = np.column_stack([depth, 1e12 * depth**1.6]) * factors
+    separator = next(sign for sign in ";\t," if sign in head)
+    power = json.loads(run("fit", written(head, rows, separator), *words, "--json")[1])["power"]
+    assert (power["exponent"], power["coefficient"]) == pytest.approx((1.6, 1e12), rel=1e-6)
+    assert power["depths"] == pytest.approx([1e-6, 20e-6])
+
+
+def test_a_curve_in_clearances(run, written, tmp_path):
+    path, plot = written("depth_star,force_star"), tmp_path / "plot.png"
+    alone = json.loads(run("fit", path, "--json")[1])
+    assert [of["law"] for of in alone["laws"]] == ["power"]
+    status, out, err = run("fit", path, "--r2-star", 200, "--plot", plot)
+    assert (status, err, plot.exists()) == (0, "", True)
+    assert "from 0.1 to 0.5: n = 1.6661 and k = 653.11. Fitted to the least maximum" in out
+    assert "hertz" in out
+    sized = json.loads(run("fit", path, *SIZES, "--json")[1])
+    assert len(sized["laws"]) > 5
+
+
+BAD = {
+    "": "must have a line of heads and a row for each point, got none",
+    "depth um,force N\n": "must have a line of heads and a row for each point, got none",
+    "depth um,force N\n1,2\n2,nan": "force in row 2 must be a finite number, got nan: leave",
+    "depth um,force N\n1,2\n2,": "force in row 2 must be a number, got ''",
+    "depth um,force N\n1,2\n2": "row 2 must have 2 cells, as the head, got 1",
+    "depth um,depth mm,force N\n1,1,2": "must be chosen with --depth-column, by a name of its own",
+    "x,force N\n1,2": "a column must be named depth, got x, force N: name it with --depth-column",
+    "depth,force N\n1,2": "the unit of the column depth must be one of um, mm, m, none",
+    "depth um,force_star\n1,2": "must both have units, or both have none",
+    "depth um,force N\n1,2\n": "the same length >= 4",
+}
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_bad_files(run, tmp_path, text):
+    path = tmp_path / "curve.csv"
+    path.write_text(text, encoding="utf-8")
+    status, out, err = run("fit", path, *SIZES)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert BAD[text] in err
+
+
+def test_bad_options(run, tmp_path):
+    status, _, err = run("fit", tmp_path / "none.csv")
+    assert (status, "FILE must be a CSV file" in err) == (2, True)
+    status, _, err = run("fit", MADE, "--r2-star", 200)
+    assert (status, "must be given, because the curve has units" in err) == (2, True)
