@@ -99,11 +99,12 @@ class TiltedContact:
 
     @property
     def to_rim_deg(self) -> Floats:
-        """Angle from the contact's end to the nearest rim, in deg, or 0 if it is cut; (k,)."""
-        (low, high), opening = self.contact_edges_deg, self.joint.opening
-        to_rim = opening.last - np.maximum(np.abs(low), high)
-        if opening.is_ring:
-            to_rim = np.minimum(to_rim, low - opening.first)
+        """Angle from the contact's end to the nearest rim or face, in deg; 0 if it is cut; (k,)."""
+        (low, high), joint = self.contact_edges_deg, self.joint
+        (first, last), opening = joint.ball_support.surface, joint.opening
+        to_rim = min(last, opening.last) - np.maximum(np.abs(low), high)
+        if not joint.has_pole:
+            to_rim = np.minimum(to_rim, low - max(first, opening.first))
         return np.where(self.reaches_rim, 0.0, np.maximum(to_rim, 1e-9))
 
 

@@ -134,11 +134,11 @@ def test_the_drawing_has_the_numbers_of_the_solution(monkeypatch, tmp_path):
 
     figures, solution = [], DIMENSIONS.solve(force=[8000, 3000])
     monkeypatch.setattr(Figure, "savefig", lambda f, path, **_: figures.append(f) or path.touch())
-    solve_joint.draw(solution, tmp_path / "joint.png")
+    solve_joint.draw(DIMENSIONS, solution, None, tmp_path / "joint.png")
     force, pressure = figures[0].axes
     (curve, *points), profiles = force.lines, pressure.lines
     depth, along = curve.get_data()
-    assert along == pytest.approx(solution.law.force(1e-6 * depth))
+    assert along == pytest.approx(DIMENSIONS.law().force(1e-6 * depth))
     for k, (point, profile) in enumerate(zip(points, profiles, strict=True)):
         assert np.ravel(point.get_data()) == pytest.approx([1e6 * solution.depth[k], (8e3, 3e3)[k]])
         assert profile.get_ydata() == pytest.approx(1e-6 * solution.pressure[k])
@@ -164,8 +164,8 @@ def test_sizes_in_mm_are_asked_about(run):
         (["joint"], "--r2-star and --depth-star must be given or, with dimensions, --socket-radi"),
         ([*SIZES, "--force", 1, "--wear", 1e-15], "--path must be given"),
         ([*SIZES, "--force", 1, "--path", 10], "--wear must be given"),
-        ([*SIZES, "--force", 1, "--wear", -1, "--path", 1], "wear coefficient must be >= 0 m^2/N"),
-        ([*TILTED, "--friction", 0.1], "--friction must be left out beside --tilt"),
+        ([*SIZES, "--force", 1, "--wear", -1, "--path", 1], "wear must be >= 0, got -1"),
+        ([*TILTED, "--tolerance", 0.1], "--tolerance must be left out for a load off the axis"),
         (["joint", "--r2-star", 75, "--plot", "x.png"], "--plot is for a joint with its dimensio"),
     ],
 )

@@ -1,12 +1,13 @@
 """Limits of the solution: each is told where it is passed, and only there."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from study.joint import DimensionalJoint, Joint, Material
-from study.joint.applicability import in_short, limits, worst
+from study.joint import DimensionalJoint, Joint, Material, tilted_contact
+from study.joint.applicability import NEAR_RIM, in_short, limits, of_contact, worst
 from study.mechanism import Scene, simulate
 from study.mechanism.validity import exceeded_limits
 
@@ -32,24 +33,23 @@ def test_each_limit_alone(key, inside, beyond):
 
 
 @pytest.mark.parametrize(
-    ("ball_support", "opening", "inside", "beyond", "rim"),
+    ("ball_support", "opening", "edges", "to_rim"),
     [
-        ("core:0.2", 110, (85, 19), (85, 21), 110),
-        ("core:0.2", "55:125", (90, 29), (80, 21), 55),
-        ("core:0.2", "55:125", (90, 29), (100, 21), 125),
-        ("bore:0.5,70", "55:125", (90, 14), (90, 16), 110),
+        ("core:0.2", 110, (-66, 104), 6),
+        ("core:0.2", "55:125", (61, 101), 6),
+        ("core:0.2", "55:125", (79, 121), 4),
+        ("bore:0.5,70", "55:125", (76, 106), 4),
     ],
 )
 def test_a_contact_off_the_axis_near_a_rim_or_the_edge_of_a_bored_ball(
-    ball_support, opening, inside, beyond, rim
+    ball_support, opening, edges, to_rim
 ):
     joint = Joint(200, 3.0, ball_support=ball_support, opening=opening)
-    middle, half = inside
-    assert limits(joint, 0.5, half, middle_deg=middle) == {}
-    middle, half = beyond
-    found = limits(joint, 0.5, half, middle_deg=middle)
-    assert list(found) == ["rim"]
-    assert f"near the rim at {rim} deg" in found["rim"]
+    solved = tilted_contact(joint, 0.1, 60 if opening == 110 else 90, 32)
+    moved = replace(solved, contact_edges_deg=np.array(edges, float)[:, None])
+    assert moved.to_rim_deg == pytest.approx([to_rim])
+    (found,) = of_contact(moved)
+    assert list(found) == (["rim"] if to_rim < NEAR_RIM else [])
 
 
 def test_friction_that_may_bear_a_part_of_the_force(run):

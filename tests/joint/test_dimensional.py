@@ -10,7 +10,16 @@ from hypothesis import strategies as st
 
 from study import contact
 from study.contact import LAWS
-from study.joint import DimensionalJoint, Joint, Layer, Material, first_yield, force_curve, stress
+from study.joint import (
+    DimensionalJoint,
+    Joint,
+    Layer,
+    Material,
+    first_yield,
+    force_curve,
+    stress,
+    tilted_contact,
+)
 from study.joint.dimensional import Liner
 
 BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
@@ -202,3 +211,35 @@ def test_stiffened_hertz_is_for_linear_kinematics_alone(law):
     assert BRONZE.law(law).force(4e-6) == pytest.approx(BRONZE.law().force(4e-6), rel=2e-3)
     with pytest.raises(ValueError, match="kinematics of stiffened_hertz must be one of linear"):
         replace(BRONZE, kinematics="finite").law(law)
+
+
+def test_a_rod_end_on_its_pin_is_solved_across_it():
+    sizes = {"socket_radius": 8e-3, "clearance": 25e-6, "wall": 3e-3, "socket": "bronze"}
+    rod_end = DimensionalJoint(**sizes, ball_support="pin:5e-3,9e-3", opening="57:123")
+    assert rod_end.ball_support.radius == pytest.approx(5e-3 / (8e-3 - 25e-6))
+    solution = rod_end.solve(force=4000)
+    assert solution.tilt == pytest.approx([90], abs=1e-3)
+    plain = rod_end.joint
+    contact = tilted_contact(plain, solution.depth / 25e-6, 90)
+    unit = plain.composite_modulus * 25e-6**2
+    assert solution.force == pytest.approx(unit * contact.force_star, rel=1e-4)
+    again = rod_end.solve(depth=solution.depth, tilt=90)
+    assert again.force == pytest.approx(solution.force, rel=1e-4)
+    # the table along this direction, read between the depths that were solved for it
+    assert rod_end.law().force(solution.depth) == pytest.approx(solution.force, rel=3e-3)
+    power = rod_end.power_law()
+    assert power.depths == pytest.approx((0.05 * 25e-6, 0.5 * 25e-6))
+    assert power.error < 0.06
+    assert set(solution.friction_radius) == {"spin", "tilt", "turn"}
+    with pytest.raises(ValueError, match="law off the axis must be the table"):
+        rod_end.law("hertz")
+
+
+def test_a_narrow_socket_has_a_table_up_to_its_rim():
+    narrow = DimensionalJoint(12.5e-3, 40e-6, 6e-3, opening=40)
+    law = narrow.law()
+    assert 0.1 * 40e-6 < law.deepest < 40e-6
+    depth = law.deepest / 2
+    assert narrow.solve(depth=depth).force == pytest.approx([law.force(depth)], rel=2e-3)
+    with pytest.raises(ValueError, match="the contact would reach the socket's rim"):
+        narrow.solve(depth=30e-6)

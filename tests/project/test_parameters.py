@@ -15,7 +15,16 @@ from study.cli.options import app, flag
 from study.contact import Material
 from study.joint import DimensionalJoint, Joint, Layer, RatioJoint
 from study.joint.dimensional import Liner
-from study.joint.supports import BALL_SUPPORTS, SOCKET_SUPPORTS, Core, Neck, Sector
+from study.joint.supports import (
+    BALL_SUPPORTS,
+    SOCKET_SUPPORTS,
+    Bore,
+    Core,
+    Neck,
+    Opening,
+    Pin,
+    Sector,
+)
 from study.mechanism import Scene
 from study.mechanism.simulate import simulate
 from study.parameters import defaults, described
@@ -78,7 +87,8 @@ def values(about):
         return st.sampled_from(["hertz", "tabulated"])
     if about.kind is object:
         return numbers(about)
-    return {Material: materials, Liner: liners}.get(about.kind, partial(supports, about.kind))()
+    known = {Material: materials, Liner: liners, Opening: openings}
+    return known.get(about.kind, partial(supports, about.kind))()
 
 
 def objects(kind):
@@ -93,8 +103,14 @@ def liners():
     return st.builds(Liner, st.floats(1e-6, 1).map(lambda x: float(f"{x:.9g}")), materials())
 
 
+def openings():
+    cups = st.builds(Opening, st.integers(30, 170).map(float))
+    return cups | st.builds(Opening, st.integers(80, 170).map(float), st.integers(5, 70).map(float))
+
+
 def supports(kind):
     kinds = [each for each in (*BALL_SUPPORTS, *SOCKET_SUPPORTS) if issubclass(each, kind)]
+    kinds = [each for each in kinds if each not in (Bore, Pin)]  # their numbers go together
     sectors = st.builds(Sector, st.integers(0, 80).map(float), st.integers(85, 170).map(float))
     return st.one_of(sectors if each is Sector else objects(each) for each in kinds)
 
@@ -211,7 +227,8 @@ def test_numpys_numbers_are_stored_as_pythons(kind):
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("ball_support", "edge", "guided, clamped, centre, core:NUMBER, neck:NUMBER, got 'edge'"),
+        ("ball_support", "edge", "neck:NUMBER, bore:NUMBER,NUMBER, pin:NUMBER,NUMBER, got 'edge'"),
+        ("opening", "125:55", "LAST >= FIRST + 10 deg, such as 55:125, got 125:55"),
         ("socket_support", "sector:60", "must be two numbers separated by a comma, got '60'"),
         ("socket_support", "sector:90,60", "of the sector must be >= 95 deg, got 60 deg"),
         ("layer", "1.2,1", "layer must be three numbers separated by commas, got '1.2,1'"),

@@ -30,11 +30,6 @@ def claimed(pattern):
     return [float(number) for number in found.groups()]
 
 
-def test_it_is_short():
-    assert len(README.splitlines()) <= 120
-    assert len(README.encode()) <= 7000
-
-
 def test_what_the_paper_computed():
     table = kept("table2").query("law != 'liu' and quantity in ('1 - kappa_as_printed', 'RMSE')")
     rms = 100 * np.sqrt((table.relative_difference**2).mean())
