@@ -257,7 +257,7 @@ class DimensionalJoint(Configuration):
         """
         tilt = self._direction(tilt)
         if law is None:
-            return self._reaching("depth", np.zeros(1), "m", tilt)
+            return self._reaching("depth", np.zeros(1), "m", tilt)[0]
         if tilt is not None:
             raise ValueError(
                 f"law off the axis must be the table of the joint's own curve, got {law}: leave "
@@ -279,7 +279,7 @@ class DimensionalJoint(Configuration):
         low, high = depths or (share * self.clearance for share in USUAL_RANGE)
         least = checks.number("least depth", low, "m", above=0, scalar=True)
         most = checks.number("largest depth", high, "m", above=least, scalar=True)
-        law = self._reaching("depth", np.array([most]), "m", self._direction(tilt))
+        law, _ = self._reaching("depth", np.array([most]), "m", self._direction(tilt))
         places = np.geomspace(least, most, DEPTHS)
         return fit_power(places, law.force(places))
 
@@ -306,7 +306,7 @@ class DimensionalJoint(Configuration):
             solve = tilted_contact if name == "depth" else under_force
             return self._off_axis(solve(self.joint, star, tilt))
         unit = "m" if name == "depth" else "N"
-        law = self._reaching(name, asked, unit)
+        law, _ = self._reaching(name, asked, unit)
         depths = asked if force is None else np.asarray(law.depth(asked))
         solved = self._solved(depths / self.clearance, name, asked, unit)
         forces = asked if depth is None else self._force_unit * solved.force_star
@@ -331,8 +331,7 @@ class DimensionalJoint(Configuration):
 
     def curve(self) -> DimensionalSolution:
         """The whole curve along the axis, at some 50 depths up to one clearance, if possible."""
-        law = self.law()
-        curve = _whole_curve(self.joint, law.deepest / self.clearance)
+        law, curve = self._reaching("depth", np.zeros(1), "m")
         depths, forces = self.clearance * curve.depth_star, self._force_unit * curve.force_star
         return self._on_axis(law, depths, forces, curve, curve.error_estimate)
 
@@ -421,12 +420,11 @@ class DimensionalJoint(Configuration):
         }
 
     def _reaching(self, name, asked, unit, tilt=None):
-        """Least table that reaches all depths or forces asked for."""
-        deepest = usual_depth(self.joint)
-        law = None
+        """Least table that reaches all depths or forces asked for, and its solved curve."""
+        deepest, law = usual_depth(self.joint), None
         while law is None:
             try:
-                law = self._table(deepest, tilt)
+                law, curve = self._table(deepest, tilt)
             except UnresolvedError:
                 raise
             except checks.RangeError:  # a narrow socket, whose rim is nearer than one clearance
@@ -440,20 +438,20 @@ class DimensionalJoint(Configuration):
         while most() < asked.max():
             deepest *= _STEP
             try:
-                law = self._table(deepest, tilt)
+                law, curve = self._table(deepest, tilt)
             except checks.RangeError:
                 raise checks.RangeError(
                     f"{name} must be <= {most():.6g} {unit}, got {asked.max():g} {unit}: just "
                     "beyond, the contact would reach the socket's rim"
                 ) from None
-        return law
+        return law, curve
 
     def _table(self, deepest, tilt=None):
         if tilt is None:
             curve = _whole_curve(self.joint, deepest)
         else:
             curve = _tilted_curve(self.joint, float(tilt), deepest)
-        return self._in_si_units(tabulated(curve))
+        return self._in_si_units(tabulated(curve)), curve
 
     def _in_si_units(self, law, **options):
         in_si_units = DimensionalLaw(

@@ -148,7 +148,7 @@ def test_choose_says_what_to_use_where_no_law_along_the_axis_applies(run):
     depth = power["depths"][1]
     assert depth == pytest.approx(0.5 * 40e-6)
     law = power["coefficient"] * depth ** power["exponent"]
-    force = joint.solve_tilted(90, depth=depth).force[0]
+    force = joint.solve(depth=depth, tilt=90).force[0]
     assert law == pytest.approx(force, rel=1.01 * power["error"])
     text = run("choose", *CHOOSE[1:], *ring)[1]
     assert text.startswith("No law along the axis applies to a ring, which is loaded across its")

@@ -38,7 +38,7 @@ def test_each_limit_alone(key, inside, beyond):
         ("core:0.2", 110, (-66, 104), 6),
         ("core:0.2", "55:125", (61, 101), 6),
         ("core:0.2", "55:125", (79, 121), 4),
-        ("bore:0.5,70", "55:125", (76, 106), 4),
+        ("bore:0.5,60", "45:135", (76, 116), 4),
     ],
 )
 def test_a_contact_off_the_axis_near_a_rim_or_the_edge_of_a_bored_ball(

@@ -291,14 +291,14 @@ def test_a_joint_with_dimensions_off_the_axis_is_that_of_the_solver(tmp_path):
     hip |= {"ball_support": "clamped", "tilt": 20}
     _, table = swept([hip | {"force": 2000}], "joints", tmp_path / "table.csv")
     joint = DimensionalJoint(**{n: v for n, v in hip.items() if n != "tilt"}, rim="free")
-    solved = joint.solve_tilted(20, force=2000)
+    solved = joint.solve(force=2000, tilt=20)
     (row,) = table.to_dict("records")
     assert (row["tilt"], row["displacement_tilt"]) == (20, pytest.approx(solved.tilt[0], rel=1e-8))
     for name in ("depth", "force", "transverse", "peak_pressure", "peak_error", "error_estimate"):
         assert row[name] == pytest.approx(getattr(solved, name)[0], rel=1e-6)
     assert np.hypot(row["force"], row["transverse"]) == pytest.approx(2000, rel=1e-5)
     law = row["power_coefficient"] * 20e-6 ** row["power_exponent"]
-    force = joint.solve_tilted(20, depth=20e-6).force[0]
+    force = joint.solve(depth=20e-6, tilt=20).force[0]
     assert law == pytest.approx(force, rel=1.1 * row["power_error"])
     assert row["applicability"] == "wall"
 
