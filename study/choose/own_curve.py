@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.contact import LAWS, tabulated
-from study.contact.agreement import adjusted, determination, rmse
+from study.contact.fit_measures import adjusted, determination, rmse
 from study.contact.power_fit import PowerFit, fit_power
 from study.joint import DimensionalJoint, Joint, whole_curve
 from study.joint.dimensional import usual_depth

@@ -8,7 +8,7 @@ usual definition is `determination`; that of the paper's Table 2 is `kappa_as_pr
 import numpy as np
 from numpy.typing import ArrayLike
 
-from study.contact.agreement import adjusted, determination, rmse
+from study.contact.fit_measures import adjusted, determination, rmse
 
 __all__ = [
     "adjusted",

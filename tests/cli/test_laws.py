@@ -153,7 +153,9 @@ def test_choose_says_what_to_use_where_no_law_along_the_axis_applies(run):
     text = run("choose", *CHOOSE[1:], *ring)[1]
     assert text.startswith("No law along the axis applies to a ring, which is loaded across its")
     assert "which is within the tolerance of 10 %" in text
-    assert text.splitlines()[-1].startswith("study export --law tabulated --direction 90 --format c ")
+    assert text.splitlines()[-1].startswith(
+        "study export --law tabulated --direction 90 --format c "
+    )
 
 
 def test_export_takes_unequal_materials_and_one_unit_of_depth(run):
