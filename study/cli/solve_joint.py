@@ -301,10 +301,10 @@ def _described(joint, solution, tilt, tolerance, typed, of_pressure, of_power):
 
 def _limits(joint, depth, limits, tilt):
     """What the numbers are for, and which limits they exceed."""
-    held, load = joint.socket_support.in_words(), "along the axis"
+    held, load = joint.socket_support.in_words(), "the load is along the axis"
     if tilt is not None:
-        load = f"{tilt:g} deg off the axis"
-    yield f"{held} Bodies are smooth and elastic, without friction; the load is {load}."
+        load = f"the displacement is {tilt:g} deg off the axis"
+    yield f"{held} Bodies are smooth and elastic, without friction; {load}."
     ordered = [limits[k] for k in np.argsort(depth)]
     for sentence in applicability.worst(ordered):
         yield f"Beyond a limit: {sentence}"
