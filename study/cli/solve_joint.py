@@ -40,6 +40,7 @@ HEADS = {
     "wear_depth": "wear_depth um",
     "body": "body",
     "von_mises": "von_mises MPa",
+    "stress_error": "stress_error %",
     "place": "place",
     "yield_stress": "yield_stress MPa",
     "factor_to_yield": "factor_to_yield",
@@ -210,6 +211,7 @@ def _without_dimensions(solved, names, stresses, exceeded, tilt=None):
             "over_peak": largest.over_peak.tolist(),
             "radius": largest.radius.tolist(),
             "place": list(largest.place),
+            **({} if largest.error is None else {"error": largest.error.tolist()}),
             "angle_deg": np.degrees(largest.angle).tolist(),
         }
         values |= {f"{_prefix(body)}_{name}": stress[name] for name in stress}
@@ -271,6 +273,8 @@ def _described(joint, solution, tilt, tolerance, typed, of_pressure, of_power):
         name, factor = _prefix(body), solution.yield_factor[body]
         values[name] = stress.tolist()
         values[f"{name}_place"] = list(solution.von_mises_place[body])
+        if tilt is not None:
+            values[f"{name}_error"] = solution.von_mises_error[body].tolist()
         values[name.replace("von_mises", "yield_factor")] = (
             None if factor is None else factor.tolist()
         )
@@ -292,7 +296,7 @@ def _described(joint, solution, tilt, tolerance, typed, of_pressure, of_power):
     parts = [_printed(values)]
     if more:
         parts.append(_printed({"depth": solution.depth} | more))
-    parts += [*_stresses(joint, solution), text, two_numbers]
+    parts += [*_stresses(joint, solution, tilt), text, two_numbers]
     parts += _limits(plain, solution.depth, limits, tilt)
     if joint.socket_radius >= LARGE:
         parts.append(f"The socket's radius is {joint.socket_radius:g} m: are the sizes in m?")
@@ -351,9 +355,10 @@ def _of_pressure(solution, friction=None, wear=None, path=None):
     return values
 
 
-def _stresses(joint, solution):
+def _stresses(joint, solution, tilt):
     """Table with a row for each body at each depth, and which bodies it leaves out."""
     factors = solution.yield_factor
+    errors = None if tilt is None else solution.von_mises_error
     if left_out := [body for body in joint.materials if body not in solution.von_mises]:
         yield f"Without stresses of the {' and the '.join(left_out)}: {HELD}"
     rows = [
@@ -361,6 +366,7 @@ def _stresses(joint, solution):
             "depth": depth,
             "body": body,
             "von_mises": stress[k],
+            **({"stress_error": errors[body][k]} if errors else {}),
             "place": solution.von_mises_place[body][k],
             "yield_stress": joint.materials[body].yield_stress,
             "factor_to_yield": None if factors[body] is None else factors[body][k],

@@ -127,6 +127,8 @@ class TiltedSolution(DimensionalSolution):
         Estimated relative error of the peak pressure (`study.joint.TiltedContact`).
     reaches_rim
         Whether a rim, or the edge of a ball's face, cuts the contact.
+    von_mises_error
+        Estimated relative error of the von Mises stress in each body.
     """
 
     tilt: Floats
@@ -136,6 +138,7 @@ class TiltedSolution(DimensionalSolution):
     contact_edges_deg: Floats
     peak_error: Floats
     reaches_rim: NDArray[np.bool_]
+    von_mises_error: dict[str, Floats]
 
 
 @dataclass(frozen=True)
@@ -304,7 +307,13 @@ class DimensionalJoint(Configuration):
         if tilt is not None:
             star = asked / (self.clearance if name == "depth" else self._force_unit)
             solve = tilted_contact if name == "depth" else under_force
-            return self._off_axis(solve(self.joint, star, tilt))
+            try:
+                contact = solve(self.joint, star, tilt)
+            except checks.RangeError as error:  # which is in clearances and E* dR^2
+                given = ", ".join(f"{value:g}" for value in asked)
+                unit = "m" if name == "depth" else "N"
+                raise type(error)(f"{error} ({name} given: {given} {unit})") from None
+            return self._off_axis(contact)
         unit = "m" if name == "depth" else "N"
         law, _ = self._reaching(name, asked, unit)
         depths = asked if force is None else np.asarray(law.depth(asked))
@@ -367,6 +376,8 @@ class DimensionalJoint(Configuration):
         """Results of a contact off the axis, in SI units."""
         depths = self.clearance * contact.depth_star
         stiffness = self._force_unit / self.clearance
+        largest = largest_off_axis(contact)
+        errors = (stress.error for stress in largest.values())
         return TiltedSolution(
             depth=depths,
             force=self._force_unit * contact.force_star,
@@ -374,13 +385,14 @@ class DimensionalJoint(Configuration):
             stiffness=stiffness * contact.stiffness_star,
             transverse_stiffness=stiffness * contact.transverse_stiffness_star,
             pressure=self._pressure_unit * contact.pressure_star,
+            von_mises_error=dict(zip(self.materials, errors, strict=True)),
             **{name: getattr(contact, name) for name in _SAME},
             **self._shared(
                 depths,
                 contact.contact_half_angle_deg,
                 contact.to_rim_deg,
                 contact.peak_pressure_star,
-                largest_off_axis(contact),
+                largest,
                 contact.friction_radius_star,
             ),
         )

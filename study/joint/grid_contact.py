@@ -171,8 +171,8 @@ class Contacts:
     def _friction(self, normal, force, weighted, pressure):
         """Friction radii of a ball that turns about the force, and about two axes across it.
 
-        As `study.joint.pressure.friction_radii`; the second axis is that of the plane of
-        symmetry's normal, and the third is in this plane.
+        As `study.joint.curve.friction_radii`; the second axis is the normal of the plane of
+        symmetry, and the third is in this plane.
         """
         size, radius = np.linalg.norm(force), 1.0
         if self.joint.kinematics == "linear":

@@ -59,7 +59,7 @@ class TiltedContact:
     reaches_rim
         Whether the contact is cut by a rim, or by the edge of a ball's face.
     friction_radius_star
-        Friction radii in R2, as of `study.joint.pressure.friction_radii`: of a ball that turns
+        Friction radii in R2, as of `study.joint.curve.friction_radii`: of a ball that turns
         about the force (``spin``), about the normal of the plane of symmetry (``tilt``), and about
         the axis in this plane across the force (``turn``), which is that of a ring's socket if the
         force is across it.

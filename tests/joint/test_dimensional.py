@@ -231,6 +231,9 @@ def test_a_rod_end_on_its_pin_is_solved_across_it():
     assert power.depths == pytest.approx((0.05 * 25e-6, 0.5 * 25e-6))
     assert power.error < 0.06
     assert set(solution.friction_radius) == {"spin", "tilt", "turn"}
+    assert all(0 <= error[0] < 0.05 for error in solution.von_mises_error.values())
+    with pytest.raises(ValueError, match=r"force_star must be one .* \(force given: 1e\+12 N\)"):
+        rod_end.solve(force=1e12)
     with pytest.raises(ValueError, match="law off the axis must be the table"):
         rod_end.law("hertz")
 
