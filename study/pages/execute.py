@@ -1,6 +1,6 @@
 """Check the parameters of notebooks, run outdated ones as tasks, execute one by papermill.
 
-A notebook is executed in a kernel with folders of its own (`_kernel`). Nothing in the calling
+A notebook is executed in a kernel with folders of its own (`study.pages.kernel`). Nothing in the calling
 process changes, so that several threads may execute notebooks at the same time.
 """
 
@@ -8,7 +8,6 @@ import ast
 import json
 import os
 import re
-import sys
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -153,6 +152,8 @@ def execute(notebook: Notebook) -> None:
     import papermill
     from nbformat.reader import NotJSONError
 
+    from study.pages import kernel
+
     _check_inputs()
     paths.BUILD.mkdir(exist_ok=True)
     with paths.scratch() as folder, paths.scratch(paths.BUILD) as work:
@@ -165,7 +166,8 @@ def execute(notebook: Notebook) -> None:
                 parameters=notebook.settings,
                 kernel_name="python3",
                 progress_bar=False,
-                kernel_manager_class=_kernel(folder, results),
+                request_save_on_cell_execute=False,  # but once, at the end
+                kernel_manager_class=kernel.manager(folder, results),
             )
         except papermill.PapermillExecutionError as error:
             where = f"{notebook.name}, cell In[{error.exec_count}]"
@@ -186,41 +188,6 @@ def execute(notebook: Notebook) -> None:
                 paths.copy(results / name, notebook.folder / name)
         else:
             baseline.take_over(results, notebook)
-
-
-def _kernel(folder, results):
-    """Class of a kernel that lives in ``folder`` and writes figures and tables to ``results``.
-
-    It is of this interpreter, without the user's settings.
-    """
-    from jupyter_client import AsyncKernelManager
-    from jupyter_client.kernelspec import KernelSpec
-
-    command = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
-    environment = os.environ | {
-        paths.RESULTS_VARIABLE: str(results),
-        "PYTHONPATH": os.pathsep.join([str(paths.ROOT), os.environ.get("PYTHONPATH", "")]),
-        "PYTHONUTF8": "1",
-        # kernels run side by side: their own threads would wait for each other
-        "OMP_NUM_THREADS": "1",
-        "OPENBLAS_NUM_THREADS": "1",
-        # settings in the user's home folder must not change a result
-        "IPYTHONDIR": str(folder / "ipython"),
-    }
-    places = {"connection_file": str(folder / "kernel.json")}
-    if os.name == "posix":  # not ports, which kernels started at the same time may share
-        places |= {"transport": "ipc", "ip": str(folder / "socket")}
-
-    class Kernel(AsyncKernelManager):
-        kernel_spec = KernelSpec(argv=command, language="python")
-
-        def __init__(self, **options):
-            super().__init__(**(options | places))
-
-        async def start_kernel(self, **options):
-            await super().start_kernel(cwd=str(folder), env=environment, **options)
-
-    return Kernel
 
 
 @cache

@@ -1,0 +1,15 @@
+"""What notebooks import, imported once by the process that kernels are forked from (`kernel`)."""
+
+import os
+
+# kernels run side by side: their own threads would wait for each other
+os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+os.environ["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"  # as in every kernel
+
+import ipykernel.kernelapp  # noqa: E402, F401
+import ipykernel.zmqshell  # noqa: E402, F401
+import pandas.io.formats.style  # noqa: E402, F401
+
+import study.claims.identification  # noqa: E402, F401
+import study.mechanism  # noqa: E402, F401
+import study.pages.figures  # noqa: E402, F401
