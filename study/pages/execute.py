@@ -1,7 +1,7 @@
 """Check the parameters of notebooks, run outdated ones as tasks, execute one by papermill.
 
-A notebook is executed in a kernel with folders of its own (`study.pages.kernel`). Nothing in the calling
-process changes, so that several threads may execute notebooks at the same time.
+A notebook is executed in a kernel with folders of its own (`study.pages.kernel`). Nothing in the
+calling process changes, so that several threads may execute notebooks at the same time.
 """
 
 import ast

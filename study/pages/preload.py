@@ -6,10 +6,10 @@ import os
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 os.environ["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"  # as in every kernel
 
-import ipykernel.kernelapp  # noqa: E402, F401
-import ipykernel.zmqshell  # noqa: E402, F401
-import pandas.io.formats.style  # noqa: E402, F401
+import ipykernel.kernelapp
+import ipykernel.zmqshell  # noqa: F401
+import pandas.io.formats.style  # noqa: F401
 
-import study.claims.identification  # noqa: E402, F401
-import study.mechanism  # noqa: E402, F401
-import study.pages.figures  # noqa: E402, F401
+import study.claims.identification
+import study.mechanism
+import study.pages.figures  # noqa: F401
