@@ -16,7 +16,7 @@ from pytask import Product, PythonNode, mark, task
 from study import paths, provenance
 from study.choose import random_scenes
 from study.claims import set_ups
-from study.dataset import design, fitting, production, stiffening_fit, store
+from study.dataset import design, fitting, production, solutions, stiffening_fit, store
 
 MADE = production.to_make()
 CODE = {path: production.code(path) for path in production.GENERATED}
@@ -29,7 +29,8 @@ LIMITS, CHANGES = (
 POISSON = stiffening_fit.grid(stiffening_fit.SIZE_COUNTS)["socket_poisson"]
 SIZES = [paths.BUILD / f"contact_size/{k}.txt" for k in range(len(POISSON))]
 DESIGN = [paths.ROOT / "study/dataset/design.py"]
-DESCRIBED = [*production.GENERATED, store.MATERIALS, *store.PUBLISHED]
+DESCRIBED = [*production.GENERATED, store.CASES, store.MATERIALS, *store.PUBLISHED]
+KEPT = {kind: solutions.batches(kind) for kind in store.SOLUTIONS}
 SCENES, AT_ONCE = list(random_scenes.draw(0)), 10
 LINKS = [paths.BUILD / f"links/scenes-{k:03d}.csv" for k in range(0, len(SCENES), AT_ONCE)]
 DRAWN = [*set_ups.draw(), *set_ups.FOUND]
@@ -137,6 +138,25 @@ if store.CONTACT_SIZE in MADE:
     ):
         solved = [np.loadtxt(part) for part in parts]
         production.write_coefficients(stiffening_fit.size_table(solved), table)
+
+
+for kind, path in store.SOLUTIONS.items():
+    if path not in MADE:
+        continue
+    parts = [paths.BUILD / f"solutions/{kind}-{name}.csv" for name in KEPT[kind]]
+    for cases, part in zip(KEPT[kind].values(), parts, strict=True):
+
+        @task(id=part.stem)
+        def task_solutions(
+            cases: Annotated[list[tuple], decided_by(path, cases)],
+            part: Annotated[Path, Product] = part,
+        ):
+            with paths.whole(part) as temporary:
+                pd.concat(map(solutions.solve, cases)).to_csv(temporary, index=False)
+
+    @task(id=path.stem)
+    def task_kept(parts: list[Path] = parts, table: Annotated[Path, Product] = path):
+        production.write_table(pd.concat([pd.read_csv(part) for part in parts]), table)
 
 
 for k, part in enumerate(LINKS):

@@ -1,5 +1,6 @@
 """Who does the work of a build or of a parameter study: processes here, or a Dask cluster."""
 
+import multiprocessing
 import os
 import signal
 import threading
@@ -34,6 +35,7 @@ def begin(runner: int) -> None:
     The runner, a process number, may be killed without ending its workers.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    multiprocessing.set_start_method(None, force=True)  # kernels that it starts do not know loky's
 
     def watch():
         while os.getppid() == runner:

@@ -21,9 +21,9 @@ from scipy.optimize import least_squares
 from study import contact
 from study.claims.table_alone import ROWS, known_forces
 from study.contact.laws import AREA_COEFFICIENTS, Area
-from study.dataset import fitting
+from study.dataset import fitting, solutions
 from study.dataset.fitting import LARGEST_DEPTH, R2_STAR
-from study.joint import force_curve, paper_joint
+from study.joint import paper_joint
 
 NUMBERS = tuple(
     f"{quantity} {law}" for law in ROWS for quantity in ("1 - kappa_as_printed", "RMSE")
@@ -40,7 +40,6 @@ SUMS = ("force", "force^2", *ROWS[:3], *AREA_COEFFICIENTS.values())
 """Sums over a sample: of the forces, of their squares, and of the force times each law."""
 FREE_SCALE = (0.5, 2.0)
 """Range of a common factor on all forces."""
-_BANDS = 8  # of the ratios: a fit begins in each
 _DEPTHS = np.linspace(0.1, LARGEST_DEPTH**0.5, 32) ** 2
 
 Forces = NDArray[np.float64]
@@ -51,7 +50,7 @@ def forces(
     sample: Forces, solver: str | None = None, resolution: int | None = None, **joint: Any
 ) -> Forces:
     """Forces, shape (n,), at depths up to 0.5, of `study.joint.paper_joint` with changes."""
-    curve = force_curve(paper_joint(R2_STAR, **joint), _DEPTHS, resolution, solver)
+    curve = solutions.curve(paper_joint(R2_STAR, **joint), _DEPTHS, resolution, solver)
     return contact.tabulated(curve)(sample)
 
 
@@ -81,7 +80,7 @@ def sums(sampling: str, force: Forces) -> dict[str, float]:
 
 
 def deviations(
-    published: pd.DataFrame,
+    published: Mapping[str, Any],
     sampling: str,
     sums: Mapping[str, Any],
     area: Area = "flat",
@@ -98,7 +97,7 @@ def deviations(
     """
     laws, logarithms = _laws(sampling), {}
     count = len(SAMPLINGS[sampling])
-    kappa, rmse = published.kappa_as_printed.to_dict(), published.RMSE.to_dict()
+    kappa, rmse = published["kappa_as_printed"], published["RMSE"]
     about_mean = sums["force^2"] - sums["force"] ** 2 / count
     names = (*ROWS[:3], AREA_COEFFICIENTS[area])
     for law, name, shift in zip(ROWS, names, (None, None, *shifts), strict=True):
@@ -169,23 +168,18 @@ def profile(
 def freed(published: pd.DataFrame, scanned: pd.DataFrame, **reading: Any) -> dict[str, float]:
     """``best_ratio`` and ``scale`` of least ``misfit``, both free; arguments as for `profile`."""
     at, first, last = between(scanned)
-    sampling = scanned.sampling.iloc[0]
+    sampling, printed = scanned.sampling.iloc[0], published.to_dict()
     low, high = np.array([[first, last], np.log(FREE_SCALE)]).T
 
     def off(x, log_scale):
-        return deviations(published, sampling, at(x), scale=np.exp(log_scale), **reading)
+        return deviations(printed, sampling, at(x), scale=np.exp(log_scale), **reading)
 
     grids = np.meshgrid(*np.linspace(low, high, 66)[1:-1].T, indexing="ij")
-    errors = misfit(off(*grids)).ravel()
-    bands = errors.reshape(_BANDS, -1).argmin(axis=1)  # the least in each
-    bands += np.arange(_BANDS) * errors.size // _BANDS
-    bands = bands[errors[bands] < 3 * errors.min()]
+    best = misfit(off(*grids)).argmin()
+    start = [grid.ravel()[best] for grid in grids]
     tight = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12)
-    ends = []
-    for start in np.stack(grids, axis=-1).reshape(-1, 2)[bands]:
-        x = least_squares(lambda x: list(off(*x).values()), start, bounds=(low, high), **tight).x
-        ends.append({"best_ratio": np.exp(x[0]), "scale": np.exp(x[1]), "misfit": misfit(off(*x))})
-    return min(ends, key=lambda end: end["misfit"])
+    x = least_squares(lambda x: list(off(*x).values()), start, bounds=(low, high), **tight).x
+    return {"best_ratio": np.exp(x[0]), "scale": np.exp(x[1]), "misfit": misfit(off(*x))}
 
 
 def ranked(published: pd.DataFrame, scans: pd.DataFrame, scale_free: bool = False) -> pd.DataFrame:

@@ -76,6 +76,47 @@ def _nearest(values):
     return cases
 
 
+@cli.command("solutions", group=cli.data_app)
+def show_solutions(
+    case: str = cli.option("Name of a case, to show its results.", default=None),
+):
+    """Show which solutions are kept for the notebooks, or the results of one case.
+
+    A case is a joint, as JSON of its parameters that are not the default, with the depths, tilts or
+    forces that are solved. Plain CSV if the output is not a terminal.
+    """
+    from study.dataset import solutions, store
+
+    design = solutions.design()
+    if case is None:
+        show_table(design.to_dict("list"), f"{len(design)} cases.")
+        return
+    checks.choice("case", case, tuple(design.case))
+    kind = design.kind[design.case == case].item()
+    results = store.read(store.SOLUTIONS[kind])
+    show_table(results[results.case == case].to_dict("list"))
+
+
+@cli.command("record", group=cli.data_app, keeps=True)
+def record_solutions(names: list[str] = cli.NAMES):
+    """Run notebooks, and record in the dataset's design which solutions they ask for.
+
+    Afterwards study data build solves the new ones. Run it when a notebook asks for other joints.
+    """
+    from study.dataset import solutions
+    from study.pages import catalogue, execute
+
+    for notebook in catalogue.select(names):
+        with paths.scratch() as folder:
+            asked = folder / "asked.jsonl"
+            os.environ[solutions.RECORD_VARIABLE] = str(asked)
+            execute.execute(notebook)
+            lines = asked.read_text(encoding="utf-8").splitlines() if asked.is_file() else []
+        asked_for = dict.fromkeys(solutions.Case(*json.loads(line)) for line in lines)
+        solutions.record(notebook.name, asked_for)
+        print(f"{notebook.name} asks for {len(asked_for)} solutions")
+
+
 @cli.command("materials", group=cli.data_app)
 def list_materials():
     """List the materials that study joint knows by name: typical values, and sources.

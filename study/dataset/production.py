@@ -15,7 +15,7 @@ import pandas as pd
 
 from study import paths, provenance
 from study.contact import stiffening
-from study.dataset import design, store, tolerance
+from study.dataset import design, solutions, store, tolerance
 from study.joint import Joint, force_curve
 from study.joint.compliance import RESOLUTION
 
@@ -26,6 +26,10 @@ GENERATED = {
     store.RELATIVE_COSTS: "dataset/fitting",
     store.TABLE: "dataset/stiffening_fit",
     store.CONTACT_SIZE: "dataset/stiffening_fit",
+    store.SOLUTIONS["axial"]: "joint/curve",
+    store.SOLUTIONS["stress"]: "joint/stress",
+    store.SOLUTIONS["tilted"]: "joint/tilted",
+    store.SOLUTIONS["loaded"]: "joint/dimensional",
     store.LINKS: "choose/random_scenes",
     store.SET_UPS: "claims/set_ups",
 }
@@ -35,12 +39,14 @@ MADE_FROM = {
     store.RELATIVE_COSTS: [store.SPEED],
     store.LINKS: [store.TABLE],
     store.SET_UPS: [store.TABLE, store.COEFFICIENTS],
-}
+} | {path: [store.CASES] for path in store.SOLUTIONS.values()}
 """Generated file -> data that decide it too; what is made from another comes after it."""
 ERROR_LIMIT = 5e-3  # largest discretisation error estimate that a row may have
 HERTZ_SLOPE = (1.45, 3.0)
 """d ln P / d ln d at the smallest depths: 1.5 Hertz, 2 a thin layer, 3 an incompressible one."""
 AGREEMENT = 1e-6  # relative, of forces solved again
+SOLVED_AGAIN = 0.005
+"""Fraction of the kept solutions that a check solves again, drawn at random."""
 
 
 def to_make() -> set[Path]:
@@ -186,6 +192,7 @@ def check() -> list[tuple[str, str]]:
         ("cases", _check_cases(frame)),
         *_check_physics(frame),
         ("solved again", _check_anew(frame)),
+        ("kept solutions", check_solutions(SOLVED_AGAIN)),
     ]
 
 
@@ -252,3 +259,32 @@ def _check_anew(frame):
     if difference > AGREEMENT:
         _fail(f"case {name} solved again must agree to {AGREEMENT:g}, got {difference:.2g}")
     return f"{name} agrees to {difference:.1g}"
+
+
+def check_solutions(fraction: float, seed: int | None = None) -> str:
+    """Solve a random fraction of each kind's cases again, one at least, and compare all numbers.
+
+    Raises `study.dataset.DatasetError` for a case that differs by more than `AGREEMENT`, or that
+    has no results.
+    """
+    draw, count = np.random.default_rng(seed), 0
+    for kind, path in store.SOLUTIONS.items():
+        every = list(solutions.cases(kind))
+        if missing := {case.name for case in every} ^ set(store.read(path).case):
+            _fail(f"its cases must be those of {store.CASES.name}; differs: {missing}", path)
+        for k in draw.choice(len(every), int(np.ceil(fraction * len(every))), replace=False):
+            _compare(every[k], path)
+            count += 1
+    return f"{count} drawn at random agree"
+
+
+def _compare(case, path):
+    frame = store.read(path)
+    kept = frame[frame.case == case.name]
+    with paths.scratch() as folder:
+        tables = folder / "kept" / path.name, folder / "anew" / path.name
+        for table, rows in zip(tables, (kept, solutions.solve(case)), strict=True):
+            table.parent.mkdir()
+            write_table(rows, table)
+        if differs := tolerance.table_differs(*tables):
+            _fail(f"case {case.name} solved again differs: {differs}", path)

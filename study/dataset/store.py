@@ -24,6 +24,14 @@ if TYPE_CHECKING:
 CURVES = paths.DATA / "force_curves.csv"
 LINKS = paths.DATA / "links.csv"
 SET_UPS = paths.DATA / "set_ups.csv"
+CASES = paths.DATA / "solutions/cases.csv"
+SOLUTIONS = {
+    "axial": paths.DATA / "solutions/axial_curves.csv",
+    "stress": paths.DATA / "solutions/stresses.csv",
+    "tilted": paths.DATA / "solutions/tilted_contacts.csv",
+    "loaded": paths.DATA / "solutions/loaded_joints.csv",
+}
+"""Kind of solution -> file; `study.dataset.solutions` reads them."""
 TABLES = paths.DATA / "published/tables.csv"
 REFERENCES = paths.DATA / "published/joint.csv"
 OTHERS = paths.DATA / "published/others.csv"
@@ -48,7 +56,7 @@ def load(**filters: Any) -> pd.DataFrame:
     with a value, or a list of values, to keep. Raises `DatasetError` as `verify` does, and
     ``ValueError`` for an unknown column or value, or a filter that leaves no row.
     """
-    curves = frame = _read(CURVES, keep_default_na=False)  # no layers: an empty text
+    curves = frame = read(CURVES, keep_default_na=False)  # no layers: an empty text
     for column, wanted in filters.items():
         checks.choice("column", column, tuple(curves.columns))
         values = [wanted] if np.isscalar(wanted) else list(wanted)
@@ -76,7 +84,7 @@ def published(where: str | None = None) -> pd.Series:
 
     Those of one table or figure, as ``"Table 2"``, are by ``row`` and ``quantity`` alone.
     """
-    frame = _read(TABLES)
+    frame = read(TABLES)
     if where is not None:
         checks.choice("where", where, tuple(frame["where"].unique()))
     values = frame.set_index(["where", "row", "quantity"])["value"].sort_index()
@@ -103,12 +111,12 @@ def published_table_2() -> pd.DataFrame:
 
 def reference_forces() -> pd.DataFrame:
     """Forces of independent origin; ``trust`` is the relative accuracy to expect."""
-    return _read(REFERENCES)
+    return read(REFERENCES)
 
 
 def others() -> pd.DataFrame:
     """Numbers that others printed for a ball in a socket, and their joint: ``data/README.md``."""
-    return _read(OTHERS, dtype={"unit": str})
+    return read(OTHERS, dtype={"unit": str})
 
 
 def measured(chart: str | None = None) -> pd.DataFrame:
@@ -116,7 +124,7 @@ def measured(chart: str | None = None) -> pd.DataFrame:
 
     ``data/README.md`` describes their columns.
     """
-    frame = _read(SPEED, dtype={"version": str, "setting": str}).fillna({"setting": ""})
+    frame = read(SPEED, dtype={"version": str, "setting": str}).fillna({"setting": ""})
     if chart is None:
         return frame
     checks.choice("chart", chart, tuple(frame["chart"].unique()))
@@ -125,10 +133,15 @@ def measured(chart: str | None = None) -> pd.DataFrame:
 
 def keep_measured(frame: pd.DataFrame) -> None:
     """Write `renewed` times to ``data/published/speed.csv``, and its hash to the description."""
-    frame, package = renewed(frame), read_package()
-    with paths.whole(SPEED) as temporary:
-        frame.to_csv(temporary, index=False, float_format="%.4g", lineterminator="\n")
-    write_package(package, [SPEED])
+    keep(renewed(frame), SPEED, float_format="%.4g")
+
+
+def keep(frame: pd.DataFrame, path: Path, **options: Any) -> None:
+    """Write a table that no build makes, and its hash to the description."""
+    package = read_package()
+    with paths.whole(path) as temporary:
+        frame.to_csv(temporary, index=False, lineterminator="\n", **options)
+    write_package(package, [path])
 
 
 def renewed(frame: pd.DataFrame) -> pd.DataFrame:
@@ -142,15 +155,15 @@ def renewed(frame: pd.DataFrame) -> pd.DataFrame:
 
 def links() -> pd.DataFrame:
     """Errors of rigid links: the columns of `study.choose.random_scenes.measure`."""
-    return _read(LINKS)
+    return read(LINKS)
 
 
 def set_ups() -> pd.DataFrame:
     """Numbers of the crank-slider in many set-ups: a row for each run, see ``data/README.md``."""
-    return _read(SET_UPS)
+    return read(SET_UPS)
 
 
-def _read(path, **options):
+def read(path: Path, **options: Any) -> pd.DataFrame:
     """A table of the dataset, if it has the hash that the description states."""
     verify(path, read_package())
     return pd.read_csv(path, **options)
@@ -171,7 +184,7 @@ def read_package() -> dict[str, Any]:
         for resource in package["resources"]:
             if resource["path"] == CURVES.name:
                 [(field["name"], field["type"]) for field in resource["schema"]["fields"]]
-        for path in (CURVES, LINKS, SET_UPS, *PUBLISHED, *LIBRARY):
+        for path in (CURVES, LINKS, SET_UPS, CASES, *SOLUTIONS.values(), *PUBLISHED, *LIBRARY):
             stated[path]
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise DatasetError(f"{name} is missing or damaged; {remedy}") from None

@@ -27,6 +27,9 @@ DIGITS = {
     "freed": {"ratio": 5, "factor": 4},
     "ratio_line": {"ratio": 5},
     "force_curves": {"error_estimate": 3, "contact_half_angle_deg": 5},
+    "axial_curves": {"error_estimate": 3, "contact_half_angle_deg": 7},
+    "tilted_contacts": {"error_estimate": 3},
+    "loaded_joints": {"peak_error": 3, "first_edge_deg": 7, "last_edge_deg": 7},
 }
 """Columns with fewer digits, in which a difference of one unit in the last digit agrees."""
 

@@ -34,6 +34,12 @@ class Layer:
     def __post_init__(self):
         parameters.take(self)
 
+    def __str__(self):
+        """The modulus is over that of a ball of the default material."""
+        material = self.material
+        numbers = self.outer_ratio, material.youngs_modulus / UNIT, material.poisson
+        return ",".join(f"{number:.9g}" for number in numbers)
+
 
 @parameters.documented
 @dataclass(frozen=True)
@@ -170,17 +176,14 @@ class Joint(Configuration):
 
     def columns(self) -> dict[str, Any]:
         """The joint as columns of a table, as in `study.dataset.load`."""
-        unit, layers = self.ball.youngs_modulus, []
-        for layer in self.layers:
-            of = layer.outer_ratio, layer.material.youngs_modulus / unit, layer.material.poisson
-            layers.append(",".join(f"{number:.9g}" for number in of))
+        ratios = RatioJoint.of(self)
         return {
             "r2_star": self.r2_star,
             "socket_ratio": self.socket_ratio,
             "poisson_ball": self.ball.poisson,
             "poisson_socket": self.socket.poisson,
             "modulus_ratio": self.modulus_ratio,
-            "layers": ";".join(layers),
+            "layers": ";".join(map(str, ratios.layer)),
             "ball_support": str(self.ball_support),
             "rim": self.rim,
             "kinematics": self.kinematics,
@@ -271,6 +274,27 @@ class RatioJoint(Configuration):
             for name in ("modulus_ratio", "socket_poisson", "socket_ratio"):
                 if getattr(self, name) is not None:
                     raise ValueError(f"{name} must be left out: layer describes the socket")
+
+    @classmethod
+    def of(cls, joint: Joint) -> "RatioJoint":
+        """A joint by its ratios, without its yield stresses."""
+        relative = UNIT / joint.ball.youngs_modulus
+        layers = tuple(
+            Layer(
+                of.outer_ratio, Material(relative * of.material.youngs_modulus, of.material.poisson)
+            )
+            for of in joint.layers
+        )
+        given: dict[str, Any] = (
+            {"layer": layers}
+            if layers
+            else {
+                "socket_ratio": joint.socket_ratio,
+                "modulus_ratio": joint.modulus_ratio,
+                "socket_poisson": joint.socket.poisson,
+            }
+        )
+        return cls(joint.r2_star, poisson=joint.ball.poisson, **given, **joint.configuration)
 
     def joint(self, yield_stress: float | None = None) -> Joint:
         """The joint, with a yield stress of ball and socket in Pa; layers have none."""

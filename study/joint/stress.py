@@ -6,8 +6,10 @@ yield they, and the errors of laws, are for bodies that do not yield. Stresses a
 tension positive.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
@@ -76,6 +78,18 @@ class FirstYield:
     place: str
     depth_star: float
     force_star: float
+
+
+class StressOverDepth(NamedTuple):
+    """Largest von Mises stress in one body over the depth: arrays of shape (k,).
+
+    Depth over dR, force over E* dR^2, the stress in E* dR/R2, and the place of `LargestStress`.
+    """
+
+    depth_star: Floats
+    force_star: Floats
+    von_mises: Floats
+    place: NDArray[np.str_]
 
 
 def von_mises(stress: ArrayLike) -> Floats:
@@ -167,9 +181,6 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
         (``guided`` or ``clamped``), or a socket that is not held all over its outside; for a depth
         that the joint cannot have.
     """
-    from scipy.interpolate import PchipInterpolator  # a quarter of a second, for this alone
-    from scipy.optimize import brentq
-
     if not (joint.ball_support.by_plane and isinstance(joint.socket_support, WholeOutside)):
         raise checks.RangeError(
             "first yield is known for a ball_support of guided or clamped and a socket_support of "
@@ -178,19 +189,30 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     if not any(material.yield_stress for material in joint.materials.values()):
         raise ValueError("joint must have a material with a yield_stress, got none")
-    curve, largest_stresses = _solved(
-        joint, max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2))
-    )
-    solved = np.sqrt(curve.depth_star)
-    used = solved >= (0 if curve.solver == "series" else _LEAST_ROOT)
-    root, yields = np.append(0, solved[used]), []
+    return first_crossing(joint, over_depth(joint, deepest), deepest)
+
+
+def first_crossing(
+    joint: Joint, stresses: Mapping[str, StressOverDepth], deepest: float
+) -> FirstYield | None:
+    """First yield of a joint from the stresses `over_depth` in its bodies; None if elastic.
+
+    The joint is one that `first_yield` allows; other materials' yield stresses take the same table.
+    """
+    from scipy.interpolate import PchipInterpolator  # a quarter of a second, for this alone
+    from scipy.optimize import brentq
+
+    yields = []
     hertz = hertz_factor(joint.r2_star)  # times the cube of the root
-    stiffening = np.append(1, (curve.force_star / (hertz * solved**3))[used])
     for body, material in joint.materials.items():
-        stress, touches = largest_stresses[body], body in ("ball", "socket", "layer 1")
+        table, touches = stresses[body], body in ("ball", "socket", "layer 1")
+        solved = np.sqrt(table.depth_star)
+        used = solved >= (0 if joint.series_applies else _LEAST_ROOT)
+        root = np.append(0, solved[used])
+        stiffening = np.append(1, (table.force_star / (hertz * solved**3))[used])
         limit = touches * hertz_von_mises(material.poisson)
         slope = np.append(
-            2 / np.pi / np.sqrt(joint.ball_radius) * limit, (stress.von_mises / solved)[used]
+            2 / np.pi / np.sqrt(joint.ball_radius) * limit, (table.von_mises / solved)[used]
         )
         yield_star = joint.r2_star * (material.yield_stress or np.inf) / joint.composite_modulus
         beyond = np.flatnonzero(root * slope >= yield_star)
@@ -198,20 +220,27 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
             between, ends = PchipInterpolator(root, slope), root[beyond[0] - 1 :][:2]
             x = brentq(lambda x, of, value: x * of(x) - value, *ends, args=(between, yield_star))
             force = hertz * x**3 * PchipInterpolator(root, stiffening)(x)
-            place = stress.place[np.abs(solved - x).argmin()]
-            yields.append(FirstYield(body, place, x**2, float(force)))
+            place = table.place[np.abs(solved - x).argmin()]
+            yields.append(FirstYield(body, str(place), x**2, float(force)))
     first = min(yields, key=lambda of_body: of_body.depth_star, default=None)
     return first if first and first.depth_star <= deepest else None
 
 
 @lru_cache(maxsize=8)
-def _solved(joint, deepest):
-    """Curve to a depth, or somewhat beyond, and its `largest`: the same for every yield stress."""
+def over_depth(joint: Joint, deepest: float = 1.0) -> dict[str, StressOverDepth]:
+    """Largest von Mises stress in each body from small depths to ``deepest`` or somewhat beyond.
+
+    Depths are those of `study.joint.whole_curve`; stresses are the same for every yield stress.
+    """
+    deepest = max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2))
     if joint.has_large_displacements:
         curve = force_curve(joint, np.linspace(_LEAST_ROOT, np.sqrt(deepest), 12) ** 2)
     else:
         curve = whole_curve(joint, deepest)
-    return curve, largest(curve)
+    return {
+        body: StressOverDepth(curve.depth_star, curve.force_star, of.von_mises, np.array(of.place))
+        for body, of in largest(curve).items()
+    }
 
 
 def hertz_von_mises(poisson: float) -> float:

@@ -74,16 +74,13 @@ def timed(chart: Chart, repeats: int, others: Sequence[Run] = ()) -> pd.DataFram
     return timing.chart(chart, [*runs, *others], repeats)
 
 
-def laws(repeats: int = 15, compile_times: bool = True) -> pd.DataFrame:
-    """Cost and error of every law, `tabulated` and the direct solution; Hertz's law first.
-
-    Without ``compile_times``, which take some seconds, these are 0.
-    """
+def laws(repeats: int = 15) -> pd.DataFrame:
+    """Cost and error of every law, `tabulated` and the direct solution; Hertz's law first."""
     solved = tabulated(whole_curve(PAPER))
     exact = force_curve(PAPER, LAW_DEPTHS, FINEST).force_star
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     prepare = "from study.measure.charts import add_law; depths = np.ones(2) * 1e-6"
-    seconds = timing.compile_time("add_law(law, depths)", prepare) if compile_times else 0.0
+    seconds = timing.compile_time("add_law(law, depths)", prepare)
     add_law(DimensionalLaw("hertz", **SIZES).packed(), depths[:2])  # compiled here, not counted
     rows = []
     for name, law in (LAWS | {"tabulated": solved}).items():
@@ -183,24 +180,4 @@ def add_law(law, depths):
     for depth in depths:
         force, stiffness = elastic_force(law, depth)
         total += force + stiffness
-    return total
-
-
-def least(repeats: int = 15) -> float:
-    """Time in s of the cheapest possible law, in the loop of the chart of laws.
-
-    It has force and stiffness of Hertz's law: a square root and four products.
-    """
-    depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
-    add_least(depths[:2], 2.0)  # compiled here
-    return float(np.median(timing.timed(partial(add_least, depths, 2.0), repeats)[0])) / depths.size
-
-
-@compiled
-def add_least(depths, scale):
-    """Sum of the forces and stiffnesses that `least` times."""
-    total = 0.0
-    for depth in depths:
-        root = np.sqrt(depth)
-        total += scale * (depth * root) + 1.5 * root
     return total

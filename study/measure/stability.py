@@ -115,4 +115,4 @@ def observed_step(
         return not apart.max() < 10 * apart[:2].max()
 
     longest = 4 / contact["frequency"]
-    return bisect(diverge, 0.1 / (rates + contact["friction_rate"]), longest, 30)
+    return bisect(diverge, 0.1 / (rates + contact["friction_rate"]), longest, 20)

@@ -8,6 +8,7 @@ system cannot fork (Windows), each kernel imports for itself.
 import asyncio
 import multiprocessing
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -60,6 +61,10 @@ class _Forked(LocalProvisioner):
         self.process.start()
         self.pid = self.pgid = self.process.pid
         return self.connection_info
+
+    async def send_signal(self, signum):
+        if signum != signal.SIGINT:  # sent before each shutdown: an idle kernel complains of it
+            await super().send_signal(signum)
 
     async def wait(self):
         while self.process and self.process.poll() is None:
