@@ -156,12 +156,21 @@ def record(notebook: str, asked: Iterable[Case]) -> None:
     store.keep(order, store.CASES)
 
 
+def case_of(kind: str, joint: Joint | DimensionalJoint, arguments: dict[str, Any]) -> Case:
+    """Case of a joint and the other arguments of its kind."""
+    return Case(kind, json.dumps(_written(joint)), json.dumps(_rounded(arguments)))
+
+
+def read_joint(case: Case) -> Joint | DimensionalJoint:
+    """Joint of a case."""
+    given = json.loads(case.joint)
+    return DimensionalJoint(**given) if case.kind == "loaded" else RatioJoint(**given).joint()
+
+
 def solve(case: Case) -> pd.DataFrame:
     """Results of a case, rounded to 9 digits, in the columns of its kind's file."""
-    given = json.loads(case.joint)
-    is_sized = case.kind == "loaded"
-    joint = DimensionalJoint(**given) if is_sized else RatioJoint(**given).joint()
-    frame = pd.DataFrame(_SOLVE[case.kind](joint, **json.loads(case.arguments)))
+    arguments = json.loads(case.arguments)
+    frame = pd.DataFrame(_SOLVE[case.kind](read_joint(case), **arguments))
     numbers = frame.select_dtypes("float").columns
     frame[numbers] = frame[numbers].map(_rounded)
     frame.insert(0, "case", case.name)
@@ -210,7 +219,7 @@ _SOLVE = {"axial": _axial, "stress": _stresses, "tilted": _tilted, "loaded": _lo
 
 def _rows(kind, joint, arguments):
     """Results of a case: the kept ones, or else solved now."""
-    case = Case(kind, json.dumps(_written(joint)), json.dumps(_rounded(arguments)))
+    case = case_of(kind, joint, arguments)
     if record := os.environ.get(RECORD_VARIABLE):
         with Path(record).open("a", encoding="utf-8") as file:
             file.write(json.dumps(case) + "\n")
