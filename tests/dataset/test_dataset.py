@@ -32,12 +32,14 @@ def copy(tmp_path, monkeypatch):
         for name, path in vars(store).items()
         if isinstance(path, Path)
     }
-    of = {path: root / path.relative_to(ROOT) for path in (*production.GENERATED, *store.PUBLISHED)}
+    every = (*production.GENERATED, *store.PUBLISHED, store.CASES)
+    of = {path: root / path.relative_to(ROOT) for path in every}
     made_from = {of[p]: [of[file] for file in files] for p, files in production.MADE_FROM.items()}
     monkeypatch.setattr(
         production, "GENERATED", {of[p]: m for p, m in production.GENERATED.items()}
     )
     monkeypatch.setattr(production, "MADE_FROM", made_from)
+    monkeypatch.setattr(store, "SOLUTIONS", {k: of[path] for k, path in store.SOLUTIONS.items()})
     monkeypatch.setattr(store, "PUBLISHED", tuple(of[path] for path in store.PUBLISHED))
     library = tuple(root / path.relative_to(ROOT) for path in store.LIBRARY)
     monkeypatch.setattr(store, "LIBRARY", library)
