@@ -223,8 +223,6 @@ def test_a_rod_end_on_its_pin_is_solved_across_it():
     contact = tilted_contact(plain, solution.depth / 25e-6, 90)
     unit = plain.composite_modulus * 25e-6**2
     assert solution.force == pytest.approx(unit * contact.force_star, rel=1e-4)
-    again = rod_end.solve(depth=solution.depth, tilt=90)
-    assert again.force == pytest.approx(solution.force, rel=1e-4)
     # the table along this direction, read between the depths that were solved for it
     assert rod_end.law().force(solution.depth) == pytest.approx(solution.force, rel=3e-3)
     power = rod_end.power_law()
