@@ -28,7 +28,7 @@ UNIT = Material().youngs_modulus
 class Layer:
     """A layer of a socket: its outer radius over the socket's inner radius, and its material."""
 
-    outer_ratio: float = parameter(..., "outer radius of a layer", above=1, most=THICKEST_RATIO)
+    outer_ratio: float = parameter(..., "outer radius of a layer divided by R2", above=1, most=THICKEST_RATIO)
     material: Material = parameter(..., "material of a layer", kind=Material, parse=read_material)
 
     def __post_init__(self):
@@ -53,10 +53,10 @@ class Joint(Configuration):
     at a ratio of 1.25 and by 1.6 % at 1.5. Notebook 01 draws all supports.
     """
 
-    r2_star: float = parameter(..., "Socket radius over clearance, R2/dR", above=1)
+    r2_star: float = parameter(..., "Radius of the socket divided by the clearance, R2/dR", above=1)
     socket_ratio: float = parameter(
         SOCKET_RATIO,
-        "Outer over inner radius of the socket, >= 1.02 for finite elements",
+        "Outer radius of the socket divided by its inner radius; at least 1.02 for finite elements",
         least=THINNEST_RATIO,
         most=THICKEST_RATIO,
     )
@@ -73,7 +73,8 @@ class Joint(Configuration):
     def __post_init__(self):
         parameters.take(self)
         self._take_layers()
-        name, most = "Young's modulus of the socket over that of the ball", LARGEST_MODULUS_RATIO
+        name = "Young's modulus of the socket divided by that of the ball"
+        most = LARGEST_MODULUS_RATIO
         for material in (self.socket, *(layer.material for layer in self.layers)):
             ratio = material.youngs_modulus / self.ball.youngs_modulus
             checks.number(name, ratio, least=1 / most, most=most)
@@ -84,14 +85,17 @@ class Joint(Configuration):
             return
         steps = layer_steps(np.array([layer.outer_ratio for layer in self.layers]))
         limits = {"least": THINNEST_RATIO, "most": THICKEST_RATIO}
-        checks.number("outer ratio of a layer over that of the layer inside", steps, **limits)
+        checks.number("outer radius of a layer divided by its inner radius", steps, **limits)
         follows = {
             "socket_ratio": (SOCKET_RATIO, self.layers[-1].outer_ratio),
             "socket": (Material(), self.layers[0].material),
         }
         for name, (default, of_layers) in follows.items():
             if (given := getattr(self, name)) not in (default, of_layers):
-                raise ValueError(f"{name} must be left out beside layers, got {given}")
+                raise ValueError(
+                    f"{name} does not apply to a joint with layers, which describe the socket; "
+                    f"remove it (got {given})"
+                )
             object.__setattr__(self, name, of_layers)
 
     @property
@@ -152,13 +156,16 @@ class Joint(Configuration):
     def correction_options(self) -> dict[str, Any]:
         """Options of `study.contact.stiffened_hertz`; ``ValueError`` if it is not for the joint."""
         for unsuited, what in (
-            (self.layers, "a socket of layers"),
+            (self.layers, "a socket with layers"),
             (not self.ball_support.by_plane, f"ball_support {self.ball_support}"),
             (self.opening != HEMISPHERE, f"an opening of {self.opening} deg"),
             (not self.is_held_all_round, f"socket_support {self.socket_support}"),
         ):
             if unsuited:
-                raise checks.RangeError(f"stiffened_hertz is not for {what}")
+                raise checks.RangeError(
+                    f"the law stiffened_hertz is not valid for {what}; use tabulated, a table of "
+                    "the joint's elastic solution"
+                )
         return {
             "socket_ratio": self.socket_ratio,
             "modulus_ratio": self.modulus_ratio,
@@ -187,8 +194,8 @@ class Joint(Configuration):
         }
 
     def check_linear(self, what: str) -> None:
-        """Refuse other kinematics than linear, for what is of linear kinematics alone."""
-        checks.choice(f"kinematics of {what}", self.kinematics, ("linear",))
+        """Raise ``ValueError`` for kinematics other than linear, which ``what`` requires."""
+        checks.choice(f"kinematics for {what}", self.kinematics, ("linear",))
 
     @property
     def acts_on_ball(self) -> bool:
@@ -202,12 +209,12 @@ class Joint(Configuration):
         return by_series and not self.has_large_displacements
 
     def check_series(self) -> None:
-        """Refuse a joint that the exact series does not solve."""
+        """Raise ``ValueError`` for a joint to which the Legendre series does not apply."""
         if not self.series_applies:
             raise ValueError(
-                "solver must be quadratic or linear for this joint: the series needs ball_support "
-                "guided, rim mirror and small displacements, got "
-                f"{', '.join(map(str, self.configuration.values()))}"
+                "solver must be quadratic or linear for this joint, because the series requires "
+                "ball_support guided, rim mirror, a hemispherical socket held at its whole outside "
+                f"and small displacements, got {', '.join(map(str, self.configuration.values()))}"
             )
 
 
@@ -241,16 +248,21 @@ class RatioJoint(Configuration):
     A ``layer`` replaces the parameters of a socket of one material.
     """
 
-    r2_star: float = parameter(200.0, "Radius of the socket in clearances, R2/dR", above=1)
+    r2_star: float = parameter(
+        200.0, "Radius of the socket divided by the clearance, R2/dR", above=1
+    )
     socket_ratio: float | None = parameter(
         None,
-        "Outer over inner radius of the socket",
+        "Outer radius of the socket divided by its inner radius",
         least=THINNEST_RATIO,
         most=THICKEST_RATIO,
         otherwise="1.298",
     )
     modulus_ratio: float | None = parameter(
-        None, "Young's modulus of the socket over that of the ball", above=0, otherwise="1"
+        None,
+        "Young's modulus of the socket divided by that of the ball",
+        above=0,
+        otherwise="1",
     )
     poisson: float = parameter(0.3, "Poisson's ratio of the ball", above=-1, below=0.5)
     socket_poisson: float | None = parameter(
@@ -258,8 +270,9 @@ class RatioJoint(Configuration):
     )
     layer: tuple[Layer, ...] = parameter(
         (),
-        "Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer of "
-        "the socket, as N,N,N; may be repeated, from the inside out",
+        "Layer of the socket, as three numbers N,N,N: its outer radius divided by R2, its Young's "
+        "modulus divided by that of the ball, and its Poisson's ratio; may be repeated for several "
+        "layers, from the inside out",
         parse=_read_layer,
         kind=Layer,
         several=";",
@@ -270,14 +283,20 @@ class RatioJoint(Configuration):
         if self.layer:
             for name in ("modulus_ratio", "socket_poisson", "socket_ratio"):
                 if getattr(self, name) is not None:
-                    raise ValueError(f"{name} must be left out: layer describes the socket")
+                    raise ValueError(
+                        f"{name} does not apply to a joint with layers, which describe the socket; "
+                        "remove it"
+                    )
 
     def joint(self, yield_stress: float | None = None) -> Joint:
         """The joint, with a yield stress of ball and socket in Pa; layers have none."""
         ball = Material(UNIT, self.poisson, yield_stress)
         if self.layer:
             if yield_stress is not None:
-                raise ValueError("yield_stress must be left out: layer describes the socket")
+                raise ValueError(
+                    "yield_stress does not apply to a joint with layers; remove it, or describe "
+                    "the joint with its dimensions, whose materials have yield stresses"
+                )
             return Joint(self.r2_star, ball=ball, layers=self.layer, **self.configuration)
         poisson = self.poisson if self.socket_poisson is None else self.socket_poisson
         modulus = UNIT * (1.0 if self.modulus_ratio is None else self.modulus_ratio)
