@@ -125,8 +125,9 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
         row |= {"error_bound": choice.error_bound, "relative_cost": choice.relative_cost}
         rejected.append(row)
     raise checks.StudyError(
-        f"no law is known to be within the tolerance {tolerance:g}: the finest solution, of "
-        f"resolution {choice.options['resolution']}, is known to within {choice.error_bound:.2g}"
+        f"no law is known to be within the tolerance {tolerance:g}, because the estimated relative "
+        f"error of the finest elastic solution, of resolution {choice.options['resolution']}, is "
+        f"{choice.error_bound:.2g}; give a larger tolerance"
     )
 
 
@@ -145,8 +146,10 @@ def choose_beside(joint: Joint, depth_star: float, tolerance: float) -> Choice:
                 raise
     force = hertz(depth_star, joint.r2_star)  # stiffened_hertz begins as this law
     error = law_errors(joint, depth_star, force).get("stiffened_hertz")
-    known = "" if error is None else f": there Hertz's law holds within {100 * error:.2g} %"
-    raise checks.RangeError(f"the contact is too small for laws to be compared{known}")
+    known = "" if error is None else f"; there Hertz's law is valid within {100 * error:.2g} %"
+    raise checks.RangeError(
+        f"the contact at a depth of {depth_star:.3g} clearances is too small to compare laws{known}"
+    )
 
 
 def _candidates(joint, depths, force, uncertainty, largest, made):
@@ -187,8 +190,8 @@ def _solutions(joint, depths, resolutions):
                 curve = whole_curve(joint, float(depths[-1]), resolution)
             if curve.depth_star[0] > depths[0]:
                 raise UnresolvedError(
-                    f"depth_star must be >= {curve.depth_star[0]:.3g} for elements of this size to "
-                    f"resolve the contact, got {depths[0]:.3g}"
+                    f"depth_star must be >= {curve.depth_star[0]:.3g} so that elements of this "
+                    f"size resolve the contact, got {depths[0]:.3g}"
                 )
         except UnresolvedError:
             if resolution == resolutions[-1]:

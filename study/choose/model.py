@@ -152,7 +152,9 @@ def choose_model(
 
     with_hertz = run("rigid", HERTZ, tolerance=FINEST_TOLERANCE)
     if not all(np.ptp(getattr(with_hertz.response, name)) > 0 for name in links.QUANTITIES):
-        raise ValueError(f"duration must be so long that the slider moves, got {duration:g} s")
+        raise ValueError(
+            f"duration must be long enough for the slider to move, got {duration:g} s; increase it"
+        )
     depth = float(with_hertz.response.impact_rows["peak_depth"].max(initial=0.0))
     law, law_share = _law(scene, depth, socket_ratio)
     with_law = run("rigid", law, tolerance=FINEST_TOLERANCE)
@@ -168,7 +170,10 @@ def choose_model(
     if min(bounds) > tolerance:
         coarse, fine = (run("particles", law, elements=pair) for pair in (COARSE, FINE))
         half = run("particles", law, step_share=0.5, elements=FINE)
-        changes = {"the mesh": difference(coarse, fine), "half the step": difference(half, fine)}
+        changes = {
+            "refining the mesh": difference(coarse, fine),
+            "halving the step": difference(half, fine),
+        }
         doubt, how = SAFETY * max(changes.values()) + of_law, "compared"
         of_links = difference(with_law, fine) + doubt
         bounds = [min(b, error + of_links) for b, error in zip(bounds, from_law, strict=True)]
@@ -183,9 +188,10 @@ def choose_model(
         cause, change = max(changes.items(), key=itemgetter(1))
         known = min(bounds)
         raise ModelError(
-            f"no model's {quantity.replace('_', ' ')} is known to be within the tolerance "
-            f"{tolerance:g}, the best within {known:.2g}: {cause} of flexible links changes it by "
-            f"{change:.2g} over {duration:g} s",
+            f"no model is known to give the {quantity.replace('_', ' ')} within the tolerance "
+            f"{tolerance:g}: the minimum error bound is {known:.2g}, because {cause} of flexible "
+            f"links changes the result by {change:.2g} over {duration:g} s; give a larger "
+            "tolerance or a shorter duration",
             known,
         )
     return ModelChoice(
@@ -202,12 +208,12 @@ def choose_model(
 def _law(scene, depth, socket_ratio):
     """Law that stands for the exact one, with its options, and its error over Hertz's law's."""
     r2_star = scene.socket_radius / scene.clearance
-    checks.number("socket radius over clearance", r2_star, least=LEAST_R2_STAR)
+    checks.number("socket radius divided by clearance", r2_star, least=LEAST_R2_STAR)
     choice = choose(Joint(r2_star, socket_ratio, *scene.materials), 1.0, LAW_TOLERANCE)
     if choice.evaluate is None:
         raise StudyError(
-            f"no law for calls at every step is known to be within {LAW_TOLERANCE:g} of the "
-            f"contact force of this joint, only the {choice.law} itself"
+            f"no contact law is known to be within {LAW_TOLERANCE:g} of the elastic solution of "
+            "this joint, and to solve the joint at every time step would take too long"
         )
     law = choice.law, tuple(choice.options.items())
     if choice.law == "tabulated":

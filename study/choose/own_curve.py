@@ -144,7 +144,7 @@ def fit_curve(
     found, left_out = [_judged(depths, forces, 1.0, {}, "power", *fitted)], {}
     for law in [name for name in LAWS if name != "power"] + ["tabulated"]:
         if plain is None:
-            left_out[law] = "it needs the sizes and materials of the joint, which are not given"
+            left_out[law] = "it requires the description of the joint, which is not given"
             continue
         try:
             found.append(judged(law, *_fit_law(law, plain, *data, fit)))
@@ -166,25 +166,27 @@ def _checked(depth, force, joint, fit):
     least = 4 + len(fit)
     if depths.ndim != 1 or depths.shape != forces.shape or len(depths) < least:
         raise ValueError(
-            f"depth and force must be lists of the same length >= {least}, to fit {least - 2} "
-            f"parameters, got shapes {depths.shape} and {forces.shape}: give more points, or fit "
-            "less"
+            f"depth and force must be lists of the same length >= {least} to fit {least - 2} "
+            f"parameters, got shapes {depths.shape} and {forces.shape}; give more points or fit "
+            "fewer parameters"
         )
     if "offset" not in fit and (depths < 0).any():
         raise checks.RangeError(
-            f"depth must be >= 0, got {depths.min():g}: depth counts from first touch, towards the "
-            "socket; change its sign, or fit the offset of the depth"
+            f"depth must be >= 0, got {depths.min():g}, because the penetration depth is measured "
+            "from first touch into the socket; change the sign, or fit the offset of the depth"
         )
     lowest = -NOISE * forces.max() if "offset" in fit else 0
     if (forces < lowest).any() or forces.max() < 0:
         raise checks.RangeError(
-            f"force must be >= 0, got {forces.min():g}: a force that presses the ball into the "
-            "socket is positive; change its sign, or, if it is noise about 0 before first touch, "
-            "leave these points out or fit the offset of the depth"
+            f"force must be >= 0, got {forces.min():g}, because a force that presses the ball into "
+            "the socket is positive; change the sign, or, if this is noise before first touch, "
+            "remove these points or fit the offset of the depth"
         )
     pressed = forces > 0 if "offset" in fit else (forces > 0) & (depths > 0)
     if np.unique(depths[pressed]).size < 2:
-        raise ValueError("force must be > 0 at two different depths or more: there is no contact")
+        raise ValueError(
+            "force must be > 0 at two or more different depths, but the curve has no such contact"
+        )
     order = np.lexsort((forces, depths))
     depths, forces = depths[order], forces[order]
     highest = np.maximum.accumulate(forces)
@@ -194,8 +196,8 @@ def _checked(depth, force, joint, fit):
         before = int(forces[: worst + 1].argmax())
         raise ValueError(
             f"force must increase with depth, got {forces[before]:g} {unit_of['force']} at "
-            f"{depths[before]:g} {unit_of['depth']} and then {forces[worst]:g}: give one loading "
-            "curve, without unloading, and check that the columns are not exchanged"
+            f"{depths[before]:g} {unit_of['depth']} and then {forces[worst]:g}; give a loading "
+            "curve without unloading, and check that the columns are not exchanged"
         )
     if joint is not None:
         _check_unit(depths, joint, unit_of["depth"], "offset" in fit)
@@ -203,8 +205,8 @@ def _checked(depth, force, joint, fit):
         for name in fit:
             if name != "offset":
                 raise ValueError(
-                    f"{name} can be fitted only to depths and forces with units and a joint with "
-                    "its dimensions"
+                    f"{name} can only be fitted to a curve with units and a joint with dimensions; "
+                    "describe the joint with its dimensions, or do not fit it"
                 )
     return depths, forces
 
@@ -213,17 +215,17 @@ def _check_unit(depths, joint, unit, with_offset):
     largest = np.ptp(depths) if with_offset else depths[-1]
     is_star = isinstance(joint, Joint)
     radius = joint.r2_star if is_star else joint.socket_radius
-    told = "is the unit of the depths right?"
+    remedy = "check the unit of the depths"
     if largest >= radius:
         raise checks.RangeError(
-            f"depth must be < {radius:g} {unit}, the radius of the socket, got {largest:g} {unit}: "
-            f"{told}"
+            f"depth must be < {radius:g} {unit}, the radius of the socket, got {largest:g} {unit}; "
+            f"{remedy}"
         )
     least = _SHALLOWEST * (1 if is_star else joint.clearance)
     if largest < least:
         raise checks.RangeError(
-            f"the largest depth must be >= {least:g} {unit}, {_SHALLOWEST:g} clearances, got "
-            f"{largest:g} {unit}: {told}"
+            f"the maximum depth must be >= {least:g} {unit} ({_SHALLOWEST:g} clearances), got "
+            f"{largest:g} {unit}; {remedy}"
         )
 
 
@@ -231,8 +233,8 @@ def _notes(found, forces, fit, joint):
     fall = float(np.max(np.maximum.accumulate(forces) - forces) / forces.max())
     if fall > 0:
         yield (
-            f"The force falls with the depth by up to {100 * fall:.2g} % of the largest force, "
-            "which is taken for noise."
+            f"The force decreases with depth by up to {100 * fall:.2g} % of its maximum, which is "
+            "treated as noise."
         )
     if "modulus" in fit:
         yield (
@@ -344,8 +346,8 @@ def _fit_law(law, joint, depth_star, force_star, fit):
     )
     if errors is None:
         raise checks.RangeError(
-            "more than one set of clearance and modulus gives the same force of this law: fit only "
-            "one of the two"
+            "clearance and modulus cannot both be identified, because different pairs give the "
+            "same force of this law; fit only one of them"
         )
     return at(depth_star, **values), values, errors
 
@@ -401,7 +403,7 @@ def _least_squares(model, forces, start, bounds, scales):
     for name, at_bound in zip(names, found.active_mask, strict=True):
         if at_bound:
             raise checks.RangeError(
-                f"its best {name} is beyond the range that is searched, "
+                f"its best {name} is outside the search range, which is "
                 f"{bounds[name][0]:.3g} to {bounds[name][1]:.3g} times the given one"
             )
     covariance = np.linalg.inv(found.jac.T @ found.jac) * 2 * found.cost

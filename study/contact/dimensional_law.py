@@ -64,15 +64,15 @@ class DimensionalLaw:
         r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
         self.ball_radius, self.socket_radius, self.joint = r1, r2, None
         self.clearance, self.r2_star = r2 - r1, r2 / (r2 - r1)
-        checks.number("socket_radius over clearance", self.r2_star, above=1)  # 1 by rounding
+        checks.number("socket_radius divided by clearance", self.r2_star, above=1)  # 1 by rounding
         self.composite_modulus = checks.number(
             "composite modulus", composite_modulus, "Pa", above=0, scalar=True
         )
         missing = [name for name in self.law.of_bodies if name not in options]
         if missing:
             raise ValueError(
-                f"{self.name} in SI units must be given {', '.join(missing)}: a force depends on "
-                "the socket's thickness and on both materials"
+                f"the law {self.name} in SI units requires {', '.join(missing)}, because its force "
+                "depends on the thickness of the socket and on both materials"
             )
         self.options = options
         self.parts = self.law.parts(self.r2_star, **options)
@@ -113,7 +113,7 @@ class DimensionalLaw:
         if self.deepest < inf:
             most = self.deepest * (1 + LIMIT_MARGIN)
             checks.number(f"depth of {self.name}", depths, "m", most=most)
-        depth_star = np.asarray(checks.depth("depth over clearance", depths / self.clearance))
+        depth_star = np.asarray(checks.depth("depth divided by clearance", depths / self.clearance))
         return self._unit(derivative) * self.parts.at(depth_star, derivative)
 
     def _inverted(self, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -132,7 +132,10 @@ class DimensionalLaw:
             depth = np.where(inside, depth, (before + bound) / 2)
             if np.all(np.abs(depth - before) <= _CLOSE * depth):
                 return depth
-        raise checks.StudyError(f"{self.name} found no depth for a force; does the force increase?")
+        raise checks.StudyError(
+            f"no depth of the law {self.name} was found for a force; check that its force "
+            "increases with depth"
+        )
 
     def packed(self) -> np.record:
         """Record for `forces.elastic_force`, with lengths in m and forces in N."""

@@ -152,7 +152,9 @@ class Law:
         """All options: those given, in their ranges, and defaults."""
         for name in options:
             if not self.options:
-                raise checks.RangeError(f"{name} must be left out: {self.name} has no option")
+                raise checks.RangeError(
+                    f"{name} does not apply to the law {self.name}, which has no options; remove it"
+                )
             checks.choice(f"option of {self.name}", name, self.options)
         return self.defaults | {
             name: self.options[name].taken(f"{name} of {self.name}", value)
@@ -166,7 +168,7 @@ def new_law(evidence: Evidence, **more: Any) -> Callable[[Callable[..., Parts]],
     return lambda formula: Law(formula.__name__, formula, evidence, **more)
 
 
-COEFFICIENT = Parameter("Fitted coefficient, no unit", limits={"above": 0})
+COEFFICIENT = Parameter("Fitted coefficient (no unit)", limits={"above": 0})
 
 
 @new_law("given")
@@ -177,8 +179,11 @@ def hertz(r2_star: Floats) -> Parts:
 
 @new_law("identified", examples=({}, {"n": 3}, {"n": 2, "radius": "profile"}))
 @describe(
-    n=Parameter("Half the order of the profile", limits={"least": 1, "most": 50}, whole=True),
-    radius=Parameter("Contact radius", choices=("geometric", "profile")),
+    n=Parameter("Half of the order 2n of the profile", limits={"least": 1, "most": 50}, whole=True),
+    radius=Parameter(
+        "Contact radius a: geometric, from the overlap of the spheres, or that of the profile",
+        choices=("geometric", "profile"),
+    ),
 )
 def steuermann(r2_star: Floats, n: int = 1, radius: str = "geometric") -> Parts:
     """Steuermann: P = (4n/(2n+1)) E* a d for a profile of order 2n (Eq. 7; Johnson, sec. 5.3).
@@ -232,7 +237,10 @@ def winkler(r2_star: Floats, coefficient: float | None = None) -> Parts:
     examples=({}, {"coefficient": 3.0}, {"area": "sphere"}),
 )
 @describe(
-    area=Parameter("Area element", choices=("flat", "sphere")),
+    area=Parameter(
+        "Area element: that of a flat disc, or that of the sphere of the socket",
+        choices=("flat", "sphere"),
+    ),
     coefficient=COEFFICIENT,
 )
 def hyperbolic_winkler(
@@ -262,7 +270,7 @@ def hyperbolic_winkler(
 )
 @describe(
     coefficient=COEFFICIENT,
-    exponent=Parameter("Exponent, no unit", limits={"least": 1, "most": 3}),
+    exponent=Parameter("Exponent (no unit)", limits={"least": 1, "most": 3}),
 )
 def power(
     r2_star: Floats, coefficient: float | None = None, exponent: float | None = None
@@ -276,14 +284,16 @@ def power(
     given together.
     """
     if (coefficient is None) != (exponent is None):
-        raise ValueError("coefficient and exponent of power must be given together, got only one")
+        raise ValueError(
+            "coefficient and exponent of the law power must be given together, got only one of them"
+        )
     n = _fitted("power", "exponent") if exponent is None else exponent
     return Parts(_coefficient("power", r2_star, coefficient), shapes.power, (n,))
 
 
 _MEANINGS = {
-    "socket_ratio": "Outer over inner radius of the socket",
-    "modulus_ratio": "Young's modulus of the socket over that of the ball",
+    "socket_ratio": "Outer radius of the socket divided by its inner radius",
+    "modulus_ratio": "Young's modulus of the socket divided by that of the ball",
     "poisson": "Poisson's ratio of the ball",
     "socket_poisson": "Poisson's ratio of the socket",
 }
@@ -311,8 +321,14 @@ _PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "s
 )
 @describe(
     **{name: _in_table(name) for name in _MEANINGS},
-    ball_support=Parameter("How the ball is held", choices=("guided", "clamped")),
-    rim=Parameter("Edge of the socket", choices=("mirror", "free")),
+    ball_support=Parameter(
+        "Ball support: a plate on which half a ball can slide (guided) or is clamped (clamped)",
+        choices=("guided", "clamped"),
+    ),
+    rim=Parameter(
+        "Edge of the socket: in a mirror plane (mirror), or free of traction (free)",
+        choices=("mirror", "free"),
+    ),
 )
 def stiffened_hertz(
     r2_star: Floats,
@@ -365,14 +381,14 @@ def tabulated(curve: Any) -> Law:
     order = order[curve.depth_star[order] > 0]
     depth, force = curve.depth_star[order], curve.force_star[order]
     if len(depth) < 4 or (np.diff(depth) <= 0).any():
-        raise ValueError(f"curve must have at least 4 different depths > 0, got {len(depth)}")
+        raise ValueError(f"curve must have >= 4 different depths > 0, got {len(depth)}")
     if depth[0] > 0.1 * depth[-1]:
         raise ValueError(
-            "curve must start at a tenth of its largest depth or less: below its shallowest depth "
-            f"the law is a guess; got {depth[0]:g} and {depth[-1]:g}"
+            "the minimum depth of curve must be <= a tenth of the maximum depth, because the law "
+            f"is not reliable below it, got {depth[0]:g} and {depth[-1]:g}"
         )
     if (np.diff(force, prepend=0) <= 0).any():
-        raise ValueError("curve must have a force that increases with depth")
+        raise ValueError("the force of curve must increase with depth, but it decreases somewhere")
     joint_r2_star = float(curve.joint.r2_star)
     root = np.append(0, np.sqrt(depth))
     constants = sampling.of_points(root, np.append(1, force / hertz(depth, joint_r2_star)))
@@ -380,7 +396,9 @@ def tabulated(curve: Any) -> Law:
     def formula(r2_star: Floats) -> Parts:
         """Table of one joint's force-depth curve."""
         if not np.allclose(r2_star, joint_r2_star, rtol=1e-6, atol=0):
-            raise ValueError(f"r2_star must be the curve's, {joint_r2_star:g}, got {r2_star}")
+            raise ValueError(
+                f"r2_star must be {joint_r2_star:g}, that of the tabulated joint, got {r2_star}"
+            )
         return Parts(hertz.parts(r2_star).scale, shapes.tabulated, constants)
 
     return Law(
@@ -456,7 +474,9 @@ def find(law: AnyLaw) -> Law:
         return law
     if isinstance(law, partial) and isinstance(law.func, Law):
         shown = checks.shown(law)
-        raise ValueError(f"law must be without its options, which are given beside it, got {shown}")
+        raise ValueError(
+            f"law must be a law without options, which are given as separate arguments, got {shown}"
+        )
     if callable(law):
         return sampled(law)
     return LAWS[checks.choice("law", law, LAWS)]

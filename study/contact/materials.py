@@ -75,8 +75,8 @@ def read_material(name: str, text: str) -> Material:
     if len(values) not in (2, 3):
         names = ", ".join(row["name"] for row in table())
         raise ValueError(
-            f"{name} must be one of {names}, or its Young's modulus in Pa and Poisson's ratio, "
-            f"such as 210e9,0.3, got {checks.shown(text)}"
+            f"{name} must be one of {names}, or Young's modulus in Pa and Poisson's ratio, "
+            f"for example 210e9,0.3, got {checks.shown(text)}"
         )
     checks.youngs_modulus(f"Young's modulus of {name}", values[0])
     return Material(*values)

@@ -123,14 +123,17 @@ def export(
     checks.choice("law", law, [*LAWS, "tabulated"])
     checks.choice("format", form, SUFFIXES)
     if name is not None and (not NAME.fullmatch(name) or keyword.iskeyword(name)):
-        wanted = "name must begin with a letter, and have letters, digits and _ only, up to 63"
+        wanted = (
+            "name must begin with a letter and consist of at most 63 letters, digits and "
+            "underscores, without being a keyword of Python"
+        )
         raise ValueError(f"{wanted}, got {name!r}")
     if isinstance(joint, DimensionalJoint):
         plain, sized = joint.joint, joint
     else:
         plain, sized = checks.instance("joint", joint, Joint), None
         checks.choice("format of a joint without dimensions", form, formulas.DIMENSIONLESS)
-    checks.choice(f"law of format {form}", law, [LAW_OF.get(form, law)])
+    checks.choice(f"law in format {form}", law, [LAW_OF.get(form, law)])
     if law == "stiffened_hertz":
         plain.check_linear(law)
         plain.correction_options()  # refused before the joint is solved
@@ -139,15 +142,15 @@ def export(
     if tilt is not None:
         if not plain.has_pole:
             raise ValueError(
-                "tilt must be left out for a ring or a ball with a bore, whose table of depth and "
-                "tilt would begin on the axis: give the direction of the displacement"
+                "tilt does not apply to a ring or a ball with a bore, because its table of depth "
+                "and tilt would begin on the axis; give the direction of the displacement instead"
             )
-        checks.choice("law beside tilt", law, ["tabulated"])
-        checks.choice("format beside tilt", form, ["c", "matlab", "csv"])
+        checks.choice("law with a tilt", law, ["tabulated"])
+        checks.choice("format with a tilt", form, ["c", "matlab", "csv"])
         return _tilted(directional_law(plain, deepest, tilt), form, sized, name)
     direction = plain.default_tilt if direction is None else direction
     if direction is not None:
-        checks.choice("law along a direction off the axis", law, ["tabulated", "power"])
+        checks.choice("law for a direction off the axis", law, ["tabulated", "power"])
     content = _Law(law, plain, sized, (least, deepest), direction, name)
     if form == "json":
         return _json(content)
@@ -166,12 +169,12 @@ def _range(depth_star, joint, fitted, shallowest):
     else:
         given = np.atleast_1d(checks.number("depth_star", depth_star, above=0))
         if given.shape not in ((1,), (2,)):
-            wanted = "depth_star must be one depth, or the least and the largest"
+            wanted = "depth_star must be one depth, or the minimum and the maximum depth"
             raise ValueError(f"{wanted}, got {checks.shown(depth_star)}")
         least, deepest = given[0] if len(given) == 2 else None, float(given[-1])
     if least is None:
         least = deepest / 10 if fitted else min(shallowest, deepest / 12)
-    return checks.number("least depth_star", least, above=0, below=deepest, scalar=True), deepest
+    return checks.number("minimum depth_star", least, above=0, below=deepest, scalar=True), deepest
 
 
 class _Law:

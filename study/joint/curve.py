@@ -188,8 +188,8 @@ def _nested_to(joint, deepest, resolution):
     checks.number("deepest", deepest, below=largest_depth(joint.r2_star))
     solver, resolution = settings(joint, None, resolution)
     few = UnresolvedError(
-        f"deepest must be a contact of {2 * _FIRST} elements or more, got {deepest:g}: "
-        f"take a resolution finer than {resolution}"
+        f"deepest must be large enough for a contact of >= {2 * _FIRST} elements, got {deepest:g}; "
+        f"use a resolution finer than {resolution}"
     )
     angles = surface_angles(resolution // 2, joint.reach)
     if nested_contact.widest(joint, deepest) < angles[2 * _FIRST]:
@@ -207,9 +207,10 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
     """Solver and elements along the surface, as given or by default, checked for this joint."""
     if not joint.has_pole:
         raise checks.RangeError(
-            "joint must have ball and socket on its axis for a load along it, got opening "
-            f"{joint.opening} and ball_support {joint.ball_support}: press it off the axis, across "
-            "it at a tilt of 90 deg (study.joint.tilted_contact, or --tilt 90)"
+            "a load along the axis requires a ball and a socket that face each other on the axis, "
+            f"got opening {joint.opening} and ball_support {joint.ball_support}; load this joint "
+            "off the axis, for example at a tilt of 90 deg (study.joint.tilted_contact or "
+            "--tilt 90)"
         )
     if solver is None:
         solver = "series" if joint.series_applies else "quadratic"
@@ -223,7 +224,9 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
         from study.joint import fem
 
         steps = layer_steps(joint.socket_body.layers[0])
-        checks.number("outer over inner radius of a layer", steps, least=fem.THINNEST_RATIO)
+        checks.number(
+            "outer radius of a layer divided by its inner radius", steps, least=fem.THINNEST_RATIO
+        )
         usual, most = RESOLUTION["quadratic"], fem.FINEST_RESOLUTION
         least = 64 if steps.min() < 1.05 else 32
     if joint.has_large_displacements:

@@ -28,7 +28,9 @@ UNIT = Material().youngs_modulus
 class Layer:
     """A layer of a socket: its outer radius over the socket's inner radius, and its material."""
 
-    outer_ratio: float = parameter(..., "outer radius of a layer divided by R2", above=1, most=THICKEST_RATIO)
+    outer_ratio: float = parameter(
+        ..., "outer radius of a layer divided by R2", above=1, most=THICKEST_RATIO
+    )
     material: Material = parameter(..., "material of a layer", kind=Material, parse=read_material)
 
     def __post_init__(self):

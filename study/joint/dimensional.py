@@ -164,15 +164,15 @@ def _read_liner(name: str, text: str) -> Liner:
     except checks.RangeError:
         raise
     except ValueError as error:
-        wanted = f"{name} must be a thickness in m and a material, such as 0.5e-3,PTFE"
+        wanted = f"{name} must be a thickness in m and a material, for example 0.5e-3,PTFE"
         raise ValueError(f"{wanted}, got {text!r}: {error}") from None
 
 
 def _of_material(default: str, body: str) -> Any:
     return parameter(
         default,
-        f"Material of the {body} by its name (listed by study data materials), or by Young's "
-        "modulus in Pa, Poisson's ratio and perhaps yield stress in Pa: 210e9,0.3,5e8",
+        f"Material of the {body}: a name that study data materials lists, or Young's modulus in "
+        "Pa, Poisson's ratio and, optionally, yield stress in Pa, for example 210e9,0.3,5e8",
         kind=Material,
         parse=read_material,
     )
@@ -193,16 +193,14 @@ class DimensionalJoint(Configuration):
     """
 
     socket_radius: float = parameter(..., "Inner radius of the socket", "m", above=0)
-    clearance: float = parameter(..., "Radius of the socket less that of the ball", "m")
-    wall: float = parameter(
-        ..., "Thickness of the socket beyond its inner radius, liners included", "m"
-    )
+    clearance: float = parameter(..., "Clearance: radius of the socket less that of the ball", "m")
+    wall: float = parameter(..., "Wall thickness of the socket, including its liners", "m")
     ball: Material = _of_material("bearing steel", "ball")
     socket: Material = _of_material("steel", "socket")
     liner: tuple[Liner, ...] = parameter(
         (),
-        "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be repeated, "
-        "from the inside out. The socket's material makes up the rest of the wall",
+        "Liner inside the socket: its thickness in m and its material, for example 0.5e-3,PTFE; "
+        "may be repeated, from the inside out. The rest of the wall is of the socket's material",
         kind=Liner,
         parse=_read_liner,
         several=";",
@@ -212,9 +210,9 @@ class DimensionalJoint(Configuration):
         parameters.take(self)
         if self.clearance <= 0:
             raise checks.RangeError(
-                f"clearance must be > 0 m, got {self.clearance:g} m: without clearance the ball "
-                "touches all round, which is another problem; give the least clearance that the "
-                "tolerances or wear leave, socket's less ball's radius"
+                f"clearance must be > 0 m, got {self.clearance:g} m; without clearance the ball "
+                "touches the socket all round, which is a different problem, so give the minimum "
+                "clearance (radius of the socket less radius of the ball) that the tolerances allow"
             )
         radius = self.socket_radius
         limits: dict[str, Any] = {"least": LEAST_CLEARANCE * radius, "below": radius}
@@ -222,7 +220,7 @@ class DimensionalJoint(Configuration):
         limits = {"least": (THINNEST_RATIO - 1) * radius, "most": (THICKEST_RATIO - 1) * radius}
         checks.number("wall", self.wall, "m", **limits)
         inside = sum(liner.thickness for liner in self.liner)
-        checks.number("wall around the liner", self.wall, "m", above=inside)
+        checks.number("wall (which includes the liners)", self.wall, "m", above=inside)
         for body in ("ball", "socket"):
             material(getattr(self, body), body)
         if isinstance(self.ball_support, Pin):
@@ -263,8 +261,8 @@ class DimensionalJoint(Configuration):
             return self._reaching("depth", np.zeros(1), "m", tilt)[0]
         if tilt is not None:
             raise ValueError(
-                f"law off the axis must be the table of the joint's own curve, got {law}: leave "
-                "the law out, or take k and n from power_law"
+                "law must be the table of the elastic solution for a load off the axis, got "
+                f"{law}; remove law, or use the fitted power law of power_law"
             )
         law = find(law)
         if law is LAWS["stiffened_hertz"]:
@@ -280,8 +278,8 @@ class DimensionalJoint(Configuration):
         ``tilt``, in deg, it is the force along a displacement in this direction.
         """
         low, high = depths or (share * self.clearance for share in USUAL_RANGE)
-        least = checks.number("least depth", low, "m", above=0, scalar=True)
-        most = checks.number("largest depth", high, "m", above=least, scalar=True)
+        least = checks.number("minimum depth", low, "m", above=0, scalar=True)
+        most = checks.number("maximum depth", high, "m", above=least, scalar=True)
         law, _ = self._reaching("depth", np.array([most]), "m", self._direction(tilt))
         places = np.geomspace(least, most, DEPTHS)
         return fit_power(places, law.force(places))
@@ -328,9 +326,9 @@ class DimensionalJoint(Configuration):
     @staticmethod
     def _given(depth, force):
         if depth is None and force is None:
-            raise ValueError("depth or force must be given")
+            raise ValueError("depth or force must be given, got neither")
         if depth is not None and force is not None:
-            raise ValueError("either depth or force must be given, not both")
+            raise ValueError("depth and force must not both be given; remove one of them")
         name, unit = ("depth", "m") if force is None else ("force", "N")
         given: Any = depth if force is None else force
         asked = np.atleast_1d(checks.number(name, given, unit, above=0))
@@ -453,8 +451,8 @@ class DimensionalJoint(Configuration):
                 law, curve = self._table(deepest, tilt)
             except checks.RangeError:
                 raise checks.RangeError(
-                    f"{name} must be <= {most():.6g} {unit}, got {asked.max():g} {unit}: just "
-                    "beyond, the contact would reach the socket's rim"
+                    f"{name} must be <= {most():.6g} {unit}, got {asked.max():g} {unit}; beyond "
+                    "this the contact would reach the rim of the socket"
                 ) from None
         return law, curve
 
@@ -488,8 +486,8 @@ class DimensionalJoint(Configuration):
             except checks.RangeError:
                 raise at_rim(name, self.joint, f"{asked.max():g} {unit}") from None
         raise UnresolvedError(
-            f"{name} must be so large that elements resolve the contact, got {asked.min():g} "
-            f"{unit}: Hertz's law holds for such small contacts"
+            f"{name} must be large enough for the elements to resolve the contact, got "
+            f"{asked.min():g} {unit}; use Hertz's law, which is valid for such small contacts"
         )
 
 

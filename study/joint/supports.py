@@ -100,7 +100,9 @@ class CentrePoint(BallSupport):
 class Core(BallSupport):
     """A rigid core that holds a whole ball."""
 
-    radius: float = parameter(..., "radius of the core divided by that of the ball", least=0.05, most=0.8)
+    radius: float = parameter(
+        ..., "radius of the core divided by that of the ball", least=0.05, most=0.8
+    )
 
     word, held, is_half, surface = "core", {"core": "rz"}, False, (0.0, 172.0)
     corners: ClassVar[list[tuple[float, float]]] = []
@@ -143,11 +145,17 @@ class Neck(BallSupport):
 
 @dataclass(frozen=True)
 class Bore(BallSupport):
-    """A cylindrical bore along the axis, held over its length by a rigid pin, and two flat faces."""
+    """A cylindrical bore along the axis between flat faces, held over its length by a rigid pin."""
 
-    radius: float = parameter(..., "radius of the bore divided by that of the ball", least=0.05, most=0.9)
+    radius: float = parameter(
+        ..., "radius of the bore divided by that of the ball", least=0.05, most=0.9
+    )
     face: float = parameter(
-        ..., "polar angle of the edges of the faces from the axis of the bore", "deg", least=10, most=80
+        ...,
+        "polar angle of the edges of the faces from the axis of the bore",
+        "deg",
+        least=10,
+        most=80,
     )
 
     word, held, is_half, lowest = "bore", {"bore": "rz"}, False, -1.0

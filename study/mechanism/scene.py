@@ -83,17 +83,17 @@ class Scene:
     )
     restitution: float = parameter(
         0.5,
-        "Coefficient of restitution, from 0.001 for damping exact and flores",
+        "Coefficient of restitution; at least 0.001 for damping exact and flores",
         least=0,
         most=1,
         source="Table 4",
     )
     friction: float = parameter(0.05, "Coefficient of friction", least=0, source="Table 4")
     slow_speed: float = parameter(
-        1e-4, "Sliding speed v0 below which there is no friction", "m/s", least=0, source="Table 4"
+        1e-4, "Sliding speed v0, below which there is no friction", "m/s", least=0, source="Table 4"
     )
     full_speed: float = parameter(
-        0.01, "Sliding speed v1 from which on friction is full", "m/s", above=0, source="Table 4"
+        0.01, "Sliding speed v1, above which the friction is full", "m/s", above=0, source="Table 4"
     )
     driving_moment: float = parameter(
         0.5, "Moment that drives the crank", "N m", least=-1e6, most=1e6, source="Table 4"
@@ -125,8 +125,8 @@ class Scene:
     )
     damping: Damping = parameter(
         "exact",
-        "Rule for the damping factor; only exact delivers the restitution, lankarani-nikravesh is "
-        "the paper's",
+        "Model of the damping factor; with exact an impact has the given coefficient of "
+        "restitution, and lankarani-nikravesh is the model of Yao et al.",
         choices=get_args(Damping),
         source="chosen here, delivers the restitution",
     )
@@ -135,7 +135,8 @@ class Scene:
     )
     initial_eccentricity: tuple[float, float] = parameter(
         (0.0, 0.0),
-        "Place of the ball's centre in the slider's socket at t = 0, inside the clearance",
+        "Eccentricity at t = 0: vector from the centre of the slider's socket to the centre of the "
+        "ball, shorter than the clearance",
         "m",
         several=",",
         count=2,
@@ -159,8 +160,7 @@ class Scene:
     )
     crank_speed: float | None = parameter(
         None,
-        "Constant speed of the crank, whatever moment this takes, instead of driving_moment and "
-        "initial_crank_speed",
+        "Constant speed of the crank, which replaces driving_moment and initial_crank_speed",
         "rad/s",
         least=-1e6,
         most=1e6,
@@ -193,7 +193,9 @@ class Scene:
         damping_factor(self.damping, self.restitution)
         for name in ("driving_moment", "initial_crank_speed"):
             if self.crank_speed is not None and getattr(self, name) != getattr(Scene, name):
-                raise ValueError(f"{name} must be left out with a crank_speed")
+                raise ValueError(
+                    f"{name} does not apply to a crank of constant crank_speed; remove one of them"
+                )
         inside = self.clearance - 4e-16 * self.socket_radius  # R2 - R1 is known no better
         checks.number("initial_eccentricity", hypot(*self.initial_eccentricity), "m", below=inside)
 
@@ -245,7 +247,7 @@ class Scene:
         """Raise ``ValueError`` if a parameter is given that a model does not have."""
         for name in names:
             if getattr(self, name) != getattr(Scene, name):
-                raise ValueError(f"{name.replace('_', ' ')} must be left out: this model has none")
+                raise ValueError(f"{name} does not apply to this model; remove it")
 
     def link(self, body: Body) -> Link:
         """Beam of a flexible link; an inertia below a thin rod's is a ``ValueError``."""

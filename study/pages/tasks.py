@@ -272,7 +272,7 @@ def _alone():
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 raise StudyError(
-                    f"another build is running in {paths.ROOT}: wait until it ends"
+                    f"another build is running in {paths.ROOT}; wait until it has ended"
                 ) from None
         yield
 

@@ -118,7 +118,7 @@ def run_study(
             count = _write(output, form, complete, names, map(part.rows, keys))
         except OSError as error:
             kept = f"{len(part.places)} of {len(different)} cases are kept"
-            why = f"{error.strerror or error}; {kept}, the same command goes on"
+            why = f"{error.strerror or error}; {kept}, and the same command continues from there"
             raise OSError(error.errno, why, str(output)) from None
     named = zip(names, keys, strict=True)
     failures = {name: part.failures[key] for name, key in named if key in part.failures}
@@ -235,8 +235,8 @@ def _solved(
             try:
                 results = future.result()
             except Exception as error:
-                why = "a worker ended, perhaps for lack of memory: take fewer --jobs"
-                kept = "what was finished is kept"
+                why = "a worker process ended, perhaps because memory was short; use fewer --jobs"
+                kept = "finished cases are kept"
                 raise StudyError(f"{why}; {kept} ({type(error).__name__}: {error})") from error
             yield from zip(running.pop(future), results, strict=True)
 
