@@ -8,6 +8,8 @@ are run, on two meshes and with two steps. Impacts are chaotic: a finer mesh nee
 that three times the largest difference is their bound.
 """
 
+from __future__ import annotations  # so that help() shows names and not what they stand for
+
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
@@ -51,7 +53,7 @@ WARM_UP = 1e-5  # s, simulated once before a model is timed
 
 
 class ModelError(StudyError):
-    """No model is known to be within the tolerance; ``known`` is the least bound of any."""
+    """No model is known to be within the tolerance; ``known`` is the minimum error bound."""
 
     def __init__(self, message: str, known: float) -> None:
         super().__init__(message)
@@ -60,31 +62,38 @@ class ModelError(StudyError):
 
 @dataclass(frozen=True)
 class ModelChoice:
-    """A model of a scene, with the evidence.
+    """The chosen model of a mechanism, with the evidence.
 
     Attributes
     ----------
-    law
-        Contact law, ``none`` for an ideal joint.
+    model, joint, law
+        Model of the links, joint (``clearance`` or ``ideal``), and contact law (``none`` for an
+        ideal joint).
     settings
-        Stepper, and its tolerance, or its step (s) and elements.
+        Time integration, and its tolerance, or its step in s and the number of elements.
     error_bound
-        Of the NRMS error of the slider's motion, over the duration: no proof, but an estimate with
-        a margin (`SAFETY` here and in `links`), as impacts of flexible links are chaotic.
+        Bound of the NRMS error of the slider's motion over the duration. It is not proved but
+        estimated with a margin (`SAFETY` here and in `links`), because impacts of flexible links
+        are chaotic.
     relative_cost
-        Time over that of rigid links with Hertz's law, measured while choosing.
+        Computing time relative to that of rigid links with Hertz's law, measured during the choice.
     links
-        How the links' share of the bound is known: ``bounded`` or ``compared``.
+        How the contribution of flexible links to the bound is known: ``bounded`` or ``compared``.
+    quantity
+        The part of the slider's motion whose error is bounded.
     compliance_ratio, frequency_ratio
-        As of `links.ratios`, at the largest depth.
+        Ratios of `links.ratios` at the maximum depth.
     depth_star
-        Largest depth of rigid links with Hertz's law, in clearances.
+        Maximum penetration depth with rigid links and Hertz's law, in clearances.
     note
-        Why this scene is outside the random scenes behind ``bounded``; empty if it is not.
+        Why this mechanism is outside the range of the random ones on which ``bounded`` is based;
+        empty if it is not.
     evidence
-        ``model`` to ``links`` of every model that was compared, in order of detail.
+        The attributes from ``model`` to ``links`` of every model that was compared, in order of
+        detail.
     simulate
-        Simulates the scene; takes ``progress`` as `study.mechanism.simulate` does.
+        Function that simulates the mechanism; it accepts ``progress`` as
+        `study.mechanism.simulate` does.
     """
 
     model: str
@@ -124,24 +133,33 @@ def choose_model(
 
     Parameters
     ----------
+    scene
+        Mechanism parameters.
     tolerance
-        Largest NRMS error, > 0 and <= 1: RMS of the error over RMS of the change since t = 0.
+        Maximum NRMS error, > 0 and <= 1: the RMS error of the quantity divided by the RMS of its
+        change since t = 0.
     duration, outputs
-        As of `study.mechanism.simulate`.
+        Simulated time in s and number of output intervals, as in `study.mechanism.simulate`.
     quantity
-        What the tolerance is for.
+        The part of the slider's motion to which the tolerance applies.
     socket_ratio
-        Outer over inner radius of the socket. Its supports are the defaults of `study.joint.Joint`.
+        Outer radius of the socket divided by its inner radius. The supports are the defaults of
+        `study.joint.Joint`.
 
     Raises
     ------
     ValueError
-        For a value outside its range.
+        If a value is outside its range.
     ModelError
-        If no model is known to be within the tolerance; says the least bound.
+        If no model is known to be within the tolerance.
     study.checks.StudyError
-        If no law is known to give the contact force within `LAW_TOLERANCE`, or a simulation cannot
-        go on.
+        If no law is known to give the contact force within `LAW_TOLERANCE`, or a simulation fails.
+
+    Examples
+    --------
+    >>> choice = choose_model(Scene(), tolerance=0.01, duration=0.05)
+    >>> choice.model, choice.joint
+    ('rigid', 'ideal')
     """
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
     checks.choice("quantity", quantity, links.QUANTITIES)

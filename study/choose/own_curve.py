@@ -1,9 +1,11 @@
-"""Which law follows a curve of your own, from finite elements or from a test rig.
+"""Comparison of the laws with a force-depth curve of the user, from finite elements or a test rig.
 
-`fit_curve` compares every law with a measured or computed force over depth. Clearance, composite
-modulus and an offset of the depth can be fitted by least squares of the force. A law with a
-coefficient of its own always has this fitted. The power law needs no joint.
+`fit_curve` compares every law with the curve. Clearance, composite modulus and an offset of the
+depth can be fitted by least squares of the force. The coefficient of a law that has one is always
+fitted. The power law does not depend on a joint.
 """
+
+from __future__ import annotations  # so that help() shows names and not what they stand for
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -38,26 +40,27 @@ _EXPONENTS = 0.1, 10.0
 
 @dataclass(frozen=True)
 class LawFit:
-    """How well a law follows the curve.
+    """How well a law agrees with the curve.
 
     Attributes
     ----------
     law
-        Key of ``study.contact.LAWS``, or ``tabulated``: the joint's own elastic solution.
+        Key of ``study.contact.LAWS``, or ``tabulated`` for the elastic solution of the joint.
     force
-        Of the law at the curve's depths, shape (n,).
+        Force of the law at the depths of the curve, shape (n,).
     rmse, max_error
-        Root-mean-square and largest error, in the unit of the force.
+        Root-mean-square and maximum error, in the unit of the force.
     max_relative_error
-        Largest error over the force, where the force is at least 1 % of the largest one.
+        Maximum relative error, where the force is at least 1 % of its maximum.
     determination, determination_adjusted
         R^2 = 1 - SSE/SST, and 1 - (1 - R^2) (n - 1)/(n - p - 1) with p fitted parameters.
     parameters
-        Those that are fitted: ``coefficient`` (of the power law in N/m^n, else without a unit),
-        ``exponent``, ``clearance`` in m, composite ``modulus`` in Pa, ``offset`` of the depth.
+        Fitted parameters: ``coefficient`` (of the power law in N/m^n, else without unit),
+        ``exponent``, ``clearance`` in m, composite ``modulus`` in Pa, and ``offset`` of the depth.
     standard_errors
-        Of the parameters that least squares of the force give, for independent errors of the
-        forces; that of the power law's coefficient is left out, as it depends on the exponent's.
+        Standard errors of the parameters that are fitted by least squares of the force, for
+        independent errors of the forces. That of the power law's coefficient is omitted, because
+        it depends on that of the exponent.
     """
 
     law: str
@@ -73,20 +76,20 @@ class LawFit:
 
 @dataclass(frozen=True)
 class CurveFit:
-    """Every law beside a curve.
+    """Comparison of all laws with a curve.
 
     Attributes
     ----------
     depth, force
-        The curve, by depth, shape (n,).
+        The curve in order of depth, shape (n,).
     laws
-        The smallest RMSE first.
+        Result for each law, in order of the RMSE.
     power
-        The force as k d^n, with its largest relative error and its range of depths.
+        The power law F = k d^n, with its maximum relative error and its range of depths.
     left_out
-        Law -> why it is not compared.
+        Laws that are not compared, and the reason for each.
     notes
-        What the curve or the fit needs to be read with: sentences.
+        Sentences on the curve and the fit that the user should know.
     """
 
     depth: Floats
@@ -104,23 +107,25 @@ def fit_curve(
     joint: Joint | DimensionalJoint | None = None,
     fit: Sequence[Fitted] = (),
 ) -> CurveFit:
-    """Compare every law with a curve of force over depth, and fit what is not known.
+    """Compare every law with a force-depth curve, and fit unknown parameters.
 
     Parameters
     ----------
     depth, force
-        Shape (n,), in any order, n >= 4 plus the number of fitted quantities: in m and N, or for a
-        `Joint` without dimensions in clearances and E* dR^2. Noise is allowed; forces are positive.
+        Penetration depths in m and forces > 0 in N, shape (n,), in any order, where n is at least 4
+        plus the number of fitted parameters. For a `Joint` without dimensions they are normalised,
+        d/dR and P/(E* dR^2). Noise is allowed.
     joint
-        With its dimensions, or without; None if unknown: only the power law is then fitted.
+        The joint, with or without dimensions. If it is None, only the power law is fitted.
     fit
-        ``clearance`` (the given one is where the search starts, the socket's radius is kept),
-        ``modulus`` (the composite one, E*) and ``offset``: the depth that is read at first touch.
+        Parameters to fit: ``clearance`` (the search begins at the given one, and the radius of the
+        socket is not changed), ``modulus`` (the composite modulus E*) and ``offset`` (the depth
+        reading at first touch).
 
     Raises
     ------
     ValueError
-        For values that no curve of a joint has, or too few; the message says what to do.
+        If there are too few points, or the values cannot be the curve of a joint.
 
     Examples
     --------

@@ -18,7 +18,7 @@ from study.cli.solve_joint import (
     sized,
     typed,
 )
-from study.contact import LawName
+from study.contact import LAWS, LawName
 from study.contact.power_fit import USUAL_RANGE, fit_power
 from study.joint import RatioJoint, applicability, first_yield, force_curve, tilted_contact
 from study.joint.directional_law import LEAST_DEEPEST
@@ -230,13 +230,13 @@ def _of_choice(choice, dimensions, exceeded, axial):
     },
     examples=[
         "export --law stiffened_hertz --format c --r2-star 200",
-        "export --law tabulated --format adams --output joint.cmd \\\n"
+        "export --law power --format adams --output joint.txt \\\n"
         "      --socket-radius 12.5e-3 --clearance 40e-6 --wall 6e-3",
     ],
 )
 def export_law(
     law: Literal[LawName, "tabulated"] = cli.required(
-        "Name of a contact law, or tabulated for a table of the joint's elastic solution."
+        f"Contact law: {', '.join(LAWS)}; or tabulated, a table of the joint's elastic solution."
     ),
     form: Literal[
         "c", "matlab", "modelica", "json", "csv", "exudyn", "adams", "mujoco"

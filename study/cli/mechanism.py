@@ -43,8 +43,8 @@ OPTIONS = {
     ),
     "law": cli.further(
         Literal[(*LAWS, "tabulated")],
-        "Contact law; tabulated is a table of the joint's elastic solution. Default: "
-        "stiffened_hertz, or tabulated if --wall or --liner is given.",
+        f"Contact law: {', '.join(LAWS)}; or tabulated, a table of the joint's elastic solution. "
+        "Default: stiffened_hertz, or tabulated if --wall or --liner is given.",
     ),
     **cli.options_of(simulate, *_SETTINGS),
     **cli.options_of(DimensionalJoint, "wall", "liner"),

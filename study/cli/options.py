@@ -123,6 +123,7 @@ INTERRUPTED = 130  # typer's status after Ctrl-C
 KEPT = "; what was finished is kept"
 METAVARS = {float: "NUMBER", int: "COUNT", str: "TEXT", Path: "FILE"}
 """What the help shows for the value of an option, by its type."""
+LONGEST = 60  # characters of a list of choices that the help shows in its place
 
 
 def option(text, *flags, default=None):
@@ -247,7 +248,9 @@ def _parameters(own, headings):
             )
             parameter.default.rich_help_panel = headings.get(parameter.name)
             kind, *_ = *get_args(parameter.annotation), parameter.annotation  # that of a list
-            parameter.default.metavar = parameter.default.metavar or METAVARS.get(kind)
+            is_long = len("|".join(map(str, get_args(parameter.annotation)))) > LONGEST
+            metavar = "NAME" if is_long else METAVARS.get(kind)
+            parameter.default.metavar = parameter.default.metavar or metavar
             if kind in (float, int):
                 parameter.default.parser = partial(_number, kind)
             yield parameter

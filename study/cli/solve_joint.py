@@ -170,8 +170,12 @@ def needed(names, options, more=""):
 
 def _only_sizes(options, first, allowed):
     """Raise ``ValueError`` for an option that a joint with dimensions does not have."""
-    what = f"a joint with dimensions, which {cli.flag(first)} belongs to"
-    cli.left_out(options, (*allowed, *CONFIGURATION), what)
+    for name in options:
+        if name not in (*allowed, *CONFIGURATION):
+            raise ValueError(
+                f"{cli.flag(name)} is for a joint without dimensions and {cli.flag(first)} for a "
+                "joint with dimensions; remove one of them"
+            )
 
 
 def sized(options):

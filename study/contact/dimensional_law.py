@@ -4,6 +4,8 @@ The laws of `study.contact.laws` are dimensionless. `DimensionalLaw` adds the jo
 and the inverse, and packs a law for the compiled loops.
 """
 
+from __future__ import annotations  # so that help() shows names and not what they stand for
+
 from math import inf
 from typing import Any
 
@@ -20,9 +22,10 @@ CAPACITIES = 4096, 65536
 
 
 class DimensionalLaw:
-    """A law of a joint with its dimensions, in SI units.
+    """A contact law of a joint with dimensions, in SI units.
 
-    An unknown law or option, a missing option, or a value outside its range is a ``ValueError``.
+    Its methods `force`, `stiffness` and `depth` evaluate it. Raises ``ValueError`` for an unknown
+    law or option, a missing option, or a value outside its range.
 
     Parameters
     ----------
@@ -30,11 +33,11 @@ class DimensionalLaw:
         Key of `study.contact.LAWS`, a law itself, such as ``tabulated(curve)``, or a function
         (`study.contact.sampled`).
     ball_radius, socket_radius
-        In m; the ball is smaller than the socket.
+        Radii in m; the ball is smaller than the socket.
     composite_modulus
-        E*, > 0, in Pa (`study.contact.composite_modulus`).
+        Composite modulus E* > 0 in Pa (`study.contact.composite_modulus`).
     **options
-        Options of the law. ``stiffened_hertz`` needs ``socket_ratio``, ``modulus_ratio``,
+        Options of the law. ``stiffened_hertz`` requires ``socket_ratio``, ``modulus_ratio``,
         ``poisson`` and ``socket_poisson``.
 
     Attributes
@@ -42,11 +45,19 @@ class DimensionalLaw:
     law, options
         The law without dimensions, and its options as they were given.
     deepest
-        Largest depth of the law, in m; infinite for a law without a limit.
+        Maximum penetration depth of the law in m; infinite for a law without a limit.
     joint
-        The `study.joint.DimensionalJoint` that it is a law of, else None.
+        The `study.joint.DimensionalJoint` to which the law belongs, or None.
     parts
-        The dimensionless law at the joint's R2*, `study.contact.laws.Parts`.
+        The law at the R2* of the joint, as `study.contact.laws.Parts`.
+
+    Examples
+    --------
+    >>> law = DimensionalLaw(
+    ...     "hertz", ball_radius=9.95e-3, socket_radius=10e-3, composite_modulus=1.1e11
+    ... )
+    >>> print(f"{law.force(5e-6):.0f} N")
+    2313 N
     """
 
     def __init__(
@@ -80,18 +91,19 @@ class DimensionalLaw:
         self.deepest = inf if limit is None else self.clearance * float(limit)
 
     def force(self, depth: ArrayLike) -> Floats:
-        """Contact force in N at depths in m, of their shape; 0 at depths <= 0."""
+        """Contact force in N at penetration depths in m, with their shape; 0 at depths <= 0."""
         return self._evaluated(depth, 0)
 
     def stiffness(self, depth: ArrayLike) -> Floats:
-        """Contact stiffness dP/dd in N/m at depths in m, of their shape; 0 at depths <= 0."""
+        """Stiffness dP/dd in N/m at penetration depths in m, with their shape; 0 at depths <= 0."""
         return self._evaluated(depth, 1)
 
     def depth(self, force: ArrayLike) -> Floats:
-        """Depths in m of contact forces >= 0 in N, of their shape: the inverse of `force`.
+        """Penetration depths in m under contact forces >= 0 in N, with their shape.
 
-        By Newton's method in ln(depth) and ln(force), between bounds; exact except for rounding.
-        A force larger than the one at the law's largest depth is a ``ValueError``.
+        This is the inverse of `force`, by Newton's method in ln(depth) and ln(force) between
+        bounds, and exact except for rounding. Raises ``ValueError`` for a force that is greater
+        than that at the maximum depth of the law.
         """
         most = None
         if self.deepest < inf:

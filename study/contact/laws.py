@@ -8,6 +8,8 @@ A law is a function of R2* and of its options, which returns its `Parts`; `new_l
 of it. "Eq." numbers are those of the paper that the study reproduces.
 """
 
+from __future__ import annotations  # so that help() shows names and not what they stand for
+
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -60,26 +62,33 @@ class Parts(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A dimensionless force over depth. A call evaluates it.
+    """A contact law: the normalised force as a function of the normalised penetration depth.
+
+    A law is called to evaluate it.
 
     Attributes
     ----------
     name
-        Key of `LAWS`; of another law, that of its function.
+        Key of `LAWS`, or the name of the function from which another law was made.
     formula
         Function of R2* and all options, with their defaults, that returns the law's `Parts`.
     of_bodies
-        Options that every joint with dimensions states: there they have no default.
+        Options that a joint with dimensions determines, where they have no default.
     deepest
-        Largest depth_star, if the law has a limit that its shape has not.
+        Maximum depth_star, if the law has a limit that its shape does not have.
     least_r2_star
-        Smallest R2*, where it is not 1.
+        Minimum R2*, if it is not 1.
     fitted_to
-        Largest depth_star of the fit in the paper's joint that gives the default coefficients.
+        Maximum depth_star of the fit, in the reference joint, of the default coefficients.
     examples
-        Options that are tried wherever all laws are, for example in tests.
+        Options with which all laws are tested.
     r2_star, joint
-        Of the law of one `study.joint.Joint`: its only R2*, and the joint.
+        For the law of one `study.joint.Joint`: its only R2*, and the joint.
+
+    Examples
+    --------
+    >>> print(f"{hertz(0.3, 200):.2f}")
+    43.71
     """
 
     name: str
@@ -118,10 +127,27 @@ class Law:
         derivative: bool = False,
         **options: Any,
     ) -> Any:
-        """Force_star at depths, 0 where they are <= 0, or its derivative by depth_star.
+        """Evaluate the law.
 
-        Depths and ``r2_star`` > 1 are arrays that broadcast. A value outside its range is a
-        ``ValueError``. A law of one joint needs no ``r2_star``.
+        Parameters
+        ----------
+        depth_star, r2_star
+            Normalised penetration depths d/dR and socket radii R2/dR > 1, as arrays that broadcast.
+            A law of one joint needs no ``r2_star``.
+        derivative
+            Whether to return the derivative of the force with respect to depth_star.
+        **options
+            Options of the law.
+
+        Returns
+        -------
+        float or array
+            Normalised force P/(E* dR^2), or its derivative; 0 where the depth is <= 0.
+
+        Raises
+        ------
+        ValueError
+            If an option is unknown or a value is outside its range.
         """
         depth = np.asarray(checks.depth("depth_star", depth_star))
         given: Any = self.r2_star if r2_star is None else r2_star
@@ -365,17 +391,29 @@ def tabulated(curve: Any) -> Law:
 
     The stiffening S = P*/P*(Hertz) is interpolated over sqrt(ds), from S = 1 at ds = 0, by a spline
     that is monotone where the curve is (`sampling.monotone_slopes`). The table is a cubic Hermite
-    spline on equal steps: continuously differentiable, at the cost of one square root. The law's
-    ``r2_star`` may be left out. Its largest depth is that of the curve.
+    spline with equal steps, which is continuously differentiable and needs only one square root.
+    The maximum depth of the law is that of the curve, and ``r2_star`` need not be given.
 
     Parameters
     ----------
     curve
-        A `study.joint.ForceCurve` of at least 4 different depths > 0, the shallowest at most a
-        tenth of the deepest, with an increasing force; else a ``ValueError``. With 40 depths in
-        equal steps of sqrt(ds) from 0.025 to 1, at a resolution of 640, the law is within 1e-4 of
-        the solver from a depth of 0.001 on. The default resolution of 320 leaves noise of 3e-4 in
-        the curve at depths below 0.005.
+        A `study.joint.ForceCurve` with at least 4 different depths > 0, a minimum depth of at most
+        a tenth of the maximum, and a force that increases with depth. With 40 depths in equal steps
+        of sqrt(ds) from 0.025 to 1, at a resolution of 640, the law is within 1e-4 of the elastic
+        solution from a depth of 0.001 on. The default resolution of 320 leaves noise of 3e-4 in the
+        curve at depths below 0.005.
+
+    Raises
+    ------
+    ValueError
+        If the curve has too few depths, or its force does not increase.
+
+    Examples
+    --------
+    >>> from study.joint import Joint, whole_curve
+    >>> law = tabulated(whole_curve(Joint(r2_star=200)))
+    >>> print(f"{law(0.3):.2f}")
+    81.63
     """
     order = np.argsort(curve.depth_star)
     order = order[curve.depth_star[order] > 0]
@@ -412,28 +450,34 @@ def tabulated(curve: Any) -> Law:
 
 
 def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> Law:
-    """Law from a plain Python function, as a table that compiled code can read.
+    """Law from a Python function, as a table that compiled code can read.
 
-    The secant stiffness P*/ds is a cubic Hermite spline over sqrt(ds): continuously differentiable,
-    and exact for ds, ds^1.5, ds^2 and ds^2.5. Steps are halved until the force between them is
-    within `sampling.TOLERANCE`, or within `sampling.FLOOR` of the largest force. There is one table
-    for each R2*, so that a call takes one R2* only.
+    The secant stiffness P*/ds is a cubic Hermite spline over sqrt(ds), which is continuously
+    differentiable and exact for ds, ds^1.5, ds^2 and ds^2.5. Steps are halved until the error of
+    the force between them is within `sampling.TOLERANCE`, or within `sampling.FLOOR` of the maximum
+    force. There is one table for each R2*, and therefore a call accepts one R2* only.
 
-    A function may be given wherever a law is taken; it is then sampled up to one clearance.
+    Functions that accept a law also accept such a function, and sample it up to one clearance.
 
     Parameters
     ----------
     function
-        Of (``depth_star``, ``r2_star``), each one number, that returns force_star = P/(E* dR^2):
-        0 at depth 0, and increasing. The law takes its name.
+        Function of two numbers (``depth_star``, ``r2_star``) that returns the normalised force
+        P/(E* dR^2), which must be 0 at depth 0 and increase. The law has the name of the function.
     deepest
-        Largest depth_star of the law, up to which the function is sampled.
+        Maximum depth_star of the law, up to which the function is sampled.
 
     Raises
     ------
     ValueError
-        When the law is used: for a force that is not a finite number, is not 0 at depth 0, does not
-        increase with depth, or jumps.
+        When the law is first used, if the force is not a finite number, is not 0 at depth 0, does
+        not increase with depth, or jumps.
+
+    Examples
+    --------
+    >>> law = sampled(lambda depth_star, r2_star: 1.5 * r2_star * depth_star**1.6)
+    >>> print(f"{law(0.3, 200):.2f}")
+    43.70
     """
     if not callable(function) or isinstance(function, type):
         raise ValueError(f"law must be a name or a function, got {checks.shown(function)}")

@@ -40,19 +40,29 @@ class Layer:
 @parameters.documented
 @dataclass(frozen=True)
 class Joint(Configuration):
-    """A spherical clearance joint, as far as its force-depth curve depends on it.
+    """A spherical clearance joint without dimensions.
 
-    Its default supports are solved exactly, and are the defaults of
-    `study.contact.stiffened_hertz`. They are not the paper's (`paper_joint`). A value outside its
-    range is a ``ValueError``. Supports may be given as objects of `study.joint.supports` or as
-    texts.
+    It has everything that the normalised force-depth curve depends on. Supports may be given as
+    objects of `study.joint.supports` or as texts. The default supports are those of
+    `study.contact.stiffened_hertz`, for which the Legendre series applies; those of the reference
+    joint of the study are different (`paper_joint`). Raises ``ValueError`` for a value outside its
+    range.
 
-    The materials' Young's moduli are within a factor of 1e9. Layers replace ``socket_ratio`` and
-    ``socket``, which are then the outermost ratio and the innermost material; E* is that of ball
-    and innermost layer. A layer is at least 0.0001 of its inner radius thick, or 0.02 for finite
-    elements. A free rim changes the force, at R2* = 200 and Poisson's ratio 0.3, by less than 1e-5
-    up to a socket ratio of 1.25, by 0.7 % at 2 and by 4 % at 3; at Poisson's ratio 0.45 by 0.4 %
-    at a ratio of 1.25 and by 1.6 % at 1.5. Notebook 01 draws all supports.
+    Young's moduli of the materials may differ by a factor of at most 1e9. Layers replace
+    ``socket_ratio`` and ``socket``, which are then the ratio of the outermost layer and the
+    material of the innermost one; E* is that of the ball and the innermost layer. The minimum
+    thickness of a layer is 0.0001 times its inner radius, or 0.02 times for finite elements.
+
+    At R2* = 200 and Poisson's ratio 0.3 a free rim, instead of a mirror plane, changes the force by
+    less than 1e-5 up to a socket ratio of 1.25, by 0.7 % at 2 and by 4 % at 3; at Poisson's ratio
+    0.45 it changes the force by 0.4 % at a ratio of 1.25 and by 1.6 % at 1.5. Notebook 01 draws all
+    supports.
+
+    Examples
+    --------
+    >>> joint = Joint(r2_star=200, socket=Material(1.1e11, 0.34), ball_support="clamped")
+    >>> joint.rim, round(joint.composite_modulus / 1e9, 1)
+    ('mirror', 79.4)
     """
 
     r2_star: float = parameter(..., "Radius of the socket divided by the clearance, R2/dR", above=1)
@@ -225,12 +235,18 @@ PAPER_SUPPORTS: dict[str, Any] = {"ball_support": ClampedPlate(), "rim": "free"}
 
 
 def paper_joint(r2_star: float = 200, **changes: Any) -> Joint:
-    """The joint of the paper's figures and tables, as far as it can be known.
+    """The reference joint: the configuration inferred from Table 2 of Yao et al.
 
-    Clamped ball, free rim, socket ratio 1.298, linear kinematics and Poisson's ratio 0.3 of both
-    bodies. They are identified from Table 2 and Fig. 14 (notebook 13), but for the rim, which
-    follows from the text ("the entire external surface of the socket is fixed"). R2* = 200 is that
-    of Fig. 10 and Table 2; ``changes`` are other attributes of `Joint`.
+    It has a clamped ball, a free rim, a socket ratio of 1.298, linear kinematics and Poisson's
+    ratio 0.3 of both bodies. These were identified from Table 2 and Fig. 14 (notebook 13), except
+    for the rim, which follows from the text ("the entire external surface of the socket is fixed").
+
+    Parameters
+    ----------
+    r2_star
+        Radius of the socket divided by the clearance; 200 in Fig. 10 and Table 2.
+    **changes
+        Other attributes of `Joint`.
     """
     return Joint(r2_star, **(PAPER_SUPPORTS | changes))
 
@@ -245,9 +261,15 @@ def _read_layer(name: str, text: str) -> Layer:
 @parameters.documented
 @dataclass(frozen=True)
 class RatioJoint(Configuration):
-    """A joint whose materials are relative to the ball's, of Young's modulus 2e11 Pa.
+    """A joint without dimensions, described by ratios as on the command line and in tables.
 
-    A ``layer`` replaces the parameters of a socket of one material.
+    Young's modulus of the ball is 2e11 Pa. If a ``layer`` is given, layers replace the parameters
+    of a socket of one material. The method `joint` gives the `Joint`.
+
+    Examples
+    --------
+    >>> RatioJoint(r2_star=200, modulus_ratio=0.5).joint().socket.youngs_modulus
+    100000000000.0
     """
 
     r2_star: float = parameter(

@@ -58,13 +58,20 @@ def _material_of(body: str) -> Any:
 @parameters.documented
 @dataclass(frozen=True)
 class Scene:
-    """Mechanism parameters: a crank-slider in a plane, with its slide along +x.
+    """Mechanism parameters of a planar crank-slider, in SI units.
 
-    The slide passes through the crank's axis. The clearance joint is between coupler and slider.
-    The ball is on the coupler's end, the socket in the slider, which does not turn. There may be a
-    second one between crank and coupler, with the ball on the crank's end and the socket in the
-    coupler. At t = 0 the balls are at rest in their sockets; by default nothing moves, and both
-    links lie on +x. All is in SI units. A value outside its range is a ``ValueError``.
+    The slide lies along +x and passes through the axis of the crank. The clearance joint is between
+    coupler and slider: the ball is at the end of the coupler, and the socket is in the slider,
+    which does not rotate. There may be a second clearance joint between crank and coupler, with the
+    ball at the end of the crank and the socket in the coupler. At t = 0 the balls are at rest
+    relative to their sockets. By default the mechanism is at rest then, and both links lie on +x.
+    Raises ``ValueError`` for a value outside its range.
+
+    Examples
+    --------
+    >>> scene = Scene(clearance=1e-4, restitution=0.9)
+    >>> scene.replace(friction=0).clearance
+    0.0001
     """
 
     crank_length: float = parameter(0.05, "Length of the crank", "m", above=0, source="Table 3")
@@ -229,7 +236,7 @@ class Scene:
 
     @property
     def delivered_restitution(self) -> float:
-        """Restitution of a free impact with the scene's damping; ``exact``: that asked for."""
+        """Coefficient of restitution of a free impact with the damping model of the scene."""
         exact = self.damping == "exact"
         return self.restitution if exact else delivered_restitution(self.damping_factor)
 
@@ -326,5 +333,9 @@ class Scene:
 
 
 def paper_scene(**changes: Any) -> Scene:
-    """The paper's scene, whose damping delivers another restitution; ``changes`` are of `Scene`."""
+    """Mechanism parameters with the damping model of Yao et al.
+
+    With this model an impact does not have the given coefficient of restitution
+    (`Scene.delivered_restitution`). The ``changes`` are attributes of `Scene`.
+    """
     return Scene(**({"damping": PAPER_DAMPING} | changes))

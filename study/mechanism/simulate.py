@@ -1,9 +1,11 @@
-"""One call for every model of the crank-slider, with checked arguments.
+"""The function `simulate`, which runs every model of the crank-slider, with checked arguments.
 
-The three models have rigid links, links of particles (the paper's finite particle method), or links
-of beam elements, with a clearance joint or an ideal one. `study.choose.model` chooses the one that
-a scene needs.
+The three models have rigid links, links of particles (the finite particle method of Yao et al.), or
+links of beam elements, each with a clearance joint or an ideal joint. `study.choose.model` chooses
+the simplest model that is accurate enough.
 """
+
+from __future__ import annotations  # so that help() shows names and not what they stand for
 
 from collections.abc import Callable
 from functools import partial
@@ -42,8 +44,8 @@ computing for rigid links. A crank far too short or light for its drive does not
 @describe(
     scene=Parameter("Mechanism parameters", otherwise="`Scene()`"),
     model=Parameter(
-        "Model of the links: rigid links, links of particles (the paper's finite particle method),"
-        " or beams",
+        "Model of the links: rigid links, links of particles (the finite particle method of Yao "
+        "et al.), or beams",
         choices=get_args(Model),
     ),
     joint=Parameter(
@@ -92,7 +94,7 @@ computing for rigid links. A crank far too short or light for its drive does not
         otherwise="centred",
     ),
     progress=Parameter(
-        "Function that is called with the simulated time every tenth of a second or so"
+        "Function that is called with the simulated time in s about every tenth of a second"
     ),
 )
 def simulate(
@@ -100,7 +102,7 @@ def simulate(
     *,
     model: Model = "rigid",
     joint: JointKind = "clearance",
-    law: "AnyLaw | DimensionalLaw | DimensionalJoint" = LAW,
+    law: AnyLaw | DimensionalLaw | DimensionalJoint = LAW,
     duration: float = 0.1,
     outputs: int = 1000,
     tolerance: float | None = None,
@@ -113,21 +115,28 @@ def simulate(
     """Simulate the crank-slider.
 
     Further keywords are options of the law. Those of materials (``modulus_ratio``, ``poisson`` and
-    ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene. ``tabulated`` has ``wall``
-    or ``socket_ratio``, and ``liner`` (`study.joint.DimensionalJoint`).
+    ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene. The options of
+    ``tabulated`` are ``wall`` or ``socket_ratio``, and ``liner`` (`study.joint.DimensionalJoint`).
 
     Returns
     -------
     Response
-        After Ctrl-C it has what was computed so far, and ``complete=False``.
+        After Ctrl-C it has the results up to then, and its attribute ``complete`` is False.
 
     Raises
     ------
     ValueError
-        For an unknown name, a value outside its range, an argument that the model does not have, or
-        a law of another socket radius or of other materials than the scene's.
+        If a name is unknown, a value is outside its range, an argument does not apply to the model,
+        or the law is for another socket radius or other materials than those of the scene.
     MechanismError
-        If the simulation cannot go on; says when, with which step, and which limit was passed.
+        If the simulation cannot continue. The message states the time, the step and the limit that
+        was exceeded.
+
+    Examples
+    --------
+    >>> response = simulate(Scene(restitution=0.9), law="hertz", duration=0.005)
+    >>> len(response.impacts), f"{response.impacts.peak_force.max():.0f} N"
+    (2, '229 N')
     """
     run = _checked(
         scene, model, joint, law, duration, outputs, tolerance, step, elements, method, law_options

@@ -109,13 +109,22 @@ def _text(value):
 
 
 def random_cases(count: int, ranges: Mapping[str, str], seed: int = 0) -> list[Case]:
-    """Random cases, the same for the same seed; a larger ``count`` begins with the same ones.
+    """Random cases of a parameter study.
 
     Parameters
     ----------
+    count
+        Number of cases, >= 1. A larger number begins with the same cases.
     ranges
-        Range of each column: ``low:high``, drawn evenly; ``low:high:log``, drawn evenly in the
-        logarithm; or values to choose from, ``a,b,c``. Numbers are drawn with 6 digits.
+        Range of each column: ``low:high`` draws uniformly, ``low:high:log`` uniformly in the
+        logarithm, and ``a,b,c`` one of the listed values. Numbers are drawn with 6 digits.
+    seed
+        Seed of the random numbers; the same seed gives the same cases.
+
+    Examples
+    --------
+    >>> random_cases(2, {"r2_star": "20:300:log", "rim": "mirror,free"})
+    [{'r2_star': '112.242', 'rim': 'mirror'}, {'r2_star': '22.347', 'rim': 'mirror'}]
     """
     count = checks.whole("number of random cases", count, least=1)
     seed = checks.whole("seed", seed, least=0)
