@@ -1,12 +1,13 @@
-"""Contact force laws for spherical clearance joints: the study's library.
+"""Contact force laws for spherical clearance joints.
 
-Elastic bodies give a compliance, a compliance and a gap give a force-depth curve
-(`study.joint`), curves give the dataset (`study.dataset`), the dataset gives the laws
-their coefficients (`study.dataset.fitting`, `study.contact`), and notebooks only show it.
+The compliance of elastic bodies and the gap between them give a force-depth curve (`study.joint`).
+Such curves form the dataset (`study.dataset`), to which the coefficients of the laws are fitted
+(`study.dataset.fitting`, `study.contact`). The laws drive a mechanism (`study.mechanism`), and the
+notebooks present the results.
 
 Examples
 --------
-A joint with its dimensions, in SI units:
+A joint with dimensions, in SI units:
 
 >>> from study.joint import DimensionalJoint
 >>> bronze = DimensionalJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
@@ -16,7 +17,7 @@ A joint with its dimensions, in SI units:
 >>> print(f"{law.force(4.19e-6):.0f} N, {law.stiffness(4.19e-6):.3g} N/m")
 2949 N, 1.18e+09 N/m
 
-A dimensionless joint: depths over the clearance, forces over E* dR^2:
+A joint without dimensions, with normalised depths d/dR and forces P/(E* dR^2):
 
 >>> from study import choose, contact
 >>> from study.joint import Joint, Layer, Material, first_yield, force_curve, paper_joint
@@ -32,7 +33,7 @@ stiffened_hertz
 >>> print(f"{contact.stiffened_hertz(0.3, 200, ball_support='clamped', rim='free'):.2f}")
 88.26
 
-The table of one joint's own curve, and the cached curves:
+A table of the elastic solution of one joint, and the cached curves of the dataset:
 
 >>> from study import dataset
 >>> from study.joint import whole_curve
@@ -42,7 +43,7 @@ The table of one joint's own curve, and the cached curves:
 >>> len(dataset.load(r2_star=200, kinematics="linear"))
 1432
 
-The crank-slider, with a law by name, a joint with its dimensions or any function as a law:
+The crank-slider with a law by name, a joint with dimensions, or a function as its law:
 
 >>> from study.mechanism import Scene, paper_scene, simulate
 >>> len(simulate(Scene(restitution=0.9), law="hyperbolic_winkler", duration=0.02).impacts)

@@ -1,6 +1,6 @@
-"""Boundary checks: bad input becomes one clear error before any work starts.
+"""Checks of input, which make one clear error of wrong input before any work begins.
 
-Every message has the form ``name must be <range>, got <value> <unit>``. No value is clamped or
+The messages have the form ``name must be <range>, got <value> <unit>``. No value is changed or
 guessed.
 """
 
@@ -15,23 +15,24 @@ from numpy.typing import ArrayLike
 T = TypeVar("T")
 
 LARGEST, SMALLEST = 1e40, 1e-40
-"""Largest size of a number, and least size of one that must be > 0. A law's force in SI units is a
-product of six such numbers and a clearance of 1e-16 radii: it neither overflows nor underflows."""
+"""Maximum magnitude of a number, and minimum of one that must be > 0. The force of a law in SI
+units is a product of six such numbers and a clearance of 1e-16 radii, which neither overflows nor
+underflows."""
 
 SOFTEST = 1e5
-"""Least Young's modulus of a body with dimensions, in Pa: that of soft rubber. A number in GPa is
-below it, and so is one in MPa, except diamond's."""
+"""Minimum Young's modulus of a body with dimensions, in Pa: that of soft rubber. Every modulus in
+GPa is a smaller number, and so is every one in MPa except that of diamond."""
 
 FORMULA = tuple("=+-@\t\r")
 """Signs with which a spreadsheet's formula begins."""
 
 
 class StudyError(RuntimeError):
-    """A failure that is not wrong input; the message says what failed and how to repair it."""
+    """A failure other than wrong input; the message says what failed and how to repair it."""
 
 
 class RangeError(ValueError):
-    """A value that is possible, but outside the range that is allowed here."""
+    """A valid value that is outside the range allowed here."""
 
 
 @contextmanager
@@ -102,7 +103,7 @@ def _refusal(name, worst, unit, limits):
         wanted = " and ".join(["finite", *texts])
         return ValueError(f"{name} must be {wanted}{unit}, got {worst:g}{unit}")
     if abs(worst) > LARGEST and not limits.keys() & ({"<", "<="} if worst > 0 else {">", ">="}):
-        texts.append(f"<= {LARGEST:g} in size")
+        texts.append(f"<= {LARGEST:g} in magnitude")
     elif limits.get(">") == 0 and 0 < worst < SMALLEST:
         texts[0] = f">= {SMALLEST:g}"
     return RangeError(f"{name} must be {' and '.join(texts)}{unit}, got {worst:g}{unit}")
@@ -113,7 +114,7 @@ def whole(name: str, value: Any, *, least: int, most: int | None = None) -> int:
     checked = number(name, value, least=least, most=most, scalar=True)
     if checked != int(checked):
         limit = "" if most is None else f" and <= {most}"
-        raise ValueError(f"{name} must be a whole number >= {least}{limit}, got {value}")
+        raise ValueError(f"{name} must be an integer >= {least}{limit}, got {value}")
     return int(checked)
 
 
@@ -125,7 +126,7 @@ def poisson(name: str, value: Any) -> float:
 def youngs_modulus(name: str, value: Any) -> float:
     """Return a Young's modulus in Pa, at least `SOFTEST`, or raise ``ValueError``.
 
-    A smaller one is probably in GPa or MPa, as the message says.
+    A smaller value is probably meant in GPa or MPa; the message then suggests the value in Pa.
     """
     try:
         return number(name, value, "Pa", least=SOFTEST, scalar=True)
@@ -170,14 +171,14 @@ def instance(name: str, value: Any, kind: type[T]) -> T:
 def read(name: str, text: str, kind: Callable[[str], Any] = float) -> Any:
     """Return the number that a text states, or raise ``ValueError``.
 
-    Python's own underscores and other scripts' digits are no numbers: 5_0 is a slip.
+    Underscores (``5_0``) and digits of other scripts are rejected, although Python accepts them.
     """
     try:
         if "_" in text or not text.isascii():
             raise ValueError
         return kind(text)
     except ValueError:
-        what = "a whole number" if kind is int else "a number"
+        what = "an integer" if kind is int else "a number"
         raise ValueError(f"{name} must be {what}, got {text!r}") from None
 
 

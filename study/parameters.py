@@ -38,7 +38,7 @@ class Parameter:
         they are given one by one on the command line, or a comma; and how many there must be, if
         not any number.
     otherwise, source
-        What the default is, where it depends on other parameters, and where it comes from.
+        The default in words, where it depends on other parameters; and the source of the default.
     """
 
     meaning: str
@@ -62,16 +62,19 @@ class Parameter:
 
     @property
     def range(self) -> str:
-        """Values that are allowed, in words; empty if there is no limit."""
+        """Range of the allowed values, or the allowed words; empty if there is no limit."""
         if self.choices:
             return ", ".join(self.choices)
+        if self.limits.keys() == {"least", "most"}:
+            return f"{self.limits['least']:g} to {self.limits['most']:g}"
         signs = {"above": ">", "least": ">=", "below": "<", "most": "<="}
         return " and ".join(f"{signs[name]} {limit:g}" for name, limit in self.limits.items())
 
     def read(self, name: str, text: str) -> Any:
-        """Value that a text states, as it is given to the class or function of the parameter.
+        """Value of a text, in the form that the class or function of the parameter accepts.
 
-        A ``ValueError`` if it is no number; objects and words are checked where they are taken.
+        Raises ``ValueError`` if a number cannot be read. Objects and words are checked later, by
+        the class or function itself.
         """
         if self.several:
             return tuple(self._read(name, part.strip()) for part in self._parts(name, text))
@@ -88,7 +91,7 @@ class Parameter:
         return text if self.typed is str else checks.read(name, text, self.typed)
 
     def taken(self, name: str, value: Any) -> Any:
-        """Value as an object or number, checked; else a ``ValueError`` with what is allowed."""
+        """Value as a checked object or number; raises ``ValueError`` with what is allowed."""
         if not self.several:
             return self._taken(name, value)
         values = self.read(name, value) if isinstance(value, str) else value
@@ -183,7 +186,7 @@ _SECTION = re.compile(r"^(Returns|Raises|Examples)\n", re.MULTILINE)
 
 
 def documented(owner: T) -> T:
-    """Complete a docstring with the parameters of a dataclass or function, in numpydoc's form."""
+    """Add the parameters of a dataclass or function to its docstring, in numpydoc's form."""
     lines = ["Attributes" if is_dataclass(owner) else "Parameters", "----------"]
     for name, about in described(owner).items():
         default = default_of(owner, name)

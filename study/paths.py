@@ -33,7 +33,10 @@ def require_checkout(folder: Path) -> None:
     """Raise `StudyError` where the package is installed without the project around it."""
     if not IS_CHECKOUT:
         what = f"{folder.name}/ is not part of the installed package"
-        raise StudyError(f"this needs a checkout of the project: {what}")
+        raise StudyError(
+            f"this command requires a checkout of the project, because {what}; clone the "
+            "repository and install from there"
+        )
 
 
 def results() -> Path:

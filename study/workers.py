@@ -25,8 +25,8 @@ def check_limits(memory: int = BUILD) -> None:
     allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
     if allowed != resource.RLIM_INFINITY and allowed < memory * 1024:
         what = "build" if memory == BUILD else "solution"
-        limit = f"ulimit -v is {allowed // 1024}, and must be at least {memory}"
-        raise StudyError(f"too little memory for a {what}: {limit}")
+        limit = f"ulimit -v must be >= {memory} KiB, got {allowed // 1024} KiB"
+        raise StudyError(f"there is not enough memory for a {what}: {limit}")
 
 
 def begin(runner: int) -> None:
@@ -51,12 +51,16 @@ def dask_client(address: str) -> Any:
         from distributed import Client
     except ImportError:
         remedy = "install it with: pip install '.[dask]'"
-        raise StudyError(f"--dask needs the extra [dask]; {remedy}") from None
+        raise StudyError(f"--dask requires the package distributed; {remedy}") from None
     try:
         client = Client(address, timeout=5)
     except (OSError, ValueError) as error:
-        raise StudyError(f"no Dask scheduler answers at {address} ({error})") from None
+        raise StudyError(
+            f"no Dask scheduler answers at {address} ({error}); check its address and that it runs"
+        ) from None
     if not client.nthreads():
         client.close()
-        raise StudyError(f"the Dask scheduler at {address} has no workers")
+        raise StudyError(
+            f"the Dask scheduler at {address} has no workers; start one with: dask worker {address}"
+        )
     return client

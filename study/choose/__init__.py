@@ -1,10 +1,10 @@
 """The cheapest law for a joint, and the simplest model for a mechanism.
 
-`choose` compares every law with the solved joint. `axial_law_suffices` says whether a law along the
-axis is accurate for loads off it. `fit_curve` says which law follows a curve of your own, and fits
-what is not known of its joint. `choose_model` runs models of rigid links, bounds what flexible
-links would change (`links`), and runs these only if that bound is too large. `random_scenes` makes
-the evidence of the bound.
+`choose` compares every law with the elastic solution of the joint. `axial_law_suffices` checks
+whether one law for the axial direction is accurate enough for loads off the axis. `fit_curve`
+compares the laws with a curve of the user and fits unknown parameters of its joint. `choose_model`
+runs models with rigid links, bounds the effect of flexible links (`links`), and runs flexible links
+only if this bound is too large. `random_scenes` makes the evidence for the bound.
 """
 
 from typing import TYPE_CHECKING, Any

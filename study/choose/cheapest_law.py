@@ -1,15 +1,18 @@
 """The cheapest law that is accurate enough for a joint, with the evidence.
 
-A law's error is the largest relative error of its force over all depths from `SHALLOWEST`
-clearances to the scene's largest, against the solved joint, whose bodies are elastic. Its bound
-includes 3 times the error estimate of that solution. Where no closed law is within the tolerance,
-it is the table of the coarsest solution that is. Costs are those of `study.contact.costs`.
+The error of a law is the maximum relative error of its force, relative to the elastic solution of
+the joint, over all depths from `SHALLOWEST` clearances to a maximum depth. Its bound includes 3
+times the error estimate of that solution. If no closed-form law is within the tolerance, the table
+of the coarsest solution within it is chosen. Costs are those of `study.contact.costs`.
 
-Off the axis a law along it is accurate up to some tilt. A rule says so if ball and socket are the
-same all round and the rim is far: a ball on its core, a socket backed all over, and a contact that
-stays off the rim by twice the wall's thickness. In 8 joints along the axis such a rim changed the
-force by at most 0.0015 of it. Else the joint is solved.
+A law for the axial direction is also accurate up to some tilt. This is known by a rule if the
+supports of ball and socket are the same all round and the rim is far, that is for a ball on a core,
+a socket that is held at its whole outside, and a contact whose distance from the rim is at least
+twice the thickness of the wall. In 8 joints that were solved along the axis, such a rim changed the
+force by a fraction of at most 0.0015. In other cases the joint is solved.
 """
+
+from __future__ import annotations  # so that help() shows names and not what they stand for
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -54,30 +57,29 @@ _TILTS = 4
 
 @dataclass(frozen=True)
 class Choice:
-    """A law for a joint, with the evidence.
+    """The chosen law for a joint, with the evidence.
 
     Attributes
     ----------
     law
-        Key of ``study.contact.LAWS``; ``tabulated``, the table of a solved curve; or
-        ``solver``, the solution itself at every call.
+        Key of ``study.contact.LAWS``; ``tabulated`` for a table of the elastic solution; or
+        ``solver`` if the joint has to be solved at every call.
     options
-        Of the law; for ``tabulated`` and ``solver`` the resolution of the solution.
+        Options of the law; for ``tabulated`` and ``solver`` the resolution of the solution.
     error_bound
-        No relative error of the force is larger at any of the `depths`.
+        Bound of the relative error of the force between the `depths`.
     relative_cost
-        Time of a call in a compiled loop over that of Hertz's law, without the time to solve the
-        joint once for ``tabulated``.
+        Computing time of a call in a compiled loop relative to that of Hertz's law, without the
+        time to solve the joint once for ``tabulated``.
     depths
-        Least and largest depth_star for which the bound holds.
+        Minimum and maximum depth_star for which the bound is valid.
     rejected
-        Cheaper laws whose bound misses the tolerance, the most expensive first: ``law``,
+        Cheaper laws whose bound exceeds the tolerance, the most expensive first: ``law``,
         ``options``, ``error``, ``error_bound``, ``relative_cost``.
     errors
-        Every closed law that is for the joint -> its largest relative error.
+        Maximum relative error of every closed-form law that applies to the joint, by its name.
     evaluate
-        The law, of (``depth_star``, ``r2_star``); None for ``solver``. Its bound is known between
-        ``depths`` only.
+        The law as a function of (``depth_star``, ``r2_star``); None for ``solver``.
     """
 
     law: str
@@ -96,17 +98,25 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
 
     Parameters
     ----------
+    joint
+        The joint without dimensions.
     depth_star
-        Largest depth of the scene, in clearances.
+        Maximum normalised penetration depth d/dR.
     tolerance
-        Largest relative error of the force, from 1e-5 to 1.
+        Maximum relative error of the force, from 1e-5 to 1.
 
     Raises
     ------
     ValueError
-        For a value outside its range, or a depth that the joint cannot have.
+        If a value is outside its range, or the contact cannot be so deep.
     study.checks.StudyError
-        If even the finest solution is not known to be within the tolerance; says its bound.
+        If the error of even the finest elastic solution may exceed the tolerance.
+
+    Examples
+    --------
+    >>> choice = choose(Joint(r2_star=75, socket_ratio=1.4), depth_star=0.5, tolerance=0.02)
+    >>> choice.law, choice.error_bound < 0.002
+    ('stiffened_hertz', True)
     """
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1], scalar=True)
@@ -125,8 +135,9 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
         row |= {"error_bound": choice.error_bound, "relative_cost": choice.relative_cost}
         rejected.append(row)
     raise checks.StudyError(
-        f"no law is known to be within the tolerance {tolerance:g}: the finest solution, of "
-        f"resolution {choice.options['resolution']}, is known to within {choice.error_bound:.2g}"
+        f"no law is known to be within the tolerance {tolerance:g}, because the estimated relative "
+        f"error of the finest elastic solution, of resolution {choice.options['resolution']}, is "
+        f"{choice.error_bound:.2g}; give a larger tolerance"
     )
 
 
@@ -145,8 +156,10 @@ def choose_beside(joint: Joint, depth_star: float, tolerance: float) -> Choice:
                 raise
     force = hertz(depth_star, joint.r2_star)  # stiffened_hertz begins as this law
     error = law_errors(joint, depth_star, force).get("stiffened_hertz")
-    known = "" if error is None else f": there Hertz's law holds within {100 * error:.2g} %"
-    raise checks.RangeError(f"the contact is too small for laws to be compared{known}")
+    known = "" if error is None else f"; there Hertz's law is valid within {100 * error:.2g} %"
+    raise checks.RangeError(
+        f"the contact at a depth of {depth_star:.3g} clearances is too small to compare laws{known}"
+    )
 
 
 def _candidates(joint, depths, force, uncertainty, largest, made):
@@ -187,8 +200,8 @@ def _solutions(joint, depths, resolutions):
                 curve = whole_curve(joint, float(depths[-1]), resolution)
             if curve.depth_star[0] > depths[0]:
                 raise UnresolvedError(
-                    f"depth_star must be >= {curve.depth_star[0]:.3g} for elements of this size to "
-                    f"resolve the contact, got {depths[0]:.3g}"
+                    f"depth_star must be >= {curve.depth_star[0]:.3g} so that elements of this "
+                    f"size resolve the contact, got {depths[0]:.3g}"
                 )
         except UnresolvedError:
             if resolution == resolutions[-1]:
@@ -239,15 +252,17 @@ def _kind(joint):
 
 @dataclass(frozen=True)
 class OffAxis:
-    """Whether the law along the axis is within a tolerance in all directions.
+    """Whether one law for the axial direction is within a tolerance for all tilts.
 
     Attributes
     ----------
+    one_law_for_all_directions
+        The answer.
     direction_error
-        Largest difference of the force, as a vector, from that along the axis, over the latter; a
-        measured one includes the solution's error estimate.
+        Maximum difference between the force, as a vector, and that along the axis, relative to the
+        latter. A measured difference includes the error estimate of the solution.
     known_by
-        ``rule``, or ``measured`` at the largest depth and four tilts.
+        ``rule``, or ``measured`` at the maximum depth and four tilts.
     """
 
     one_law_for_all_directions: bool
@@ -256,12 +271,29 @@ class OffAxis:
 
 
 def axial_law_suffices(joint: Joint, depth_star: float, tilt: float, tolerance: float) -> OffAxis:
-    """Whether the law along the axis is within a tolerance in all directions up to a tilt, in deg.
+    """Whether one law for the axial direction is within a tolerance for all tilts up to a maximum.
+
+    Parameters
+    ----------
+    joint
+        The joint without dimensions.
+    depth_star
+        Maximum normalised penetration depth d/dR.
+    tilt
+        Maximum angle in deg between displacement and axis.
+    tolerance
+        Maximum relative error of the force, > 0 and <= 1.
 
     Raises
     ------
     ValueError
-        For a value outside its range, and the errors of `study.joint.tilted_contact`.
+        If a value is outside its range, or as `study.joint.tilted_contact` does.
+
+    Examples
+    --------
+    >>> hip = Joint(r2_star=100, ball_support="core:0.5", socket_ratio=1.2)
+    >>> axial_law_suffices(hip, depth_star=0.3, tilt=20, tolerance=0.05).known_by
+    'rule'
     """
     depth = checks.number("depth_star", depth_star, above=0, scalar=True)
     most = checks.number("tilt", tilt, "deg", above=0, most=LARGEST_TILT, scalar=True)

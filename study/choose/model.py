@@ -8,6 +8,8 @@ are run, on two meshes and with two steps. Impacts are chaotic: a finer mesh nee
 that three times the largest difference is their bound.
 """
 
+from __future__ import annotations  # so that help() shows names and not what they stand for
+
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
@@ -51,7 +53,7 @@ WARM_UP = 1e-5  # s, simulated once before a model is timed
 
 
 class ModelError(StudyError):
-    """No model is known to be within the tolerance; ``known`` is the least bound of any."""
+    """No model is known to be within the tolerance; ``known`` is the minimum error bound."""
 
     def __init__(self, message: str, known: float) -> None:
         super().__init__(message)
@@ -60,31 +62,38 @@ class ModelError(StudyError):
 
 @dataclass(frozen=True)
 class ModelChoice:
-    """A model of a scene, with the evidence.
+    """The chosen model of a mechanism, with the evidence.
 
     Attributes
     ----------
-    law
-        Contact law, ``none`` for an ideal joint.
+    model, joint, law
+        Model of the links, joint (``clearance`` or ``ideal``), and contact law (``none`` for an
+        ideal joint).
     settings
-        Stepper, and its tolerance, or its step (s) and elements.
+        Time integration, and its tolerance, or its step in s and the number of elements.
     error_bound
-        Of the NRMS error of the slider's motion, over the duration: no proof, but an estimate with
-        a margin (`SAFETY` here and in `links`), as impacts of flexible links are chaotic.
+        Bound of the NRMS error of the slider's motion over the duration. It is not proved but
+        estimated with a margin (`SAFETY` here and in `links`), because impacts of flexible links
+        are chaotic.
     relative_cost
-        Time over that of rigid links with Hertz's law, measured while choosing.
+        Computing time relative to that of rigid links with Hertz's law, measured during the choice.
     links
-        How the links' share of the bound is known: ``bounded`` or ``compared``.
+        How the contribution of flexible links to the bound is known: ``bounded`` or ``compared``.
+    quantity
+        The part of the slider's motion whose error is bounded.
     compliance_ratio, frequency_ratio
-        As of `links.ratios`, at the largest depth.
+        Ratios of `links.ratios` at the maximum depth.
     depth_star
-        Largest depth of rigid links with Hertz's law, in clearances.
+        Maximum penetration depth with rigid links and Hertz's law, in clearances.
     note
-        Why this scene is outside the random scenes behind ``bounded``; empty if it is not.
+        Why this mechanism is outside the range of the random ones on which ``bounded`` is based;
+        empty if it is not.
     evidence
-        ``model`` to ``links`` of every model that was compared, in order of detail.
+        The attributes from ``model`` to ``links`` of every model that was compared, in order of
+        detail.
     simulate
-        Simulates the scene; takes ``progress`` as `study.mechanism.simulate` does.
+        Function that simulates the mechanism; it accepts ``progress`` as
+        `study.mechanism.simulate` does.
     """
 
     model: str
@@ -124,24 +133,33 @@ def choose_model(
 
     Parameters
     ----------
+    scene
+        Mechanism parameters.
     tolerance
-        Largest NRMS error, > 0 and <= 1: RMS of the error over RMS of the change since t = 0.
+        Maximum NRMS error, > 0 and <= 1: the RMS error of the quantity divided by the RMS of its
+        change since t = 0.
     duration, outputs
-        As of `study.mechanism.simulate`.
+        Simulated time in s and number of output intervals, as in `study.mechanism.simulate`.
     quantity
-        What the tolerance is for.
+        The part of the slider's motion to which the tolerance applies.
     socket_ratio
-        Outer over inner radius of the socket. Its supports are the defaults of `study.joint.Joint`.
+        Outer radius of the socket divided by its inner radius. The supports are the defaults of
+        `study.joint.Joint`.
 
     Raises
     ------
     ValueError
-        For a value outside its range.
+        If a value is outside its range.
     ModelError
-        If no model is known to be within the tolerance; says the least bound.
+        If no model is known to be within the tolerance.
     study.checks.StudyError
-        If no law is known to give the contact force within `LAW_TOLERANCE`, or a simulation cannot
-        go on.
+        If no law is known to give the contact force within `LAW_TOLERANCE`, or a simulation fails.
+
+    Examples
+    --------
+    >>> choice = choose_model(Scene(), tolerance=0.01, duration=0.05)
+    >>> choice.model, choice.joint
+    ('rigid', 'ideal')
     """
     checks.number("tolerance", tolerance, above=0, most=1, scalar=True)
     checks.choice("quantity", quantity, links.QUANTITIES)
@@ -152,7 +170,9 @@ def choose_model(
 
     with_hertz = run("rigid", HERTZ, tolerance=FINEST_TOLERANCE)
     if not all(np.ptp(getattr(with_hertz.response, name)) > 0 for name in links.QUANTITIES):
-        raise ValueError(f"duration must be so long that the slider moves, got {duration:g} s")
+        raise ValueError(
+            f"duration must be long enough for the slider to move, got {duration:g} s; increase it"
+        )
     depth = float(with_hertz.response.impact_rows["peak_depth"].max(initial=0.0))
     law, law_share = _law(scene, depth, socket_ratio)
     with_law = run("rigid", law, tolerance=FINEST_TOLERANCE)
@@ -168,7 +188,10 @@ def choose_model(
     if min(bounds) > tolerance:
         coarse, fine = (run("particles", law, elements=pair) for pair in (COARSE, FINE))
         half = run("particles", law, step_share=0.5, elements=FINE)
-        changes = {"the mesh": difference(coarse, fine), "half the step": difference(half, fine)}
+        changes = {
+            "refining the mesh": difference(coarse, fine),
+            "halving the step": difference(half, fine),
+        }
         doubt, how = SAFETY * max(changes.values()) + of_law, "compared"
         of_links = difference(with_law, fine) + doubt
         bounds = [min(b, error + of_links) for b, error in zip(bounds, from_law, strict=True)]
@@ -183,9 +206,10 @@ def choose_model(
         cause, change = max(changes.items(), key=itemgetter(1))
         known = min(bounds)
         raise ModelError(
-            f"no model's {quantity.replace('_', ' ')} is known to be within the tolerance "
-            f"{tolerance:g}, the best within {known:.2g}: {cause} of flexible links changes it by "
-            f"{change:.2g} over {duration:g} s",
+            f"no model is known to give the {quantity.replace('_', ' ')} within the tolerance "
+            f"{tolerance:g}: the minimum error bound is {known:.2g}, because {cause} of flexible "
+            f"links changes the result by {change:.2g} over {duration:g} s; give a larger "
+            "tolerance or a shorter duration",
             known,
         )
     return ModelChoice(
@@ -202,12 +226,12 @@ def choose_model(
 def _law(scene, depth, socket_ratio):
     """Law that stands for the exact one, with its options, and its error over Hertz's law's."""
     r2_star = scene.socket_radius / scene.clearance
-    checks.number("socket radius over clearance", r2_star, least=LEAST_R2_STAR)
+    checks.number("socket radius divided by clearance", r2_star, least=LEAST_R2_STAR)
     choice = choose(Joint(r2_star, socket_ratio, *scene.materials), 1.0, LAW_TOLERANCE)
     if choice.evaluate is None:
         raise StudyError(
-            f"no law for calls at every step is known to be within {LAW_TOLERANCE:g} of the "
-            f"contact force of this joint, only the {choice.law} itself"
+            f"no contact law is known to be within {LAW_TOLERANCE:g} of the elastic solution of "
+            "this joint, and to solve the joint at every time step would take too long"
         )
     law = choice.law, tuple(choice.options.items())
     if choice.law == "tabulated":

@@ -1,9 +1,11 @@
-"""Which law follows a curve of your own, from finite elements or from a test rig.
+"""Comparison of the laws with a force-depth curve of the user, from finite elements or a test rig.
 
-`fit_curve` compares every law with a measured or computed force over depth. Clearance, composite
-modulus and an offset of the depth can be fitted by least squares of the force. A law with a
-coefficient of its own always has this fitted. The power law needs no joint.
+`fit_curve` compares every law with the curve. Clearance, composite modulus and an offset of the
+depth can be fitted by least squares of the force. The coefficient of a law that has one is always
+fitted. The power law does not depend on a joint.
 """
+
+from __future__ import annotations  # so that help() shows names and not what they stand for
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -38,26 +40,27 @@ _EXPONENTS = 0.1, 10.0
 
 @dataclass(frozen=True)
 class LawFit:
-    """How well a law follows the curve.
+    """How well a law agrees with the curve.
 
     Attributes
     ----------
     law
-        Key of ``study.contact.LAWS``, or ``tabulated``: the joint's own elastic solution.
+        Key of ``study.contact.LAWS``, or ``tabulated`` for the elastic solution of the joint.
     force
-        Of the law at the curve's depths, shape (n,).
+        Force of the law at the depths of the curve, shape (n,).
     rmse, max_error
-        Root-mean-square and largest error, in the unit of the force.
+        Root-mean-square and maximum error, in the unit of the force.
     max_relative_error
-        Largest error over the force, where the force is at least 1 % of the largest one.
+        Maximum relative error, where the force is at least 1 % of its maximum.
     determination, determination_adjusted
         R^2 = 1 - SSE/SST, and 1 - (1 - R^2) (n - 1)/(n - p - 1) with p fitted parameters.
     parameters
-        Those that are fitted: ``coefficient`` (of the power law in N/m^n, else without a unit),
-        ``exponent``, ``clearance`` in m, composite ``modulus`` in Pa, ``offset`` of the depth.
+        Fitted parameters: ``coefficient`` (of the power law in N/m^n, else without unit),
+        ``exponent``, ``clearance`` in m, composite ``modulus`` in Pa, and ``offset`` of the depth.
     standard_errors
-        Of the parameters that least squares of the force give, for independent errors of the
-        forces; that of the power law's coefficient is left out, as it depends on the exponent's.
+        Standard errors of the parameters that are fitted by least squares of the force, for
+        independent errors of the forces. That of the power law's coefficient is omitted, because
+        it depends on that of the exponent.
     """
 
     law: str
@@ -73,20 +76,20 @@ class LawFit:
 
 @dataclass(frozen=True)
 class CurveFit:
-    """Every law beside a curve.
+    """Comparison of all laws with a curve.
 
     Attributes
     ----------
     depth, force
-        The curve, by depth, shape (n,).
+        The curve in order of depth, shape (n,).
     laws
-        The smallest RMSE first.
+        Result for each law, in order of the RMSE.
     power
-        The force as k d^n, with its largest relative error and its range of depths.
+        The power law F = k d^n, with its maximum relative error and its range of depths.
     left_out
-        Law -> why it is not compared.
+        Laws that are not compared, and the reason for each.
     notes
-        What the curve or the fit needs to be read with: sentences.
+        Sentences on the curve and the fit that the user should know.
     """
 
     depth: Floats
@@ -104,23 +107,25 @@ def fit_curve(
     joint: Joint | DimensionalJoint | None = None,
     fit: Sequence[Fitted] = (),
 ) -> CurveFit:
-    """Compare every law with a curve of force over depth, and fit what is not known.
+    """Compare every law with a force-depth curve, and fit unknown parameters.
 
     Parameters
     ----------
     depth, force
-        Shape (n,), in any order, n >= 4 plus the number of fitted quantities: in m and N, or for a
-        `Joint` without dimensions in clearances and E* dR^2. Noise is allowed; forces are positive.
+        Penetration depths in m and forces > 0 in N, shape (n,), in any order, where n is at least 4
+        plus the number of fitted parameters. For a `Joint` without dimensions they are normalised,
+        d/dR and P/(E* dR^2). Noise is allowed.
     joint
-        With its dimensions, or without; None if unknown: only the power law is then fitted.
+        The joint, with or without dimensions. If it is None, only the power law is fitted.
     fit
-        ``clearance`` (the given one is where the search starts, the socket's radius is kept),
-        ``modulus`` (the composite one, E*) and ``offset``: the depth that is read at first touch.
+        Parameters to fit: ``clearance`` (the search begins at the given one, and the radius of the
+        socket is not changed), ``modulus`` (the composite modulus E*) and ``offset`` (the depth
+        reading at first touch).
 
     Raises
     ------
     ValueError
-        For values that no curve of a joint has, or too few; the message says what to do.
+        If there are too few points, or the values cannot be the curve of a joint.
 
     Examples
     --------
@@ -144,7 +149,7 @@ def fit_curve(
     found, left_out = [_judged(depths, forces, 1.0, {}, "power", *fitted)], {}
     for law in [name for name in LAWS if name != "power"] + ["tabulated"]:
         if plain is None:
-            left_out[law] = "it needs the sizes and materials of the joint, which are not given"
+            left_out[law] = "it requires the description of the joint, which is not given"
             continue
         try:
             found.append(judged(law, *_fit_law(law, plain, *data, fit)))
@@ -166,25 +171,27 @@ def _checked(depth, force, joint, fit):
     least = 4 + len(fit)
     if depths.ndim != 1 or depths.shape != forces.shape or len(depths) < least:
         raise ValueError(
-            f"depth and force must be lists of the same length >= {least}, to fit {least - 2} "
-            f"parameters, got shapes {depths.shape} and {forces.shape}: give more points, or fit "
-            "less"
+            f"depth and force must be lists of the same length >= {least} to fit {least - 2} "
+            f"parameters, got shapes {depths.shape} and {forces.shape}; give more points or fit "
+            "fewer parameters"
         )
     if "offset" not in fit and (depths < 0).any():
         raise checks.RangeError(
-            f"depth must be >= 0, got {depths.min():g}: depth counts from first touch, towards the "
-            "socket; change its sign, or fit the offset of the depth"
+            f"depth must be >= 0, got {depths.min():g}, because the penetration depth is measured "
+            "from first touch into the socket; change the sign, or fit the offset of the depth"
         )
     lowest = -NOISE * forces.max() if "offset" in fit else 0
     if (forces < lowest).any() or forces.max() < 0:
         raise checks.RangeError(
-            f"force must be >= 0, got {forces.min():g}: a force that presses the ball into the "
-            "socket is positive; change its sign, or, if it is noise about 0 before first touch, "
-            "leave these points out or fit the offset of the depth"
+            f"force must be >= 0, got {forces.min():g}, because a force that presses the ball into "
+            "the socket is positive; change the sign, or, if this is noise before first touch, "
+            "remove these points or fit the offset of the depth"
         )
     pressed = forces > 0 if "offset" in fit else (forces > 0) & (depths > 0)
     if np.unique(depths[pressed]).size < 2:
-        raise ValueError("force must be > 0 at two different depths or more: there is no contact")
+        raise ValueError(
+            "force must be > 0 at two or more different depths, but the curve has no such contact"
+        )
     order = np.lexsort((forces, depths))
     depths, forces = depths[order], forces[order]
     highest = np.maximum.accumulate(forces)
@@ -194,8 +201,8 @@ def _checked(depth, force, joint, fit):
         before = int(forces[: worst + 1].argmax())
         raise ValueError(
             f"force must increase with depth, got {forces[before]:g} {unit_of['force']} at "
-            f"{depths[before]:g} {unit_of['depth']} and then {forces[worst]:g}: give one loading "
-            "curve, without unloading, and check that the columns are not exchanged"
+            f"{depths[before]:g} {unit_of['depth']} and then {forces[worst]:g}; give a loading "
+            "curve without unloading, and check that the columns are not exchanged"
         )
     if joint is not None:
         _check_unit(depths, joint, unit_of["depth"], "offset" in fit)
@@ -203,8 +210,8 @@ def _checked(depth, force, joint, fit):
         for name in fit:
             if name != "offset":
                 raise ValueError(
-                    f"{name} can be fitted only to depths and forces with units and a joint with "
-                    "its dimensions"
+                    f"{name} can only be fitted to a curve with units and a joint with dimensions; "
+                    "describe the joint with its dimensions, or do not fit it"
                 )
     return depths, forces
 
@@ -213,17 +220,17 @@ def _check_unit(depths, joint, unit, with_offset):
     largest = np.ptp(depths) if with_offset else depths[-1]
     is_star = isinstance(joint, Joint)
     radius = joint.r2_star if is_star else joint.socket_radius
-    told = "is the unit of the depths right?"
+    remedy = "check the unit of the depths"
     if largest >= radius:
         raise checks.RangeError(
-            f"depth must be < {radius:g} {unit}, the radius of the socket, got {largest:g} {unit}: "
-            f"{told}"
+            f"depth must be < {radius:g} {unit}, the radius of the socket, got {largest:g} {unit}; "
+            f"{remedy}"
         )
     least = _SHALLOWEST * (1 if is_star else joint.clearance)
     if largest < least:
         raise checks.RangeError(
-            f"the largest depth must be >= {least:g} {unit}, {_SHALLOWEST:g} clearances, got "
-            f"{largest:g} {unit}: {told}"
+            f"the maximum depth must be >= {least:g} {unit} ({_SHALLOWEST:g} clearances), got "
+            f"{largest:g} {unit}; {remedy}"
         )
 
 
@@ -231,8 +238,8 @@ def _notes(found, forces, fit, joint):
     fall = float(np.max(np.maximum.accumulate(forces) - forces) / forces.max())
     if fall > 0:
         yield (
-            f"The force falls with the depth by up to {100 * fall:.2g} % of the largest force, "
-            "which is taken for noise."
+            f"The force decreases with depth by up to {100 * fall:.2g} % of its maximum, which is "
+            "treated as noise."
         )
     if "modulus" in fit:
         yield (
@@ -344,8 +351,8 @@ def _fit_law(law, joint, depth_star, force_star, fit):
     )
     if errors is None:
         raise checks.RangeError(
-            "more than one set of clearance and modulus gives the same force of this law: fit only "
-            "one of the two"
+            "clearance and modulus cannot both be identified, because different pairs give the "
+            "same force of this law; fit only one of them"
         )
     return at(depth_star, **values), values, errors
 
@@ -401,7 +408,7 @@ def _least_squares(model, forces, start, bounds, scales):
     for name, at_bound in zip(names, found.active_mask, strict=True):
         if at_bound:
             raise checks.RangeError(
-                f"its best {name} is beyond the range that is searched, "
+                f"its best {name} is outside the search range, which is "
                 f"{bounds[name][0]:.3g} to {bounds[name][1]:.3g} times the given one"
             )
     covariance = np.linalg.inv(found.jac.T @ found.jac) * 2 * found.cost

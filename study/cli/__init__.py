@@ -1,6 +1,7 @@
 """The command line, study: notebooks, paper, report, dataset, laws, joints and simulations.
 
-A user's mistake is one line on standard error and exit status 2; a failure is exit status 1.
+Wrong input is reported in one line on standard error, with exit status 2. Other failures have exit
+status 1.
 """
 
 import re
@@ -37,7 +38,7 @@ def main():
     except OSError as error:  # its own text begins with a number
         _complain(f"{error.filename}: {error.strerror}" if error.filename else str(error), 1)
     except MemoryError as error:
-        _complain(f"too little memory: {error}".rstrip(": "), 1)
+        _complain(f"there is not enough memory: {error}".rstrip(": "), 1)
     except InterruptionError as kept:
         _complain(f"interrupted{kept}", INTERRUPTED)
     if status == INTERRUPTED:  # before a command began
@@ -46,17 +47,17 @@ def main():
 
 
 def _refuse_copied_program():
-    """Refuse the program of a copied checkout, which would build the folder it was copied from."""
+    """Raise an error in a copied checkout, whose program would build the original folder."""
     for copied in Path(sys.argv[0]).resolve().parents[2:3]:  # above .venv/bin
         if copied != paths.ROOT and (copied / "study/paths.py").is_file():
             raise checks.StudyError(
-                f"{copied} is a copy whose environment is still that of {paths.ROOT}; set it up "
-                "with: make setup"
+                f"the folder {copied} is a copy whose environment belongs to {paths.ROOT}; create "
+                "a new environment with: make setup"
             )
 
 
 def _hinted(text):
-    """A message with the nearest of the names that it lists."""
+    """A message with the most similar of the names that it lists, if one is similar."""
     found = _LISTED.search(text) or _LISTED_BY_TYPER.search(text)
     if found is None:
         return text

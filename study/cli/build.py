@@ -10,26 +10,39 @@ from study.cli import options as cli
 from study.cli.output import fail, say, show_table
 
 
-@cli.command("run", keeps=True)
+@cli.command("run", keeps=True, examples=["run fig10", "run fig10 -p r2_star=100"])
 def run_notebooks(
     names: list[str] = cli.NAMES,
     settings: list[str] = cli.option(
-        "KEY=VALUE of a notebook's parameter; may be repeated.", "-p", default=()
+        "Change a parameter of the named notebook, as KEY=VALUE; may be repeated. study list NAME "
+        "shows the parameters.",
+        "-p",
+        default=(),
     ),
     jobs: int = cli.JOBS,
-    force: bool = cli.switch("--force", "Run those that are up to date too."),
-    dask_address: str = cli.option("Dask scheduler whose workers run the tasks.", "--dask"),
+    force: bool = cli.switch(
+        "--force", "Run the notebooks even if they are up to date, and accept their results."
+    ),
+    dask_address: str = cli.option(
+        "Address of a Dask scheduler, whose workers then run the notebooks.", "--dask"
+    ),
 ):
     """Run the outdated notebooks and compare their figures and tables with those in figures/.
 
-    A result that agrees stays as it is. One that differs is replaced and named, with exit status 1;
-    git diff shows it. To keep it, run its notebook again with --force. To undo it, use git
-    checkout. With other parameters the results go to build/with/KEY=VALUE/ instead of figures/.
+    A notebook is outdated if it, the code or the data that it uses has changed since its last run.
+
+    A result that agrees with the kept one is not changed. A result that differs replaces the kept
+    one and is named, and the exit status is 1; git diff shows the difference. To accept the new
+    results as references, run the notebook again with --force. To reject them, use git checkout.
+    Results of a run with other parameters (-p) are written to build/with/KEY=VALUE/ instead of
+    figures/.
     """
     from study.pages import catalogue, execute
 
     if settings and not names:  # or every notebook that has the parameter would run with it
-        raise ValueError(f"-p must be given with a NAME, as in: study run fig10 -p {settings[0]}")
+        raise ValueError(
+            f"-p must be given with a NAME, for example: study run fig10 -p {settings[0]}"
+        )
     selected = catalogue.select(names)
     chosen = execute.check_parameters(selected, settings)
     selected = [replace(notebook, settings=chosen[notebook.name]) for notebook in selected]
@@ -39,7 +52,7 @@ def run_notebooks(
 
 
 def _compare(selected):
-    """Say how many results agree with the kept ones; name those that differ, and fail then."""
+    """Print how many results agree with those kept; name those that differ, and fail then."""
     from study.pages import baseline
 
     compared = baseline.compare(selected)
@@ -51,23 +64,31 @@ def _compare(selected):
         raise typer.Exit(1)
 
 
-@cli.command("paper")
+@cli.command("paper", examples=["paper"])
 def typeset_paper():
-    """Typeset build/paper.pdf and build/supplement.pdf from the results in figures/ as they are."""
+    """Typeset the paper and its supplement from the current results.
+
+    The files are build/paper.pdf and build/supplement.pdf. The results in figures/ are used as they
+    are, even if they are outdated; study report first brings them up to date.
+    """
     from study.pages.typeset import typeset_all
 
     typeset_all()
     print("made  build/paper.pdf and build/supplement.pdf")
 
 
-@cli.command("report", keeps=True)
+@cli.command("report", keeps=True, examples=["report --jobs 4"])
 def write_report(jobs: int = cli.JOBS):
-    """Bring everything up to date: figures, tables, paper, and the report, build/report/."""
+    """Bring everything up to date: figures, tables, the paper and the report.
+
+    Only outdated notebooks are run. Figures and tables are in figures/, the paper is
+    build/paper.pdf, and the report is a web site that begins with build/report/index.html.
+    """
     from study.pages.catalogue import CATALOGUE
 
     selected = _make(CATALOGUE, report=True, jobs=jobs)
-    print("Figures and tables are in figures/, the paper is build/paper.pdf.")
-    print("The report to browse: build/report/index.html")
+    print("Figures and tables are in figures/, and the paper is build/paper.pdf.")
+    print("Open the report in a browser: build/report/index.html")
     _compare(selected)
 
 
@@ -94,21 +115,23 @@ def _make(selected, **how):
         names = ", ".join(notebook.name for notebook in selected)
         of = f" of {names}" if len(selected) < len(every) else ""
         folders = " and ".join(dict.fromkeys(f"{name(nb.folder)}/" for nb in selected))
-        say(f"Nothing was outdated: every figure and table{of} in {folders} is up to date.")
+        say(f"Nothing was outdated: all figures and tables{of} in {folders} are up to date.")
     return [notebook for notebook in every if notebook in selected or notebook.name in made]
 
 
-@cli.command("list")
+@cli.command("list", examples=["list fig10", "list --outdated"])
 def list_results(
     names: list[str] = cli.NAMES,
     outdated: bool = cli.switch(
-        "--outdated", "Only those that a run would make again, or might. It takes some two seconds."
+        "--outdated",
+        "List only the results that a run would make again, or may have to make again. This takes "
+        "about two seconds.",
     ),
 ):
-    """List every figure and table by notebook, and what it shows.
+    """List the figures and tables of each notebook, with a description.
 
-    With a NAME also the parameters of its notebook, with defaults and ranges. Without one plain
-    CSV, if the output is not a terminal.
+    With a NAME, the parameters of its notebook are listed too, with their defaults and ranges.
+    Without a NAME, the output is CSV if it does not go to a terminal.
     """
     from study.pages import catalogue
 
@@ -136,4 +159,8 @@ def _show_parameters(notebook):
 
     parameters = execute.parameters(notebook).items()
     lines = [f"  {name}: {entry}: {entry.meaning}" for name, entry in parameters]
-    say("\n".join([f"Parameters, changed by: study run {notebook.name} -p NAME=VALUE", *lines]))
+    say(
+        "\n".join(
+            [f"Parameters (change one with: study run {notebook.name} -p NAME=VALUE):", *lines]
+        )
+    )

@@ -1,4 +1,4 @@
-"""The command for a curve of your own: study fit."""
+"""The command that compares laws with a curve of the user: study fit."""
 
 import csv
 import re
@@ -25,35 +25,57 @@ SHOWN = {"clearance": ("um", 1e6), "modulus": ("GPa", 1e-9), "offset": ("um", 1e
 """Units in which fitted quantities are printed, and factors from SI units."""
 
 
-@cli.command("fit")
+@cli.command(
+    "fit",
+    sections={
+        "Curve": ("depth_column", "force_column", "depth_unit", "force_unit"),
+        "Fit": ("fit",),
+        **cli.SECTIONS,
+        "Output": ("as_json", "plot"),
+    },
+    examples=[
+        "fit examples/fit_your_curve.csv --fit clearance --fit offset \\\n"
+        "      --socket-radius 12.5e-3 --clearance 40e-6 --wall 6e-3 --socket bronze",
+    ],
+)
 def fit_own_curve(
     curve: Path = typer.Argument(
-        help="CSV file with a head and a row for each point: a column of the penetration depth and "
-        "one of the force, such as 'depth [um]' and 'force [N]', or depth_star and force_star.",
+        help="CSV file with a line of column names and a row for each point. It needs a column of "
+        "penetration depths and a column of forces, such as 'depth [um]' and 'force [N]', or "
+        "depth_star and force_star.",
         metavar="FILE",
     ),
-    depth_column: str = cli.option("Head of the column of depths, if it does not begin with depth"),
-    force_column: str = cli.option("Head of the column of forces, if it does not begin with force"),
+    depth_column: str = cli.option(
+        "Name of the column of depths, if it does not begin with 'depth'."
+    ),
+    force_column: str = cli.option(
+        "Name of the column of forces, if it does not begin with 'force'."
+    ),
     depth_unit: Literal["m", "mm", "um", "none"] = cli.option(
-        "Unit of the depths, if the head has none; none for depths in clearances, d/dR."
+        "Unit of the depths, if the name of their column has none. 'none' means normalised depths "
+        "d/dR."
     ),
     force_unit: Literal["N", "kN", "none"] = cli.option(
-        "Unit of the forces, if the head has none; none for P/(E* dR^2)."
+        "Unit of the forces, if the name of their column has none. 'none' means normalised forces "
+        "P/(E* dR^2)."
     ),
     fit: list[str] = cli.option(
-        "Fit this too, by least squares of the force: clearance, whose search starts at "
-        "--clearance; modulus, the composite one, E*; or offset, the depth that is read at first "
-        "touch. May be repeated."
+        "Parameter to fit by least squares of the force: clearance (the search begins at "
+        "--clearance), modulus (the composite modulus E*) or offset (the depth reading at first "
+        "touch); may be repeated."
     ),
-    plot: Path = cli.option("Figure of curve and laws to write: .png, .svg or .pdf."),
+    plot: Path = cli.option(
+        "File for a figure of the curve and the laws, ending in .png, .svg or .pdf."
+    ),
     as_json: bool = cli.JSON,
     **joint: RELATIVE | SIZED,
 ):
-    """Compare every law with a curve of your own, and fit what is not known of its joint.
+    """Compare the contact laws with your own force-depth curve, and fit unknown parameters.
 
-    The curve is from finite elements or a test rig, for a load along the axis. The joint is
-    described as for study joint, with its dimensions, or without for a curve in clearances. If no
-    joint is given, only the power law k d^n is fitted.
+    The curve may come from finite elements or a test rig, and is for a load along the axis.
+    Describe its joint as for study joint: with dimensions for a curve with units, without for a
+    curve in normalised depths and forces. If no joint is described, only the power law k d^n is
+    fitted.
     """
     from study.choose.own_curve import fit_curve
 
@@ -79,8 +101,9 @@ def _joint(options, has_units):
         return joint if has_units else joint.joint
     if has_units:
         raise ValueError(
-            "--socket-radius, --clearance and --wall must be given, because the curve has units; "
-            "--r2-star is for a curve in clearances (--depth-unit none --force-unit none)"
+            "--socket-radius, --clearance and --wall must be given because the curve has units; "
+            "--r2-star is for a curve in normalised depths and forces (--depth-unit none "
+            "--force-unit none)"
         )
     needed(("r2_star",), options)
     return RatioJoint(**options).joint()
@@ -100,7 +123,10 @@ def read_curve(path, heads, units):
         why = getattr(error, "strerror", None) or "it is not CSV text in UTF-8"
         raise ValueError(f"FILE must be a CSV file, got {path}: {why}") from None
     if len(rows) < 2:
-        raise ValueError(f"{path} must have a line of heads and a row for each point, got none")
+        raise ValueError(
+            f"{path} must have a line of column names and a row for each point, got {len(rows)} "
+            "line(s)"
+        )
     names, values, found = [name.strip() for name in rows[0]], [], {}
     for what, head in heads.items():
         column = _column(names, what, head)
@@ -108,8 +134,8 @@ def read_curve(path, heads, units):
         values.append(_numbers(rows, column, what) * UNITS[what][found[what]])
     if (found["depth"] == NO_UNIT) != (found["force"] == NO_UNIT):
         raise ValueError(
-            "depth and force must both have units, or both have none (in clearances and E* dR^2), "
-            f"got {found['depth']} and {found['force']}"
+            "depth and force must either both have units or both be normalised (unit none), got "
+            f"the units {found['depth']} and {found['force']}"
         )
     return *values, found["depth"] != NO_UNIT
 
@@ -127,11 +153,12 @@ def _column(names, what, head):
     option, listed = f"--{what}-column", ", ".join(names)
     if not found:
         raise ValueError(
-            f"a column must be named {wanted or what}, got {listed}: name it with {option}"
+            f"no column is named {wanted or what}; select one of {listed} with {option}"
         )
     several = ", ".join(names[k] for k in found)
     raise ValueError(
-        f"one column of {what} must be chosen with {option}, by a name of its own, got {several}"
+        f"several columns may be the {what}: {several}; select one with {option}, and give each "
+        "column a different name"
     )
 
 
@@ -142,8 +169,9 @@ def _unit(head, what):
     known |= {name.casefold(): also for name, also in _ALSO.items() if also in UNITS[what]}
     if last.casefold() not in known:
         raise ValueError(
-            f"the unit of the column {head} must be one of {', '.join(UNITS[what])}: write it in "
-            f"the head, as {what} [{next(iter(UNITS[what]))}], or give it with --{what}-unit"
+            f"the unit of the column {head} must be one of {', '.join(UNITS[what])}; write it in "
+            f"the column's name, for example {what} [{next(iter(UNITS[what]))}], or give it with "
+            f"--{what}-unit"
         )
     return known[last.casefold()]
 
@@ -152,11 +180,14 @@ def _numbers(rows, column, what):
     values = []
     for k, row in enumerate(rows[1:], 1):
         if len(row) != len(rows[0]):
-            raise ValueError(f"row {k} must have {len(rows[0])} cells, as the head, got {len(row)}")
+            raise ValueError(
+                f"row {k} must have {len(rows[0])} cells, as many as there are column names, got "
+                f"{len(row)}"
+            )
         name, text = f"{what} in row {k}", row[column].strip()
         values.append(checks.read(name, text))
         if not np.isfinite(values[-1]):
-            raise ValueError(f"{name} must be a finite number, got {text}: leave the row out")
+            raise ValueError(f"{name} must be a finite number, got {text}; remove the row")
     return np.array(values)
 
 
@@ -194,34 +225,38 @@ def _parts(found, has_units, fit):
         rows.append(row)
     yield columns(rows)
     yield (
-        f"Errors over {len(found.depth)} points, relative ones where the force is at least 1 % of "
-        "the largest. R2 = 1 - SSE/SST; the adjusted one counts the fitted parameters, of which "
-        "winkler and hyperbolic_winkler always have one (their coefficient) and power two. "
-        "tabulated is the elastic solution of the joint."
+        f"The errors are over {len(found.depth)} points; relative errors only where the force is "
+        "at least 1 % of its maximum. R2 = 1 - SSE/SST, and R2_adjusted takes the number of fitted "
+        "parameters into account: winkler and hyperbolic_winkler always have one (their "
+        "coefficient) and power has two. tabulated is the elastic solution of the joint."
     )
     yield _power(found, has_units)
     reasons = {}
     for law, why in found.left_out.items():
         reasons.setdefault(why, []).append(law)
     if reasons:
-        yield "\n".join(f"Without {', '.join(of)}: {why}." for why, of in reasons.items())
+        yield "\n".join(f"Not fitted: {', '.join(of)}: {why}." for why, of in reasons.items())
     yield from found.notes
 
 
 def _power(found, has_units):
-    """The power law in a sentence."""
+    """A sentence with the fitted power law."""
     power, (law,) = found.power, [of for of in found.laws if of.law == "power"]
     unit, factor = SHOWN["offset"] if has_units else ("", 1)
     low, high = (f"{factor * depth:.4g}" for depth in power.depths)
     coefficient = f"{power.coefficient:.5g}"
     if has_units:
         coefficient += f" N/m^n = {power.coefficient_mm:.5g} N/mm^n"
-    by = "Fitted to the least maximum of the relative error, as by study joint."
+    by = "The maximum relative error was minimised, as study joint does."
     if "exponent" in law.standard_errors:
         error = law.standard_errors["exponent"]
-        by = f"Fitted by least squares of the force; the standard error of n is {error:.2g}."
+        by = (
+            "The sum of squared force errors was minimised; the standard error of n is "
+            f"{error:.2g}."
+        )
     return (
-        f"As F = k d^n, within {100 * power.error:.2g} % from {low} to {high} {unit}".rstrip()
+        f"Fitted power law F = k d^n, within {100 * power.error:.2g} % at depths from {low} to "
+        f"{high} {unit}".rstrip()
         + f": n = {power.exponent:.5g} and k = {coefficient}. {by}"
     )
 
@@ -247,7 +282,7 @@ def _draw(found, path, has_units):
             right.plot(depths, of.force - found.force, color=line.get_color())
         unit = (" (µm)", " (N)") if has_units else (" (clearances)", r" ($P/(E^*\Delta R^2)$)")
         left.set(xlabel=f"depth{unit[0]}", ylabel=f"force{unit[1]}")
-        right.set(xlabel=f"depth{unit[0]}", ylabel=f"law less curve{unit[1]}")
+        right.set(xlabel=f"depth{unit[0]}", ylabel=f"law minus curve{unit[1]}")
         left.legend(fontsize=7)
         with paths.whole(path) as temporary:
             figure.savefig(temporary, metadata=SAME_BYTES[path.suffix])

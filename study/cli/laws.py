@@ -9,53 +9,82 @@ from study import checks, choose, paths
 from study.choose import cheapest_law
 from study.cli import options as cli
 from study.cli.output import named_fields, show, working
-from study.cli.solve_joint import OF_SIZED, RELATIVE, SIZED, needed, sized, typed
-from study.contact import LawName
+from study.cli.solve_joint import (
+    OF_SIZED,
+    RELATIVE,
+    SIZED,
+    WITH_DIMENSIONS,
+    needed,
+    sized,
+    typed,
+)
+from study.contact import LAWS, LawName
 from study.contact.power_fit import USUAL_RANGE, fit_power
 from study.joint import RatioJoint, applicability, first_yield, force_curve, tilted_contact
 from study.joint.directional_law import LEAST_DEEPEST
 
 YIELDS = (
-    "The {body} yields, {place}, from {depth_star:.4g} clearances on "
-    "(force_star {force_star:.4g}). All errors are for joints that do not yield."
+    "Warning: The {body} yields {place} at depths above {depth_star:.4g} clearances (force_star "
+    "{force_star:.4g}). All errors are for elastic bodies."
 )
 
-SERVES = "One law along the axis serves all directions up to {:g} deg"
-SERVES_NOT = "No one law along the axis is known to serve all directions up to {:g} deg"
-KNOWN = {"rule": "by the rule that the rim is far, and all else the same all round"}
+ONE_LAW = "One law for the axial direction is accurate enough for all tilts up to {:g} deg"
+NOT_ONE_LAW = (
+    "One law for the axial direction is not known to be accurate enough for all tilts up to {:g} "
+    "deg"
+)
+KNOWN = {"rule": "by the rule that the rim is far and the supports are the same all round"}
 DIFFERS = "the force differs from that along the axis by at most {:.2g} of it ({})."
 REST = "The law below is within the rest of the tolerance, {:.2g}, along the axis."
 NO_AXIS = (
-    "No law along the axis applies to {}, which is loaded across its axis. Along a displacement at "
-    "{:g} deg off the axis, {} {} is within {:.2g} %, which is {} the tolerance of {:.2g} %."
+    "No law for the axial direction applies to {}, which is loaded across its axis. For a "
+    "displacement at a tilt of {:g} deg, the fitted power law {} is within {:.2g} % at depths "
+    "{}, which is {} the tolerance of {:.2g} %."
 )
 _PLACES = 8  # depths at which k and n are fitted off the axis
-TABLE = "Take a table of depth and tilt:\n{}"
+TABLE = "Use a table of depth and tilt instead. Command that exports it:\n{}"
 
 
-@cli.command("choose")
+@cli.command(
+    "choose",
+    sections={
+        "Accuracy and range": ("tolerance", "depth_star", "depth", "force", "tilt", "yield_stress"),
+        **cli.SECTIONS,
+        "Output": ("as_json",),
+    },
+    examples=[
+        "choose --r2-star 200 --depth-star 0.3 --tolerance 0.01",
+        "choose --socket-radius 12.5e-3 --clearance 40e-6 --wall 6e-3 \\\n"
+        "      --socket bronze --force 3000 --tolerance 0.05",
+    ],
+)
 def choose_law(
-    tolerance: float = cli.required("Largest relative error of the force, from 1e-5 to 1."),
-    depth_star: float = cli.option("Largest depth of the scene, in clearances."),
-    depth: float = cli.option("The same in m, for a joint with its dimensions."),
-    force: float = cli.option("Or the largest force in N, for a joint with its dimensions."),
+    tolerance: float = cli.required("Maximum relative error of the force (1e-05 to 1)."),
+    depth_star: float = cli.option("Maximum penetration depth, in clearances."),
+    depth: float = cli.option("Maximum penetration depth in m, for a joint with dimensions."),
+    force: float = cli.option("Maximum contact force in N, for a joint with dimensions."),
     yield_stress: float = cli.option(
-        "Yield stress of ball and socket in Pa, where the ball's modulus is 2e11 Pa; materials of "
-        "a joint with its dimensions have their own."
+        "Yield stress of ball and socket in Pa, for a ball with a Young's modulus of 2e11 Pa. The "
+        "materials of a joint with dimensions have their own."
     ),
     tilt: float = cli.option(
-        "Largest direction of a displacement off the axis, in deg: does one law serve all?"
+        "Also check whether one law is accurate enough for all tilts up to this angle, in deg "
+        "between displacement and axis."
     ),
     as_json: bool = cli.JSON,
     **joint: RELATIVE | SIZED,
 ):
-    """Choose the cheapest law that is accurate enough for a joint, with the evidence.
+    """Choose the cheapest contact law that is accurate enough for a joint.
 
-    The joint is described as for study joint, with its dimensions or without. With --tilt the
-    answer says first whether one law along the axis serves all directions up to it; if not, and for
-    a ring or a bored ball, which no such law is for, it names the table of depth and tilt.
+    The joint is described as for study joint, with dimensions or without. The answer lists the
+    error of every law relative to the elastic solution, and its computing time relative to that of
+    Hertz's law.
 
-    For a whole mechanism: study simulate --model auto --tolerance ... .
+    With --tilt, the answer begins with whether one law for the axial direction is accurate enough
+    for all tilts up to the given angle. If it is not, and for a ring or a ball with a bore, to
+    which no axial law applies, the answer is a table of depth and tilt.
+
+    To choose the model of a whole mechanism, use: study simulate --model auto --tolerance ...
     """
     joint = cli.under_tilt(tilt, joint)
     of_depth = {"depth_star": depth_star, "depth": depth, "force": force}
@@ -96,32 +125,38 @@ def choose_law(
     differs = DIFFERS.format(off_axis.direction_error, how)
     values = vars(off_axis) | {"one_law_for_all_directions": serves}
     if serves:
-        head = f"{SERVES.format(tilt)}: {differs} {REST.format(left)}"
+        head = f"{ONE_LAW.format(tilt)}: {differs} {REST.format(left)}"
         show(values | axial, as_json, head, *parts)
         return
     line = _table_line(joint | {"depth_star": deepest}, tilt)
-    head = f"{SERVES_NOT.format(tilt)}: {differs} {TABLE.format(line)}"
+    head = f"{NOT_ONE_LAW.format(tilt)}: {differs} {TABLE.format(line)}"
     values |= {"law": None, "export": line, "along_the_axis": axial}
-    show(values, as_json, head, "Along the axis alone, the cheapest law is:", *parts)
+    show(values, as_json, head, "For the axial direction alone, the cheapest law is:", *parts)
 
 
 def _asked(joint, of_depth, yield_stress):
     """Joint without dimensions, and with them or None, after checks of what is given."""
     if not any(name in joint for name in OF_SIZED):
-        cli.left_out(of_depth, ("depth_star",), "it is for a joint with its dimensions")
-        needed(("r2_star",), joint, " or, with dimensions, --socket-radius, ...")
+        cli.left_out(of_depth, ("depth_star",), "a joint without dimensions")
+        needed(("r2_star",), joint, WITH_DIMENSIONS)
         needed(("depth_star",), of_depth)
         return RatioJoint(**joint).joint(yield_stress), None
     if yield_stress is not None:
-        raise ValueError("--yield-stress must be left out: materials of the joint have their own")
+        raise ValueError(
+            "--yield-stress does not apply to a joint with dimensions, whose materials have their "
+            "own; remove it"
+        )
     if len(of_depth) != 1:
-        raise ValueError("one of --depth, --force and --depth-star must be given")
+        raise ValueError(
+            "exactly one of --depth, --force and --depth-star must be given, got "
+            f"{' and '.join(map(cli.flag, of_depth)) or 'none'}"
+        )
     dimensions = sized(joint)
     return dimensions.joint, dimensions
 
 
 def _depth(dimensions, tilt, name, value):
-    """Largest depth in clearances, where it is given so, in m, or by a force in N."""
+    """Maximum depth in clearances, which is given as such, in m, or by a force in N."""
     checks.number(name, value, {"depth": "m", "force": "N"}.get(name, ""), above=0)
     if name == "depth_star":
         return value
@@ -131,13 +166,13 @@ def _depth(dimensions, tilt, name, value):
 
 
 def _table_line(joint, tilt):
-    """Command that exports a table of depth and tilt, of at least the depth that it must have."""
+    """Command that exports a table of depth and tilt, of at least the minimum depth."""
     joint = joint | {"depth_star": max(joint["depth_star"], LEAST_DEEPEST)}
     return f"study export --law tabulated --tilt {tilt:g} --format c {typed(joint)}"
 
 
 def _show_no_axis(as_json, asked, dimensions, deepest, tilt, tolerance, line):
-    """Say what to use for a joint that has no law along its axis: k and n, or a table."""
+    """Show the fitted power law and the table for a joint that has no law along its axis."""
     places = np.geomspace(USUAL_RANGE[0], max(USUAL_RANGE[1], deepest), _PLACES)
     if dimensions is None:
         fit = fit_power(places, tilted_contact(asked, places, tilt).force_star)
@@ -154,13 +189,14 @@ def _show_no_axis(as_json, asked, dimensions, deepest, tilt, tolerance, line):
     show(
         values | {"power_law": fit._asdict() | {"tilt": tilt}},
         as_json,
-        NO_AXIS.format(body, tilt, found, ends, 100 * fit.error, within, 100 * tolerance),
-        f"The table of the force along this direction is exact within its stated error:\n{line}",
+        NO_AXIS.format(body, tilt, found, 100 * fit.error, ends, within, 100 * tolerance),
+        "A table of the force along this direction follows the elastic solution within the error "
+        f"that it states. Command that exports it:\n{line}",
     )
 
 
 def _of_choice(choice, dimensions, exceeded, axial):
-    """Parts of the text on a choice along the axis."""
+    """Parts of the text on a choice for the axial direction."""
     names, costs = ("law", "error_bound", "relative_cost", "options"), choose.relative_costs()
     yield {name: [getattr(choice, name)] for name in names}
     depths = "For depths of {:g} to {:g} clearances".format(*choice.depths)
@@ -168,10 +204,13 @@ def _of_choice(choice, dimensions, exceeded, axial):
         ends = (1e6 * dimensions.clearance * depth for depth in choice.depths)
         depths += " ({:.4g} to {:.4g} um)".format(*ends)
     yield f"{depths}."
-    yield from (f"Beyond a limit: {text}" for text in applicability.worst(exceeded))
+    yield from (f"Warning: {text}" for text in applicability.worst(exceeded))
     if axial["first_yield"]:
         yield YIELDS.format(**axial["first_yield"])
-    yield "Largest error of each law, and time of a call over that of Hertz's law:"
+    yield (
+        "Maximum relative error of each law, and its computing time relative to that of Hertz's "
+        "law:"
+    )
     laws = sorted(choice.errors, key=costs.get)
     yield {
         "law": laws,
@@ -179,45 +218,65 @@ def _of_choice(choice, dimensions, exceeded, axial):
         "relative_cost": [costs[law] for law in laws],
     }
     if axial["export"]:
-        yield f"To take it into another program:\n{axial['export']}"
+        yield f"Command that exports the law for another program:\n{axial['export']}"
 
 
-@cli.command("export")
+@cli.command(
+    "export",
+    sections={
+        "Law": ("law", "depth_star", "depth", "tilt", "direction"),
+        **cli.SECTIONS,
+        "Output": ("form", "name", "output"),
+    },
+    examples=[
+        "export --law stiffened_hertz --format c --r2-star 200",
+        "export --law power --format adams --output joint.txt \\\n"
+        "      --socket-radius 12.5e-3 --clearance 40e-6 --wall 6e-3",
+    ],
+)
 def export_law(
     law: Literal[LawName, "tabulated"] = cli.required(
-        "Name of a law, or tabulated: the force-depth curve of the joint."
+        f"Contact law: {', '.join(LAWS)}; or tabulated, a table of the joint's elastic solution."
     ),
     form: Literal[
         "c", "matlab", "modelica", "json", "csv", "exudyn", "adams", "mujoco"
     ] = cli.required(
-        "Function (C; MATLAB and Octave; Modelica), formula and numbers (JSON), force over depth "
-        "(CSV), or an element of Exudyn, Adams or MuJoCo; these and Modelica need dimensions.",
+        "Form of the export: a function for C, for MATLAB and Octave (matlab), or for Modelica; "
+        "the formula and its numbers (json); a table of the force over the depth (csv); or an "
+        "element of Exudyn, Adams or MuJoCo. Modelica, Exudyn, Adams and MuJoCo need a joint with "
+        "dimensions.",
         "--format",
     ),
     depth_star: list[float] = cli.option(
-        "Largest depth of the text, in clearances, or given twice its range: that of power's fit "
-        "and of the errors. [default: 1, if the joint can go so deep; for power 0.05 and 0.5]"
+        "Maximum penetration depth of the export, in clearances. If it is given twice, these are "
+        "the minimum and the maximum: the range over which the law power is fitted and errors are "
+        "stated. Default: 1, or the maximum depth of the joint if that is less; for power 0.05 and "
+        "0.5."
     ),
-    depth: list[float] = cli.option("The same in m, for a joint with its dimensions."),
+    depth: list[float] = cli.option(
+        "The same as --depth-star, but in m, for a joint with dimensions."
+    ),
     tilt: float = cli.option(
-        "Largest direction of a displacement off the axis, in deg: tabulated is then a table of "
-        "depth and tilt, with the forces along and across."
+        "Maximum tilt, in deg between displacement and axis: with it, tabulated is a table over "
+        "depth and tilt of the forces along and across the displacement."
     ),
     direction: float = cli.option(
-        "Angle off the axis, in deg, of the one displacement that the law is for: tabulated and "
-        "power give the force along it. [default: 90 for a ring or a ball with a bore, else 0]"
+        "Tilt of a single direction of displacement, in deg from the axis: with it, tabulated and "
+        "power give the force along this direction. Default: 90 for a ring or a ball with a bore, "
+        "else 0."
     ),
     name: str = cli.option(
-        "Name of the function or element, so that several joints fit into one model. [default: "
-        "that of the law or of the program's element; for MATLAB that of the file]"
+        "Name of the function or element, so that one model can contain several joints. Default: "
+        "the name of the law or of the program's element; for MATLAB the name of the file."
     ),
     output: Path = cli.OUTPUT,
     **joint: RELATIVE | SIZED,
 ):
-    """Export a law, for one joint, to another program: to standard output or a file.
+    """Export the contact law of one joint for use in another program.
 
-    The joint is described as for study joint, with its dimensions or without. The text states
-    joint, range, units, and the law's largest error against the solved joint.
+    The joint is described as for study joint, with dimensions or without. The export states the
+    joint, the valid range of depths, the units, and the maximum error of the law relative to the
+    elastic solution. It is printed on standard output, or written to the file --output.
     """
     from study.export import SUFFIXES, export
 
@@ -230,13 +289,15 @@ def export_law(
         asked = sized(joint)
         depths = [value / asked.clearance for value in depth or ()]
         if depth and depth_star:
-            raise ValueError("either --depth or --depth-star must be given, not both")
+            raise ValueError("--depth and --depth-star must not both be given; remove one of them")
         depth_star = depth_star or depths
     else:
         if depth:
-            raise ValueError("--depth must be left out: it is for a joint with its dimensions")
+            raise ValueError(
+                "--depth does not apply to a joint without dimensions; use --depth-star"
+            )
         asked = RatioJoint(**joint).joint()
-    with working("Solving the joint, and its error"):
+    with working("Solving the joint and computing the error of the law"):
         depths = sorted(depth_star or ()) or None
         text = export(law, form, asked, depths, tilt=tilt, direction=direction, name=name)
     if output is None:

@@ -29,48 +29,66 @@ END = {
 }
 """What is printed of the end -> the response's column."""
 SCENE = (
-    "KEY=VALUE of a mechanism parameter; may be repeated; KEY (unit): "
+    "Change a mechanism parameter, as KEY=VALUE; may be repeated. The keys and their units are: "
     + ", ".join(f"{name} ({about.unit or '-'})" for name, about in described(Scene).items())
-    + ". The default damping, exact, delivers the restitution; others are lankarani-nikravesh (the "
-    "paper's), hunt-crossley and flores."
+    + ". With the default damping, exact, an impact has the given coefficient of restitution; the "
+    "other models are lankarani-nikravesh (which Yao et al. use), hunt-crossley and flores."
 )
 _SETTINGS = ("joint", "duration", "outputs", "tolerance", "step", "elements", "method")
 OPTIONS = {
     "model": cli.further(
         Literal[(*get_args(Model), "auto")],
-        "Model of the links: rigid, particles or beams; auto picks the simplest within "
-        "--tolerance. [default: rigid]",
+        "Model of the links: rigid, particles or beams; auto picks the simplest model within "
+        "--tolerance. Default: rigid.",
     ),
     "law": cli.further(
         Literal[(*LAWS, "tabulated")],
-        "Contact law; tabulated, the default beside --wall or --liner, is the table of the "
-        "solved joint. [default: stiffened_hertz]",
+        f"Contact law: {', '.join(LAWS)}; or tabulated, a table of the joint's elastic solution. "
+        "Default: stiffened_hertz, or tabulated if --wall or --liner is given.",
     ),
     **cli.options_of(simulate, *_SETTINGS),
     **cli.options_of(DimensionalJoint, "wall", "liner"),
     **cli.options_of(RatioJoint, "socket_ratio"),
     "quantity": cli.further(
         Literal[QUANTITIES],
-        "Part of the slider's motion that --tolerance is for. [default: slider_position]",
+        "With --model auto: part of the slider's motion whose error --tolerance limits. Default: "
+        "slider_position.",
     ),
 }
-"""A simulation, and the choice of its model."""
+"""Options of a simulation and of the choice of its model."""
 
 
-@cli.command("simulate")
+@cli.command(
+    "simulate",
+    sections={
+        "Mechanism and joint": ("scene", "joint", "law", "socket_ratio", "wall", "liner"),
+        "Model of the links": ("model", "elements", "method", "quantity"),
+        "Time and accuracy": ("duration", "outputs", "tolerance", "step", "once"),
+        "Output": ("as_json", "output"),
+    },
+    examples=[
+        "simulate --scene clearance=1e-4 --duration 0.05 --output motion.csv",
+        "simulate --model auto --tolerance 0.01 --duration 0.05",
+    ],
+)
 def simulate_mechanism(
     scene: list[str] = cli.option(SCENE, default=()),
-    output: Path = cli.OUTPUT,
+    output: Path = cli.option("CSV file for the motion over time."),
     as_json: bool = cli.JSON,
     once: bool = cli.switch(
-        "--once", "Leave out the second run, which says how far to trust the first."
+        "--once",
+        "Do not repeat the simulation at a second tolerance. The repetition shows until when the "
+        "motion does not depend on the tolerance.",
     ),
     **options: OPTIONS,
 ):
-    """Simulate the crank-slider: where it is at the end, and every impact (SI units).
+    """Simulate a crank-slider with a clearance joint: the final state and every impact.
 
-    --model auto takes the simplest model within --tolerance. This is then the largest error of the
-    --quantity: its RMS over that of the change since t = 0.
+    All values are in SI units. By default the mechanism is that of Yao et al., section 4.3, with
+    rigid links.
+
+    With --model auto, the simplest model is used for which the error of --quantity is within
+    --tolerance. This error is the RMS error divided by the RMS change of the quantity since t = 0.
     """
     changed = _scene(scene)
     cli.check_output(output, ".csv")
@@ -84,11 +102,13 @@ def simulate_mechanism(
         run = choice.simulate
     else:
         choice, run = None, partial(simulate, changed, **options)
-        why = f"model {options.get('model', parameters['model'].default)} has none"
-        cli.left_out(options, [*parameters, "socket_ratio", "wall", "liner"], why)  # of some laws
+        what = f"model {options.get('model', parameters['model'].default)}"
+        cli.left_out(options, [*parameters, "socket_ratio", "wall", "liner"], what)  # of some laws
     total = options.get("duration", parameters["duration"].default)
     is_compiled = compiled.is_kept(paths.ROOT / "study/mechanism/rigid.py")
-    with working("Simulating" if is_compiled else "Compiling the stepping loops, once") as tell:
+    with working(
+        "Simulating" if is_compiled else "Compiling the time integration (only once)"
+    ) as tell:
         response = run(progress=lambda time: tell(f"simulated {time:.4g} of {total:g} s"))
     end = {head: float(getattr(response, name)[-1]) for head, name in END.items()}
     end |= {
@@ -98,49 +118,55 @@ def simulate_mechanism(
         "complete": response.complete,
     }
     exceeded = exceeded_limits(changed, response, options.get("socket_ratio", SOCKET_RATIO))
-    with working("Simulating once more, at another tolerance"):
-        trust = (None, []) if once else _trust(response, run)
-    _show(end, response, choice, trust, exceeded, as_json)
+    with working("Repeating the simulation at a second tolerance"):
+        agreement = (None, []) if once else _agreement(response, run)
+    _show(end, response, choice, agreement, exceeded, as_json)
     if output is not None:  # last, so that the results are printed even if the disk is full
         response.save(output)
     if not response.complete:
         raise cli.InterruptionError(cli.KEPT)
 
 
-def _trust(response, run):
-    """How long a second run is the same motion, as an object and in words.
+def _agreement(response, run):
+    """Until when a second run agrees with the first one, as an object and as sentences.
 
-    The response is shown even where the second run is interrupted or fails.
+    The response is shown even if the second run is interrupted or fails.
     """
     try:
         agreement = compare.second_run(response, run)
     except KeyboardInterrupt:
-        return None, ["The second run, which says how far to trust this one, was interrupted."]
+        return None, [
+            "The run at a second tolerance, which shows until when the motion can be predicted, "
+            "was interrupted."
+        ]
     except StudyError as error:
-        return None, [f"A second run, at another tolerance, failed: {error}."]
+        return None, [f"The run at a second tolerance failed: {error}."]
     if agreement is None:
         return None, []
     end, later = "to the end", ""
     if not agreement.lasts:
         end = f"until {agreement.until:.6g} s"
-        later = " What follows is one of many motions that begin alike: tiny errors grow."
+        later = " From then on the motion is chaotic and cannot be predicted."
     text = (
-        f"A second run, at another tolerance, is the same motion {end}: the eccentricities differ "
-        f"by at most {agreement.largest_distance:.1g} clearances, the forces by "
+        f"A run at a second tolerance agrees {end}: the eccentricities differ by at most "
+        f"{agreement.largest_distance:.1g} clearances, and the forces by a fraction of at most "
         f"{agreement.force_difference:.1g}.{later}"
     )
     return agreement._asdict(), [text]
 
 
 def _choice(scene, model, **options):
-    cli.left_out(options, signature(choose_model).parameters, f"model {model} chooses it")
+    cli.left_out(options, signature(choose_model).parameters, f"model {model}, which chooses it")
     if "tolerance" not in options:
-        raise ValueError("tolerance must be given: the largest error that model auto may make")
+        raise ValueError(
+            "--tolerance must be given with --model auto: it is the maximum error of the "
+            "simplified model"
+        )
     with working("Choosing the model"):
         return choose_model(scene, **options)
 
 
-def _show(end, response, choice, trust, exceeded, as_json):
+def _show(end, response, choice, agreement, exceeded, as_json):
     names = response.impact_rows.dtype.names
     rows = [
         {name: None if x != x else x for name, x in zip(names, row, strict=True)}  # no NaN in JSON
@@ -149,8 +175,8 @@ def _show(end, response, choice, trust, exceeded, as_json):
     asked, delivered = response.restitution, response.delivered_restitution
     values = {head.split()[0]: value for head, value in end.items()} | {"law": response.law}
     values |= {"restitution": asked, "delivered_restitution": delivered}
-    agreement, in_words = trust
-    values |= {"agreement": agreement, "applicability": applicability.in_short(exceeded)}
+    agrees, sentences = agreement
+    values |= {"agreement": agrees, "applicability": applicability.in_short(exceeded)}
     table = {
         f"{name} {IMPACT_COLUMNS.get(name, '')}": [row[name] for row in rows[:SHOWN]]
         for name in ("time", *names)
@@ -158,26 +184,30 @@ def _show(end, response, choice, trust, exceeded, as_json):
     parts = [f"Law {response.law}.", {head: [value] for head, value in end.items()}, table]
     if choice:
         values["choice"] = named_fields(choice)
-        parts = [*_in_words(choice, end["time s"]), *parts]
+        parts = [*_of_choice(choice, end["time s"]), *parts]
     if rows and abs(delivered - asked) > 0.005:
-        parts.append(f"Damping delivers the restitution {delivered:.3g}, not {asked:g}.")
+        parts.append(
+            f"Warning: The damping model gives a coefficient of restitution of {delivered:.3g} "
+            f"instead of {asked:g}."
+        )
     if len(rows) > SHOWN:
-        parts.append(f"{len(rows) - SHOWN} more contacts: --json prints all.")
-    parts += [f"Beyond a limit: {text}" for text in exceeded.values()]
-    show(values | {"impacts": rows}, as_json, *parts, *in_words)
+        parts.append(f"{len(rows) - SHOWN} more contacts are not shown; --json prints all.")
+    parts += [f"Warning: {text}" for text in exceeded.values()]
+    show(values | {"impacts": rows}, as_json, *parts, *sentences)
 
 
-def _in_words(choice, duration):
-    """The chosen model in words, and all models that were compared."""
+def _of_choice(choice, duration):
+    """The chosen model as sentences, and a table of all models that were compared."""
     return [
-        f"The simplest model whose {choice.quantity.replace('_', ' ')} is known well enough over "
-        f"{duration:g} s:\n{choice.model} links, {choice.joint} joint, law {choice.law}, within "
-        f"{choice.error_bound:.2g}. In order of detail (costs: times here):",
+        f"The simplest model with an error of the {choice.quantity.replace('_', ' ')} of at most "
+        f"{choice.error_bound:.2g} over {duration:g} s: {choice.model} links, {choice.joint} "
+        f"joint, law {choice.law}.\nModels in order of detail (relative_cost is the computing "
+        "time measured now):",
         columns(choice.evidence),
-        f"At a depth of {choice.depth_star:.2g} clearances the links have "
-        f"{choice.compliance_ratio:.2g} times the contact's compliance. The slider's frequency on "
-        f"the contact is {choice.frequency_ratio:.2g} times the crank's axial one.",
-        *([f"Particles were run, as {choice.note}."] if choice.note else []),
+        f"At a depth of {choice.depth_star:.2g} clearances the compliance of the links is "
+        f"{choice.compliance_ratio:.2g} times that of the contact. The natural frequency of the "
+        f"slider on the contact is {choice.frequency_ratio:.2g} times the axial one of the crank.",
+        *([f"Particles were used because {choice.note}."] if choice.note else []),
     ]
 
 

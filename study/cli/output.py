@@ -1,4 +1,4 @@
-"""Output of the commands: JSON, CSV, sentences and tables as text, and what is being done."""
+"""Output of the commands: JSON, CSV, sentences, tables as text, and progress."""
 
 import csv
 import json
@@ -140,9 +140,9 @@ def named_fields(choice):
 
 @contextmanager
 def working(what):
-    """Say on a terminal what is being done, on one line of standard error that is gone at the end.
+    """Show on a terminal what is being done, on a line of standard error that vanishes at the end.
 
-    The context is a function that writes another text on this line, such as how far the work is.
+    The context is a function that replaces the text of this line, for example by the progress.
     """
     check_limits(SOLVER)
 
@@ -158,7 +158,7 @@ def working(what):
 
 
 def fail(failures):
-    """Say what failed, and end with status 1 if something did."""
+    """Print what failed, and end with exit status 1 if something did."""
     for failure in failures:
         print(f"failed: {' '.join(failure.split())}", file=sys.stderr)
     if failures:

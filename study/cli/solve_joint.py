@@ -52,10 +52,13 @@ SAME_BYTES = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"Crea
 DEFAULT_TOLERANCE = 0.01
 LARGE = 1.0  # m: a socket's radius that is probably in mm
 NO_LAW = {
-    "tabulated": "tabulated, the table of this joint's own curve",
-    "solver": "none: the joint has to be solved at every depth",
+    "tabulated": "tabulated, the table of the elastic solution of this joint",
+    "solver": "none, so the joint has to be solved at every depth",
 }
-HELD = "they are largest where that is held, and depend on its details."
+NO_STRESSES = (
+    "No stresses of the {}: they are largest where it is held, and depend on the details of the "
+    "support."
+)
 SIZED = cli.options_of(DimensionalJoint)
 """Options of a joint with its dimensions."""
 RELATIVE = cli.options_of(RatioJoint)
@@ -64,40 +67,51 @@ ASKED = {
     "force": cli.further(list[float], "Contact force in N; may be repeated."),
     "depth": cli.further(list[float], "Penetration depth in m; may be repeated."),
     "tolerance": cli.further(
-        float, f"Largest relative error of the law that is chosen. [default: {DEFAULT_TOLERANCE:g}]"
+        float,
+        "Maximum relative error of the contact law that is recommended. "
+        f"Default: {DEFAULT_TOLERANCE:g}.",
     ),
     "friction": cli.further(
         float,
-        "Coefficient of friction (no unit), for the torques of a ball that slides all over its "
-        "contact as it turns about the load (spin), or about an axis across it (tilt). Off the "
-        "axis, tilt is about the normal of the plane of load and axis, and turn about the third "
-        "axis, which is that of a ring loaded across.",
+        "Coefficient of friction (no unit). Prints the friction torques of a ball that slides over "
+        "the whole contact while it rotates about the load (spin_torque) or about an axis "
+        "perpendicular to the load (tilt_torque). For a load off the axis, tilt_torque is about "
+        "the normal of the plane of load and axis, and turn_torque about the axis perpendicular "
+        "to both others, which for a ring loaded across its axis is the axis of the ring.",
     ),
     "wear": cli.further(
         float,
-        "Wear coefficient in m^2/N, for Archard's wear depth at the peak of an unchanged pressure.",
+        "Wear coefficient in m^2/N. Prints Archard's wear depth at the peak of the pressure, which "
+        "is assumed not to change with wear; --path is needed too.",
     ),
-    "path": cli.further(float, "Sliding path of the wear, in m."),
-    "plot": cli.further(Path, "Figure of force and pressure to write: .png, .svg or .pdf."),
+    "path": cli.further(float, "Sliding distance of the wear, in m."),
+    "plot": cli.further(
+        Path, "File for a figure of force and pressure, ending in .png, .svg or .pdf."
+    ),
 }
-"""What may be asked of a joint with dimensions."""
+"""Options that only a joint with dimensions has: loads, and further results."""
 EITHER = {
     **RELATIVE,
     **SIZED,
     **ASKED,
     "tilt": cli.further(
         float,
-        "Angle off the axis, in deg, of the displacement; with --force that of the force. "
-        "[default: 90 for a ring or a ball with a bore, else a load along the axis]",
+        "Tilt: angle in deg between the axis of the socket and the displacement of the ball, or, "
+        "with --force, the force. Default: 90 for a ring or a ball with a bore, else a load along "
+        "the axis.",
     ),
     "depth_star": cli.further(list[float], cli.DEPTHS),
     "solver": cli.further(
         Literal[SOLVERS],
-        "Exact Legendre series of both bodies, or finite elements: six-node (quadratic) or "
-        "three-node (linear) triangles.",
+        "Elastic solution: Legendre series of both bodies (series), or finite elements with "
+        "six-node (quadratic) or three-node (linear) triangles. Default: series where it applies, "
+        "else quadratic.",
     ),
 }
 CONFIGURATION = tuple(parameters.described(Configuration))
+WITH_DIMENSIONS = (
+    "; a joint with dimensions is described by --socket-radius, --clearance and --wall instead"
+)
 SIZES = ("socket_radius", "clearance", "wall")
 """Options that a joint with dimensions needs."""
 OF_SIZED = tuple(name for name in SIZED if name not in CONFIGURATION)
@@ -108,40 +122,64 @@ OFF_AXIS = ("tilt", "force_star", "transverse_star", "stiffness_star", "transver
 OFF_AXIS += ("peak_pressure_star", "peak_error", "peak_angle_deg", "reaches_rim", "error_estimate")
 
 
-@cli.command("joint")
+@cli.command(
+    "joint",
+    sections={
+        "Load or depth": ("force", "depth", "tilt", "depth_star"),
+        **cli.SECTIONS,
+        "Contact law": ("tolerance",),
+        "Friction and wear": ("friction", "wear", "path"),
+        "Output": ("as_json", "plot"),
+    },
+    examples=[
+        "joint --socket-radius 12.5e-3 --clearance 40e-6 --wall 6e-3 \\\n"
+        "      --socket bronze --force 3000",
+        "joint --r2-star 200 --depth-star 0.3",
+    ],
+)
 def solve_joint(as_json: bool = cli.JSON, **options: EITHER):
-    """Solve one joint: force, depth, stiffness, pressure, half-angle, error, and stresses.
+    """Solve one joint: force, depth, stiffness, contact half-angle, pressure and stresses.
 
-    With dimensions: --socket-radius, --clearance, --wall and --force or --depth, in SI units, with
-    materials by name. Without: --r2-star and --depth-star. Stresses are then in E* dR/R2, and their
-    radius is relative to that of the body's surface. With --tilt, and always for a ring or a ball
-    with a bore, the ball is pressed off the axis: the force and the stiffness are those along its
-    displacement, and the transverse ones are across it, positive towards larger tilt.
+    Describe the joint either with its dimensions in SI units (--socket-radius, --clearance, --wall
+    and materials by name) and give --force or --depth, or without dimensions by --r2-star and give
+    --depth-star. Each result has the estimated error of its force.
+
+    A joint with dimensions is answered with the cheapest contact law within --tolerance, the
+    command that exports it, and a fitted power law F = k d^n. Stresses of a joint without
+    dimensions are in units of E* dR/R2, and their radius is relative to the surface of the body.
+
+    With --tilt, and always for a ring or a ball with a bore, the ball is pressed off the axis.
+    Force and stiffness are then the components along the displacement; the transverse ones are
+    perpendicular to it, and positive towards larger tilt.
     """
     if dimensions := [name for name in (*OF_SIZED, *ASKED) if name in options]:
         _only_sizes(options, dimensions[0], (*OF_SIZED, *ASKED, "tilt"))
         solve = _solve_dimensional
     else:
-        needed(("r2_star", "depth_star"), options, " or, with dimensions, --socket-radius, ...")
+        needed(("r2_star", "depth_star"), options, WITH_DIMENSIONS)
         solve = _solve_dimensionless
     solve(as_json, **cli.under_tilt(options.get("tilt"), options))
 
 
 def needed(names, options, more=""):
-    """Refuse options among which one is missing."""
+    """Raise ``ValueError`` if one of some options is missing."""
     missing = [cli.flag(name) for name in names if name not in options]
     if missing:
         raise ValueError(f"{' and '.join(missing)} must be given{more}")
 
 
 def _only_sizes(options, first, allowed):
-    """Refuse what a joint with its dimensions does not have."""
-    why = f"{cli.flag(first)} is for a joint with its dimensions"
-    cli.left_out(options, (*allowed, *CONFIGURATION), why)
+    """Raise ``ValueError`` for an option that a joint with dimensions does not have."""
+    for name in options:
+        if name not in (*allowed, *CONFIGURATION):
+            raise ValueError(
+                f"{cli.flag(name)} is for a joint without dimensions and {cli.flag(first)} for a "
+                "joint with dimensions; remove one of them"
+            )
 
 
 def sized(options):
-    """Joint with dimensions of a command's options: `SIZED`."""
+    """Joint with dimensions from the options `SIZED` of a command."""
     first = next((name for name in OF_SIZED if name in options), SIZES[0])
     _only_sizes(options, first, OF_SIZED)
     needed(SIZES, options)
@@ -175,10 +213,10 @@ def _solve_dimensional(
 
 
 def _only_along_axis(tilt, **options):
-    """Refuse options that mean nothing for a load off the axis."""
+    """Raise ``ValueError`` for options that do not apply to a load off the axis."""
     for name, value in options.items():
         if tilt is not None and value is not None:
-            raise ValueError(f"{cli.flag(name)} must be left out for a load off the axis")
+            raise ValueError(f"{cli.flag(name)} does not apply to a load off the axis; remove it")
 
 
 def _solve_dimensionless(as_json, r2_star, depth_star, solver=None, tilt=None, **joint):
@@ -216,9 +254,9 @@ def _without_dimensions(solved, names, stresses, exceeded, tilt=None):
         }
         values |= {f"{_prefix(body)}_{name}": stress[name] for name in stress}
         table = depths | {"von_mises_star": stress.pop("star")} | stress
-        parts += [f"Largest von Mises stress in the {body}:", table]
+        parts += [f"Maximum von Mises stress in the {body}:", table]
     for body in [name for name in solved.joint.materials if name not in stresses]:
-        parts.append(f"Without stresses of the {body}: {HELD}")
+        parts.append(NO_STRESSES.format(body))
     values["applicability"] = [applicability.in_short(found) for found in exceeded]
     return values, [*parts, *_limits(solved.joint, solved.depth_star, exceeded, tilt)]
 
@@ -252,7 +290,7 @@ def _prefix(body):
 
 
 def typed(options):
-    """Options of a joint with its dimensions, as they are typed."""
+    """Options of a joint, as they are typed on the command line."""
     words = []
     for name, value in options.items():
         for one in value if isinstance(value, list) else [value]:
@@ -290,7 +328,10 @@ def _described(joint, solution, tilt, tolerance, typed, of_pressure, of_power):
         tilt = float(f"{solution.tilt[solution.depth.argmax()]:.4g}")  # of the displacement
         line = f"study export --law tabulated --direction {tilt:g} --format c {typed}"
         law = {"law": "tabulated", "direction": tilt, "export": line}
-        text = f"To take the force along {tilt:g} deg into another program, as a table:\n{line}"
+        text = (
+            f"Command that exports a table of the force along {tilt:g} deg for another program:\n"
+            f"{line}"
+        )
     power, two_numbers = _power(joint, tilt, of_power)
     more = _of_pressure(solution, **of_pressure)
     parts = [_printed(values)]
@@ -299,25 +340,29 @@ def _described(joint, solution, tilt, tolerance, typed, of_pressure, of_power):
     parts += [*_stresses(joint, solution, tilt), text, two_numbers]
     parts += _limits(plain, solution.depth, limits, tilt)
     if joint.socket_radius >= LARGE:
-        parts.append(f"The socket's radius is {joint.socket_radius:g} m: are the sizes in m?")
+        parts.append(
+            f"Warning: The radius of the socket is {joint.socket_radius:g} m; check that all "
+            "dimensions are in m, not in mm."
+        )
     return values | power | law | more, parts
 
 
 def _limits(joint, depth, limits, tilt):
-    """What the numbers are for, and which limits they exceed."""
+    """The assumptions of the solution, and the model limits that are exceeded."""
     held, load = joint.socket_support.in_words(), "the load is along the axis"
     if tilt is not None:
         load = f"the displacement is {tilt:g} deg off the axis"
     yield f"{held} Bodies are smooth and elastic, without friction; {load}."
     ordered = [limits[k] for k in np.argsort(depth)]
     for sentence in applicability.worst(ordered):
-        yield f"Beyond a limit: {sentence}"
+        yield f"Warning: {sentence}"
 
 
 def _power(joint, tilt, depths=None):
-    """K and n from 0.05 to 0.5 clearances, or over the depths asked for, as JSON and in words.
+    """The fitted power law, as JSON and as a sentence.
 
-    One depth that is asked for is the largest; the least is then a tenth of it.
+    It is fitted from 0.05 to 0.5 clearances, or between the given depths. A single given depth is
+    the maximum, and the minimum is then a tenth of it.
     """
     if depths is None:
         least, most = joint.clearance * np.minimum(USUAL_RANGE, usual_depth(joint.joint))
@@ -328,14 +373,15 @@ def _power(joint, tilt, depths=None):
     names = ("coefficient", "coefficient_mm", "exponent", "error", "depths")
     low, high = _rounded(least, "um"), _rounded(most, "um")
     return {"power_law": {name: getattr(law, name) for name in names}}, (
-        f"As F = k d^n, within {_percent(law.error)} from {low:g} to {high:g} um: n = "
-        f"{law.exponent:.5g} and k = {law.coefficient:.5g} N/m^n = {law.coefficient_mm:.5g} N/mm^n."
-        + ("" if depths is not None else " For another range give --depth twice.")
+        f"Fitted power law F = k d^n, within {_percent(law.error)} at depths from {low:g} to "
+        f"{high:g} um: n = {law.exponent:.5g} and k = {law.coefficient:.5g} N/m^n = "
+        f"{law.coefficient_mm:.5g} N/mm^n."
+        + ("" if depths is not None else " To fit another range, give --depth twice.")
     )
 
 
 def _limits_of(joint, solution, friction=0.0, wear=0.0, path=0.0):
-    """Limits of each contact, with those of its friction and wear."""
+    """Model limits that each contact exceeds, with those of its friction and wear."""
     shares = friction * solution.friction_radius["spin"] / joint.socket_radius
     worn = solution.wear_depth(wear, path).max(axis=1) / joint.clearance
     return [
@@ -345,7 +391,7 @@ def _limits_of(joint, solution, friction=0.0, wear=0.0, path=0.0):
 
 
 def _of_pressure(solution, friction=None, wear=None, path=None):
-    """Friction torques and wear depths, if they are asked for."""
+    """Friction torques and wear depths, if their coefficients are given."""
     values = {}
     if friction is not None:
         for motion, torque in solution.friction_torque(friction).items():
@@ -356,11 +402,11 @@ def _of_pressure(solution, friction=None, wear=None, path=None):
 
 
 def _stresses(joint, solution, tilt):
-    """Table with a row for each body at each depth, and which bodies it leaves out."""
+    """Table with a row for each body at each depth, and a sentence on bodies without stresses."""
     factors = solution.yield_factor
     errors = None if tilt is None else solution.von_mises_error
     if left_out := [body for body in joint.materials if body not in solution.von_mises]:
-        yield f"Without stresses of the {' and the '.join(left_out)}: {HELD}"
+        yield NO_STRESSES.format(" and the ".join(left_out))
     rows = [
         {
             "depth": depth,
@@ -383,38 +429,38 @@ def _percent(error):
 
 
 def _law(joint, largest, tolerance, typed):
-    """The cheapest law within the tolerance up to a depth, as JSON and in words."""
+    """The cheapest law within the tolerance up to a depth, as JSON and as sentences."""
     plain = joint.joint
     try:
         choice = cheapest_law.choose_beside(plain, largest / joint.clearance, tolerance)
     except (checks.StudyError, ValueError) as error:  # no law is known well enough
         none = {"law": None, "law_error_bound": None, "export": None}
-        return none, f"No law is chosen: {error}"
+        return none, f"No contact law is recommended: {error}"
     depths = [joint.clearance * depth for depth in choice.depths]
     least, most = (_rounded(depth, "um") for depth in depths)
     text = (
-        f"The cheapest law that is within {_percent(tolerance)} from {least:g} to {most:g} um: "
-        f"{NO_LAW.get(choice.law, choice.law)}. Its error is at most "
-        f"{_percent(choice.error_bound)}."
+        f"The cheapest contact law within {_percent(tolerance)} of the elastic solution at depths "
+        f"from {least:g} to {most:g} um is {NO_LAW.get(choice.law, choice.law)}. Its relative "
+        f"error is at most {_percent(choice.error_bound)}."
     )
     best = min(choice.errors, key=choice.errors.__getitem__)
     if choice.errors[best] > tolerance:
         text += (
-            f" No closed law is within it: {best} is the best, with an error up to "
-            f"{_percent(choice.errors[best])}."
+            f" No closed-form law is within this tolerance: the best is {best}, with an error of "
+            f"up to {_percent(choice.errors[best])}."
         )
     line = None
     if choice.law != "solver":
         line = f"study export --law {choice.law} --format c {typed}"
         if choice.depths[1] > usual_depth(plain):
             line += f" --depth {joint.clearance * choice.depths[1]:.9g}"
-        text += f"\nTo take it into another program:\n{line}"
+        text += f"\nCommand that exports it for another program:\n{line}"
     values = {"law": choice.law, "law_error_bound": choice.error_bound, "law_depths": depths}
     return values | {"law_errors": choice.errors, "export": line}, text
 
 
 def draw(joint, solution, tilt, path):
-    """Draw a joint's solved curve, the depths asked for, and the pressure at each, into a file."""
+    """Draw the solved curve of a joint, the given depths and the pressure at each into a file."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -433,7 +479,7 @@ def draw(joint, solution, tilt, path):
     with mpl.rc_context(STYLE | {"svg.hashsalt": path.stem}):
         figure = Figure(figsize=(8.4, 3.4))
         left, right = figure.subplots(1, 2)
-        left.plot(along / micro, law.force(along), color="0.5", label="solved curve")
+        left.plot(along / micro, law.force(along), color="0.5", label="elastic solution")
         for depth, force, pressure in zip(depths, forces, solution.pressure / mega, strict=True):
             label = f"{depth:.4g} µm, {float(f'{force:.4g}'):g} N"
             (point,) = left.plot(depth, force, "o", label=label)

@@ -31,13 +31,13 @@ def _case_options():
     return options
 
 
-@cli.command("show", group=cli.data_app)
+@cli.command("show", group=cli.data_app, examples=["data show --group paper --r2-star 200"])
 def show_data(**values: _case_options()):
-    """Show a summary of the cases with the given values, or every depth of one case.
+    """Show a summary of the solved cases with the given values, or all depths of one case.
 
-    For a number that none of them has, the nearest one is shown, as standard error then says.
-    On a terminal, columns whose values are all the same are named above the table.
-    Plain CSV if the output is not a terminal.
+    If no case has a given number, the nearest number is used, and a message says so. On a terminal,
+    columns with the same value in all rows are stated above the table. The output is CSV if it does
+    not go to a terminal.
     """
     from study import dataset
 
@@ -49,7 +49,7 @@ def show_data(**values: _case_options()):
         told = [
             f"{name} {text_of(rows[name].iloc[0])}" for name in same if rows[name].iloc[0] != ""
         ]
-        sentence += f" The same for all: {', '.join(told)}." if told else ""
+        sentence += f" All have: {', '.join(told)}." if told else ""
         rows = rows.drop(columns=same)
     show_table(rows.to_dict("list"), sentence)
 
@@ -62,7 +62,7 @@ def _nearest(values):
     if (case := words.get("case")) is not None and case not in set(every.case):
         near = " or ".join(get_close_matches(case, every.case.unique(), 3))
         hint = f": did you mean {near}?" if near else ""
-        raise ValueError(f"case must be one that `study data show` lists, got {case!r}{hint}")
+        raise ValueError(f"--case must be a name that study data show lists, got {case!r}{hint}")
     cases = dataset.load(**words)
     for column in (column for column in values if column not in words):
         limits = {"least": every[column].min(), "most": every[column].max()}
@@ -70,20 +70,20 @@ def _nearest(values):
         for number in checks.number(column, values[column], **limits):
             found.append(cases[column][(cases[column] - number).abs().idxmin()])
             if found[-1] != number:
-                told = f"no such case has {column} {number:.9g}: shown is the nearest"
-                print(f"study: {told}, {found[-1]:.9g}", file=sys.stderr)
+                nearest = f"the nearest value, {found[-1]:.9g}, is shown instead"
+                print(f"study: no case has {column} = {number:.9g}; {nearest}", file=sys.stderr)
         cases = cases[cases[column].isin(found)]
     return cases
 
 
-@cli.command("solutions", group=cli.data_app)
+@cli.command("solutions", group=cli.data_app, examples=["data solutions"])
 def show_solutions(
-    case: str = cli.option("Name of a case, to show its results.", default=None),
+    case: str = cli.option("Print the results of the case with this name.", default=None),
 ):
-    """Show which solutions are kept for the notebooks, or the results of one case.
+    """List the elastic solutions that are kept for the notebooks, or print the results of one.
 
-    A case is a joint, as JSON of its parameters that are not the default, with the depths, tilts or
-    forces that are solved. Plain CSV if the output is not a terminal.
+    Each case is a joint (its parameters that are not the default, as JSON) with the depths, tilts or
+    forces for which it is solved. The output is CSV if it does not go to a terminal.
     """
     from study.dataset import solutions, store
 
@@ -97,11 +97,12 @@ def show_solutions(
     show_table(results[results.case == case].to_dict("list"))
 
 
-@cli.command("record", group=cli.data_app, keeps=True)
+@cli.command("record", group=cli.data_app, keeps=True, examples=["data record fig13"])
 def record_solutions(names: list[str] = cli.NAMES):
-    """Run notebooks, and record in the dataset's design which solutions they ask for.
+    """Run notebooks, and record which elastic solutions they need in data/solutions/cases.csv.
 
-    Afterwards study data build solves the new ones. Run it when a notebook asks for other joints.
+    Use this command after a change of the joints that a notebook shows; study data build then
+    solves the new cases.
     """
     from study.dataset import solutions
     from study.pages import catalogue, execute
@@ -114,36 +115,42 @@ def record_solutions(names: list[str] = cli.NAMES):
             lines = asked.read_text(encoding="utf-8").splitlines() if asked.is_file() else []
         asked_for = dict.fromkeys(solutions.Case(*json.loads(line)) for line in lines)
         solutions.record(notebook.name, asked_for)
-        print(f"{notebook.name} asks for {len(asked_for)} solutions")
+        print(f"{notebook.name} needs {len(asked_for)} solutions")
 
 
-@cli.command("materials", group=cli.data_app)
+@cli.command("materials", group=cli.data_app, examples=["data materials"])
 def list_materials():
-    """List the materials that study joint knows by name: typical values, and sources.
+    """List the materials that can be given by name, with typical values and their sources.
 
-    Plain CSV if the output is not a terminal.
+    Young's modulus and yield stress are in Pa. The output is CSV if it does not go to a terminal.
     """
     from study.contact import materials
 
     show_table(columns(materials.table()))
 
 
-@cli.command("check", group=cli.data_app)
+@cli.command("check", group=cli.data_app, examples=["data check"])
 def check_data():
-    """Check files, schema and physics of the dataset, and solve one case again."""
+    """Check the files, the schema and the physics of the dataset, and solve one case again."""
     from study.dataset import production
 
-    with working("Checking the data, and solving one case again"):
+    with working("Checking the dataset and solving one case again"):
         checked, results = zip(*production.check(), strict=True)
     say({"checked": checked, "found": results})
 
 
-@cli.command("build", group=cli.data_app, keeps=True)
+@cli.command("build", group=cli.data_app, keeps=True, examples=["data build --jobs 4"])
 def build_data(
     jobs: int = cli.JOBS,
-    from_nothing: bool = cli.switch("--from-nothing", "Make files that are up to date too."),
+    from_nothing: bool = cli.switch(
+        "--from-nothing", "Also rebuild the files that are up to date; this takes some minutes."
+    ),
 ):
-    """Make the files of the dataset that are out of date; an interrupted build resumes."""
+    """Rebuild the outdated files of the dataset.
+
+    The dataset is outdated if the code or the design that makes it has changed. An interrupted
+    build keeps the solved cases and continues from there when the command is given again.
+    """
     from study.dataset import production
 
     if from_nothing:
@@ -152,22 +159,25 @@ def build_data(
         from study.pages import tasks
 
         fail(tasks.build([paths.DATA], jobs=jobs).failures)
-    print("The dataset is up to date: data/force_curves.csv, links.csv, set_ups.csv and more.")
+    print("The dataset is up to date: data/force_curves.csv, links.csv, set_ups.csv and others.")
 
 
-@cli.command("measure", keeps=True)
+@cli.command("measure", keeps=True, examples=["measure --chart laws --output times.csv"])
 def measure_speed(
-    output: Path = cli.OUTPUT,
+    output: Path = cli.option("CSV file for the times. Default: data/published/speed.csv."),
     chart: list[str] = cli.option(
-        "What to time: laws, solvers, steppers or flexible; may be repeated. [default: all]"
+        "What to time: laws, solvers, steppers or flexible (links); may be repeated. Default: all."
     ),
-    repeats: int = cli.option("Number of timed calls, after one that does not count.", default=5),
+    repeats: int = cli.option(
+        "Number of timed calls; one more call before them is not counted.", default=5
+    ),
 ):
-    """Time laws (a minute), solvers and steppers (some minutes each) on this machine.
+    """Measure the speed of laws, solvers and steppers on this machine.
 
-    Without --output the times are kept in data/published/speed.csv, which the charts draw; study
-    data build then takes from them the costs that study choose compares. Charts that are not timed
-    stay as they are, and so do the rows of other programs, which make speed times in a checkout.
+    The laws take a minute, the solvers and the steppers some minutes each. Without --output the
+    times replace those in data/published/speed.csv, from which the charts of speed are drawn and
+    from which study data build computes the costs that study choose compares. Charts that are not
+    timed keep their values, and so do the rows of other programs (make speed times those too).
     """
     import pandas as pd
 
@@ -179,7 +189,7 @@ def measure_speed(
     if output is None:
         store.verify_files()  # before minutes of timing
     for timed in measured:
-        print(f"timed {timed.chart.iloc[0]}", file=sys.stderr)
+        print(f"finished: {timed.chart.iloc[0]}", file=sys.stderr)
         frames.append(timed)
         if output is None:
             store.keep_measured(timed)
@@ -187,4 +197,4 @@ def measure_speed(
     if output is not None:
         with paths.whole(output) as temporary:
             frame.to_csv(temporary, index=False)
-    print(f"{len(frame)} rows, on {frame.machine.iloc[0]}")
+    print(f"{len(frame)} times were measured on {frame.machine.iloc[0]}.")

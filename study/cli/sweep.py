@@ -13,43 +13,60 @@ from study.cli.output import say, working
 PLAIN_EVERY = 10.0  # s between lines of progress if the output is not a terminal
 
 
-@cli.command("sweep")
+@cli.command(
+    "sweep",
+    sections={
+        "Random cases": ("random", "ranges", "seed"),
+        "Computation": ("twice", "jobs", "dask_address"),
+        "Output": ("output",),
+    },
+    examples=[
+        "sweep joints --random 20 --range r2_star=20:300:log --range poisson=0.2:0.4 \\\n"
+        "      --output joints.csv",
+    ],
+)
 def sweep_cases(
     kind: Literal["joints", "scenes"] = typer.Argument(
-        help="What the cases are: joints or scenes.", metavar="KIND"
+        help="Kind of the cases: joints to solve, or scenes (mechanisms) to simulate.",
+        metavar="KIND",
     ),
-    output: Path = cli.required("File to write."),
+    output: Path = cli.required("CSV file for the table of results."),
     cases: Path = typer.Argument(
-        None, help="CSV file with a row per case; or --random.", metavar="[FILE]"
+        None,
+        help="CSV file with a row for each case. It is not given with --random.",
+        metavar="[FILE]",
     ),
-    random: int = cli.option("Number of cases drawn at random from every --range."),
+    random: int = cli.option("Number of random cases, whose values are drawn from each --range."),
     seed: int = cli.option(
-        "Seed of the random numbers; the same seed gives the same cases. [default: 0]"
+        "Seed of the random numbers; the same seed gives the same cases. Default: 0."
     ),
     ranges: list[str] = cli.option(
-        "Range of a column: NAME=LOW:HIGH, drawn evenly, NAME=LOW:HIGH:log, or the values to "
-        "choose from, NAME=A,B,C; may be repeated.",
+        "Range of a column of the random cases; may be repeated. NAME=LOW:HIGH draws uniformly, "
+        "NAME=LOW:HIGH:log uniformly in the logarithm, and NAME=A,B,C one of the listed values.",
         "--range",
         default=(),
     ),
     jobs: int = cli.JOBS,
     dask_address: str = cli.option(
-        "Dask scheduler whose workers solve the cases instead.", "--dask"
+        "Address of a Dask scheduler, whose workers then solve the cases.", "--dask"
     ),
     twice: bool = cli.switch(
         "--twice",
-        "Scenes: run each a second time, at another tolerance, for a column that says until when "
-        "both are the same motion. It takes about three times as long.",
+        "Repeat the simulation of each scene at a second tolerance. A column of the table then "
+        "has the time until which both agree. The run takes about three times as long.",
     ),
 ):
-    """Solve many joints, or simulate many scenes, from a CSV file of cases or at random.
+    """Solve many joints, or simulate many mechanisms, and write one table.
 
-    A file has a row for each case. Its columns are the options of study joint, such as
-    socket_radius, opening or tilt, or those of study simulate and the mechanism parameters. Other
-    columns are kept as they are. Several depths, forces, layers or liners of a case are separated
-    by semicolons. Without depths or forces the whole curve is solved, or 8 depths off the axis. A
-    case whose values are not possible has the reason in the column error, and the others are
-    solved; the exit status is then 1. After an interruption the same command goes on.
+    The cases are read from a CSV file with a row for each case, or are drawn at random. The columns
+    of the file are options of study joint, such as socket_radius, opening or tilt, or options of
+    study simulate and mechanism parameters. Other columns are copied to the table. Several depths,
+    forces, layers or liners of a case are separated by semicolons. For a joint without depths or
+    forces the whole curve is solved, or 8 depths if the load is off the axis.
+
+    If the values of a case are invalid, its row has the reason in the column error, the other cases
+    are solved, and the exit status is 1. After an interruption the same command continues where it
+    stopped.
     """
     from study.sweep import random_cases, run_study
 
@@ -57,9 +74,9 @@ def sweep_cases(
     if random is not None:
         drawn = random_cases(random, _ranges(ranges), seed or 0)
     if (cases is None) == (random is None):
-        raise ValueError("a FILE of cases or --random must be given, and not both")
+        raise ValueError("either a FILE of cases or --random must be given, but not both")
     if cases is not None and (ranges or seed is not None):
-        raise ValueError("--range and --seed must be left out: a FILE has the cases")
+        raise ValueError("--range and --seed do not apply to a FILE of cases; remove them")
     source = drawn if cases is None else cases
     counts, started, printed = [], time.monotonic(), time.monotonic()
     with working("Solving the cases") as tell:
@@ -80,19 +97,24 @@ def sweep_cases(
             swept = run_study(source, kind, output, **processes, progress=progress, twice=twice)
         except KeyboardInterrupt:
             done, every = counts[-1] if counts else (0, 0)
-            kept = f"; {done} of {every} cases are kept, the same command goes on"
+            kept = f"; {done} of {every} cases are kept, and the same command continues from there"
             raise cli.InterruptionError(kept if done else "") from None
     seconds = time.monotonic() - started
-    lines = [f"{swept.cases} cases in {seconds:.3g} s, {swept.rows} rows in {output}. Its results:"]
+    lines = [
+        f"{swept.cases} cases were solved in {seconds:.3g} s; {output} has {swept.rows} rows. Its "
+        "columns of results are:"
+    ]
     for name, (unit, text) in swept.columns.items():
         lines.append(f"  {name}: {text}{f', {unit}' * (unit != '1')}")
     if swept.kept:
-        lines.append(f"Kept as they are, because they are no parameters: {', '.join(swept.kept)}.")
+        lines.append(f"Columns that are not parameters were copied: {', '.join(swept.kept)}.")
     say("\n".join(lines))
     if swept.failures:
         (name, why), *_ = swept.failures.items()
-        what = f"{len(swept.failures)} of {swept.cases} cases failed, see the column error"
-        print(f"failed: {what}; the first is {name}: {why}", file=sys.stderr)
+        what = (
+            f"{len(swept.failures)} of {swept.cases} cases failed; the column error has the reasons"
+        )
+        print(f"failed: {what}. The first is case {name}: {why}", file=sys.stderr)
         raise typer.Exit(1)
 
 
@@ -101,6 +123,8 @@ def _ranges(texts):
     for text in texts:
         name, equals, limits = text.partition("=")
         if not equals or name in ranges:
-            raise ValueError(f"--range must be NAME=RANGE, once for each name, got {text!r}")
+            raise ValueError(
+                f"--range must be NAME=RANGE, and only once for each name, got {text!r}"
+            )
         ranges[name.strip()] = limits
     return ranges

@@ -1,4 +1,4 @@
-"""What a law needs of the two bodies: composite modulus, clearance, largest depth."""
+"""Properties of the two bodies that laws use: composite modulus and maximum depth."""
 
 from typing import Any
 
@@ -8,16 +8,31 @@ from numpy.typing import ArrayLike
 from study import checks
 
 SOCKET_RATIO = 1.298
-"""Socket ratio, outer over inner radius, of the paper's socket. The paper does not state it: this
-value meets its Table 2 best on a fine mesh (notebook 13)."""
+"""Socket ratio (outer radius divided by inner radius) of the reference joint. The paper does not
+state it; with this value a fine mesh agrees best with Table 2 (notebook 13)."""
 
 
 def composite_modulus(
     ball_modulus: float, ball_poisson: float, socket_modulus: float, socket_poisson: float
 ) -> float:
-    """Composite modulus E*, in Pa: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2.
+    """Composite modulus E* in Pa, from 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2.
 
-    Young's moduli > 0 are in Pa, Poisson's ratios in (-1, 0.5); else a ``ValueError``.
+    Parameters
+    ----------
+    ball_modulus, socket_modulus
+        Young's moduli E1 and E2 in Pa, > 0.
+    ball_poisson, socket_poisson
+        Poisson's ratios nu1 and nu2, > -1 and < 0.5.
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range.
+
+    Examples
+    --------
+    >>> print(f"{composite_modulus(2.1e11, 0.3, 1.1e11, 0.34):.4g}")
+    8.082e+10
     """
     bodies = {"ball": (ball_modulus, ball_poisson), "socket": (socket_modulus, socket_poisson)}
     compliance = 0.0
@@ -35,5 +50,5 @@ def hertz_factor(r2_star: ArrayLike) -> Any:
 
 
 def largest_depth(r2_star: float) -> float:
-    """Depth d/dR = sqrt(2 R2* - 1) - 1 at which the spheres meet in the ball's equator."""
+    """Depth d/dR = sqrt(2 R2* - 1) - 1 at which the spheres intersect at the ball's equator."""
     return np.sqrt(2 * r2_star - 1) - 1

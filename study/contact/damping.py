@@ -60,7 +60,7 @@ def damping_factor(damping: Damping, restitution: float) -> float:
     checks.choice("damping", damping, DAMPINGS)
     cr = checks.number("restitution", restitution, least=0, most=1, scalar=True)
     if damping in ("flores", "exact"):
-        checks.number(f"restitution for damping {damping}, unlike hunt-crossley,", cr, least=1e-3)
+        checks.number(f"restitution for damping {damping}", cr, least=1e-3)
     return DAMPINGS[damping](cr)
 
 

@@ -4,6 +4,8 @@ The laws of `study.contact.laws` are dimensionless. `DimensionalLaw` adds the jo
 and the inverse, and packs a law for the compiled loops.
 """
 
+from __future__ import annotations  # so that help() shows names and not what they stand for
+
 from math import inf
 from typing import Any
 
@@ -20,9 +22,10 @@ CAPACITIES = 4096, 65536
 
 
 class DimensionalLaw:
-    """A law of a joint with its dimensions, in SI units.
+    """A contact law of a joint with dimensions, in SI units.
 
-    An unknown law or option, a missing option, or a value outside its range is a ``ValueError``.
+    Its methods `force`, `stiffness` and `depth` evaluate it. Raises ``ValueError`` for an unknown
+    law or option, a missing option, or a value outside its range.
 
     Parameters
     ----------
@@ -30,11 +33,11 @@ class DimensionalLaw:
         Key of `study.contact.LAWS`, a law itself, such as ``tabulated(curve)``, or a function
         (`study.contact.sampled`).
     ball_radius, socket_radius
-        In m; the ball is smaller than the socket.
+        Radii in m; the ball is smaller than the socket.
     composite_modulus
-        E*, > 0, in Pa (`study.contact.composite_modulus`).
+        Composite modulus E* > 0 in Pa (`study.contact.composite_modulus`).
     **options
-        Options of the law. ``stiffened_hertz`` needs ``socket_ratio``, ``modulus_ratio``,
+        Options of the law. ``stiffened_hertz`` requires ``socket_ratio``, ``modulus_ratio``,
         ``poisson`` and ``socket_poisson``.
 
     Attributes
@@ -42,11 +45,19 @@ class DimensionalLaw:
     law, options
         The law without dimensions, and its options as they were given.
     deepest
-        Largest depth of the law, in m; infinite for a law without a limit.
+        Maximum penetration depth of the law in m; infinite for a law without a limit.
     joint
-        The `study.joint.DimensionalJoint` that it is a law of, else None.
+        The `study.joint.DimensionalJoint` to which the law belongs, or None.
     parts
-        The dimensionless law at the joint's R2*, `study.contact.laws.Parts`.
+        The law at the R2* of the joint, as `study.contact.laws.Parts`.
+
+    Examples
+    --------
+    >>> law = DimensionalLaw(
+    ...     "hertz", ball_radius=9.95e-3, socket_radius=10e-3, composite_modulus=1.1e11
+    ... )
+    >>> print(f"{law.force(5e-6):.0f} N")
+    2313 N
     """
 
     def __init__(
@@ -64,15 +75,15 @@ class DimensionalLaw:
         r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
         self.ball_radius, self.socket_radius, self.joint = r1, r2, None
         self.clearance, self.r2_star = r2 - r1, r2 / (r2 - r1)
-        checks.number("socket_radius over clearance", self.r2_star, above=1)  # 1 by rounding
+        checks.number("socket_radius divided by clearance", self.r2_star, above=1)  # 1 by rounding
         self.composite_modulus = checks.number(
             "composite modulus", composite_modulus, "Pa", above=0, scalar=True
         )
         missing = [name for name in self.law.of_bodies if name not in options]
         if missing:
             raise ValueError(
-                f"{self.name} in SI units must be given {', '.join(missing)}: a force depends on "
-                "the socket's thickness and on both materials"
+                f"the law {self.name} in SI units requires {', '.join(missing)}, because its force "
+                "depends on the thickness of the socket and on both materials"
             )
         self.options = options
         self.parts = self.law.parts(self.r2_star, **options)
@@ -80,18 +91,19 @@ class DimensionalLaw:
         self.deepest = inf if limit is None else self.clearance * float(limit)
 
     def force(self, depth: ArrayLike) -> Floats:
-        """Contact force in N at depths in m, of their shape; 0 at depths <= 0."""
+        """Contact force in N at penetration depths in m, with their shape; 0 at depths <= 0."""
         return self._evaluated(depth, 0)
 
     def stiffness(self, depth: ArrayLike) -> Floats:
-        """Contact stiffness dP/dd in N/m at depths in m, of their shape; 0 at depths <= 0."""
+        """Stiffness dP/dd in N/m at penetration depths in m, with their shape; 0 at depths <= 0."""
         return self._evaluated(depth, 1)
 
     def depth(self, force: ArrayLike) -> Floats:
-        """Depths in m of contact forces >= 0 in N, of their shape: the inverse of `force`.
+        """Penetration depths in m under contact forces >= 0 in N, with their shape.
 
-        By Newton's method in ln(depth) and ln(force), between bounds; exact except for rounding.
-        A force larger than the one at the law's largest depth is a ``ValueError``.
+        This is the inverse of `force`, by Newton's method in ln(depth) and ln(force) between
+        bounds, and exact except for rounding. Raises ``ValueError`` for a force that is greater
+        than that at the maximum depth of the law.
         """
         most = None
         if self.deepest < inf:
@@ -113,7 +125,7 @@ class DimensionalLaw:
         if self.deepest < inf:
             most = self.deepest * (1 + LIMIT_MARGIN)
             checks.number(f"depth of {self.name}", depths, "m", most=most)
-        depth_star = np.asarray(checks.depth("depth over clearance", depths / self.clearance))
+        depth_star = np.asarray(checks.depth("depth divided by clearance", depths / self.clearance))
         return self._unit(derivative) * self.parts.at(depth_star, derivative)
 
     def _inverted(self, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -132,7 +144,10 @@ class DimensionalLaw:
             depth = np.where(inside, depth, (before + bound) / 2)
             if np.all(np.abs(depth - before) <= _CLOSE * depth):
                 return depth
-        raise checks.StudyError(f"{self.name} found no depth for a force; does the force increase?")
+        raise checks.StudyError(
+            f"no depth of the law {self.name} was found for a force; check that its force "
+            "increases with depth"
+        )
 
     def packed(self) -> np.record:
         """Record for `forces.elastic_force`, with lengths in m and forces in N."""

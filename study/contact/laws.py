@@ -8,6 +8,8 @@ A law is a function of R2* and of its options, which returns its `Parts`; `new_l
 of it. "Eq." numbers are those of the paper that the study reproduces.
 """
 
+from __future__ import annotations  # so that help() shows names and not what they stand for
+
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -60,26 +62,33 @@ class Parts(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A dimensionless force over depth. A call evaluates it.
+    """A contact law: the normalised force as a function of the normalised penetration depth.
+
+    A law is called to evaluate it.
 
     Attributes
     ----------
     name
-        Key of `LAWS`; of another law, that of its function.
+        Key of `LAWS`, or the name of the function from which another law was made.
     formula
         Function of R2* and all options, with their defaults, that returns the law's `Parts`.
     of_bodies
-        Options that every joint with dimensions states: there they have no default.
+        Options that a joint with dimensions determines, where they have no default.
     deepest
-        Largest depth_star, if the law has a limit that its shape has not.
+        Maximum depth_star, if the law has a limit that its shape does not have.
     least_r2_star
-        Smallest R2*, where it is not 1.
+        Minimum R2*, if it is not 1.
     fitted_to
-        Largest depth_star of the fit in the paper's joint that gives the default coefficients.
+        Maximum depth_star of the fit, in the reference joint, of the default coefficients.
     examples
-        Options that are tried wherever all laws are, for example in tests.
+        Options with which all laws are tested.
     r2_star, joint
-        Of the law of one `study.joint.Joint`: its only R2*, and the joint.
+        For the law of one `study.joint.Joint`: its only R2*, and the joint.
+
+    Examples
+    --------
+    >>> print(f"{hertz(0.3, 200):.2f}")
+    43.71
     """
 
     name: str
@@ -118,10 +127,27 @@ class Law:
         derivative: bool = False,
         **options: Any,
     ) -> Any:
-        """Force_star at depths, 0 where they are <= 0, or its derivative by depth_star.
+        """Evaluate the law.
 
-        Depths and ``r2_star`` > 1 are arrays that broadcast. A value outside its range is a
-        ``ValueError``. A law of one joint needs no ``r2_star``.
+        Parameters
+        ----------
+        depth_star, r2_star
+            Normalised penetration depths d/dR and socket radii R2/dR > 1, as arrays that broadcast.
+            A law of one joint needs no ``r2_star``.
+        derivative
+            Whether to return the derivative of the force with respect to depth_star.
+        **options
+            Options of the law.
+
+        Returns
+        -------
+        float or array
+            Normalised force P/(E* dR^2), or its derivative; 0 where the depth is <= 0.
+
+        Raises
+        ------
+        ValueError
+            If an option is unknown or a value is outside its range.
         """
         depth = np.asarray(checks.depth("depth_star", depth_star))
         given: Any = self.r2_star if r2_star is None else r2_star
@@ -152,7 +178,9 @@ class Law:
         """All options: those given, in their ranges, and defaults."""
         for name in options:
             if not self.options:
-                raise checks.RangeError(f"{name} must be left out: {self.name} has no option")
+                raise checks.RangeError(
+                    f"{name} does not apply to the law {self.name}, which has no options; remove it"
+                )
             checks.choice(f"option of {self.name}", name, self.options)
         return self.defaults | {
             name: self.options[name].taken(f"{name} of {self.name}", value)
@@ -166,7 +194,7 @@ def new_law(evidence: Evidence, **more: Any) -> Callable[[Callable[..., Parts]],
     return lambda formula: Law(formula.__name__, formula, evidence, **more)
 
 
-COEFFICIENT = Parameter("Fitted coefficient, no unit", limits={"above": 0})
+COEFFICIENT = Parameter("Fitted coefficient (no unit)", limits={"above": 0})
 
 
 @new_law("given")
@@ -177,8 +205,11 @@ def hertz(r2_star: Floats) -> Parts:
 
 @new_law("identified", examples=({}, {"n": 3}, {"n": 2, "radius": "profile"}))
 @describe(
-    n=Parameter("Half the order of the profile", limits={"least": 1, "most": 50}, whole=True),
-    radius=Parameter("Contact radius", choices=("geometric", "profile")),
+    n=Parameter("Half of the order 2n of the profile", limits={"least": 1, "most": 50}, whole=True),
+    radius=Parameter(
+        "Contact radius a: geometric, from the overlap of the spheres, or that of the profile",
+        choices=("geometric", "profile"),
+    ),
 )
 def steuermann(r2_star: Floats, n: int = 1, radius: str = "geometric") -> Parts:
     """Steuermann: P = (4n/(2n+1)) E* a d for a profile of order 2n (Eq. 7; Johnson, sec. 5.3).
@@ -232,7 +263,10 @@ def winkler(r2_star: Floats, coefficient: float | None = None) -> Parts:
     examples=({}, {"coefficient": 3.0}, {"area": "sphere"}),
 )
 @describe(
-    area=Parameter("Area element", choices=("flat", "sphere")),
+    area=Parameter(
+        "Area element: that of a flat disc, or that of the sphere of the socket",
+        choices=("flat", "sphere"),
+    ),
     coefficient=COEFFICIENT,
 )
 def hyperbolic_winkler(
@@ -262,7 +296,7 @@ def hyperbolic_winkler(
 )
 @describe(
     coefficient=COEFFICIENT,
-    exponent=Parameter("Exponent, no unit", limits={"least": 1, "most": 3}),
+    exponent=Parameter("Exponent (no unit)", limits={"least": 1, "most": 3}),
 )
 def power(
     r2_star: Floats, coefficient: float | None = None, exponent: float | None = None
@@ -276,14 +310,16 @@ def power(
     given together.
     """
     if (coefficient is None) != (exponent is None):
-        raise ValueError("coefficient and exponent of power must be given together, got only one")
+        raise ValueError(
+            "coefficient and exponent of the law power must be given together, got only one of them"
+        )
     n = _fitted("power", "exponent") if exponent is None else exponent
     return Parts(_coefficient("power", r2_star, coefficient), shapes.power, (n,))
 
 
 _MEANINGS = {
-    "socket_ratio": "Outer over inner radius of the socket",
-    "modulus_ratio": "Young's modulus of the socket over that of the ball",
+    "socket_ratio": "Outer radius of the socket divided by its inner radius",
+    "modulus_ratio": "Young's modulus of the socket divided by that of the ball",
     "poisson": "Poisson's ratio of the ball",
     "socket_poisson": "Poisson's ratio of the socket",
 }
@@ -311,8 +347,14 @@ _PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "s
 )
 @describe(
     **{name: _in_table(name) for name in _MEANINGS},
-    ball_support=Parameter("How the ball is held", choices=("guided", "clamped")),
-    rim=Parameter("Edge of the socket", choices=("mirror", "free")),
+    ball_support=Parameter(
+        "Ball support: a plate on which half a ball can slide (guided) or is clamped (clamped)",
+        choices=("guided", "clamped"),
+    ),
+    rim=Parameter(
+        "Edge of the socket: in a mirror plane (mirror), or free of traction (free)",
+        choices=("mirror", "free"),
+    ),
 )
 def stiffened_hertz(
     r2_star: Floats,
@@ -349,30 +391,42 @@ def tabulated(curve: Any) -> Law:
 
     The stiffening S = P*/P*(Hertz) is interpolated over sqrt(ds), from S = 1 at ds = 0, by a spline
     that is monotone where the curve is (`sampling.monotone_slopes`). The table is a cubic Hermite
-    spline on equal steps: continuously differentiable, at the cost of one square root. The law's
-    ``r2_star`` may be left out. Its largest depth is that of the curve.
+    spline with equal steps, which is continuously differentiable and needs only one square root.
+    The maximum depth of the law is that of the curve, and ``r2_star`` need not be given.
 
     Parameters
     ----------
     curve
-        A `study.joint.ForceCurve` of at least 4 different depths > 0, the shallowest at most a
-        tenth of the deepest, with an increasing force; else a ``ValueError``. With 40 depths in
-        equal steps of sqrt(ds) from 0.025 to 1, at a resolution of 640, the law is within 1e-4 of
-        the solver from a depth of 0.001 on. The default resolution of 320 leaves noise of 3e-4 in
-        the curve at depths below 0.005.
+        A `study.joint.ForceCurve` with at least 4 different depths > 0, a minimum depth of at most
+        a tenth of the maximum, and a force that increases with depth. With 40 depths in equal steps
+        of sqrt(ds) from 0.025 to 1, at a resolution of 640, the law is within 1e-4 of the elastic
+        solution from a depth of 0.001 on. The default resolution of 320 leaves noise of 3e-4 in the
+        curve at depths below 0.005.
+
+    Raises
+    ------
+    ValueError
+        If the curve has too few depths, or its force does not increase.
+
+    Examples
+    --------
+    >>> from study.joint import Joint, whole_curve
+    >>> law = tabulated(whole_curve(Joint(r2_star=200)))
+    >>> print(f"{law(0.3):.2f}")
+    81.63
     """
     order = np.argsort(curve.depth_star)
     order = order[curve.depth_star[order] > 0]
     depth, force = curve.depth_star[order], curve.force_star[order]
     if len(depth) < 4 or (np.diff(depth) <= 0).any():
-        raise ValueError(f"curve must have at least 4 different depths > 0, got {len(depth)}")
+        raise ValueError(f"curve must have >= 4 different depths > 0, got {len(depth)}")
     if depth[0] > 0.1 * depth[-1]:
         raise ValueError(
-            "curve must start at a tenth of its largest depth or less: below its shallowest depth "
-            f"the law is a guess; got {depth[0]:g} and {depth[-1]:g}"
+            "the minimum depth of curve must be <= a tenth of the maximum depth, because the law "
+            f"is not reliable below it, got {depth[0]:g} and {depth[-1]:g}"
         )
     if (np.diff(force, prepend=0) <= 0).any():
-        raise ValueError("curve must have a force that increases with depth")
+        raise ValueError("the force of curve must increase with depth, but it decreases somewhere")
     joint_r2_star = float(curve.joint.r2_star)
     root = np.append(0, np.sqrt(depth))
     constants = sampling.of_points(root, np.append(1, force / hertz(depth, joint_r2_star)))
@@ -380,7 +434,9 @@ def tabulated(curve: Any) -> Law:
     def formula(r2_star: Floats) -> Parts:
         """Table of one joint's force-depth curve."""
         if not np.allclose(r2_star, joint_r2_star, rtol=1e-6, atol=0):
-            raise ValueError(f"r2_star must be the curve's, {joint_r2_star:g}, got {r2_star}")
+            raise ValueError(
+                f"r2_star must be {joint_r2_star:g}, that of the tabulated joint, got {r2_star}"
+            )
         return Parts(hertz.parts(r2_star).scale, shapes.tabulated, constants)
 
     return Law(
@@ -394,28 +450,34 @@ def tabulated(curve: Any) -> Law:
 
 
 def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> Law:
-    """Law from a plain Python function, as a table that compiled code can read.
+    """Law from a Python function, as a table that compiled code can read.
 
-    The secant stiffness P*/ds is a cubic Hermite spline over sqrt(ds): continuously differentiable,
-    and exact for ds, ds^1.5, ds^2 and ds^2.5. Steps are halved until the force between them is
-    within `sampling.TOLERANCE`, or within `sampling.FLOOR` of the largest force. There is one table
-    for each R2*, so that a call takes one R2* only.
+    The secant stiffness P*/ds is a cubic Hermite spline over sqrt(ds), which is continuously
+    differentiable and exact for ds, ds^1.5, ds^2 and ds^2.5. Steps are halved until the error of
+    the force between them is within `sampling.TOLERANCE`, or within `sampling.FLOOR` of the maximum
+    force. There is one table for each R2*, and therefore a call accepts one R2* only.
 
-    A function may be given wherever a law is taken; it is then sampled up to one clearance.
+    Functions that accept a law also accept such a function, and sample it up to one clearance.
 
     Parameters
     ----------
     function
-        Of (``depth_star``, ``r2_star``), each one number, that returns force_star = P/(E* dR^2):
-        0 at depth 0, and increasing. The law takes its name.
+        Function of two numbers (``depth_star``, ``r2_star``) that returns the normalised force
+        P/(E* dR^2), which must be 0 at depth 0 and increase. The law has the name of the function.
     deepest
-        Largest depth_star of the law, up to which the function is sampled.
+        Maximum depth_star of the law, up to which the function is sampled.
 
     Raises
     ------
     ValueError
-        When the law is used: for a force that is not a finite number, is not 0 at depth 0, does not
-        increase with depth, or jumps.
+        When the law is first used, if the force is not a finite number, is not 0 at depth 0, does
+        not increase with depth, or jumps.
+
+    Examples
+    --------
+    >>> law = sampled(lambda depth_star, r2_star: 1.5 * r2_star * depth_star**1.6)
+    >>> print(f"{law(0.3, 200):.2f}")
+    43.70
     """
     if not callable(function) or isinstance(function, type):
         raise ValueError(f"law must be a name or a function, got {checks.shown(function)}")
@@ -456,7 +518,9 @@ def find(law: AnyLaw) -> Law:
         return law
     if isinstance(law, partial) and isinstance(law.func, Law):
         shown = checks.shown(law)
-        raise ValueError(f"law must be without its options, which are given beside it, got {shown}")
+        raise ValueError(
+            f"law must be a law without options, which are given as separate arguments, got {shown}"
+        )
     if callable(law):
         return sampled(law)
     return LAWS[checks.choice("law", law, LAWS)]

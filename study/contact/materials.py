@@ -1,7 +1,7 @@
 """Materials by name, in SI units: typical values with their sources, in ``materials.csv``.
 
-Castings, heat treatments and polymers differ by tens of percent. For a design, give the values of
-its own data sheets as a `Material`.
+The properties of castings, heat treatments and polymers differ by tens of percent. For a design,
+give the values of its data sheets as a `Material`.
 """
 
 import csv
@@ -21,8 +21,13 @@ MATERIALS = Path(__file__).with_name("materials.csv")
 class Material:
     """An isotropic, linear elastic material.
 
-    The yield stress is for `study.joint.first_yield`. Forces do not depend on it: materials that
-    differ only in it are equal.
+    The yield stress is used to predict yield (`study.joint.first_yield`). Forces do not depend on
+    it, and materials that differ only in their yield stress compare as equal.
+
+    Examples
+    --------
+    >>> Material(youngs_modulus=110e9, poisson=0.34, yield_stress=160e6).poisson
+    0.34
     """
 
     youngs_modulus: float = parameter(2e11, "Young's modulus", "Pa", above=0)
@@ -46,16 +51,26 @@ def in_words(of: Material) -> str:
 
 
 def material(given: str | Material, name: str = "material") -> Material:
-    """Material from its name or its numbers, or a material itself, checked.
+    """Material from its name or its numbers.
 
     Parameters
     ----------
     given
-        A name of `table`, in which case, hyphens and spaces do not count; or Young's modulus in Pa,
-        Poisson's ratio and perhaps a yield stress in Pa, ``210e9,0.3,5e8``; or a `Material`. An
-        unknown name, or a Young's modulus below `study.checks.SOFTEST`, is a ``ValueError``.
+        A name of `table`, where upper case, hyphens and spaces are ignored; or Young's modulus in
+        Pa, Poisson's ratio and, optionally, yield stress in Pa as a text such as
+        ``210e9,0.3,5e8``; or a `Material`, which is checked and returned.
     name
-        What the material is of, for a message.
+        Name of the body, for error messages.
+
+    Raises
+    ------
+    ValueError
+        If the name is unknown, or Young's modulus is below `study.checks.SOFTEST`.
+
+    Examples
+    --------
+    >>> material("bronze").youngs_modulus
+    110000000000.0
     """
     given = read_material(name, given) if isinstance(given, str) else given
     modulus = checks.instance(name, given, Material).youngs_modulus
@@ -64,7 +79,7 @@ def material(given: str | Material, name: str = "material") -> Material:
 
 
 def read_material(name: str, text: str) -> Material:
-    """Material of a text, as of `material`, for a parameter of some name."""
+    """Material of a text, as in `material`; ``name`` is that of the parameter."""
     known = {_plain(row["name"]): row for row in table()}
     if row := known.get(_plain(text)):
         return Material(row["youngs_modulus"], row["poisson"], row["yield_stress"])
@@ -75,8 +90,8 @@ def read_material(name: str, text: str) -> Material:
     if len(values) not in (2, 3):
         names = ", ".join(row["name"] for row in table())
         raise ValueError(
-            f"{name} must be one of {names}, or its Young's modulus in Pa and Poisson's ratio, "
-            f"such as 210e9,0.3, got {checks.shown(text)}"
+            f"{name} must be one of {names}, or Young's modulus in Pa and Poisson's ratio, "
+            f"for example 210e9,0.3, got {checks.shown(text)}"
         )
     checks.youngs_modulus(f"Young's modulus of {name}", values[0])
     return Material(*values)

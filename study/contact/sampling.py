@@ -100,8 +100,8 @@ def of_function(
         if narrow.any() or len(knots) + intervals.size > MOST_KNOTS:
             at = knots[intervals[np.argmax(narrow)]] ** 2
             raise ValueError(
-                f"law {name} must have no jump and few kinks: no table of its force is within "
-                f"{TOLERANCE:g} of it at a depth_star of {at:.4g}"
+                f"law {name} must be continuous with few kinks, because it is tabulated: no table "
+                f"is within {TOLERANCE:g} of its force at depth_star {at:.4g}"
             )
         knots = np.sort(np.append(knots, within[intervals, 2]))
 

@@ -1,10 +1,13 @@
-"""Laws as text that other programs can use: functions, tables, and elements of programs.
+"""Export of laws for other programs, as functions, tables and elements of these programs.
 
-Each text is for one joint. It states the joint, the range of depths, the units, and the law's
-largest error there against the solved joint. The text of a joint with dimensions has them as
-constants; that of a joint without takes them as arguments, and refuses another R2*. The C function
-is C89 and needs the standard library only; the MATLAB one runs in GNU Octave too.
+Each export is for one joint. It states the joint, the range of depths, the units, and the maximum
+error of the law relative to the elastic solution. The dimensions of a joint are constants in the
+export; that of a joint without dimensions takes them as arguments, and rejects those with another
+R2*. The C function is C89 and needs the standard library only; the MATLAB function also runs in GNU
+Octave.
 """
+
+from __future__ import annotations  # so that help() shows names and not what they stand for
 
 import json
 import keyword
@@ -86,51 +89,63 @@ def export(
     direction: float | None = None,
     name: str | None = None,
 ) -> str:
-    """Text of a law in one of the formats.
+    """Export a law of one joint as text in a format of another program.
 
     Parameters
     ----------
     law
-        Name of a law, or ``tabulated``: the force-depth curve of the joint.
+        Name of a law, or ``tabulated`` for a table of the joint's elastic solution.
     form
-        Function (C; MATLAB and Octave; Modelica, with a component), formula and numbers (JSON),
-        force over depth (CSV), or an element of a program: `Exudyn`_'s hollow sphere or user
-        function, Adams' IMPACT, MuJoCo's tendon.
+        A function (``c``, ``matlab`` for MATLAB and Octave, or ``modelica``, with a component), the
+        formula and its numbers (``json``), a table of the force over the depth (``csv``), or an
+        element of a program: the hollow sphere or a user function of `Exudyn`_, IMPACT of Adams, or
+        a tendon of MuJoCo.
     joint
-        The one joint that the text is for. Modelica and the elements need its dimensions.
+        The joint. Modelica, Exudyn, Adams and MuJoCo need its dimensions.
     depth_star
-        Largest depth of the text, in clearances; or the least and the largest, between which
-        ``power`` and MuJoCo's cubics are fitted and errors are stated. By default the largest is 1,
-        if the joint can go so deep, and for ``power`` 0.05 and 0.5.
+        Maximum normalised penetration depth of the export; or the minimum and the maximum, between
+        which ``power`` and the cubics of MuJoCo are fitted and errors are stated. The default
+        maximum is 1, or less if the contact cannot be so deep; for ``power`` 0.05 and 0.5.
     tilt
-        Largest direction of a displacement off the axis, in deg: ``tabulated`` is then the table of
-        depth and tilt of `study.joint.directional_law`, and gives forces along and across.
+        Maximum angle in deg between displacement and axis. With it, ``tabulated`` is the table over
+        depth and tilt of `study.joint.directional_law`, with forces along and across the
+        displacement.
     direction
-        Angle off the axis, in deg, of the one displacement that the law is for: ``tabulated`` and
-        ``power`` give the force along it. By default 90 for a ring or a bored ball, else 0.
+        Angle in deg between the axis and the only direction of displacement. With it, ``tabulated``
+        and ``power`` give the force along this direction. The default is 90 for a ring or a ball
+        with a bore, else 0.
     name
-        Name of the function or element, so that several joints fit into one model; by default
-        that of the law or of the program's element.
+        Name of the function or element, so that one model can contain several joints. The default
+        is the name of the law or of the program's element.
 
     Raises
     ------
     ValueError
-        For an unknown law or format, a law that the format or the joint does not have, or a depth
-        beyond the range of the law or the joint.
+        If the law or the format is unknown, if the law does not apply to the format or the joint,
+        or if a depth is beyond the range of the law or the joint.
+
+    Examples
+    --------
+    >>> text = export("stiffened_hertz", "c", Joint(r2_star=200))
+    >>> "int stiffened_hertz(double depth" in text
+    True
 
     .. _Exudyn: https://exudyn.readthedocs.io
     """
     checks.choice("law", law, [*LAWS, "tabulated"])
     checks.choice("format", form, SUFFIXES)
     if name is not None and (not NAME.fullmatch(name) or keyword.iskeyword(name)):
-        wanted = "name must begin with a letter, and have letters, digits and _ only, up to 63"
+        wanted = (
+            "name must begin with a letter and consist of at most 63 letters, digits and "
+            "underscores, without being a keyword of Python"
+        )
         raise ValueError(f"{wanted}, got {name!r}")
     if isinstance(joint, DimensionalJoint):
         plain, sized = joint.joint, joint
     else:
         plain, sized = checks.instance("joint", joint, Joint), None
         checks.choice("format of a joint without dimensions", form, formulas.DIMENSIONLESS)
-    checks.choice(f"law of format {form}", law, [LAW_OF.get(form, law)])
+    checks.choice(f"law in format {form}", law, [LAW_OF.get(form, law)])
     if law == "stiffened_hertz":
         plain.check_linear(law)
         plain.correction_options()  # refused before the joint is solved
@@ -139,15 +154,15 @@ def export(
     if tilt is not None:
         if not plain.has_pole:
             raise ValueError(
-                "tilt must be left out for a ring or a ball with a bore, whose table of depth and "
-                "tilt would begin on the axis: give the direction of the displacement"
+                "tilt does not apply to a ring or a ball with a bore, because its table of depth "
+                "and tilt would begin on the axis; give the direction of the displacement instead"
             )
-        checks.choice("law beside tilt", law, ["tabulated"])
-        checks.choice("format beside tilt", form, ["c", "matlab", "csv"])
+        checks.choice("law with a tilt", law, ["tabulated"])
+        checks.choice("format with a tilt", form, ["c", "matlab", "csv"])
         return _tilted(directional_law(plain, deepest, tilt), form, sized, name)
     direction = plain.default_tilt if direction is None else direction
     if direction is not None:
-        checks.choice("law along a direction off the axis", law, ["tabulated", "power"])
+        checks.choice("law for a direction off the axis", law, ["tabulated", "power"])
     content = _Law(law, plain, sized, (least, deepest), direction, name)
     if form == "json":
         return _json(content)
@@ -166,12 +181,12 @@ def _range(depth_star, joint, fitted, shallowest):
     else:
         given = np.atleast_1d(checks.number("depth_star", depth_star, above=0))
         if given.shape not in ((1,), (2,)):
-            wanted = "depth_star must be one depth, or the least and the largest"
+            wanted = "depth_star must be one depth, or the minimum and the maximum depth"
             raise ValueError(f"{wanted}, got {checks.shown(depth_star)}")
         least, deepest = given[0] if len(given) == 2 else None, float(given[-1])
     if least is None:
         least = deepest / 10 if fitted else min(shallowest, deepest / 12)
-    return checks.number("least depth_star", least, above=0, below=deepest, scalar=True), deepest
+    return checks.number("minimum depth_star", least, above=0, below=deepest, scalar=True), deepest
 
 
 class _Law:

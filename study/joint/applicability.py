@@ -1,7 +1,7 @@
-"""Which limits of the elastic solution a contact exceeds, in words.
+"""Model limits of the elastic solution that a contact exceeds, as sentences.
 
-The solution is for smooth, elastic bodies without friction, at small strains, held as the joint
-says. It answers beyond these limits too; whoever uses the number has to know.
+The solution is valid for smooth, elastic bodies without friction, at small strains, with the
+supports of the joint. It gives numbers beyond these limits too, and the sentences warn the user.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,9 +12,9 @@ from study.joint.definition import Joint
 from study.joint.tilted import TiltedContact
 
 DEEPEST = 1.0
-"""Largest depth_star up to which the solution was compared with other programs."""
+"""Maximum depth_star at which the solution was compared with other programs."""
 NEAR_RIM = 5.0
-"""In deg: a contact that ends so near to the rim depends on the edge's own shape."""
+"""In deg: a contact that ends this close to the rim depends on the shape of the edge."""
 STRAIN = 0.05
 """Peak pressure over Young's modulus at which strains are no longer small."""
 ROUGHNESS = 0.1e-6
@@ -23,9 +23,9 @@ SMOOTH = 20.0
 """Depth over roughness from which on a contact is smooth: Johnson, Contact Mechanics, sec. 13.5,
 has roughness times radius over contact radius squared below 0.05, which is roughness over depth."""
 FRICTION = 0.01
-"""Share of the force that friction may bear before it is told."""
+"""Fraction of the force that friction may carry without a warning."""
 WORN = 0.1
-"""Depth of wear in clearances that leaves the pressure about as it was (assumed)."""
+"""Wear depth in clearances up to which the pressure is about unchanged (assumed)."""
 SOFT = 1e6
 """In Pa: a Young's modulus below it is that of rubber, or was meant in MPa."""
 Limits = dict[str, str]
@@ -42,86 +42,92 @@ def limits(
     depth: float | None = None,
     strain: float | None = None,
 ) -> Limits:
-    """Limits that one contact exceeds: a key for each, and a sentence.
+    """Model limits that one contact exceeds: a key for each, and a sentence.
 
     The contact ends ``to_rim`` deg from the nearest rim, by default that of a contact about the
-    axis; 0 if a rim, or the edge of a ball's face, cuts it. The ``yield_factor`` is yield stress
-    over largest von Mises stress, for each body that has both, ``depth`` is in m, and ``strain`` is
-    peak pressure over the least Young's modulus.
+    axis; 0 if a rim, or the edge of a ball's face, cuts it. The ``yield_factor`` is the yield
+    stress divided by the maximum von Mises stress, for each body that has both; ``depth`` is the
+    penetration depth in m, and ``strain`` the peak pressure divided by the minimum Young's modulus.
     """
     found = {}
     for body, factor in (yield_factor or {}).items():
         if factor < 1:
             found["yield"] = (
-                f"The {body} yields: its strength is {factor:.2g} of the stress. The solution is "
-                "elastic, and too stiff from there on."
+                f"The {body} yields, because its yield stress is {factor:.2g} times the von Mises "
+                "stress. The solution is elastic and therefore too stiff."
             )
     if depth_star > DEEPEST * (1 + 1e-9):
         found["depth"] = (
-            f"The depth is {depth_star:.3g} clearances. Beyond {DEEPEST:g} the solution has not "
-            "been compared with other programs, and no closed law reaches."
+            f"The penetration depth is {depth_star:.3g} clearances. Beyond {DEEPEST:g} the "
+            "solution has not been compared with other programs, and no closed-form law is valid."
         )
     if strain is not None and strain > STRAIN:
         found["strain"] = (
-            f"The peak pressure is {strain:.2g} of the softest body's modulus. Beyond {STRAIN:g} "
-            "strains are not small, as the solution takes them."
+            f"The peak pressure is {strain:.2g} times Young's modulus of the softest body. Beyond "
+            f"{STRAIN:g} strains are not small, which the solution assumes."
         )
     if to_rim is None:
         to_rim = joint.opening.last - half_angle_deg
     if to_rim <= 0:
         found["rim"] = (
-            "A rim of the socket, or the edge of the ball's face, cuts the contact: the pressure "
-            "has no bound at a sharp edge, and depends on the edge's shape."
+            "A rim of the socket or the edge of the ball's face cuts the contact. The pressure at "
+            "a sharp edge is unbounded, and in reality depends on the shape of the edge."
         )
     elif to_rim < NEAR_RIM:
         found["rim"] = (
-            f"The contact ends {to_rim:.2g} deg from the socket's rim, where it depends on the "
-            "shape of the edge."
+            f"The contact ends {to_rim:.2g} deg from the rim of the socket, and depends on the "
+            "shape of the edge there."
         )
     wall = joint.socket_ratio - 1
     if joint.is_held_all_round and wall < radians(half_angle_deg):
         found["wall"] = (
-            f"The wall, of {wall:.2g} radii, is thinner than the contact's half-width: the force "
-            "depends on what holds its outside, which is rigid here."
+            f"The wall ({wall:.2g} times the socket radius) is thinner than the half-width of the "
+            "contact. The force therefore depends on the support of the outside, which is assumed "
+            "to be rigid."
         )
     if depth is not None and depth < SMOOTH * ROUGHNESS:
         found["roughness"] = (
-            f"The depth of {depth:.2g} m is below {SMOOTH:g} times a usual roughness of "
-            f"{ROUGHNESS:g} m: rough surfaces are softer than this."
+            f"The penetration depth of {depth:.2g} m is less than {SMOOTH:g} times a typical "
+            f"roughness of {ROUGHNESS:g} m. Rough surfaces are softer than the solution."
         )
     return found
 
 
 def friction_limit(share: float) -> Limits:
-    """The limit of friction, by the share of the force that friction may bear."""
+    """The limit of friction, from the fraction of the force that friction may carry."""
     if share <= FRICTION:
         return {}
-    return {"friction": f"Friction, which is left out, may bear {100 * share:.2g} % of the force."}
+    text = f"Friction may carry {100 * share:.2g} % of the force, but the solution neglects it."
+    return {"friction": text}
 
 
 def modulus_limit(moduli: Mapping[str, float]) -> Limits:
-    """A question about Young's moduli in Pa, by the body, that may be in another unit."""
+    """A warning of Young's moduli in Pa, by the body, that may be meant in another unit."""
     soft = {body: modulus for body, modulus in moduli.items() if modulus < SOFT}
-    told = ", ".join(f"of the {body} is {modulus:g} Pa" for body, modulus in soft.items())
-    return {"modulus": f"Young's modulus {told}: is it meant in Pa?"} if soft else {}
+    values = " and ".join(f"of the {body} is {modulus:g} Pa" for body, modulus in soft.items())
+    text = f"Young's modulus {values}, which is very small; check that it is in Pa."
+    return {"modulus": text} if soft else {}
 
 
 def wear_limit(depth: float) -> Limits:
     """The limit of wear, by its depth in clearances."""
     if depth <= WORN:
         return {}
-    text = f"The wear is {depth:.2g} clearances deep: it has changed the pressure, and the gap."
+    text = (
+        f"The wear depth is {depth:.2g} clearances. So much wear changes the gap and the pressure, "
+        "which the solution assumes to be unchanged."
+    )
     return {"wear": text}
 
 
 def of_curve(curve: ForceCurve) -> list[Limits]:
-    """Limits that each contact of a curve without dimensions exceeds."""
+    """Model limits that each contact of a curve without dimensions exceeds."""
     contacts = zip(curve.depth_star, curve.contact_half_angle_deg, strict=True)
     return [limits(curve.joint, depth, angle) for depth, angle in contacts]
 
 
 def of_contact(contact: TiltedContact) -> list[Limits]:
-    """Limits that each contact off the axis exceeds, without dimensions."""
+    """Model limits that each contact off the axis exceeds, without dimensions."""
     contacts = contact.depth_star, contact.contact_half_angle_deg, contact.to_rim_deg
     return [
         limits(contact.joint, depth, angle, to_rim=to_rim)
@@ -130,14 +136,15 @@ def of_contact(contact: TiltedContact) -> list[Limits]:
 
 
 def in_short(found: Limits) -> str:
-    """Keys of the limits, for a column of a table."""
+    """Keys of the exceeded limits as one text, for a column of a table."""
     return "; ".join(found) or INSIDE
 
 
 def worst(several: Sequence[Limits]) -> list[str]:
-    """A sentence for each limit that any of some contacts exceeds, in order of depth.
+    """A sentence for each limit that any of several contacts exceeds, given in order of depth.
 
-    The deepest one speaks, but of roughness the shallowest.
+    The sentence is that of the deepest contact, except for roughness, where it is that of the
+    shallowest.
     """
     merged: Limits = {}
     for found in several:

@@ -30,8 +30,10 @@ def factorised(factorise: Callable, matrix: NDArray[np.float64]) -> Any:
     try:
         return factorise(matrix, check_finite=False)
     except LinAlgError:
-        why = "its matrix is not positive definite"
-        raise ComplementarityError(f"contact did not converge: {why}") from None
+        raise ComplementarityError(
+            "the contact problem cannot be solved because its matrix is not positive definite, "
+            "which happens if the socket is much softer than the ball"
+        ) from None
 
 
 @one_thread
@@ -81,5 +83,6 @@ def solve(
         active ^= wrong
     residual = np.abs(np.minimum(p, w)).max()
     raise ComplementarityError(
-        f"contact did not converge: residual {residual:.3g}, {count} of {size} points undecided"
+        f"the contact problem did not converge: the residual is {residual:.3g}, and {count} of "
+        f"{size} points are undecided"
     )

@@ -31,16 +31,17 @@ class UnresolvedError(checks.RangeError):
 def unresolved(depth: float, angles: Floats) -> UnresolvedError:
     """Error of a contact at a depth_star, with nodes at some angles."""
     return UnresolvedError(
-        "depth_star must be 0 or so large that the elements resolve the contact, got "
-        f"{depth:.3g} with elements of {np.degrees(angles[1]):.2g} deg"
+        "depth_star must be 0 or large enough for the elements to resolve the contact, got "
+        f"{depth:.3g} with elements of {np.degrees(angles[1]):.2g} deg; use a finer resolution or "
+        "Hertz's law"
     )
 
 
 def at_rim(name: str, joint: Joint, got: str) -> checks.RangeError:
     """Error of depths or forces at which contact reaches the socket's rim."""
     return checks.RangeError(
-        f"{name} must keep the contact off the socket's rim (half-angle < "
-        f"{np.degrees(joint.reach):g} deg), got {got}"
+        f"{name} must be small enough that the contact does not reach the rim of the socket (at a "
+        f"half-angle of {np.degrees(joint.reach):g} deg), got {got}"
     )
 
 

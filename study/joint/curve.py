@@ -8,6 +8,8 @@ each other, and `study.joint.nested_contact` solves all depths with one factor o
 Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
 """
 
+from __future__ import annotations  # so that help() shows names and not what they stand for
+
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, get_args
@@ -40,16 +42,16 @@ _FINITE = 40  # depths with large displacements, a sixth of a second each
 
 @dataclass(frozen=True)
 class ForceCurve:
-    """Force against depth of one joint, with what the contact looks like at each depth.
+    """Force-depth curve of one joint, with the contact half-angle and pressure at each depth.
 
     Attributes
     ----------
     depth_star, force_star
-        Dimensionless depth d/dR, in the order asked for, and force P/(E* dR^2); shape (k,).
+        Normalised depth d/dR, in the given order, and normalised force P/(E* dR^2); shape (k,).
     contact_half_angle_deg
-        Polar angle of the contact's edge, in deg; shape (k,).
+        Polar angle of the edge of the contact, in deg; shape (k,).
     peak_pressure_star
-        Largest pressure, in E* dR/R2; shape (k,).
+        Maximum pressure, in units of E* dR/R2; shape (k,).
     error_estimate
         Estimated relative discretisation error of the force, shape (k,): the relative difference
         of the forces, as vectors, that two meshes give at this depth, one of which has twice the
@@ -88,30 +90,40 @@ def force_curve(
 ) -> ForceCurve:
     """Force-depth curve of a joint at given depths, extrapolated from two resolutions.
 
-    The bodies are cached: further curves with the same ones cost milliseconds, whatever their R2*,
-    moduli and depths. With ``finite`` kinematics a depth takes a sixth of a second.
+    The compliances of the bodies are cached, so that further curves with the same bodies take
+    milliseconds for any R2*, moduli and depths. With ``finite`` kinematics each depth takes a sixth
+    of a second.
 
     Parameters
     ----------
+    joint
+        The joint without dimensions.
     depth_star
-        Dimensionless penetration depths, >= 0 and < sqrt(2 R2* - 1) - 1; shape (k,).
+        Normalised penetration depths d/dR, >= 0 and < sqrt(2 R2* - 1) - 1; shape (k,).
     resolution
-        Elements along the surface, a multiple of 32, by default 320 for ``series``, 160 for
-        finite elements and 96 for ``finite`` kinematics; half of it is solved too.
+        Number of elements along the surface, a multiple of 32. The default is 320 for ``series``,
+        160 for finite elements and 96 for ``finite`` kinematics. Half of it is solved too.
     solver
-        Exact Legendre ``series`` of both bodies, or finite elements: six-node triangles
-        (``quadratic``), or three-node triangles (``linear``), the paper's, whose forces are not
-        extrapolated: they show what such a mesh gives. By default the series where it applies
-        (``guided`` ball, ``mirror`` rim, kinematics other than ``finite``), and else six-node
-        triangles.
+        ``series`` for the Legendre series of both bodies, or finite elements with six-node
+        (``quadratic``) or three-node (``linear``) triangles. Forces of three-node triangles, which
+        Yao et al. use, are not extrapolated, to show what such a mesh gives. The default is the
+        series where it applies (ball support ``guided``, rim ``mirror``, and kinematics other than
+        ``finite``), else six-node triangles.
 
     Raises
     ------
     ValueError
-        For contact that reaches the socket's rim or is too small for the elements to resolve, a
-        solver that cannot solve this joint, or a value outside its range.
+        If the contact reaches the rim of the socket or is too small for the elements to resolve,
+        if the solver does not apply to this joint, or if a value is outside its range.
     study.joint.complementarity.ComplementarityError
-        If the contact does not converge.
+        If the contact problem does not converge.
+
+    Examples
+    --------
+    >>> from study.joint import Joint
+    >>> curve = force_curve(Joint(r2_star=200), [0.1, 0.3])
+    >>> curve.force_star.round(2), curve.contact_half_angle_deg.round(1)
+    (array([13.64, 81.63]), array([20. , 34.3]))
     """
     depths = np.atleast_1d(checks.number("depth_star", depth_star, least=0))
     checks.number("depth_star", depths, below=largest_depth(joint.r2_star))
@@ -141,15 +153,30 @@ def _curve(joint, solver, depths, force, edge, error, angles, pressure):
 
 @one_thread
 def whole_curve(joint: Joint, deepest: float = 1.0, resolution: int | None = None) -> ForceCurve:
-    """Force-depth curve of a joint from about 0.0003 clearances to ``deepest``, or just beyond.
+    """Force-depth curve of a joint from about 0.0003 clearances to a maximum depth.
 
-    Depths are those at which the contact's edge is a node, some 50 in about equal steps of their
-    square root. Takes 30 ms; new bodies take 60 ms more by the series, or some seconds by finite
-    elements. With ``finite`` kinematics, or where contacts are not nested
-    (`study.joint.nested_contact`), 40 depths are solved by `force_curve`.
+    The depths are about 50 at which the edge of the contact is a node, in about equal steps of
+    their square root; the last one may be slightly greater than the maximum. The curve takes 30 ms,
+    and new bodies take 60 ms more by the series or some seconds by finite elements. With
+    ``finite`` kinematics, or where contacts are not nested (`study.joint.nested_contact`), 40
+    depths are solved by `force_curve`, whose errors are raised here too.
 
-    The depth_star ``deepest`` is > 0 and < sqrt(2 R2* - 1) - 1; ``resolution`` and errors are those
-    of `force_curve`.
+    Parameters
+    ----------
+    joint
+        The joint without dimensions.
+    deepest
+        Maximum depth_star, > 0 and < sqrt(2 R2* - 1) - 1.
+    resolution
+        Number of elements along the surface, as in `force_curve`.
+
+    Examples
+    --------
+    >>> from study.contact import tabulated
+    >>> from study.joint import Joint
+    >>> law = tabulated(whole_curve(Joint(r2_star=200)))
+    >>> round(law(0.3), 2)
+    81.63
     """
     deepest = checks.number("deepest", deepest, above=0, scalar=True)
     if joint.has_large_displacements or joint.r2_star < nested_contact.LEAST_R2_STAR:
@@ -188,8 +215,8 @@ def _nested_to(joint, deepest, resolution):
     checks.number("deepest", deepest, below=largest_depth(joint.r2_star))
     solver, resolution = settings(joint, None, resolution)
     few = UnresolvedError(
-        f"deepest must be a contact of {2 * _FIRST} elements or more, got {deepest:g}: "
-        f"take a resolution finer than {resolution}"
+        f"deepest must be large enough for a contact of >= {2 * _FIRST} elements, got {deepest:g}; "
+        f"use a resolution finer than {resolution}"
     )
     angles = surface_angles(resolution // 2, joint.reach)
     if nested_contact.widest(joint, deepest) < angles[2 * _FIRST]:
@@ -207,9 +234,10 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
     """Solver and elements along the surface, as given or by default, checked for this joint."""
     if not joint.has_pole:
         raise checks.RangeError(
-            "joint must have ball and socket on its axis for a load along it, got opening "
-            f"{joint.opening} and ball_support {joint.ball_support}: press it off the axis, across "
-            "it at a tilt of 90 deg (study.joint.tilted_contact, or --tilt 90)"
+            "a load along the axis requires a ball and a socket that face each other on the axis, "
+            f"got opening {joint.opening} and ball_support {joint.ball_support}; load this joint "
+            "off the axis, for example at a tilt of 90 deg (study.joint.tilted_contact or "
+            "--tilt 90)"
         )
     if solver is None:
         solver = "series" if joint.series_applies else "quadratic"
@@ -223,7 +251,9 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
         from study.joint import fem
 
         steps = layer_steps(joint.socket_body.layers[0])
-        checks.number("outer over inner radius of a layer", steps, least=fem.THINNEST_RATIO)
+        checks.number(
+            "outer radius of a layer divided by its inner radius", steps, least=fem.THINNEST_RATIO
+        )
         usual, most = RESOLUTION["quadratic"], fem.FINEST_RESOLUTION
         least = 64 if steps.min() < 1.05 else 32
     if joint.has_large_displacements:

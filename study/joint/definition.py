@@ -28,7 +28,9 @@ UNIT = Material().youngs_modulus
 class Layer:
     """A layer of a socket: its outer radius over the socket's inner radius, and its material."""
 
-    outer_ratio: float = parameter(..., "outer radius of a layer", above=1, most=THICKEST_RATIO)
+    outer_ratio: float = parameter(
+        ..., "outer radius of a layer divided by R2", above=1, most=THICKEST_RATIO
+    )
     material: Material = parameter(..., "material of a layer", kind=Material, parse=read_material)
 
     def __post_init__(self):
@@ -44,25 +46,35 @@ class Layer:
 @parameters.documented
 @dataclass(frozen=True)
 class Joint(Configuration):
-    """A spherical clearance joint, as far as its force-depth curve depends on it.
+    """A spherical clearance joint without dimensions.
 
-    Its default supports are solved exactly, and are the defaults of
-    `study.contact.stiffened_hertz`. They are not the paper's (`paper_joint`). A value outside its
-    range is a ``ValueError``. Supports may be given as objects of `study.joint.supports` or as
-    texts.
+    It has everything that the normalised force-depth curve depends on. Supports may be given as
+    objects of `study.joint.supports` or as texts. The default supports are those of
+    `study.contact.stiffened_hertz`, for which the Legendre series applies; those of the reference
+    joint of the study are different (`paper_joint`). Raises ``ValueError`` for a value outside its
+    range.
 
-    The materials' Young's moduli are within a factor of 1e9. Layers replace ``socket_ratio`` and
-    ``socket``, which are then the outermost ratio and the innermost material; E* is that of ball
-    and innermost layer. A layer is at least 0.0001 of its inner radius thick, or 0.02 for finite
-    elements. A free rim changes the force, at R2* = 200 and Poisson's ratio 0.3, by less than 1e-5
-    up to a socket ratio of 1.25, by 0.7 % at 2 and by 4 % at 3; at Poisson's ratio 0.45 by 0.4 %
-    at a ratio of 1.25 and by 1.6 % at 1.5. Notebook 01 draws all supports.
+    Young's moduli of the materials may differ by a factor of at most 1e9. Layers replace
+    ``socket_ratio`` and ``socket``, which are then the ratio of the outermost layer and the
+    material of the innermost one; E* is that of the ball and the innermost layer. The minimum
+    thickness of a layer is 0.0001 times its inner radius, or 0.02 times for finite elements.
+
+    At R2* = 200 and Poisson's ratio 0.3 a free rim, instead of a mirror plane, changes the force by
+    less than 1e-5 up to a socket ratio of 1.25, by 0.7 % at 2 and by 4 % at 3; at Poisson's ratio
+    0.45 it changes the force by 0.4 % at a ratio of 1.25 and by 1.6 % at 1.5. Notebook 01 draws all
+    supports.
+
+    Examples
+    --------
+    >>> joint = Joint(r2_star=200, socket=Material(1.1e11, 0.34), ball_support="clamped")
+    >>> joint.rim, round(joint.composite_modulus / 1e9, 1)
+    ('mirror', 79.4)
     """
 
-    r2_star: float = parameter(..., "Socket radius over clearance, R2/dR", above=1)
+    r2_star: float = parameter(..., "Radius of the socket divided by the clearance, R2/dR", above=1)
     socket_ratio: float = parameter(
         SOCKET_RATIO,
-        "Outer over inner radius of the socket, >= 1.02 for finite elements",
+        "Outer radius of the socket divided by its inner radius; at least 1.02 for finite elements",
         least=THINNEST_RATIO,
         most=THICKEST_RATIO,
     )
@@ -79,7 +91,8 @@ class Joint(Configuration):
     def __post_init__(self):
         parameters.take(self)
         self._take_layers()
-        name, most = "Young's modulus of the socket over that of the ball", LARGEST_MODULUS_RATIO
+        name = "Young's modulus of the socket divided by that of the ball"
+        most = LARGEST_MODULUS_RATIO
         for material in (self.socket, *(layer.material for layer in self.layers)):
             ratio = material.youngs_modulus / self.ball.youngs_modulus
             checks.number(name, ratio, least=1 / most, most=most)
@@ -90,14 +103,17 @@ class Joint(Configuration):
             return
         steps = layer_steps(np.array([layer.outer_ratio for layer in self.layers]))
         limits = {"least": THINNEST_RATIO, "most": THICKEST_RATIO}
-        checks.number("outer ratio of a layer over that of the layer inside", steps, **limits)
+        checks.number("outer radius of a layer divided by its inner radius", steps, **limits)
         follows = {
             "socket_ratio": (SOCKET_RATIO, self.layers[-1].outer_ratio),
             "socket": (Material(), self.layers[0].material),
         }
         for name, (default, of_layers) in follows.items():
             if (given := getattr(self, name)) not in (default, of_layers):
-                raise ValueError(f"{name} must be left out beside layers, got {given}")
+                raise ValueError(
+                    f"{name} does not apply to a joint with layers, which describe the socket; "
+                    f"remove it (got {given})"
+                )
             object.__setattr__(self, name, of_layers)
 
     @property
@@ -158,13 +174,16 @@ class Joint(Configuration):
     def correction_options(self) -> dict[str, Any]:
         """Options of `study.contact.stiffened_hertz`; ``ValueError`` if it is not for the joint."""
         for unsuited, what in (
-            (self.layers, "a socket of layers"),
+            (self.layers, "a socket with layers"),
             (not self.ball_support.by_plane, f"ball_support {self.ball_support}"),
             (self.opening != HEMISPHERE, f"an opening of {self.opening} deg"),
             (not self.is_held_all_round, f"socket_support {self.socket_support}"),
         ):
             if unsuited:
-                raise checks.RangeError(f"stiffened_hertz is not for {what}")
+                raise checks.RangeError(
+                    f"the law stiffened_hertz is not valid for {what}; use tabulated, a table of "
+                    "the joint's elastic solution"
+                )
         return {
             "socket_ratio": self.socket_ratio,
             "modulus_ratio": self.modulus_ratio,
@@ -190,8 +209,8 @@ class Joint(Configuration):
         }
 
     def check_linear(self, what: str) -> None:
-        """Refuse other kinematics than linear, for what is of linear kinematics alone."""
-        checks.choice(f"kinematics of {what}", self.kinematics, ("linear",))
+        """Raise ``ValueError`` for kinematics other than linear, which ``what`` requires."""
+        checks.choice(f"kinematics for {what}", self.kinematics, ("linear",))
 
     @property
     def acts_on_ball(self) -> bool:
@@ -205,12 +224,12 @@ class Joint(Configuration):
         return by_series and not self.has_large_displacements
 
     def check_series(self) -> None:
-        """Refuse a joint that the exact series does not solve."""
+        """Raise ``ValueError`` for a joint to which the Legendre series does not apply."""
         if not self.series_applies:
             raise ValueError(
-                "solver must be quadratic or linear for this joint: the series needs ball_support "
-                "guided, rim mirror and small displacements, got "
-                f"{', '.join(map(str, self.configuration.values()))}"
+                "solver must be quadratic or linear for this joint, because the series requires "
+                "ball_support guided, rim mirror, a hemispherical socket held at its whole outside "
+                f"and small displacements, got {', '.join(map(str, self.configuration.values()))}"
             )
 
 
@@ -219,12 +238,18 @@ PAPER_SUPPORTS: dict[str, Any] = {"ball_support": ClampedPlate(), "rim": "free"}
 
 
 def paper_joint(r2_star: float = 200, **changes: Any) -> Joint:
-    """The joint of the paper's figures and tables, as far as it can be known.
+    """The reference joint: the configuration inferred from Table 2 of Yao et al.
 
-    Clamped ball, free rim, socket ratio 1.298, linear kinematics and Poisson's ratio 0.3 of both
-    bodies. They are identified from Table 2 and Fig. 14 (notebook 13), but for the rim, which
-    follows from the text ("the entire external surface of the socket is fixed"). R2* = 200 is that
-    of Fig. 10 and Table 2; ``changes`` are other attributes of `Joint`.
+    It has a clamped ball, a free rim, a socket ratio of 1.298, linear kinematics and Poisson's
+    ratio 0.3 of both bodies. These were identified from Table 2 and Fig. 14 (notebook 13), except
+    for the rim, which follows from the text ("the entire external surface of the socket is fixed").
+
+    Parameters
+    ----------
+    r2_star
+        Radius of the socket divided by the clearance; 200 in Fig. 10 and Table 2.
+    **changes
+        Other attributes of `Joint`.
     """
     return Joint(r2_star, **(PAPER_SUPPORTS | changes))
 
@@ -239,21 +264,32 @@ def _read_layer(name: str, text: str) -> Layer:
 @parameters.documented
 @dataclass(frozen=True)
 class RatioJoint(Configuration):
-    """A joint whose materials are relative to the ball's, of Young's modulus 2e11 Pa.
+    """A joint without dimensions, described by ratios as on the command line and in tables.
 
-    A ``layer`` replaces the parameters of a socket of one material.
+    Young's modulus of the ball is 2e11 Pa. If a ``layer`` is given, layers replace the parameters
+    of a socket of one material. The method `joint` gives the `Joint`.
+
+    Examples
+    --------
+    >>> RatioJoint(r2_star=200, modulus_ratio=0.5).joint().socket.youngs_modulus
+    100000000000.0
     """
 
-    r2_star: float = parameter(200.0, "Radius of the socket in clearances, R2/dR", above=1)
+    r2_star: float = parameter(
+        200.0, "Radius of the socket divided by the clearance, R2/dR", above=1
+    )
     socket_ratio: float | None = parameter(
         None,
-        "Outer over inner radius of the socket",
+        "Outer radius of the socket divided by its inner radius",
         least=THINNEST_RATIO,
         most=THICKEST_RATIO,
         otherwise="1.298",
     )
     modulus_ratio: float | None = parameter(
-        None, "Young's modulus of the socket over that of the ball", above=0, otherwise="1"
+        None,
+        "Young's modulus of the socket divided by that of the ball",
+        above=0,
+        otherwise="1",
     )
     poisson: float = parameter(0.3, "Poisson's ratio of the ball", above=-1, below=0.5)
     socket_poisson: float | None = parameter(
@@ -261,8 +297,9 @@ class RatioJoint(Configuration):
     )
     layer: tuple[Layer, ...] = parameter(
         (),
-        "Outer radius over R2, Young's modulus over the ball's and Poisson's ratio of a layer of "
-        "the socket, as N,N,N; may be repeated, from the inside out",
+        "Layer of the socket, as three numbers N,N,N: its outer radius divided by R2, its Young's "
+        "modulus divided by that of the ball, and its Poisson's ratio; may be repeated for several "
+        "layers, from the inside out",
         parse=_read_layer,
         kind=Layer,
         several=";",
@@ -273,7 +310,10 @@ class RatioJoint(Configuration):
         if self.layer:
             for name in ("modulus_ratio", "socket_poisson", "socket_ratio"):
                 if getattr(self, name) is not None:
-                    raise ValueError(f"{name} must be left out: layer describes the socket")
+                    raise ValueError(
+                        f"{name} does not apply to a joint with layers, which describe the socket; "
+                        "remove it"
+                    )
 
     @classmethod
     def of(cls, joint: Joint) -> "RatioJoint":
@@ -301,7 +341,10 @@ class RatioJoint(Configuration):
         ball = Material(UNIT, self.poisson, yield_stress)
         if self.layer:
             if yield_stress is not None:
-                raise ValueError("yield_stress must be left out: layer describes the socket")
+                raise ValueError(
+                    "yield_stress does not apply to a joint with layers; remove it, or describe "
+                    "the joint with its dimensions, whose materials have yield stresses"
+                )
             return Joint(self.r2_star, ball=ball, layers=self.layer, **self.configuration)
         poisson = self.poisson if self.socket_poisson is None else self.socket_poisson
         modulus = UNIT * (1.0 if self.modulus_ratio is None else self.modulus_ratio)

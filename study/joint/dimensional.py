@@ -1,8 +1,11 @@
-"""A joint with its dimensions, as an engineer has it: SI units, and materials by name.
+"""A joint with dimensions in SI units, and materials by name.
 
-`DimensionalJoint` is a `study.joint.Joint` with dimensions. The depth under a force comes from the
-table of its solved curve. The joint is solved at every depth.
+`DimensionalJoint` is a `study.joint.Joint` with dimensions. The penetration depth under a given
+force is found from a table of the solved force-depth curve, and the joint is then solved again at
+this depth.
 """
+
+from __future__ import annotations  # so that help() shows ArrayLike and not what it stands for
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -30,7 +33,7 @@ from study.parameters import parameter
 
 Floats = NDArray[np.float64]
 LEAST_CLEARANCE = 1e-9
-"""Over the socket's radius: a smaller clearance is lost in the rounding of the radii."""
+"""Minimum clearance divided by the socket radius: a smaller one is lost when radii are rounded."""
 _whole_curve = lru_cache(maxsize=16)(whole_curve)  # the same for every yield stress and size
 _tilted_curve = lru_cache(maxsize=16)(tilted_curve)
 _USUAL, _STEP = 1.0, 1.2  # clearances that a table reaches; how much further the next one does
@@ -48,32 +51,37 @@ _SAME += ("error_estimate",)  # results off the axis that have no unit of the jo
 
 @dataclass(frozen=True)
 class DimensionalSolution:
-    """Results of a joint at some depths: arrays in the order asked for, shape (k,), in SI units.
+    """Solution of a joint at k penetration depths, in SI units.
+
+    Arrays have the order of the given depths or forces and, unless stated otherwise, shape (k,).
 
     Attributes
     ----------
     depth, force, stiffness
-        In m, N and N/m; the stiffness is the slope of the force over the depth.
+        Penetration depth in m, contact force in N, and the derivative of the force with respect to
+        the depth in N/m.
     contact_half_angle_deg, peak_pressure
         Polar angle of the contact's edge in deg, and the largest contact pressure in Pa.
     error_estimate
-        Estimated relative error of the force, as of `study.joint.ForceCurve`, plus the error of
+        Estimated relative error of the force, as in `study.joint.ForceCurve`, plus the error of
         the table that gives the depth under a force.
     von_mises
-        Largest von Mises stress in each body, in Pa: ``ball``, ``liner 1`` and so on from the
+        Maximum von Mises stress in Pa of each body: ``ball``, ``liner 1`` and so on from the
         inside out, and ``socket``.
     von_mises_place
-        Where it is, k texts for each body (`study.joint.LargestStress`).
+        Where this maximum is: k texts for each body (`study.joint.LargestStress`).
     yield_factor
-        Yield stress over largest von Mises stress of each body, which yields below 1; None for a
-        material without a yield stress. Beyond yield the other numbers are for elastic bodies.
+        Yield stress divided by the maximum von Mises stress of each body, which yields if the
+        factor is below 1; None for a material without a yield stress. All other numbers are for
+        elastic bodies, also beyond yield.
     limits
-        Limits of the solution that each contact exceeds, `study.joint.applicability.limits`.
+        Model limits that each contact exceeds (`study.joint.applicability.limits`).
     angle_deg, pressure
         Polar angles in deg, shape (n,), and the contact pressure there in Pa, shape (k, n).
     friction_radius
-        Of a ball that turns about the load (``spin``) or across it (``tilt``) and slides all over
-        its contact, in m (`study.joint.curve.friction_radii`).
+        Friction torque in m, divided by the coefficient of friction and the force, of a ball that
+        slides over its whole contact while it rotates about the load (``spin``) or about an axis
+        perpendicular to it (``tilt``); see `study.joint.curve.friction_radii`.
     """
 
     depth: Floats
@@ -91,16 +99,29 @@ class DimensionalSolution:
     friction_radius: dict[str, Floats]
 
     def friction_torque(self, friction: float) -> dict[str, Floats]:
-        """Torque in N m, as of ``friction_radius``, at a coefficient of friction >= 0; (k,)."""
+        """Friction torques in N m, shape (k,), by the rotations of ``friction_radius``.
+
+        Parameters
+        ----------
+        friction
+            Coefficient of friction, >= 0.
+        """
         mu = checks.number("friction", friction, least=0, scalar=True)
         return {motion: mu * self.force * r for motion, r in self.friction_radius.items()}
 
     def wear_depth(self, coefficient: float, path: float) -> Floats:
-        """Archard's wear depth h = k p s at every angle, in m, shape (k, n).
+        """Archard's wear depth h = k p s at every polar angle, in m, shape (k, n).
 
-        The ``coefficient`` k >= 0 is a body's worn volume over force and sliding path, in m^2/N
-        (Archard, J. Appl. Phys. 24 (1953) 981-988); all places slide the ``path`` s >= 0, in m. The
-        pressure is taken as unchanged. In truth wear widens the contact: h is for little wear.
+        Because wear widens the contact but the pressure p is assumed to be unchanged, the result is
+        valid for small wear only.
+
+        Parameters
+        ----------
+        coefficient
+            Wear coefficient k >= 0 in m^2/N: the worn volume of a body divided by force and sliding
+            distance (Archard, J. Appl. Phys. 24 (1953) 981-988).
+        path
+            Sliding distance s >= 0 in m, the same at all points.
         """
         k = checks.number("wear coefficient", coefficient, "m^2/N", least=0, scalar=True)
         return k * checks.number("path", path, "m", least=0, scalar=True) * self.pressure
@@ -108,19 +129,21 @@ class DimensionalSolution:
 
 @dataclass(frozen=True)
 class TiltedSolution(DimensionalSolution):
-    """Results of a joint pressed off its axis: the same, and more arrays of shape (k,).
+    """Solution of a joint whose ball is pressed off the axis.
 
-    The force and the stiffness are those along the displacement. The contact's half-angle is half
-    the angle between its ends in the plane of symmetry, in which ``angle_deg`` are signed polar
-    angles. The ball may also ``turn`` about the axis in this plane across the force.
+    It has the attributes of `DimensionalSolution` and further arrays of shape (k,). Force and
+    stiffness are the components along the displacement. The contact half-angle is half the angle
+    between the ends of the contact in the plane of symmetry, in which ``angle_deg`` are signed
+    polar angles. The ball may also ``turn`` about the axis in this plane that is perpendicular to
+    the force.
 
     Attributes
     ----------
     tilt
-        Angle of the displacement off the axis, in deg.
+        Angle between displacement and axis, in deg.
     transverse, transverse_stiffness
-        Force across the displacement, positive towards larger tilt, and its derivative by a
-        displacement across, in N and N/m.
+        Force in N perpendicular to the displacement, positive towards larger tilt, and its
+        derivative in N/m with respect to a displacement in this direction.
     peak_angle_deg, contact_edges_deg
         Signed polar angles of the peak pressure, and of both ends of the contact, shape (2, k).
     peak_error
@@ -143,7 +166,7 @@ class TiltedSolution(DimensionalSolution):
 
 @dataclass(frozen=True)
 class Liner:
-    """A liner inside a socket: its thickness in m, and its material."""
+    """A liner inside a socket, with its thickness in m and its material."""
 
     thickness: float = parameter(..., "thickness of liner", "m", above=0)
     material: Material = parameter(..., "material of liner", kind=Material, parse=read_material)
@@ -164,15 +187,15 @@ def _read_liner(name: str, text: str) -> Liner:
     except checks.RangeError:
         raise
     except ValueError as error:
-        wanted = f"{name} must be a thickness in m and a material, such as 0.5e-3,PTFE"
+        wanted = f"{name} must be a thickness in m and a material, for example 0.5e-3,PTFE"
         raise ValueError(f"{wanted}, got {text!r}: {error}") from None
 
 
 def _of_material(default: str, body: str) -> Any:
     return parameter(
         default,
-        f"Material of the {body} by its name (listed by study data materials), or by Young's "
-        "modulus in Pa, Poisson's ratio and perhaps yield stress in Pa: 210e9,0.3,5e8",
+        f"Material of the {body}: a name that study data materials lists, or Young's modulus in "
+        "Pa, Poisson's ratio and, optionally, yield stress in Pa, for example 210e9,0.3,5e8",
         kind=Material,
         parse=read_material,
     )
@@ -181,28 +204,29 @@ def _of_material(default: str, body: str) -> Any:
 @parameters.documented
 @dataclass(frozen=True)
 class DimensionalJoint(Configuration):
-    """A spherical clearance joint with its dimensions, in SI units.
+    """A spherical clearance joint with dimensions, in SI units.
 
-    A value outside its range is a ``ValueError``.
+    Materials and supports may be given as objects or as texts. `solve` gives the state under given
+    forces or at given depths, `law` a contact law, and `power_law` the coefficients of F = k d^n.
+    Raises ``ValueError`` for a value outside its range.
 
     Examples
     --------
     >>> joint = DimensionalJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
-    >>> print(f"{joint.solve(force=3000).depth[0]:.4g} m")
-    4.232e-06 m
+    >>> solution = joint.solve(force=3000)
+    >>> print(f"{solution.depth[0]:.4g} m, {solution.peak_pressure[0] / 1e6:.4g} MPa")
+    4.232e-06 m, 74.38 MPa
     """
 
     socket_radius: float = parameter(..., "Inner radius of the socket", "m", above=0)
-    clearance: float = parameter(..., "Radius of the socket less that of the ball", "m")
-    wall: float = parameter(
-        ..., "Thickness of the socket beyond its inner radius, liners included", "m"
-    )
+    clearance: float = parameter(..., "Clearance: radius of the socket less that of the ball", "m")
+    wall: float = parameter(..., "Wall thickness of the socket, including its liners", "m")
     ball: Material = _of_material("bearing steel", "ball")
     socket: Material = _of_material("steel", "socket")
     liner: tuple[Liner, ...] = parameter(
         (),
-        "Thickness in m and material of a liner inside the socket, 0.5e-3,PTFE; may be repeated, "
-        "from the inside out. The socket's material makes up the rest of the wall",
+        "Liner inside the socket: its thickness in m and its material, for example 0.5e-3,PTFE; "
+        "may be repeated, from the inside out. The rest of the wall is of the socket's material",
         kind=Liner,
         parse=_read_liner,
         several=";",
@@ -212,9 +236,9 @@ class DimensionalJoint(Configuration):
         parameters.take(self)
         if self.clearance <= 0:
             raise checks.RangeError(
-                f"clearance must be > 0 m, got {self.clearance:g} m: without clearance the ball "
-                "touches all round, which is another problem; give the least clearance that the "
-                "tolerances or wear leave, socket's less ball's radius"
+                f"clearance must be > 0 m, got {self.clearance:g} m; without clearance the ball "
+                "touches the socket all round, which is a different problem, so give the minimum "
+                "clearance (radius of the socket less radius of the ball) that the tolerances allow"
             )
         radius = self.socket_radius
         limits: dict[str, Any] = {"least": LEAST_CLEARANCE * radius, "below": radius}
@@ -222,7 +246,7 @@ class DimensionalJoint(Configuration):
         limits = {"least": (THINNEST_RATIO - 1) * radius, "most": (THICKEST_RATIO - 1) * radius}
         checks.number("wall", self.wall, "m", **limits)
         inside = sum(liner.thickness for liner in self.liner)
-        checks.number("wall around the liner", self.wall, "m", above=inside)
+        checks.number("wall (which includes the liners)", self.wall, "m", above=inside)
         for body in ("ball", "socket"):
             material(getattr(self, body), body)
         if isinstance(self.ball_support, Pin):
@@ -232,7 +256,7 @@ class DimensionalJoint(Configuration):
 
     @cached_property
     def joint(self) -> Joint:
-        """The joint without its dimensions."""
+        """The same joint without dimensions."""
         ratio, given = 1 + self.wall / self.socket_radius, self.configuration
         if self.liner:
             inside = np.cumsum([liner.thickness for liner in self.liner]) / self.socket_radius
@@ -251,20 +275,34 @@ class DimensionalJoint(Configuration):
         return dict(zip(["ball", *liners, "socket"], values, strict=True))
 
     def law(self, law: AnyLaw | None = None, tilt: float | None = None) -> DimensionalLaw:
-        """A law of this joint, in SI units: by default the table of its own solved curve.
+        """Contact law of this joint, in SI units.
 
-        The table reaches a depth of at least one clearance, if the joint can. ``stiffened_hertz``
-        gets its options from the joint, and ``power`` is fitted to it over the default range of
-        `power_law`. The paper's laws have the coefficients of the paper's own joint. With a
-        ``tilt``, in deg, the table is that of the force along a displacement in this direction.
+        Parameters
+        ----------
+        law
+            Name of a law, a law itself, or a function (`study.contact.sampled`). By default it is
+            a table of the elastic solution of this joint, which reaches a depth of at least one
+            clearance if the contact can be so deep. ``stiffened_hertz`` gets its options from the
+            joint and ``power`` is fitted to it over the default range of `power_law`; the
+            coefficients of the other laws are those of the reference joint of the study.
+        tilt
+            Angle in deg between displacement and axis. The law is then the table of the force along
+            a displacement in this direction.
+
+        Examples
+        --------
+        >>> joint = DimensionalJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3)
+        >>> law = joint.law("stiffened_hertz")
+        >>> print(f"{law.force(4e-6):.0f} N, {law.stiffness(4e-6):.3g} N/m")
+        3479 N, 1.42e+09 N/m
         """
         tilt = self._direction(tilt)
         if law is None:
             return self._reaching("depth", np.zeros(1), "m", tilt)[0]
         if tilt is not None:
             raise ValueError(
-                f"law off the axis must be the table of the joint's own curve, got {law}: leave "
-                "the law out, or take k and n from power_law"
+                "law must be the table of the elastic solution for a load off the axis, got "
+                f"{law}; remove law, or use the fitted power law of power_law"
             )
         law = find(law)
         if law is LAWS["stiffened_hertz"]:
@@ -274,14 +312,25 @@ class DimensionalJoint(Configuration):
     def power_law(
         self, depths: tuple[float, float] | None = None, tilt: float | None = None
     ) -> PowerFit:
-        """The force as k d^n, fitted to the solved joint (`study.contact.power_fit`).
+        """Power law F = k d^n, fitted to the elastic solution (`study.contact.power_fit`).
 
-        The ``depths`` are least and largest, in m; by default 0.05 and 0.5 clearances. With a
-        ``tilt``, in deg, it is the force along a displacement in this direction.
+        Parameters
+        ----------
+        depths
+            Minimum and maximum penetration depth in m. The default is 0.05 and 0.5 clearances.
+        tilt
+            Angle in deg between displacement and axis; F is then the force along the displacement.
+
+        Examples
+        --------
+        >>> joint = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+        >>> fit = joint.power_law()
+        >>> print(f"k = {fit.coefficient:.3e} N/m^n, n = {fit.exponent:.3f}, {fit.error:.1%}")
+        k = 2.272e+12 N/m^n, n = 1.653, 1.0%
         """
         low, high = depths or (share * self.clearance for share in USUAL_RANGE)
-        least = checks.number("least depth", low, "m", above=0, scalar=True)
-        most = checks.number("largest depth", high, "m", above=least, scalar=True)
+        least = checks.number("minimum depth", low, "m", above=0, scalar=True)
+        most = checks.number("maximum depth", high, "m", above=least, scalar=True)
         law, _ = self._reaching("depth", np.array([most]), "m", self._direction(tilt))
         places = np.geomspace(least, most, DEPTHS)
         return fit_power(places, law.force(places))
@@ -293,14 +342,34 @@ class DimensionalJoint(Configuration):
         force: ArrayLike | None = None,
         tilt: ArrayLike | None = None,
     ) -> DimensionalSolution:
-        """Solve the joint at given depths, in m, or under given forces, in N; both > 0.
+        """Solve the joint at given penetration depths or under given contact forces.
 
-        With a ``tilt``, in deg off the axis, the result is a `TiltedSolution`. It is the direction
-        of the displacement if depths are given, and of the force if forces are. Rings and bored
-        balls have a tilt of 90 deg by default.
+        Parameters
+        ----------
+        depth, force
+            Depths in m or forces in N, > 0: one number or shape (k,). Exactly one of the two must
+            be given.
+        tilt
+            Angle in deg between the axis and the displacement, if depths are given, or the force,
+            if forces are given: one number or shape (k,). The default is a load along the axis,
+            or 90 deg for a ring or a ball with a bore.
 
-        A depth or force at which contact along the axis would reach the socket's rim, or is too
-        small to be resolved, is a ``ValueError``, as is any other number of arguments than one.
+        Returns
+        -------
+        DimensionalSolution
+            With a tilt, a `TiltedSolution`.
+
+        Raises
+        ------
+        ValueError
+            If the contact along the axis would reach the rim of the socket, if it is too small for
+            the elements to resolve, or if not exactly one of ``depth`` and ``force`` is given.
+
+        Examples
+        --------
+        >>> joint = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+        >>> joint.solve(depth=[2e-6, 4e-6]).force.round()
+        array([ 859., 2730.])
         """
         asked, name = self._given(depth, force)
         tilt = self._direction(tilt)
@@ -328,9 +397,9 @@ class DimensionalJoint(Configuration):
     @staticmethod
     def _given(depth, force):
         if depth is None and force is None:
-            raise ValueError("depth or force must be given")
+            raise ValueError("depth or force must be given, got neither")
         if depth is not None and force is not None:
-            raise ValueError("either depth or force must be given, not both")
+            raise ValueError("depth and force must not both be given; remove one of them")
         name, unit = ("depth", "m") if force is None else ("force", "N")
         given: Any = depth if force is None else force
         asked = np.atleast_1d(checks.number(name, given, unit, above=0))
@@ -339,7 +408,7 @@ class DimensionalJoint(Configuration):
         return asked, name
 
     def curve(self) -> DimensionalSolution:
-        """The whole curve along the axis, at some 50 depths up to one clearance, if possible."""
+        """Force-depth curve along the axis, at about 50 depths up to one clearance if possible."""
         law, curve = self._reaching("depth", np.zeros(1), "m")
         depths, forces = self.clearance * curve.depth_star, self._force_unit * curve.force_star
         return self._on_axis(law, depths, forces, curve, curve.error_estimate)
@@ -453,8 +522,8 @@ class DimensionalJoint(Configuration):
                 law, curve = self._table(deepest, tilt)
             except checks.RangeError:
                 raise checks.RangeError(
-                    f"{name} must be <= {most():.6g} {unit}, got {asked.max():g} {unit}: just "
-                    "beyond, the contact would reach the socket's rim"
+                    f"{name} must be <= {most():.6g} {unit}, got {asked.max():g} {unit}; beyond "
+                    "this the contact would reach the rim of the socket"
                 ) from None
         return law, curve
 
@@ -488,11 +557,11 @@ class DimensionalJoint(Configuration):
             except checks.RangeError:
                 raise at_rim(name, self.joint, f"{asked.max():g} {unit}") from None
         raise UnresolvedError(
-            f"{name} must be so large that elements resolve the contact, got {asked.min():g} "
-            f"{unit}: Hertz's law holds for such small contacts"
+            f"{name} must be large enough for the elements to resolve the contact, got "
+            f"{asked.min():g} {unit}; use Hertz's law, which is valid for such small contacts"
         )
 
 
 def usual_depth(joint: Joint) -> float:
-    """Default largest depth_star of a joint's law: 1, if the joint can."""
+    """Default maximum depth_star of a joint's law: 1, or less if the contact cannot be so deep."""
     return float(min(_USUAL, 0.8 * largest_depth(joint.r2_star)))

@@ -73,7 +73,7 @@ class DirectionalLaw:
         try:
             depth, angle = np.broadcast_arrays(np.maximum(depth, 0), angle)
         except ValueError:
-            wanted = "depth_star and tilt must have shapes that broadcast"
+            wanted = "depth_star and tilt must have shapes that can be broadcast together"
             raise ValueError(f"{wanted}, got {depth.shape} and {angle.shape}") from None
         steps = self.steps
         row, by_row = _weights(np.sqrt(depth) * steps[0], self.table.shape[1])

@@ -70,9 +70,9 @@ def _iterate(surfaces, depth, matrix, pressure):
             if abs(force - last) < TOLERANCE * abs(force):
                 return np.where(active, current, 0.0), force
     raise complementarity.ComplementarityError(
-        f"contact with finite kinematics did not converge at depth_star {depth:g}: strains of the "
-        "order of depth_star/R2* are too large, or the socket too soft; take smaller depths or "
-        "linear kinematics"
+        f"the contact with finite kinematics did not converge at depth_star {depth:g}, because the "
+        "strains (of the order of depth_star/R2*) are too large or the socket is too soft; use "
+        "smaller depths or linear kinematics"
     )
 
 

@@ -183,12 +183,12 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     """
     if not (joint.ball_support.by_plane and isinstance(joint.socket_support, WholeOutside)):
         raise checks.RangeError(
-            "first yield is known for a ball_support of guided or clamped and a socket_support of "
-            f"outside alone, got {joint.ball_support} and {joint.socket_support}"
+            "first yield requires ball_support guided or clamped and socket_support outside, got "
+            f"{joint.ball_support} and {joint.socket_support}"
         )
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     if not any(material.yield_stress for material in joint.materials.values()):
-        raise ValueError("joint must have a material with a yield_stress, got none")
+        raise ValueError("a material of joint must have a yield_stress, got none")
     return first_crossing(joint, over_depth(joint, deepest), deepest)
 
 

@@ -1,9 +1,10 @@
-"""What holds ball and socket, as objects, and the opening of the socket.
+"""Supports of ball and socket, as objects, and the opening of the socket.
 
-A support has the boundaries of the meridian's mesh that it holds, and the components of the
-displacement that are zero there (`study.joint.fem`). On the command line, in tables and in Python
-it may be given as a text, such as ``core:0.2``, which is also how it is written. Angles are polar
-angles in deg, from the pole that the ball is pressed into.
+A support names the boundaries of the meridian's mesh that it holds, and the components of the
+displacement that are zero there (`study.joint.fem`). On the command line, in tables and in Python a
+support may be given as a text, such as ``core:0.2``, and it is written as the same text. Angles are
+polar angles in deg from the pole, which is the point of the socket that the ball is pressed into
+by a load along the axis.
 """
 
 from dataclasses import dataclass, fields
@@ -48,7 +49,7 @@ class _Support:
 
 @dataclass(frozen=True)
 class BallSupport(_Support):
-    """How the ball is held and moved; half a ball by its equatorial plane, unless stated."""
+    """How the ball is held and moved. Half a ball is held at its equatorial plane by default."""
 
     is_half: ClassVar[bool] = True
     is_free_across: ClassVar[bool] = False
@@ -78,7 +79,7 @@ class BallSupport(_Support):
 
 
 class GuidedPlate(BallSupport):
-    """A plate that displaces the equatorial plane along the axis, where it may slide."""
+    """A plate that moves the equatorial plane along the axis and on which this plane can slide."""
 
     word, held, is_free_across, by_plane = "guided", {"equator": "z"}, True, True
 
@@ -90,7 +91,7 @@ class ClampedPlate(BallSupport):
 
 
 class CentrePoint(BallSupport):
-    """Displacement of the ball's centre alone, as by a point load."""
+    """The centre point, which alone is displaced, as by a point load."""
 
     word, held, is_free_across = "centre", {"centre": "z"}, True
 
@@ -99,7 +100,9 @@ class CentrePoint(BallSupport):
 class Core(BallSupport):
     """A rigid core that holds a whole ball."""
 
-    radius: float = parameter(..., "radius of the core over the ball's", least=0.05, most=0.8)
+    radius: float = parameter(
+        ..., "radius of the core divided by that of the ball", least=0.05, most=0.8
+    )
 
     word, held, is_half, surface = "core", {"core": "rz"}, False, (0.0, 172.0)
     corners: ClassVar[list[tuple[float, float]]] = []
@@ -112,7 +115,7 @@ class Core(BallSupport):
 
 @dataclass(frozen=True)
 class Neck(BallSupport):
-    """A rigid neck that holds a whole ball on its surface, within an angle from the top."""
+    """A rigid neck that holds a whole ball at its surface, within an angle from the top."""
 
     half_angle: float = parameter(..., "half-angle of the neck", "deg", least=5, most=90)
 
@@ -142,11 +145,17 @@ class Neck(BallSupport):
 
 @dataclass(frozen=True)
 class Bore(BallSupport):
-    """A cylindrical bore about the axis, held all over by a rigid pin, between two flat faces."""
+    """A cylindrical bore along the axis between flat faces, held over its length by a rigid pin."""
 
-    radius: float = parameter(..., "radius of the bore over the ball's", least=0.05, most=0.9)
+    radius: float = parameter(
+        ..., "radius of the bore divided by that of the ball", least=0.05, most=0.9
+    )
     face: float = parameter(
-        ..., "polar angle of the faces' edges from the axis of the bore", "deg", least=10, most=80
+        ...,
+        "polar angle of the edges of the faces from the axis of the bore",
+        "deg",
+        least=10,
+        most=80,
     )
 
     word, held, is_half, lowest = "bore", {"bore": "rz"}, False, -1.0
@@ -156,9 +165,9 @@ class Bore(BallSupport):
         edge = float(np.sin(np.radians(self.face)))
         if self.radius > edge - WALL:
             raise checks.RangeError(
-                f"radius of the bore must be <= {edge - WALL:.4g} of the ball's radius where the "
-                f"faces' edges are at {self.face:g} deg, which is a radius of {edge:.4g}, got "
-                f"{self.radius:g}: take a smaller bore, or faces at a larger angle"
+                f"radius of the bore must be <= {edge - WALL:.4g} times the radius of the ball for "
+                f"faces whose edges are at a polar angle of {self.face:g} deg, got "
+                f"{self.radius:g}; reduce the bore or increase the angle of the faces"
             )
 
     @property
@@ -186,7 +195,7 @@ class Bore(BallSupport):
 
 @dataclass(frozen=True)
 class Pin(BallSupport):
-    """A `Bore` by its sizes in m, of a joint with dimensions."""
+    """A `Bore` described by its dimensions in m, for a joint with dimensions."""
 
     radius: float = parameter(..., "radius of the pin", "m", above=0)
     width: float = parameter(..., "width of the ball between its faces", "m", above=0)
@@ -205,31 +214,31 @@ class SocketSupport(_Support):
     """Where the socket is held rigidly."""
 
     def in_words(self) -> str:
-        """A sentence that says it."""
+        """A sentence on where the socket is held."""
         raise NotImplementedError
 
 
 class WholeOutside(SocketSupport):
-    """The socket's outside all over."""
+    """The whole outside of the socket."""
 
     word, held = "outside", {"outside": "rz"}
 
     def in_words(self) -> str:  # noqa: D102
-        return "The socket's outside is held rigidly."
+        return "The whole outside of the socket is held rigidly."
 
 
 class RimFace(SocketSupport):
-    """The face of the rim alone."""
+    """The face of the rim only."""
 
     word, held = "rim", {"rim": "rz"}
 
     def in_words(self) -> str:  # noqa: D102
-        return "The face of the socket's rim is held rigidly."
+        return "The socket is held rigidly at the face of its rim."
 
 
 @dataclass(frozen=True)
 class Sector(SocketSupport):
-    """The outside between two polar angles: a seat at the pole, or a flange."""
+    """The outside of the socket between two polar angles: a seat at the pole, or a flange."""
 
     first: float = parameter(..., "first polar angle of the sector", "deg", least=0)
     last: float = parameter(..., "last polar angle of the sector", "deg", most=170)
@@ -242,7 +251,7 @@ class Sector(SocketSupport):
 
     def in_words(self) -> str:  # noqa: D102
         angles = f"{self.first:g} to {self.last:g} deg"
-        return f"The socket's outside is held rigidly at polar angles of {angles}."
+        return f"The outside of the socket is held rigidly at polar angles from {angles}."
 
 
 PLATES = GuidedPlate(), ClampedPlate()
@@ -290,8 +299,8 @@ class Opening:
         checks.number("first angle of opening", self.first, "deg", least=0, scalar=True)
         if self.is_ring and self.first > self.last - 2 * CLEAR:
             raise checks.RangeError(
-                f"opening of a ring must be FIRST:LAST with LAST >= FIRST + {2 * CLEAR:g} deg, "
-                f"such as 55:125, got {self}"
+                f"opening of a ring must be FIRST:LAST with LAST >= FIRST + {2 * CLEAR:g} deg, for "
+                f"example 55:125, got {self}"
             )
         if self.is_ring:
             checks.number("first angle of opening of a ring", self.first, "deg", least=CLEAR)
@@ -307,7 +316,7 @@ class Opening:
 
     @property
     def reach(self) -> float:
-        """Largest polar angle of a contact along the axis, in rad: pi/2, or that of the rim."""
+        """Maximum polar angle in rad of a contact along the axis: pi/2, or that of the rim."""
         return min(np.pi / 2, float(np.radians(self.last)))
 
     def faces(self, tilt: float) -> bool:
@@ -328,48 +337,51 @@ def _read_opening(name: str, text: str) -> Opening:
 
 @dataclass(frozen=True, kw_only=True)
 class Configuration:
-    """How ball and socket are held, and which points of their surfaces face each other."""
+    """How ball and socket are held, and which points of their surfaces are paired in contact."""
 
     ball_support: BallSupport = parameter(
         GuidedPlate(),
-        "How the ball is held and moved. The equatorial plane of half a ball is moved along the "
-        "axis by a plate on which it slides (guided) or to which it is clamped (clamped), or its "
-        "centre alone is moved (centre). A whole ball is held at a rigid core of 0.2 of its radius "
-        "(core:0.2), or on its surface within 30 deg of the top (neck:30). A ball with a bore of "
-        "0.5 of its radius about the axis, between flat faces whose edges are at 45 deg, is held "
-        "all over the bore by a rigid pin (bore:0.5,45; beside dimensions also by radius of the "
-        "pin and width of the ball in m, pin:6e-3,16e-3)",
+        "Ball support: how the ball is held and moved. Half a ball is moved along the axis at its "
+        "equatorial plane by a plate on which it can slide (guided) or to which it is clamped "
+        "(clamped), or at its centre point only (centre). A whole ball is held by a rigid core, "
+        "for example of 0.2 times its radius (core:0.2), or by a rigid neck on its surface, for "
+        "example within 30 deg of the top (neck:30). A ball with a bore along its axis is held "
+        "by a rigid pin over the whole bore; bore:0.5,45 is a bore of 0.5 times the radius of the "
+        "ball between flat faces whose edges are at a polar angle of 45 deg. For a joint with "
+        "dimensions, pin:6e-3,16e-3 gives the radius of the pin and the width of the ball in m "
+        "instead",
         parse=_parser(BALL_SUPPORTS),
         kind=BallSupport,
     )
     rim: Rim = parameter(
         None,
-        "Edge of the socket: a mirror plane, or free of traction",
+        "Edge of the socket: in a mirror plane (mirror), or free of traction (free)",
         choices=RIMS,
-        otherwise="mirror for a hemispherical socket that is held all over its outside, half a "
-        "ball and a load along the axis; else free",
+        otherwise="mirror for half a ball in a hemispherical socket that is held at its whole "
+        "outside and loaded along the axis, else free",
     )
     kinematics: Kinematics = parameter(
         "linear",
-        "Which points of the surfaces face each other. small: those at equal angles from the "
-        "socket's centre; the force acts on the socket's area. linear: those that the ball's "
-        "points have moved to, as in a small-strain analysis with contact on moved surfaces; the "
-        "force acts on the ball's area. finite: large displacements, with Saint Venant and "
-        "Kirchhoff's material. They differ by terms of order 1/R2*",
+        "Contact kinematics: which points of the two surfaces are paired. small pairs points at "
+        "equal angles from the centre of the socket, and the pressure acts on the area of the "
+        "socket. linear pairs each point of the ball with the point of the socket that it has "
+        "moved to, as in a small-strain analysis with contact on displaced surfaces, and the "
+        "pressure acts on the area of the ball. finite is for large displacements, with a "
+        "Saint Venant-Kirchhoff material. The three differ by terms of order 1/R2*",
         choices=KINEMATICS,
     )
     opening: Opening = parameter(
         HEMISPHERE,
-        "Polar angle of the socket's rim from its pole in deg, from 30 to 170; or of both rims of "
-        "a ring that is open on both sides (55:125)",
+        "Socket opening: polar angle of the rim from the pole in deg (30 to 170), or, for a ring "
+        "that is open on both sides, the polar angles of both rims (for example 55:125)",
         parse=_read_opening,
         kind=Opening,
     )
     socket_support: SocketSupport = parameter(
         WholeOutside(),
-        "Where the socket is held rigidly: its outside all over (outside), the face of its rim "
-        "alone (rim), or its outside between two polar angles in deg (sector:0,30 is a seat at the "
-        "pole, sector:60,90 a flange)",
+        "Socket support: where the socket is held rigidly. It is held at its whole outside "
+        "(outside), at the face of its rim only (rim), or at the sector of its outside between two "
+        "polar angles in deg (sector:0,30 is a seat at the pole, sector:60,90 a flange)",
         parse=_parser(SOCKET_SUPPORTS),
         kind=SocketSupport,
     )
@@ -387,7 +399,7 @@ class Configuration:
 
     @property
     def has_large_displacements(self) -> bool:
-        """Whether displacements are not small beside the bodies."""
+        """Whether displacements are not small relative to the bodies."""
         return self.kinematics == "finite"
 
     @property
@@ -397,12 +409,12 @@ class Configuration:
 
     @property
     def default_tilt(self) -> float | None:
-        """Tilt in deg of the load if none is given: across a ring or a bore; else None, no tilt."""
+        """Default tilt of the load: 90 deg for a ring or a bore, else None for the axis."""
         return None if self.has_pole else 90.0
 
     @property
     def reach(self) -> float:
-        """Largest polar angle of a contact along the axis, in rad: pi/2, or that of the rim."""
+        """Maximum polar angle in rad of a contact along the axis: pi/2, or that of the rim."""
         return self.opening.reach
 
     def _check_configuration(self) -> None:
@@ -410,20 +422,20 @@ class Configuration:
         ball, opening = self.ball_support, self.opening
         if isinstance(ball, Pin):
             raise checks.RangeError(
-                "ball_support pin is for a joint with its dimensions; without them use "
-                "bore:RADIUS,ANGLE, the radius of the bore over the ball's and the polar angle of "
-                "the faces' edges in deg"
+                "ball_support pin requires a joint with dimensions; without dimensions use "
+                "bore:RADIUS,ANGLE, where RADIUS is the radius of the bore divided by that of the "
+                "ball and ANGLE the polar angle of the edges of its faces in deg"
             )
         if opening.is_ring and ball.is_half:
             raise checks.RangeError(
-                f"ball_support beside opening {opening} must hold a whole ball, as a ring faces "
-                "its equator: core:0.2 (a rigid core), neck:30 (a rigid neck) or bore:0.5,45 (a "
-                f"rigid pin in a bore), got {ball}"
+                f"ball_support must hold a whole ball if the socket is a ring (opening {opening}), "
+                "because a ring touches the ball at its equator; use for example core:0.2 (a rigid "
+                f"core), neck:30 (a rigid neck) or bore:0.5,45 (a rigid pin in a bore), got {ball}"
             )
         most = 90.0 if ball.is_half else 180.0
         if isinstance(ball, Neck):
             most = 180 - ball.half_angle - CLEAR
-        checks.number(f"opening beside ball_support {ball}", opening.last, "deg", most=most)
+        checks.number(f"opening with ball_support {ball}", opening.last, "deg", most=most)
         if isinstance(self.socket_support, Sector):
             held = self.socket_support
             checks.number("first angle of socket_support", held.first, "deg", least=opening.first)
@@ -431,6 +443,6 @@ class Configuration:
         if self.rim is None:
             object.__setattr__(self, "rim", "mirror" if self.is_hemispherical else "free")
         if not self.is_hemispherical:
-            checks.choice("rim of other supports than a hemisphere's", self.rim, ("free",))
-            why = "kinematics of other supports than a hemisphere's"
-            checks.choice(why, self.kinematics, KINEMATICS[:2])
+            why = "unless half a ball is in a hemispherical socket held at its whole outside"
+            checks.choice(f"rim ({why})", self.rim, ("free",))
+            checks.choice(f"kinematics ({why})", self.kinematics, KINEMATICS[:2])

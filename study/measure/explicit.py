@@ -219,9 +219,11 @@ def integrate(
     arguments = (scene.constants(), law, h, strides, outputs, history, guarded)
     reached, limit = advance(SCHEMES.index(scheme), y, float(approach), *arguments)
     if reached <= outputs:
-        what = f"the depth must stay <= one clearance ({scene.clearance:g} m)"
+        what = f"the penetration depth must stay <= one clearance ({scene.clearance:g} m)"
         if limit > 0:
             what = f"the step must stay <= {limit:.4g} s, the limit of stability"
         time = reached * duration / outputs
-        raise MechanismError(f"{what}; stopped before time {time:.9g} s, step {h:.4g} s")
+        raise MechanismError(
+            f"{what}; the run stopped before {time:.9g} s with a step of {h:.4g} s"
+        )
     return history["slider_acceleration"], history["depth"]

@@ -23,5 +23,5 @@ def bisect(fails: Callable[[float], bool], low: float, high: float, times: int =
         middle = sqrt(low * high)
         low, high = (low, middle) if fails(middle) else (middle, high)
     if low in ends or high in ends:
-        raise StudyError("there is no limit between {:g} and {:g}".format(*ends))
+        raise StudyError("no limit was found between {:g} and {:g}".format(*ends))
     return float(f"{high:.4g}")

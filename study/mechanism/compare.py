@@ -102,7 +102,7 @@ def normalised_rms(truth: ArrayLike, values: ArrayLike) -> float:
     """
     truth, values = np.asarray(truth), np.asarray(values)
     if not np.ptp(truth) > 0:
-        raise checks.RangeError(f"truth must change, got only {truth[0]:g}")
+        raise checks.RangeError(f"truth must change with time, got only {truth[0]:g}")
     return float(np.sqrt(np.mean((values - truth) ** 2) / np.mean((truth - truth[0]) ** 2)))
 
 
@@ -129,4 +129,4 @@ def same_times(**responses: Response) -> None:
     """Raise ``ValueError`` for responses at other times; their names are used in the message."""
     first, second = responses.values()
     if not np.array_equal(first.time, second.time):
-        raise ValueError(f"{' and '.join(responses)} must have the same times, got others")
+        raise ValueError(f"{' and '.join(responses)} must have the same output times")

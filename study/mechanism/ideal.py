@@ -95,7 +95,7 @@ def blocks(scene: Scene, times: NDArray[np.float64]) -> Iterator[Block]:
         span = start, block[-1]
         solution = solve_ivp(slope, span, state, "DOP853", t_eval=block, rtol=3e-14, atol=atol)
         if not solution.success:
-            raise MechanismError(f"the integrator failed after {start:.9g} s")
+            raise MechanismError(f"the time integration failed after {start:.9g} s")
         start, state = block[-1], solution.y[:, -1]
         if p.steady:
             (driven,) = solution.y

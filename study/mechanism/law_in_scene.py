@@ -39,18 +39,27 @@ def in_scene(scene: Scene, law: Any, given: dict[str, Any]) -> tuple[list[Dimens
         laws = [in_joint(scene, law, gap, given) for gap in gaps]
         return laws, in_words(scene, law, given)
     if given:
-        raise checks.RangeError(f"{', '.join(given)} must be left out: the law has its options")
+        raise checks.RangeError(
+            f"{', '.join(given)} does not apply to a law in SI units, which has its options; "
+            "remove it"
+        )
     sizes = law.socket_radius, *(law.clearance for _ in gaps)
     if not np.allclose([scene.socket_radius, *gaps], sizes, SAME, 0):
-        wanted = f"give Scene(socket_radius={law.socket_radius:.9g}, clearance={law.clearance:.9g})"
-        raise checks.RangeError(f"law must be of all clearance joints, the crank's too: {wanted}")
+        sizes = f"socket_radius={law.socket_radius:.9g}, clearance={law.clearance:.9g}"
+        raise checks.RangeError(
+            "law must have the socket radius and the clearance of every clearance joint of the "
+            f"scene; use Scene({sizes}), or another law"
+        )
     modulus, words = law.composite_modulus, in_words(scene, law.law, law.options)
     if not isclose(modulus, scene.composite_modulus, rel_tol=SAME):
         joint = law.law.joint
         bodies = [] if joint is None else [*joint.materials.values()]
         if scene.materials not in (Scene().materials, (*bodies[:1], *bodies[-1:])):
-            wanted = f"the scene's, {scene.composite_modulus:.9g} Pa, or its materials left out"
-            raise checks.RangeError(f"modulus E* of law must be {wanted}, got {modulus:.9g} Pa")
+            own = f"{scene.composite_modulus:.9g} Pa, that of the scene's materials"
+            raise checks.RangeError(
+                f"composite modulus E* of law must be {own}, got {modulus:.9g} Pa; use the same "
+                "materials, or do not give the materials of the scene"
+            )
         words += f"; with its own composite modulus, {modulus:.9g} Pa"
     _reaching_one_clearance(law)
     return [law] * len(gaps), words
@@ -66,7 +75,7 @@ def in_joint(
     try:
         found = DimensionalLaw(law, **sizes, composite_modulus=modulus, **values)
     except checks.RangeError as error:
-        more = "; law tabulated is for other joints too" if law is LAWS[LAW] else ""
+        more = "; use the law tabulated, which is valid for any joint" if law is LAWS[LAW] else ""
         raise checks.RangeError(f"{error}{more}") from None
     return _reaching_one_clearance(found)
 
@@ -76,7 +85,9 @@ def _reaching_one_clearance(law):
     try:
         law.force(law.clearance)
     except checks.RangeError as error:
-        raise checks.RangeError(f"law must reach a depth of one clearance: {error}") from None
+        raise checks.RangeError(
+            f"law must be valid up to a depth of one clearance, but {error}"
+        ) from None
     return law
 
 
@@ -108,7 +119,9 @@ def options(scene: Scene, law: Law, given: dict[str, Any]) -> dict[str, Any]:
     for name, value in stated.items():
         what = f"{name} of law {law.name}"
         if not isclose(checks.number(what, value, scalar=True), own[name], rel_tol=SAME):
-            raise checks.RangeError(f"{what} must be the scene's, {own[name]:.9g}, got {value:.9g}")
+            raise checks.RangeError(
+                f"{what} must be {own[name]:.9g}, that of the scene's materials, got {value:.9g}"
+            )
     usual = {"socket_ratio": SOCKET_RATIO} if "socket_ratio" in law.options else {}
     return usual | given | {name: own[name] for name in known}
 

@@ -347,7 +347,7 @@ def blocks(
     checks.number("limit of stability", in_contact, "s", least=1e-10 * times[-1])
     strides, h = stepping.divide(times, step)
     if h > limit and method != "unguarded":
-        raise ValueError(f"step must be <= {limit:.4g} s, the limit of stability, got {step:.4g} s")
+        raise ValueError(f"step must be <= {limit:.4g} s, the stability limit, got {step:.4g} s")
     rows, bodies = _rows(scene, frame, ideal)
     lagged, guarded, last = method != "centred", method != "unguarded", len(frame.elements)
     system = System(rows, bodies, frame.pin, last, frequency, ideal, lagged, guarded)

@@ -58,13 +58,20 @@ def _material_of(body: str) -> Any:
 @parameters.documented
 @dataclass(frozen=True)
 class Scene:
-    """Mechanism parameters: a crank-slider in a plane, with its slide along +x.
+    """Mechanism parameters of a planar crank-slider, in SI units.
 
-    The slide passes through the crank's axis. The clearance joint is between coupler and slider.
-    The ball is on the coupler's end, the socket in the slider, which does not turn. There may be a
-    second one between crank and coupler, with the ball on the crank's end and the socket in the
-    coupler. At t = 0 the balls are at rest in their sockets; by default nothing moves, and both
-    links lie on +x. All is in SI units. A value outside its range is a ``ValueError``.
+    The slide lies along +x and passes through the axis of the crank. The clearance joint is between
+    coupler and slider: the ball is at the end of the coupler, and the socket is in the slider,
+    which does not rotate. There may be a second clearance joint between crank and coupler, with the
+    ball at the end of the crank and the socket in the coupler. At t = 0 the balls are at rest
+    relative to their sockets. By default the mechanism is at rest then, and both links lie on +x.
+    Raises ``ValueError`` for a value outside its range.
+
+    Examples
+    --------
+    >>> scene = Scene(clearance=1e-4, restitution=0.9)
+    >>> scene.replace(friction=0).clearance
+    0.0001
     """
 
     crank_length: float = parameter(0.05, "Length of the crank", "m", above=0, source="Table 3")
@@ -83,17 +90,17 @@ class Scene:
     )
     restitution: float = parameter(
         0.5,
-        "Coefficient of restitution, from 0.001 for damping exact and flores",
+        "Coefficient of restitution; at least 0.001 for damping exact and flores",
         least=0,
         most=1,
         source="Table 4",
     )
     friction: float = parameter(0.05, "Coefficient of friction", least=0, source="Table 4")
     slow_speed: float = parameter(
-        1e-4, "Sliding speed v0 below which there is no friction", "m/s", least=0, source="Table 4"
+        1e-4, "Sliding speed v0, below which there is no friction", "m/s", least=0, source="Table 4"
     )
     full_speed: float = parameter(
-        0.01, "Sliding speed v1 from which on friction is full", "m/s", above=0, source="Table 4"
+        0.01, "Sliding speed v1, above which the friction is full", "m/s", above=0, source="Table 4"
     )
     driving_moment: float = parameter(
         0.5, "Moment that drives the crank", "N m", least=-1e6, most=1e6, source="Table 4"
@@ -125,8 +132,8 @@ class Scene:
     )
     damping: Damping = parameter(
         "exact",
-        "Rule for the damping factor; only exact delivers the restitution, lankarani-nikravesh is "
-        "the paper's",
+        "Model of the damping factor; with exact an impact has the given coefficient of "
+        "restitution, and lankarani-nikravesh is the model of Yao et al.",
         choices=get_args(Damping),
         source="chosen here, delivers the restitution",
     )
@@ -135,7 +142,8 @@ class Scene:
     )
     initial_eccentricity: tuple[float, float] = parameter(
         (0.0, 0.0),
-        "Place of the ball's centre in the slider's socket at t = 0, inside the clearance",
+        "Eccentricity at t = 0: vector from the centre of the slider's socket to the centre of the "
+        "ball, shorter than the clearance",
         "m",
         several=",",
         count=2,
@@ -159,8 +167,7 @@ class Scene:
     )
     crank_speed: float | None = parameter(
         None,
-        "Constant speed of the crank, whatever moment this takes, instead of driving_moment and "
-        "initial_crank_speed",
+        "Constant speed of the crank, which replaces driving_moment and initial_crank_speed",
         "rad/s",
         least=-1e6,
         most=1e6,
@@ -193,7 +200,9 @@ class Scene:
         damping_factor(self.damping, self.restitution)
         for name in ("driving_moment", "initial_crank_speed"):
             if self.crank_speed is not None and getattr(self, name) != getattr(Scene, name):
-                raise ValueError(f"{name} must be left out with a crank_speed")
+                raise ValueError(
+                    f"{name} does not apply to a crank of constant crank_speed; remove one of them"
+                )
         inside = self.clearance - 4e-16 * self.socket_radius  # R2 - R1 is known no better
         checks.number("initial_eccentricity", hypot(*self.initial_eccentricity), "m", below=inside)
 
@@ -227,7 +236,7 @@ class Scene:
 
     @property
     def delivered_restitution(self) -> float:
-        """Restitution of a free impact with the scene's damping; ``exact``: that asked for."""
+        """Coefficient of restitution of a free impact with the damping model of the scene."""
         exact = self.damping == "exact"
         return self.restitution if exact else delivered_restitution(self.damping_factor)
 
@@ -245,7 +254,7 @@ class Scene:
         """Raise ``ValueError`` if a parameter is given that a model does not have."""
         for name in names:
             if getattr(self, name) != getattr(Scene, name):
-                raise ValueError(f"{name.replace('_', ' ')} must be left out: this model has none")
+                raise ValueError(f"{name} does not apply to this model; remove it")
 
     def link(self, body: Body) -> Link:
         """Beam of a flexible link; an inertia below a thin rod's is a ``ValueError``."""
@@ -324,5 +333,9 @@ class Scene:
 
 
 def paper_scene(**changes: Any) -> Scene:
-    """The paper's scene, whose damping delivers another restitution; ``changes`` are of `Scene`."""
+    """Mechanism parameters with the damping model of Yao et al.
+
+    With this model an impact does not have the given coefficient of restitution
+    (`Scene.delivered_restitution`). The ``changes`` are attributes of `Scene`.
+    """
     return Scene(**({"damping": PAPER_DAMPING} | changes))

@@ -1,9 +1,11 @@
-"""One call for every model of the crank-slider, with checked arguments.
+"""The function `simulate`, which runs every model of the crank-slider, with checked arguments.
 
-The three models have rigid links, links of particles (the paper's finite particle method), or links
-of beam elements, with a clearance joint or an ideal one. `study.choose.model` chooses the one that
-a scene needs.
+The three models have rigid links, links of particles (the finite particle method of Yao et al.), or
+links of beam elements, each with a clearance joint or an ideal joint. `study.choose.model` chooses
+the simplest model that is accurate enough.
 """
+
+from __future__ import annotations  # so that help() shows names and not what they stand for
 
 from collections.abc import Callable
 from functools import partial
@@ -42,39 +44,40 @@ computing for rigid links. A crank far too short or light for its drive does not
 @describe(
     scene=Parameter("Mechanism parameters", otherwise="`Scene()`"),
     model=Parameter(
-        "Model of the links: rigid links, links of particles (the paper's finite particle method),"
-        " or beams",
+        "Model of the links: rigid links, links of particles (the finite particle method of Yao "
+        "et al.), or beams",
         choices=get_args(Model),
     ),
     joint=Parameter(
-        "Joint between coupler and slider; the mechanism parameters have that of crank and coupler",
+        "Joint between coupler and slider; a clearance joint between crank and coupler is given "
+        "by the mechanism parameter crank_clearance",
         choices=get_args(JointKind),
     ),
     law=Parameter(
-        "Contact law: its name, or tabulated, the table of the solved joint. In Python also a law "
-        "itself such as ``tabulated(curve)``, a function of (``depth_star``, ``r2_star``) that "
-        "returns force_star (`study.contact.sampled`), or a law in SI units or a "
-        "`study.joint.DimensionalJoint` of the same sizes, and of the same materials unless these "
-        "are the default",
+        "Contact law: its name, or tabulated for a table of the joint's elastic solution. In "
+        "Python it may also be a law such as ``tabulated(curve)``, a function of (``depth_star``, "
+        "``r2_star``) that returns force_star (`study.contact.sampled`), a law in SI units, or a "
+        "`study.joint.DimensionalJoint`; the last two must have the dimensions of the scene's "
+        "joint, and its materials unless the scene has the default ones",
         kind=str,
     ),
     duration=Parameter("Simulated time", "s", {"above": 0, "most": 1000000000.0}),
     outputs=Parameter(
-        "Number of equal intervals between the times of output",
+        "Number of equal intervals between the output times",
         limits={"least": 1, "most": 10**6},
         whole=True,
     ),
     tolerance=Parameter(
-        "Rigid links with clearance: largest local error of eccentricities and speeds, relative to"
-        " the clearance, the depth of the impact and the speed that the drive gives",
+        "Rigid links with clearance: maximum local error of eccentricities and speeds, relative "
+        "to the clearance, the penetration depth of the impact and the speed that the drive gives",
         limits={"least": LEAST_TOLERANCE, "most": 0.01},
         otherwise=f"{TOLERANCE:g}",
     ),
     step=Parameter(
-        "Flexible links: largest time step",
+        "Flexible links: maximum time step",
         "s",
         {"above": 0},
-        otherwise=f"{BEAM_STEP:g} for beams, half the limit of stability for particles",
+        otherwise=f"{BEAM_STEP:g} for beams, half the stability limit for particles",
     ),
     elements=Parameter(
         "Flexible links: number of elements of crank and coupler, as N,N",
@@ -85,13 +88,13 @@ computing for rigid links. A crank far too short or light for its drive does not
         otherwise="4,8",
     ),
     method=Parameter(
-        "Particles: velocity in the joint's damping and friction, centred or half a step old "
-        "(lagged); unguarded is lagged without checks of stability",
+        "Particles: velocity that is used for damping and friction in the joint, either centred "
+        "or half a step old (lagged); unguarded is lagged without checks of stability",
         choices=get_args(particles.Method),
         otherwise="centred",
     ),
     progress=Parameter(
-        "Function that is called with the simulated time every tenth of a second or so"
+        "Function that is called with the simulated time in s about every tenth of a second"
     ),
 )
 def simulate(
@@ -99,7 +102,7 @@ def simulate(
     *,
     model: Model = "rigid",
     joint: JointKind = "clearance",
-    law: "AnyLaw | DimensionalLaw | DimensionalJoint" = LAW,
+    law: AnyLaw | DimensionalLaw | DimensionalJoint = LAW,
     duration: float = 0.1,
     outputs: int = 1000,
     tolerance: float | None = None,
@@ -112,21 +115,28 @@ def simulate(
     """Simulate the crank-slider.
 
     Further keywords are options of the law. Those of materials (``modulus_ratio``, ``poisson`` and
-    ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene. ``tabulated`` has ``wall``
-    or ``socket_ratio``, and ``liner`` (`study.joint.DimensionalJoint`).
+    ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene. The options of
+    ``tabulated`` are ``wall`` or ``socket_ratio``, and ``liner`` (`study.joint.DimensionalJoint`).
 
     Returns
     -------
     Response
-        After Ctrl-C it has what was computed so far, and ``complete=False``.
+        After Ctrl-C it has the results up to then, and its attribute ``complete`` is False.
 
     Raises
     ------
     ValueError
-        For an unknown name, a value outside its range, an argument that the model does not have, or
-        a law of another socket radius or of other materials than the scene's.
+        If a name is unknown, a value is outside its range, an argument does not apply to the model,
+        or the law is for another socket radius or other materials than those of the scene.
     MechanismError
-        If the simulation cannot go on; says when, with which step, and which limit was passed.
+        If the simulation cannot continue. The message states the time, the step and the limit that
+        was exceeded.
+
+    Examples
+    --------
+    >>> response = simulate(Scene(restitution=0.9), law="hertz", duration=0.005)
+    >>> len(response.impacts), f"{response.impacts.peak_force.max():.0f} N"
+    (2, '229 N')
     """
     run = _checked(
         scene, model, joint, law, duration, outputs, tolerance, step, elements, method, law_options
@@ -162,7 +172,9 @@ def _checked(
         ("method", method, model == "particles"),
     ):
         if value is not None and not used:
-            raise ValueError(f"{name} must be left out: model {model}, joint {joint} has none")
+            raise ValueError(
+                f"{name} does not apply to model {model} with joint {joint}; remove it"
+            )
     _check_motion(scene, model, gapless, duration)
     if gapless and isinstance(law, str) and law == LAW and not law_options:
         law = "hertz"  # nothing touches: the range of the default law does not matter
@@ -197,14 +209,16 @@ def _check_motion(scene, model, gapless, duration):
     """Refuse a second joint that a model does not have, and a crank that does nothing but turn."""
     if scene.crank_clearance is not None and (model != "rigid" or gapless):
         raise ValueError(
-            "crank_clearance must be left out: a second clearance joint is for model rigid with "
-            f"joint clearance, got model {model} and joint {'ideal' if gapless else 'clearance'}"
+            "crank_clearance, a second clearance joint, requires model rigid and joint clearance, "
+            f"got model {model} and joint {'ideal' if gapless else 'clearance'}; remove it"
         )
     p = scene.constants()
     turned = abs(p.moment) * duration**2 / (2 * p.j1)
     turned += abs(scene.starting_speed) * duration
     turned += sqrt(abs(scene.gravity) / scene.crank_length) * duration
-    checks.number("duration times the speed of the crank", turned, "rad", most=MOST_TURNED)
+    checks.number(
+        "angle by which the crank turns within the duration", turned, "rad", most=MOST_TURNED
+    )
 
 
 def _gather(blocks, scene, laws, columns, told, progress=None):

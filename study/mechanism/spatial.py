@@ -189,7 +189,7 @@ class ClearanceJoint:
         found = self._on_ball(self.approach, *eccentricity, *velocity, *spin)
         depth, self.approach = found.depth, found.approach
         if not depth <= self.deepest * (1 + LIMIT_MARGIN):
-            wanted = f"depth of {self.law.name} must stay <= {self.deepest:g} m"
+            wanted = f"penetration depth of law {self.law.name} must stay <= {self.deepest:g} m"
             raise checks.StudyError(f"{wanted}, got {depth:g} m")
         return found
 
@@ -218,7 +218,7 @@ class ClearanceJoint:
 
         joints = system.variables.setdefault(JOINTS, [])
         if any(joint is self for joint, _ in joints):
-            raise ValueError("joint must be connected once, got it twice in one system")
+            raise ValueError("joint must be connected only once in one system, got it twice")
         connector = item.ObjectConnectorRigidBodySpringDamper(
             markerNumbers=[socket, ball], springForceTorqueUserFunction=self._resisted
         )

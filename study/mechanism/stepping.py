@@ -172,9 +172,9 @@ def advance_in_blocks(
             impacts, events = map(np.concatenate, more)
             continue
         if status != FINE:
-            deep = "the depth must stay <= one clearance ({:g} m)"
+            deep = "the penetration depth must stay <= one clearance ({:g} m)"
             what = (failure if status == FAILED else deep).format(state.limit)
-            at = f"time {state.time:.9g} s, step {state.step:.4g} s"
-            raise MechanismError(f"{what}; stopped at {at}")
+            at = f"{state.time:.9g} s with a step of {state.step:.4g} s"
+            raise MechanismError(f"{what}; the simulation stopped at {at}")
         some = 1 + int(some * min(10.0, PATIENCE / (perf_counter() - start)))
         yield rows[:done], impacts[: state.impacts].copy(), events[: state.impacts].copy()

@@ -1,4 +1,4 @@
-"""Which limits of its contact law a simulation exceeds, in words."""
+"""Model limits of its contact law that a simulation exceeds, as sentences."""
 
 from study import checks
 from study.contact import LAWS, SOCKET_RATIO
@@ -10,10 +10,10 @@ from study.mechanism.scene import Scene
 def exceeded_limits(
     scene: Scene, response: Response, socket_ratio: float = SOCKET_RATIO
 ) -> applicability.Limits:
-    """Limits that the deepest contact exceeds: a key for each, and a sentence.
+    """Model limits that the deepest contact exceeds: a key for each, and a sentence.
 
-    Yield is looked for where a material has a yield stress, in a half ball that slides at its
-    equator and a socket of the ratio given, held all over its outside.
+    Yield is checked if a material has a yield stress, for half a ball on a guided plate and a
+    socket with the given ratio of its radii that is held at its whole outside.
     """
     deepest = response.impact_rows["peak_depth"].max(initial=0.0)
     if deepest == 0:
@@ -24,8 +24,8 @@ def exceeded_limits(
     found: applicability.Limits = {}
     if law and law.fitted_to and depth_star > law.fitted_to:
         found["law"] = (
-            f"The depth of {depth_star:.2g} clearances is beyond {law.fitted_to:g}, to which the "
-            f"law {law.name} was fitted."
+            f"The penetration depth of {depth_star:.2g} clearances is greater than "
+            f"{law.fitted_to:g}, the maximum to which the law {law.name} was fitted."
         )
     moduli = {"ball": ball.youngs_modulus, "socket": socket.youngs_modulus}
     found |= applicability.modulus_limit(moduli)
@@ -35,11 +35,13 @@ def exceeded_limits(
         yields = ball.yield_stress or socket.yield_stress
         first = first_yield(joint, min(depth_star, 1.0)) if yields else None
     except checks.RangeError as error:
-        found["joint"] = f"The elastic solution is not for this joint, and not compared: {error}."
+        found["joint"] = (
+            f"The law was not compared with an elastic solution of this joint: {error}."
+        )
         return found
     if first is not None:
         found["yield"] = (
-            f"The {first.body} yields from {first.depth_star:.2g} clearances on, of "
-            f"{depth_star:.2g} that are reached. The law is elastic, and too stiff from there."
+            f"The {first.body} yields at depths above {first.depth_star:.2g} clearances, and "
+            f"{depth_star:.2g} are reached. The law is elastic and therefore too stiff there."
         )
     return found

@@ -151,13 +151,13 @@ def notebook(name: str, entry: Mapping[str, Any]) -> Notebook:
         results = {key: Result(key, name, **table) for key, table in tables.items()}
         return Notebook(name, results, **others)
     except TypeError as error:
-        raise StudyError(f"catalogue.toml: {name}: {error}") from None
+        raise StudyError(f"notebooks/catalogue.toml: the entry {name} is wrong: {error}") from None
 
 
 try:
     _ENTRIES = tomllib.loads(FILE.read_text(encoding="utf-8")) if paths.IS_CHECKOUT else {}
 except ValueError as error:
-    raise StudyError(f"notebooks/catalogue.toml: {error}") from None
+    raise StudyError(f"notebooks/catalogue.toml: it is not valid TOML: {error}") from None
 CATALOGUE = tuple(notebook(name, entry) for name, entry in _ENTRIES.items())
 
 
@@ -178,7 +178,7 @@ def select(names: Sequence[str]) -> list[Notebook]:
         if name not in known:
             near = " or ".join(_nearest(name, known))
             hint = f": did you mean {near}?" if near else ""
-            raise ValueError(f"NAME must be one that `study list` shows, got {name!r}{hint}")
+            raise ValueError(f"NAME must be a name that study list shows, got {name!r}{hint}")
     return [nb for nb in CATALOGUE if not names or {nb.name, *nb.results} & set(names)]
 
 

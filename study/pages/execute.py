@@ -75,7 +75,7 @@ def check_parameters(notebooks: list[Notebook], settings: list[str]) -> dict[str
     for setting in settings:
         key, equals, text = setting.partition("=")
         if not equals:
-            raise ValueError(f"-p must be key=value, got {setting!r}")
+            raise ValueError(f"-p must be KEY=VALUE, got {setting!r}")
         owners = [name for name, entries in known.items() if key in entries]
         if not owners:
             keys = ", ".join(sorted({key for entries in known.values() for key in entries}))
@@ -173,7 +173,7 @@ def execute(notebook: Notebook) -> None:
             where = f"{notebook.name}, cell In[{error.exec_count}]"
             raise NotebookError(f"{where}: {error.ename}: {error.evalue}") from None
         except NotJSONError:
-            raise NotebookError(f"{notebook.name}: the file is no notebook") from None
+            raise NotebookError(f"{notebook.name}: the file is not a notebook") from None
         finally:
             if executed.is_file():
                 paths.copy(executed, notebook.executed)
@@ -182,7 +182,9 @@ def execute(notebook: Notebook) -> None:
         if missing := ", ".join(sorted(wanted - made)):
             raise NotebookError(f"{notebook.name} did not save {missing}")
         if extra := ", ".join(sorted(made - wanted)):
-            raise NotebookError(f"{notebook.name} saved {extra}, which the catalogue does not name")
+            raise NotebookError(
+                f"{notebook.name} saved {extra}, which notebooks/catalogue.toml does not name"
+            )
         if notebook.settings:
             for name in notebook.files():
                 paths.copy(results / name, notebook.folder / name)
@@ -206,4 +208,4 @@ def refuse_returned(notebook: Notebook) -> None:
             text = "".join(data["text/plain"]) if [*data] == ["text/plain"] else ""
             if _RETURNED.match(text):
                 where = f"{notebook.name}, cell In[{cell['execution_count']}]"
-                raise NotebookError(f"{where} shows {checks.shown(text)}: end its last line with ;")
+                raise NotebookError(f"{where} shows {checks.shown(text)}; end its last line with ;")

@@ -168,7 +168,7 @@ def save_table(table: pd.DataFrame, name: str) -> None:
     bad = ~np.isfinite(numeric.to_numpy())
     if bad.any():
         column = numeric.columns[bad.any(axis=0)][0]
-        raise ValueError(f"every number of {name} must be finite, column {column!r} is not")
+        raise ValueError(f"all numbers of {name} must be finite, but column {column!r} has others")
     with paths.whole(paths.results() / f"{name}.csv") as temporary:
         saved = as_saved(table)
         saved.to_csv(temporary, index=False, float_format=f"%.{DIGITS}g", lineterminator="\n")

@@ -69,7 +69,7 @@ def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
     """
     rows = _from_csv(cases) if isinstance(cases, Path) else [_as_texts(case) for case in cases]
     if not rows:
-        raise ValueError("cases must have a row or more, got none")
+        raise ValueError("cases must have at least one row, got none")
     return [{name: text for name, text in row.items() if text} for row in rows]
 
 
@@ -82,10 +82,10 @@ def _from_csv(path):
         raise ValueError(f"cases must be a CSV file, got {path}: {why}") from None
     names, *rows = rows or [[]]
     if len(set(names)) < len(names):
-        raise ValueError(f"each column must have a name of its own, got {', '.join(names)}")
+        raise ValueError(f"each column must have a different name, got {', '.join(names)}")
     for number, row in enumerate(rows, 1):
         if len(row) != len(names):
-            wanted = f"row {number} must have {len(names)} cells, as the head of the file"
+            wanted = f"row {number} must have {len(names)} cells, as many as there are column names"
             raise ValueError(f"{wanted}, got {len(row)}")
     return [dict(zip(names, row, strict=True)) for row in rows]
 
@@ -109,18 +109,27 @@ def _text(value):
 
 
 def random_cases(count: int, ranges: Mapping[str, str], seed: int = 0) -> list[Case]:
-    """Random cases, the same for the same seed; a larger ``count`` begins with the same ones.
+    """Random cases of a parameter study.
 
     Parameters
     ----------
+    count
+        Number of cases, >= 1. A larger number begins with the same cases.
     ranges
-        Range of each column: ``low:high``, drawn evenly; ``low:high:log``, drawn evenly in the
-        logarithm; or values to choose from, ``a,b,c``. Numbers are drawn with 6 digits.
+        Range of each column: ``low:high`` draws uniformly, ``low:high:log`` uniformly in the
+        logarithm, and ``a,b,c`` one of the listed values. Numbers are drawn with 6 digits.
+    seed
+        Seed of the random numbers; the same seed gives the same cases.
+
+    Examples
+    --------
+    >>> random_cases(2, {"r2_star": "20:300:log", "rim": "mirror,free"})
+    [{'r2_star': '112.242', 'rim': 'mirror'}, {'r2_star': '22.347', 'rim': 'mirror'}]
     """
     count = checks.whole("number of random cases", count, least=1)
     seed = checks.whole("seed", seed, least=0)
     if not isinstance(ranges, Mapping) or not ranges:
-        wanted = "ranges of the random cases must be a mapping of columns to texts"
+        wanted = "ranges of the random cases must be a mapping of columns to ranges as texts"
         raise ValueError(f"{wanted}, got {checks.shown(ranges)}")
     columns = {name: _range(name, text) for name, text in ranges.items()}
     share = np.random.default_rng(seed).random
@@ -160,7 +169,7 @@ def prepared(
         form = "joints with dimensions"
     if checks.flag("twice", twice):
         if kind != "scenes":
-            raise ValueError(f"twice must be left out: it is for scenes, got {kind}")
+            raise ValueError(f"twice applies to scenes only, got {kind}; remove it")
         form = "scenes run twice"
     for column in own_columns(form, columns):
         _check_own(form, column)
@@ -171,10 +180,10 @@ def prepared(
     for row, case in enumerate(cases, 1):
         name = case.get(NAME, str(row))
         if name in rows:
-            other = f"got {name!r} in row {rows[name]} too"
-            raise ValueError(f"row {row}: {NAME} must be another name in each row, {other}")
+            other = f"got {name!r} also in row {rows[name]}"
+            raise ValueError(f"row {row}: {NAME} must have a different name in each row, {other}")
         if name.startswith(checks.FORMULA) and not _is_number(name):
-            wanted = f"{NAME} must not begin as a spreadsheet's formula"
+            wanted = f"{NAME} must not begin like the formula of a spreadsheet"
             raise ValueError(f"row {row}: {wanted}, got {name!r}")
         rows[name] = row
         try:
@@ -200,17 +209,21 @@ def own_columns(form: str, columns: Iterable[str]) -> list[str]:
 def _check_own(form, column):
     """Refuse a column that is a result, or may be meant as a parameter."""
     if column in (*COLUMNS[form], ERROR):
-        raise ValueError(f"column {column} must have another name: it is a column of results")
+        raise ValueError(
+            f"column {column} must have another name, because the table of results has one of this "
+            "name"
+        )
     for other, of in FORMS.items():
         if column in of.columns:
-            wanted = f"column {column} must be left out or have another name"
-            raise ValueError(f"{wanted}: it is a parameter of {other}, not of {form}")
+            wanted = f"column {column} must be removed or have another name"
+            raise ValueError(f"{wanted}, because it is a parameter of {other} and not of {form}")
     name = _UNIT.sub("", column.lower())
     for known in (NAME, *FORMS[form].columns):
         if _letters_between(name, known) <= (1 if len(known) < _LONG else 2):
             raise ValueError(
-                f"column {column} is no parameter: did you mean {known}? Parameters are named "
-                "without units, in SI units; a column that is kept needs a name less like theirs"
+                f"column {column} is not a parameter: did you mean {known}? Parameters have names "
+                "without units and values in SI units. A column that is only to be copied must "
+                "have a name that differs more from theirs"
             )
 
 
@@ -263,7 +276,9 @@ def _prepare(form, case):
     columns, needed, prepare = FORMS[form]
     for name in needed:
         if name not in case:
-            instead = ", or r2_star" if form == "joints with dimensions" else ""
+            instead = ""
+            if form == "joints with dimensions":
+                instead = ", or r2_star for a joint without dimensions"
             raise ValueError(f"{name} must be given{instead}")
     about = {name: columns[name] for name in case if name in columns}
     return prepare({name: of.taken(name, of.read(name, case[name])) for name, of in about.items()})
@@ -353,7 +368,7 @@ def _bodies(joint):
 def _dimensional_joint(values):
     asked = {name: values.pop(name) for name in _ASKED if name in values}
     if len(asked) > 1:
-        raise ValueError("either depth or force must be given, not both")
+        raise ValueError("depth and force must not both be given; remove one of them")
     joint, tilt = _tilted(DimensionalJoint, values)
 
     def solved():
@@ -406,7 +421,7 @@ def _simulate(scene, run, again):
     try:
         agreement = None if again is None else second_run(response, again)
     except StudyError as error:
-        raise StudyError(f"the second run, at another tolerance, failed: {error}") from None
+        raise StudyError(f"the run at a second tolerance failed: {error}") from None
     return {
         "impacts": len(response.impact_rows),
         "largest_depth": impacts["peak_depth"].max(initial=0.0),

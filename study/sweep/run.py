@@ -5,6 +5,8 @@ interrupted study goes on where it stopped. The table is written from this file 
 order of the cases, with the same bytes for any number of processes.
 """
 
+from __future__ import annotations  # so that help() shows names and not what they stand for
+
 import csv
 import json
 import os
@@ -27,10 +29,18 @@ _PACKAGES = ("numpy", "scipy", "numba", "scikit-fem")
 
 
 class Swept(NamedTuple):
-    """Numbers of cases and of rows in the table, columns of results, and why cases failed.
+    """Summary of a parameter study.
 
-    ``columns`` has the unit and the meaning of each, ``failures`` the reasons by number or name,
-    and ``kept`` the columns that are no parameters.
+    Attributes
+    ----------
+    cases, rows
+        Number of cases, and of rows in the table.
+    columns
+        Unit and meaning of each column of results, by its name.
+    failures
+        Reason of each failed case, by its number or name.
+    kept
+        Columns that are not parameters, which were copied.
     """
 
     cases: int
@@ -50,44 +60,59 @@ def run_study(
     progress: Callable[[int, int, int], Any] | None = None,
     twice: bool = False,
 ) -> Swept:
-    """Solve many joints, or simulate many scenes, and write one table.
+    """Solve many joints, or simulate many mechanisms, and write one table.
 
-    A joint has a row for each of its depths or forces, or some 50 rows of its whole curve if none
-    are given (off the axis 8 rows, from 0.05 to 0.5 clearances). A scene has one row. The columns
-    are the case's number or name, what is given, its results (`COLUMNS`), and ``error``: a case
-    whose values are not possible, or that fails, has one row with its reason there.
+    A joint has a row for each of its depths or forces. If none are given, it has about 50 rows for
+    its whole curve, or 8 rows from 0.05 to 0.5 clearances if the load is off the axis. A mechanism
+    has one row. The columns are the number or name of the case, the given values, the results
+    (`COLUMNS`), and ``error``. A case with invalid values, or one that fails, has a single row with
+    the reason in this column.
 
-    A joint with a ``tilt``, and a ring or a bored ball, whose tilt is 90 deg by default, is pressed
-    off the axis (`study.joint.tilted_contact`).
+    A joint with a ``tilt`` is pressed off the axis (`study.joint.tilted_contact`), and so is a ring
+    or a ball with a bore, for which the default tilt is 90 deg.
 
     Parameters
     ----------
     cases
-        CSV file with a row for each case, or mappings of its columns, such as a table's
-        ``to_dict("records")``. Columns are the options of study joint, or those of study simulate
-        and the parameters of the scene, and perhaps ``case``, a name. Several depths, forces,
-        layers or liners are separated by semicolons, or are a list. For an empty cell, or None,
-        the table has the default that was used. NaN is an error of its case. Columns that are no
-        parameters are kept as they are.
+        CSV file with a row for each case, or mappings of its columns, for example from
+        ``to_dict("records")`` of a pandas table. Columns are options of study joint, or options of
+        study simulate and mechanism parameters, and optionally ``case`` with a name. Several
+        depths, forces, layers or liners are a list, or are separated by semicolons. For an empty
+        cell or None, the table has the default that was used. NaN is an error of its case. Columns
+        that are not parameters are copied to the table.
+    kind
+        ``joints`` or ``scenes`` (mechanisms).
     output
-        CSV file to write. Until it is written, a file ``.part`` is beside it. Cases in this file
-        are not solved again, unless they or the code have changed.
+        CSV file to write. A file with the additional suffix ``.part`` exists until the table is
+        complete, and its cases are not solved again unless they or the code have changed.
     jobs, dask_address
-        Processes, by default one per core, or a Dask scheduler whose workers solve the cases.
+        Number of processes, by default one for each core; or the address of a Dask scheduler, whose
+        workers then solve the cases.
     progress
-        Called with the numbers of different cases: done, all, and failed.
+        Function that is called with three numbers of different cases: finished, all, and failed.
     twice
-        Run each scene a second time, at another tolerance, for the column ``agrees_until``
+        Repeat each simulation at a second tolerance, for the column ``agrees_until``
         (`study.mechanism.compare.second_run`). This takes about three times as long.
 
     Raises
     ------
     ValueError
-        Before any work, if no case is possible; names row and column. For a column that may be a
-        misspelt parameter, is one of another kind of cases, or has the name of a result.
+        Before any work, if no case is valid (the message names row and column), or if a column is
+        probably a misspelt parameter, is a parameter of another kind of cases, or has the name of a
+        result.
     study.checks.StudyError
-        If the Dask scheduler does not answer, or a worker ends; finished cases are kept, as they
-        are if the disk is full (``OSError``) or the study is interrupted (``KeyboardInterrupt``).
+        If the Dask scheduler does not answer, or a worker process ends. Finished cases are kept, as
+        they are if the disk is full (``OSError``) or after ``KeyboardInterrupt``.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     table = Path(folder) / "joints.csv"
+    ...     case = {"r2_star": 50, "depth_star": [0.1, 0.3]}
+    ...     summary = run_study([case], "joints", table, jobs=1)
+    >>> summary.cases, summary.rows, summary.failures
+    (1, 2, {})
     """
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
@@ -118,7 +143,7 @@ def run_study(
             count = _write(output, form, complete, names, map(part.rows, keys))
         except OSError as error:
             kept = f"{len(part.places)} of {len(different)} cases are kept"
-            why = f"{error.strerror or error}; {kept}, the same command goes on"
+            why = f"{error.strerror or error}; {kept}, and the same command continues from there"
             raise OSError(error.errno, why, str(output)) from None
     named = zip(names, keys, strict=True)
     failures = {name: part.failures[key] for name, key in named if key in part.failures}
@@ -235,8 +260,8 @@ def _solved(
             try:
                 results = future.result()
             except Exception as error:
-                why = "a worker ended, perhaps for lack of memory: take fewer --jobs"
-                kept = "what was finished is kept"
+                why = "a worker process ended, perhaps because memory was short; use fewer --jobs"
+                kept = "finished cases are kept"
                 raise StudyError(f"{why}; {kept} ({type(error).__name__}: {error})") from error
             yield from zip(running.pop(future), results, strict=True)
 

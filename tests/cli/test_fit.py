@@ -1,6 +1,7 @@
 """The command for a curve of your own: study fit."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -40,7 +41,7 @@ def test_the_command_prints_what_the_function_returns(run):
     _, out, _ = run("fit", MADE, *SIZES, *fit)
     assert "43.876" in next(line for line in out.splitlines() if line.startswith("tabulated"))
     assert "the standard error of n is 0.0082" in out
-    assert "Without hertz, steuermann: its best clearance is beyond" in out
+    assert re.search("hertz, steuermann: its best clearance is .* 0.333 to 3 times", out)
 
 
 @pytest.mark.parametrize(
@@ -71,22 +72,22 @@ def test_a_curve_in_clearances(run, written, tmp_path):
     assert [of["law"] for of in alone["laws"]] == ["power"]
     status, out, err = run("fit", path, "--r2-star", 200, "--plot", plot)
     assert (status, err, plot.exists()) == (0, "", True)
-    assert "from 0.1 to 0.5: n = 1.6661 and k = 653.11. Fitted to the least maximum" in out
+    assert "from 0.1 to 0.5: n = 1.6661 and k = 653.11." in out
     assert "hertz" in out
     sized = json.loads(run("fit", path, *SIZES, "--json")[1])
     assert len(sized["laws"]) > 5
 
 
 BAD = {
-    "": "must have a line of heads and a row for each point, got none",
-    "depth um,force N\n": "must have a line of heads and a row for each point, got none",
-    "depth um,force N\n1,2\n2,nan": "force in row 2 must be a finite number, got nan: leave",
+    "": "must have a line of column names and a row for each point, got 0",
+    "depth um,force N\n": "must have a line of column names and a row for each point, got 1",
+    "depth um,force N\n1,2\n2,nan": "force in row 2 must be a finite number, got nan",
     "depth um,force N\n1,2\n2,": "force in row 2 must be a number, got ''",
-    "depth um,force N\n1,2\n2": "row 2 must have 2 cells, as the head, got 1",
-    "depth um,depth mm,force N\n1,1,2": "must be chosen with --depth-column, by a name of its own",
-    "x,force N\n1,2": "a column must be named depth, got x, force N: name it with --depth-column",
+    "depth um,force N\n1,2\n2": "row 2 must have 2 cells",
+    "depth um,depth mm,force N\n1,1,2": "depth um, depth mm; select one with --depth-column",
+    "x,force N\n1,2": "no column is named depth; select one of x, force N with --depth-column",
     "depth,force N\n1,2": "the unit of the column depth must be one of um, mm, m, none",
-    "depth um,force_star\n1,2": "must both have units, or both have none",
+    "depth um,force_star\n1,2": "got the units um and none",
     "depth um,force N\n1,2\n": "the same length >= 4",
 }
 
@@ -104,4 +105,4 @@ def test_bad_options(run, tmp_path):
     status, _, err = run("fit", tmp_path / "none.csv")
     assert (status, "FILE must be a CSV file" in err) == (2, True)
     status, _, err = run("fit", MADE, "--r2-star", 200)
-    assert (status, "must be given, because the curve has units" in err) == (2, True)
+    assert (status, "must be given because the curve has units" in err) == (2, True)

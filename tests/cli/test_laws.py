@@ -33,8 +33,8 @@ def test_a_law_gets_its_options(run):
     expected = contact.stiffened_hertz(0.3, 50, socket_ratio=1.5, **materials, **supports)
     assert json.loads(out)["force_star"] == pytest.approx([expected])
     status, _, err = run("law", "hertz", *point, "--ball-support", "clamped")
-    told = "study: --ball-support must be left out: hertz does not depend on it\n"
-    assert (status, err) == (2, told)
+    assert (status, err.count("\n")) == (2, 1)
+    assert "--ball-support does not apply to the law hertz" in err
 
 
 def test_choose_prints_the_law_its_error_and_its_cost(run):
@@ -54,8 +54,7 @@ def test_choose_prints_the_law_its_error_and_its_cost(run):
 def test_choose_warns_beyond_yield(run):
     words = ("choose", "--r2-star", 200, "--depth-star", 0.4, "--tolerance", 0.5)
     text = run(*words, "--yield-stress", 2.5e8)[1]
-    assert re.search(r"The socket yields, at the surface, from 0\.25\d* clearances on", text)
-    assert "errors are for joints that do not yield" in text
+    assert re.search(r"The socket yields at the surface at depths above 0\.25\d* clearances", text)
     found = json.loads(run(*words, "--yield-stress", 2.5e8, "--json")[1])["first_yield"]
     steel = Material(yield_stress=2.5e8)
     assert found == pytest.approx(vars(first_yield(Joint(200, ball=steel, socket=steel), 0.4)))
@@ -92,19 +91,19 @@ def test_choose_takes_a_joint_with_its_dimensions(run):
     assert line == found[0]["export"]
     assert run(*shlex.split(line)[1:])[0] == 0
     _, text, _ = run(*words, "--force", 90000)
-    assert "Beyond a limit: The socket yields" in text
+    assert "Warning: The socket yields" in text
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ([*SIZES], "one of --depth, --force and --depth-star must be given"),
-        ([*SIZES, "--depth", 1e-6, "--force", 3], "one of --depth, --force and --depth-star must"),
+        ([*SIZES], "one of --depth, --force and --depth-star must be given, got none"),
+        ([*SIZES, "--depth", 1e-6, "--force", 3], "must be given, got --depth and --force"),
         ([*SIZES, "--depth", -1], "depth must be > 0 m, got -1 m"),
-        ([*SIZES, "--depth", 1e-6, "--yield-stress", 1e9], "--yield-stress must be left out"),
-        ([*SIZES, "--depth", 1e-6, "--r2-star", 20], "--r2-star must be left out"),
-        (["--r2-star", 20, "--force", 3], "--force must be left out: it is for a joint with its"),
-        (["--depth-star", 0.1], "--r2-star must be given or, with dimensions, --socket-radius"),
+        ([*SIZES, "--depth", 1e-6, "--yield-stress", 1e9], "--yield-stress does not apply"),
+        ([*SIZES, "--depth", 1e-6, "--r2-star", 20], "--r2-star is for a joint without dimensions"),
+        (["--r2-star", 20, "--force", 3], "--force does not apply to a joint without dimensions"),
+        (["--depth-star", 0.1], "--r2-star must be given"),
         (["--r2-star", 20], "--depth-star must be given"),
     ],
 )
@@ -123,7 +122,7 @@ def test_choose_heads_its_answer_with_no_law_that_does_not_serve_all_directions(
     assert (found["law"], found["one_law_for_all_directions"]) == (None, False)
     assert found["along_the_axis"]["law"] == "tabulated"
     first, command, *_ = text.splitlines()
-    assert first.startswith("No one law along the axis is known to serve all directions up to 20")
+    assert re.match(r"One law .* is not known to be accurate enough .* up to 20 deg", first)
     assert command == found["export"]
     assert "--law tabulated --tilt 20" in command
     loose = json.loads(run(*words, "--tolerance", 0.5, "--json")[1])
@@ -131,7 +130,7 @@ def test_choose_heads_its_answer_with_no_law_that_does_not_serve_all_directions(
     assert loose["law"] == "hertz"
     assert loose["error_bound"] + loose["direction_error"] <= 0.5
     first = run(*words, "--tolerance", 0.5)[1].splitlines()[0]
-    assert first.startswith("One law along the axis serves all directions up to 20 deg: ")
+    assert re.match(r"One law .* is accurate enough for all tilts up to 20 deg: ", first)
     tight = json.loads(run(*words, "--tolerance", loose["direction_error"], "--json")[1])
     assert tight["law"] is None  # nothing is left for the law's own error
 
@@ -151,7 +150,7 @@ def test_choose_says_what_to_use_where_no_law_along_the_axis_applies(run):
     force = joint.solve(depth=depth, tilt=90).force[0]
     assert law == pytest.approx(force, rel=1.01 * power["error"])
     text = run("choose", *CHOOSE[1:], *ring)[1]
-    assert text.startswith("No law along the axis applies to a ring, which is loaded across its")
+    assert re.match("No law .* applies to a ring", text)
     assert "which is within the tolerance of 10 %" in text
     assert text.splitlines()[-1].startswith(
         "study export --law tabulated --direction 90 --format c "
@@ -164,8 +163,8 @@ def test_export_takes_unequal_materials_and_one_unit_of_depth(run):
         _, out, _ = run("export", "--law", law, "--format", "json", *words)
         assert json.loads(out)["joint"]["modulus_ratio"] == pytest.approx(0.35)
     words = ["export", "--law", "hertz", "--format", "c"]
-    told = "study: --depth must be left out: it is for a joint with its dimensions\n"
-    assert run(*words, "--depth", 1e-6) == (2, "", told)
+    status, _, err = run(*words, "--depth", 1e-6)
+    assert (status, "--depth does not apply to a joint without dimensions" in err) == (2, True)
     words += ["--socket-radius", 0.01, "--clearance", 1e-4, "--wall", 3e-3, "--depth", 1e-6]
-    told = "study: either --depth or --depth-star must be given, not both\n"
-    assert run(*words, "--depth-star", 0.1) == (2, "", told)
+    status, _, err = run(*words, "--depth-star", 0.1)
+    assert (status, "--depth and --depth-star must not both be given" in err) == (2, True)

@@ -1,4 +1,4 @@
-"""The command for the crank-slider: its numbers are the library's, and how far to trust them."""
+"""The command for the crank-slider: its numbers are the library's, and agree at two tolerances."""
 
 import json
 import re
@@ -61,10 +61,9 @@ def test_simulate_states_its_law_of_the_joint_of_the_scene(run):
 def test_simulate_says_which_restitution_is_delivered(run):
     words = ("simulate", "--duration", "0.002", "--once")
     paper = (*words, "--scene", "damping=lankarani-nikravesh")
-    told = "Damping delivers the restitution 0.725, not 0.5."
-    assert told in run(*paper)[1].splitlines()
-    assert "Damping delivers" not in run(*words)[1]
-    assert "Damping delivers" not in run(*paper, "--joint", "ideal")[1]
+    assert re.search(r"^Warning: .* restitution of 0\.725 instead of 0\.5\.$", run(*paper)[1], re.M)
+    assert "restitution of" not in run(*words)[1]
+    assert "restitution of" not in run(*paper, "--joint", "ideal")[1]
     for command, delivered in ((words, 0.5), (paper, 0.72524)):
         found = json.loads(run(*command, "--json")[1])
         assert found["restitution"] == 0.5
@@ -73,22 +72,22 @@ def test_simulate_says_which_restitution_is_delivered(run):
 
 def test_simulate_says_how_far_it_can_be_trusted(run):
     told = run("simulate", "--duration", "0.01")[1].splitlines()[-1]
-    assert told.startswith("A second run, at another tolerance, is the same motion to the end: ")
+    assert "at a second tolerance agrees to the end: " in told
     agreement = json.loads(run("simulate", "--duration", "0.01", "--json")[1])["agreement"]
     assert (agreement["lasts"], agreement["impacts"]) == (True, [5, 5])
     words = ("crank_clearance=1.7e-4", "damping=flores", "restitution=0.05", "friction=0")
     words += ("clearance=1.86e-5", "initial_crank_angle=-1.54", "crank_speed=250")
     scene = [part for word in words for part in ("--scene", word)]
     told = run("simulate", *scene, "--duration", "0.1")[1].splitlines()[-1]
-    assert re.search(r"is the same motion until 0\.0\d+ s: .*one of many motions", told)
+    assert re.search(r"agrees until 0\.0\d+ s: .* chaotic", told)
     assert json.loads(run("simulate", "--joint", "ideal", "--json")[1])["agreement"] is None
 
 
 @pytest.mark.parametrize(
     ("error", "told"),
     [
-        (KeyboardInterrupt(), "The second run, which says how far to trust this one, was interrup"),
-        (MechanismError("no step is small enough"), "A second run, at another tolerance, failed"),
+        (KeyboardInterrupt(), "The run at a second tolerance, .* was interrupted"),
+        (MechanismError("no step"), "The run at a second tolerance failed: no step"),
     ],
 )
 def test_a_second_run_that_ends_early_loses_nothing(run, tmp_path, monkeypatch, error, told):
@@ -100,16 +99,16 @@ def test_a_second_run_that_ends_early_loses_nothing(run, tmp_path, monkeypatch, 
     status, out, _ = run("simulate", "--duration", "0.01", "--output", output)
     assert status == 0
     assert f"{simulate(duration=0.01).impacts.peak_depth[0]:.6g}" in out
-    assert out.splitlines()[-1].startswith(told)
+    assert re.match(told, out.splitlines()[-1])
     assert output.is_file()
-    assert "econd run" not in run("simulate", "--duration", "0.01", "--once")[1]
+    assert "second tolerance" not in run("simulate", "--duration", "0.01", "--once")[1]
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (["--scene", "friction"], "--scene must be KEY=VALUE"),
-        (["--elements", "2,2", "--model", "auto"], "--elements must be left out: model auto"),
+        (["--elements", "2,2", "--model", "auto"], "--elements does not apply to model auto"),
     ],
 )
 def test_what_does_not_fit_is_refused(run, words, message):
@@ -127,7 +126,7 @@ def test_simulate_auto_tells_what_it_chose(run):
     assert choice["evidence"]
     words += ["--quantity", "slider_velocity", "--tolerance", 0.1, "--socket-ratio", 1.5]
     _, out, _ = run("simulate", *words)
-    assert "The simplest model whose slider velocity is known well enough over 0.05 s" in out
+    assert re.match(r"The simplest model .* slider velocity .* over 0\.05 s: rigid links", out)
 
 
 def test_an_interrupted_simulation_prints_and_writes_what_it_has(run, tmp_path, monkeypatch):

@@ -115,7 +115,7 @@ def test_a_killed_and_an_interrupted_build_of_the_data_resume(less_data):
     before = [path.read_bytes() for path in others]
     resumed = study(project, "data", "build")
     assert resumed.returncode == 0, resumed.stderr
-    skipped = re.search(r"(\d+) +Skipped because unchanged", resumed.stdout)
+    skipped = re.search(r"(\d+) already up to date", resumed.stdout)
     assert int(skipped[1]) > done  # what the killed one had finished, and more
     assert leftovers(project) == []
     assert not (project / "build/stiffening").exists()  # up to date: it was not solved

@@ -61,7 +61,7 @@ def test_a_second_run_has_nothing_to_do(project):
     assert outdated(project) == set()
     again = study(project, "run")
     assert (again.returncode, again.stderr) == (0, "")
-    assert "Nothing was outdated" in again.stdout
+    assert again.stdout.startswith("Nothing was outdated")
     assert again.stdout.splitlines()[-1] == "4 results: 4 identical, 0 agree, 0 differ"
 
 
@@ -87,6 +87,11 @@ def test_a_run_makes_what_is_outdated_and_nothing_else(project):
     assert outdated(project) == set(NAMES)
     done = study(project, "run", "--jobs", "1")
     assert ran(done) == [CURVE, LAW]  # the numbers are as they were: their total need not be made
+    assert re.findall(r"^(\d) of \d  (\S+) \(\d+\.\d s\)", done.stdout, re.M) == [
+        ("1", CURVE),
+        ("2", LAW),
+    ]
+    assert re.search(r"^2 tasks run in \d+ s, 1 already up to date\.$", done.stdout, re.M)
     assert re.match(r"differs  figures/law.csv, row \d, column force: kept .* now ", done.stderr)
     assert outdated(project) == set()
 
@@ -144,6 +149,8 @@ def test_a_failing_cell_stops_its_results_alone(project):
     assert ran(done) == [LAW]
     failures = [line for line in done.stderr.splitlines() if line.startswith("failed:")]
     assert len(failures) == 1
+    assert re.search(rf"^\d of \d  {CURVE} failed \(", done.stdout, re.M)
+    assert "1 failed, 1 not run because a needed task failed" in done.stdout
     assert re.search(rf"failed: {CURVE}, cell In\[\d+\]: ZeroDivisionError", failures[0])
     assert "Traceback" not in done.stdout + done.stderr
     executed = nbformat.read(project / f"build/notebooks/{CURVE}.ipynb", as_version=4)

@@ -1,9 +1,12 @@
-"""Each example runs by itself, in another folder, and prints the number that is expected of it."""
+"""Examples run: programs in another folder with the number that is expected, and docstrings."""
 
+import doctest
 import os
+import pydoc
 import re
 import subprocess
 import sys
+from importlib import import_module
 
 import pytest
 
@@ -20,6 +23,46 @@ EXPECTED = {
     "two_numbers_for_adams": (r"^2 to 20 um: .* n = (\S+),", 1.6526, 1e-4),
 }
 """Where the number is in the text, the number, and how far off it may be."""
+
+
+PACKAGES = ("contact", "joint", "mechanism", "choose", "dataset", "export", "sweep")
+WITH_EXAMPLES = [
+    ".".join(path.relative_to(paths.ROOT).with_suffix("").parts).removesuffix(".__init__")
+    for package in PACKAGES
+    for path in sorted((paths.ROOT / "study" / package).rglob("*.py"))
+    if ">>> " in path.read_text(encoding="utf-8")
+]
+"""Modules of the library with examples in docstrings."""
+
+
+@pytest.mark.parametrize("module", WITH_EXAMPLES)
+def test_examples_of_docstrings_print_what_they_show(module):
+    flags = doctest.NORMALIZE_WHITESPACE
+    failed, attempted = doctest.testmod(import_module(module), optionflags=flags)
+    assert (failed, attempted > 0) == (0, True)
+
+
+@pytest.mark.parametrize(
+    ("owner", "name"),
+    [
+        ("study.joint", "DimensionalJoint"),
+        ("study.joint", "Joint"),
+        ("study.joint", "force_curve"),
+        ("study.contact", "DimensionalLaw"),
+        ("study.contact", "Material"),
+        ("study.mechanism", "Scene"),
+        ("study.mechanism", "simulate"),
+        ("study.choose", "choose"),
+        ("study.choose", "choose_model"),
+        ("study.choose", "fit_curve"),
+        ("study.export", "export"),
+        ("study.sweep", "run_study"),
+    ],
+)
+def test_what_users_call_first_has_an_example_and_short_types(owner, name):
+    function = getattr(import_module(owner), name)
+    assert ">>> " in function.__doc__
+    assert "_SupportsArray" not in pydoc.render_doc(function, renderer=pydoc.plaintext)
 
 
 def test_every_example_has_its_number():
