@@ -82,8 +82,8 @@ def show_solutions(
 ):
     """List the elastic solutions that are kept for the notebooks, or print the results of one.
 
-    Each case is a joint (its parameters that are not the default, as JSON) with the depths, tilts or
-    forces for which it is solved. The output is CSV if it does not go to a terminal.
+    Each case is a joint (as JSON, its parameters that are not the default) with the depths, tilts
+    or forces for which it is solved. The output is CSV if it does not go to a terminal.
     """
     from study.dataset import solutions, store
 

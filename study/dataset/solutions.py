@@ -10,7 +10,7 @@ same numbers: arguments and results are rounded to 9 significant digits.
 
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -111,8 +111,8 @@ def tilted(
 def under_load(joint: DimensionalJoint, force: float, tilt: float | None = None) -> Loaded:
     """`study.joint.DimensionalJoint.solve` under a force in N, at a tilt of it in deg."""
     rows = _rows("loaded", joint, {"force": force, "tilt": tilt})
-    *names, angle, pressure = Loaded._fields
-    return Loaded(*rows[names].iloc[0], rows[angle].to_numpy(), rows[pressure].to_numpy())
+    scalars = rows.iloc[0][list(Loaded._fields[:-2])].to_dict()
+    return Loaded(**scalars, angle_deg=rows.angle_deg.to_numpy(), pressure=rows.pressure.to_numpy())
 
 
 def design() -> pd.DataFrame:
@@ -214,7 +214,12 @@ def _loaded(joint, force, tilt):
     return dict(zip(Loaded._fields, (*numbers, *arrays), strict=True))
 
 
-_SOLVE = {"axial": _axial, "stress": _stresses, "tilted": _tilted, "loaded": _loaded}
+_SOLVE: dict[str, Callable[..., Any]] = {
+    "axial": _axial,
+    "stress": _stresses,
+    "tilted": _tilted,
+    "loaded": _loaded,
+}
 
 
 def _rows(kind, joint, arguments):
