@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from study import checks, dataset, paths
 
-Verdict = Literal["contradicted", "cannot be decided", "reproduced"]
+Verdict = Literal["contradicted", "undecided", "reproduced"]
 Relation = Literal["=", "<", ">"]
 VERDICTS, RELATIONS = get_args(Verdict), get_args(Relation)
-KINDS = ("stated", "implied only", "used to identify", "can hardly fail")
+KINDS = ("stated", "implied only", "used to identify", "trivially satisfied")
 """Only the verdict on a stated statement speaks for or against the paper. The others are not said
 in so many words, served to identify the set-up or follow from what did, or nearly any result
 would meet them."""
@@ -114,7 +114,7 @@ def judge() -> pd.DataFrame:
     """Judge every claim from the results in ``figures/``, ordered by kind, then by verdict.
 
     The table is that of `load` without ``row``, ``column`` and ``assumes``, and with ``found``
-    (readings with their numbers, as text), ``lowest``, ``highest``, ``verdict`` and ``hangs_on``.
+    (readings with their numbers, as text), ``lowest``, ``highest``, ``verdict`` and ``depends_on``.
     Raises `ClaimError` as `load` and `readings` do, and names the claim.
     """
     claims = load()
@@ -137,7 +137,7 @@ def _judge(claim):
         "lowest": min(values),
         "highest": max(values),
         "verdict": verdict(values, claim.relation, claim.bounds),
-        "hangs_on": "; ".join(hangs_on(list(numbers), held)) or claim.assumes,
+        "depends_on": "; ".join(depends_on(list(numbers), held)) or claim.assumes,
     }
 
 
@@ -160,17 +160,17 @@ def verdict(
     """Verdict on one claim from its numbers, one per reading; parameters as for `holds`.
 
     ``reproduced`` if it holds in every reading with every bound, ``contradicted`` if in none, and
-    ``cannot be decided`` otherwise: the verdict then depends on what the paper does not say. That
+    ``undecided`` otherwise: the verdict then depends on what the paper does not say. That
     is so, too, if readings lie on both sides of a number that is stated.
     """
     held = holds(values, relation, bounds)
     if held.all():
         return "reproduced"
     between = relation == "=" and min(values) < min(bounds)[0] < max(values)
-    return "cannot be decided" if held.any() or between else "contradicted"
+    return "undecided" if held.any() or between else "contradicted"
 
 
-def hangs_on(readings: Sequence[str], held: NDArray[np.bool_]) -> list[str]:
+def depends_on(readings: Sequence[str], held: NDArray[np.bool_]) -> list[str]:
     """What decides whether a statement holds: parts of its readings' names, or the bound.
 
     Readings have names in parts, as ``rigid links, 50 ms``; ``held`` is from `holds`. ``50 ms or

@@ -37,7 +37,7 @@ def test_what_cannot_speak_for_or_against_the_paper_stands_apart():
     kind = ROWS.set_index("claim").kind
     assert (
         kind[["same_scale", "solving_is_slow", "table1_determination", "closest_at_start"]]
-        == "can hardly fail"
+        == "trivially satisfied"
     ).all()
     implied = ["two_parameters", "moduli_by_modulus", "poisson_by_modulus"]
     implied += ["restitution", "shape_beats_hertz", "half_angle"]
@@ -105,15 +105,15 @@ def test_the_notebook_depends_on_all_evidence():
         ([100], "=", 100, "reproduced"),
         ([101, 99], "=", 100, "reproduced"),
         ([101.1], "=", 100, "contradicted"),
-        ([100, 111], "=", 100, "cannot be decided"),
+        ([100, 111], "=", 100, "undecided"),
         ([105, 111], "=", 100, "contradicted"),
-        ([95, 111], "=", 100, "cannot be decided"),
+        ([95, 111], "=", 100, "undecided"),
         ([-100], "=", -100, "reproduced"),
         ([50], "<", 100, "reproduced"),
         ([101], "<", 100, "reproduced"),
         ([150], "<", 100, "contradicted"),
         ([150], ">", 100, "reproduced"),
-        ([50, 150], ">", 100, "cannot be decided"),
+        ([50, 150], ">", 100, "undecided"),
         ([95, 98], ">", 100, "contradicted"),
     ],
 )
@@ -124,32 +124,32 @@ def test_verdict_by_hand(values, relation, expected, found):
 @pytest.mark.parametrize(
     ("value", "relation", "bounds", "found", "decides"),
     [
-        (7, "<", [(5, 0), (20, 0)], "cannot be decided", ["the bound, which is ours"]),
+        (7, "<", [(5, 0), (20, 0)], "undecided", ["the bound, which is ours"]),
         (4, "<", [(5, 0), (20, 0)], "reproduced", []),
         (21, "<", [(5, 0), (20, 0)], "contradicted", []),
-        (1.1, "=", [(1, 5), (1, 20)], "cannot be decided", ["the bound, which is ours"]),
+        (1.1, "=", [(1, 5), (1, 20)], "undecided", ["the bound, which is ours"]),
     ],
 )
 def test_a_bound_of_ours_must_not_decide(value, relation, bounds, found, decides):
     assert verdicts.verdict([value], relation, bounds) == found
-    assert verdicts.hangs_on(["a"], verdicts.holds([value], relation, bounds)) == decides
+    assert verdicts.depends_on(["a"], verdicts.holds([value], relation, bounds)) == decides
 
 
 def test_what_a_verdict_hangs_on_is_the_part_that_changes_it():
     names = ["rigid, 50 ms", "rigid, 200 ms", "beams, 50 ms", "beams, 200 ms"]
     held = verdicts.holds([3, 1, 3, 1], ">", [(2, 0)])
-    assert verdicts.hangs_on(names, held) == ["50 ms or 200 ms"]
+    assert verdicts.depends_on(names, held) == ["50 ms or 200 ms"]
     held = verdicts.holds([3, 3, 3, 1], ">", [(2, 0)])
-    assert verdicts.hangs_on(names, held) == ["rigid or beams", "50 ms or 200 ms"]
-    assert verdicts.hangs_on(names, verdicts.holds([3, 3, 3, 3], ">", [(2, 0)])) == []
+    assert verdicts.depends_on(names, held) == ["rigid or beams", "50 ms or 200 ms"]
+    assert verdicts.depends_on(names, verdicts.holds([3, 3, 3, 3], ">", [(2, 0)])) == []
 
 
 def test_a_verdict_says_what_it_hangs_on():
-    undecided = JUDGED[JUDGED.verdict == "cannot be decided"].set_index("claim").hangs_on
+    undecided = JUDGED[JUDGED.verdict == "undecided"].set_index("claim").depends_on
     assert undecided["larger_force"] == "50 ms or 200 ms or 100 ms"
     assert undecided["depth_to_one"] == "the bound, which is ours"
-    decided = JUDGED[JUDGED.verdict != "cannot be decided"].set_index("claim").hangs_on
-    assert decided.equals(ROWS.set_index("claim").assumes[decided.index].rename("hangs_on"))
+    decided = JUDGED[JUDGED.verdict != "undecided"].set_index("claim").depends_on
+    assert decided.equals(ROWS.set_index("claim").assumes[decided.index].rename("depends_on"))
     assert not set(undecided) & set(ROWS.assumes)
 
 
@@ -196,7 +196,7 @@ def figures(monkeypatch, tmp_path):
     [
         ("shape_beats_hertz", "expected", "2", "reproduced"),
         ("half_angle", "tolerance", "30", "reproduced"),
-        ("half_angle", "tolerance", "5 to 40", "cannot be decided"),
+        ("half_angle", "tolerance", "5 to 40", "undecided"),
         ("order", "row", "hertz RMSE", "contradicted"),
     ],
 )

@@ -240,7 +240,7 @@ def test_a_figure_tells_what_to_conclude_and_a_notebook_its_parameters(built):
 
 def test_statements_are_counted_once_by_kind(built):
     """As README counts them: verdicts of the stated ones alone."""
-    counted = "3 statements of the paper: 1 reproduced, 1 cannot be decided, 1 contradicted."
+    counted = "3 statements of the paper: 1 reproduced, 1 undecided, 1 contradicted."
     for page in ("index.html", "evidence.html", "statements.html"):
         text = " ".join(re.sub("<[^>]+>", "", (built / page).read_text("utf-8")).split())
         assert counted in text
@@ -304,7 +304,7 @@ def test_data_hold_every_case_and_law(built):
     text = (built / "data.js").read_text(encoding="utf-8")
     assert len(text) < 2e6
     data = json.loads(text.removeprefix("window.STUDY_DATA=").removesuffix(";\n"))
-    assert list(data["looks"]) == ["exact", *COMPARED_LAWS]
+    assert list(data["looks"]) == ["elastic_solution", *COMPARED_LAWS]
     for case in data["cases"]:
         assert set(case["laws"]) | set(case["undefined"]) == set(COMPARED_LAWS)
         for force in (case["force"], *case["laws"].values()):
@@ -393,7 +393,7 @@ def test_pages_load_without_errors(browse, name):
 TELL = "const tell = (value) => { document.body.dataset.probe = JSON.stringify(value); };"
 LINE = """const line = (name) => document.querySelector(
   `#force .line[data-name="${name}"]`)?.getAttribute("d");
-const dots = () => document.querySelector('#force [data-name="exact"]').innerHTML;
+const dots = () => document.querySelector('#force [data-name="elastic_solution"]').innerHTML;
 const form = document.getElementById("plot");
 const choose = (name, value) => { form.elements[name].value = value;
   form.elements[name].dispatchEvent(new Event("input", { bubbles: true })); };

@@ -40,7 +40,7 @@ def test_what_the_paper_computed():
 def test_how_good_its_law_is():
     low, high, soft = claimed(r"within 10 % for depths from (\S+) to (\S+) .*? it is (\d+) % too")
     table = kept("trend", "depth_star")
-    error = 100 * (table.hyperbolic_winkler / table.exact - 1)
+    error = 100 * (table.hyperbolic_winkler / table.elastic_solution - 1)
     span = kept("ratio_span", "quantity").at_convention  # rounded to the inside
     ends = span["least depth within 10 %"], span["largest depth within 10 %"]
     assert [np.ceil(100 * ends[0]) / 100, np.floor(100 * ends[1]) / 100] == [low, high]
@@ -66,7 +66,7 @@ def test_which_law_is_right():
 def test_which_statements_hold():
     counts = claimed(r"Of (\d+) statements (\d+) are reproduced and (\d+) contradicted; (\d+) hang")
     verdicts = kept("claims").query("kind == 'stated'").verdict.value_counts()
-    kinds = ["reproduced", "contradicted", "cannot be decided"]
+    kinds = ["reproduced", "contradicted", "undecided"]
     assert [verdicts.sum(), *verdicts.reindex(kinds, fill_value=0)] == counts
 
 

@@ -61,7 +61,7 @@ def curves() -> dict:
             except ValueError as error:
                 case["undefined"][law] = str(error)
         cases.append(case)
-    looks = {name: vars(LOOKS[name]) for name in ("exact", *COMPARED_LAWS)}
+    looks = {name: vars(LOOKS[name]) for name in ("elastic_solution", *COMPARED_LAWS)}
     named = {"parameters": PARAMETERS, "groups": design.GROUPS, "looks": looks}
     return named | {"depths": list(depths), "cases": cases}
 

@@ -21,12 +21,12 @@ from study.pages.typeset import PDFS
 DOCUMENTS = [path.relative_to(paths.ROOT).as_posix() for path in paths.DOCUMENTS]
 KINDS = ("claim", "figure", "table", "case")
 """What the search finds a place of, besides pages."""
-VERDICTS = {"contradicted": "✗", "cannot be decided": "?", "reproduced": "✓"}
+VERDICTS = {"contradicted": "✗", "undecided": "?", "reproduced": "✓"}
 """Verdict -> sign, as colour alone must not distinguish verdicts."""
 GROUPS = {
     "implied only": "Only implied by the paper",
     "used to identify": "Used to identify the set-up, or following from what was",
-    "can hardly fail": "Can hardly fail",
+    "trivially satisfied": "Trivially satisfied",
 }
 """Kinds of claims that do not speak for or against the paper, in words."""
 _LINK = re.compile(r"(!?)\[([^]]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")

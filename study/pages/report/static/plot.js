@@ -3,7 +3,7 @@
 (() => {
   const { parameters, looks, depths, cases } = window.STUDY_DATA, { svg: shape, html } = window.ELEMENTS;
   const form = document.getElementById("plot"), keys = Object.keys(parameters);
-  const names = Object.keys(looks).filter((name) => name !== "exact");
+  const names = Object.keys(looks).filter((name) => name !== "elastic_solution");
   const boxes = Object.fromEntries([...form.elements.law].map((box) => [box.value, box]));
   const NUMERIC = new Set(["modulus_ratio", "socket_ratio", "poisson", "r2_star"]);
   const WEIGHTS = { group: 1, kinematics: 30, support: 30, modulus_ratio: 30 };
@@ -130,15 +130,15 @@
       boxes[law].parentElement.title = item.undefined[law] ?? "";
     }
     const logs = [state.x === "log", state.y === "log"];
-    chart("force", "contact force P* = P/(E* ΔR²)", x, [["exact", item.force], ...shown.map((law) => [law, item.laws[law]])], logs);
+    chart("force", "contact force P* = P/(E* ΔR²)", x, [["elastic_solution", item.force], ...shown.map((law) => [law, item.laws[law]])], logs);
     document.getElementById("error").style.display = shown.length ? "" : "none";
     if (shown.length) chart("error", "relative error of the law (percent)", x,
       shown.map((law) => [law, x.map((_, k) => error(item, law, k))]), [logs[0], false]);
-    const table = document.getElementById("values"), rows = [["exact", item.force], ...shown.map((law) => [law, item.laws[law]])];
+    const table = document.getElementById("values"), rows = [["elastic_solution", item.force], ...shown.map((law) => [law, item.laws[law]])];
     table.caption.textContent = `At a depth of ${digits(x[state.at])} clearances, ${state.at + 1} of ${x.length}`;
     table.tBodies[0].replaceChildren(...rows.map(([name, values]) => html("tr", {}, html("td", {}, looks[name].label),
       html("td", { class: "num" }, digits(values[state.at])),
-      html("td", { class: "num" }, name === "exact" ? "" : percent(error(item, name, state.at))))));
+      html("td", { class: "num" }, name === "elastic_solution" ? "" : percent(error(item, name, state.at))))));
     const missing = names.filter((law) => item.undefined[law]).map((law) => [looks[law].label + " is not defined here", item.undefined[law]]);
     const told = [["Case", item.name], ["Solver", item.solver],
       ["Half-angle of the contact at the largest depth", `${item.half_angle} degrees, at ${x.at(-1)} clearances`],
