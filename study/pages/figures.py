@@ -198,7 +198,9 @@ def shown(table: pd.DataFrame, precision: int = 4) -> Styler:
 
 
 def tidy(*curves: tuple[str, pd.DataFrame, str, str, str | None], digits: int = 3) -> pd.DataFrame:
-    """Numbers of several panels in one table: panel, series, x_meaning, x, y_is, y, all but x as text.
+    """Numbers of several panels in one table, all but x as text.
+
+    The columns are panel, series, x_meaning, x, y_meaning and y.
 
     The figure draws the significant digits of y too, by ``as_saved(values, digits)``. Three are
     enough on a logarithmic axis. A curve is (panel, table, x, y, series): letter, DataFrame and
@@ -207,6 +209,6 @@ def tidy(*curves: tuple[str, pd.DataFrame, str, str, str | None], digits: int = 
     parts = []
     for panel, table, x, y, series in curves:
         names = y if series is None else table[series].astype(str)
-        columns = {"panel": panel, "series": names, "x_meaning": x, "x": table[x], "y_is": y}
+        columns = {"panel": panel, "series": names, "x_meaning": x, "x": table[x], "y_meaning": y}
         parts.append(pd.DataFrame(columns | {"y": (table[y] + 0.0).map(f"{{:.{digits}g}}".format)}))
     return pd.concat(parts, ignore_index=True)
