@@ -183,5 +183,5 @@ def depends_on(readings: Sequence[str], held: NDArray[np.bool_]) -> list[str]:
             found.setdefault(apart[0], {}).update({one[apart[0]]: None, other[apart[0]]: None})
     decisive = [" or ".join(names) for _, names in sorted(found.items())]
     if (held.any(axis=1) & ~held.all(axis=1)).any():
-        decisive.append("the bound, which is ours")
+        decisive.append("the tolerance, which this study chose")
     return decisive

@@ -124,10 +124,10 @@ def test_verdict_by_hand(values, relation, expected, found):
 @pytest.mark.parametrize(
     ("value", "relation", "bounds", "found", "decides"),
     [
-        (7, "<", [(5, 0), (20, 0)], "undecided", ["the bound, which is ours"]),
+        (7, "<", [(5, 0), (20, 0)], "undecided", ["the tolerance, which this study chose"]),
         (4, "<", [(5, 0), (20, 0)], "reproduced", []),
         (21, "<", [(5, 0), (20, 0)], "contradicted", []),
-        (1.1, "=", [(1, 5), (1, 20)], "undecided", ["the bound, which is ours"]),
+        (1.1, "=", [(1, 5), (1, 20)], "undecided", ["the tolerance, which this study chose"]),
     ],
 )
 def test_a_bound_of_ours_must_not_decide(value, relation, bounds, found, decides):
@@ -147,7 +147,7 @@ def test_what_a_verdict_hangs_on_is_the_part_that_changes_it():
 def test_a_verdict_says_what_it_hangs_on():
     undecided = JUDGED[JUDGED.verdict == "undecided"].set_index("claim").depends_on
     assert undecided["larger_force"] == "50 ms or 200 ms or 100 ms"
-    assert undecided["depth_to_one"] == "the bound, which is ours"
+    assert undecided["depth_to_one"] == "the tolerance, which this study chose"
     decided = JUDGED[JUDGED.verdict != "undecided"].set_index("claim").depends_on
     assert decided.equals(ROWS.set_index("claim").assumes[decided.index].rename("depends_on"))
     assert not set(undecided) & set(ROWS.assumes)

@@ -35,11 +35,11 @@ def test_no_path_of_a_machine():
         assert not re.search(rb"/(home|Users)/\w+/", content), path
 
 
-def test_contributing_names_every_room_and_package():
+def test_contributing_names_every_package_and_dependency():
     text = (paths.ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     project = tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    rooms = {path.parent.name for path in (paths.ROOT / "study").glob("*/__init__.py")}
-    assert not [room for room in rooms if f"`{room}" not in text]
+    packages = {path.parent.name for path in (paths.ROOT / "study").glob("*/__init__.py")}
+    assert not [package for package in packages if f"`{package}" not in text]
     optional = project["project"]["optional-dependencies"].values()
     for package in itertools.chain(project["project"]["dependencies"], *optional):
         if package.startswith(project["project"]["name"]):  # an extra of its own
