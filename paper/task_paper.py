@@ -7,12 +7,12 @@ from typing import Annotated
 from pytask import Product, PythonNode
 
 from study import paths, provenance
-from study.contact import laws, stiffening
+from study.contact import laws
 from study.pages import catalogue, typeset
 
 TEXT = [path for path in sorted(paths.PAPER.iterdir()) if path.suffix in (".typ", ".yml")]
 DATA = [paths.DATA / "force_curves.csv", paths.DATA / "datapackage.json"]
-PRINTED = [paths.DATA / "published/tables.csv", laws.COEFFICIENTS, stiffening.TABLE]
+PRINTED = [paths.DATA / "published/tables.csv", laws.COEFFICIENTS]
 SUFFIXES = (".py", ".html", ".md", ".rst", ".css", ".js", ".json", ".csv")
 LIBRARY = [path for path in (paths.ROOT / "study").rglob("*.*") if path.suffix in SUFFIXES]
 SHOWN = [*LIBRARY, *paths.DOCUMENTS, catalogue.FILE, *DATA]
