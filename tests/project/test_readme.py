@@ -94,7 +94,7 @@ def test_how_much_the_supports_matter():
 
 
 def test_where_things_are():
-    (curves,) = claimed(r"(\d+) cached force–depth curves")
+    (curves,) = claimed(r"(\d+) cached force.depth curves")
     assert len(dataset.load().groupby(["group", "case"])) == curves
     (ratio,) = claimed(r"with an outer radius of ([\d.]+) R2")
     assert ratio == contact.SOCKET_RATIO
