@@ -35,6 +35,7 @@ autodoc_use_legacy_class_based = True  # else `LawDocumenter` is not asked
 numpydoc_show_class_members = False
 
 html_theme = "furo"
+templates_path = ["templates"]  # the search page needs a heading
 html_static_path = ["static"]
 html_css_files = ["report.css"]
 html_math_renderer = "mathml"

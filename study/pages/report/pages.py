@@ -24,11 +24,11 @@ KINDS = ("claim", "figure", "table", "case")
 VERDICTS = {"contradicted": "✗", "undecided": "?", "reproduced": "✓"}
 """Verdict -> sign, as colour alone must not distinguish verdicts."""
 GROUPS = {
-    "implied only": "Only implied by the paper",
-    "used to identify": "Used to identify the set-up, or following from what was",
+    "implied only": "Assumptions that the paper only implies",
+    "used to identify": "Used to infer the reference joint, or following from it",
     "trivially satisfied": "Trivially satisfied",
 }
-"""Kinds of claims that do not speak for or against the paper, in words."""
+"""Kinds of claims that neither support nor contradict the paper, as headings."""
 _LINK = re.compile(r"(!?)\[([^]]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|[µnm]?[ms]|[GM]?Pa|N)(?!\w))")
 """Space between a number and its unit, at which no line may break."""
