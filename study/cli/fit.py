@@ -30,7 +30,9 @@ SHOWN = {"clearance": ("um", 1e6), "modulus": ("GPa", 1e-9), "offset": ("um", 1e
     sections={
         "Curve": ("depth_column", "force_column", "depth_unit", "force_unit"),
         "Fit": ("fit",),
-        **cli.SECTIONS,
+    }
+    | cli.SECTIONS
+    | {
         "Output": ("as_json", "plot"),
     },
     examples=[

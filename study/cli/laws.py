@@ -49,7 +49,9 @@ TABLE = "Use a table of depth and tilt instead. Command that exports it:\n{}"
     "choose",
     sections={
         "Accuracy and range": ("tolerance", "depth_star", "depth", "force", "tilt", "yield_stress"),
-        **cli.SECTIONS,
+    }
+    | cli.SECTIONS
+    | {
         "Output": ("as_json",),
     },
     examples=[
@@ -225,7 +227,9 @@ def _of_choice(choice, dimensions, exceeded, axial):
     "export",
     sections={
         "Law": ("law", "depth_star", "depth", "tilt", "direction"),
-        **cli.SECTIONS,
+    }
+    | cli.SECTIONS
+    | {
         "Output": ("form", "name", "output"),
     },
     examples=[

@@ -126,7 +126,9 @@ OFF_AXIS += ("peak_pressure_star", "peak_error", "peak_angle_deg", "reaches_rim"
     "joint",
     sections={
         "Load or depth": ("force", "depth", "tilt", "depth_star"),
-        **cli.SECTIONS,
+    }
+    | cli.SECTIONS
+    | {
         "Contact law": ("tolerance",),
         "Friction and wear": ("friction", "wear", "path"),
         "Output": ("as_json", "plot"),
