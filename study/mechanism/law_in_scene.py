@@ -45,10 +45,10 @@ def in_scene(scene: Scene, law: Any, given: dict[str, Any]) -> tuple[list[Dimens
         )
     sizes = law.socket_radius, *(law.clearance for _ in gaps)
     if not np.allclose([scene.socket_radius, *gaps], sizes, SAME, 0):
-        sizes = f"socket_radius={law.socket_radius:.9g}, clearance={law.clearance:.9g}"
+        own = f"socket_radius={law.socket_radius:.9g}, clearance={law.clearance:.9g}"
         raise checks.RangeError(
             "law must have the socket radius and the clearance of every clearance joint of the "
-            f"scene; use Scene({sizes}), or another law"
+            f"scene; use Scene({own}), or another law"
         )
     modulus, words = law.composite_modulus, in_words(scene, law.law, law.options)
     if not isclose(modulus, scene.composite_modulus, rel_tol=SAME):
