@@ -159,9 +159,7 @@ def test_particles_refuse_too_long_a_step_and_unguarded_ones_end_in_an_error(joi
     options = {"model": "particles", "joint": joint, "step": 1e-5, "duration": 0.01}
     with pytest.raises(ValueError, match="step must be <= 1.101e-06 s, the .*stability"):
         simulate(**options)
-    with pytest.raises(
-        MechanismError, match=r"must stay <= .* stopped at \S+ s .* 1e-05 s"
-    ):
+    with pytest.raises(MechanismError, match=r"must stay <= .* stopped at \S+ s .* 1e-05 s"):
         simulate(method="unguarded", **options)
 
 

@@ -54,8 +54,9 @@ def test_stiffened_hertz_takes_materials_from_the_scene():
     )
     assert found.impacts.equals(stated.impacts)
     assert found.law == (
-        "stiffened_hertz: socket_ratio 1.298 (the paper's), modulus_ratio 0.531400966, poisson 0.3,"
-        " socket_poisson 0.34, ball_support guided, rim mirror"
+        "stiffened_hertz: socket_ratio 1.298 (that of the reference joint), "
+        "modulus_ratio 0.531400966, poisson 0.3, socket_poisson 0.34, "
+        "ball_support guided, rim mirror"
     )
     law = contact.DimensionalLaw(
         "stiffened_hertz",
@@ -105,7 +106,7 @@ def test_a_curve_of_the_scenes_materials_drives_it():
 
 @pytest.mark.parametrize("law", ["liu", "winkler", "hyperbolic_winkler"])
 def test_fitted_laws_say_that_their_joint_was_another(law):
-    note = "its coefficient is that of the paper's joint, which has other materials"
+    note = "its coefficient is that of the reference joint, which has other materials"
     assert note in simulate(MIXED, law=law, **BRIEF).law
     assert note in simulate(PAPER.replace(poisson=0.4), law=law, **BRIEF).law
     assert note not in simulate(PAPER, law=law, **BRIEF).law

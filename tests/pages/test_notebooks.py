@@ -147,8 +147,6 @@ def test_what_a_call_for_a_plot_returns_is_refused(shown, refused, tmp_path, mon
     if not refused:
         execute.refuse_returned(catalogue.CATALOGUE[0])
         return
-    wanted = re.escape(
-        f"{catalogue.CATALOGUE[0].name}, cell In[3] shows {shown['text/plain']!r}"
-    )
+    wanted = re.escape(f"{catalogue.CATALOGUE[0].name}, cell In[3] shows {shown['text/plain']!r}")
     with pytest.raises(execute.NotebookError, match=wanted):
         execute.refuse_returned(catalogue.CATALOGUE[0])

@@ -77,7 +77,7 @@ window.STIFFENED_HERTZ = (() => {
     number("clearance", clearance, "m", { ">=": data.least_clearance * socket_radius, "<": socket_radius });
     number("wall", wall, "m", { ">=": data.walls[0] * socket_radius, "<=": data.walls[1] * socket_radius });
     const [first, second] = [material("ball", ball), material("socket", socket)], modulus_ratio = second.youngs_modulus / first.youngs_modulus;
-    const name = "Young's modulus of the socket over that of the ball", most = data.ranges.modulus_ratio[1];
+    const name = "Young's modulus of the socket divided by that of the ball", most = data.ranges.modulus_ratio[1];
     number(name, modulus_ratio, "", { ">=": 1 / most, "<=": most });
     const gap = socket_radius - (socket_radius - clearance), r2_star = socket_radius / gap;
     number("r2_star of stiffened_hertz", r2_star, "", { ">=": data.least_r2_star * (1 - data.margin) });
