@@ -56,7 +56,7 @@ FORCE_X, FORCE_Y, MOMENT, MIDDLE_U, MIDDLE_V, MIDDLE_SPIN = range(11, 17)
 
 
 def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
-    """Limit of stability of the explicit step with a clearance joint out of contact, in s."""
+    """Stability limit in s of the explicit time step, for a clearance joint without contact."""
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
 
 
