@@ -123,7 +123,7 @@ def choose_law(
     if not off_axis:
         show(axial, as_json, *parts)
         return
-    how = KNOWN.get(off_axis.known_by, "solved at the largest depth")
+    how = KNOWN.get(off_axis.known_by, "solved at the maximum depth")
     differs = DIFFERS.format(off_axis.direction_error, how)
     values = vars(off_axis) | {"one_law_for_all_directions": serves}
     if serves:

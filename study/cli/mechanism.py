@@ -199,10 +199,10 @@ def _show(end, response, choice, agreement, exceeded, as_json):
 def _of_choice(choice, duration):
     """The chosen model as sentences, and a table of all models that were compared."""
     return [
-        f"The simplest model with an error of the {choice.quantity.replace('_', ' ')} of at most "
-        f"{choice.error_bound:.2g} over {duration:g} s: {choice.model} links, {choice.joint} "
-        f"joint, law {choice.law}.\nModels in order of detail (relative_cost is the computing "
-        "time measured now):",
+        f"The simplest model that is accurate enough for the {choice.quantity.replace('_', ' ')} "
+        f"over {duration:g} s: {choice.model} links, {choice.joint} joint, law {choice.law}. Its "
+        f"error is at most {choice.error_bound:.2g}.\nModels in order of detail (relative_cost is "
+        "the computing time, measured now):",
         columns(choice.evidence),
         f"At a depth of {choice.depth_star:.2g} clearances the compliance of the links is "
         f"{choice.compliance_ratio:.2g} times that of the contact. The natural frequency of the "

@@ -1,8 +1,10 @@
-"""The power law k d^n that is closest to a force over a range of depths.
+"""The power law F = k d^n, fitted to a force over a range of penetration depths.
 
-Programs for multibody dynamics ask for the two numbers k and n. The fit is in the maximum norm of
-the relative error, so that its error is known at every depth of the range.
+Programs for multibody dynamics need the two numbers k and n. The fit minimises the maximum of the
+relative error, so that its error is known at every depth of the range.
 """
+
+from __future__ import annotations  # so that help() shows names and not what they stand for
 
 from typing import NamedTuple
 
@@ -17,9 +19,10 @@ USUAL_RANGE = 0.05, 0.5
 
 
 class PowerFit(NamedTuple):
-    """Force = ``coefficient`` depth^``exponent``, with its largest relative ``error``.
+    """Fitted power law: force = ``coefficient`` depth^``exponent``.
 
-    It is for ``depths`` from the least to the largest of the fit; beyond them the error grows fast.
+    The maximum relative error is ``error`` between the minimum and the maximum of the fit,
+    ``depths``. Beyond this range the error increases fast.
     """
 
     coefficient: float
@@ -34,7 +37,7 @@ class PowerFit(NamedTuple):
 
 
 def fit_power(depth: ArrayLike, force: ArrayLike, exponent: float | None = None) -> PowerFit:
-    """Power law with the least maximum of the relative error, exactly.
+    """Fit a power law so that the maximum of the relative error is minimal.
 
     The error is (m - 1)/(m + 1), where m is the largest over the smallest ratio of law and force.
     ln m is convex and piecewise linear in n. Its least value is at the slope between two of the

@@ -1,11 +1,14 @@
-"""The force of a joint over depth and direction of the displacement, as a table.
+"""The force of a joint over penetration depth and tilt, as a table.
 
-`study.joint.tilted_contact` solves a grid of depths and tilts off the axis. What is interpolated is
-smooth: the axial force over the force along, and the force across over that along. They depend on
-sqrt(depth_star) nearly linearly, and are 1 and 0 at depth 0, where Hertz's law holds for every
-direction. A finer table of both forces over Hertz's is made of them, which other programs can read
-too (`study.export`): between its places, cubic convolution (Keys, IEEE Trans. ASSP 29 (1981) 1153).
+`study.joint.tilted_contact` solves a grid of depths and tilts. Two smooth ratios are interpolated:
+the axial force divided by the force along the displacement, and the force across the displacement
+divided by the force along it. They depend nearly linearly on sqrt(depth_star), and are 1 and 0 at
+depth 0, where Hertz's law is valid for every direction. From them a finer table of both forces,
+divided by that of Hertz's law, is computed, which other programs can read too (`study.export`).
+Between its nodes, cubic convolution is used (Keys, IEEE Trans. ASSP 29 (1981) 1153).
 """
+
+from __future__ import annotations  # so that help() shows names and not what they stand for
 
 from dataclasses import dataclass, field
 
@@ -21,27 +24,30 @@ from study.joint.tilted import LARGEST_TILT, RESOLUTION, SHALLOWEST, tilted_cont
 
 Floats = NDArray[np.float64]
 LEAST_DEEPEST = 0.2
-"""Least end of a table, in clearances."""
+"""Minimum of the maximum depth of a table, in clearances."""
 _DEPTHS, _STEP = 7, 10.0  # depths solved; most deg from one tilt to the next
 _ROWS, _FINER = 32, 4  # intervals of the finer table over the depth; of it in one between tilts
 
 
 @dataclass(frozen=True)
 class DirectionalLaw:
-    """Force of a ball that is displaced in any direction up to some tilt, off the socket's axis.
+    """Force of a ball that is displaced in any direction up to a maximum tilt.
 
     Attributes
     ----------
+    joint
+        The joint without dimensions.
     depth_star, tilt
-        What was solved: depths in clearances, shape (k,), and tilts in deg, shape (n,), 0 first.
+        Solved depths in clearances, shape (k,), and solved tilts in deg, shape (n,), 0 first.
     force_star, transverse_star
-        Forces along the displacement, and across it towards larger tilt, over E* dR^2; (k, n).
+        Normalised forces along the displacement, and across it towards larger tilt; shape (k, n).
     error
-        Largest relative error of the force as a vector from the least of ``depth_star`` on: that
-        against the joint solved between the nodes, plus the largest estimate of the solution's own.
+        Maximum relative error of the force as a vector, at depths from the minimum of
+        ``depth_star`` on: the difference from the elastic solution between the nodes, plus the
+        maximum error estimate of that solution.
     table
-        Forces along and across over Hertz's, shape (2, rows, columns), at equal steps of
-        sqrt(depth_star) and of tilt from 0 on, with one more place before and one behind.
+        Forces along and across, divided by that of Hertz's law, shape (2, rows, columns), at equal
+        steps of sqrt(depth_star) and of tilt from 0 on, with an additional node at either end.
     """
 
     joint: Joint
@@ -60,11 +66,12 @@ class DirectionalLaw:
         return (rows - 3) / float(ends[0]), (columns - 3) / float(ends[1])
 
     def force(self, depth_star: ArrayLike, tilt: ArrayLike) -> tuple[Floats, Floats]:
-        """Forces along and across a displacement, over E* dR^2, in the shape of the arguments.
+        """Normalised forces along and across a displacement, in the shape of the arguments.
 
-        Both are 0 at depths <= 0. Negative tilts are those to the other side: the force along is
-        the same, that across has the other sign. Below the least depth that was solved the table
-        leads to Hertz's law at 0. A value beyond the table is a ``ValueError``.
+        Both are 0 at depths <= 0. For a negative tilt, which is to the other side, the force along
+        the displacement is the same and the force across has the opposite sign. Below the minimum
+        solved depth the table approaches Hertz's law. Raises ``ValueError`` for a value beyond the
+        table.
         """
         deepest, most = ((1 + LIMIT_MARGIN) * end[-1] for end in (self.depth_star, self.tilt))
         depth = np.asarray(checks.depth("depth_star", depth_star))
@@ -96,16 +103,20 @@ def directional_law(
 
     Parameters
     ----------
-    depth_star, tilt
-        Largest ones: from 0.2 to below sqrt(2 R2* - 1) - 1, and in deg > 0 and <= 120.
+    joint
+        The joint without dimensions.
+    depth_star
+        Maximum depth in clearances, >= 0.2 and < sqrt(2 R2* - 1) - 1.
+    tilt
+        Maximum angle in deg between displacement and axis, > 0 and <= 120.
     resolution
-        As for `study.joint.tilted_contact`.
+        Number of elements along a quarter circle, as in `study.joint.tilted_contact`.
 
     Raises
     ------
     ValueError
-        For a joint that `study.joint.tilted_contact` refuses, a value outside its range, or a tilt
-        that leaves no contact.
+        If `study.joint.tilted_contact` does not apply to the joint, a value is outside its range,
+        or there is no contact at a tilt.
     """
     last = checks.number("depth_star", depth_star, least=LEAST_DEEPEST, scalar=True)
     checks.number("depth_star", last, below=largest_depth(joint.r2_star))

@@ -1,10 +1,12 @@
-"""Stresses inside ball and socket, and where the elastic law ends: first yield by von Mises.
+"""Stresses inside ball and socket, and first yield by the von Mises criterion.
 
-The exact series gives stresses by its modes, at any point; finite elements give them at the nodes
-of the mesh. All are of linear elasticity, under the pressure of a solved contact. Beyond first
-yield they, and the errors of laws, are for bodies that do not yield. Stresses are in E* dR/R2,
-tension positive.
+The Legendre series gives stresses at any point, and finite elements give them at the nodes of the
+mesh. All are those of linear elasticity under the pressure of a solved contact. Beyond first yield,
+stresses and errors of laws are for elastic bodies. Stresses are in units of E* dR/R2; tension is
+positive.
 """
+
+from __future__ import annotations  # so that help() shows names and not what they stand for
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -38,18 +40,19 @@ _FELT = 30.0  # a mode that has decayed by exp(-30) is not felt
 
 @dataclass(frozen=True)
 class LargestStress:
-    """The largest von Mises stress in one body, at every depth of a curve.
+    """Maximum von Mises stress in one body, at each of the k depths of a curve.
 
     Attributes
     ----------
     von_mises
-        In E* dR/R2; shape (k,).
+        The stress in units of E* dR/R2; shape (k,).
     over_peak
-        The same over the peak pressure, 0 without contact; shape (k,).
+        The stress divided by the peak pressure, 0 without contact; shape (k,).
     radius
-        Where it is: distance from the body's centre over the radius of its surface; shape (k,).
+        Distance of the maximum from the centre of the body, divided by the radius of the surface;
+        shape (k,).
     angle
-        Where it is: polar angle from the contact's axis, in rad; shape (k,).
+        Polar angle of the maximum from the axis of the contact, in rad; shape (k,).
     place
         ``at the surface`` of contact; ``outside``, at the socket's outer sphere; ``at an
         interface`` of layers; ``at the core`` or ``at the bore`` that holds the ball; or else
@@ -68,10 +71,14 @@ class LargestStress:
 
 @dataclass(frozen=True)
 class FirstYield:
-    """Where a joint first yields as it is pressed: in which body, at what depth and force.
+    """First yield of a joint as its load increases.
 
-    The ``body`` and ``place`` are as for `largest`; ``depth_star`` is d/dR, ``force_star``
-    P/(E* dR^2).
+    Attributes
+    ----------
+    body, place
+        Body that yields first, and where, as in `largest`.
+    depth_star, force_star
+        Normalised penetration depth d/dR and force P/(E* dR^2) at first yield.
     """
 
     body: str
@@ -162,24 +169,33 @@ def largest(curve: ForceCurve) -> dict[str, LargestStress]:
 
 
 def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
-    """First yield, by von Mises, of a joint whose materials have a yield stress; None if elastic.
+    """First yield of a joint by the von Mises criterion; None if no body yields.
 
-    A body of yield stress Y yields where its largest von Mises stress over E* dR/R2 is R2* Y/E*.
-    That stress over the root of the depth is interpolated between solved depths, and down to
-    Hertz's limit at depth 0. Its error is below 0.5 % for socket ratios from 1.05 on, and below 5 %
-    in thinner sockets at depths below 0.001.
+    A body with yield stress Y yields when its maximum von Mises stress, in units of E* dR/R2, is
+    R2* Y/E*. This stress, divided by the square root of the depth, is interpolated between solved
+    depths and down to Hertz's limit at depth 0. Its error is below 0.5 % for socket ratios from
+    1.05 on, and below 5 % in thinner sockets at depths below 0.001.
 
     Parameters
     ----------
+    joint
+        A joint in which at least one material has a yield stress.
     depth_star
-        Largest depth looked at, in clearances.
+        Maximum normalised penetration depth that is considered.
 
     Raises
     ------
     ValueError
-        For materials without a yield stress; for a ball that is not held by its equatorial plane
-        (``guided`` or ``clamped``), or a socket that is not held all over its outside; for a depth
-        that the joint cannot have.
+        If no material has a yield stress, if the ball support is not ``guided`` or ``clamped``, if
+        the socket is not held at its whole outside, or if the contact cannot be so deep.
+
+    Examples
+    --------
+    >>> from study.contact import Material
+    >>> from study.joint import Joint
+    >>> first = first_yield(Joint(r2_star=50, ball=Material(yield_stress=5e8)), 0.3)
+    >>> first.body, first.place, round(first.depth_star, 3)
+    ('ball', 'below the surface', 0.13)
     """
     if not (joint.ball_support.by_plane and isinstance(joint.socket_support, WholeOutside)):
         raise checks.RangeError(

@@ -221,7 +221,7 @@ def integrate(
     if reached <= outputs:
         what = f"the penetration depth must stay <= one clearance ({scene.clearance:g} m)"
         if limit > 0:
-            what = f"the step must stay <= {limit:.4g} s, the limit of stability"
+            what = f"the step must stay <= {limit:.4g} s, the stability limit"
         time = reached * duration / outputs
         raise MechanismError(
             f"{what}; the run stopped before {time:.9g} s with a step of {h:.4g} s"

@@ -140,9 +140,9 @@ def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
         if value is not None:
             text = f"{value:.9g}" if isinstance(value, float) else str(value)
             own_of_paper = name == "socket_ratio" and joint is None and name not in given
-            usual = " (the paper's)" if own_of_paper else ""
+            usual = " (that of the reference joint)" if own_of_paper else ""
             words.append(f"{name} {text}{usual}")
     papers = np.allclose([*own.values()], [*PAPER_MATERIALS.values()], SAME, 0)
     if not papers and law.fitted_to is not None and given.get("coefficient") is None:
-        words.append("its coefficient is that of the paper's joint, which has other materials")
+        words.append("its coefficient is that of the reference joint, which has other materials")
     return f"{law.name}: {', '.join(words)}" if words else law.name

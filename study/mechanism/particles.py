@@ -56,12 +56,12 @@ FORCE_X, FORCE_Y, MOMENT, MIDDLE_U, MIDDLE_V, MIDDLE_SPIN = range(11, 17)
 
 
 def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
-    """Limit of stability of the explicit step with a clearance joint out of contact, in s."""
+    """Stability limit in s of the explicit time step, for a clearance joint without contact."""
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
 
 
 def usual_step(scene: Scene, law: np.record, elements: tuple[int, int]) -> float:
-    """Half the limit of stability with a clearance joint at a depth of one clearance, in s."""
+    """Half the stability limit with a clearance joint at a depth of one clearance, in s."""
     frame = Frame(scene, elements)
     inverse_mass = 1 / frame.masses[-1] + 1 / scene.slider_mass
     _, stiffness = elastic_force(law, scene.clearance)
@@ -335,7 +335,7 @@ def blocks(
     """Blocks of output rows at equally spaced ``times`` of the scene with links of particles.
 
     The law is packed; ``ideal`` fixes the ball to the slider. Equal steps of at most ``step``
-    seconds divide the time between outputs. One above the limit of stability is a ``ValueError``,
+    seconds divide the time between outputs. One above the stability limit is a ``ValueError``,
     unless ``unguarded``.
     """
     frame = Frame(scene, elements)
@@ -344,7 +344,7 @@ def blocks(
     if step is None:
         step = 1 / frequency if ideal else usual_step(scene, law, elements)
     in_contact = min(limit, 2 * step)
-    checks.number("limit of stability", in_contact, "s", least=1e-10 * times[-1])
+    checks.number("stability limit", in_contact, "s", least=1e-10 * times[-1])
     strides, h = stepping.divide(times, step)
     if h > limit and method != "unguarded":
         raise ValueError(f"step must be <= {limit:.4g} s, the stability limit, got {step:.4g} s")
@@ -356,7 +356,7 @@ def blocks(
     workspace, state.step = np.zeros((MIDDLE_SPIN + 1, motion.shape[1])), h
     state.gap = norm(motion[X, last] - state.slider, motion[Y, last]) - scene.clearance
     loop = partial(advance, state, motion, system, workspace, scene.constants(), law, h, strides)
-    failure = "the step must stay <= {:.4g} s, the limit of stability"
+    failure = "the step must stay <= {:.4g} s, the stability limit"
     return stepping.advance_in_blocks(loop, times, state, failure)
 
 

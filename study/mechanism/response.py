@@ -1,7 +1,7 @@
 """Results of a simulation over time: motion, joint, impacts and energies.
 
-Rows at equal times serve comparisons. They hide impacts, which are short: so each impact adds rows
-at its start, its largest force and its end.
+Rows at equally spaced times are used to compare simulations. Because impacts are shorter than the
+intervals between these times, each impact adds rows at its start, its maximum force and its end.
 """
 
 import csv
@@ -73,28 +73,39 @@ IMPACT_ROW = np.dtype(
 
 @dataclass(frozen=True)
 class Response:
-    """Motion of the mechanism; every column is an attribute, at equally spaced times.
+    """Motion of the mechanism, as returned by `study.mechanism.simulate`.
+
+    Every name of `columns`, for example ``slider_position``, is also an attribute: an array at the
+    n equally spaced output times, in SI units.
 
     Attributes
     ----------
     rows : shape (n,)
-        A record at each time, with the fields `columns`.
+        A record at each output time, with the fields `columns`.
     impact_rows : shape (m,)
         A record for each contact, with the fields ``joint``, ``kind`` and `IMPACT_COLUMNS`.
     event_rows : shape (e,)
-        At each impact's start, largest normal force and end, as ``rows``.
+        Records like ``rows`` at the start, the maximum normal force and the end of each impact.
     event_kinds
-        One of `EVENTS` for each of these, after ``crank`` for the joint of crank and coupler.
+        One of `EVENTS` for each of these records, with ``crank`` before it for the joint between
+        crank and coupler.
     complete
         False if the simulation was interrupted.
     law
-        The contact law and all of its options, in words.
+        The contact law and all of its options, as a text.
     restitution, delivered_restitution
-        Of a free impact: asked for in the scene, and what its damping delivers.
+        Coefficient of restitution of a free impact: the given one, and that of the damping model.
     tolerance
-        Of the steps; None for a model without one.
+        Tolerance of the time integration; None for a model without one.
     clearances
-        Of slider's and crank's joint, in m, where they have one.
+        Clearances in m of the joints at the slider and at the crank, if they are clearance joints.
+
+    Examples
+    --------
+    >>> from study.mechanism import simulate
+    >>> response = simulate(duration=0.01)
+    >>> response.slider_position.shape, response.impacts.kind.iloc[0]
+    ((1001,), 'impact')
     """
 
     rows: NDArray[np.void]
@@ -120,19 +131,19 @@ class Response:
 
     @cached_property
     def motion(self) -> "pd.DataFrame":
-        """The `columns`, SI units, at equally spaced times and at each impact's events.
+        """Table of the `columns`, in SI units, at the output times and at the events of impacts.
 
-        The last column, ``event``, is empty at equally spaced times. Else it is one of `EVENTS`:
-        ``peak`` for the slider's joint, ``crank peak`` for the crank's. A contact that goes on has
-        no end. Links of particles and beams give the first step in contact, the step of the largest
-        force, and the first step out of contact.
+        The last column, ``event``, is empty at output times. At events it is one of `EVENTS`, for
+        example ``peak`` for the joint at the slider and ``crank peak`` for the joint at the crank.
+        A contact that has not ended has no end. For links of particles and beams the events are the
+        first step in contact, the step of the maximum force, and the first step out of contact.
 
-        Places are measured from the crank's axis. The eccentricity is the vector from the socket's
-        centre to the ball's. ``depth`` is negative in flight. ``force_x`` and ``force_y`` act on
-        the body with the socket, slider or coupler; ``normal_force`` of an ideal joint is the size
-        of that force, and in contact it may fall below 0 (`study.contact.forces.joint_forces`).
-        ``work`` is that of drive and gravity since t = 0. ``elastic`` and losses are sums over all
-        joints and links.
+        Positions are measured from the axis of the crank. The eccentricity is the vector from the
+        centre of the socket to the centre of the ball. ``depth`` is negative without contact.
+        ``force_x`` and ``force_y`` act on the body with the socket (slider or coupler);
+        ``normal_force`` of an ideal joint is the magnitude of this force, and in contact it may be
+        negative (`study.contact.forces.joint_forces`). ``work`` is the work of drive and gravity
+        since t = 0. ``elastic`` and the losses are sums over all joints and links.
         """
         import pandas as pd
 
@@ -148,13 +159,14 @@ class Response:
 
     @cached_property
     def impacts(self) -> "pd.DataFrame":
-        """The ``impact_rows`` as a table, a row for each contact.
+        """The ``impact_rows`` as a table, with a row for each contact.
 
-        For one that has not ended, ``separation_speed`` is missing (NaN), and ``duration`` and
-        ``lost`` are those so far. ``free_duration`` is that of an elastic impact of the same
-        approach speed between the same rigid links, without other forces. A contact more than
-        `SUSTAINED` times as long has the kind ``sustained``: the mechanism's forces then press the
-        bodies together. Any other is an ``impact`` (this study).
+        For a contact that has not ended, ``separation_speed`` is missing (NaN), and ``duration``
+        and ``lost`` are the values so far. ``free_duration`` is the duration of an elastic impact
+        with the same approach speed between the same rigid links, without other forces. A contact
+        that lasts more than `SUSTAINED` times as long has the kind ``sustained``, because the
+        forces of the mechanism then press the bodies together; any other is an ``impact`` (this
+        study).
         """
         import pandas as pd
 
@@ -162,7 +174,7 @@ class Response:
 
     @property
     def energy_error(self) -> float:
-        """Largest change of work - kinetic - elastic - lost, over the largest of these."""
+        """Maximum change of work - kinetic - elastic - lost, divided by the maximum of these."""
         lost = self.lost_damping, self.lost_friction
         energies = np.column_stack([self.work, self.kinetic, self.elastic, *lost])
         rest = self.work - energies[:, 1:].sum(axis=1)
@@ -171,13 +183,13 @@ class Response:
 
     @property
     def last_separation(self) -> float:
-        """Time at which the surfaces part for the last time, in s; 0 if they never do."""
+        """Time of the last separation of the surfaces, in s; 0 if they never separate."""
         impacts = self.impact_rows
         ended = impacts[~np.isnan(impacts["separation_speed"])]
         return float((ended["time"] + ended["duration"]).max(initial=0.0))
 
     def save(self, path: Path) -> None:
-        """Write the motion as CSV, whole or not at all; without pandas, which may be missing."""
+        """Write the `motion` to a CSV file, completely or not at all; pandas is not needed."""
         with paths.whole(path) as temporary, open(temporary, "w", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow([*self.columns, "event"])

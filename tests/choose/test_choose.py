@@ -197,8 +197,8 @@ def test_chosen_model_is_within_tolerance_of_finer_particles(seed):
 @pytest.mark.parametrize(
     ("scene", "duration", "message"),
     [
-        (Scene(), 1e-6, "duration must be so long that the slider moves, got 1e-06 s"),
-        (Scene(clearance=5e-3), 0.05, "socket radius over clearance must be >= 3, got 2"),
+        (Scene(), 1e-6, "duration must be long enough .* got 1e-06 s"),
+        (Scene(clearance=5e-3), 0.05, "socket radius divided by clearance must be >= 3, got 2"),
     ],
 )
 def test_a_scene_that_nothing_can_be_said_of_is_refused(scene, duration, message):
@@ -221,12 +221,12 @@ def test_a_choice_runs_what_it_chose():
 def test_a_scene_whose_contact_only_the_solver_knows_is_refused_by_auto(monkeypatch):
     only = replace(choose.choose(Joint(200), 0.3, 0.01), law="solver", evaluate=None)
     monkeypatch.setattr(model, "choose", lambda *_: only)
-    with pytest.raises(StudyError, match="no law for calls at every step is known"):
+    with pytest.raises(StudyError, match="no contact law is known to be within 0.01"):
         choose_model(Scene(), 0.01)
 
 
 def test_choose_at_small_depths_with_large_displacements():
     joint = Joint(200, kinematics="finite")
     assert choose.choose(joint, 0.02, 0.2).error_bound <= 0.2
-    with pytest.raises(UnresolvedError, match="elements resolve the contact|16 elements"):
+    with pytest.raises(UnresolvedError, match="elements to resolve the contact|16 elements"):
         choose.choose(joint, 1e-7, 0.05)

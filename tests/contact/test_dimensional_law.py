@@ -94,9 +94,9 @@ def test_a_force_beyond_the_largest_depth_names_the_largest_force(law):
 def test_stiffened_hertz_takes_nothing_of_the_papers_joint_silently():
     for left_out in PAPER:
         options = {name: value for name, value in PAPER.items() if name != left_out}
-        with pytest.raises(ValueError, match=f"in SI units must be given {left_out}: "):
+        with pytest.raises(ValueError, match=f"in SI units requires {left_out}, "):
             DimensionalLaw("stiffened_hertz", **SIZES, **options)
-    message = "must be given socket_ratio, modulus_ratio, poisson, socket_poisson"
+    message = "requires socket_ratio, modulus_ratio, poisson, socket_poisson"
     with pytest.raises(ValueError, match=message):
         DimensionalLaw("stiffened_hertz", **SIZES)
 

@@ -187,13 +187,13 @@ def test_tabulated_law_is_smooth_and_increasing(curve):
 
 def test_tabulated_law_refuses_what_it_does_not_know(curve):
     law = contact.tabulated(curve)
-    with pytest.raises(ValueError, match="r2_star must be the curve's, 200, got"):
+    with pytest.raises(ValueError, match="r2_star must be 200, .* got"):
         law(0.1, 100)
     with pytest.raises(ValueError, match="depth_star of tabulated must be <= 1, got 1.1"):
         law(1.1)
     deep = force_curve(Joint(200), [0.1, 0.2, 0.3, 0.4], 64)
-    with pytest.raises(ValueError, match="start at a tenth of its largest depth or less"):
+    with pytest.raises(ValueError, match="minimum depth .* <= a tenth of .* got 0.1 and 0.4"):
         contact.tabulated(deep)
     short = force_curve(Joint(200), [0.1, 0.2, 0.3], 64)
-    with pytest.raises(ValueError, match="at least 4 different depths > 0, got 3"):
+    with pytest.raises(ValueError, match=">= 4 different depths > 0, got 3"):
         contact.tabulated(short)

@@ -86,7 +86,7 @@ def test_the_kept_fit_is_that_of_the_dataset():
         (lambda: fit_power([1.0, 1.0], [1.0, 2.0]), "depth must have two different values"),
         (lambda: fit_power([1.0, 2.0], [1.0, -2.0]), "force must be > 0, got -2"),
         (lambda: LAWS["power"](0.1, 200, exponent=1.5), "must be given together"),
-        (lambda: BRONZE.power_law((2e-6, 1e-6)), "largest depth must be > 2e-06 m, got 1e-06 m"),
+        (lambda: BRONZE.power_law((2e-6, 1e-6)), "maximum depth must be > 2e-06 m, got 1e-06 m"),
     ],
 )
 def test_bad_input(call, message):

@@ -309,15 +309,15 @@ def test_a_function_of_matlab_has_the_name_of_its_file(run, tmp_path, tilt):
 
 
 def test_bad_input_is_one_clear_error():
-    with pytest.raises(ValueError, match="name must begin with a letter, .* got '2nd hip'"):
+    with pytest.raises(ValueError, match="name must begin with a letter .* got '2nd hip'"):
         export("hertz", "c", BRONZE, name="2nd hip")
     with pytest.raises(ValueError, match=r"law must be one of hertz, .*, tabulated, got 'hooke'"):
         export("hooke", "c", Joint(200))
     with pytest.raises(ValueError, match="format must be one of c, matlab, modelica, json, csv"):
         export("tabulated", "xml", Joint(200))
-    with pytest.raises(ValueError, match="least depth_star must be > 0 and < 0.1, got 0.2"):
+    with pytest.raises(ValueError, match="minimum depth_star must be > 0 and < 0.1, got 0.2"):
         export("power", "json", Joint(200), (0.2, 0.1))
-    with pytest.raises(ValueError, match="depth_star must be one depth, or the least"):
+    with pytest.raises(ValueError, match="depth_star must be one depth, or the minimum"):
         export("power", "json", Joint(200), (0.1, 0.2, 0.3))
     with pytest.raises(ValueError, match="format of a joint without dimensions must be one of c,"):
         export("power", "adams", Joint(200))

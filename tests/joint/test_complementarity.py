@@ -51,7 +51,7 @@ def test_single_pivots_end_where_blocks_make_no_progress(monkeypatch):
 
 def test_a_solver_that_does_not_end_says_so_with_its_residual():
     matrix, vector = problem(3, 30, 0.0)
-    with pytest.raises(complementarity.ComplementarityError, match=r"residual \d.* of 30 points"):
+    with pytest.raises(complementarity.ComplementarityError, match=r"is \d.* of 30 points"):
         complementarity.solve(matrix, vector, max_pivots=1)
 
 

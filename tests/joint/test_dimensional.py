@@ -150,7 +150,7 @@ def test_laws_of_a_joint():
     for name in LAWS:
         law = BRONZE.law(name)
         assert law.depth(law.force(depth)) == pytest.approx(depth, rel=1e-9)
-    with pytest.raises(ValueError, match="stiffened_hertz is not for a socket of layers"):
+    with pytest.raises(ValueError, match="stiffened_hertz is not valid for a socket with layers"):
         LINED.law("stiffened_hertz")
 
 
@@ -159,13 +159,13 @@ def test_depths_beyond_one_clearance_and_up_to_the_rim():
     assert 60 < deep.contact_half_angle_deg[0] < 90
     assert CUP.solve(force=deep.force).depth == pytest.approx([3e-4], rel=TOGETHER)
     for asked in ({"force": 1e6}, {"depth": 1.4e-3}):
-        with pytest.raises(ValueError, match="(force|depth) must .*socket's rim"):
+        with pytest.raises(ValueError, match="(force|depth) must .* rim of the socket"):
             CUP.solve(**asked)
 
 
 def test_a_contact_too_small_to_resolve():
     assert BRONZE.solve(depth=40e-6 * 3e-5).error_estimate[0] < 0.05  # on finer elements
-    with pytest.raises(ValueError, match="depth must be so large that elements resolve"):
+    with pytest.raises(ValueError, match="depth must be large enough"):
         BRONZE.solve(depth=1e-15)
 
 
@@ -182,9 +182,12 @@ GOOD = {"socket_radius": 0.01, "clearance": 1e-4, "wall": 3e-3}
     ("changes", "message"),
     [
         ({"clearance": 0.01}, "clearance must be >= 1e-11 and < 0.01 m, got 0.01 m"),
-        ({"clearance": -1e-6}, "clearance must be > 0 m, got -1e-06 m: without clearance the ball"),
-        ({"liner": ("PTFE",)}, "liner must be a thickness in m and a material, such as"),
-        ({"liner": ("3e-3,PTFE",)}, "wall around the liner must be > 0.003 m, got 0.003 m"),
+        ({"clearance": -1e-6}, "clearance must be > 0 m, got -1e-06 m"),
+        ({"liner": ("PTFE",)}, "liner must be a thickness in m and a material"),
+        (
+            {"liner": ("3e-3,PTFE",)},
+            "must be > 0.003 m, got 0.003 m",
+        ),
     ],
 )
 def test_wrong_joints(changes, message):
@@ -196,7 +199,7 @@ def test_wrong_joints(changes, message):
     ("given", "message"),
     [
         ({}, "depth or force must be given"),
-        ({"depth": 1e-6, "force": 1.0}, "either depth or force must be given, not both"),
+        ({"depth": 1e-6, "force": 1.0}, "depth and force must not both be given"),
         ({"force": [1.0, -3.0]}, "force must be > 0 N, got -3 N"),
         ({"force": []}, "force must be a list of numbers, got shape (0,)"),
     ],
@@ -209,7 +212,7 @@ def test_wrong_depths_and_forces(given, message):
 @pytest.mark.parametrize("law", ["stiffened_hertz", contact.stiffened_hertz])
 def test_stiffened_hertz_is_for_linear_kinematics_alone(law):
     assert BRONZE.law(law).force(4e-6) == pytest.approx(BRONZE.law().force(4e-6), rel=2e-3)
-    with pytest.raises(ValueError, match="kinematics of stiffened_hertz must be one of linear"):
+    with pytest.raises(ValueError, match="kinematics .* stiffened_hertz must be one of linear"):
         replace(BRONZE, kinematics="finite").law(law)
 
 
@@ -232,7 +235,7 @@ def test_a_rod_end_on_its_pin_is_solved_across_it():
     assert all(0 <= error[0] < 0.05 for error in solution.von_mises_error.values())
     with pytest.raises(ValueError, match=r"force_star must be one .* \(force given: 1e\+12 N\)"):
         rod_end.solve(force=1e12)
-    with pytest.raises(ValueError, match="law off the axis must be the table"):
+    with pytest.raises(ValueError, match="law must be the table .* off the axis, got hertz"):
         rod_end.law("hertz")
 
 
@@ -242,5 +245,5 @@ def test_a_narrow_socket_has_a_table_up_to_its_rim():
     assert 0.1 * 40e-6 < law.deepest < 40e-6
     depth = law.deepest / 2
     assert narrow.solve(depth=depth).force == pytest.approx([law.force(depth)], rel=2e-3)
-    with pytest.raises(ValueError, match="the contact would reach the socket's rim"):
+    with pytest.raises(ValueError, match="rim of the socket"):
         narrow.solve(depth=30e-6)

@@ -327,15 +327,18 @@ def test_any_joint_stiffens_with_depth(r2_star, ratio, poisson, stiffer, drive, 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: force_curve(Joint(200, 1.01), 0.1, solver="quadratic"), "radius of a layer must"),
+        (
+            lambda: force_curve(Joint(200, 1.01), 0.1, solver="quadratic"),
+            "layer .* must be >= 1.02",
+        ),
         (lambda: force_curve(Joint(200, rim="free"), 0.1, solver="series"), "quadratic or linear"),
         (lambda: force_curve(FINITE, 0.1, solver="linear"), "quadratic for kinematics finite"),
         (lambda: force_curve(Joint(200), []), "depth_star must be a list of depths"),
         (lambda: force_curve(Joint(200), 0.1, 48), "resolution must be a multiple of 32, got 48"),
         (lambda: force_curve(replace(FINITE, r2_star=1e9), 0.1), r"r2_star must be <= 1e\+08, got"),
-        (lambda: force_curve(Joint(200), 1e-9, 32), "depth_star must be 0 or so large that"),
+        (lambda: force_curve(Joint(200), 1e-9, 32), "depth_star must be 0 or large enough"),
         (lambda: force_curve(Joint(200), 20, 32), "depth_star must be < 18.97"),
-        (lambda: force_curve(Joint(200, kinematics="linear"), 9, 32), "off the socket's rim"),
+        (lambda: force_curve(Joint(200, kinematics="linear"), 9, 32), "rim of the socket"),
     ],
 )
 def test_bad_input_is_one_clear_error(call, message):
@@ -345,7 +348,7 @@ def test_bad_input_is_one_clear_error(call, message):
 
 @pytest.mark.parametrize(("r2_star", "depth"), [(20, 5.0), (10, 3.0)])
 def test_too_large_strains_end_in_an_error_with_a_remedy(r2_star, depth):
-    with pytest.raises(ComplementarityError, match="take smaller depths or linear kinematics"):
+    with pytest.raises(ComplementarityError, match="use smaller depths or linear kinematics"):
         force_curve(Joint(r2_star, kinematics="finite"), depth, 64)
 
 
@@ -366,5 +369,5 @@ def test_a_joint_inside_its_limits_is_solved_or_refused(ratio, r2_star, thicknes
 def test_a_contact_too_small_for_the_elements_is_said_to_be_so(supports, depth):
     joint = Joint(200, **supports)
     for solve in (lambda: force_curve(joint, [depth]), lambda: whole_curve(joint, depth)):
-        with pytest.raises(UnresolvedError, match="elements resolve the contact|16 elements"):
+        with pytest.raises(UnresolvedError, match="elements to resolve the contact|16 elements"):
             solve()

@@ -75,8 +75,8 @@ def test_force_grows_from_that_of_hertz(share, nu, ratio, r2_star):
     ("call", "message"),
     [
         (lambda: whole_curve(Joint(200), 20), "deepest must be < 18.97"),
-        (lambda: whole_curve(Joint(20), 5), "off the socket's rim .* got 5"),
-        (lambda: whole_curve(Joint(200), 1e-4), "deepest must be a contact of 16 elements"),
+        (lambda: whole_curve(Joint(20), 5), "rim of the socket .* got 5"),
+        (lambda: whole_curve(Joint(200), 1e-4), "deepest must be .* contact of >= 16 elements"),
     ],
 )
 def test_whole_curve_refuses(call, message):

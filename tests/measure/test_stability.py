@@ -94,7 +94,7 @@ def test_centred_velocity_is_not_limited_by_damping_until_its_fixed_point_fails(
 def test_an_explicit_run_that_leaves_the_clearance_says_so(pressed):
     state, _ = pressed
     numbers = explicit.packed(SLIPPERY, "hertz")
-    with pytest.raises(MechanismError, match=r"the depth must stay <= one clearance \(5e-05 m\)"):
+    with pytest.raises(MechanismError, match=r"depth must stay <= one clearance \(5e-05 m\)"):
         explicit.integrate(
             SLIPPERY, numbers, 0.02, 1000, 2e-5, "velocity Verlet", state, 1e-5, guarded=False
         )
@@ -114,7 +114,7 @@ def test_an_explicit_step_beyond_its_limit_is_refused(pressed, scheme, approach)
         explicit.integrate(SLIPPERY, numbers, duration, outputs, step, scheme, state, approach)
 
     run(0.6 * limit)
-    with pytest.raises(MechanismError, match="the step must stay <= .* s, the limit of stability"):
+    with pytest.raises(MechanismError, match="the step must stay <= .* s, the .*stability"):
         run(1.05 * limit)
 
 
@@ -157,9 +157,9 @@ def test_links_limit_the_step_as_predicted():
 @pytest.mark.parametrize("joint", ["ideal", "clearance"])
 def test_particles_refuse_too_long_a_step_and_unguarded_ones_end_in_an_error(joint):
     options = {"model": "particles", "joint": joint, "step": 1e-5, "duration": 0.01}
-    with pytest.raises(ValueError, match="step must be <= 1.101e-06 s, the limit of stability"):
+    with pytest.raises(ValueError, match="step must be <= 1.101e-06 s, the .*stability"):
         simulate(**options)
-    with pytest.raises(MechanismError, match=r"must stay <= .*; stopped at time \S+ s, step 1e-05"):
+    with pytest.raises(MechanismError, match=r"must stay <= .* stopped at \S+ s .* 1e-05 s"):
         simulate(method="unguarded", **options)
 
 
@@ -334,8 +334,8 @@ def test_no_contact_has_no_force():
     ("r2_star", "reach", "message"),
     [
         (1.5, 2**0.5 - 1, "depth_star must be < 0.414214"),
-        (20, 3.623, "depth_star must keep the contact off the socket's rim"),
-        (200, 6.183, "depth_star must keep the contact off the socket's rim"),
+        (20, 3.623, "depth_star must be small enough"),
+        (200, 6.183, "depth_star must be small enough"),
     ],
 )
 def test_contact_is_solved_up_to_the_rim_and_refused_there(r2_star, reach, message):
@@ -352,7 +352,7 @@ def test_smallest_contact_is_that_of_one_hat(resolution):
     coarse = force_curve(Joint(200), 1.01 * smallest, resolution=resolution)
     assert coarse.force_star == pytest.approx(true, rel=0.05)
     assert coarse.error_estimate > 0.5  # the coarser mesh has only just seen it
-    with pytest.raises(RangeError, match="so large that the elements resolve the contact"):
+    with pytest.raises(RangeError, match="large enough for the elements to resolve the contact"):
         force_curve(Joint(200), 0.99 * smallest, resolution=resolution)
 
 

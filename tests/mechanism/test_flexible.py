@@ -235,12 +235,12 @@ def test_shorter_steps_converge_with_order_2(model):
 
 def test_particles_refuse_a_contact_that_takes_too_many_steps():
     light = PAPER.replace(slider_mass=1e-40)
-    with pytest.raises(ValueError, match=r"limit of stability must be >= 1e-13 s, got .*e-25 s"):
+    with pytest.raises(ValueError, match=r"stability limit must be >= 1e-13 s, got .*e-25 s"):
         simulate(light, model="particles", duration=1e-3)
 
 
 def test_lagged_velocity_in_stiff_damping_says_when_and_what_limit():
-    message = r"the step must stay <= 3.8\d\de-06 s, the limit of stability; stopped at time 0.01"
+    message = r"the step must stay <= 3.8\d\de-06 s, the .*stability; .* stopped at 0.01"
     with pytest.raises(MechanismError, match=message):
         simulate(model="particles", method="lagged", step=3.9e-6, **TWO)
 
@@ -248,7 +248,7 @@ def test_lagged_velocity_in_stiff_damping_says_when_and_what_limit():
 @pytest.mark.parametrize("model", ["rigid", *FLEXIBLE])
 def test_too_deep_a_contact_says_when(model):
     soft = PAPER.replace(youngs_modulus=1e6, driving_moment=25.0, link_modulus=2e11)
-    message = r"the depth must stay <= one clearance \(5e-05 m\); stopped at time 0.0\d+ s, "
+    message = r"depth must stay <= one clearance \(5e-05 m\); .* stopped at 0.0\d+ s "
     with pytest.raises(MechanismError, match=message):
         simulate(soft, model=model, **({} if model == "rigid" else TWO))
 
@@ -270,7 +270,7 @@ def test_flexible_links_of_random_scenes(model):
         try:
             r = simulate(eased, model=model, duration=0.02, outputs=20, **TWO)
         except MechanismError as error:
-            assert "the depth must stay" in str(error)
+            assert "depth must stay" in str(error)
             continue
         ended += 1
         assert np.isfinite(r.motion.drop(columns="event").to_numpy()).all()

@@ -54,8 +54,9 @@ def test_stiffened_hertz_takes_materials_from_the_scene():
     )
     assert found.impacts.equals(stated.impacts)
     assert found.law == (
-        "stiffened_hertz: socket_ratio 1.298 (the paper's), modulus_ratio 0.531400966, poisson 0.3,"
-        " socket_poisson 0.34, ball_support guided, rim mirror"
+        "stiffened_hertz: socket_ratio 1.298 (that of the reference joint), "
+        "modulus_ratio 0.531400966, poisson 0.3, socket_poisson 0.34, "
+        "ball_support guided, rim mirror"
     )
     law = contact.DimensionalLaw(
         "stiffened_hertz",
@@ -72,7 +73,7 @@ def test_stiffened_hertz_takes_materials_from_the_scene():
 
 @pytest.mark.parametrize(("name", "other"), [(name, 1.01 * OPTIONS[name]) for name in OPTIONS])
 def test_options_of_other_materials_are_refused(name, other):
-    message = f"{name} of law stiffened_hertz must be the scene's, {OPTIONS[name]:.9g}, got"
+    message = f"{name} of law stiffened_hertz must be {OPTIONS[name]:.9g}, "
     with pytest.raises(ValueError, match=re.escape(message)):
         simulate(MIXED, law="stiffened_hertz", **BRIEF, **{name: other})
 
@@ -80,7 +81,7 @@ def test_options_of_other_materials_are_refused(name, other):
 @pytest.mark.parametrize(
     ("joint", "message"),
     [
-        ({}, "modulus_ratio of law tabulated must be the scene's, 0.531400966, got 1"),
+        ({}, "modulus_ratio of law tabulated must be 0.531400966, .* got 1"),
         (
             {"ball": STEEL, "socket": replace(BRONZE, poisson=0.3)},
             "socket_poisson of law tabulated",
@@ -105,7 +106,7 @@ def test_a_curve_of_the_scenes_materials_drives_it():
 
 @pytest.mark.parametrize("law", ["liu", "winkler", "hyperbolic_winkler"])
 def test_fitted_laws_say_that_their_joint_was_another(law):
-    note = "its coefficient is that of the paper's joint, which has other materials"
+    note = "its coefficient is that of the reference joint, which has other materials"
     assert note in simulate(MIXED, law=law, **BRIEF).law
     assert note in simulate(PAPER.replace(poisson=0.4), law=law, **BRIEF).law
     assert note not in simulate(PAPER, law=law, **BRIEF).law
@@ -169,8 +170,8 @@ def test_a_liner_is_softer_and_counts_with_its_own_modulus():
 @pytest.mark.parametrize(
     ("scene", "law", "message"),
     [
-        (PAPER, {"ball_radius": 9e-3}, "give Scene(socket_radius=0.01, clearance=0.001)"),
-        (MIXED, {"composite_modulus": 1e11}, "modulus E* of law must be the scene's, 8.04"),
+        (PAPER, {"ball_radius": 9e-3}, "Scene(socket_radius=0.01, clearance=0.001)"),
+        (MIXED, {"composite_modulus": 1e11}, "modulus E* of law must be 8.04"),
     ],
 )
 def test_a_law_of_another_joint_is_refused(scene, law, message):
@@ -184,7 +185,7 @@ def test_a_law_of_another_joint_is_refused(scene, law, message):
         ({"n": 2}, "option of tabulated must be one of socket_ratio, liner, got 'n'"),
         ({"wall": 3e-3, "socket_ratio": 1.3}, "must be one of wall, liner, got 'socket_ratio'"),
         ({"socket_ratio": 0.9}, "wall must be >= 1e-06 and <= 9999.99 m, got -0.001 m"),
-        ({"liner": "PTFE"}, "liner must be a thickness in m and a material, such as 0.5e-3,PTFE"),
+        ({"liner": "PTFE"}, "liner must be a thickness in m and a material"),
     ],
 )
 def test_options_of_the_scenes_joint(options, message):
@@ -194,7 +195,7 @@ def test_options_of_the_scenes_joint(options, message):
 
 def test_a_scene_outside_the_range_of_the_default_law_is_told_what_to_take():
     scene = Scene(poisson=0.1)
-    told = "poisson of stiffened_hertz must be >= 0.2 and <= 0.46, got 0.1; law tabulated is for"
+    told = "poisson of stiffened_hertz must be >= 0.2 and <= 0.46, got 0.1; use the law tabulated"
     with pytest.raises(ValueError, match=re.escape(told)):
         mechanism.simulate(scene, **BRIEF)
     assert len(mechanism.simulate(scene, law="tabulated", **BRIEF).impacts) == 1
@@ -203,7 +204,7 @@ def test_a_scene_outside_the_range_of_the_default_law_is_told_what_to_take():
 
 def test_a_law_with_options_inside_is_refused():
     inner = choose(Joint(200), 0.3, 0.01).evaluate
-    with pytest.raises(ValueError, match="law must be without its options, which are given"):
+    with pytest.raises(ValueError, match="law must be a law without options"):
         simulate(PAPER, law=inner, **BRIEF)
 
 
@@ -218,7 +219,7 @@ def test_models_that_measure_refuse_what_they_do_not_have():
     numbers = explicit.packed(PAPER, "hertz")
     options = {"duration": 1e-4, "outputs": 10, "step": 1e-6, "scheme": "RK4"}
     for name, value in (("crank_speed", 10.0), ("crank_clearance", 1e-5)):
-        with pytest.raises(ValueError, match=f"{name.replace('_', ' ')} must be left out: this"):
+        with pytest.raises(ValueError, match=f"{name} does not apply to this"):
             explicit.integrate(PAPER.replace(**{name: value}), numbers, **options)
 
 

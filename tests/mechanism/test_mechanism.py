@@ -74,9 +74,12 @@ def test_bad_scene_is_one_clear_error(changes, message):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"step": 1e-6}, "step must be left out: model rigid, joint clearance has none"),
-        ({"joint": "ideal", "tolerance": 1e-6}, "tolerance must be left out: model rigid, joint"),
-        ({"model": "beams", "method": "lagged"}, "method must be left out: model beams"),
+        ({"step": 1e-6}, "step does not apply to model rigid with joint clearance"),
+        (
+            {"joint": "ideal", "tolerance": 1e-6},
+            "tolerance does not apply to model rigid",
+        ),
+        ({"model": "beams", "method": "lagged"}, "method does not apply to model beams"),
         ({"scene": {}}, "scene must be a Scene, got {}"),
     ],
 )
@@ -111,7 +114,7 @@ def test_a_joints_own_curve_drives_the_mechanism():
     first = [response.impacts.peak_force[0] for response in (tabulated, closed)]
     assert first[0] == pytest.approx(first[1], rel=5e-3)
     assert max(tabulated.energy_error, closed.energy_error) < 1e-8
-    with pytest.raises(ValueError, match="r2_star must be the curve's, 200, got"):
+    with pytest.raises(ValueError, match="r2_star must be 200, .* got"):
         simulate(Scene(socket_radius=20e-3), law=contact.tabulated(curve), duration=1e-3)
 
 
@@ -407,7 +410,7 @@ def test_random_scenes_end_well(tolerance):
         try:
             response = simulate(scene, law=law, tolerance=tolerance, outputs=10)
         except MechanismError as error:
-            assert "the depth must stay" in str(error)
+            assert "depth must stay" in str(error)
             continue
         ended += 1
         assert np.isfinite(response.motion.drop(columns="event").to_numpy()).all()
@@ -490,14 +493,14 @@ def test_lead_and_last_separation():
     assert shifted == pytest.approx(clearance.crank_angle[k], abs=2e-4)
     ends = clearance.impacts.time + clearance.impacts.duration
     assert clearance.last_separation == ends[7]
-    with pytest.raises(ValueError, match="truth and response must have the same times"):
+    with pytest.raises(ValueError, match="truth and response must have the same output times"):
         compare.motion_nrms(ideal, simulate(joint="ideal", outputs=10), "crank_angle")
 
 
 def test_a_law_that_ends_before_one_clearance_is_refused():
     curve = force_curve(Joint(200), np.linspace(0.05, 0.5, 12) ** 2)
     with pytest.raises(
-        ValueError, match=r"law must reach a depth of one clearance: depth of tabulated must"
+        ValueError, match=r"law must .* depth of one clearance, .* depth of tabulated must"
     ):
         simulate(law=contact.tabulated(curve), duration=1e-3)
 
@@ -554,5 +557,5 @@ def test_agreement_finds_where_motions_part():
     same = compare.agreement(first, replace(first, rows=rows))
     assert same.lasts
     assert same.largest_distance == pytest.approx(0.005)
-    with pytest.raises(ValueError, match="must have the same times"):
+    with pytest.raises(ValueError, match="must have the same output times"):
         compare.agreement(first, simulate(PAPER, duration=0.01, outputs=50))

@@ -274,7 +274,7 @@ def test_crank_slider_in_exudyn_is_ours(exudyn, law, options):
 
 
 def test_what_exudyns_crank_slider_has_not_is_refused(exudyn):
-    with pytest.raises(ValueError, match="crank speed must be left out: this"):
+    with pytest.raises(ValueError, match="crank_speed does not apply to this model"):
         crank_slider(Scene(crank_speed=10.0), duration=1e-3)
 
 

@@ -241,8 +241,8 @@ def test_clearance_at_constant_speed_needs_the_same_moment_in_the_mean():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"crank_speed": 5.0, "driving_moment": 1.0}, "driving_moment must be left out with a cra"),
-        ({"crank_speed": 5.0, "initial_crank_speed": 1.0}, "initial_crank_speed must be left out"),
+        ({"crank_speed": 5.0, "driving_moment": 1.0}, "driving_moment does not apply to a cra"),
+        ({"crank_speed": 5.0, "initial_crank_speed": 1.0}, "initial_crank_speed does not apply"),
         ({"crank_clearance": 1e-5, "coupler_inertia": 0.0}, "coupler_inertia must be > 0 kg m^2"),
     ],
 )
@@ -255,6 +255,6 @@ def test_bad_scene_is_one_clear_error(changes, message):
     "options", [{"model": "particles"}, {"model": "beams"}, {"joint": "ideal"}]
 )
 def test_a_model_without_a_second_joint_says_so(options):
-    message = "crank_clearance must be left out: a second clearance joint is for model rigid"
+    message = "crank_clearance, .* requires model rigid"
     with pytest.raises(ValueError, match=message):
         simulate(BOTH, duration=1e-3, **options)

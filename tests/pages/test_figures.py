@@ -159,5 +159,5 @@ def test_numbers_for_statements_have_a_row_for_each_reading(monkeypatch, tmp_pat
         ["error", "stiff", 1, "%"],
         ["ratio", "the paper's joint", 3, "1"],
     ]
-    with pytest.raises(ValueError, match="every number of numbers must be finite"):
+    with pytest.raises(ValueError, match="all numbers of numbers must be finite"):
         figures.save_numbers("numbers", {"1": {"ratio": np.nan}})

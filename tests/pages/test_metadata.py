@@ -77,5 +77,5 @@ def test_version_is_the_same_everywhere():
 
 
 def test_a_slip_in_the_catalogue_is_told():
-    with pytest.raises(StudyError, match=r"catalogue\.toml: .*00-mine.*'figures'$"):
+    with pytest.raises(StudyError, match=r"catalogue\.toml: the entry 00-mine .*'figures'$"):
         catalogue.notebook("00-mine", {"fig99": {"shows": "", "figures": ""}})

@@ -228,7 +228,7 @@ def test_numpys_numbers_are_stored_as_pythons(kind):
     ("name", "text", "message"),
     [
         ("ball_support", "edge", "neck:NUMBER, bore:NUMBER,NUMBER, pin:NUMBER,NUMBER, got 'edge'"),
-        ("opening", "125:55", "LAST >= FIRST + 10 deg, such as 55:125, got 125:55"),
+        ("opening", "125:55", "LAST >= FIRST + 10 deg, for example 55:125, got 125:55"),
         ("socket_support", "sector:60", "must be two numbers separated by a comma, got '60'"),
         ("socket_support", "sector:90,60", "of the sector must be >= 95 deg, got 60 deg"),
         ("layer", "1.2,1", "layer must be three numbers separated by commas, got '1.2,1'"),

@@ -164,7 +164,7 @@ def test_a_scene_whose_second_run_fails_is_a_row_with_its_reason(tmp_path, monke
 
     monkeypatch.setattr(sys.modules["study.sweep.cases"], "second_run", second_run)
     found, _ = swept([{"duration": 0.01}], "scenes", tmp_path / "table.csv", twice=True)
-    why = "the second run, at another tolerance, failed: no step is small enough"
+    why = "the run at a second tolerance failed: no step is small enough"
     assert found.failures == {"1": why}
 
 
@@ -330,9 +330,9 @@ def test_columns_of_the_user_are_kept_and_solve_nothing_anew(tmp_path):
         ("opening_deg", "did you mean opening"),
         ("socket_raduis", "did you mean socket_radius"),
         ("force (N)", "did you mean force"),
-        ("r2_star", "it is a parameter of joints, not of joints with dimensions"),
-        ("friction", "it is a parameter of scenes, not of joints with dimensions"),
-        ("yield_factor", "it is a column of results"),
+        ("r2_star", "a parameter of joints and not of joints with dimensions"),
+        ("friction", "a parameter of scenes and not of joints with dimensions"),
+        ("yield_factor", "yield_factor must have another name"),
     ],
 )
 def test_a_column_that_may_be_meant_as_another_is_refused(column, message):
@@ -393,17 +393,22 @@ FRICTION = ("--random", 5, "--range")
     ("kind", "text", "words", "message"),
     [
         ("joints", f"{SIZES}\n1e-2,-1,2e-3\n1e-2,-1,2e-3", (), "row 1: clearance must be > 0 m"),
-        ("joints", f"{SIZES},depth,force\n1e-2,5e-5,2e-3,1e-6,5", (), "row 1: either depth or fo"),
+        (
+            "joints",
+            f"{SIZES},depth,force\n1e-2,5e-5,2e-3,1e-6,5",
+            (),
+            "row 1: depth and force must",
+        ),
         ("joints", "clearance\n5e-5", (), "row 1: socket_radius must be given, or r2_star"),
         ("joints", "r2_star,socket_rato\n50,1.2", (), "did you mean socket_ratio?"),
-        ("joints", "r2_star,r2_star\n50,1.2", (), "each column must have a name of its own"),
-        ("joints", "case,r2_star\na,50\na,60", (), "row 2: case must be another name in each row"),
-        ("joints", "r2_star,rim\n50", (), "row 1 must have 2 cells, as the head of the file, got"),
-        ("joints", "r2_star\n", (), "cases must have a row or more, got none"),
+        ("joints", "r2_star,r2_star\n50,1.2", (), "each column must have a different name"),
+        ("joints", "case,r2_star\na,50\na,60", (), "row 2: case must have a different name"),
+        ("joints", "r2_star,rim\n50", (), "row 1 must have 2 cells"),
+        ("joints", "r2_star\n", (), "cases must have at least one row"),
         ("joints", b"\xff\xfe\x00", (), "it is not CSV text in UTF-8"),
-        ("joints", "r2_star\n50", ("--twice",), "twice must be left out: it is for scenes, got jo"),
-        ("scenes", "friction", (*FRICTION, "friction=0:1"), "and not both"),
-        ("scenes", "friction\n0.1", ("--seed", 1), "--range and --seed must be left out"),
+        ("joints", "r2_star\n50", ("--twice",), "twice applies to scenes only, got joints"),
+        ("scenes", "friction", (*FRICTION, "friction=0:1"), "but not both"),
+        ("scenes", "friction\n0.1", ("--seed", 1), "--range and --seed do not apply"),
         ("scenes", "", (), "a FILE of cases or --random must be given"),
         ("scenes", "", (*FRICTION[:2],), "ranges of the random cases must be a mapping"),
         ("scenes", "", (*FRICTION, "friction"), "--range must be NAME=RANGE"),
@@ -430,7 +435,7 @@ def test_bad_cases_in_python(tmp_path):
 
 def test_a_name_that_is_a_formula_of_a_spreadsheet_is_refused(tmp_path):
     given = [{"r2_star": 50, "depth_star": 0.1}]
-    message = "row 2: case must not begin as a spreadsheet's formula, got '=1[+]1'"
+    message = "row 2: case must not begin .* got '=1[+]1'"
     with pytest.raises(ValueError, match=message):
         run_study([*given, given[0] | {"case": "=1+1"}], "joints", tmp_path / "table.csv")
     assert os.listdir(tmp_path) == []
@@ -474,7 +479,7 @@ def test_a_worker_that_ends_is_an_error_and_what_was_finished_is_kept(tmp_path, 
 
     with monkeypatch.context() as patched:
         patched.setattr(cases, "solve", solve)
-        with pytest.raises(StudyError, match=r"^a worker ended, .* take fewer --jobs; what was"):
+        with pytest.raises(StudyError, match=r"^a worker .* use fewer --jobs"):
             run_study(given, "joints", output, jobs=2)
     assert not output.exists()
     known = []
@@ -488,17 +493,14 @@ def test_a_file_with_a_failing_case_by_the_command_line(command, tmp_path, monke
     text = "\ufeffcase, r2_star ,depth_star,note\nfirst,50,0.1,x\n\nsecond,50,9,\n"
     status, out, err = command("joints", text)
     assert status == 1
-    assert out.startswith("2 cases in ")
     first, *columns = out.splitlines()
-    assert first.endswith(f"s, 2 rows in {tmp_path / 'table.csv'}. Its results:")
+    assert re.match(rf"2 cases .* {re.escape(str(tmp_path))}/table.csv has 2 rows\.", first)
     assert len(columns) == len(COLUMNS["joints"]) + 1
-    assert columns[1] == "  displacement_tilt: Direction of the displacement off the axis, deg"
-    assert columns[-1] == "Kept as they are, because they are no parameters: note."
+    assert re.fullmatch(r"  displacement_tilt: .*, deg", columns[1])
+    assert columns[-1].endswith(": note.")
     *told, last = err.splitlines()
     assert told[-1] == "2 of 2 cases, 1 failed"
-    assert last.startswith(
-        "failed: 1 of 2 cases failed, see the column error; the first is second: "
-    )
+    assert last.startswith("failed: 1 of 2 cases failed")
     with (tmp_path / "table.csv").open(newline="") as file:
         assert [row["case"] for row in csv.DictReader(file)] == ["first", "second"]
 
@@ -515,6 +517,9 @@ def test_an_interrupted_study_says_what_is_kept(command, tmp_path, monkeypatch):
         patched.setattr(cases, "solve", solve)
         status, out, err = command("joints", text)
     assert (status, out) == (130, "")
-    assert err == "study: interrupted; 2 of 3 cases are kept, the same command goes on\n"
+    assert (
+        err
+        == "study: interrupted; 2 of 3 cases are kept, and the same command continues from there\n"
+    )
     assert len((tmp_path / "table.csv.part").read_bytes().splitlines()) == 2
     assert command("joints", text)[0] == 0

@@ -33,7 +33,7 @@ window.STIFFENED_HERTZ = (() => {
     if (known) return known;
     if (parts.length < 2 || parts.length > 3 || parts.some((part) => !part.trim() || Number.isNaN(+part))) {
       const names = data.materials.map((row) => row.name).join(", ");
-      throw new Error(`${body} must be one of ${names}, or its Young's modulus in Pa and Poisson's ratio, such as 210e9,0.3, got '${text}'`);
+      throw new Error(`${body} must be one of ${names}, or Young's modulus in Pa and Poisson's ratio, for example 210e9,0.3, got '${text}'`);
     }
     const [youngs_modulus, poisson, yield_stress = null] = parts.map(Number);
     number(`Young's modulus of ${body}`, youngs_modulus, "Pa", { ">=": data.softest });
@@ -77,7 +77,7 @@ window.STIFFENED_HERTZ = (() => {
     number("clearance", clearance, "m", { ">=": data.least_clearance * socket_radius, "<": socket_radius });
     number("wall", wall, "m", { ">=": data.walls[0] * socket_radius, "<=": data.walls[1] * socket_radius });
     const [first, second] = [material("ball", ball), material("socket", socket)], modulus_ratio = second.youngs_modulus / first.youngs_modulus;
-    const name = "Young's modulus of the socket over that of the ball", most = data.ranges.modulus_ratio[1];
+    const name = "Young's modulus of the socket divided by that of the ball", most = data.ranges.modulus_ratio[1];
     number(name, modulus_ratio, "", { ">=": 1 / most, "<=": most });
     const gap = socket_radius - (socket_radius - clearance), r2_star = socket_radius / gap;
     number("r2_star of stiffened_hertz", r2_star, "", { ">=": data.least_r2_star * (1 - data.margin) });
@@ -110,8 +110,8 @@ window.STIFFENED_HERTZ = (() => {
 
     // The k d^n, d in m, with the least largest relative error between two depths in clearances.
     function power(from, to) {
-      number("smallest depth of the power law, in clearances,", from, "", { ">": 0, "<": data.deepest });
-      number("largest depth of the power law, in clearances,", to, "", { ">": from, "<=": data.deepest });
+      number("minimum depth of the power law in clearances", from, "", { ">": 0, "<": data.deepest });
+      number("maximum depth of the power law in clearances", to, "", { ">": from, "<=": data.deepest });
       const logs = Array.from({ length: 60 }, (_, k) => Math.log(from * gap) + k / 59 * Math.log(to / from));
       const forces = logs.map((x) => Math.log(force(Math.min(Math.exp(x), deepest)))), golden = (Math.sqrt(5) - 1) / 2;
       const off = (n) => logs.map((x, k) => n * x - forces[k]), spread = (n) => Math.max(...off(n)) - Math.min(...off(n));

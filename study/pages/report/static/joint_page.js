@@ -92,7 +92,7 @@
       law.socket_ratio - 1 < size.half_angle * Math.PI / 180 ? "The wall is thinner than the contact's half-width: the force depends on what holds its outside." : "",
       size.half_angle > 75 ? "The contact reaches near the rim, where it matters how the rim is held." : "",
       ...Object.entries(factors).map(([body, range]) => !range ? `Yield of the ${body} is not checked here, because its material has no yield stress.` :
-        range[1] < 1 ? `The ${body} yields. The force is for elastic bodies, and too large from there on.` :
+        range[1] < 1 ? `The ${body} yields. The force is for elastic bodies and therefore too large.` :
         range[0] < 1 ? `The ${body} may yield: study joint, below, computes whether it does.` : ""),
       "The factors to yield are between bounds that held for all of 330 random joints; study joint, below, computes the stresses.",
       "The socket has no liner. For a joint with a liner use study joint with --liner.",
