@@ -221,14 +221,14 @@ class _Law:
         """Joint, range and error, a line each; another error is that of a fit to the law."""
         if error is None and self.name != "tabulated":
             error = self.error
-        text = f"the joint is solved within about {_percent(self.error_of_joint)}."
+        text = f"that of the elastic solution, about {_percent(self.error_of_joint)}."
         if error is not None:
-            text = f"at most {_percent(error)} against the solved joint. {text.capitalize()}"
+            text = f"at most {_percent(error)} relative to the elastic solution, plus {text}"
         return [
             _joint_in_words(self.joint, self.sized),
-            f"Range: depths from 0 to {_depth(self.deepest, self.sized)}.",
-            f"Error of the force, from {_depth(self.least, self.sized)} on: {text}",
-            f"The law is elastic, smooth and without friction, for a load {self.load}.",
+            f"Range: penetration depths from 0 to {_depth(self.deepest, self.sized)}.",
+            f"Error of the force at depths >= {_depth(self.least, self.sized)}: {text}",
+            f"The law is for smooth elastic bodies without friction and a load {self.load}.",
         ]
 
 
@@ -434,10 +434,11 @@ def _tilted(law: DirectionalLaw, form, sized, name):
     title = "Contact force of one spherical clearance joint in all directions up to a tilt."
     words = [
         _joint_in_words(law.joint, sized),
-        f"Range: depths from 0 to {_depth(deepest, sized)}, tilts from -{largest:g} to {largest:g} "
-        "deg: the direction of the displacement off the socket's axis.",
-        f"Error of the force, from {law.depth_star[0]:.3g} clearances on: the joint is solved, and "
-        f"the table read, within about {_percent(law.error)}; below, it leads to Hertz's law.",
+        f"Range: penetration depths from 0 to {_depth(deepest, sized)}, tilts from -{largest:g} to "
+        f"{largest:g} deg; the tilt is the angle between the displacement and the socket's axis.",
+        f"Error of the force at depths >= {law.depth_star[0]:.3g} clearances: about "
+        f"{_percent(law.error)}, of the elastic solution and the table together; at smaller depths "
+        "the table approaches Hertz's law.",
     ]
     if form in ("c", "matlab"):
         (row_steps, column_steps), scale = law.steps, contact.hertz(1.0, law.joint.r2_star)
