@@ -6,9 +6,8 @@ from typing import Any
 
 import typst
 
-from study import paths, provenance
+from study import paths
 from study.checks import StudyError
-from study.contact import stiffening
 
 SOURCE = paths.PAPER / "paper.typ"
 PDFS = (paths.BUILD / "paper.pdf", paths.BUILD / "supplement.pdf")
@@ -38,9 +37,8 @@ def typeset(source: Path = SOURCE, output: Path = PDFS[0]) -> None:
 
 
 def options() -> dict[str, Any]:
-    """Options of Typst's compiler: where files are, its own fonts, and a hash, which it has not."""
-    inputs = {"law_table": provenance.sha256_of(stiffening.TABLE)}
-    return {"root": paths.ROOT, "ignore_system_fonts": True, "sys_inputs": inputs}
+    """Options of Typst's compiler: the root of all files, and no fonts but those it brings."""
+    return {"root": paths.ROOT, "ignore_system_fonts": True}
 
 
 def _in_one_line(problem) -> str:
