@@ -24,6 +24,7 @@ DIGITS = {
     "stability_steps": {"y": 3},
     "stability_impacts": {"y": 3},
     "stability_contact": {"y": 3},
+    "error_growth": {"difference_s": 3},
     "freed": {"ratio": 5, "factor": 4},
     "ratio_line": {"ratio": 5},
     "force_curves": {"error_estimate": 3, "contact_half_angle_deg": 5},
