@@ -1,7 +1,7 @@
-"""Which law follows a curve of force over depth, and which clearance its joint has.
+"""Find the law that fits a force-depth curve best, and the clearance of its joint.
 
-The curve stands in `fit_your_curve.csv`. It was not measured but made: a joint with a clearance of
-44 um, 40 N of noise, and a depth that reads 1.5 um at first touch. The drawing says 40 um.
+The curve in `fit_your_curve.csv` was computed, and not measured: a joint with a clearance of 44 um,
+with noise of 40 N, and a depth sensor that reads 1.5 um at first touch. The drawing says 40 um.
 """
 
 from pathlib import Path

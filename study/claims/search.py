@@ -14,7 +14,7 @@ from study.claims import verdicts
 RUNS = {
     "rigid": "rigid links",
     "particles": "particles",
-    "beams": "finite elements",
+    "beams": "beams",
     "schemes": "particles, other schemes",
 }
 """Groups of runs: models of the links, and particles in schemes that may feed energy in."""

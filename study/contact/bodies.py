@@ -9,7 +9,7 @@ from study import checks
 
 SOCKET_RATIO = 1.298
 """Socket ratio (outer radius divided by inner radius) of the reference joint. The paper does not
-state it; with this value a fine mesh agrees best with Table 2 (notebook 13)."""
+state it; with this value a fine mesh agrees best with Table 2 (notebook 32)."""
 
 
 def composite_modulus(

@@ -22,7 +22,7 @@ FITTED_LAWS: dict[str, tuple[LawName, dict]] = {
 DIGITS = 7  # of a coefficient
 LARGEST_DEPTH = 0.5  # of the fit, in dR, as in the paper
 SAMPLE = np.linspace(0, LARGEST_DEPTH, 21)
-"""Depths of the paper's measures of agreement, identified from Table 2 (notebook 13)."""
+"""Depths of the paper's measures of agreement, inferred from Table 2 (notebook 32)."""
 LARGEST_R2_STAR = 300  # of the surrogate's fit, as in the paper
 
 

@@ -8,6 +8,6 @@ if TYPE_CHECKING:
 R2_STAR = 200
 """Of the paper's comparison of laws, Fig. 10 and Table 2, and of the changes to its joint."""
 PAPER_KINEMATICS: "Kinematics" = "linear"
-"""Of the paper's finite elements, identified from Table 2 (notebook 13). Only with these, the
+"""Of the paper's finite elements, inferred from Table 2 (notebook 32). Only with these, the
 relative RMSE of Fig. 14 rises and its coefficient of determination falls with R2* (notebooks 06,
 12)."""

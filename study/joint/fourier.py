@@ -73,6 +73,19 @@ class Grid:
         area = np.outer(polar, np.tile(share * step / 2, self.around // 2)).ravel()
         return np.repeat(theta, len(phi)), np.tile(phi, len(theta)), area
 
+    def points_between(self, low: Floats, high: Floats) -> tuple[Floats, Floats, Floats]:
+        """Gauss points as `points`, of those parts of elements between two polar angles.
+
+        The angles ``low`` and ``high`` belong to the angles phi of `points`, each once. An element
+        outside them keeps its points, whose areas are 0.
+        """
+        whole, phi, area = (of.reshape(-1, _POLAR, self.around) for of in self.points)
+        ends = np.clip(self.angles[:, None, None], low, high)
+        start, share = ends[:-1], np.diff(ends, axis=0) / self.step
+        theta = start + share * (whole - self.angles[:-1, None, None])
+        area = area * share * np.sin(theta) / np.sin(whole)
+        return theta.ravel(), phi.ravel(), area.ravel()
+
     def values(self, theta: Floats, phi: Floats) -> csr_array:
         """Value of every node's function at points, sparse; 0 beyond the first and last angle."""
         steps = (theta - self.angles[0]) / self.step

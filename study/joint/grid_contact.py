@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from study import checks
 from study.joint import complementarity
@@ -27,6 +27,9 @@ _BEYOND = 8.0  # least deg by which the ball's nodes go on beyond the rim
 _DEEPEST = 1.0  # depth_star at which they still face the whole rim
 _LEAST_SHARE = 0.3  # of the deepest overlap: shallower ones are at first left out of the contact
 _FEWEST = 12  # nodes of a contact of half the resolution
+_WHOLE = 1e-9  # of an area or an angle: a smaller part that the ball does not face counts as none
+_IN_PLANE = np.array([0, np.pi])  # angles phi of the plane of symmetry
+_SEEN = 3  # nodes beside cut hats on which these are projected: a projection falls by 0.27 on each
 _WINDOW = 0.5  # of the contact's mean radius: around the maximum, where a parabola is fitted
 
 
@@ -55,13 +58,16 @@ class Contacts:
 
     def __init__(self, joint, resolution):
         self.joint = joint
+        support = joint.ball_support
+        self.ends_at_edge = support.is_half or isinstance(support, Bore)
         beyond = max(_BEYOND, np.degrees((1 + _DEEPEST) / joint.r2_star))
         self.ball = ball_surface(joint.ball_body, beyond, resolution)
         self.socket = socket_surface(joint.socket_body, resolution)
         grid = self.socket.grid
-        theta, phi, self.area = grid.points
-        self.hats = grid.values(theta, phi)
-        self.normal = unit_vectors(theta, phi)
+        theta, self.phi, self.area = grid.points
+        self.hats = grid.values(theta, self.phi)
+        self.mass = self.hats.T @ (self.hats * self.area[:, None])
+        self.normal = unit_vectors(theta, self.phi)
         self.node_normal = unit_vectors(grid.theta, grid.phi)
         side = np.where(grid.phi < np.pi / 2, 1, -1)
         self.signed_angle = side * np.degrees(grid.theta)
@@ -71,23 +77,23 @@ class Contacts:
         joint, grid = self.joint, self.socket.grid
         r1, (share_of_ball, share_of_socket) = joint.ball_radius, joint.modulus_shares
         axes = np.insert(axes_of(tilt), 1, 0.0, axis=1)
-        gap, facing = _rigid_ball(joint, self.normal, (1 + depth) / joint.r2_star * axes[0])
+        centre = (1 + depth) / joint.r2_star * axes[0]
+        hats, outward, area = self._faced(centre)
+        gap, facing = _rigid_ball(joint, outward, centre)
         moves = joint.kinematics == "linear"
-        normal, acted_on = self.normal, np.ones(len(self.area))
+        normal, acted_on = outward, np.ones(len(area))
         if moves:  # the force acts on the ball's area, which is this over the socket's
             normal = facing
-            acted_on = (1 - gap / joint.r2_star) ** 2 / (facing * self.normal).sum(axis=1)
+            acted_on = (1 - gap / joint.r2_star) ** 2 / (facing * outward).sum(axis=1)
         place = np.arccos(np.clip(normal[:, 2], -1, 1)), np.arctan2(normal[:, 1], normal[:, 0])
         met = self.ball.grid.faces(place[0])
-        ends_at_edge = joint.ball_support.is_half or isinstance(joint.ball_support, Bore)
-        if not ends_at_edge and (gap[~met] < 0).any():
+        if not self.ends_at_edge and (gap[~met] < 0).any():
             raise checks.RangeError(
                 f"depth_star must keep the ball's neck or back out of the opening, got {depth:g}"
             )
-        area = self.area * met
-        weighted = csr_array((self.hats * area[:, None]).T)
-        size, gap, cut = weighted.sum(axis=1), weighted @ gap, self.hats.T @ ~met
-        mass = weighted @ self.hats
+        weighted = csr_array((hats * (area * met)[:, None]).T)
+        size, gap = weighted.sum(axis=1), weighted @ gap
+        mass = weighted @ hats
         moved = weighted @ self.ball.grid.values(*place)
         overlap = np.divide(-gap, size, out=np.zeros_like(gap), where=size > 0)
         if overlap.max() <= 0 and joint.opening.faces(tilt) and met.any():
@@ -98,11 +104,11 @@ class Contacts:
                 f"ball's surface, got {tilt:g} deg at a depth_star of {depth:g}"
             )
         wanted, guess = overlap > _LEAST_SHARE * overlap.max(), overlap > 0.5 * overlap.max()
+        cut_hats = self._cut_hats(mass, overlap)
         while True:
             nodes = np.flatnonzero(wanted)
-            by_socket = share_of_socket * self.socket.matrix(nodes)
-            whole = size[nodes] / grid.ends[nodes]
-            by_ball = self._of_ball(moved[nodes], mass[nodes][:, nodes], whole)
+            by_socket = share_of_socket * self._of_socket(nodes, cut_hats)
+            by_ball = self._of_ball(nodes, moved[nodes], mass[nodes][:, nodes])
             scale = share_of_ball * (1 / r1 if moves else r1)
             matrix = by_socket + scale * by_ball
             pressure, active = complementarity.solve(matrix, gap[nodes], guess[nodes])
@@ -116,16 +122,17 @@ class Contacts:
         if len(nodes) < _FEWEST:
             raise _unresolved(depth)
         loads = (weighted @ (normal @ axes.T))[nodes]
-        closing = facing / (facing * self.normal).sum(axis=1)[:, None]  # the gap's derivative
+        closing = facing / (facing * outward).sum(axis=1)[:, None]  # the gap's derivative
         by_pressure = cho_solve(
             cho_factor(matrix[np.ix_(active, active)]), (weighted @ (closing @ axes.T))[nodes]
         )
         force = loads.T @ pressure
         rims = [grid.ring[-1]] if grid.pole == 0 else [0, grid.ring[-1]]
+        low, high = self._ends(centre, grid.phi[nodes])
+        beyond = (grid.theta[nodes] < low - _WHOLE) | (grid.theta[nodes] > high + _WHOLE)
         of_ball = moved[nodes].T @ pressure / self.ball.areas / (r1**2 if moves else 1.0)
-        every = np.zeros(grid.size)
-        every[nodes] = pressure
-        on_area = pressure * size[nodes] / (weighted @ acted_on)[nodes]
+        every = _on_whole_hats(nodes, pressure, grid.size, cut_hats)
+        on_area = every[nodes] * size[nodes] / (weighted @ acted_on)[nodes]
         in_plane = grid.ends[nodes] < 1
         signed = self.signed_angle[nodes[in_plane]]
         peak, peak_angle = self._peak(nodes, on_area, mass)
@@ -134,10 +141,10 @@ class Contacts:
             stiffness=2 * joint.r2_star * loads.T @ by_pressure,
             peak=peak,
             peak_angle=peak_angle,
-            edges=_edges(signed, pressure[in_plane], grid),
-            reaches_rim=bool(np.isin(grid.ring[nodes], rims).any() or cut[nodes].any()),
+            edges=_edges(signed, pressure[in_plane], grid, self._ends(centre, _IN_PLANE)),
+            reaches_rim=bool(np.isin(grid.ring[nodes], rims).any() or beyond.any()),
             friction=self._friction(normal, axes.T @ force, weighted[nodes], pressure),
-            profile=self._profile(every),
+            profile=self._profile(np.maximum(every, 0)),
             pressure=every,
             of_ball=of_ball,
         )
@@ -188,20 +195,98 @@ class Contacts:
         order = in_plane[np.argsort(self.signed_angle[in_plane], kind="stable")]
         return self.signed_angle[order], pressure[order]
 
-    def _of_ball(self, moved, mass, whole):
-        """Flexibility of the ball under hats of the socket, of a unit ball.
+    def _cut_hats(self, mass, overlap):
+        """Hats that the ball faces in part: their nodes, and these parts in terms of whole hats.
 
-        The integrals ``whole`` of the hats are those on both sides of the plane of symmetry.
+        With them comes the mass matrix of what whole hats cannot follow. Parts are projected on
+        the hats of their nodes and of those beside them, of which ``seen`` is the list.
         """
+        missing = self.mass - mass
+        cut = missing.sum(axis=1) > _WHOLE * self.socket.areas
+        cut = np.flatnonzero(cut & (overlap > 0))
+        around = np.zeros(len(overlap))
+        around[cut] = 1
+        for _ in range(_SEEN):
+            around = self.mass @ around
+        seen = np.flatnonzero(around > 0)
+        missing = missing[seen][:, cut].toarray()
+        lost = np.linalg.solve(self.mass[seen][:, seen].toarray(), missing)
+        at = np.searchsorted(seen, cut)
+        parts = -lost
+        parts[at, np.arange(len(cut))] += 1
+        return cut, seen, parts, missing[at] - missing.T @ lost
+
+    def _of_socket(self, nodes, cut_hats):
+        """Flexibility of the socket under those parts of its nodes' hats that the ball faces."""
+        cut, seen, parts, unseen = cut_hats
+        wanted = np.isin(cut, nodes)
+        if not wanted.any():
+            return self.socket.matrix(nodes)
+        every = np.append(nodes, np.setdiff1d(seen, nodes))
+        place = np.empty(self.socket.grid.size, int)
+        place[every] = np.arange(len(every))
+        at, among, parts = place[cut[wanted]], place[seen], parts[:, wanted]
+        matrix = self.socket.matrix(every)
+        matrix[:, at] = matrix[:, among] @ parts
+        matrix[at] = parts.T @ matrix[among]
+        local = self._half_space(self.joint.socket, cut[wanted])
+        matrix[np.ix_(at, at)] += local[:, None] * unseen[np.ix_(wanted, wanted)] * local
+        return matrix[: len(nodes), : len(nodes)]
+
+    def _of_ball(self, nodes, moved, mass):
+        """Flexibility of the ball under hats of the socket, of a unit ball."""
         # displacements are wanted where points of the socket face the ball, whose hats are
         # lumped; what they do not see acts as on a half-space
         columns = np.unique(moved.indices)
         moved = moved[:, columns]
         spread = moved @ csr_array(np.diag(1 / self.ball.areas[columns]))
         unseen = (mass - spread @ moved.T).toarray()
-        local = np.sqrt(2 / np.pi * (1 - self.joint.ball.poisson**2) * np.sqrt(whole))
+        local = self._half_space(self.joint.ball, nodes)
         seen = spread @ (spread @ self.ball.matrix(columns)).T
         return seen + local[:, None] * unseen * local
+
+    def _half_space(self, material, nodes):
+        """Root of a half-space's displacement under unit pressure on the area of a node's hat.
+
+        The area is that of the whole hat on both sides of the plane of symmetry, so that the rest
+        of a hat that the ball's end cuts off does not carry a force.
+        """
+        whole = self.socket.areas[nodes] / self.socket.grid.ends[nodes]
+        return np.sqrt(2 / np.pi * (1 - material.poisson**2) * np.sqrt(whole))
+
+    def _ends(self, centre, phi):
+        """Polar angles of the socket that face the ball's first and last edge, at angles phi."""
+        first, last = np.radians(self.joint.ball_support.surface)
+        low, high = np.full((2, len(phi)), [[-np.inf], [np.inf]])
+        if not self.ends_at_edge:
+            return low, high
+        x, _, z = centre if self.joint.kinematics == "linear" else np.zeros(3)
+
+        def facing(edge):
+            radius, height = self.joint.ball_radius * np.array([np.sin(edge), np.cos(edge)])
+            across = x * np.cos(phi) + np.sqrt(np.maximum(radius**2 - (x * np.sin(phi)) ** 2, 0))
+            return np.arctan2(across, z + height)
+
+        return facing(first) if first > 0 else low, facing(last)
+
+    def _faced(self, centre):
+        """Hats, normals and areas at Gauss points of that part of the socket which faces the ball.
+
+        Elements are cut where the ball ends. If they were left out point by point, the force would
+        jump whenever the ball's end passes a point.
+        """
+        grid, whole = self.socket.grid, (self.hats, self.normal, self.area)
+        if not self.ends_at_edge:
+            return whole
+        theta, phi, area = grid.points_between(*self._ends(centre, self.phi[: grid.around]))
+        kept = np.abs(area - self.area) <= _WHOLE * self.area
+        if kept.all():
+            return whole
+        part = ~kept & (area > 0)
+        of_part = theta[part], phi[part]
+        hats = csr_array(vstack([self.hats[kept], grid.values(*of_part)]))
+        normal = np.vstack([self.normal[kept], unit_vectors(*of_part)])
+        return hats, normal, np.append(self.area[kept], area[part])
 
 
 def unit_vectors(theta: Floats, phi: Floats) -> Floats:
@@ -239,12 +324,26 @@ def _unresolved(depth):
     )
 
 
-def _edges(angles, pressure, grid):
+def _on_whole_hats(nodes, pressure, size, cut_hats):
+    """Pressure at all nodes of the socket, with parts of hats in terms of whole ones."""
+    cut, seen, parts, _ = cut_hats
+    every = np.zeros(size)
+    every[nodes] = pressure
+    of_parts = every[cut]
+    every[cut] = 0
+    every[seen] += parts @ of_parts
+    return every
+
+
+def _edges(angles, pressure, grid, ends):
     """Where contact ends in the plane of symmetry: signed angles in deg, minimum and maximum.
 
-    Near an edge the pressure's square is linear. Ends are inside the grid's rims.
+    Near an edge the pressure's square is linear. Ends are inside the grid's rims, and inside the
+    ball's ``ends`` at phi = 0, where signed angles are positive, and at pi.
     """
-    step, (first, last) = np.degrees(grid.step), np.degrees(grid.angles[[0, -1]])
+    step = np.degrees(grid.step)
+    first = np.degrees(np.maximum(ends[0], grid.angles[0]))
+    last = np.degrees(np.minimum(ends[1], grid.angles[-1]))
     order = np.argsort(angles)
     angles, pressure = angles[order], pressure[order]
     if len(angles) < 2:
@@ -254,7 +353,8 @@ def _edges(angles, pressure, grid):
         fall = pressure[inner] ** 2 - pressure[outer] ** 2
         share = min(pressure[outer] ** 2 / fall, 1.0) if fall > 0 else 0.5
         end = angles[outer] + side * share * step
-        found.append(float(np.sign(end) * np.clip(abs(end), first, last)))
+        at = 0 if end > 0 else 1
+        found.append(float(np.sign(end) * np.clip(abs(end), first[at], last[at])))
     return tuple(found)
 
 

@@ -6,7 +6,7 @@ interrupted. Each impact has three output rows of its own: at its start, largest
 
 Rigid links are `rigid` with one clearance joint and `two_joints` with two; `joints` has what is
 the same in each joint. `events` steps them: in contact the depth is a coordinate. Flexible links
-are `particles`, stepped explicitly, or finite elements (`beams`), stepped implicitly. They start
+are `particles`, stepped explicitly, or `beams`, stepped implicitly. They start
 straight, with the velocities of rigid links (`frame`). At constant crank speed the
 crank's fixed end turns as given; the moment that this takes is an output. Its work is summed
 by the trapezoidal rule, so that the energy balance closes with order 2.

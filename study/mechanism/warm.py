@@ -15,7 +15,7 @@ KINDS: dict[str, tuple[Scene, Model]] = {
     "rigid links": (Scene(), "rigid"),
     "rigid links with two clearance joints": (Scene(crank_clearance=1e-4), "rigid"),
     "links of particles": (Scene(), "particles"),
-    "links of finite elements": (Scene(), "beams"),
+    "links of beams": (Scene(), "beams"),
 }
 
 

@@ -37,7 +37,7 @@ def typeset(source: Path = SOURCE, output: Path = PDFS[0]) -> None:
 
 
 def options() -> dict[str, Any]:
-    """Options of Typst's compiler: where files are, and its own fonts."""
+    """Options of Typst's compiler: the root of all files, and no fonts but those it brings."""
     return {"root": paths.ROOT, "ignore_system_fonts": True}
 
 

@@ -1,12 +1,17 @@
 """Paper and supplement: every number read, nothing missing, the same bytes."""
 
+import json
 import re
 import shutil
 
+import numpy as np
 import pytest
+import typst
 
 from study import paths
 from study.checks import StudyError
+from study.contact import stiffened_hertz
+from study.joint import paper_joint
 from study.pages import typeset
 
 TEXT = typeset.SOURCE.read_text(encoding="utf-8")
@@ -30,7 +35,26 @@ def test_no_result_is_typed():
     typed = set(re.findall(r"(?<![\w.])(\d+(?:\.\d+)?) %", text))
     assert typed == {"0.1", "1", "5", "10", "30"}
     typed = set(re.findall(r"(?<![\w.])\d+\.\d{3,}", text))
-    assert typed == {"0.025", "0.001", "0.4999", "0.393"}  # set-ups, a height
+    assert typed == {"0.025", "0.005", "0.001", "0.4999", "0.393"}  # set-ups, a height
+
+
+def test_the_worked_example_is_that_of_the_law():
+    """The article evaluates its printed coefficients; their rounding changes the last digits."""
+    (worked,) = json.loads(
+        typst.query(typeset.SOURCE, "<worked>", field="value", **typeset.options())
+    )
+    options = paper_joint(200).correction_options()
+    for name, derivative in (("force", False), ("slope", True)):
+        expected = stiffened_hertz(0.25, 200, derivative=derivative, **options)
+        np.testing.assert_allclose(worked[name], expected, rtol=1e-5)
+
+
+def test_sources_have_title_and_authors():
+    entries = (paths.PAPER / "references.yml").read_text(encoding="utf-8")
+    for entry in re.split(r"\n(?=\w)", entries.strip()):
+        assert re.search(r"^  title: \S", entry, re.MULTILINE), entry
+        assert re.search(r"^  author: \[", entry, re.MULTILINE), entry
+    assert not re.search(r"_[A-Z]\w+_ \d{4}|doi 10", BOTH)  # cited in the text alone
 
 
 def test_the_article_names_sections_that_the_supplement_has():
@@ -63,7 +87,7 @@ def copy(tmp_path, monkeypatch, old, new):
     [
         ('"example_proves_the_law"', '"no_such_claim"'),
         ("@trend", "@no-such-label"),
-        ("= Introduction", "= Introduction #foo("),
+        ("= Introduction <introduction>", "= Introduction #foo("),
     ],
 )
 def test_what_is_missing_stops_the_paper(tmp_path, monkeypatch, old, new):
