@@ -240,7 +240,7 @@ def test_particles_refuse_a_contact_that_takes_too_many_steps():
 
 
 def test_lagged_velocity_in_stiff_damping_says_when_and_what_limit():
-    message = r"the step must stay <= 3.8\d\de-06 s, the .*stability; .* stopped at 0.01"
+    message = r"the step must stay <= 3.8\d\de-06 s, the stability limit; .* stopped at 0.01"
     with pytest.raises(MechanismError, match=message):
         simulate(model="particles", method="lagged", step=3.9e-6, **TWO)
 
