@@ -168,6 +168,6 @@ def test_the_page_about_other_programs_shows_what_is_written(run):
     status, out, _ = run(*command.split()[1:])
     assert status == 0
     assert out.splitlines()[-1] == shown
-    (error,) = re.findall(r"they are within ([\d.]+) %", page)
+    (error,) = re.findall(r"maximum relative error is ([\d.]+) %", page)
     assert float(error) == pytest.approx(100 * stated_error(out))
     assert all(f"`{form}`" in page or f"`{form}`," in page for form in SUFFIXES)
