@@ -59,10 +59,8 @@ def _nearest(values):
     from study import dataset
 
     every, words = dataset.load(), {k: v for k, v in values.items() if isinstance(v, str)}
-    if (case := words.get("case")) is not None and case not in set(every.case):
-        near = " or ".join(get_close_matches(case, every.case.unique(), 3))
-        hint = f": did you mean {near}?" if near else ""
-        raise ValueError(f"--case must be a name that study data show lists, got {case!r}{hint}")
+    if "case" in words:
+        _check_case(words["case"], every.case.unique(), "show")
     cases = dataset.load(**words)
     for column in (column for column in values if column not in words):
         limits = {"least": every[column].min(), "most": every[column].max()}
@@ -74,6 +72,14 @@ def _nearest(values):
                 print(f"study: no case has {column} = {number:.9g}; {nearest}", file=sys.stderr)
         cases = cases[cases[column].isin(found)]
     return cases
+
+
+def _check_case(case, known, listing):
+    if case not in known:
+        near = " or ".join(get_close_matches(case, known, 3))
+        hint = f": did you mean {near}?" if near else ""
+        names = f"a name that study data {listing} lists"
+        raise ValueError(f"--case must be {names}, got {case!r}{hint}")
 
 
 @cli.command("solutions", group=cli.data_app, examples=["data solutions"])
@@ -91,7 +97,7 @@ def show_solutions(
     if case is None:
         show_table(design.to_dict("list"), f"{len(design)} cases.")
         return
-    checks.choice("case", case, tuple(design.case))
+    _check_case(case, list(design.case), "solutions")
     kind = design.kind[design.case == case].item()
     results = store.read(store.SOLUTIONS[kind])
     show_table(results[results.case == case].to_dict("list"))
@@ -105,17 +111,21 @@ def record_solutions(names: list[str] = cli.NAMES):
     solves the new cases.
     """
     from study.dataset import solutions
-    from study.pages import catalogue, execute
+    from study.pages import catalogue, execute, tasks
 
     for notebook in catalogue.select(names):
-        with paths.scratch() as folder:
-            asked = folder / "asked.jsonl"
-            os.environ[solutions.RECORD_VARIABLE] = str(asked)
-            execute.execute(notebook)
-            lines = asked.read_text(encoding="utf-8").splitlines() if asked.is_file() else []
-        asked_for = dict.fromkeys(solutions.Case(*json.loads(line)) for line in lines)
-        solutions.record(notebook.name, asked_for)
-        print(f"{notebook.name} needs {len(asked_for)} solutions")
+        with tasks.alone(), paths.scratch() as folder:
+            file = folder / "needed.jsonl"
+            file.touch()
+            os.environ[solutions.RECORD_VARIABLE] = str(file)
+            try:
+                execute.execute(notebook)
+            finally:
+                del os.environ[solutions.RECORD_VARIABLE]
+            lines = file.read_text(encoding="utf-8").splitlines()
+            needed = dict.fromkeys(solutions.Case(*json.loads(line)) for line in lines)
+            solutions.record(notebook.name, needed)
+        print(f"{notebook.name} needs {len(needed)} solution{'s' * (len(needed) != 1)}")
 
 
 @cli.command("materials", group=cli.data_app, examples=["data materials"])
@@ -131,10 +141,14 @@ def list_materials():
 
 @cli.command("check", group=cli.data_app, examples=["data check"])
 def check_data():
-    """Check the files, the schema and the physics of the dataset, and solve one case again."""
+    """Check the files, the schema and the physics of the dataset, and solve some cases again.
+
+    These are one force-depth curve, and of the solutions that are kept for the notebooks one of
+    each kind, drawn at random.
+    """
     from study.dataset import production
 
-    with working("Checking the dataset and solving one case again"):
+    with working("Checking the dataset and solving some cases again"):
         checked, results = zip(*production.check(), strict=True)
     say({"checked": checked, "found": results})
 

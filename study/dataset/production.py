@@ -177,7 +177,7 @@ def _design():
 
 
 def check() -> list[tuple[str, str]]:
-    """Checks of the dataset, with the number that each found: files, schema, physics, one case.
+    """Checks of the dataset, with the number that each found: files, schema, physics, some cases.
 
     The first that fails raises `study.dataset.DatasetError`: file, case and remedy.
     """
@@ -265,25 +265,25 @@ def check_solutions(fraction: float = 0.0) -> str:
     Raises `study.dataset.DatasetError` for a case that differs by more than `AGREEMENT`, or that
     has no results.
     """
-    draw, count = np.random.default_rng(), 0
+    draw, drawn = np.random.default_rng(), []
     for kind, path in store.SOLUTIONS.items():
-        every = list(solutions.cases(kind))
-        if missing := {case.name for case in every} ^ set(store.read(path).case):
-            _fail(f"its cases must be those of {store.CASES.name}; differs: {missing}", path)
-        some = max(1, int(np.ceil(fraction * len(every))))
-        for k in draw.choice(len(every), some, replace=False):
-            _compare(every[k], path)
-            count += 1
-    return f"{count} drawn at random agree"
+        cases = [case for case in solutions.cases() if case.kind == kind]
+        kept = store.read(path)
+        if differing := {case.name for case in cases} ^ set(kept.case):
+            names = ", ".join(sorted(differing))
+            _fail(f"its cases must be those of {store.CASES.name}, but differ by {names}", path)
+        count = max(1, int(np.ceil(fraction * len(cases))))
+        drawn += [cases[k] for k in draw.choice(len(cases), count, replace=False)]
+        for case in drawn[-count:]:
+            _compare(kept[kept.case == case.name], solutions.solve(case), path)
+    return f"{len(drawn)} drawn at random agree"
 
 
-def _compare(case, path):
-    frame = store.read(path)
-    kept = frame[frame.case == case.name]
+def _compare(kept, anew, path):
     with paths.scratch() as folder:
         tables = folder / "kept" / path.name, folder / "anew" / path.name
-        for table, rows in zip(tables, (kept, solutions.solve(case)), strict=True):
+        for table, rows in zip(tables, (kept, anew), strict=True):
             table.parent.mkdir()
             write_table(rows, table)
         if differs := tolerance.table_differs(*tables):
-            _fail(f"case {case.name} solved again differs: {differs}", path)
+            _fail(f"case {kept.case.iloc[0]} solved again differs: {differs}", path)

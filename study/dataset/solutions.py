@@ -10,7 +10,7 @@ same numbers: arguments and results are rounded to 9 significant digits.
 
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -29,13 +29,13 @@ from study.joint.stress import StressOverDepth, over_depth
 from study.joint.tilted import RESOLUTION
 
 Floats = NDArray[np.float64]
-RECORD_VARIABLE = "STUDY_SOLUTIONS_RECORD"  # file to which a running notebook adds its cases
+RECORD_VARIABLE = "STUDY_SOLUTIONS_RECORD"  # file to which a running notebook adds what it needs
 COLUMNS = ("case", "kind", "notebooks", "joint", "arguments")
 """Columns of the design; ``joint`` and ``arguments`` are JSON."""
 
 
 class Case(NamedTuple):
-    """One solution: a kind of `FILES`, the joint and the other arguments, both as JSON."""
+    """One solution: a kind of `store.SOLUTIONS`, the joint and the other arguments as JSON."""
 
     kind: str
     joint: str
@@ -120,37 +120,30 @@ def design() -> pd.DataFrame:
     return store.read(store.CASES)
 
 
-def cases(kind: str) -> Iterator[Case]:
-    """Cases of the design of one kind."""
+def cases() -> dict[Case, set[str]]:
+    """Cases of the design, each with the names of the notebooks that show it."""
     frame = design()
-    for row in frame[frame.kind == kind].itertuples():
-        yield Case(row.kind, row.joint, row.arguments)
-
-
-def batches(kind: str) -> dict[str, list[Case]]:
-    """Cases of one kind by the notebooks that show them, whose joints share bodies."""
-    frame, by_notebooks = design(), {}
-    for names in frame[frame.kind == kind].notebooks.unique():
-        rows = frame[(frame.kind == kind) & (frame.notebooks == names)]
-        by_notebooks[names.replace(" ", "-")] = [
-            Case(*of) for of in rows[[*Case._fields]].to_numpy()
-        ]
-    return by_notebooks
-
-
-def record(notebook: str, asked: Iterable[Case]) -> None:
-    """Make the cases that a notebook has asked for its rows of the design."""
-    frame = design() if store.CASES.is_file() else pd.DataFrame(columns=COLUMNS)
     names = frame.notebooks.str.split().map(set)
-    by_case = {Case(*of): n for of, n in zip(frame[[*Case._fields]].to_numpy(), names, strict=True)}
-    for of in by_case.values():
-        of.discard(notebook)
-    for case in asked:
+    return dict(zip(map(Case._make, frame[[*Case._fields]].to_numpy()), names, strict=True))
+
+
+def batches() -> dict[str, dict[str, list[Case]]]:
+    """Cases of each kind by the notebooks that show them, because their joints share bodies."""
+    by_kind = {kind: {} for kind in store.SOLUTIONS}
+    for case, notebooks in cases().items():
+        by_kind[case.kind].setdefault("-".join(sorted(notebooks)), []).append(case)
+    return by_kind
+
+
+def record(notebook: str, needed: Iterable[Case]) -> None:
+    """Replace the rows that the design has for a notebook by the cases that it needs."""
+    by_case = {case: names - {notebook} for case, names in cases().items()}
+    for case in needed:
         by_case.setdefault(case, set()).add(notebook)
     rows = [
-        (case.name, case.kind, " ".join(sorted(of)), case.joint, case.arguments)
-        for case, of in by_case.items()
-        if of
+        (case.name, case.kind, " ".join(sorted(names)), case.joint, case.arguments)
+        for case, names in by_case.items()
+        if names
     ]
     order = pd.DataFrame(rows, columns=COLUMNS).sort_values(["kind", "notebooks"], kind="stable")
     store.keep(order, store.CASES)

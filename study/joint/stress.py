@@ -211,9 +211,10 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
 def first_crossing(
     joint: Joint, stresses: Mapping[str, StressOverDepth], deepest: float
 ) -> FirstYield | None:
-    """First yield of a joint from the stresses `over_depth` in its bodies; None if elastic.
+    """First yield of a joint from the stresses `over_depth` in its bodies; None if no body yields.
 
-    The joint is one that `first_yield` allows; other materials' yield stresses take the same table.
+    The joint must be one that `first_yield` accepts. Because the stresses do not depend on the
+    yield stresses, one table serves all joints that differ only in these.
     """
     from scipy.interpolate import PchipInterpolator  # a quarter of a second, for this alone
     from scipy.optimize import brentq
@@ -242,13 +243,16 @@ def first_crossing(
     return first if first and first.depth_star <= deepest else None
 
 
-@lru_cache(maxsize=8)
 def over_depth(joint: Joint, deepest: float = 1.0) -> dict[str, StressOverDepth]:
     """Largest von Mises stress in each body from small depths to ``deepest`` or somewhat beyond.
 
-    Depths are those of `study.joint.whole_curve`; stresses are the same for every yield stress.
+    Depths are those of `study.joint.whole_curve`.
     """
-    deepest = max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2))
+    return _over_depth(joint, max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2)))
+
+
+@lru_cache(maxsize=8)
+def _over_depth(joint, deepest):
     if joint.has_large_displacements:
         curve = force_curve(joint, np.linspace(_LEAST_ROOT, np.sqrt(deepest), 12) ** 2)
     else:

@@ -60,7 +60,7 @@ def build(
     paths.require_checkout(folders[0])
     check_limits()
     workers = cpu_count() if jobs is None else checks.whole("jobs", jobs, least=1)
-    with _alone(), dask_client(dask_address) if dask_address else nullcontext() as client:
+    with alone(), dask_client(dask_address) if dask_address else nullcontext() as client:
         paths.remove_abandoned()
         if client:
             workers = sum(client.nthreads().values())
@@ -258,7 +258,7 @@ def _is_interrupted(session):
 
 
 @contextmanager
-def _alone():
+def alone():
     """Refuse to run beside another build, as both would write the same records and results.
 
     The lock ends with the process that holds it, however that ends.

@@ -58,7 +58,7 @@ def test_every_option_is_explained_and_every_number_has_its_unit(run, words):
             assert re.search(UNIT, explained), (words, parameter.name)
 
 
-LONG = ("run", "report", "paper", "measure", "data check", "data build")
+LONG = ("run", "report", "paper", "measure", "data check", "data build", "data record")
 """Commands whose examples other tests run, or which take minutes."""
 
 

@@ -9,8 +9,10 @@ import pytest
 from study import contact, dataset, paths
 from study.cli import output
 from study.contact import materials
-from study.dataset import store
+from study.dataset import solutions, store
+from study.joint import Joint
 from study.measure import timing
+from study.pages import catalogue, execute
 
 
 def test_materials_are_csv_where_piped(run):
@@ -101,3 +103,32 @@ def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch)
     assert set(rows.method) == {*contact.LAWS, "tabulated", "solver"}
     assert (rows.time > 0).all()
     assert store.SPEED.read_bytes() == kept
+
+
+def test_kept_solutions_are_listed_and_printed(run):
+    listed = pd.read_csv(StringIO(run("data", "solutions")[1]))
+    assert tuple(listed) == solutions.COLUMNS
+    assert set(" ".join(listed.notebooks).split()) <= {nb.name for nb in catalogue.CATALOGUE}
+    for kind, case in listed.groupby("kind").case.first().items():
+        printed = pd.read_csv(StringIO(run("data", "solutions", "--case", case)[1]))
+        kept = store.read(store.SOLUTIONS[kind])
+        assert len(printed) == (kept.case == case).sum() > 0
+    status, out, err = run("data", "solutions", "--case", f"{listed.case[0][:-1]}-")
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert f"did you mean {listed.case[0]}" in err
+
+
+def test_recording_a_notebook_renews_its_rows(run, monkeypatch, tmp_path):
+    monkeypatch.setattr(paths, "BUILD", tmp_path)
+    before, kept = solutions.design(), {}
+    monkeypatch.setattr(store, "keep", lambda frame, path: kept.update({path: frame}))
+    monkeypatch.setattr(execute, "execute", lambda notebook: solutions.curve(Joint(77), [0.1]))
+    status, out, err = run("data", "record", "03-force-against-depth")
+    assert (status, err) == (0, "")
+    assert out.endswith(" needs 1 solution\n")
+    name = out.split()[0]
+    after = kept[store.CASES]
+    (row,) = after[after.notebooks.str.contains(name)].to_dict("records")
+    assert '"r2_star": 77.0' in row["joint"]
+    others = before[before.notebooks != name].case
+    assert set(after.case) == {*others, row["case"]}
