@@ -94,7 +94,7 @@ $(READY): requirements.lock pyproject.toml $(ELSEWHERE)
 	@"$(PYTHON)" -m venv --clear $(VENV)
 	@awk '/^[^ #]/ { keep = /^($(FIRST))==/ } keep' requirements.lock > $(VENV)/first.lock
 	@$(call install,--require-hashes --requirement $(VENV)/first.lock) && \
-	{ $(BIN)/python -m study.mechanism.warm & warm=$$!; } && \
+	{ $(BIN)/python -m study.measure.warm & warm=$$!; } && \
 	$(call install,--require-hashes --requirement requirements.lock) || { \
 		kill $$warm 2>/dev/null; \
 		echo "Missing: packages of requirements.lock. Is the package index reachable?" >&2; \

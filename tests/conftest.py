@@ -14,7 +14,8 @@ settings.register_profile("study", deadline=None, derandomize=True, database=Non
 settings.load_profile("study")
 threadpool_limits(1)  # matrices are small: more threads wait for each other more than they do
 
-LOOPS = ("rigid", "two_joints", "particles", "beams")
+LOOPS = [f"mechanism/{name}" for name in ("rigid", "two_joints", "particles", "beams")]
+LOOPS += ["measure/explicit"]
 LONGEST = ("test_report", "test_pipeline", "test_build", "test_processors", "test_end_to_end")
 LONGEST += ("test_directional_law", "test_calculix", "test_joint", "test_tilted", "test_joint_page")
 
@@ -22,9 +23,9 @@ LONGEST += ("test_directional_law", "test_calculix", "test_joint", "test_tilted"
 def pytest_sessionstart(session):
     """Compile the stepping loops once, before the workers begin, which would each do so."""
     many = getattr(session.config.option, "numprocesses", None)
-    loops = [paths.ROOT / f"study/mechanism/{name}.py" for name in LOOPS]
+    loops = [paths.ROOT / f"study/{name}.py" for name in LOOPS]
     if many and not all(map(compiled.is_kept, loops)):
-        subprocess.run([sys.executable, "-m", "study.mechanism.warm"], check=True)
+        subprocess.run([sys.executable, "-m", "study.measure.warm"], check=True)
 
 
 def pytest_collection_modifyitems(items):

@@ -10,7 +10,7 @@ import pytest
 
 from study import paths
 from study.compiled import CACHE
-from study.mechanism import simulate, warm
+from study.measure import warm
 
 pytestmark = pytest.mark.slow
 
@@ -59,7 +59,7 @@ def test_the_lock_is_installed_by_uv_or_else_by_pip(first, status, installed):
     assert done.returncode == 0, done.stderr
     called = (first / "called").read_text().splitlines()
     assert [line for line in called if " install " in line] == installed
-    assert called.count("python -m study.mechanism.warm") == 1
+    assert called.count("python -m study.measure.warm") == 1
     lock = (first / ".venv/first.lock").read_text()
     assert {line.split("==")[0] for line in lock.splitlines() if line[0] != " "} == BEFORE_WARM
     assert lock.count("--hash=sha256:") > len(BEFORE_WARM)
@@ -122,6 +122,6 @@ def test_simulations_of_every_kind_need_no_more_than_set_up_compiles(capsys):
     assert all(name in first for name in warm.KINDS)
     assert re.fullmatch(r"Compiled in \d+\.\d s", last)
     compiled = set(CACHE.rglob("*.nbc"))
-    for scene, model in warm.KINDS.values():
-        simulate(scene, model=model, law="stiffened_hertz", duration=2e-3, outputs=10)
+    for simulated in warm.KINDS.values():
+        simulated(law="stiffened_hertz", duration=2e-3, outputs=10)
     assert set(CACHE.rglob("*.nbc")) == compiled
