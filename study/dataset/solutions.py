@@ -129,7 +129,7 @@ def cases() -> dict[Case, set[str]]:
 
 def batches() -> dict[str, dict[str, list[Case]]]:
     """Cases of each kind by the notebooks that show them, because their joints share bodies."""
-    by_kind = {kind: {} for kind in store.SOLUTIONS}
+    by_kind: dict[str, dict[str, list[Case]]] = {kind: {} for kind in store.SOLUTIONS}
     for case, notebooks in cases().items():
         by_kind[case.kind].setdefault("-".join(sorted(notebooks)), []).append(case)
     return by_kind
