@@ -11,6 +11,9 @@ from typing import ParamSpec, TypeVar
 P = ParamSpec("P")
 R = TypeVar("R")
 
+ONE = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+"""Environment of a process, one of several side by side, before it imports NumPy."""
+
 
 def one_thread(function: Callable[P, R]) -> Callable[P, R]:
     """Decorate a function so that BLAS and LAPACK have one thread while it runs."""

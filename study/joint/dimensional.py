@@ -395,7 +395,7 @@ class DimensionalJoint(Configuration):
         return self.default_tilt if tilt is None else tilt
 
     @staticmethod
-    def _given(depth: Any, force: Any) -> tuple[np.ndarray, str]:
+    def _given(depth, force):
         if depth is None and force is None:
             raise ValueError("depth or force must be given, got neither")
         if depth is not None and force is not None:

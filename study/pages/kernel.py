@@ -1,8 +1,9 @@
 """Kernels that execute notebooks: forked from a process that has imported what notebooks import.
 
 To start an interpreter and to import pandas, matplotlib and the study takes 1.3 s of processor time
-for each notebook. Python's fork server does it once for all kernels that one worker starts. Where a
-system cannot fork (Windows), each kernel imports for itself.
+for each notebook. Python's fork server does it once for all kernels that one worker starts. Each
+kernel is a new interpreter where the system cannot fork (Windows), and in a daemonic process such
+as a Dask worker, whose children Python's fork server refuses.
 """
 
 import asyncio
@@ -16,9 +17,13 @@ from jupyter_client import AsyncKernelManager
 from jupyter_client.kernelspec import KernelSpec
 from jupyter_client.provisioning import LocalProvisioner
 
-from study import paths
+from study import paths, threads
 
-_FORKS = "forkserver" in multiprocessing.get_all_start_methods()
+_LAUNCHER = [sys.executable, "-m", "ipykernel_launcher"]
+_FORKS = (
+    "forkserver" in multiprocessing.get_all_start_methods()
+    and not multiprocessing.current_process().daemon
+)
 _CONTEXT = multiprocessing.get_context("forkserver" if _FORKS else "spawn")
 if _FORKS:
     _CONTEXT.set_forkserver_preload(["study.pages.preload"])
@@ -29,7 +34,9 @@ def manager(folder: Path, results: Path) -> type[AsyncKernelManager]:
 
     It is of this interpreter, without the user's settings.
     """
-    environment = os.environ | {
+    environment = {
+        **os.environ,
+        **threads.ONE,
         paths.RESULTS_VARIABLE: str(results),
         "PYTHONPATH": os.pathsep.join([str(paths.ROOT), os.environ.get("PYTHONPATH", "")]),
         "PYTHONUTF8": "1",
@@ -41,23 +48,25 @@ def manager(folder: Path, results: Path) -> type[AsyncKernelManager]:
         places |= {"transport": "ipc", "ip": str(folder / "socket")}
 
     class Kernel(AsyncKernelManager):
-        kernel_spec = KernelSpec(argv=["-f", "{connection_file}"], language="python")
+        kernel_spec = KernelSpec(argv=[*_LAUNCHER, "-f", "{connection_file}"], language="python")
 
         def __init__(self, **options):
             super().__init__(**(options | places))
 
         async def start_kernel(self, **options):
-            self.provisioner = _Forked(parent=self, kernel_spec=self.kernel_spec)
+            if _FORKS:
+                self.provisioner = _Forked(parent=self, kernel_spec=self.kernel_spec)
             await super().start_kernel(cwd=str(folder), env=environment, **options)
 
     return Kernel
 
 
 class _Forked(LocalProvisioner):
-    """Starts a kernel by the fork server in place of a command."""
+    """Starts a kernel by the fork server in place of a command that runs an interpreter."""
 
     async def launch_kernel(self, cmd, **kwargs):
-        self.process = _Process(target=_serve, args=(cmd, kwargs["cwd"], kwargs["env"]))
+        arguments = cmd[len(_LAUNCHER) :], kwargs["cwd"], kwargs["env"]
+        self.process = _Process(target=_serve, args=arguments)
         self.process.start()
         self.pid = self.pgid = self.process.pid
         return self.connection_info
@@ -90,8 +99,7 @@ class _Process(_CONTEXT.Process):
 
 def _serve(arguments, folder, environment):
     """Be a kernel, in a session of its own, until it is shut down."""
-    if hasattr(os, "setsid"):
-        os.setsid()
+    os.setsid()
     os.environ.clear()
     os.environ.update(environment)
     os.chdir(folder)

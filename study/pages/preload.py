@@ -2,8 +2,9 @@
 
 import os
 
-# kernels run side by side: their own threads would wait for each other
-os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+from study import threads
+
+os.environ |= threads.ONE
 os.environ["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"  # as in every kernel
 
 import ipykernel.kernelapp
