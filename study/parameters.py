@@ -38,7 +38,8 @@ class Parameter:
         they are given one by one on the command line, or a comma; and how many there must be, if
         not any number.
     otherwise, source
-        The default in words, where it depends on other parameters; and the source of the default.
+        A sentence on the default, where it depends on other parameters; and the source of the
+        default.
     """
 
     meaning: str
@@ -166,7 +167,7 @@ def defaults(owner: Any) -> dict[str, Any]:
 def take(record: Any) -> None:
     """Check every described field of a frozen dataclass, and make objects of texts.
 
-    None stands for a default that depends on other parameters.
+    None means a default that depends on other parameters.
     """
     given = defaults(type(record))
     for name, about in described(type(record)).items():

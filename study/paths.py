@@ -23,7 +23,7 @@ CACHE = BUILD if IS_CHECKOUT else platformdirs.user_cache_path("spherical-cleara
 """What is compiled or found out about the code, and may be deleted."""
 _TEXTS = ("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "CHANGELOG.md")
 DOCUMENTS = (*(ROOT / name for name in _TEXTS), DATA / "README.md", ROOT / "examples/README.md")
-"""Texts that the report shows beside results."""
+"""Texts that the report shows with the results."""
 
 RESULTS_VARIABLE = "STUDY_RESULTS"  # folder for results while a notebook runs as a task
 _PART = f".part-{socket.gethostname()}-"  # ignored by git
@@ -46,7 +46,7 @@ def results() -> Path:
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """Give a temporary file beside ``path``, which becomes ``path`` only on success.
+    """Give a temporary file in the folder of ``path``, which becomes ``path`` only on success.
 
     An ``OSError`` names ``path``.
     """

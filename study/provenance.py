@@ -2,7 +2,7 @@
 
 One `digest` of these files says whether a result, a compiled loop or a part of a parameter study
 is of this code. Comments and docstrings decide nothing. What a source says is read once, and kept
-beside the builds until the source changes.
+with the builds until the source changes.
 """
 
 import ast
@@ -60,7 +60,7 @@ def sources(*starts: Path) -> list[Path]:
 def inputs(start: Path) -> list[Path]:
     """Files that decide what a notebook or module makes: itself, the code it reaches, their data.
 
-    A module reads the data files that it names: those beside it, and those in ``data/``.
+    A module reads the data files that it names: those in its folder, and those in ``data/``.
     """
     code = sources(start) if start.is_file() else []
     named = [(path.parent, text) for path in code for text in _source(path).data]

@@ -8,7 +8,7 @@ of the coarsest solution within it is chosen. Costs are those of `study.contact.
 A law for the axial direction is also accurate up to some tilt. This is known by a rule if the
 supports of ball and socket are the same all round and the rim is far, that is for a ball on a core,
 a socket that is held at its whole outside, and a contact whose distance from the rim is at least
-twice the thickness of the wall. In 8 joints that were solved along the axis, such a rim changed the
+twice the wall thickness. In 8 joints that were solved along the axis, such a rim changed the
 force by a fraction of at most 0.0015. In other cases the joint is solved.
 """
 
@@ -121,7 +121,8 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
     checks.number("tolerance", tolerance, least=TOLERANCES[0], most=TOLERANCES[1], scalar=True)
     widest = largest_depth(joint.r2_star)
-    checks.number("depth_star", deepest, below=widest / 1.05)  # room to estimate errors beside it
+    # errors are estimated at depths up to 1.05 times this one
+    checks.number("depth_star", deepest, below=widest / 1.05)
     least = min(SHALLOWEST, deepest / 12)
     depths = np.linspace(np.sqrt(least), np.sqrt(deepest), DEPTHS) ** 2
     force, uncertainty = _exact(joint, depths)

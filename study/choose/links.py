@@ -47,7 +47,7 @@ SAFETY = 10.0
 
 
 def ratios(scene: Scene, depth: float) -> dict[str, Any]:
-    """Links beside Hertz's contact at a depth in m: two ratios, 0 without contact.
+    """Links compared with Hertz's contact at a depth in m: two ratios, 0 without contact.
 
     ``compliance_ratio`` is that of both links along their axes over the contact's,
     ``frequency_ratio`` the slider's frequency on the contact over the crank's axial one.

@@ -37,10 +37,10 @@ from study.mechanism.scene import Scene
 
 LEAST_R2_STAR = 3  # below, a ball cannot go one clearance deep
 LAW_TOLERANCE = 0.01
-"""Largest error of the force of the law that stands for the exact one."""
+"""Largest error of the force of the law that replaces the elastic solution."""
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 FINEST_TOLERANCE = 1e-10
-"""Of the steps of rigid links: `TOLERANCES` are tried, the finest is the truth of the others."""
+"""Of the steps of rigid links: `TOLERANCES` are tried, and the finest is the reference."""
 STEP_SHARE = 0.1  # of the tolerance, for the error of the steps
 COARSE, FINE = (2, 4), (4, 8)
 """Elements of crank and coupler of flexible links."""
@@ -165,8 +165,8 @@ def choose_model(
     checks.choice("quantity", quantity, links.QUANTITIES)
     run = partial(_run, scene, duration, outputs)
 
-    def difference(compared, truth):
-        return motion_nrms(truth.response, compared.response, quantity)
+    def difference(compared, reference):
+        return motion_nrms(reference.response, compared.response, quantity)
 
     with_hertz = run("rigid", HERTZ, tolerance=FINEST_TOLERANCE)
     if not all(np.ptp(getattr(with_hertz.response, name)) > 0 for name in links.QUANTITIES):
@@ -224,7 +224,7 @@ def choose_model(
 
 
 def _law(scene, depth, socket_ratio):
-    """Law that stands for the exact one, with its options, and its error over Hertz's law's."""
+    """Law in place of the elastic solution, its options, and its error over that of Hertz's law."""
     r2_star = scene.socket_radius / scene.clearance
     checks.number("socket radius divided by clearance", r2_star, least=LEAST_R2_STAR)
     choice = choose(Joint(r2_star, socket_ratio, *scene.materials), 1.0, LAW_TOLERANCE)

@@ -243,12 +243,12 @@ def _notes(found, forces, fit, joint):
         )
     if "modulus" in fit:
         yield (
-            "A law with a coefficient of its own (winkler, hyperbolic_winkler, power) has no "
+            "A law with a fitted coefficient (winkler, hyperbolic_winkler, power) has no "
             "modulus to fit, because the coefficient contains it."
         )
     if joint is not None and all(of.determination < 0.5 for of in found if of.law in _PREDICTED):
         yield (
-            "No law without a coefficient of its own is near the curve. Check units, sizes and "
+            "No law without a fitted coefficient is near the curve. Check units, sizes and "
             "materials, or fit the clearance, the modulus or the offset."
         )
 

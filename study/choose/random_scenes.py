@@ -36,7 +36,7 @@ def draw(seed: int, count: int = COUNT) -> Iterator[tuple[Scene, float]]:
 
 
 def measure(scenes: Iterable[tuple[Scene, float]]) -> pd.DataFrame:
-    """Errors of rigid links against particles on scenes of `draw`, beside their estimates.
+    """Errors of rigid links against particles on scenes of `draw`, with their estimates.
 
     Scenes that a model cannot finish, and those without an impact, are left out.
     """

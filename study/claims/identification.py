@@ -88,12 +88,12 @@ def deviations(
     scale: Any = 1.0,
     shifts: Sequence[Any] = (0.0, 0.0),
 ) -> dict[str, Any]:
-    """Deviations of Table 2's numbers from the published ones: ln(ours/published).
+    """Deviations of Table 2's numbers from the published ones: ln(computed/published).
 
-    Ours follow from `SUMS` at one of `SAMPLINGS`, each a number or an array, the area element of
-    the hyperbolic law, a factor of 1 - kappa_as_printed, a common ``scale`` of all elastic forces,
-    and relative shifts of the coefficients of Winkler's and the hyperbolic law from those of least
-    squares. The others are `study.dataset.published_table_2`.
+    The computed ones follow from `SUMS` at one of `SAMPLINGS`, each a number or an array, the area
+    element of the hyperbolic law, a factor of 1 - kappa_as_printed, a common ``scale`` of all
+    elastic forces, and relative shifts of the coefficients of Winkler's and the hyperbolic law from
+    those of least squares. The others are `study.dataset.published_table_2`.
     """
     laws, logarithms = _laws(sampling), {}
     count = len(SAMPLINGS[sampling])
@@ -132,9 +132,9 @@ def scan(ratios: Sequence[float] = RATIOS, **set_up: Any) -> pd.DataFrame:
     """`SUMS` by socket ratio and sampling, for one set-up; this is as for `forces`."""
     rows, grid = [], np.linspace(0, LARGEST_DEPTH, 401)
     for ratio in ratios:
-        truth = CubicSpline(grid, forces(grid, socket_ratio=ratio, **set_up))
+        reference = CubicSpline(grid, forces(grid, socket_ratio=ratio, **set_up))
         for name, sample in SAMPLINGS.items():
-            rows.append({"ratio": ratio, "sampling": name} | sums(name, truth(sample)))
+            rows.append({"ratio": ratio, "sampling": name} | sums(name, reference(sample)))
     return pd.DataFrame(rows)
 
 

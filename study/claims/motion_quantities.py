@@ -1,4 +1,4 @@
-"""Numbers that judge what the paper says of its Figs. 17 to 21: one response beside the ideal one.
+"""Numbers by which the paper's statements on Figs. 17 to 21 are checked, from two responses.
 
 Their names are those that the rows of ``data/published/claims.csv`` give to the quantities. What
 must be computed from two models at once is left out (`study.mechanism.compare.motion_nrms`).
@@ -20,7 +20,7 @@ _TINY = 1e-9  # of a window or of the duration: times of output have rounding er
 def motion_quantities(
     response: Response, ideal: Response, end: float | None = None
 ) -> dict[str, float]:
-    """Numbers of a response with clearance beside one with an ideal joint, by their names.
+    """Numbers of a response with clearance, compared with that of an ideal joint, by their names.
 
     The two are of one model and one scene. Percentages are of the time from 0 to ``end`` in s, at
     least a `WINDOW`, by default all of it, except where the name says otherwise. A number that does

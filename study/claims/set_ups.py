@@ -3,7 +3,7 @@
 What Table 3 and Sec. 4.3.1 give stays: lengths, masses, clearance, material and the size of the
 moment. All that the paper leaves open varies together, and in half of the mechanisms also friction,
 restitution and the crank's first angle, which it states. Friction between slider and slide is left
-out: no model has it. `run` makes ``data/set_ups.csv``; `study.claims.search` judges it.
+out: no model has it. `run` makes ``data/set_ups.csv``; `study.claims.search` evaluates it.
 """
 
 from collections.abc import Iterable, Iterator

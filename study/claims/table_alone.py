@@ -97,7 +97,7 @@ def coefficients(
 def disagreement(
     table: Printed, law: str, depths: ArrayLike, factor: float = 1.0, **reading
 ) -> Numbers:
-    """How far the two `coefficients` of a law are apart, in percent; 0 for the paper's sample."""
+    """Relative difference in percent of a law's two `coefficients`; 0 for the paper's sample."""
     by_kappa, by_rmse = coefficients(table, law, depths, factor, **reading)
     return 100 * (by_kappa / by_rmse - 1)
 

@@ -1,10 +1,10 @@
 """The paper's checkable statements, each judged by numbers from this study's results.
 
-``data/published/claims.csv`` holds the statements in our own words. Each names the result, row and
-column of the number that judges it, what that number should be, and how far off it may be. Where
+``data/published/claims.csv`` has the statements, reworded. Each names the result, row and
+column of the number that decides on it, the expected number, and its tolerance. Where
 the paper leaves something open, there is a number for every reading; where it states no bound,
-the bound is ours, from half to twice a usual one. The notebooks compute the numbers; the tests, not
-the verdicts, judge whether they are right.
+this study chose the bound, and half and twice this bound are applied too. The notebooks compute the
+numbers; tests check whether the numbers are right.
 """
 
 from collections.abc import Sequence
@@ -37,11 +37,11 @@ class ClaimError(checks.StudyError):
 def load() -> pd.DataFrame:
     """Load the claims, without verdicts: a table of text with the columns `COLUMNS`.
 
-    ``kind`` is one of `KINDS`, ``statement`` is in our words, ``measure`` says which number judges
-    it, and ``evidence``, ``row`` and ``column`` where that is (see `readings`). ``expected`` and
-    ``tolerance`` (in percent of it) are a number each, or two as ``5 to 20`` where the bound is
-    ours. ``assumes`` is what the number takes for granted, ``figure`` a result that shows it. The
-    further column ``bounds`` has pairs of the numbers expected and tolerance.
+    ``kind`` is one of `KINDS`, ``statement`` is reworded, ``measure`` describes the number that
+    decides on it, and ``evidence``, ``row`` and ``column`` say where that is (see `readings`).
+    ``expected`` and ``tolerance`` (in percent of it) are a number each, or two as ``5 to 20`` where
+    this study chose the bound. ``assumes`` is what the number depends on, ``figure`` a result that
+    shows it. The further column ``bounds`` has pairs of the numbers expected and tolerance.
 
     Raises `ClaimError` for a row that cannot be judged, or if the file is missing or no such table.
     """
@@ -90,7 +90,7 @@ def result(name: str) -> pd.DataFrame:
 
 
 def readings(evidence: str, row: str, column: str) -> dict[str, float]:
-    """Numbers that judge a claim, by reading: a model, material or duration that the paper allows.
+    """Numbers that decide on a claim, by reading: a model, material or duration that is allowed.
 
     They stand in a ``column`` of the result ``evidence`` where its column ``quantity`` is ``row``;
     its column ``reading``, if it has one, names the readings. Raises `ClaimError` if the result,

@@ -7,19 +7,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 
-def rmse(truth: ArrayLike, prediction: ArrayLike) -> float:
+def rmse(reference: ArrayLike, prediction: ArrayLike) -> float:
     """Root-mean-square error sqrt(SSE/n), in the unit of the data."""
-    return float(np.sqrt(np.mean(np.subtract(truth, prediction) ** 2)))
+    return float(np.sqrt(np.mean(np.subtract(reference, prediction) ** 2)))
 
 
-def determination(truth: ArrayLike, prediction: ArrayLike) -> float:
+def determination(reference: ArrayLike, prediction: ArrayLike) -> float:
     """Coefficient of determination R^2 = 1 - SSE/SST, by the usual definition.
 
     SSE is the sum of squared differences, SST that of the given values about their mean.
     """
-    truth = np.asarray(truth)
-    squares = np.sum((truth - prediction) ** 2)
-    return float(1 - squares / np.sum((truth - truth.mean()) ** 2))
+    reference = np.asarray(reference)
+    squares = np.sum((reference - prediction) ** 2)
+    return float(1 - squares / np.sum((reference - reference.mean()) ** 2))
 
 
 def adjusted(determination: float, size: int, predictors: int) -> float:

@@ -4,7 +4,7 @@ A `Shape` has one Python function, which is for NumPy arrays, for the compiled s
 (`study.contact.forces`) and, line by line, for texts of other programs (`study.export.formulas`).
 Therefore it consists of assignments and one ``return``. They have numbers, names, ``constants[k]``,
 the four operations, powers and ``np.sqrt``. A function with loops or look-ups states ``lines`` for
-other programs beside it; a test compares both.
+other programs in the same folder; a test compares both.
 """
 
 from collections.abc import Callable

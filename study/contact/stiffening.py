@@ -1,7 +1,7 @@
 """How much thickness, materials and supports stiffen a joint over Hertz's law.
 
 The table behind `study.contact.stiffened_hertz` has ln S at nine depths, as a Chebyshev series in
-five coordinates of the joint. A clamped ball and a free rim have terms of their own. The table is
+five coordinates of the joint. A clamped ball and a free rim have additional terms. The table is
 made by `study.dataset.stiffening_fit`.
 
 It is evaluated once a joint, to the same bits on every processor: every impact enlarges a

@@ -33,7 +33,7 @@ class SetUp:
 
     ``group`` is a key of `GROUPS`, ``joint`` has arguments of `study.joint.Joint`, ``depths`` are
     values of ``depth_star``. ``poisson`` is Poisson's ratio of both bodies, or of the ball alone
-    beside layers. ``modulus_ratio`` is Young's modulus of the socket over that of the ball.
+    with layers. ``modulus_ratio`` is Young's modulus of the socket over that of the ball.
     """
 
     group: str

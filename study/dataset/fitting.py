@@ -2,8 +2,8 @@
 
 As in the paper, there is one coefficient f1 for each case, and then a surrogate of f1 over R2*. The
 surrogate is a straight line, because P* -> R2* F(ds) as R2* grows. Its intercept is the next order
-in 1/R2*. The paper's coefficients are lost; these are ours. What a call of each law costs is
-selected here too, from the times that were measured.
+in 1/R2*. The paper's coefficients are lost; these are fitted in this study. What a call of each law
+costs is selected here too, from the times that were measured.
 """
 
 import numpy as np

@@ -1,9 +1,9 @@
 """Solutions that notebooks show and that take longer than a second: kept, or else solved.
 
 ``data/solutions/cases.csv`` is their design: a row for each case, with its kind, the joint and the
-other arguments. Each kind has a file of results beside it, whose rows name their case. A function
-of this module returns the kept results of a case, or solves it if there is none. Both are the
-same numbers: arguments and results are rounded to 9 significant digits.
+other arguments. Each kind has a file of results in the same folder, whose rows name their case. A
+function of this module returns the kept results of a case, or solves it if there is none. Both are
+the same numbers: arguments and results are rounded to 9 significant digits.
 
 ``study data record NOTEBOOK`` renews the rows of a notebook in the design.
 """

@@ -1,4 +1,4 @@
-"""The cached force-depth curves and the numbers beside them: how they are loaded and checked.
+"""The cached force-depth curves and the numbers that go with them: how they are loaded and checked.
 
 The numbers are in ``data/force_curves.csv``, one row per case and depth. Their description is
 ``data/datapackage.json`` (Frictionless Data Package), with the hash of every file: a table is
@@ -41,7 +41,7 @@ MATERIALS = paths.ROOT / "study/contact/materials.csv"  # no import: no curve de
 CONTACT_SIZE = paths.ROOT / "study/pages/report/contact_size.csv"
 PUBLISHED = (TABLES, REFERENCES, OTHERS, SPEED)
 LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, CONTACT_SIZE)
-"""Files of numbers beside the modules that read them."""
+"""Files of numbers in the folders of the modules that read them."""
 MEND = "study data build"
 
 

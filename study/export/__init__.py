@@ -56,7 +56,7 @@ FIRST = 0.001
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")
 """Names of functions and elements that every language takes."""
 _PYTHON = r"\b(CLEARANCE|MODULUS|VALUES|KNOT|TABLE|contact_force|_force|solver_settings)\b"
-ROWS = 400  # of a CSV beside its first, in equal steps of sqrt(depth_star)
+ROWS = 400  # of a CSV after its first, in equal steps of sqrt(depth_star)
 _BETWEEN = 8  # places between rows at which interpolation is checked
 _SOURCE = "Spherical clearance joint study; see CITATION.cff there."
 MILLI = 1e-3

@@ -1,7 +1,7 @@
 """Compliance of an elastic body: how its spherical surface deforms under normal pressure.
 
 Contact needs no more of a body than its `Compliance`, and this depends on no more than `Ball` or
-`Socket`. It is computed once and serves every clearance, depth and modulus: bodies have unit
+`Socket`. It is computed once for every clearance, depth and modulus: bodies have unit
 radius, and the Young's modulus of the ball or of the innermost layer is the unit.
 """
 
@@ -154,7 +154,7 @@ class Compliance:
 
     @cached_property
     def coarser(self) -> "Compliance":
-        """The same body under the hats between every second node, which are sums of its own."""
+        """The same body under the hats of every second node, which are sums of its hats."""
         angles = self.angles[::2]
         sums = HatFunctions(angles).values(self.angles).T
         return Compliance(angles, sums @ (sums @ self.flexibility).T)

@@ -5,7 +5,7 @@ force is found from a table of the solved force-depth curve, and the joint is th
 this depth.
 """
 
-from __future__ import annotations  # so that help() shows ArrayLike and not what it stands for
+from __future__ import annotations  # so that help() shows ArrayLike and not its definition
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache

@@ -2,9 +2,9 @@
 
 A pressure p_m(theta) cos(m phi) displaces a body by u_r cos, u_phi sin and u_z cos of m phi, and
 asks for one problem in the meridian (Wilson, AIAA J. 3 (1965) 2269). Its strains have m at first
-power, so that three assemblies serve every mode. The flexibility changes smoothly with m: some
-modes are solved, and those between interpolated. Unknowns are u_r, u_r + u_phi and u_z, each of
-which is zero or free on the axis.
+power, so that three assemblies suffice for every mode. The flexibility changes smoothly with m:
+some modes are solved, and those between interpolated. Unknowns are u_r, u_r + u_phi and u_z, each
+of which is zero or free on the axis.
 """
 
 from functools import cached_property

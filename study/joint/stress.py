@@ -214,7 +214,7 @@ def first_crossing(
     """First yield of a joint from the stresses `over_depth` in its bodies; None if no body yields.
 
     The joint must be one that `first_yield` accepts. Because the stresses do not depend on the
-    yield stresses, one table serves all joints that differ only in these.
+    yield stresses, one table applies to all joints that differ only in these.
     """
     from scipy.interpolate import PchipInterpolator  # a quarter of a second, for this alone
     from scipy.optimize import brentq

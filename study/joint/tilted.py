@@ -147,7 +147,7 @@ def under_force(
 
     Without friction no force can point out of the opening: its tilt is inside the opening. Other
     arguments and errors are those of `tilted_contact`; a force that no displacement inside the
-    joint bears is a ``ValueError`` too.
+    joint causes is a ``ValueError`` too.
     """
     forces, tilts, resolution = _checked(joint, force_star, tilt, "force_star", resolution)
     for outside in (one for one in tilts if not joint.opening.faces(one)):

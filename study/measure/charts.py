@@ -123,7 +123,7 @@ def _finest_curve():
 
 
 def _curve(name, n):
-    """Forces of our own solution, with new bodies at this resolution and at half of it."""
+    """Forces of this study's solution, with new bodies at this resolution and at half of it."""
     made = fem.meshed, fem.compliance, series.compliance, series.hat_coefficients
     for function in (*made, contact_kinematics._pairs):
         function.cache_clear()

@@ -38,7 +38,7 @@ SHARES = (0.95, 0.5)  # of the explicit step's limit
 def runs() -> Iterator[Run]:
     """Both models with every mesh and step."""
     for joint in DURATIONS:  # compiles
-        truth(joint)
+        reference(joint)
         simulated("beams", joint, (2, 4), 4e-6)
     for joint, model in product(DURATIONS, MODELS):
         for n in MESHES[joint]:
@@ -60,7 +60,7 @@ def run(
     scene: Scene = SCENE,
     **columns: str,
 ) -> Run:
-    """A row of the chart: ``call`` returns what `simulated` does; its error is to `truth`."""
+    """A row of the chart: ``call`` returns what `simulated` does, compared with `reference`."""
     setting = f"{joint}, {elements[0]} and {elements[1]} elements, step {step:.3g} s"
     return Run(method, setting, call, partial(error, joint, scene), columns)
 
@@ -85,7 +85,7 @@ def longest_step(joint: Joint, elements: Elements, scene: Scene = SCENE) -> floa
 
 
 @cache
-def truth(joint: Joint, scene: Scene = SCENE) -> NDArray[np.float64]:
+def reference(joint: Joint, scene: Scene = SCENE) -> NDArray[np.float64]:
     """Limit of `simulated`: particles of a fine mesh."""
     step = SHARES[1] * longest_step(joint, FINEST[joint], scene)
     return simulated("particles", joint, FINEST[joint], step, scene)
@@ -93,7 +93,7 @@ def truth(joint: Joint, scene: Scene = SCENE) -> NDArray[np.float64]:
 
 def error(joint: Joint, scene: Scene, values: NDArray[np.float64]) -> NDArray[np.float64]:
     """NRMS of the slider's position over its change since the start; or two relative errors."""
-    exact = truth(joint, scene)
+    exact = reference(joint, scene)
     if joint == "first impact":
         return np.abs(values / exact - 1)
     start = scene.crank_length + scene.coupler_length

@@ -9,7 +9,7 @@ from study.checks import StudyError
 
 
 def table(rows: Iterable[tuple]) -> pd.DataFrame:
-    """Table of limits: what fails, condition, predicted, observed (as text), unit, told by."""
+    """Table of limits: what fails, condition, predicted, observed (as text), unit, reported by."""
     columns = ["what", "condition", "predicted", "observed", "unit", "reported_by"]
     limits, numbers = pd.DataFrame(rows, columns=columns), ["predicted", "observed"]
     limits[numbers] = limits[numbers].map(lambda x: x if isinstance(x, str) else f"{x:.3g}")

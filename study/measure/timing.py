@@ -24,7 +24,7 @@ from threadpoolctl import threadpool_limits
 
 Call = Callable[[], NDArray[np.float64]]
 COMPILED, PYTHON, PROGRAM = "compiled", "from Python", "as a program"
-"""How a method is called: in a compiled loop, by a loop in Python, or as a process of its own."""
+"""How a method is called: in a compiled loop, by a loop in Python, or as a separate process."""
 OURS = "collocation, events"
 """The study's own stepper, as the charts name it."""
 ERRORS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
@@ -142,7 +142,7 @@ def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
 
 @cache
 def machine() -> str:
-    """Processor, its number of cores, Python and NumPy, in words."""
+    """Processor, its number of cores, Python and NumPy, as a sentence."""
     model, described = platform.processor() or platform.machine(), Path("/proc/cpuinfo")
     if described.is_file():  # Linux
         names = re.findall(r"^model name\s*: *(.+)", described.read_text(), re.M)

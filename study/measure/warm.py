@@ -1,6 +1,6 @@
 """Compile the stepping loops once, in set-up: ``python -m study.measure.warm``.
 
-Each kind is compiled by a process of its own, all at once. What two of them need is compiled by
+Each kind is compiled by a separate process, all at once. What two of them need is compiled by
 both: to wait for each other would take longer.
 """
 

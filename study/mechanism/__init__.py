@@ -2,7 +2,7 @@
 
 `simulate` is one call for all models. Each model yields blocks of output rows around one compiled
 loop, ``advance``. A simulation can therefore show its progress, and keeps what it has when it is
-interrupted. Each impact has three output rows of its own: at its start, largest force and end.
+interrupted. Each impact adds three output rows: at its start, largest force and end.
 
 Rigid links are `rigid` with one clearance joint and `two_joints` with two; `joints` has what is
 the same in each joint. `events` steps them: in contact the depth is a coordinate. Flexible links

@@ -95,24 +95,27 @@ def second_run(response: Response, run: Callable[..., Response]) -> Agreement | 
     return agreement(response, second)
 
 
-def normalised_rms(truth: ArrayLike, values: ArrayLike) -> float:
-    """RMS difference of two series of numbers, over the RMS of the truth's change since its start.
+def normalised_rms(reference: ArrayLike, values: ArrayLike) -> float:
+    """RMS difference of two series of numbers, divided by the RMS change of the reference.
 
-    Raises `study.checks.RangeError` if the truth does not change.
+    The change is that since the first number.
+
+    Raises `study.checks.RangeError` if the reference does not change.
     """
-    truth, values = np.asarray(truth), np.asarray(values)
-    if not np.ptp(truth) > 0:
-        raise checks.RangeError(f"truth must change with time, got only {truth[0]:g}")
-    return float(np.sqrt(np.mean((values - truth) ** 2) / np.mean((truth - truth[0]) ** 2)))
+    reference, values = np.asarray(reference), np.asarray(values)
+    if not np.ptp(reference) > 0:
+        raise checks.RangeError(f"reference must change with time, got only {reference[0]:g}")
+    change = np.mean((reference - reference[0]) ** 2)
+    return float(np.sqrt(np.mean((values - reference) ** 2) / change))
 
 
-def motion_nrms(truth: Response, response: Response, column: str) -> float:
+def motion_nrms(reference: Response, response: Response, column: str) -> float:
     """`normalised_rms` of one column of two responses, such as ``slider_position``.
 
     Raises ``ValueError`` if the times differ.
     """
-    same_times(truth=truth, response=response)
-    return normalised_rms(truth.rows[column], response.rows[column])
+    same_times(reference=reference, response=response)
+    return normalised_rms(reference.rows[column], response.rows[column])
 
 
 def phase_lead(response: Response, ideal: Response) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""A contact law in a scene: with the scene's materials, and described in words.
+"""A contact law in a scene: with the scene's materials, and described in a sentence.
 
 The socket's thickness and supports are not in the scene: they are options of a law.
 """
@@ -27,7 +27,7 @@ def materials(ball: Material, socket: Material) -> dict[str, float]:
 
 
 def in_scene(scene: Scene, law: Any, given: dict[str, Any]) -> tuple[list[DimensionalLaw], str]:
-    """A law of `simulate` in each clearance joint of the scene, and in words.
+    """A law of `simulate` in each clearance joint of the scene, and a sentence on it.
 
     A law of another joint, or of other materials, than the scene's is a ``ValueError``.
     """

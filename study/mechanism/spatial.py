@@ -125,9 +125,10 @@ class ClearanceJoint:
     Parameters
     ----------
     law
-        A law of a joint in SI units, or a joint, for the table of its own curve. With friction, a
-        law of a `study.joint.DimensionalJoint` reaches no deeper than that table: the joint's
-        solved pressure gives the friction radius. For other laws it is that of Hertz's pressure.
+        A law of a joint in SI units, or a joint, for a table of its force-depth curve. With
+        friction, a law of a `study.joint.DimensionalJoint` reaches no deeper than that table: the
+        joint's solved pressure gives the friction radius. For other laws it is that of Hertz's
+        pressure.
     restitution, damping, friction, slow_speed, full_speed
         As of `study.mechanism.Scene`, with speeds in m/s (Eqs. 31-33).
     tension

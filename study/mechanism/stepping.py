@@ -2,7 +2,7 @@
 
 Each is a record with named fields. A loop fills rows, which have their times. It ends when all are
 filled, after a number of steps, when the table of impacts is full, or when it fails; the next call
-goes on from the state. Each impact has three rows of output of its own, as output at equal times
+goes on from the state. Each impact adds three rows of output, as output at equal times
 hides impacts.
 """
 
@@ -142,7 +142,7 @@ def divide(times: NDArray[np.float64], step: float) -> tuple[int, float]:
 
 
 def new_state(*own: str) -> np.recarray:
-    """A model's state at the start, with numbers of its own; its loop fills all rows."""
+    """A model's state at the start, with the numbers of the model; its loop fills all rows."""
     # own fields first: else numba takes loops of a model without any for those of all models
     fields = np.dtype([*((name, float) for name in own), *STATE], align=True)
     (state,) = np.zeros(1, fields).view(np.recarray)
@@ -157,7 +157,7 @@ def advance_in_blocks(
 
     ``advance`` takes rows, impacts and the impacts' rows, and returns how many rows it filled and
     how it ended. It is called for as many steps as take about `PATIENCE`. If it failed, raises
-    `MechanismError` with the text ``failure``, in which ``{}`` stands for the state's limit.
+    `MechanismError` with the text ``failure``, in which ``{}`` is replaced by the state's limit.
     """
     impacts, events = new_impacts(64)
     rows = np.zeros(len(times), OUTPUT)

@@ -1,4 +1,4 @@
-"""Results as made here beside the kept ones: identical, agreeing, or different.
+"""Results as made here compared with the kept ones: identical, agreeing, or different.
 
 The kept results are the files in ``figures/``. Where every number agrees
 (`study.dataset.tolerance`) they stay as they are; otherwise the new file replaces the kept one, and
@@ -22,7 +22,7 @@ _PLURAL = {"agrees": "agree", "differs": "differ"}
 
 
 class Comparison(NamedTuple):
-    """State of a file as made here beside the kept one, and ``where`` they differ."""
+    """State of a file as made here compared with the kept one, and ``where`` they differ."""
 
     state: State
     where: str = ""

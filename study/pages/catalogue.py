@@ -128,7 +128,7 @@ class Notebook:
         return [*results, self.executed, *([] if self.settings else [self.compared])]
 
     def digest(self) -> str:
-        """Digest of what decides its results, beside the results of others that it reads."""
+        """Digest of what decides its results, without the results of others that it reads."""
         names = [*self.results, *self.reads]
         return provenance.digest(self.inputs(), names, sorted(self.settings.items()))
 

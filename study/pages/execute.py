@@ -1,6 +1,6 @@
 """Check the parameters of notebooks, run outdated ones as tasks, execute one by papermill.
 
-A notebook is executed in a kernel with folders of its own (`study.pages.kernel`). Nothing in the
+A notebook is executed in a kernel with separate folders (`study.pages.kernel`). Nothing in the
 calling process changes, so that several threads may execute notebooks at the same time.
 """
 
@@ -145,7 +145,7 @@ def execute(notebook: Notebook) -> None:
     """Execute one notebook with its settings, and keep its executed copy.
 
     If every cell succeeds, its results are compared with the kept ones (`baseline.take_over`).
-    Those made with settings go to a folder of their own. Raises `NotebookError` if a cell fails, or
+    Those made with settings go to a separate folder. Raises `NotebookError` if a cell fails, or
     a result is missing or not in the catalogue, and `study.checks.StudyError` if data are damaged
     or a claim cannot be judged.
     """

@@ -98,7 +98,7 @@ class _Process(_CONTEXT.Process):
 
 
 def _serve(arguments, folder, environment):
-    """Be a kernel, in a session of its own, until it is shut down."""
+    """Be a kernel, in a new session, until it is shut down."""
     os.setsid()
     os.environ.clear()
     os.environ.update(environment)

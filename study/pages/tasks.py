@@ -259,7 +259,7 @@ def _is_interrupted(session):
 
 @contextmanager
 def alone():
-    """Refuse to run beside another build, as both would write the same records and results.
+    """Refuse to run while another build runs: both would write the same records and results.
 
     The lock ends with the process that holds it, however that ends.
     """

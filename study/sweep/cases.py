@@ -100,8 +100,8 @@ def _as_texts(case):
 def _text(value):
     """Text of a cell from a Python value; a list has several values, a tuple is one value.
 
-    None is an empty cell, for the default. A missing number (NaN) is refused where it is read: it
-    may be the result of a calculation.
+    None is an empty cell, for the default. A missing number (NaN) raises an error where it is read:
+    it may be the result of a calculation.
     """
     if isinstance(value, list | tuple | np.ndarray):
         return ("," if isinstance(value, tuple) else ";").join(map(_text, value))
@@ -310,7 +310,7 @@ def _joint(values):
 
 
 def _tilted(kind, values):
-    """Joint of a class, and the tilt of its load or None; beside a tilt the rim is free."""
+    """Joint of a class, and the tilt of its load or None; with a tilt the rim is free."""
     tilt = values.pop("tilt", None)
     joint = kind(**({} if tilt is None else {"rim": "free"}) | values)
     return joint, joint.default_tilt if tilt is None else tilt

@@ -1,8 +1,8 @@
 """Solves the cases of a parameter study in processes or on Dask, and writes one table.
 
-Every result goes at once to a part file beside the table, so that memory use stays small and an
-interrupted study goes on where it stopped. The table is written from this file at the end, in the
-order of the cases, with the same bytes for any number of processes.
+Every result is written at once to a part file in the folder of the table, so that memory use stays
+small and an interrupted study goes on where it stopped. The table is written from this file at the
+end, in the order of the cases, with the same bytes for any number of processes.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
@@ -171,7 +171,7 @@ class _Part:
         self.failures: dict[str, str] = {}
         try:
             self._path, self._file = path, path.open("a+b")
-        except OSError as error:  # told with the user's path
+        except OSError as error:  # reported with the user's path
             raise OSError(error.errno, error.strerror, str(path.with_suffix(""))) from None
         self._file.seek(0)
         place, line = 0, b"\n"
@@ -187,7 +187,7 @@ class _Part:
         return self
 
     def __exit__(self, failure, *_):
-        with suppress(OSError):  # a full disk, which was told already
+        with suppress(OSError):  # a full disk, which was reported already
             self._file.close()
         if failure is None or not self.places:  # finished, or nothing to go on with
             self._path.unlink(missing_ok=True)

@@ -180,8 +180,8 @@ def test_chosen_model_is_within_tolerance_of_finer_particles(seed):
     kinds = set()
     for scene, duration in random_scenes.draw(seed, count=2):
         duration = min(duration, 0.05)
-        truth = {"model": "particles", "elements": (6, 12), "law": "stiffened_hertz"}
-        finer = simulate(scene, duration=duration, outputs=500, **truth)
+        reference = {"model": "particles", "elements": (6, 12), "law": "stiffened_hertz"}
+        finer = simulate(scene, duration=duration, outputs=500, **reference)
         for quantity, tolerance in product(links.QUANTITIES, (0.5, 0.03)):
             options = {"duration": duration, "outputs": 500, "quantity": quantity}
             try:

@@ -1,4 +1,4 @@
-"""Which law follows a given curve, and what is fitted to it: made curves, whose truth is known."""
+"""Which law follows a given curve, and what is fitted to it, for curves of known laws."""
 
 from dataclasses import replace
 

@@ -32,25 +32,25 @@ def test_published_adjusted_values_follow_from_the_others():
     st.lists(st.floats(0.1, 10), min_size=4, max_size=30, unique=True),
     st.lists(st.floats(0.5, 2), min_size=30, max_size=30),
 )
-def test_published_r2_is_that_of_the_mean_error_and_one_sign_makes_it_worse(truth, factors):
-    truth = np.array(truth)
-    prediction = truth * factors[: truth.size]
-    total = np.sum((truth - truth.mean()) ** 2)
-    mean = np.mean(prediction - truth)
-    found = stats.kappa_as_printed(truth, prediction)
-    assert 1 - found == pytest.approx((truth.size * mean) ** 2 / total, rel=1e-9, abs=1e-12)
-    low = truth * np.minimum(factors[: truth.size], 1)  # errors of one sign
-    worse = stats.kappa_as_printed(truth, low), stats.determination(truth, low)
+def test_published_r2_is_that_of_the_mean_error_and_one_sign_makes_it_worse(reference, factors):
+    reference = np.array(reference)
+    prediction = reference * factors[: reference.size]
+    total = np.sum((reference - reference.mean()) ** 2)
+    mean = np.mean(prediction - reference)
+    found = stats.kappa_as_printed(reference, prediction)
+    assert 1 - found == pytest.approx((reference.size * mean) ** 2 / total, rel=1e-9, abs=1e-12)
+    low = reference * np.minimum(factors[: reference.size], 1)  # errors of one sign
+    worse = stats.kappa_as_printed(reference, low), stats.determination(reference, low)
     assert worse[0] <= worse[1] + 1e-9
 
 
 @given(st.lists(st.floats(0.1, 10), min_size=4, max_size=30, unique=True), st.floats(0.1, 10))
-def test_measures_scale_with_the_data(truth, factor):
-    truth = np.array(truth)
-    prediction = truth * 1.1
-    scaled = stats.goodness_of_fit(truth * factor, prediction * factor)
-    plain = stats.goodness_of_fit(truth, prediction)
+def test_measures_scale_with_the_data(reference, factor):
+    reference = np.array(reference)
+    prediction = reference * 1.1
+    scaled = stats.goodness_of_fit(reference * factor, prediction * factor)
+    plain = stats.goodness_of_fit(reference, prediction)
     assert scaled["determination"] == pytest.approx(plain["determination"], rel=1e-6, abs=1e-9)
     assert scaled["RMSE"] == pytest.approx(factor * plain["RMSE"])
     assert scaled["relative_RMSE"] == pytest.approx(plain["relative_RMSE"])
-    assert stats.goodness_of_fit(truth, truth)["determination"] == 1
+    assert stats.goodness_of_fit(reference, reference)["determination"] == 1

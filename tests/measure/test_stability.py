@@ -224,14 +224,14 @@ def test_approach_speeds_go_with_the_root_of_the_moment_down_to_nothing():
 
 @pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
 def test_a_ball_that_starts_almost_in_touch_rests_there(model):
-    truth = simulate(duration=0.003, outputs=30)
+    reference = simulate(duration=0.003, outputs=30)
     for gap in (1e-6, 1e-10, 1e-13):
         scene = PAPER.replace(initial_eccentricity=(-PAPER.clearance * (1 - gap), 0.0))
         r = simulate(scene, model=model, duration=0.003, outputs=30)
         assert 0 < r.impacts.approach_speed[0] < 1e-5
         assert r.impacts.peak_force.max() < 12
         assert r.energy_error < 1e-5
-        assert r.slider_position[-1] == pytest.approx(truth.slider_position[-1], abs=1e-4)
+        assert r.slider_position[-1] == pytest.approx(reference.slider_position[-1], abs=1e-4)
 
 
 def test_grazing_approach_speed_goes_with_the_gap_to_three_quarters():

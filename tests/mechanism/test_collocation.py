@@ -135,8 +135,8 @@ def test_eigenvectors_are_those_of_the_matrix():
 
 
 def test_a_step_has_order_9_in_contact():
-    truth = after(32)
-    errors = [np.abs(after(n) - truth)[[1, 4]] for n in (2, 4)]
+    reference = after(32)
+    errors = [np.abs(after(n) - reference)[[1, 4]] for n in (2, 4)]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(9, abs=0.7)
 
 

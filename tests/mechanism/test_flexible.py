@@ -189,9 +189,9 @@ def test_flexible_links_with_clearance(model):
     options = {"duration": 0.03, "outputs": 300}
     rigid, r = simulate(scene, **options), simulate(scene, model=model, **options)
     assert len(r.impacts) > len(rigid.impacts)
-    first, truth = r.impacts.iloc[0], rigid.impacts.iloc[0]
-    assert first.time == pytest.approx(truth.time, rel=5e-3)
-    assert first.approach_speed == pytest.approx(truth.approach_speed, rel=0.1)
+    first, reference = r.impacts.iloc[0], rigid.impacts.iloc[0]
+    assert first.time == pytest.approx(reference.time, rel=5e-3)
+    assert first.approach_speed == pytest.approx(reference.approach_speed, rel=0.1)
     assert compare.motion_nrms(rigid, r, "slider_position") < 1e-3
     assert r.energy_error < 1e-5
     assert r.lost_damping[-1] == pytest.approx(rigid.lost_damping[-1], rel=0.5)
@@ -202,13 +202,13 @@ def test_flexible_links_with_clearance(model):
 def test_nearly_rigid_links_impact_as_rigid_ones(model):
     stiff = PAPER.replace(link_modulus=1000 * PAPER.youngs_modulus)
     options = {"duration": 0.002, "outputs": 10}
-    truth = simulate(**options).impacts.iloc[0]
+    reference = simulate(**options).impacts.iloc[0]
     own = {} if model == "particles" else {"step": 1e-7}
     first = simulate(stiff, model=model, **TWO, **own, **options).impacts.iloc[0]
-    assert first.time == pytest.approx(truth.time, rel=1e-4)
-    assert first.approach_speed == pytest.approx(truth.approach_speed, rel=5e-3)
+    assert first.time == pytest.approx(reference.time, rel=1e-4)
+    assert first.approach_speed == pytest.approx(reference.approach_speed, rel=5e-3)
     for column in ("peak_force", "peak_depth", "separation_speed", "lost"):
-        assert first[column] == pytest.approx(truth[column], rel=0.03)
+        assert first[column] == pytest.approx(reference[column], rel=0.03)
 
 
 @pytest.mark.parametrize("model", FLEXIBLE)
@@ -228,8 +228,8 @@ def test_shorter_steps_converge_with_order_2(model):
     """Places after one impact, against a much shorter step."""
     options = {"model": model, "duration": 0.002, "outputs": 20, **TWO}
     steps = np.array([8e-7, 4e-7, 2e-7])
-    truth = simulate(step=2.5e-8, **options).slider_position[-1]
-    errors = [abs(simulate(step=h, **options).slider_position[-1] - truth) for h in steps]
+    reference = simulate(step=2.5e-8, **options).slider_position[-1]
+    errors = [abs(simulate(step=h, **options).slider_position[-1] - reference) for h in steps]
     assert order(steps, errors) > 1.5
 
 

@@ -185,10 +185,10 @@ def test_any_tolerance_finds_nine_impacts(tolerance):
 
 
 def test_accuracy_follows_the_tolerance():
-    truth = simulate(duration=0.3, outputs=3000, tolerance=1e-11)
+    reference = simulate(duration=0.3, outputs=3000, tolerance=1e-11)
     for tolerance, bound in ((1e-5, 2e-5), (1e-7, 3e-7), (1e-9, 3e-9)):
         response = simulate(duration=0.3, outputs=3000, tolerance=tolerance)
-        assert compare.motion_nrms(truth, response, "slider_acceleration") < bound
+        assert compare.motion_nrms(reference, response, "slider_acceleration") < bound
 
 
 def test_energy_is_kept_without_losses():
@@ -474,9 +474,9 @@ def test_an_interruption_is_noticed_between_two_times_of_output(model, duration,
 
 
 def test_normalised_rms_by_hand():
-    truth, values = [5.0, 7.0, 9.0, 3.0], [5.0, 8.0, 9.0, 2.0]  # squared: 2, and 4 + 16 + 4
-    assert compare.normalised_rms(truth, values) == pytest.approx(np.sqrt(2 / 24))
-    assert compare.normalised_rms(truth, truth) == 0
+    reference, values = [5.0, 7.0, 9.0, 3.0], [5.0, 8.0, 9.0, 2.0]  # squared: 2, and 4 + 16 + 4
+    assert compare.normalised_rms(reference, values) == pytest.approx(np.sqrt(2 / 24))
+    assert compare.normalised_rms(reference, reference) == 0
     ideal = simulate(joint="ideal", duration=0.02, outputs=20)
     clearance = simulate(duration=0.02, outputs=20)
     assert compare.motion_nrms(ideal, clearance, "crank_speed") == compare.normalised_rms(
@@ -493,7 +493,7 @@ def test_lead_and_last_separation():
     assert shifted == pytest.approx(clearance.crank_angle[k], abs=2e-4)
     ends = clearance.impacts.time + clearance.impacts.duration
     assert clearance.last_separation == ends[7]
-    with pytest.raises(ValueError, match="truth and response must have the same output times"):
+    with pytest.raises(ValueError, match="reference and response must have the same output times"):
         compare.motion_nrms(ideal, simulate(joint="ideal", outputs=10), "crank_angle")
 
 

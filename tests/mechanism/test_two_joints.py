@@ -170,10 +170,10 @@ def test_energy_balance_closes_with_two_joints(start, law):
     "scene", [BOTH, BOTH.replace(crank_speed=60.0), PAPER.replace(crank_speed=60.0)]
 )
 def test_accuracy_follows_the_tolerance(scene):
-    truth = simulate(scene, duration=0.02, outputs=300, tolerance=1e-11)
+    reference = simulate(scene, duration=0.02, outputs=300, tolerance=1e-11)
     errors = [
         compare.motion_nrms(
-            truth,
+            reference,
             simulate(scene, duration=0.02, outputs=300, tolerance=tolerance),
             "slider_position",
         )

@@ -22,14 +22,14 @@ PARAMETERS = {
     "poisson": "Poisson's ratio",
     "r2_star": "Socket radius R2* = R2/ΔR",
 }
-"""What a case is chosen by -> its name in words."""
+"""What a case is chosen by -> its name."""
 COPIED = ("UNIT", "DIGITS", "LEAST_R2_STAR", "RANGES")
 LEAST_STRESS, MOST_STRESS = 0.93, (1.2, 0.75)
 """Bounds of a body's largest von Mises stress over Hertz's, of the same peak pressure and ratio.
 
 The upper one is a + b angle^2, with the contact's half-angle in rad. The lower one is over that of
-a confined layer where the socket's wall is thinner than the contact's half-width. They leave 0.02
-and 0.038 beyond what 330 random joints have (R2* 20 to 1e4, walls 0.11 to 5.1 R2).
+a confined layer where the wall of the socket is thinner than the contact's half-width. They leave
+0.02 and 0.038 beyond what 330 random joints have (R2* 20 to 1e4, walls 0.11 to 5.1 R2).
 """
 
 

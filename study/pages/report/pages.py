@@ -37,7 +37,7 @@ _SIGNS = str.maketrans({"'": "\N{RIGHT SINGLE QUOTATION MARK}"} | dict.fromkeys(
 
 
 def write(sources: Path, pages: Path) -> list[tuple[str, str, str, str]]:
-    """Write Sphinx's sources to a folder, and files that belong beside the pages to another.
+    """Write Sphinx's sources to a folder, and files that the pages link to, to another.
 
     Return title, kind (of `KINDS`), page and anchor of each place that the search should find.
     """
@@ -62,7 +62,7 @@ def modules() -> list[Path]:
 
 
 class _Sources:
-    """Sources of the pages in one folder, and files beside the pages in another."""
+    """Sources of the pages in one folder, and files that the pages link to in another."""
 
     def __init__(self, folder, pages):
         self._folder, self._pages, self._results = folder, pages, catalogue.results()
