@@ -63,6 +63,26 @@ def test_which_law_is_right():
     assert row.error_percent == pytest.approx(error, abs=0.005)
 
 
+def test_how_accurate_the_stiffness_is():
+    table = kept("trend")
+    stiffened, low, high = claimed(r"its stiffness dP/dδ is within (\S+) % .*? from (\S+) to (\d)")
+    (power,) = claimed(r"its stiffness within (\S+) %")
+    for law, percent, ends in (
+        ("stiffened_hertz", stiffened, (low, high)),
+        ("power", power, (0.05, 0.5)),
+    ):
+        inside = table[table.depth_star.between(*ends)]
+        error = 100 * (inside[f"slope_{law}"] / inside.slope_elastic_solution - 1).abs().max()
+        assert 0.9 * percent < error <= percent
+
+
+def test_how_far_others_are():
+    assert "Seven of nine published contact pressures" in README
+    table = kept("others_compared")
+    assert (len(table), (table.verdict == "agree").sum()) == (9, 7)
+    assert table.gap_percent.abs().max() < 1
+
+
 def test_which_statements_hold():
     *counts, ours, implied = claimed(
         r"Of (\d+) statements .*? (\d+) are reproduced, (\d+) are contradicted, and (\d+) are und"
@@ -99,7 +119,7 @@ def test_where_things_are():
     (ratio,) = claimed(r"with an outer radius of ([\d.]+) R2")
     assert ratio == contact.SOCKET_RATIO
     (notebook,) = catalogue.select(["fig14"])
-    assert f"Fig. 14: `{notebook.name}`" in README
+    assert f"Fig. 14 of the paper: `{notebook.name}`" in README
     for path in re.findall(r"\]\(([^)#]+)", README):
         assert (paths.ROOT / path).exists(), path
 
