@@ -42,7 +42,8 @@ THINNEST_RATIO = 1.02
 """Least ratio of the radii of a socket or layer: thinner elements are too flat to be mapped."""
 
 _DEPTH_SCALE = 0.1  # element size grows from this depth below the surface on, in radii
-_RADIAL_ELEMENTS = 0.1  # elements per unit of graded depth, as a share of the resolution
+_RADIAL_ELEMENTS = 0.1  # rings in which the elements' size grows by e, divided by the resolution
+_LEAST_GROWTH = 5 / 8  # rings of a thin layer are as many as if its elements grew by exp(5/8)
 _AT_ONCE = 16  # loads that are solved together: what they need stays in the processor's cache
 _TOGETHER = 8  # elements that are added along the surface: they can be halved three times
 _TOUCHING = 1e-9  # rad
@@ -58,7 +59,8 @@ def ball_mesh(ball: Ball, resolution: int = RESOLUTION["quadratic"], nodes: Node
     those that hold the ball: ``equator``, ``core`` or ``neck``. The surface's vertices come first,
     in order of polar angle. The ``resolution``, elements along ``surface``, is a multiple of 16.
     """
-    return meridian_of_ball(ball, surface_angles(resolution, ball.opening.reach), nodes)
+    angles = surface_angles(resolution, ball.opening.reach)
+    return meridian_of_ball(ball, angles, _RADIAL_ELEMENTS * resolution, nodes=nodes)
 
 
 def socket_mesh(
@@ -69,42 +71,45 @@ def socket_mesh(
     Its boundaries are ``surface``, ``axis``, ``rim``, ``outside`` and, if it is held in a sector,
     ``seat``. Rings meet the outer radius of every layer, each >= 1.02 of the inner one.
     """
-    return meridian_of_socket(socket, surface_angles(resolution, socket.opening.reach), nodes)
+    angles = surface_angles(resolution, socket.opening.reach)
+    return meridian_of_socket(socket, angles, _RADIAL_ELEMENTS * resolution, nodes=nodes)
 
 
 def meridian_of_ball(
-    ball: Ball, angles: Floats, nodes: Nodes = 6, radial: float = _RADIAL_ELEMENTS
+    ball: Ball, angles: Floats, rings: float, multiple: int = 1, nodes: Nodes = 6
 ) -> MeshTri:
     """`ball_mesh` with vertices at given polar angles in rad, where contact may be.
 
-    The number of rings is proportional to ``radial`` and to that of the angles.
+    There are about ``rings`` rings where the elements' size grows by the factor e, and altogether
+    a ``multiple``, so that meshes of half and of twice the resolution have half and twice as many.
     """
-    support, elements = ball.support, radial * (len(angles) - 1)
+    support = ball.support
     boundaries = {"surface": (1, 1, angles[0], angles[-1])} | support.boundaries
     if isinstance(support, Bore):
         thickness = 1 - support.radius
-        shell = 1.0 - _depths(thickness, 1.0, elements, 8) / thickness / 2
+        shell = 1.0 - _depths(thickness, 1.0, rings, multiple) / thickness / 2
         mesh = _ring_mesh(shell, angles, nodes, boundaries)
         return replace(mesh, doflocs=support.through_bore(mesh.doflocs))
-    core = support.radius if isinstance(support, Core) else 0.0
-    depths = _depths(1 - core, 1.0, elements, 8)
-    radii = 1.0 - (depths if core else depths[:-1])
+    if isinstance(support, Core):
+        radii = 1.0 - _depths_to_core(support.radius, rings, multiple)
+    else:
+        radii = 1.0 - _depths(1.0, 1.0, rings, multiple)[:-1]
     everywhere = angles
     if isinstance(support, Neck):  # stresses have no bound at its edge: elements do not grow
         everywhere = _onward(angles, support.edge, growth=1e-6)
     everywhere = _onward(everywhere, np.pi / 2 if support.is_half else np.pi)
     everywhere = -_onward(-everywhere[::-1], 0.0)[::-1]
-    return _ring_mesh(radii, everywhere, nodes, boundaries, centre=not core)
+    return _ring_mesh(radii, everywhere, nodes, boundaries, centre=not isinstance(support, Core))
 
 
 def meridian_of_socket(
-    socket: Socket, angles: Floats, nodes: Nodes = 6, radial: float = _RADIAL_ELEMENTS
+    socket: Socket, angles: Floats, rings: float, multiple: int = 1, nodes: Nodes = 6
 ) -> MeshTri:
     """`socket_mesh` with vertices at given polar angles in rad, as for `meridian_of_ball`."""
-    radii, last, resolution = np.ones(1), np.radians(socket.opening.last), len(angles) - 1
+    radii, last = np.ones(1), np.radians(socket.opening.last)
     for outer in socket.layers[0]:
         start, thickness = radii[-1], outer - radii[-1]
-        depths = _depths(thickness, start, radial * resolution, max(resolution // 16, 2))
+        depths = _depths(thickness, start, rings, multiple)
         radii = np.append(radii, start + depths[1:])
     boundaries = {
         "surface": (1, 1, angles[0], angles[-1]),
@@ -118,11 +123,31 @@ def meridian_of_socket(
     return _ring_mesh(radii, everywhere, nodes, boundaries, seat=seat)
 
 
-def _depths(thickness, start, elements, fewest):
+def _depths(thickness, start, rings, multiple):
     """Depths of the rings of a body or layer, from its inner surface on, at a radius."""
     scale = abs(start - 1) + _DEPTH_SCALE
-    count = round(elements * np.log1p(thickness / scale))
-    return graded(thickness, scale, max(count, fewest))
+    return graded(thickness, scale, _count(np.log1p(thickness / scale), rings, multiple))
+
+
+def _count(growth, rings, multiple):
+    """Number of rings in which the elements' size grows by a factor of exp(growth)."""
+    return multiple * round(max(growth, _LEAST_GROWTH) * rings / multiple)
+
+
+def _depths_to_core(radius, rings, multiple):
+    """Depths of the rings of a ball with a core, whose elements shrink towards it as well.
+
+    Their size is that of `_depths`, and towards a small core it is proportional to the radius.
+    """
+    scale = _DEPTH_SCALE
+    growth = np.log1p((1 - radius) / scale) - np.log(radius) / 2
+    count = _count(growth, rings, multiple)
+    # depths d at which (1 + d / scale)^2 = grown (1 - d): growth is the logarithm of its root
+    grown = np.exp(2 * np.linspace(0, growth, count + 1))
+    half = 1 / scale + grown / 2
+    depths = scale**2 * (np.sqrt(half**2 + (grown - 1) / scale**2) - half)
+    depths[[0, -1]] = 0, 1 - radius
+    return depths
 
 
 def _onward(angles, stop, growth=_GROWTH):

@@ -22,6 +22,7 @@ from study.joint.supports import Bore
 
 Floats = NDArray[np.float64]
 _RADIAL_ELEMENTS = 0.15  # as in `study.joint.fem`, for elements of equal angles
+_MULTIPLE = 8  # of which the resolution of any grid is one
 _TOGETHER = 16  # nodes around of which coarser rings leave all but one out
 _BEYOND = 8.0  # least deg by which the ball's nodes go on beyond the rim
 _DEEPEST = 1.0  # depth_star at which they still face the whole rim
@@ -30,6 +31,7 @@ _FEWEST = 12  # nodes of a contact of half the resolution
 _WHOLE = 1e-9  # of an area or an angle: a smaller part that the ball does not face counts as none
 _IN_PLANE = np.array([0, np.pi])  # angles phi of the plane of symmetry
 _SEEN = 3  # nodes beside cut hats on which these are projected: a projection falls by 0.27 on each
+_FITTED = 8  # nodes to which a parabola of four coefficients is fitted, at least
 _WINDOW = 0.5  # of the contact's mean radius: around the maximum, where a parabola is fitted
 
 
@@ -37,14 +39,18 @@ _WINDOW = 0.5  # of the contact's mean radius: around the maximum, where a parab
 class GridContact:
     """Contact on one grid: force and stiffness along and across, the rest as in `TiltedContact`.
 
-    ``pressure`` is that on the socket, and ``of_ball`` that on the ball, at the nodes of their
-    grids. ``profile`` is the pressure at signed polar angles in the plane of symmetry, in deg.
+    ``edge_pressure`` is the largest pressure at an edge that cuts the contact, or 0, and ``ripple``
+    the root mean square by which pressures differ from the parabola at their maximum. ``pressure``
+    is that on the socket, and ``of_ball`` that on the ball, at the nodes of their grids.
+    ``profile`` is the pressure at signed polar angles in the plane of symmetry, in deg.
     """
 
     force: Floats
     stiffness: Floats
     peak: float
     peak_angle: float
+    edge_pressure: float
+    ripple: float
     edges: tuple[float, float]
     reaches_rim: bool
     friction: Floats
@@ -60,6 +66,7 @@ class Contacts:
         self.joint = joint
         support = joint.ball_support
         self.ends_at_edge = support.is_half or isinstance(support, Bore)
+        self.is_held_at_edges = "equator" in support.held and "rim" in joint.socket_body.held
         beyond = max(_BEYOND, np.degrees((1 + _DEEPEST) / joint.r2_star))
         self.ball = ball_surface(joint.ball_body, beyond, resolution)
         self.socket = socket_surface(joint.socket_body, resolution)
@@ -130,50 +137,60 @@ class Contacts:
         rims = [grid.ring[-1]] if grid.pole == 0 else [0, grid.ring[-1]]
         low, high = self._ends(centre, grid.phi[nodes])
         beyond = (grid.theta[nodes] < low - _WHOLE) | (grid.theta[nodes] > high + _WHOLE)
+        reaches_rim = bool(np.isin(grid.ring[nodes], rims).any() or beyond.any())
+        if reaches_rim and self.is_held_at_edges:
+            self._check_held_edges(high)
         of_ball = moved[nodes].T @ pressure / self.ball.areas / (r1**2 if moves else 1.0)
         every = _on_whole_hats(nodes, pressure, grid.size, cut_hats)
         on_area = every[nodes] * size[nodes] / (weighted @ acted_on)[nodes]
         in_plane = grid.ends[nodes] < 1
         signed = self.signed_angle[nodes[in_plane]]
-        peak, peak_angle = self._peak(nodes, on_area, mass)
+        at_edge = np.isin(grid.ring[nodes], rims) | np.isin(nodes, cut_hats[0])
+        peak, peak_angle, edge_pressure, ripple = self._peak(nodes, on_area, mass, at_edge)
         return GridContact(
             force=2 * joint.r2_star * force,
             stiffness=2 * joint.r2_star * loads.T @ by_pressure,
             peak=peak,
             peak_angle=peak_angle,
+            edge_pressure=edge_pressure,
+            ripple=ripple,
             edges=_edges(signed, pressure[in_plane], grid, self._ends(centre, _IN_PLANE)),
-            reaches_rim=bool(np.isin(grid.ring[nodes], rims).any() or beyond.any()),
+            reaches_rim=reaches_rim,
             friction=self._friction(normal, axes.T @ force, weighted[nodes], pressure),
             profile=self._profile(np.maximum(every, 0)),
             pressure=every,
             of_ball=of_ball,
         )
 
-    def _peak(self, nodes, pressure, mass):
-        """Maximum pressure, and its signed polar angle in the plane of symmetry in deg.
+    def _peak(self, nodes, pressure, mass, at_edge):
+        """Maximum pressure, its signed polar angle in deg, the pressure at edges, and the ripple.
 
-        Pressures at single nodes ripple by up to 2 %. The maximum is therefore that of a parabola
-        in both angles, fitted by the nodes' areas around the maximum of a mean over neighbours.
-        At an edge of a body, where there is no such maximum, it is the largest of the nodes.
+        Pressures at single nodes ripple, and the ring beside the pole does so as a whole. The
+        maximum is therefore sought in means over neighbours, taken twice. A parabola in both angles
+        is fitted around it by the nodes' areas; the ripple is the root mean square of what is left.
+        Where this parabola has no maximum, as at an edge, the maximum is that of the means.
         """
         grid, area = self.socket.grid, self.socket.areas[nodes]
         near = mass[nodes][:, nodes]
-        mean = (near @ pressure) / near.sum(axis=1)
+        near = near / near.sum(axis=1)[:, None]
+        mean = near @ (near @ pressure)
         x, y, z = self.node_normal[nodes].T
         top = mean.argmax()
         along = np.arctan2(x, z) - np.arctan2(x[top], z[top])
-        radius = max(_WINDOW * np.sqrt(area.sum() / (np.pi / 2)), 1.5 * grid.step)
+        radius = max(_WINDOW * np.sqrt(area.sum() / (np.pi / 2)), 2 * grid.step)
         window = np.hypot(along, y - y[top]) < radius
         terms = np.column_stack([np.ones_like(along), along, along**2, y**2])[window]
         weight = np.sqrt(area[window])
-        (level, slope, bend, _), *_ = np.linalg.lstsq(
-            weight[:, None] * terms, weight * pressure[window]
-        )
+        fitted, *_ = np.linalg.lstsq(weight[:, None] * terms, weight * pressure[window])
+        left = weight * (pressure[window] - terms @ fitted)
+        ripple = np.sqrt(left @ left / area[window].sum())
+        level, slope, bend, _ = fitted
         shift = -slope / (2 * bend) if bend < 0 else np.inf
-        if abs(shift) < radius / 2:
-            return level + slope * shift / 2, np.degrees(np.arctan2(x[top], z[top]) + shift)
-        top = pressure.argmax()
-        return pressure[top], self.signed_angle[nodes[top]]
+        peak, angle = mean[top], self.signed_angle[nodes[top]]
+        if abs(shift) < radius / 2 and len(weight) >= _FITTED:
+            peak = level + slope * shift / 2
+            angle = np.degrees(np.arctan2(x[top], z[top]) + shift)
+        return peak, angle, (near @ pressure)[at_edge].max(initial=0), ripple
 
     def _friction(self, normal, force, weighted, pressure):
         """Friction radii of a ball that turns about the force, and about two axes across it.
@@ -194,6 +211,22 @@ class Contacts:
         in_plane = np.flatnonzero(self.socket.grid.ends < 1)
         order = in_plane[np.argsort(self.signed_angle[in_plane], kind="stable")]
         return self.signed_angle[order], pressure[order]
+
+    def _check_held_edges(self, ball_end):
+        """Refuse a contact where the held end of half a ball meets the held rim of a socket.
+
+        If the two coincide, pressure grows like the inverse distance from them and its sum has no
+        bound; with a gap between them that is narrower than the elements, it is not resolved.
+        """
+        grid = self.socket.grid
+        step, gap = np.degrees([grid.step, np.abs(ball_end - grid.angles[-1]).min()])
+        if gap < step:
+            raise UnresolvedError(
+                "tilt and depth_star must keep the contact of a clamped half ball off a rim that "
+                f"is held {gap:.2g} deg from the ball's end, got a contact that reaches it "
+                f"with elements of {step:.2g} deg: no force is finite where held edges touch. "
+                "Take another socket_support, a smaller tilt or depth, or a finer resolution"
+            )
 
     def _cut_hats(self, mass, overlap):
         """Hats that the ball faces in part: their nodes, and these parts in terms of whole hats.
@@ -369,6 +402,11 @@ def _angles(opening, resolution):
     return angles, _TOGETHER * int(around)
 
 
+def _rings(resolution):
+    """Density and multiple of a mesh's rings: the coarser grid has half as many."""
+    return _RADIAL_ELEMENTS * resolution, resolution // _MULTIPLE
+
+
 @lru_cache(maxsize=6)
 def ball_surface(ball, beyond, resolution):
     """Surface of a ball, whose nodes go on some deg ``beyond`` the socket's rims."""
@@ -392,7 +430,7 @@ def ball_surface(ball, beyond, resolution):
                 angles[-1] + np.radians(step) * np.arange(1, behind + 1),
             ]
         )
-    mesh = fem.meridian_of_ball(ball, angles, radial=_RADIAL_ELEMENTS)
+    mesh = fem.meridian_of_ball(ball, angles, *_rings(resolution))
     return fourier.Surface(mesh, fem.lame_of(ball, mesh), ball.held, fourier.Grid(angles, around))
 
 
@@ -402,6 +440,6 @@ def socket_surface(socket, resolution):
     from study.joint import fem, fourier
 
     angles, around = _angles(socket.opening, resolution)
-    mesh = fem.meridian_of_socket(socket, angles, radial=_RADIAL_ELEMENTS)
+    mesh = fem.meridian_of_socket(socket, angles, *_rings(resolution))
     lame, grid = fem.lame_of(socket, mesh), fourier.Grid(angles, around)
     return fourier.Surface(mesh, lame, socket.held, grid)

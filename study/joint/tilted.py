@@ -31,13 +31,17 @@ _DEEPEST = 1.0  # depth_star of the largest first guess under a force
 MOTIONS = "spin", "tilt", "turn"
 _MOST_STEPS = 40
 _TOLERANCE = 1e-6  # of the force that is asked for
+# fractions of the pressures' mean difference that errors of 300 random contacts remain below
+_FORCE_OF_PRESSURES, _PEAK_OF_PRESSURES = 0.15, 0.3
+_GROWTH_AT_PUNCH = np.sqrt(2) - 1
 
 
 @dataclass(frozen=True)
 class TiltedContact:
     """Contact of a ball that is displaced off the socket's axis, at some depths; arrays (k,).
 
-    Forces are those of the ball on the socket, over E* dR^2, and extrapolated from two grids.
+    Forces are those of the ball on the socket, over E* dR^2. They are extrapolated from two grids,
+    and so is the peak pressure unless an edge cuts the contact.
 
     Attributes
     ----------
@@ -52,8 +56,8 @@ class TiltedContact:
         Largest pressure, in E* dR/R2, and its signed polar angle in the plane of symmetry. Where
         an edge cuts the contact it may be there; it then grows with the resolution.
     peak_error
-        Estimated relative error of the peak pressure: the difference between the two grids, from
-        which it is extrapolated like the force.
+        Estimated relative error of the peak pressure, as of `error_estimate`. Where an edge cuts
+        the contact it is that to be expected on a grid with twice the resolution.
     contact_edges_deg
         Signed polar angles at which the contact ends in the plane of symmetry; shape (2, k).
     reaches_rim
@@ -67,7 +71,8 @@ class TiltedContact:
         Signed polar angles in the plane of symmetry in deg, shape (n,), and the pressure on the
         socket there, shape (k, n).
     error_estimate
-        Estimated relative error of the force, as of `study.joint.ForceCurve`.
+        Estimated relative error of the force, from the difference between the two grids. Of 300
+        random contacts it covers the difference to twice the resolution in 99 %.
     resolution, grids
         Elements along a quarter circle, and contacts on this grid and on the coarser one, k pairs.
     """
@@ -228,13 +233,49 @@ def _extrapolated(fine, coarse):
     return fine + (fine - coarse) / 3  # errors fall with order 2
 
 
+def _force_error(fine, coarse, force):
+    """Estimated relative error of a force that is extrapolated.
+
+    It is the extrapolated correction, or a fraction of the difference of the pressures on the two
+    grids if this is larger: two forces may agree by chance, their pressures do not.
+    """
+    correction = np.hypot(*(force - fine.force)) / np.hypot(*force)
+    return max(correction, _FORCE_OF_PRESSURES * _pressures_apart(fine, coarse))
+
+
+def _peak_error(fine, coarse, peak):
+    """Estimated relative error of the peak pressure.
+
+    Two grids that differ by chance put an extrapolated peak off by 4/3 of their difference, and
+    pressures that ripple around the fitted parabola put it off by about their ripple. A pressure at
+    an edge has no bound: from one grid to the next it grows by 41 % at the edge of a rigid punch,
+    and here by at most twice what it grew between the two grids.
+    """
+    growth = 2 * abs(fine.edge_pressure - coarse.edge_pressure)
+    growth = max(growth, _GROWTH_AT_PUNCH * fine.edge_pressure)
+    off = (
+        4 / 3 * abs(fine.peak - coarse.peak),
+        2 * max(fine.ripple, coarse.ripple),
+        fine.edge_pressure + growth - peak,
+    )
+    return max(max(off) / peak, _PEAK_OF_PRESSURES * _pressures_apart(fine, coarse))
+
+
+def _pressures_apart(fine, coarse):
+    """Mean difference of the pressures on two grids in the plane of symmetry, over their mean."""
+    (angles, pressure), (at, of_coarse) = fine.profile, coarse.profile
+    of_fine = np.interp(at, angles, pressure)
+    return np.abs(of_fine - of_coarse).sum() / of_fine.sum()
+
+
 def _result(joint, depths, tilts, solved, resolution):
     """What was solved on the finer and on the coarser grid at each depth, as arrays."""
     fine = [f for f, _ in solved]
     force = np.array([_extrapolated(f.force, c.force) for f, c in solved])
     stiffness = np.array([_extrapolated(f.stiffness, c.stiffness) for f, c in solved])
+    cut = np.array([f.reaches_rim for f in fine])
     peak = np.array([_extrapolated(f.peak, c.peak) for f, c in solved])
-    off = np.array([np.hypot(*(f.force - c.force)) for f, c in solved]) / np.hypot(*force.T)
+    peak = np.where(cut, [f.peak for f in fine], peak)
     return TiltedContact(
         joint=joint,
         depth_star=depths,
@@ -245,15 +286,15 @@ def _result(joint, depths, tilts, solved, resolution):
         transverse_stiffness_star=stiffness[:, 1, 1],
         peak_pressure_star=peak,
         peak_angle_deg=np.array([f.peak_angle for f in fine]),
-        peak_error=np.array([abs(c.peak - f.peak) for f, c in solved]) / peak,
+        peak_error=np.array([_peak_error(*s, at) for s, at in zip(solved, peak, strict=True)]),
         contact_edges_deg=np.array([f.edges for f in fine]).T,
-        reaches_rim=np.array([f.reaches_rim for f in fine]),
+        reaches_rim=cut,
         friction_radius_star=dict(
             zip(MOTIONS, np.array([f.friction for f in fine]).T, strict=True)
         ),
         angle_deg=fine[0].profile[0],
         pressure_star=np.array([f.profile[1] for f in fine]),
-        error_estimate=off,
+        error_estimate=np.array([_force_error(*s, f) for s, f in zip(solved, force, strict=True)]),
         resolution=resolution,
         grids=tuple(solved),
     )

@@ -142,7 +142,7 @@ def test_turned_pressures_do_the_same_work_in_every_mode():
     # a ball on a core is the same in every direction, so that harmonics of one order are equal
     theta = np.linspace(0, np.pi, 65)
     core = Core(0.2)
-    mesh = fem.meridian_of_ball(Ball(support=core), theta)
+    mesh = fem.meridian_of_ball(Ball(support=core), theta, rings=6.4)
     of_modes, *_ = fourier.solve_modes(mesh, LAME, core.held, np.arange(3))
     sine, cosine = np.sin(theta), np.cos(theta)
     # work over the integral of the squared harmonic; that over phi is 2 pi for mode 0, else pi
