@@ -184,7 +184,7 @@ def save_numbers(name: str, numbers: Mapping[str, Mapping[str, Any]]) -> Styler:
     rows = []
     for unit, quantities in numbers.items():
         for quantity, values in quantities.items():
-            readings = values if isinstance(values, Mapping) else {"the paper's joint": values}
+            readings = values if isinstance(values, Mapping) else {"reference joint": values}
             rows += [(quantity, reading, float(v), unit) for reading, v in readings.items()]
     table = pd.DataFrame(rows, columns=["quantity", "reading", "value", "unit"])
     save_table(table, name)

@@ -217,7 +217,7 @@ def test_a_changed_claim_changes_its_verdict(change, claim, column, value, verdi
         ("evidence", "nothing", "claim half_angle: figures/nothing.csv is missing; make it with"),
         ("row", "half", "claim half_angle: figures/numbers_00.csv has no quantity 'half'; remake"),
         ("column", "ours", "claim half_angle: figures/numbers_00.csv has no column 'ours'; remake"),
-        ("column", "reading", "claim half_angle: reading of 'half-angle of the law over the exact"),
+        ("column", "reading", "claim half_angle: reading of 'half-angle of the law divided by"),
     ],
 )
 def test_a_wrong_claim_is_one_clear_error(change, column, value, message):
@@ -245,7 +245,7 @@ def test_names_that_no_notebook_makes_stop_a_run_at_once(change, column):
 
 
 def test_missing_and_damaged_evidence_is_one_clear_error(figures):
-    name = "half-angle of the law over the exact one"
+    name = "half-angle of the law divided by that of the elastic solution"
     with pytest.raises(verdicts.ClaimError, match=r"numbers_00.csv is missing; .*study run numb"):
         verdicts.readings("numbers_00", name, "value")
     figures.assign(value=["1", "inf"]).to_csv(paths.FIGURES / "numbers_00.csv", index=False)

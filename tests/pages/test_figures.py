@@ -157,7 +157,7 @@ def test_numbers_for_statements_have_a_row_for_each_reading(monkeypatch, tmp_pat
     assert table.to_numpy().tolist() == [
         ["error", "soft", 2, "%"],
         ["error", "stiff", 1, "%"],
-        ["ratio", "the paper's joint", 3, "1"],
+        ["ratio", "reference joint", 3, "1"],
     ]
     with pytest.raises(ValueError, match="all numbers of numbers must be finite"):
         figures.save_numbers("numbers", {"1": {"ratio": np.nan}})

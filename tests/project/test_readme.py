@@ -42,7 +42,7 @@ def test_how_good_its_law_is():
     table = kept("trend", "depth_star")
     error = 100 * (table.hyperbolic_winkler / table.elastic_solution - 1)
     span = kept("ratio_span", "quantity").at_convention  # rounded to the inside
-    ends = span["least depth within 10 %"], span["largest depth within 10 %"]
+    ends = span["minimum depth within 10 %"], span["maximum depth within 10 %"]
     assert [np.ceil(100 * ends[0]) / 100, np.floor(100 * ends[1]) / 100] == [low, high]
     assert error[0.1] == pytest.approx(-soft, abs=0.5)
 
