@@ -93,20 +93,20 @@ def test_the_papers_table_alone():
     total = found.loc["sum of P*"]
     assert total.value.tolist() == pytest.approx([1646.77, 1646.36], abs=0.01)
     assert total.high["Table 2"] - total.low["Table 2"] < 0.09
-    apart = found.loc["coefficients' disagreement (percent)"]
+    apart = found.loc["difference between the two amplitudes of a law (percent)"]
     assert apart.low[["winkler", "disc"]].min() > -0.015
     assert apart.high["sphere"] < -0.4
-    left = found.loc["squares left to other forces"]
+    left = found.loc["squared norm of the remaining component"]
     assert left.low["disc"] < 0 < left.high["disc"] < 15
     assert left.high["sphere"] < -300
-    assert found.loc["distance from the elastic forces"].high["disc"] < 0.7
+    assert found.loc["maximum difference from the forces of the reference joint"].high["disc"] < 0.7
 
 
 def test_of_the_samples_two_survive():
     table = pd.read_csv(paths.FIGURES / "table_alone_samples.csv")
     table = table[table.law != "sphere"]
     good = table[table.disagreement_percent.abs() < 0.05]
-    assert set(good.sampling + " " + good.factor) == {"21, from 0 1", "20, from 0 19/18"}
+    assert set(good.sampling + " " + good.adjustment_factor) == {"21, from 0 1", "20, from 0 19/18"}
     assert len(good) == 4
     rest = table.drop(good.index)
     assert (rest.disagreement_percent.abs() - rest.uncertainty_percent).min() > 0.5
@@ -114,7 +114,7 @@ def test_of_the_samples_two_survive():
 
 def test_all_eight_numbers_leave_one_list_of_depths_and_one_area():
     found = pd.read_csv(paths.FIGURES / "table_alone.csv").set_index(["quantity", "reading"])
-    needed = found.value["half digits by which Table 2 must be off"]
+    needed = found.value["needed error of a printed number (half units of its last digit)"]
     assert needed["21 depths, disc"] < 1
     assert needed.drop("21 depths, disc").min() > 50
 
