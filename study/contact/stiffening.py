@@ -1,13 +1,13 @@
-"""How much thickness, materials and supports stiffen a joint over Hertz's law.
+"""The factor by which thickness, materials and supports stiffen a joint relative to Hertz's law.
 
-The table behind `study.contact.stiffened_hertz` has ln S at nine depths, as a Chebyshev series in
-five coordinates of the joint. A clamped ball and a free rim have additional terms. The table is
-made by `study.dataset.stiffening_fit`.
+The table of `study.contact.stiffened_hertz` has ln S at nine depths, as a Chebyshev series in five
+coordinates of the joint. A clamped ball and a free rim have additional terms. The table is made by
+`study.dataset.stiffening_fit`, and ``data/README.md`` describes its format.
 
-It is evaluated once a joint, to the same bits on every processor: every impact enlarges a
-difference of the last digits some times, so that no tolerance is enough for a run of many impacts
-whose laws differ. Therefore S is rounded where the logarithms and sums behind it differ, and only
-sums and products follow.
+It is evaluated once for each joint, with the same bits on every processor: every impact multiplies
+a difference of the last digits, so that two simulations of many impacts would differ by more than
+any tolerance. Therefore S is rounded to `DIGITS`, after the logarithms and sums that differ between
+processors, and only sums and products follow.
 """
 
 from functools import lru_cache
@@ -28,14 +28,14 @@ RANGES = {
     "socket_poisson": (0.2, 0.46),
     "modulus_ratio": (0, 1e9),
 }
-"""Least and largest values that the table is for; R2* is at least `LEAST_R2_STAR`."""
+"""Minimum and maximum values for which the table is valid; R2* is at least `LEAST_R2_STAR`."""
 PLACES = np.round((1 - np.cos(np.pi * np.arange(1, 10) / 9)) / 4, 12)
 """Values of u = s/(1 + s) with s = sqrt(ds), up to ds = 1, at which ln S is kept; shape (9,)."""
-DEGREES = ("share", "poisson", "socket_poisson", "socket_ratio", "r2_star")
+DEGREES = ("ball_compliance_ratio", "poisson", "socket_poisson", "socket_ratio", "r2_star")
 """Coordinates of the Chebyshev series, and columns of their degrees in the table."""
 SUPPORTS = ("clamped", "free")
-"""Columns of 0 and 1, which mark terms for a clamped ball, a free rim, or both."""
-UNIT = 1e-5  # of ln S in the table, which holds whole numbers
+"""Columns of marks, 0 or 1. A row is added only if every support marked 1 is present."""
+UNIT = 1e-5  # of ln S in the table, which contains whole numbers
 DIGITS = 10
 """Decimals to which S is rounded at `PLACES`: beyond them, processors differ."""
 
@@ -57,13 +57,16 @@ _POWERS = _to_powers()
 
 
 def share_of_ball(modulus_ratio: float, poisson: float, socket_poisson: float) -> float:
-    """Share of the ball in the compliance, (1 - nu1^2) E*/E1: 0 for a rigid ball."""
+    """Compliance ratio of the ball, (1 - nu1^2) E*/E1: 0 for a rigid ball, 1 for a rigid socket."""
     ball = (1 - poisson**2) * modulus_ratio
     return ball / (ball + 1 - socket_poisson**2)
 
 
 def coordinates(
-    share: ArrayLike, poisson: ArrayLike, socket_poisson: ArrayLike, socket_ratio: ArrayLike
+    ball_compliance_ratio: ArrayLike,
+    poisson: ArrayLike,
+    socket_poisson: ArrayLike,
+    socket_ratio: ArrayLike,
 ) -> list[NDArray[np.float64]]:
     """Four coordinates of a joint, from -1 to 1, in which ln S is smooth; the fifth is in 1/R2*."""
 
@@ -72,7 +75,7 @@ def coordinates(
 
     ends = [np.log(1 - 1.8 * nu) for nu in RANGES["poisson"]]
     return [
-        2 * np.sqrt(share) - 1,
+        2 * np.sqrt(ball_compliance_ratio) - 1,
         *(scaled(np.log(1 - 1.8 * np.asarray(nu)), *ends) for nu in (poisson, socket_poisson)),
         scaled(np.log1p(-1 / np.asarray(socket_ratio)), np.log(1 - 1 / 1.1), 0),
     ]
@@ -81,7 +84,8 @@ def coordinates(
 def powers(r2_star: ArrayLike, bodies: tuple[float, ...], clamped: bool, free: bool) -> Any:
     """Coefficients of u^9 to u in S - 1, shape (9,) or (9, n) for n values of ``r2_star``.
 
-    ``bodies`` are share, both Poisson's ratios and socket ratio, as for `coordinates`.
+    ``bodies`` are the arguments of `coordinates`: compliance ratio of the ball, both Poisson's
+    ratios and socket ratio.
     """
     place = 2 * LEAST_R2_STAR / np.asarray(r2_star) - 1
     logarithm = chebyshev.chebval(place, _in_r2_star(bodies, clamped, free))

@@ -1,10 +1,10 @@
-"""Tables of Chebyshev coefficients, of joints that are solved at Chebyshev's places.
+"""Tables of Chebyshev coefficients, from joints that are solved at Chebyshev points.
 
-One is behind `study.contact.stiffened_hertz`. Bodies are solved once for many joints: some 10,000
-joints take two minutes. In the limit of large R2* the grid is fine. The changes with a smaller R2*
-are smooth and take few places. `study.contact.stiffening` evaluates the table; notebook 15 has its
-errors on other joints. The other table has the half-angle and peak pressure that the report's page
-of a joint reads.
+The first table is that of `study.contact.stiffened_hertz`. Each body is solved once for many
+joints, so that some 10,000 joints take two minutes. The grid is fine in the limit of large R2*, and
+coarse for the changes with a smaller R2*, because these are smooth. `study.contact.stiffening`
+evaluates the table, and notebook 15 shows its errors for other joints. The second table has the
+contact half-angle and the peak pressure for the report's page of a joint.
 """
 
 import itertools
@@ -23,12 +23,12 @@ from study.joint.supports import PLATES, RIMS
 from study.threads import one_thread
 
 Parts = Sequence[NDArray[np.float64]] | NDArray[np.float64]
-LIMITS = {"share": 9, "poisson": 5, "socket_poisson": 6, "socket_ratio": 10, "r2_star": 1}
-CHANGES = {"share": 9, "poisson": 5, "socket_poisson": 4, "socket_ratio": 6, "r2_star": 3}
-"""Places of the coordinates: for infinite R2*, and for the changes with R2*."""
-SIZE_COUNTS = {"share": 6, "poisson": 5, "socket_poisson": 4, "socket_ratio": 8, "r2_star": 3}
-"""Places of the coordinates in the table of contact sizes."""
-_ORDER = ("socket_poisson", "socket_ratio", "share", "poisson", "r2_star")
+LIMITS = {"ball_compliance_ratio": 9, "poisson": 5, "socket_poisson": 6, "socket_ratio": 10, "r2_star": 1}
+CHANGES = {"ball_compliance_ratio": 9, "poisson": 5, "socket_poisson": 4, "socket_ratio": 6, "r2_star": 3}
+"""Numbers of points of the coordinates: for infinite R2*, and for the changes with R2*."""
+SIZE_COUNTS = {"ball_compliance_ratio": 6, "poisson": 5, "socket_poisson": 4, "socket_ratio": 8, "r2_star": 3}
+"""Numbers of points of the coordinates in the table of contact sizes."""
+_ORDER = ("socket_poisson", "socket_ratio", "ball_compliance_ratio", "poisson", "r2_star")
 RESOLUTION = 128  # of the table's joints
 FINER = 320  # of those with the default supports, on which the changes by supports build
 COARSER = 96  # for the changes with R2*, which are at large depths
@@ -45,11 +45,12 @@ def logarithms(
 ) -> NDArray[np.float64]:
     """Logarithms of S at `PLACES`, of the joints with one socket's Poisson's ratio.
 
-    Axes: socket ratio, share, Poisson's ratio of the ball and R2* of `grid`; clamped ball, no or
-    yes; free rim, no or yes; place. With ``of`` its numbers for each joint instead.
+    Axes: socket ratio, compliance ratio of the ball, Poisson's ratio of the ball and R2* of `grid`;
+    clamped ball (no, yes); free rim (no, yes); place. With a function ``of`` a joint, the numbers
+    that it returns are used instead of the logarithms.
     """
     places = grid(counts)
-    places["share"] = np.clip(places["share"], 2e-9, 1 - 2e-9)  # nearly rigid
+    places["ball_compliance_ratio"] = np.clip(places["ball_compliance_ratio"], 2e-9, 1 - 2e-9)  # nearly rigid
     axes: list[Any] = [*(places[name] for name in _ORDER[1:]), PLATES, RIMS]
     solved: list[Any] = []
     for ratio, share, poisson, r2_star, support, rim in itertools.product(*axes):
@@ -65,14 +66,14 @@ def logarithms(
 
 
 def grid(counts: dict[str, int]) -> dict[str, NDArray[np.float64]]:
-    """Values of the joint's coordinates in the table, at Chebyshev's places, by their names."""
+    """Values of the joint's coordinates in the table, at Chebyshev points, by their names."""
     by_poisson = (
         *(np.log(1 - 1.8 * nu) for nu in RANGES["poisson"]),
         lambda x: (1 - np.exp(x)) / 1.8,
     )
     thinnest = np.log(1 - 1 / RANGES["socket_ratio"][0])
     axes: dict[str, tuple[float, float, Callable]] = {  # ends, and the value at a place between
-        "share": (0, 1, np.square),
+        "ball_compliance_ratio": (0, 1, np.square),
         "poisson": by_poisson,
         "socket_ratio": (thinnest, -1 / THICK, lambda x: 1 / (1 - np.exp(x))),
         "r2_star": (1 / LARGEST, 1 / LEAST_R2_STAR, lambda x: 1 / x),
@@ -80,8 +81,8 @@ def grid(counts: dict[str, int]) -> dict[str, NDArray[np.float64]]:
     }
     values = {}
     for name, (least, most, value) in axes.items():
-        share = (1 - np.cos(np.pi * np.arange(counts[name]) / max(counts[name] - 1, 1))) / 2
-        values[name] = value(least + (most - least) * share)
+        fraction = (1 - np.cos(np.pi * np.arange(counts[name]) / max(counts[name] - 1, 1))) / 2
+        values[name] = value(least + (most - least) * fraction)
     return values
 
 
@@ -99,9 +100,9 @@ def table(
 ) -> pd.DataFrame:
     """Table of `study.contact.stiffening`: Chebyshev coefficients, without small ones.
 
-    The first two are `logarithms` for each Poisson's ratio of the socket: on the grid of `LIMITS`,
-    for infinite R2*, or of other ``counts``; and on that of `CHANGES`, of which only the changes
-    with R2* are used.
+    ``limits`` are the `logarithms` for each Poisson's ratio of the socket and infinite R2*, on the
+    grid of ``counts``. ``changes`` are those on the grid of `CHANGES`, of which only the changes
+    with R2* are used. Coefficients below ``smallest`` are left out.
     """
     terms = np.zeros((*(max(counts[n], CHANGES[n]) for n in DEGREES), 2, 2, len(PLACES)))
     for part, places in ((limits, counts), (changes, CHANGES))[: 2 if len(changes) else 1]:
@@ -129,8 +130,8 @@ def table(
 def sizes(socket_poisson: float) -> NDArray[np.float64]:
     """Logarithms of half-angle and peak pressure, of the joints with one socket's Poisson's ratio.
 
-    They are over Hertz's sqrt(ds R2/R1) and 2/pi of it. The last two axes are quantity and place,
-    those before them as of `logarithms`.
+    The half-angle is divided by Hertz's sqrt(ds R2/R1), and the peak pressure by 2/pi times this
+    value. The last two axes are quantity and place; those before them are as in `logarithms`.
     """
 
     def of(joint):
