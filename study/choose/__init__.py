@@ -3,8 +3,8 @@
 `choose` compares every law with the elastic solution of the joint. `axial_law_suffices` checks
 whether one law for the axial direction is accurate enough for loads off the axis. `fit_curve`
 compares the laws with a curve of the user and fits unknown parameters of its joint. `choose_model`
-runs models with rigid links, bounds the effect of flexible links (`links`), and runs flexible links
-only if this bound is too large. `random_scenes` makes the evidence for the bound.
+simulates rigid links, bounds the effect of flexible links (`links`), and simulates flexible links
+only if this bound is too large. `random_scenes` computes the evidence for the bound.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -31,7 +31,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Names of `model`, which a choice of a law needs not: it brings the mechanism."""
+    """Import names of `model` when they are first used, because it imports the mechanism."""
     if name not in __all__:
         raise AttributeError(f"module {__name__} has no attribute {name}")
     from study.choose import model

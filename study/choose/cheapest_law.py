@@ -5,10 +5,10 @@ the joint, over all depths from `SHALLOWEST` clearances to a maximum depth. Its 
 times the error estimate of that solution. If no closed-form law is within the tolerance, the table
 of the coarsest solution within it is chosen. Costs are those of `study.contact.costs`.
 
-A law for the axial direction is also accurate up to some tilt. This is known by a rule if the
-supports of ball and socket are the same all round and the rim is far, that is for a ball on a core,
-a socket that is held at its whole outside, and a contact whose distance from the rim is at least
-twice the wall thickness. In 8 joints that were solved along the axis, such a rim changed the
+A law for the axial direction is also accurate up to some tilt. This is known from a rule if the
+supports of ball and socket are the same all round and the rim is distant, that is for a ball on a
+core, a socket that is held at its whole outside, and a contact at a distance of at least twice the
+wall thickness from the rim. In 8 joints that were solved along the axis, such a rim changed the
 force by a fraction of at most 0.0015. In other cases the joint is solved.
 """
 
@@ -35,22 +35,23 @@ from study.joint.tilted import LARGEST_TILT
 from study.threads import one_thread
 
 SHALLOWEST = 0.005
-"""Least depth_star of the error: below, the force is less than 1/1000 of that at 0.5."""
+"""Minimum depth_star of the error: below it, the force is less than 1/1000 of that at 0.5."""
 ESTIMATE = 3.0  # times a solution's error estimate, for depths between those solved
 RESOLUTIONS = {"series": (64, 160, 320, 640, 1280), "quadratic": (64, 160), "finite": (32, 64, 96)}
 DEPTHS = 40  # of a law's error
 SOLVED_FIRST = 1.25
-"""Factor on the cost of a table, as its joint is solved first, and measured costs are noisy: those
-of a table and of ``stiffened_hertz`` differed by 1 to 13 % from run to run."""
+"""Factor on the cost of a table, because its joint has to be solved first, and because measured
+costs are noisy: the costs of a table and of ``stiffened_hertz`` differed by 1 to 13 % from run to
+run."""
 FINITE_DEPTHS = 13  # with large displacements, a second each; odd: first and last are in a table
 DEEPER = (1, 4, 12)
-"""Factors of a depth: laws are compared up to the least of these depths that elements resolve. The
-range begins at a twelfth of its end at most, so that the depth itself is within it."""
+"""Factors on a depth: laws are compared up to the smallest of these depths that elements resolve.
+The range begins at or below a twelfth of its end, so that the depth itself is within it."""
 TOLERANCES = (1e-5, 1.0)
-"""Least and largest. The finest solution is not known to within 1e-5, and it takes a minute to find
-this out."""
+"""Minimum and maximum tolerance. The finest solution is not known to be within 1e-5, and it takes a
+minute to find this out."""
 OF_RULE = 0.002
-"""Largest change of the force by a rim that the rule takes for far."""
+"""Maximum change of the force by a rim that is distant according to the rule."""
 _WALLS, _LARGEST_POISSON = 2, 0.4  # of the rule: thickness to the rim, and of every material
 _TILTS = 4
 
@@ -143,10 +144,10 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
 
 
 def choose_beside(joint: Joint, depth_star: float, tolerance: float) -> Choice:
-    """`choose` up to a depth, or up to a deeper one if that contact is too small for elements.
+    """`choose` up to a depth, or up to a larger one if that contact is too small for elements.
 
-    Raises the errors of `choose`. For a contact that is far too small, `study.checks.RangeError`
-    says within what Hertz's law holds there.
+    Raises the errors of `choose`. For a contact that is much too small, the message of
+    `study.checks.RangeError` states the error of Hertz's law there.
     """
     is_small = max(DEEPER) * depth_star <= usual_depth(joint)
     for deeper in DEEPER if is_small else (1,):
@@ -228,9 +229,9 @@ def _bounded(error, uncertainty):
 def law_errors(
     joint: Joint, depth_star: ArrayLike, force_star: ArrayLike
 ) -> dict[str, NDArray[np.float64]]:
-    """Relative errors, against exact forces, of every law whose cost is known.
+    """Errors, relative to given forces, of every law with a known cost.
 
-    Laws whose formula or fit is not for the joint are left out. ``power`` is fitted to the depths.
+    Laws that do not apply to the joint are left out. ``power`` is fitted to the forces.
     """
     by_law: dict[str, NDArray[np.float64]] = {}
     for law in filter(relative_costs().__contains__, LAWS):

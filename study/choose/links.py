@@ -1,11 +1,12 @@
-"""How far rigid links are from flexible ones: an estimate, and the bound that was found for it.
+"""Error of rigid links relative to flexible ones: an estimate, and an empirical bound.
 
-The slider's motion changes with the links' compliance times the largest contact force, and its
-rates with the links' frequencies too. The change grows as the crank turns, because other impacts
-leave it with another speed. The rest is chance: the ratio of the error of rigid links to this
-estimate scatters by more than a decade, with a heavy tail. The bound is therefore the largest ratio
-of many random scenes (`LARGEST_RATIOS`) times a large `SAFETY`. It holds within the range of those
-scenes only.
+Flexible links change the motion of the slider in proportion to the compliance of the links and to
+the maximum contact force, and its derivatives also with the natural frequencies of the links. The
+change grows as the crank turns, because each changed impact changes its speed. The ratio of the
+error of rigid links to this estimate is random: it varies by more than a factor of ten, and large
+values are not rare. The bound is therefore the maximum ratio in many random mechanisms
+(`LARGEST_RATIOS`) times a large factor (`SAFETY`). It is valid within the range of these mechanisms
+only.
 """
 
 from math import pi, sqrt
@@ -26,8 +27,9 @@ LARGEST_RATIOS: dict[Quantity, float] = {
     "slider_velocity": 0.0863,
     "slider_acceleration": 0.01488,
 }
-"""Largest ratio of the error of rigid links to its estimate, of the random scenes in
-``data/links.csv`` (`study.choose.random_scenes`), rounded up. They have these ranges:"""
+"""Maximum ratio of the error of rigid links to its estimate in the random mechanisms of
+``data/links.csv`` (`study.choose.random_scenes`), rounded up. Their parameters have the following
+ranges."""
 RANGES = {
     "link_modulus": (5e9, 2e12),
     "driving_moment": (0.05, 5.0),
@@ -41,16 +43,18 @@ RANGES = {
     "restitution": (0.1, 0.95),
     "friction": (0.0, 0.2),
 }
-"""SI units; the restitution is the one delivered. All other parameters are the paper's."""
+"""SI units; the coefficient of restitution is that of a free impact. All other parameters are those
+of the paper."""
 SAFETY = 10.0
-"""Factor on the largest ratio; other scenes exceed that ratio by a factor of up to 5."""
+"""Factor on the maximum ratio; other mechanisms exceed this ratio by a factor of up to 5."""
 
 
 def ratios(scene: Scene, depth: float) -> dict[str, Any]:
-    """Links compared with Hertz's contact at a depth in m: two ratios, 0 without contact.
+    """Links compared with Hertz's contact at a depth in m: two ratios, which are 0 without contact.
 
-    ``compliance_ratio`` is that of both links along their axes over the contact's,
-    ``frequency_ratio`` the slider's frequency on the contact over the crank's axial one.
+    ``compliance_ratio`` is the compliance of both links along their axes divided by that of the
+    contact. ``frequency_ratio`` is the natural frequency of the slider on the contact divided by
+    the lowest axial natural frequency of the crank.
     """
     contact = elastic_force(in_joint(scene, hertz, scene.clearance).packed(), depth)[1]
     compliance, _, axial = _compliance_and_frequencies(scene)
@@ -69,12 +73,14 @@ def _compliance_and_frequencies(scene):
 
 
 def estimates(scene: Scene, response: Response) -> dict[Quantity, float]:
-    """Estimated change by flexible links, as a share of each quantity of `QUANTITIES`.
+    """Estimated relative change by flexible links, for each quantity of `QUANTITIES`.
 
-    For the position it is the largest contact force times the links' compliance. For the velocity
-    the crank's bending frequency is a factor too, for the acceleration its axial frequency squared.
-    Position and velocity drift: one plus the crank's angle is another factor of theirs. The
-    response is of rigid links with clearance; without contact the estimate is 0.
+    For the position the change is the maximum contact force times the compliance of the links. For
+    the velocity it is also multiplied by the bending frequency of the crank, and for the
+    acceleration by the square of its axial frequency. Because position and velocity drift, their
+    changes are multiplied by one plus the crank angle. Each change is divided by the RMS change of
+    the quantity since t = 0. The response is that of rigid links with clearance; without contact
+    the estimate is 0.
     """
     compliance, bending, axial = _compliance_and_frequencies(scene)
     change = compliance * response.impact_rows["peak_force"].max(initial=0.0)
@@ -89,13 +95,13 @@ def estimates(scene: Scene, response: Response) -> dict[Quantity, float]:
 
 
 def bounds(scene: Scene, response: Response) -> dict[Quantity, float]:
-    """Bounds of the NRMS errors of rigid links, whose response with clearance is known."""
+    """Bounds of the NRMS errors of rigid links, from their response with clearance."""
     shares = estimates(scene, response).items()
     return {quantity: share * SAFETY * LARGEST_RATIOS[quantity] for quantity, share in shares}
 
 
 def outside(scene: Scene, duration: float) -> str:
-    """Why a scene and a duration, in s, are outside the random scenes; empty if they are not."""
+    """Why a mechanism and a duration in s are outside the random ones; empty if they are not."""
     others = {"link_modulus": scene.link_modulus or scene.youngs_modulus, "duration": duration}
     others |= {"restitution": scene.delivered_restitution}
     for name, value in (vars(scene) | others).items():

@@ -1,11 +1,12 @@
 """The simplest model of the crank-slider that is accurate enough, with the evidence.
 
-Models in order of detail are an ideal joint, which needs no data of the contact, rigid links with
-Hertz's law, rigid links with a law for the joint, and links of particles. Rigid ones take
-milliseconds: they are run and compared. What flexible links would change is first bounded from
-their compliance and frequencies (`study.choose.links`). Only if that bound is too large, particles
-are run, on two meshes and with two steps. Impacts are chaotic: a finer mesh need not be closer, so
-that three times the largest difference is their bound.
+The models in order of detail are an ideal joint, which needs no data of the contact; rigid links
+with Hertz's law; rigid links with an accurate law for the joint; and links of particles. Models
+with rigid links take milliseconds, so that all are simulated and compared. The effect of flexible
+links is first bounded from their compliance and frequencies (`study.choose.links`). Particles are
+simulated only if this bound is too large, on two meshes and with two steps. Because impacts are
+chaotic, a finer mesh need not give a smaller error; the bound is therefore three times the maximum
+difference.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
@@ -35,19 +36,19 @@ from study.mechanism.particles import usual_step
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
 
-LEAST_R2_STAR = 3  # below, a ball cannot go one clearance deep
+LEAST_R2_STAR = 3  # below it, a penetration depth of one clearance is impossible
 LAW_TOLERANCE = 0.01
-"""Largest error of the force of the law that replaces the elastic solution."""
+"""Maximum relative error of the force of the law that is used instead of the elastic solution."""
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 FINEST_TOLERANCE = 1e-10
-"""Of the steps of rigid links: `TOLERANCES` are tried, and the finest is the reference."""
+"""Tolerance of the reference for the steps of rigid links; those of `TOLERANCES` are tried."""
 STEP_SHARE = 0.1  # of the tolerance, for the error of the steps
 COARSE, FINE = (2, 4), (4, 8)
 """Elements of crank and coupler of flexible links."""
 HERTZ = ("hertz", ())
 """A law, and the names and values of its options."""
 SAFETY = 3.0
-"""Factor on the largest difference by mesh and step of flexible links, for all other errors."""
+"""Factor on the maximum difference by mesh and step of flexible links."""
 STEPPERS = {"rigid": "collocation of order 9", "particles": "central difference"}
 WARM_UP = 1e-5  # s, simulated once before a model is timed
 

@@ -27,11 +27,11 @@ from study.threads import one_thread
 Floats = NDArray[np.float64]
 Fitted = Literal["clearance", "modulus", "offset"]
 NOISE = 0.1
-"""Of the largest force: a force that falls by more, from one depth to a larger one, is no noise."""
+"""Fraction of the maximum force: a larger decrease of the force with depth is not noise."""
 RELATIVE_FROM = 0.01
-"""Of the largest force: relative errors are those of forces from here on."""
+"""Fraction of the maximum force: relative errors are evaluated for larger forces."""
 SEARCHED = 1 / 3, 3.0
-"""Least and largest clearance of a fit, over the given one."""
+"""Minimum and maximum clearance of a fit, divided by the given one."""
 _SHALLOWEST = 1e-4  # clearances: a curve that ends above has another unit
 _STEP, _SINGULAR = 1e-3, 1e-6  # of a derivative, relative; of singular values, least over largest
 _AT_ONCE = 200  # points of `fit_power`, whose memory grows with their third power

@@ -1,6 +1,6 @@
-"""The random scenes behind the bound of `study.choose.links`: they make ``data/links.csv``.
+"""Random mechanisms for the bound of `study.choose.links`; their results are ``data/links.csv``.
 
-Nothing that chooses needs this module: `links.LARGEST_RATIOS` states what comes out.
+The choice of a model does not need this module: `links.LARGEST_RATIOS` states the results.
 """
 
 from collections.abc import Iterable, Iterator
@@ -18,11 +18,11 @@ from study.mechanism.stepping import MechanismError
 
 COUNT = 160
 ELEMENTS, LAW = (4, 8), "stiffened_hertz"
-EVENLY = ("restitution", "friction")  # the others are drawn evenly in the logarithm
+EVENLY = ("restitution", "friction")  # the others are drawn uniformly in the logarithm
 
 
 def draw(seed: int, count: int = COUNT) -> Iterator[tuple[Scene, float]]:
-    """Scenes and durations (s) at random places of the ranges, the same for the same seed."""
+    """Random mechanisms and durations (s) within the ranges; a seed always gives the same."""
     numbers = np.random.default_rng(seed)
     for _ in range(count):
         values: dict[str, Any] = {
@@ -36,9 +36,9 @@ def draw(seed: int, count: int = COUNT) -> Iterator[tuple[Scene, float]]:
 
 
 def measure(scenes: Iterable[tuple[Scene, float]]) -> pd.DataFrame:
-    """Errors of rigid links against particles on scenes of `draw`, with their estimates.
+    """Errors of rigid links, relative to particles, in mechanisms of `draw`, with their estimates.
 
-    Scenes that a model cannot finish, and those without an impact, are left out.
+    Mechanisms that cannot be simulated to the end, and those without an impact, are left out.
     """
     rows = []
     for scene, duration in scenes:

@@ -1,1 +1,1 @@
-"""What the paper says, judged."""
+"""Verdicts on the statements of the paper, and the reconstruction of its Table 2."""

@@ -1,4 +1,4 @@
-"""The set-up of the paper's finite elements, inferred from its Table 2.
+"""The configuration of the paper's finite elements, inferred from its Table 2.
 
 A candidate is a socket ratio, a support of the ball, kinematics, elements, the depths of the
 sample, and the area element of f2. For each one the coefficient kappa as printed and the RMSE of
@@ -34,7 +34,7 @@ SAMPLINGS = {f"{n}, from 0": np.linspace(0, LARGEST_DEPTH, n) for n in (19, 20, 
 }
 USUAL = "21, from 0"
 FACTORS = {"1": 1.0, "19/18": 19 / 18}
-"""Of 1 - kappa_as_printed: the latter is that of an adjusted coefficient."""
+"""Factors of 1 - kappa_as_printed: 19/18 would mean that an adjusted coefficient was printed."""
 RATIOS = tuple(np.round(1 + np.geomspace(0.05, 2.0, 13), 4).tolist())
 SUMS = ("force", "force^2", *ROWS[:3], *AREA_COEFFICIENTS.values())
 """Sums over a sample: of the forces, of their squares, and of the force times each law."""
@@ -118,7 +118,7 @@ def misfit(deviations: Mapping[str, Any]) -> Any:
 def shifted_misfit(
     published: pd.DataFrame, sums: Mapping[str, Any], shifts: Forces, scale: float = 1.0
 ) -> Any:
-    """Least `misfit` for the sample `USUAL` if each fitted coefficient has one of some shifts.
+    """Minimum `misfit` for the sample `USUAL` if each fitted coefficient has one of some shifts.
 
     ``sums`` are numbers, or arrays of shape (n,); other arguments are as for `deviations`.
     """
@@ -139,7 +139,7 @@ def scan(ratios: Sequence[float] = RATIOS, **set_up: Any) -> pd.DataFrame:
 
 
 def between(scanned: pd.DataFrame) -> tuple[Any, float, float]:
-    """`SUMS` between the ratios of a scan: function of ln(ratio), its least and largest argument.
+    """`SUMS` between the ratios of a scan: function of ln(ratio), and the limits of its argument.
 
     ``scanned`` has the rows of `scan` for one sampling.
     """
@@ -166,7 +166,7 @@ def profile(
 
 
 def freed(published: pd.DataFrame, scanned: pd.DataFrame, **reading: Any) -> dict[str, float]:
-    """``best_ratio`` and ``scale`` of least ``misfit``, both free; arguments as for `profile`."""
+    """``best_ratio`` and ``scale`` of minimum ``misfit``, if both are free; see `profile`."""
     at, first, last = between(scanned)
     sampling, printed = scanned.sampling.iloc[0], published.to_dict()
     low, high = np.array([[first, last], np.log(FREE_SCALE)]).T
@@ -183,7 +183,7 @@ def freed(published: pd.DataFrame, scanned: pd.DataFrame, **reading: Any) -> dic
 
 
 def ranked(published: pd.DataFrame, scans: pd.DataFrame, scale_free: bool = False) -> pd.DataFrame:
-    """``best_ratio`` and ``misfit`` of every candidate, best first; with its scale if that is free.
+    """``best_ratio`` and ``misfit`` of every candidate, best first; and the scale if it is free.
 
     ``scans`` are from `scan`, with any further columns that name the set-up.
     """

@@ -1,7 +1,7 @@
-"""Numbers by which the paper's statements on Figs. 17 to 21 are checked, from two responses.
+"""Numbers with which the paper's statements on Figs. 17 to 21 are compared, from two responses.
 
-Their names are those that the rows of ``data/published/claims.csv`` give to the quantities. What
-must be computed from two models at once is left out (`study.mechanism.compare.motion_nrms`).
+They have the names in the column ``row`` of ``data/published/claims.csv``. Numbers that compare two
+models of the links are left out (`study.mechanism.compare.motion_nrms`).
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from study.mechanism.response import Response
 EARLY = 0.01
 """Time in s that counts as the beginning of the motion, for accelerations and impacts."""
 WINDOW = 1e-3
-"""Time in s in which the force swings once or not."""
+"""Length in s of the windows in which the range of the force is evaluated."""
 QUARTER, PER_DEGREE = 18, 5  # parts of a quarter of a turn, and degrees in each
 _TINY = 1e-9  # of a window or of the duration: times of output have rounding errors
 
@@ -22,10 +22,10 @@ def motion_quantities(
 ) -> dict[str, float]:
     """Numbers of a response with clearance, compared with that of an ideal joint, by their names.
 
-    The two are of one model and one scene. Percentages are of the time from 0 to ``end`` in s, at
-    least a `WINDOW`, by default all of it, except where the name says otherwise. A number that does
-    not exist, such as the direction of a contact that never was, is NaN. Raises ``ValueError`` if
-    the times differ.
+    Both responses must be of the same model and the same mechanism. Percentages are of the time
+    from 0 to ``end`` in s (at least `WINDOW`; by default the whole duration), unless the name says
+    otherwise. A number that does not exist, for example because the surfaces never touched, is NaN.
+    Raises ``ValueError`` if the times differ.
     """
     same_times(response=response, ideal=ideal)
     end = float(ideal.time[-1]) if end is None else end
@@ -38,7 +38,7 @@ def motion_quantities(
 
 
 def _motion(response, ideal, part, early):
-    """How far the slider is ahead, and its acceleration."""
+    """Time for which the slider is ahead, and its acceleration."""
     series = ("slider_position", "slider_velocity", "slider_acceleration")
     curves = [ideal.rows[name] for name in series]
     slopes = [*curves[1:], np.gradient(curves[-1], ideal.time)]
@@ -82,7 +82,7 @@ def _forces(response, ideal, part, end):
 
 
 def _path(response, part):
-    """Where the ball is in contact."""
+    """Time and positions of the contact on the circumference of the socket."""
     x, y = response.eccentricity_x, response.eccentricity_y
     touches = (response.depth > 0) & part
     angle = np.degrees(np.arctan2(y, x))[touches] % 360

@@ -1,7 +1,7 @@
-"""Which of the paper's statements on its Figs. 17 to 21 hold in each run of `study.claims.set_ups`.
+"""Which statements on Figs. 17 to 21 each run of `study.claims.set_ups` satisfies.
 
-The statements, their numbers' names and what is expected of these are those of
-``data/published/claims.csv``. Nothing here simulates.
+The statements, the names of their numbers and the bounds are those of
+``data/published/claims.csv``. This module does not simulate anything.
 """
 
 from itertools import combinations
@@ -19,7 +19,7 @@ RUNS = {
 }
 """Groups of runs: models of the links, and particles in schemes that may feed energy in."""
 MEASURES = {"time with impacts": ("last separation", "time in which the force swings")}
-"""Number of a claim -> names of the measures of a run that may be meant by it."""
+"""Number of a statement -> names of the numbers of a run that it may mean."""
 
 
 def statements() -> pd.DataFrame:
@@ -30,11 +30,11 @@ def statements() -> pd.DataFrame:
 
 
 def held(runs: pd.DataFrame, strictly: bool = False) -> pd.DataFrame:
-    """Whether each statement holds in each run: a column for each claim, missing if not measured.
+    """Whether each run satisfies each statement: a column for each statement.
 
-    It holds if one of its measures does, with one of the bounds: a run has the benefit of doubt.
-    Strictly it holds if all do, as in `study.claims.verdicts`. Runs are those of
-    `study.claims.set_ups.run` that were finished.
+    A value is missing if the number was not computed. A statement is satisfied if one of its
+    numbers is within one of its bounds. With ``strictly``, all numbers must be within all bounds,
+    as in `study.claims.verdicts`. ``runs`` are those of `study.claims.set_ups.run` that finished.
     """
     columns = {}
     for claim in statements().itertuples():
@@ -48,7 +48,7 @@ def held(runs: pd.DataFrame, strictly: bool = False) -> pd.DataFrame:
 
 
 def never_together(holds: pd.DataFrame) -> list[tuple[str, str]]:
-    """Pairs of statements that each hold in some run, but never in the same one."""
+    """Pairs of statements that are each satisfied in some run, but never in the same run."""
     some = holds.fillna(False).astype(bool)
     ever = [claim for claim in some if some[claim].any()]
     return [pair for pair in combinations(ever, 2) if not some[list(pair)].all(axis=1).any()]

@@ -1,9 +1,10 @@
-"""Set-ups of the crank-slider, to find one in which the statements on Figs. 17 to 21 hold.
+"""Random crank-sliders, to find one that satisfies the statements of the paper on Figs. 17 to 21.
 
-What Table 3 and Sec. 4.3.1 give stays: lengths, masses, clearance, material and the size of the
-moment. All that the paper leaves open varies together, and in half of the mechanisms also friction,
-restitution and the crank's first angle, which it states. Friction between slider and slide is left
-out: no model has it. `run` makes ``data/set_ups.csv``; `study.claims.search` evaluates it.
+Lengths, masses, clearance, material and the magnitude of the moment are those of Table 3 and
+Sec. 4.3.1. All parameters that the paper leaves open vary together. In half of the mechanisms
+friction, restitution and the first crank angle vary too, although the paper states them. Friction
+between slider and slide is left out, because no model of this study contains it. `run` makes
+``data/set_ups.csv``, and `study.claims.search` evaluates it.
 """
 
 from collections.abc import Iterable, Iterator
@@ -20,15 +21,16 @@ from study.mechanism.simulate import Model
 
 MECHANISMS = 64
 JOINTS = {"rigid": 16, "both": 1, "particles": 4, "schemes": 8}
-"""Joints of each mechanism: with rigid links, with flexible ones by both methods, by particles
-alone, and in a scheme that may feed energy in. Powers of 2, as Sobol's points ask."""
+"""Number of joints of each mechanism, by the models of the links with which they are simulated:
+rigid links, both flexible models, particles only, and particles in a scheme that may add energy.
+They are powers of 2, as Sobol points require."""
 ELEMENTS = (2, 4)
 MODELS: dict[Model, dict[str, Any]] = {
     "rigid": {},
     "particles": {"elements": ELEMENTS},
     "beams": {"elements": ELEMENTS, "step": 4e-6},
 }
-"""Models of the links, with one mesh and step of the flexible ones."""
+"""Models of the links, with the mesh and the step of the flexible models."""
 OF_KIND: dict[str, tuple[Model, ...]] = {
     "rigid": ("rigid",),
     "both": ("particles", "beams"),
@@ -37,7 +39,7 @@ OF_KIND: dict[str, tuple[Model, ...]] = {
     "found": ("rigid", "particles", "beams"),
 }
 PER_SECOND = 10_000
-"""Times of output."""
+"""Number of output times per second."""
 RANGES = {
     "duration": (0.05, 1.0),
     "crank_inertia_factor": (1.0, 2.0),
@@ -51,8 +53,9 @@ RANGES = {
     "crank_clearance": (1e-5, 1e-4),
     "step_share": (0.3, 1.0),
 }
-"""SI units. Inertias are over those of thin rods. Density and modulus give flexible links their
-section. The eccentricity at the start is in clearances, the step in its limit of stability."""
+"""SI units. Inertias are divided by those of thin rods. Density and modulus determine the cross
+section of flexible links. The eccentricity at the start is in clearances, and the step is a
+fraction of the stability limit."""
 LOGARITHMIC = ("duration", "density", "link_modulus", "socket_radius", "crank_clearance")
 CHOICES: dict[str, tuple] = {
     "as_stated": (True, False),
@@ -75,7 +78,7 @@ _SCHEME = ("method", "step_share")
 
 
 class SetUp(NamedTuple):
-    """A mechanism, and its joints by the kind of their runs, by what was drawn for each."""
+    """Parameters drawn for a mechanism, and for each of its joints, by the kind of their runs."""
 
     number: int
     mechanism: dict[str, Any]
@@ -109,13 +112,14 @@ FOUND = tuple(
         start=MECHANISMS,
     )
 )
-"""Ends of a directed search with rigid links: differential evolution, then random steps, lessened
-the sum of what statements are short of. All was free; all was as stated (with Eq. 31 as well); or
-friction and restitution were as stated, and the first angle free."""
+"""Results of three directed searches with rigid links. Differential evolution and then random steps
+minimised the sum of the amounts by which the statements miss their bounds. In the first search all
+parameters were free; in the second, those that the paper states were fixed, including Eq. 31; in
+the third, friction and restitution were fixed, and the first crank angle was free."""
 
 
 def draw(seed: int = 0, count: int = MECHANISMS) -> Iterator[SetUp]:
-    """Set-ups evenly spread over all ranges at once (Sobol's points), the same for a seed."""
+    """Set-ups evenly distributed over all ranges (Sobol points); a seed always gives the same."""
     from scipy.stats import qmc
 
     def points(names, number, start):
@@ -136,7 +140,7 @@ def draw(seed: int = 0, count: int = MECHANISMS) -> Iterator[SetUp]:
 
 
 def _value(name, share):
-    """The value of a parameter at a share from 0 to 1 of its range."""
+    """The value of a parameter at a fraction from 0 to 1 of its range."""
     if name in CHOICES:
         return CHOICES[name][int(share * len(CHOICES[name]))]
     if name == "initial_crank_angle":
@@ -167,9 +171,9 @@ def scene(mechanism: dict[str, Any], joint: dict[str, Any], model: Model) -> Sce
 
 
 def run(set_ups: Iterable[SetUp]) -> pd.DataFrame:
-    """Simulate set-ups: a row for each run, of what was drawn and of `motion_quantities`.
+    """Simulate set-ups: a row for each run, with the parameters drawn and `motion_quantities`.
 
-    A run that a model cannot finish has a row without numbers.
+    If a simulation does not finish, its row has no results.
     """
     return pd.DataFrame([row for one in set_ups for row in _rows(one)])
 
@@ -224,9 +228,10 @@ def _apart(*pairs):
 
 
 def _energy(response, ideal):
-    """The crank's lead in time, what the losses of energy make of it, and the balance of energy.
+    """Phase lead of the crank, the lag that the lost energy explains, and the balance of energy.
 
-    A loss E takes E/(2 T) of the crank's speed, with the kinetic energy T.
+    A lost energy E reduces the speed of the crank by the fraction E/(2 T), where T is the kinetic
+    energy.
     """
     lost, kinetic = response.lost_damping + response.lost_friction, response.kinetic
     share = np.divide(lost, 2 * kinetic, out=np.zeros_like(lost), where=kinetic > 0)

@@ -1,8 +1,9 @@
-"""How well a law agrees with the forces of the elastic solution, by the paper's measures.
+"""Measures of agreement between a law and the elastic solution, as the paper defines them.
 
-Each takes the reference first, which is the elastic solution, and the prediction of a law second.
-Both are lists of the same length, of two values or more. The coefficient of determination by its
-usual definition is `determination`; that of the paper's Table 2 is `kappa_as_printed`.
+The first argument of each function is the reference, that is the elastic solution, and the second
+one the prediction of a law. Both are lists of the same length, with two or more values. The
+coefficient of determination by the usual definition is `determination`; the coefficient that is
+printed in Table 2 of the paper is `kappa_as_printed`.
 """
 
 import numpy as np
@@ -19,8 +20,9 @@ __all__ = [
     "rmse",
 ]
 AS_PRINTED = {"size": 20, "predictors": 1}
-"""Of the adjusted coefficients, whose factor is 19/18 in all five rows of the paper's Table 2. The
-21st depth is zero, where every law is exact; it seems not to count there."""
+"""Numbers of values and of predictors in the adjusted coefficients: their factor is 19/18 in all
+five rows of the paper's Table 2. The 21st depth is zero, where every law has no error; it seems not
+to be counted."""
 
 
 def kappa_as_printed(reference: ArrayLike, prediction: ArrayLike) -> float:

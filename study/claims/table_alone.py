@@ -1,10 +1,11 @@
-"""What Table 2 of the paper says by itself, without any elastic solution.
+"""What follows from Table 2 of the paper alone, without any elastic solution.
 
-Its input are the printed numbers, the formulas of Hertz and Steuermann, which have no parameter,
-the shapes of the fitted laws, R2*, and a list of depths of shape (n,). `printed` holds the numbers
-with every combination of their last digits' rounding, so that each function gives arrays: the value
-that follows from the numbers as printed comes first, and `interval` adds its least and largest. If
-1 - kappa_as_printed was multiplied by a factor before it was printed, that is ``factor``.
+The input consists of the printed numbers, the formulas of Hertz and Steuermann, which have no
+parameter, the shapes of the fitted laws, R2*, and a list of depths of shape (n,). `printed` returns
+the numbers with every combination of the rounding of their last digits, so that each function
+returns arrays. Their first element follows from the numbers as printed, and `interval` gives it
+with the minimum and the maximum. ``factor`` is a factor by which 1 - kappa_as_printed may have been
+multiplied before it was printed.
 """
 
 from itertools import product
@@ -44,7 +45,7 @@ def printed(published: pd.DataFrame) -> Printed:
 
 
 def interval(values: ArrayLike) -> dict[str, float]:
-    """The first value, which is that of the numbers as printed, with the least and the largest."""
+    """The first value, which follows from the numbers as printed, the minimum and the maximum."""
     numbers = np.asarray(values)
     return {"value": numbers[0], "low": numbers.min(), "high": numbers.max()}
 
@@ -105,12 +106,12 @@ def disagreement(
 def forces(
     table: Printed, law: str, depths: ArrayLike, factor: float = 1.0
 ) -> tuple[Numbers, Numbers]:
-    """Forces at the depths, shape (n, 257), and the sum of squares by which others may differ.
+    """Forces at the depths, shape (n, 257), and the sum of squares of the part that is not known.
 
-    The table gives the products of the elastic forces with 1, with Hertz's law by its RMSE, and
-    with Winkler's and another fitted ``law``. The forces are the part of the elastic ones within
-    these four. What their sum of squares leaves belongs to the rest: if it is negative, no forces
-    at all meet the table.
+    The table gives the scalar products of the elastic forces with 1, with Hertz's law (from its
+    RMSE), with the Winkler law and with another fitted ``law``. The forces returned are the part of
+    the elastic forces that is a combination of these four. If the sum of squares of the remaining
+    part is negative, no forces are consistent with the table.
     """
     total, about_mean = totals(table, depths, factor)
     squares, hertz = about_mean + total**2 / np.size(depths), known_forces(depths)[0]
@@ -126,12 +127,12 @@ def forces(
 
 
 def needed_rounding(table: Printed, law: str, depths: ArrayLike, factor: float = 1.0) -> float:
-    """Half digits by which printed numbers must be off for any forces to have all eight.
+    """Minimum error of the printed numbers, in half digits, for which forces exist that give them.
 
-    At most 1 is rounding. The eight numbers give the sum of the squared forces, and the products
-    of the forces with 1 and with four laws, whose factors need not be those of least squares. So
-    forces exist if their part within these has no larger sum of squares. Raises
-    `study.checks.StudyError` if no such digits are found.
+    An error of up to 1 can be rounding. The eight numbers give the sum of the squared forces, and
+    the products of the forces with 1 and with four laws, where the factors of the fitted laws need
+    not be those of least squares. Therefore forces exist if the part of them within these five has
+    no larger sum of squares. Raises `study.checks.StudyError` if no such error is found.
     """
     stated = np.array([[column[0] for column in table[name]] for name in ROWS]).T
     fitted = [fitting.shape(name, depths) for name in ("winkler", law)]
@@ -163,5 +164,7 @@ def needed_rounding(table: Printed, law: str, depths: ArrayLike, factor: float =
         lambda x: x[8], start, method="SLSQP", bounds=positive, constraints=limits, options=options
     )
     if not found.success or abs(rest(found.x)) > 1e-6 * unit:
-        raise checks.StudyError(f"no digits near Table 2's were found: {found.message}")
+        raise checks.StudyError(
+            f"no forces were found for numbers near those of Table 2: {found.message}"
+        )
     return float(found.x[8])

@@ -1,10 +1,10 @@
-"""The paper's checkable statements, each judged by numbers from this study's results.
+"""Verdicts on the paper's statements, from numbers in the results of this study.
 
-``data/published/claims.csv`` has the statements, reworded. Each names the result, row and
-column of the number that decides on it, the expected number, and its tolerance. Where
-the paper leaves something open, there is a number for every reading; where it states no bound,
-this study chose the bound, and half and twice this bound are applied too. The notebooks compute the
-numbers; tests check whether the numbers are right.
+``data/published/claims.csv`` has the statements, in our own words. Each row names the result, the
+row and the column of the number with which the statement is compared, the expected number, and its
+tolerance. Where the paper leaves something open, there is a number for each reading. Where it
+states no bound, this study chose one, and half and twice this bound are applied too. The notebooks
+compute the numbers, and tests check them.
 """
 
 from collections.abc import Sequence
@@ -21,9 +21,9 @@ Verdict = Literal["contradicted", "undecided", "reproduced"]
 Relation = Literal["=", "<", ">"]
 VERDICTS, RELATIONS = get_args(Verdict), get_args(Relation)
 KINDS = ("stated", "implied only", "used to identify", "trivially satisfied")
-"""Only the verdict on a stated statement speaks for or against the paper. The others are not said
-in so many words, served to identify the set-up or follow from what did, or nearly any result
-would meet them."""
+"""Only the verdict on a statement of the kind ``stated`` is evidence for or against the paper. The
+paper does not say the others explicitly, or they were used to identify the reference joint (or
+follow from what was used), or nearly any result would satisfy them."""
 COLUMNS = [
     *("claim", "part", "kind", "where", "statement", "measure", "relation", "expected"),
     *("tolerance", "assumes", "figure", "evidence", "row", "column"),
@@ -31,19 +31,16 @@ COLUMNS = [
 
 
 class ClaimError(checks.StudyError):
-    """A claim cannot be judged; the message names it and what is missing."""
+    """A statement cannot be checked; the message names it and what is missing."""
 
 
 def load() -> pd.DataFrame:
-    """Load the claims, without verdicts: a table of text with the columns `COLUMNS`.
+    """Load the statements, without verdicts: a table of text with the columns `COLUMNS`.
 
-    ``kind`` is one of `KINDS`, ``statement`` is reworded, ``measure`` describes the number that
-    decides on it, and ``evidence``, ``row`` and ``column`` say where that is (see `readings`).
-    ``expected`` and ``tolerance`` (in percent of it) are a number each, or two as ``5 to 20`` where
-    this study chose the bound. ``assumes`` is what the number depends on, ``figure`` a result that
-    shows it. The further column ``bounds`` has pairs of the numbers expected and tolerance.
+    ``data/README.md`` describes these columns. An additional column ``bounds`` has pairs of numbers
+    from ``expected`` and ``tolerance``: one pair, or two if this study chose the bound.
 
-    Raises `ClaimError` for a row that cannot be judged, or if the file is missing or no such table.
+    Raises `ClaimError` if a row cannot be evaluated, or if the file is missing or damaged.
     """
     name, as_text = "data/published/claims.csv", {"keep_default_na": False, "dtype": str}
     try:
@@ -64,11 +61,11 @@ def load() -> pd.DataFrame:
 
 
 def _bounds(claim, published):
-    """Pairs of an expected number and a tolerance in percent, with which a claim is judged."""
+    """Pairs of an expected number and a tolerance in percent of it."""
     expected, key = claim.expected, tuple(claim.expected.split("/"))
     if len(key) == 3:
         if key not in published.index:
-            lacking = "which data/published/tables.csv lacks"
+            lacking = "which is not in data/published/tables.csv"
             raise ValueError(f"claim {claim.claim} expects {expected}, {lacking}")
         expected = str(published[key])
     numbers = []
@@ -82,7 +79,7 @@ def _bounds(claim, published):
 
 
 def result(name: str) -> pd.DataFrame:
-    """One result's numbers, from ``figures/``; ``ClaimError`` if they are missing."""
+    """Numbers of one result, from ``figures/``. Raises `ClaimError` if they are missing."""
     path = paths.FIGURES / f"{name}.csv"
     if not path.is_file():
         raise ClaimError(f"figures/{name}.csv is missing; make it with: study run {name}")
@@ -90,11 +87,12 @@ def result(name: str) -> pd.DataFrame:
 
 
 def readings(evidence: str, row: str, column: str) -> dict[str, float]:
-    """Numbers that decide on a claim, by reading: a model, material or duration that is allowed.
+    """Numbers with which a statement is compared, by reading.
 
-    They stand in a ``column`` of the result ``evidence`` where its column ``quantity`` is ``row``;
-    its column ``reading``, if it has one, names the readings. Raises `ClaimError` if the result,
-    row or column is missing, or a number is not finite.
+    A reading is, for example, one of the models, materials or durations that the statement allows.
+    The numbers are in ``column`` of the result ``evidence``, in those rows whose ``quantity`` is
+    ``row``. The column ``reading`` of the result, if it has one, names the readings. Raises
+    `ClaimError` if the result, row or column is missing, or if a number is not finite.
     """
     table, remake = result(evidence), f"remake it with: study run {evidence}"
     for name in ("quantity", column):
@@ -111,7 +109,7 @@ def readings(evidence: str, row: str, column: str) -> dict[str, float]:
 
 
 def judge() -> pd.DataFrame:
-    """Judge every claim from the results in ``figures/``, ordered by kind, then by verdict.
+    """Verdict on every statement from the results in ``figures/``, ordered by kind and verdict.
 
     The table is that of `load` without ``row``, ``column`` and ``assumes``, and with ``found``
     (readings with their numbers, as text), ``lowest``, ``highest``, ``verdict`` and ``depends_on``.
@@ -144,10 +142,11 @@ def _judge(claim):
 def holds(
     values: Sequence[float], relation: Relation, bounds: Sequence[tuple[float, float]]
 ) -> NDArray[np.bool_]:
-    """Whether a statement holds: shape (readings, bounds).
+    """Whether a statement is satisfied: shape (readings, bounds).
 
-    A number should equal the expected one (``=``), not exceed it (``<``), or not be less (``>``).
-    Bounds are expected numbers, not 0, and deviations in percent of them up to which it holds.
+    A number must be equal to the expected one (``=``), at most as large (``<``), or at least as
+    large (``>``). Each bound is the expected number, not 0, and the deviation in percent of it that
+    is allowed.
     """
     expected, tolerance = np.asarray(bounds, float).T
     excess = (np.asarray(values)[:, None] - expected) / np.abs(expected) * 100
@@ -157,11 +156,12 @@ def holds(
 def verdict(
     values: Sequence[float], relation: Relation, bounds: Sequence[tuple[float, float]]
 ) -> Verdict:
-    """Verdict on one claim from its numbers, one per reading; parameters as for `holds`.
+    """Verdict on one statement from its numbers, one for each reading; parameters as for `holds`.
 
-    ``reproduced`` if it holds in every reading with every bound, ``contradicted`` if in none, and
-    ``undecided`` otherwise: the verdict then depends on what the paper does not say. That
-    is so, too, if readings lie on both sides of a number that is stated.
+    It is ``reproduced`` if the statement is satisfied for every reading and bound, and
+    ``contradicted`` if it is satisfied for none. Otherwise it is ``undecided``, because the verdict
+    depends on what the paper does not say. It is also undecided if the numbers of the readings are
+    on both sides of a number that the paper states.
     """
     held = holds(values, relation, bounds)
     if held.all():
@@ -171,10 +171,11 @@ def verdict(
 
 
 def depends_on(readings: Sequence[str], held: NDArray[np.bool_]) -> list[str]:
-    """What decides whether a statement holds: parts of its readings' names, or the bound.
+    """What the verdict on a statement depends on: parts of the names of readings, or the bound.
 
-    Readings have names in parts, as ``rigid links, 50 ms``; ``held`` is from `holds`. ``50 ms or
-    200 ms`` decides if a change of this part alone changes whether the statement holds.
+    The name of a reading consists of parts, for example ``rigid links, 50 ms``; ``held`` is the
+    result of `holds`. The verdict depends on ``50 ms or 200 ms`` if a change of this part alone
+    changes whether the statement is satisfied.
     """
     parts, found = [name.split(", ") for name in readings], {}
     for (one, first), (other, second) in combinations(zip(parts, held, strict=True), 2):

@@ -47,7 +47,7 @@ def main():
 
 
 def _refuse_copied_program():
-    """Raise an error in a copied checkout, whose program would build the original folder."""
+    """Raise an error in a copied checkout, where the program would build the original folder."""
     for copied in Path(sys.argv[0]).resolve().parents[2:3]:  # above .venv/bin
         if copied != paths.ROOT and (copied / "study/paths.py").is_file():
             raise checks.StudyError(

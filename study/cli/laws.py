@@ -33,9 +33,9 @@ NOT_ONE_LAW = (
     "One law for the axial direction is not known to be accurate enough for all tilts up to {:g} "
     "deg"
 )
-KNOWN = {"rule": "by the rule that the rim is far and the supports are the same all round"}
-DIFFERS = "the force differs from that along the axis by at most {:.2g} of it ({})."
-REST = "The law below is within the rest of the tolerance, {:.2g}, along the axis."
+KNOWN = {"rule": "by the rule that the rim is distant and the supports are the same all round"}
+DIFFERS = "the force differs from that along the axis by a fraction of at most {:.2g} ({})."
+REST = "Along the axis, the law below is within the remaining tolerance of {:.2g}."
 NO_AXIS = (
     "No law for the axial direction applies to {}, which is loaded across its axis. For a "
     "displacement at a tilt of {:g} deg, the fitted power law {} is within {:.2g} % at depths "

@@ -56,8 +56,8 @@ NO_LAW = {
     "solver": "none, so the joint has to be solved at every depth",
 }
 NO_STRESSES = (
-    "No stresses of the {}: they are largest where it is held, and depend on the details of the "
-    "support."
+    "No stresses of the {} are given, because their maximum is where the body is held and depends "
+    "on the details of the support."
 )
 SIZED = cli.options_of(DimensionalJoint)
 """Options of a joint with its dimensions."""

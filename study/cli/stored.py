@@ -14,7 +14,7 @@ from study.cli.output import columns, fail, say, show_table, text_of, working
 
 
 def _case_options():
-    """Options of the columns by which cases are chosen, as ``datapackage.json`` describes them."""
+    """Options for the columns by which cases are selected, described in ``datapackage.json``."""
     try:
         package = json.loads((paths.DATA / "datapackage.json").read_text(encoding="utf-8"))
         fields = package["resources"][0]["schema"]["fields"]
@@ -86,10 +86,10 @@ def _check_case(case, known, listing):
 def show_solutions(
     case: str = cli.option("Print the results of the case with this name.", default=None),
 ):
-    """List the elastic solutions that are kept for the notebooks, or print the results of one.
+    """List the stored elastic solutions of the notebooks, or print the results of one.
 
-    Each case is a joint (as JSON, its parameters that are not the default) with the depths, tilts
-    or forces for which it is solved. The output is CSV if it does not go to a terminal.
+    Each case is a joint (as JSON: its parameters that differ from the default) with the depths,
+    tilts or forces for which it is solved. The output is CSV if it does not go to a terminal.
     """
     from study.dataset import solutions, store
 
@@ -141,10 +141,10 @@ def list_materials():
 
 @cli.command("check", group=cli.data_app, examples=["data check"])
 def check_data():
-    """Check the files, the schema and the physics of the dataset, and solve some cases again.
+    """Check the dataset: files, schema, physical properties, and some cases that are solved again.
 
-    These are one force-depth curve, and of the solutions that are kept for the notebooks one of
-    each kind, drawn at random.
+    One force-depth curve is solved again, and one random case of each kind of the stored solutions
+    of the notebooks.
     """
     from study.dataset import production
 
@@ -162,8 +162,8 @@ def build_data(
 ):
     """Rebuild the outdated files of the dataset.
 
-    The dataset is outdated if the code or the design that makes it has changed. An interrupted
-    build keeps the solved cases and continues from there when the command is given again.
+    A file is outdated if the code, the data or the design from which it is made has changed. After
+    an interruption the solved cases are kept, and the same command continues from there.
     """
     from study.dataset import production
 

@@ -1,4 +1,4 @@
-"""The cached force-depth curves, and what is fitted to them."""
+"""The stored force-depth curves, and the coefficients of laws that are fitted to them."""
 
 from study.dataset.store import (
     DatasetError,

@@ -1,4 +1,4 @@
-"""Which joints the dataset holds, and why: its design, in groups of set-ups."""
+"""The design of the dataset: its joints in groups, and the purpose of each group."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from study.joint.definition import PAPER_SUPPORTS
 
 DEPTHS = tuple(np.round(np.arange(1, 41) * 0.025, 3).tolist())
 ROOT_DEPTHS = tuple(np.round(np.linspace(0.005**0.5, 1, 32) ** 2, 6).tolist())
-"""In equal steps of sqrt(depth_star), from 0.005 to 1."""
+"""Depths from 0.005 to 1, in equal steps of sqrt(depth_star)."""
 PAPER_R2_STARS = tuple(range(20, 301, 20))
 WIDER_R2_STARS = (400, 600, 1000, 2000, 5000, 10_000)
 Case = tuple[str, str, Joint, tuple[float, ...]]
@@ -23,17 +23,18 @@ Case = tuple[str, str, Joint, tuple[float, ...]]
 def case_name(
     set_up: str, kinematics: Kinematics = PAPER_KINEMATICS, r2_star: float = R2_STAR
 ) -> str:
-    """Name of a case of a set-up: ``paper-linear-200``."""
+    """Name of a case of a set-up, for example ``paper-linear-200``."""
     return f"{set_up}-{kinematics}-{r2_star:g}"
 
 
 @dataclass(frozen=True)
 class SetUp:
-    """Joints that share their elastic bodies; its cases are all R2* with all kinematics.
+    """Joints with the same elastic bodies; the cases are all combinations of R2* and kinematics.
 
-    ``group`` is a key of `GROUPS`, ``joint`` has arguments of `study.joint.Joint`, ``depths`` are
-    values of ``depth_star``. ``poisson`` is Poisson's ratio of both bodies, or of the ball alone
-    with layers. ``modulus_ratio`` is Young's modulus of the socket over that of the ball.
+    ``group`` is a key of `GROUPS`, ``joint`` has arguments of `study.joint.Joint`, and ``depths``
+    are values of ``depth_star``. ``poisson`` is Poisson's ratio of both bodies, or of the ball
+    alone if ``joint`` describes the socket or its layers. ``modulus_ratio`` is Young's modulus of
+    the socket divided by that of the ball.
     """
 
     group: str
@@ -60,12 +61,12 @@ class SetUp:
 
 
 GROUPS = {
-    "paper": "the paper's joint, R2* from 20 to 300, and the wider range of Figs. 13 to 15",
-    "ratio": "the effect of the socket ratio in the paper's joint",
-    "poisson": "the effect of Poisson's ratio in it",
-    "modulus": "the effect of unequal moduli in it",
-    "support": "the effect of the supports in it",
-    "liner": "thin liners: a rigid ball in a rigid housing, and real ones in their housings",
+    "paper": "the reference joint, R2* from 20 to 300, and the wider range of Figs. 13 to 15",
+    "ratio": "the effect of the socket ratio in the reference joint",
+    "poisson": "the effect of Poisson's ratio in the reference joint",
+    "modulus": "the effect of unequal Young's moduli in the reference joint",
+    "support": "the effect of the supports in the reference joint",
+    "liner": "thin liners: between rigid bodies, and real liners in their housings",
     "validation": "random joints in the range of stiffened_hertz, to validate it",
 }
 FREE_VALIDATION, HELD_VALIDATION = 300, 36
@@ -97,10 +98,11 @@ def _liners():
 
 
 def _validation_set():
-    """Random joints in the range of stiffened_hertz, always the same.
+    """Random joints in the range of stiffened_hertz, which are the same in every run.
 
-    `HELD_VALIDATION` of them have other supports. These take finite elements, so that they share a
-    few balls and sockets. One socket in ten is practically infinitely thick.
+    `HELD_VALIDATION` of them have other supports than a guided ball and a mirror rim. They are
+    solved by finite elements, and therefore combine only a few balls and sockets. One socket in ten
+    is practically infinitely thick.
     """
     draw = np.random.default_rng(2024)
     (low, high), (thin, _) = RANGES["poisson"], RANGES["socket_ratio"]
@@ -170,7 +172,7 @@ def every_case() -> list[Case]:
 
 
 def batches() -> Iterator[list[Case]]:
-    """All cases, in lists that take seconds and share bodies."""
+    """All cases, in lists of cases with the same bodies, each of which takes some seconds."""
 
     def kind(case):
         return case[0], case[2].has_large_displacements, case[2].series_applies

@@ -2,8 +2,8 @@
 
 As in the paper, there is one coefficient f1 for each case, and then a surrogate of f1 over R2*. The
 surrogate is a straight line, because P* -> R2* F(ds) as R2* grows. Its intercept is the next order
-in 1/R2*. The paper's coefficients are lost; these are fitted in this study. What a call of each law
-costs is selected here too, from the times that were measured.
+in 1/R2*. The published coefficients are not in our copy of the paper; these are fitted in this
+study. This module also selects the cost of a call of each law from the measured times.
 """
 
 import numpy as np
@@ -19,10 +19,10 @@ FITTED_LAWS: dict[str, tuple[LawName, dict]] = {
     name: ("hyperbolic_winkler", {"area": area}) for area, name in AREA_COEFFICIENTS.items()
 } | {"winkler": ("winkler", {})}
 """Name of the coefficients -> law and its options."""
-DIGITS = 7  # of a coefficient
-LARGEST_DEPTH = 0.5  # of the fit, in dR, as in the paper
+DIGITS = 7  # significant, of a coefficient
+LARGEST_DEPTH = 0.5  # maximum depth of the fit, in clearances, as in the paper
 SAMPLE = np.linspace(0, LARGEST_DEPTH, 21)
-"""Depths of the paper's measures of agreement, inferred from Table 2 (notebook 32)."""
+"""Depths at which the paper evaluates its measures of agreement (inferred, notebook 32)."""
 LARGEST_R2_STAR = 300  # of the surrogate's fit, as in the paper
 
 
@@ -82,12 +82,13 @@ def _power(curves):
 def liu_coefficient(
     force_star: ArrayLike, published_determination: float, unit: ArrayLike
 ) -> float:
-    """Coefficient c of Liu's law, P* = c R2* (...), by its determination in the paper's Table 2.
+    """Coefficient c of Liu's law, P* = c R2* (...), from its row in Table 2 of the paper.
 
-    The published coefficient of determination, negative, depends only on the mean difference of law
-    and finite elements (`study.claims.statistics.kappa_as_printed`). Liu's law is the
-    smaller one. ``force_star`` is at `SAMPLE`, for the R2* of Table 2; ``unit`` is the law's force
-    over c R2* at the same depths but 0, shape (20,).
+    The published coefficient of determination, which is negative, depends only on the mean
+    difference of law and finite elements (`study.claims.statistics.kappa_as_printed`). The force of
+    Liu's law is the smaller one. ``force_star`` has the elastic forces at `SAMPLE`, for the R2* of
+    Table 2; ``unit`` is the force of the law divided by c R2*, at the same depths without 0, shape
+    (20,).
     """
     force = np.asarray(force_star)
     missing = np.sqrt((1 - published_determination) * np.sum((force - force.mean()) ** 2))
@@ -95,10 +96,10 @@ def liu_coefficient(
 
 
 def fit_laws(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict[str, float]]:
-    """Content of ``coefficients.json``: laws fitted in the paper's joint, for 20 <= R2* <= 300.
+    """Content of ``coefficients.json``: laws fitted to the reference joint for 20 <= R2* <= 300.
 
-    ``curves`` are those of the dataset; ``published`` is ``data/published/tables.csv``, for Liu's
-    law.
+    ``curves`` are those of the dataset. ``published`` is ``data/published/tables.csv``, from which
+    Liu's law is reconstructed.
     """
     curves = curves[(curves.group == "paper") & (curves.kinematics == PAPER_KINEMATICS)]
     stated = published.set_index(["where", "row", "quantity"]).value

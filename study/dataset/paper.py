@@ -1,4 +1,4 @@
-"""What the paper's own curves are of: its joint is `study.joint.paper_joint`."""
+"""R2* and kinematics of the paper's curves; their joint is `study.joint.paper_joint`."""
 
 from typing import TYPE_CHECKING
 
@@ -6,8 +6,8 @@ if TYPE_CHECKING:
     from study.joint import Kinematics
 
 R2_STAR = 200
-"""Of the paper's comparison of laws, Fig. 10 and Table 2, and of the changes to its joint."""
+"""R2* of the paper's comparison of laws (Fig. 10 and Table 2), and of the joint's variations."""
 PAPER_KINEMATICS: "Kinematics" = "linear"
-"""Of the paper's finite elements, inferred from Table 2 (notebook 32). Only with these, the
-relative RMSE of Fig. 14 rises and its coefficient of determination falls with R2* (notebooks 06,
-12)."""
+"""Kinematics of the paper's finite elements, inferred from Table 2 (notebook 32). Only with these
+kinematics does the relative RMSE of Fig. 14 rise, and its coefficient of determination fall, with
+R2* (notebooks 06 and 12)."""

@@ -1,7 +1,8 @@
-"""How the dataset is made, described, found out of date and checked: files, schema and physics.
+"""Generates, describes and checks the dataset, and finds which of its files are outdated.
 
-``data/datapackage.json`` holds the description: schema and units, written by hand, and for every
-file its hash. Its provenance has the code, data and design that made each generated file.
+``data/datapackage.json`` contains the description: schema and units, which are written by hand, and
+the checksum of every file. Its provenance states the code, the data and the design from which each
+generated file was made.
 """
 
 import os
@@ -19,7 +20,7 @@ from study.dataset import design, solutions, store, tolerance
 from study.joint import Joint, force_curve
 from study.joint.compliance import RESOLUTION
 
-FROM_NOTHING = "STUDY_DATA_FROM_NOTHING"  # tells data/task_data.py to make every file
+FROM_NOTHING = "STUDY_DATA_FROM_NOTHING"  # if it is set, data/task_data.py makes every file
 GENERATED = {
     store.CURVES: "joint/curve",
     store.COEFFICIENTS: "dataset/fitting",
@@ -33,25 +34,27 @@ GENERATED = {
     store.LINKS: "choose/random_scenes",
     store.SET_UPS: "claims/set_ups",
 }
-"""Generated file -> module whose imports lead to all code that decides it."""
+"""Generated file -> module whose imports lead to all code on which the file depends."""
 MADE_FROM = {
     store.COEFFICIENTS: [store.CURVES, store.TABLES],
     store.RELATIVE_COSTS: [store.SPEED],
     store.LINKS: [store.TABLE],
     store.SET_UPS: [store.TABLE, store.COEFFICIENTS],
 } | {path: [store.CASES] for path in store.SOLUTIONS.values()}
-"""Generated file -> data that decide it too; what is made from another comes after it."""
-ERROR_LIMIT = 5e-3  # largest discretisation error estimate that a row may have
+"""Generated file -> data on which it also depends; files come after those that they depend on."""
+ERROR_LIMIT = 5e-3  # maximum of the estimated discretisation error of a row
 HERTZ_SLOPE = (1.45, 3.0)
-"""d ln P / d ln d at the smallest depths: 1.5 Hertz, 2 a thin layer, 3 an incompressible one."""
-AGREEMENT = 1e-6  # relative, of forces solved again
+"""Range of d ln P / d ln d at the smallest depths: 1.5 for Hertz's law, 2 for a thin layer, and 3
+for an incompressible thin layer."""
+AGREEMENT = 1e-6  # maximum relative difference of forces that are solved again
 
 
 def to_make() -> set[Path]:
-    """Files that a build makes: damaged or out of date, and those that are made from them.
+    """Files that a build makes: damaged or outdated ones, and those that are made from them.
 
-    The description is made with any other, and alone where only materials have changed. Raises
-    `study.dataset.DatasetError` if it or a published file is missing or damaged.
+    The description is renewed with any other file, and alone if only the materials have changed.
+    Raises `study.dataset.DatasetError` if the description or a published file is missing or
+    damaged.
     """
     if os.environ.get(FROM_NOTHING):
         return {*GENERATED, store.PACKAGE}
@@ -66,7 +69,7 @@ def to_make() -> set[Path]:
 
 
 def code(path: Path) -> str:
-    """Digest of the code that decides a generated file."""
+    """Digest of the code on which a generated file depends."""
     return provenance.digest(_sources(path))
 
 
@@ -76,10 +79,10 @@ def solve_case(group: str, name: str, joint: Joint, depths: tuple[float, ...]) -
 
 
 def write_table(frame: pd.DataFrame, path: Path) -> None:
-    """Write a table as CSV, whole or not at all, if it does not agree with the kept one.
+    """Write a table as CSV, completely or not at all, unless it agrees with the stored file.
 
-    Numbers have 9 significant digits, or fewer by `tolerance.DIGITS`. On another processor the last
-    ones differ: a kept file that agrees stays as it is.
+    Numbers have 9 significant digits, or fewer if `tolerance.DIGITS` says so. The last digits
+    differ on another processor; a stored file that agrees within the tolerance is not changed.
     """
     frame = frame.copy()
     for column, digits in tolerance.DIGITS.get(path.stem, {}).items():
@@ -92,9 +95,10 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
 
 
 def write_coefficients(table: pd.DataFrame, path: Path) -> None:
-    """Write a table of Chebyshev coefficients, if it does not agree with the kept one.
+    """Write a table of Chebyshev coefficients, unless it agrees with the stored file.
 
-    On another processor a number may differ by one, and one at the limit of being left out by two.
+    On another processor a number may differ by one unit, and a number at the limit below which it
+    is left out by two units.
     """
     if path.is_file():
         keys = list(table.columns[: -len(stiffening.PLACES)])
@@ -106,7 +110,7 @@ def write_coefficients(table: pd.DataFrame, path: Path) -> None:
 
 
 def write_description() -> None:
-    """Write hashes and provenance of the files as they are to ``datapackage.json``."""
+    """Write checksums and provenance of the present files to ``datapackage.json``."""
     package = _undamaged()
     package["provenance"] = {
         "command": store.MEND,
@@ -131,16 +135,16 @@ def _undamaged():
 
 
 def verify_made_by() -> None:
-    """Raise `study.dataset.DatasetError` if a file is `out_of_date`."""
+    """Raise `study.dataset.DatasetError` if a file is outdated (`out_of_date`)."""
     for path, why in out_of_date().items():
         raise store.DatasetError(
-            f"{provenance.name(path)} is out of date: {why} since it was made; "
+            f"{provenance.name(path)} is outdated: {why} since it was made; "
             f"rebuild it with: {store.MEND}"
         )
 
 
 def out_of_date() -> dict[Path, str]:
-    """Generated files that other code, data or another design made, and what has changed."""
+    """Outdated files, and what has changed since they were made: code, data or the design."""
     stated, changes = store.read_package()["provenance"], {}
     for path, digests in zip(GENERATED, _made_by().values(), strict=True):
         before = stated["made_by"].get(provenance.name(path), {})
@@ -166,7 +170,7 @@ def _made_by():
 
 
 def _design():
-    """Which cases there are and why; the hash is that of all parameters, defaults included."""
+    """Groups of cases with their purpose; the hash is of all parameters, including defaults."""
     cases = design.every_case()
     count = Counter(group for group, *_ in cases)
     return {
@@ -177,15 +181,16 @@ def _design():
 
 
 def check() -> list[tuple[str, str]]:
-    """Checks of the dataset, with the number that each found: files, schema, physics, some cases.
+    """Check files, schema and physics of the dataset, and solve some cases again.
 
-    The first that fails raises `study.dataset.DatasetError`: file, case and remedy.
+    Returns the name of each check and what it found. The first check that fails raises
+    `study.dataset.DatasetError` with file, case and remedy.
     """
     store.verify_files()
     verify_made_by()
     frame = store.load()
     return [
-        ("files", "every hash as stated, made by this code and design"),
+        ("files", "all checksums agree; made by the present code and design"),
         ("schema", _check_schema(len(frame.columns))),
         ("cases", _check_cases(frame)),
         *_check_physics(frame),
@@ -219,7 +224,9 @@ def _check_schema(columns):
 def _check_cases(frame):
     sizes = {name: len(depths) for _, name, _, depths in design.every_case()}
     if frame.groupby("case").size().to_dict() != sizes:
-        _fail(f"must hold {len(sizes)} cases with {sum(sizes.values())} rows, got {len(frame)}")
+        _fail(
+            f"must have {len(sizes)} cases with {sum(sizes.values())} rows, got {len(frame)} rows"
+        )
     return f"{len(sizes)} with {len(frame)} rows"
 
 
@@ -232,10 +239,17 @@ def _check_physics(frame):
     stiffening = [(np.diff(k) / k[1:]).min() for k in stiffness]
     estimates = by_case.error_estimate.max()
     checks = [
-        ("force increases", steps, 0, np.inf, "smallest step {:.3g}", np.min),
-        ("force is convex", stiffening, -1e-2, np.inf, "least stiffening {:.2g}", np.min),
-        ("slope as Hertz", slopes, *HERTZ_SLOPE, "exponent {:.3f} at least", np.min),
-        ("error estimate", estimates, 0, ERROR_LIMIT, "largest {:.2g}", np.max),
+        ("force increases", steps, 0, np.inf, "minimum increase {:.3g}", np.min),
+        (
+            "stiffness increases",
+            stiffening,
+            -1e-2,
+            np.inf,
+            "minimum relative change {:.2g}",
+            np.min,
+        ),
+        ("initial exponent", slopes, *HERTZ_SLOPE, "minimum {:.3f}", np.min),
+        ("error estimate", estimates, 0, ERROR_LIMIT, "maximum {:.2g}", np.max),
     ]
     report = []
     for what, values, low, high, text, worst in checks:
@@ -255,12 +269,13 @@ def _check_anew(frame):
     cached = frame[(frame.case == name) & frame.depth_star.isin(depths)].force_star.to_numpy()
     difference = float(np.abs(anew / cached - 1).max())
     if difference > AGREEMENT:
-        _fail(f"case {name} solved again must agree to {AGREEMENT:g}, got {difference:.2g}")
-    return f"{name} agrees to {difference:.1g}"
+        what = f"case {name} solved again must agree within a relative error of {AGREEMENT:g}"
+        _fail(f"{what}, got {difference:.2g}")
+    return f"{name}: relative difference {difference:.1g}"
 
 
 def check_solutions(fraction: float = 0.0) -> str:
-    """Solve a random fraction of each kind's cases again, one at least, and compare all numbers.
+    """Solve a random fraction of the cases of each kind again, at least one, and compare them.
 
     Raises `study.dataset.DatasetError` for a case that differs by more than `AGREEMENT`, or that
     has no results.
@@ -271,12 +286,14 @@ def check_solutions(fraction: float = 0.0) -> str:
         kept = store.read(path)
         if differing := {case.name for case in cases} ^ set(kept.case):
             names = ", ".join(sorted(differing))
-            _fail(f"its cases must be those of {store.CASES.name}, but differ by {names}", path)
+            _fail(
+                f"its cases must be those of {store.CASES.name}; only one of both has {names}", path
+            )
         count = max(1, int(np.ceil(fraction * len(cases))))
         drawn += [cases[k] for k in draw.choice(len(cases), count, replace=False)]
         for case in drawn[-count:]:
             _compare(kept[kept.case == case.name], solutions.solve(case), path)
-    return f"{len(drawn)} drawn at random agree"
+    return f"{len(drawn)} random cases agree"
 
 
 def _compare(kept, anew, path):

@@ -1,9 +1,10 @@
-"""Solutions that notebooks show and that take longer than a second: kept, or else solved.
+"""Elastic solutions that notebooks show and that take longer than a second.
 
-``data/solutions/cases.csv`` is their design: a row for each case, with its kind, the joint and the
-other arguments. Each kind has a file of results in the same folder, whose rows name their case. A
-function of this module returns the kept results of a case, or solves it if there is none. Both are
-the same numbers: arguments and results are rounded to 9 significant digits.
+``data/solutions/cases.csv`` is the list of these solutions (their design): a row for each case,
+with its kind, the joint and the other arguments. Each kind has a file of results in the same
+folder, and each row of it names its case. The functions of this module return the stored results of
+a case, or solve it if it is not in the list. Both ways give the same numbers, because arguments and
+results are rounded to 9 significant digits.
 
 ``study data record NOTEBOOK`` renews the rows of a notebook in the design.
 """
@@ -63,7 +64,7 @@ class Loaded(NamedTuple):
 
     Numbers in SI units: ``depth``, ``peak_pressure`` and its relative error (NaN along the axis),
     the signed polar angles in deg at which the contact begins and ends, the ``body`` that is
-    nearest to yielding with its ``yield_factor``, and the pressures at ``angle_deg``.
+    closest to yield with its ``yield_factor``, and the pressures at ``angle_deg``.
     """
 
     depth: float
@@ -91,7 +92,7 @@ def curve(
 
 
 def stress_over_depth(joint: Joint, deepest: float = 1.0) -> dict[str, StressOverDepth]:
-    """Largest von Mises stress in each body over the depth: `study.joint.stress.over_depth`."""
+    """Maximum von Mises stress in each body over the depth: `study.joint.stress.over_depth`."""
     rows, names = _rows("stress", joint, {"deepest": deepest}), StressOverDepth._fields
     return {
         body: StressOverDepth(*(of[name].to_numpy() for name in names))
@@ -109,14 +110,14 @@ def tilted(
 
 
 def under_load(joint: DimensionalJoint, force: float, tilt: float | None = None) -> Loaded:
-    """`study.joint.DimensionalJoint.solve` under a force in N, at a tilt of it in deg."""
+    """`study.joint.DimensionalJoint.solve` for a force in N, at a tilt in deg."""
     rows = _rows("loaded", joint, {"force": force, "tilt": tilt})
     scalars = rows.iloc[0][list(Loaded._fields[:-2])].to_dict()
     return Loaded(**scalars, angle_deg=rows.angle_deg.to_numpy(), pressure=rows.pressure.to_numpy())
 
 
 def design() -> pd.DataFrame:
-    """The design: all cases that are kept, in the columns of `COLUMNS`."""
+    """The design: a table of all stored cases, with the columns `COLUMNS`."""
     return store.read(store.CASES)
 
 
@@ -128,7 +129,7 @@ def cases() -> dict[Case, set[str]]:
 
 
 def batches() -> dict[str, dict[str, list[Case]]]:
-    """Cases of each kind by the notebooks that show them, because their joints share bodies."""
+    """Cases of each kind by the notebooks that show them, as their joints have bodies in common."""
     by_kind: dict[str, dict[str, list[Case]]] = {kind: {} for kind in store.SOLUTIONS}
     for case, notebooks in cases().items():
         by_kind[case.kind].setdefault("-".join(sorted(notebooks)), []).append(case)
@@ -161,7 +162,7 @@ def read_joint(case: Case) -> Joint | DimensionalJoint:
 
 
 def solve(case: Case) -> pd.DataFrame:
-    """Results of a case, rounded to 9 digits, in the columns of its kind's file."""
+    """Results of a case, rounded to 9 significant digits, with the columns of its kind's file."""
     arguments = json.loads(case.arguments)
     frame = pd.DataFrame(_SOLVE[case.kind](read_joint(case), **arguments))
     numbers = frame.select_dtypes("float").columns
@@ -216,7 +217,7 @@ _SOLVE: dict[str, Callable[..., Any]] = {
 
 
 def _rows(kind, joint, arguments):
-    """Results of a case: the kept ones, or else solved now."""
+    """Results of a case, stored or solved now."""
     case = case_of(kind, joint, arguments)
     if record := os.environ.get(RECORD_VARIABLE):
         with Path(record).open("a", encoding="utf-8") as file:

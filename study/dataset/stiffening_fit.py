@@ -23,10 +23,28 @@ from study.joint.supports import PLATES, RIMS
 from study.threads import one_thread
 
 Parts = Sequence[NDArray[np.float64]] | NDArray[np.float64]
-LIMITS = {"ball_compliance_ratio": 9, "poisson": 5, "socket_poisson": 6, "socket_ratio": 10, "r2_star": 1}
-CHANGES = {"ball_compliance_ratio": 9, "poisson": 5, "socket_poisson": 4, "socket_ratio": 6, "r2_star": 3}
+LIMITS = {
+    "ball_compliance_ratio": 9,
+    "poisson": 5,
+    "socket_poisson": 6,
+    "socket_ratio": 10,
+    "r2_star": 1,
+}
+CHANGES = {
+    "ball_compliance_ratio": 9,
+    "poisson": 5,
+    "socket_poisson": 4,
+    "socket_ratio": 6,
+    "r2_star": 3,
+}
 """Numbers of points of the coordinates: for infinite R2*, and for the changes with R2*."""
-SIZE_COUNTS = {"ball_compliance_ratio": 6, "poisson": 5, "socket_poisson": 4, "socket_ratio": 8, "r2_star": 3}
+SIZE_COUNTS = {
+    "ball_compliance_ratio": 6,
+    "poisson": 5,
+    "socket_poisson": 4,
+    "socket_ratio": 8,
+    "r2_star": 3,
+}
 """Numbers of points of the coordinates in the table of contact sizes."""
 _ORDER = ("socket_poisson", "socket_ratio", "ball_compliance_ratio", "poisson", "r2_star")
 RESOLUTION = 128  # of the table's joints
@@ -50,7 +68,8 @@ def logarithms(
     that it returns are used instead of the logarithms.
     """
     places = grid(counts)
-    places["ball_compliance_ratio"] = np.clip(places["ball_compliance_ratio"], 2e-9, 1 - 2e-9)  # nearly rigid
+    of_ball = places["ball_compliance_ratio"]
+    places["ball_compliance_ratio"] = np.clip(of_ball, 2e-9, 1 - 2e-9)  # nearly rigid
     axes: list[Any] = [*(places[name] for name in _ORDER[1:]), PLATES, RIMS]
     solved: list[Any] = []
     for ratio, share, poisson, r2_star, support, rim in itertools.product(*axes):

@@ -1,8 +1,8 @@
-"""The cached force-depth curves and the numbers that go with them: how they are loaded and checked.
+"""Loading and checking the force-depth curves and the other files of numbers.
 
-The numbers are in ``data/force_curves.csv``, one row per case and depth. Their description is
-``data/datapackage.json`` (Frictionless Data Package), with the hash of every file: a table is
-read only if it has this hash. `study.dataset.production` makes both.
+The curves are in ``data/force_curves.csv``, with one row for each case and depth. The description
+``data/datapackage.json`` (Frictionless Data Package) has the checksum of every file, and a table is
+read only if its checksum agrees. `study.dataset.production` makes both.
 """
 
 import json
@@ -46,15 +46,16 @@ MEND = "study data build"
 
 
 class DatasetError(checks.StudyError):
-    """The dataset is missing, damaged or out of date; the message names file and remedy."""
+    """The dataset is missing, damaged or outdated; the message names file and remedy."""
 
 
 def load(**filters: Any) -> pd.DataFrame:
-    """The dataset as a tidy frame, one row per case and depth.
+    """The force-depth curves as a table with one row for each case and depth.
 
-    ``datapackage.json`` has the unit and the meaning of every column. Filters are a column's name
-    with a value, or a list of values, to keep. Raises `DatasetError` as `verify` does, and
-    ``ValueError`` for an unknown column or value, or a filter that leaves no row.
+    ``datapackage.json`` has the unit and the meaning of every column. A filter is the name of a
+    column with a value, or a list of values: only rows with these values are returned. Raises
+    `DatasetError` as `verify` does, and ``ValueError`` if a column or value is unknown or if no row
+    is left.
     """
     curves = frame = read(CURVES, keep_default_na=False)  # no layers: an empty text
     for column, wanted in filters.items():
@@ -75,14 +76,15 @@ def load(**filters: Any) -> pd.DataFrame:
 def paper_curves(
     kinematics: "Kinematics | list[Kinematics]" = PAPER_KINEMATICS, **filters: object
 ) -> pd.DataFrame:
-    """Curves of the paper's joint (`study.joint.paper_joint`), R2* = 20..10,000: see `load`."""
+    """Curves of the reference joint (`study.joint.paper_joint`), R2* = 20 to 10,000: see `load`."""
     return load(group="paper", kinematics=kinematics, **filters)
 
 
 def published(where: str | None = None) -> pd.Series:
     """Numbers that the paper prints, by ``where``, ``row`` and ``quantity``.
 
-    Those of one table or figure, as ``"Table 2"``, are by ``row`` and ``quantity`` alone.
+    With ``where``, for example ``"Table 2"``, only the numbers of this table or figure are
+    returned, by ``row`` and ``quantity``.
     """
     frame = read(TABLES)
     if where is not None:
@@ -94,8 +96,9 @@ def published(where: str | None = None) -> pd.Series:
 def published_table_2() -> pd.DataFrame:
     """Table 2 with the signs that the paper leaves out: absolute values above 1 are negative.
 
-    Columns ``kappa_as_printed``, ``kappa_adjusted_as_printed`` and ``RMSE``, a row per law: the
-    paper's coefficient of determination is not the usual one (`study.claims.statistics`).
+    It has a row for each law, and the columns ``kappa_as_printed``, ``kappa_adjusted_as_printed``
+    and ``RMSE``. The paper's coefficient of determination kappa differs from that by the usual
+    definition (`study.claims.statistics`).
     """
     table = published("Table 2").rename({"proposed": "hyperbolic_winkler"}).unstack()
     names = {
@@ -110,12 +113,12 @@ def published_table_2() -> pd.DataFrame:
 
 
 def reference_forces() -> pd.DataFrame:
-    """Forces of independent origin; ``trust`` is the relative accuracy to expect."""
+    """Forces from independent solutions; ``trust`` is the relative deviation to allow."""
     return read(REFERENCES)
 
 
 def others() -> pd.DataFrame:
-    """Numbers that others printed for a ball in a socket, and their joint: ``data/README.md``."""
+    """Published numbers of balls in sockets, with their joints: see ``data/README.md``."""
     return read(OTHERS, dtype={"unit": str})
 
 
@@ -132,12 +135,12 @@ def measured(chart: str | None = None) -> pd.DataFrame:
 
 
 def keep_measured(frame: pd.DataFrame) -> None:
-    """Write `renewed` times to ``data/published/speed.csv``, and its hash to the description."""
+    """Write `renewed` times to ``data/published/speed.csv``, and its checksum to the package."""
     keep(renewed(frame), SPEED, float_format="%.4g")
 
 
 def keep(frame: pd.DataFrame, path: Path, **options: Any) -> None:
-    """Write a table that no build makes, and its hash to the description."""
+    """Write a table that no build makes, and its checksum to the description."""
     package = read_package()
     with paths.whole(path) as temporary:
         frame.to_csv(temporary, index=False, lineterminator="\n", **options)
@@ -145,7 +148,7 @@ def keep(frame: pd.DataFrame, path: Path, **options: Any) -> None:
 
 
 def renewed(frame: pd.DataFrame) -> pd.DataFrame:
-    """Charts with the kept rows of charts, and of programs in a chart, that they do not have."""
+    """New charts, together with the stored rows of other charts and of other programs."""
     kept, by = measured(), ["chart", "program"]
     others = ~kept.set_index(by).index.isin(frame.set_index(by).index)
     order = {chart: n for n, chart in enumerate(kept["chart"].unique())}
@@ -154,17 +157,17 @@ def renewed(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def links() -> pd.DataFrame:
-    """Errors of rigid links: the columns of `study.choose.random_scenes.measure`."""
+    """Errors of rigid links in random mechanisms: `study.choose.random_scenes.measure`."""
     return read(LINKS)
 
 
 def set_ups() -> pd.DataFrame:
-    """Numbers of the crank-slider in many set-ups: a row for each run, see ``data/README.md``."""
+    """Random crank-sliders, with a row for each simulation: see ``data/README.md``."""
     return read(SET_UPS)
 
 
 def read(path: Path, **options: Any) -> pd.DataFrame:
-    """A table of the dataset, if it has the hash that the description states."""
+    """A table of the dataset, if its checksum is that in the description; see `verify`."""
     verify(path, read_package())
     return pd.read_csv(path, **options)
 
@@ -200,7 +203,7 @@ def _stated_hashes(package):
 
 
 def verify(path: Path, package: dict[str, Any]) -> None:
-    """Raise `DatasetError` if a file is missing, or has not the hash that the description states.
+    """Raise `DatasetError` if a file is missing, or if its checksum is not that in the description.
 
     By hashlib: frictionless (`production`) would take a second to import at every load.
     """
@@ -212,12 +215,12 @@ def verify(path: Path, package: dict[str, Any]) -> None:
     if not path.is_file():
         raise DatasetError(f"{name} is missing; {remedy}")
     if not is_as_stated(path, package):
-        why = f"or its sha256 in {description}: they do not agree"
+        why = f"or its SHA-256 checksum in {description} is: they do not agree"
         raise DatasetError(f"{name} is damaged ({why}); {remedy}")
 
 
 def is_as_stated(path: Path, package: dict[str, Any]) -> bool:
-    """Whether a file is there and has the hash that the description states for it."""
+    """Whether a file exists and has the checksum that is in the description."""
     stated = _stated_hashes(package)[path]
     return path.is_file() and stated == provenance.sha256(path.read_bytes())
 
@@ -230,7 +233,7 @@ def verify_files() -> None:
 
 
 def write_package(package: dict[str, Any], changed: list[Path]) -> None:
-    """Write the description, with size and hash of changed files as they are now."""
+    """Write the description, with the present size and checksum of changed files."""
     for resource in package["resources"]:
         if (path := paths.DATA / resource["path"]) in changed:
             resource["bytes"] = path.stat().st_size
@@ -240,7 +243,7 @@ def write_package(package: dict[str, Any], changed: list[Path]) -> None:
 
 
 def summary(frame: pd.DataFrame) -> pd.DataFrame:
-    """One row per case of a frame of `load`: its parameters, ranges and largest error."""
+    """One row for each case of a table of `load`: parameters, and maxima of the results."""
     keys = [*frame.loc[:, "case":"solver"].columns]
     return (
         frame.groupby(keys, sort=False)

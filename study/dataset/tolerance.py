@@ -1,4 +1,4 @@
-"""Do two tables of one name agree? On another processor the last digits of a number differ."""
+"""Comparison of two tables with the same name; on another processor the last digits differ."""
 
 from pathlib import Path
 
@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 
 TOLERANCE = 1e-6
-"""Largest difference of two numbers that agree, relative to the larger."""
+"""Maximum difference of two numbers that agree, relative to the larger."""
 OF_DIFFERENCES = 1e-12
-"""Added to it, for rounding errors of differences between numbers of size 1."""
+"""Added to this tolerance, for rounding errors of differences between numbers of magnitude 1."""
 CHAOTIC = (
     *("fig17", "fig18", "fig19", "fig20", "fig21", "first_impacts", "impacts", "persistence"),
     *("variants", "durations", "agreement", "convergence", "choice_mechanism"),
@@ -17,9 +17,10 @@ CHAOTIC = (
     "links",
     "set_ups",
 )
-"""Results of simulated impacts, each of which enlarges the rounding of the one before."""
+"""Results of simulated impacts, each of which increases the rounding error of the one before."""
 CHAOTIC_TOLERANCE = 1e-3
-"""Used there instead of `TOLERANCE`, relative to the number plus 1/1000 of the column's largest."""
+"""Used for these instead of `TOLERANCE`, relative to the number plus 1/1000 of the maximum of its
+column."""
 DIGITS = {
     "stability_steps": {"y": 3},
     "stability_impacts": {"y": 3},
@@ -32,11 +33,11 @@ DIGITS = {
     "tilted_contacts": {"error_estimate": 3},
     "loaded_joints": {"peak_error": 3, "first_edge_deg": 7, "last_edge_deg": 7},
 }
-"""Columns with fewer digits, in which a difference of one unit in the last digit agrees."""
+"""Columns with fewer digits, in which a difference of one unit of the last digit is allowed."""
 
 
 def table_differs(kept: Path, made: Path) -> str | None:
-    """Where two CSV files differ by more than results of the name of ``kept`` may, or None."""
+    """Where two CSV files differ by more than the tolerance of the result ``kept``, or None."""
     old, new = (pd.read_csv(path, dtype=str, keep_default_na=False) for path in (kept, made))
     if list(old) != list(new):
         return f"columns: kept {', '.join(old)}; now {', '.join(new)}"

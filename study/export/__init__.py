@@ -42,19 +42,19 @@ SUFFIXES: dict[Format, str] = {
     "mujoco": ".xml",
 }
 FUNCTIONS = {"power": "power_law"}
-"""Law -> name of its function, where it is not the law's: MATLAB has a power."""
+"""Law -> name of its function if this differs from the law: MATLAB has a function power."""
 LAW_OF: dict[Format, str] = {"adams": "power", "mujoco": "tabulated"}
-"""Formats of one law only: Adams takes k and n; MuJoCo's cubics are fitted to the solved curve."""
+"""Formats of one law only: Adams has k and n; cubics for MuJoCo are fitted to the solution."""
 ELEMENTS = {"exudyn": ("sphere.exudyn", "# "), "adams": ("impact.adams", "! ")}
-"""Template, and sign of its comments, of an element that takes k and n of ``power``."""
+"""Template, and sign of its comments, of an element with the parameters k and n of ``power``."""
 SHALLOWEST = 0.005
-"""Least depth_star of the stated error: below, the force is less than 1/1000 of that at 0.5."""
+"""Minimum depth_star of the stated error: below it, the force is below 1/1000 of that at 0.5."""
 KNOTS = 0.0, 0.004, 0.08
-"""Depths where MuJoCo's tendons begin, over the largest depth of the text."""
+"""Depths where the tendons of MuJoCo begin, divided by the maximum depth of the export."""
 FIRST = 0.001
-"""Least depth_star of the error of MuJoCo's tendons."""
+"""Minimum depth_star of the error of the tendons of MuJoCo."""
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")
-"""Names of functions and elements that every language takes."""
+"""Names of functions and elements that are valid in every language."""
 _PYTHON = r"\b(CLEARANCE|MODULUS|VALUES|KNOT|TABLE|contact_force|_force|solver_settings)\b"
 ROWS = 400  # of a CSV after its first, in equal steps of sqrt(depth_star)
 _BETWEEN = 8  # places between rows at which interpolation is checked
@@ -148,7 +148,7 @@ def export(
     checks.choice(f"law in format {form}", law, [LAW_OF.get(form, law)])
     if law == "stiffened_hertz":
         plain.check_linear(law)
-        plain.correction_options()  # refused before the joint is solved
+        plain.correction_options()  # raises an error before the joint is solved
     shallowest = FIRST if form == "mujoco" else SHALLOWEST
     least, deepest = _range(depth_star, plain, law == "power", shallowest)
     if tilt is not None:
@@ -190,7 +190,7 @@ def _range(depth_star, joint, fitted, shallowest):
 
 
 class _Law:
-    """What every format has of a law: its parts for the joint, its range, its error."""
+    """A law for one joint, as every format needs it: its parts, its range and its error."""
 
     def __init__(self, name, joint, sized, depths, direction, called):
         self.name, self.joint, self.sized, self.called = name, joint, sized, called
@@ -206,7 +206,7 @@ class _Law:
         law, options = LAWS.get(name, self.exact), {}
         if name != "tabulated":
             options = law_parameters(law, joint, depths, self.exact(depths))
-            law(deepest, joint.r2_star, **options)  # refuses a depth beyond its range
+            law(deepest, joint.r2_star, **options)  # raises an error for a depth beyond its range
         self.scale, self.shape, self.constants = law.parts(joint.r2_star, **options)
         estimates = curve.error_estimate[curve.depth_star >= self.least]
         self.error = float(np.abs(self.at(depths)[0] / self.exact(depths) - 1).max())
@@ -218,7 +218,7 @@ class _Law:
         return self.scale * value, self.scale * slope
 
     def in_words(self, error=None):
-        """Joint, range and error, a line each; another error is that of a fit to the law."""
+        """Lines on joint, range and error; a given ``error`` is that of a fit to the law."""
         if error is None and self.name != "tabulated":
             error = self.error
         text = f"that of the elastic solution, about {_percent(self.error_of_joint)}."
@@ -253,14 +253,14 @@ def _function(law, language):
 
 
 def _named(text, name):
-    """A text in Python whose names at its top have a name in them, if one is given."""
+    """A text in Python in which the top-level names contain a name, if one is given."""
     if name is None:
         return text
     return re.sub(_PYTHON, rf"{name}_\1", text.replace("add_joint", f"add_{name}"))
 
 
 def _element(law, form):
-    """An element of Exudyn, a hollow sphere, or of Adams, in N and mm, that takes k and n."""
+    """An element with k and n: a hollow sphere of Exudyn, or IMPACT of Adams in N and mm."""
     file, sign = ELEMENTS[form]
     sized, (exponent,) = law.sized, law.constants
     modulus = law.joint.composite_modulus
@@ -288,7 +288,7 @@ def _element_of(law):
 
 
 def _tendon(law):
-    """Spatial tendons of MuJoCo side by side, whose cubics are fitted to the solved joint."""
+    """Parallel spatial tendons of MuJoCo with cubics that are fitted to the elastic solution."""
     clearance, modulus = law.sized.clearance, float(law.joint.composite_modulus)
     knots = law.deepest * np.array(KNOTS)
     cubics, error = _cubics(law, knots)

@@ -26,17 +26,17 @@ from study.joint import DimensionalJoint, Joint
 
 Language = Literal["c", "matlab", "modelica", "exudyn"]
 DIMENSIONLESS = ("c", "matlab", "json", "csv")
-"""Formats of a joint without dimensions."""
+"""Formats that are possible for a joint without dimensions."""
 SAME_R2_STAR = 1e-6
-"""Largest relative difference of R2*, of a text without dimensions, and of its arguments."""
+"""Maximum relative difference of the R2* of an export without dimensions and of its arguments."""
 WIDTH = 92
 _LANGUAGES = tomllib.loads(Path(__file__).with_name("languages.toml").read_text(encoding="utf-8"))
 _SIGNS = {"@": ".*", "//": "./"}
-"""Python's operators of the same rank as * and /, which stand for those between arrays."""
+"""Operators of Python with the precedence of * and /, in place of those between arrays."""
 
 
 def words(shape: Shape, constants: Any) -> str:
-    """Formula of a shape for a reader."""
+    """Formula of a shape as text."""
     formula = Template(shape.formula).substitute(_numbers(shape, constants))
     return f"P = E* dR^2 scale {formula}; ds = depth/dR"
 

@@ -1,7 +1,8 @@
-"""Speed against accuracy, and where methods fail.
+"""Computing time and error of laws, elastic solutions and time integration, and their limits.
 
-`charts` times laws, solvers, steppers and `flexible` links; `timing` makes and reads its tables.
-Other programs are timed by benchmarks in `tests`. `explicit` steps rigid links by five
-explicit schemes. `stability` predicts and observes where such steps and impacts fail, `thresholds`
-finds where anything fails. `warm` compiles all stepping loops when the project is set up.
+`charts` times laws, elastic solutions (solvers), time integration (steppers) and ``flexible``
+links; `timing` makes and reads the tables of times. Other programs are timed by benchmarks in
+`tests`. `explicit` integrates rigid links by five explicit schemes. `stability` predicts and
+observes the limits of such steps and of impacts, and `thresholds` finds limits by bisection. `warm`
+compiles all time integration loops when the project is set up.
 """

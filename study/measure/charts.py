@@ -1,13 +1,16 @@
 """The four charts of `study measure`: laws, solvers, steppers and flexible links, timed.
 
-``laws``: a call in a compiled loop, against the curve of the paper's joint. ``solvers``: a curve of
-20 depths from nothing, of a radially free ball, against the series. ``steppers``: 0.3 s of the
-paper's scene with clearance, against the study's stepper at its smallest tolerance. ``flexible``:
-flexible links, against particles of a fine mesh.
+- ``laws``: a call of each law in a compiled loop; errors are relative to the elastic solution of
+  the reference joint.
+- ``solvers``: a whole curve of 20 depths for a ball on a guided plate, including the bodies; errors
+  are relative to a fine series.
+- ``steppers``: 0.3 s of the paper's mechanism with clearance; errors are relative to the method of
+  this study with a very small tolerance.
+- ``flexible``: flexible links; errors are relative to particles on a fine mesh.
 
-A new method needs its run in `solvers` or `steppers`, and its look in ``study/pages/looks.csv``.
-Other programs are timed by ``tests/benchmarks`` of the checkout, in the same process and by turns
-with the study's own methods.
+A new method needs its run in `solvers` or `steppers`, and its style in ``study/pages/looks.csv``.
+Other programs are timed by ``tests/benchmarks`` of the checkout, in the same process and in turn
+with the methods of this study.
 """
 
 from collections.abc import Iterator, Sequence
@@ -44,22 +47,23 @@ SOLVERS: dict[str, tuple[Solver, tuple[int, ...]]] = {
     "six-node triangles": ("quadratic", (32, 64, 96, 160, 224)),
     "three-node triangles": ("linear", (32, 64, 96, 160, 320)),
 }
-"""Method -> solver and resolutions, the first of which is the unit of the chart's times."""
+"""Method -> solver and resolutions; the times of the chart are relative to the first of these."""
 STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7)
 LONGEST_STEPS = {"centred": 2e-6, "velocity Verlet": 1e-6, "RK4": 1e-6}
-"""In s: with longer ones the ball goes too deep (notebook 17)."""
+"""Maximum steps in s; with longer ones the penetration depth becomes too large (notebook 17)."""
 TOLERANCES = (1e-8, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)  # of the study's stepper
 
 
 def measure(chart: list[Chart] | None = None, repeats: int = 5) -> Iterator[pd.DataFrame]:
-    """One chart after the other, timed on this machine.
+    """Time one chart after the other on this machine.
 
     Parameters
     ----------
     chart
-        What to time; may be repeated [default: all].
+        Charts to time; by default all.
     repeats
-        Of each timing, after one not counted. Laws take three times as many.
+        Number of timed calls, after one call that is not counted. For laws it is three times as
+        large.
     """
     wanted = [checks.choice("chart", name, CHARTS) for name in chart or CHARTS]
     repeats = checks.whole("repeats", repeats, least=1)
@@ -67,7 +71,7 @@ def measure(chart: list[Chart] | None = None, repeats: int = 5) -> Iterator[pd.D
 
 
 def timed(chart: Chart, repeats: int, others: Sequence[Run] = ()) -> pd.DataFrame:
-    """One chart; except for laws with the runs of other programs."""
+    """One chart; for all but laws together with the runs of other programs."""
     if chart == "laws":
         return laws(3 * repeats)
     runs = {"solvers": solvers, "steppers": steppers, "flexible": flexible.runs}[chart]()
@@ -75,7 +79,7 @@ def timed(chart: Chart, repeats: int, others: Sequence[Run] = ()) -> pd.DataFram
 
 
 def laws(repeats: int = 15) -> pd.DataFrame:
-    """Cost and error of every law, `tabulated` and the direct solution; Hertz's law first."""
+    """Time and error of every law, `tabulated` and the elastic solution; Hertz's law is first."""
     solved = tabulated(whole_curve(PAPER))
     exact = force_curve(PAPER, LAW_DEPTHS, FINEST).force_star
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
@@ -103,7 +107,7 @@ def laws(repeats: int = 15) -> pd.DataFrame:
 
 
 def solvers() -> Iterator[Run]:
-    """Curves of 20 depths, bodies included, of every method and resolution of `SOLVERS`."""
+    """Curves of 20 depths, including the bodies, by every method and resolution of `SOLVERS`."""
     force_curve(FREE, CURVE_DEPTHS[:1], resolution=32)  # imports
     for method, (name, resolutions) in SOLVERS.items():
         for n in resolutions:
@@ -131,7 +135,7 @@ def _curve(name, n):
 
 
 def steppers(compile_times: bool = True) -> Iterator[Run]:
-    """The study's stepper, its default first, and explicit schemes, over 0.3 s of the mechanism."""
+    """Time integration by this study, with its default first, and by explicit schemes."""
     seconds = {OURS: 0.0, "explicit": 0.0}
     if compile_times:
         seconds[OURS] = timing.compile_time("simulate(law='hertz', duration=1e-5, outputs=1)")

@@ -1,8 +1,9 @@
-"""Rigid links by explicit steps of one length, to compare the study's own stepper with.
+"""Rigid links integrated by explicit steps of constant length, for comparison.
 
-The equations are those of `study.mechanism.rigid`, in (theta, e_x, e_y) throughout. Impacts are
-not located: a contact begins with a step that ends in overlap, and its approach speed is the rate
-of the depth there. If the surfaces no longer approach by then, the contact is not damped.
+The equations are those of `study.mechanism.rigid`, always in the coordinates (theta, e_x, e_y). The
+times of impacts are not located: a contact begins with the first step that ends in overlap, and its
+approach speed is the rate of the depth at the end of this step. If the surfaces no longer approach
+each other then, the contact is not damped.
 """
 
 from math import inf, sqrt
@@ -35,7 +36,8 @@ MOST_DAMPING = 100.0  # largest h D P c/v0 at which `_centre` still finds the ve
 def acceleration(y, contact, approach, p, law, work, out):
     """Fill ``out`` with (theta'', e_x'', e_y'') at a state ``y``.
 
-    ``contact``: whether overlapping surfaces press; ``approach``: approach speed, inf for none.
+    ``contact``: whether overlapping surfaces exert a force; ``approach``: approach speed, inf for
+    a contact without damping.
     Returns the slider's acceleration.
     """
     r = norm(y[EX], y[EY])
@@ -81,10 +83,10 @@ def _limit(scheme, y, depth, approach, p, law):
 
 @compiled
 def advance(scheme, y, approach, p, law, h, strides, outputs, history, guarded):
-    """Step ``outputs`` times ``strides`` steps; fill the rows of ``history``, `OUTPUT`.
+    """Take ``strides`` steps for each of ``outputs`` outputs; fill the rows of ``history``.
 
-    Returns the number of outputs reached, fewer after a failure, and the step's limit if it was
-    passed, or 0 if the ball went deeper than one clearance.
+    Returns the number of outputs reached, which is smaller after a failure. The second value is
+    then the limit of the step if it was exceeded, or 0 if the depth exceeded one clearance.
     """
     a, slopes, stage, work = np.zeros(3), np.zeros((3, 3)), np.zeros(6), np.zeros(6)
     depth = norm(y[EX], y[EY]) - law.clearance
@@ -111,7 +113,7 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, history, guarded):
 
 @compiled
 def _approach(y, before, depth, approach):
-    """Approach speed after a step: that of the contact that begins or goes on, inf for none."""
+    """Approach speed of the contact after a step; inf without contact or damping."""
     if depth <= 0:
         return inf
     if before > 0:
@@ -178,7 +180,7 @@ def _centre(y, a, half, approach, p, law, work, stage, slopes):
 
 
 def packed(scene: Scene, law: str) -> np.record:
-    """A law in a scene's joint, for the compiled functions."""
+    """A law in the joint of a mechanism, for the compiled functions."""
     return in_joint(scene, find(law), scene.clearance).packed()
 
 
@@ -207,11 +209,11 @@ def integrate(
 
     The duration in s is divided into ``outputs`` equal intervals, and each of these into steps of
     one of `SCHEMES`, in s and at most ``step``. The law is from `packed`. The start is the state at
-    t = 0, by default `start_of` the scene, and ``approach`` the approach speed in m/s of the
-    contact that it is in, inf for none.
+    t = 0, by default `start_of` the scene, and ``approach`` the approach speed in m/s of a contact
+    at the start, or inf without one.
 
-    Raises `study.mechanism.MechanismError` if the ball goes deeper than one clearance and, if it is
-    ``guarded``, where the step is beyond its limit in the contact.
+    Raises `study.mechanism.MechanismError` if the penetration depth exceeds one clearance and, with
+    ``guarded``, if the step exceeds its stability limit in a contact.
     """
     y = np.array(start_of(scene) if start is None else start, float)
     strides, h = divide(duration * np.arange(2) / outputs, step)

@@ -1,9 +1,10 @@
-"""Flexible links: error against time of particles and of beams, and of what is timed with them.
+"""Flexible links: error and computing time of particles, beams, and methods compared with them.
 
-With an ideal joint the slider's position over 0.1 s is compared. Its acceleration would not do: the
-sudden moment makes undamped links ring, and no mesh keeps the phase over so many periods. With
-clearance the first impact's time and largest force are compared; later impacts are chaotic. The
-reference is particles of a fine mesh.
+With an ideal joint the position of the slider over 0.1 s is compared. Its acceleration is not
+suitable, because the sudden moment excites undamped vibrations of the links, and no mesh reproduces
+their phase over so many periods. With clearance the time and the maximum force of the first impact
+are compared, because later impacts are chaotic. The reference is computed with particles on a fine
+mesh.
 """
 
 from collections.abc import Iterator
@@ -28,15 +29,15 @@ DURATIONS: dict[Joint, float] = {"ideal joint": 0.1, "first impact": 2e-3}  # s
 OUTPUTS = 100  # of the ideal joint
 FINEST = {"ideal joint": (8, 16), "first impact": (32, 64)}
 MESHES = {"ideal joint": (1, 2, 4), "first impact": (2, 4, 8, 16)}
-"""Elements of the crank; the coupler has twice as many. Particles need two: one has too much
-inertia."""
+"""Numbers of elements of the crank; the coupler has twice as many. Particles need at least two,
+because the rotary inertia of a single one is too large."""
 STEPS = {"ideal joint": (1e-3, 2e-4, 5e-5, 1e-5), "first impact": (1e-5, 4e-6, 1e-6, 2.5e-7)}
 """Steps of the implicit methods, in s."""
-SHARES = (0.95, 0.5)  # of the explicit step's limit
+SHARES = (0.95, 0.5)  # fractions of the limit of the explicit step
 
 
 def runs() -> Iterator[Run]:
-    """Both models with every mesh and step."""
+    """Runs of both models with every mesh and step."""
     for joint in DURATIONS:  # compiles
         reference(joint)
         simulated("beams", joint, (2, 4), 4e-6)
@@ -60,7 +61,7 @@ def run(
     scene: Scene = SCENE,
     **columns: str,
 ) -> Run:
-    """A row of the chart: ``call`` returns what `simulated` does, compared with `reference`."""
+    """A row of the chart; ``call`` returns a result like `simulated`, compared with `reference`."""
     setting = f"{joint}, {elements[0]} and {elements[1]} elements, step {step:.3g} s"
     return Run(method, setting, call, partial(error, joint, scene), columns)
 
@@ -68,7 +69,7 @@ def run(
 def simulated(
     model: Model, joint: Joint, elements: Elements, step: float, scene: Scene = SCENE
 ) -> NDArray[np.float64]:
-    """Slider's positions in m, or the first impact's time in s and largest force in N."""
+    """Positions of the slider in m, or time in s and maximum force in N of the first impact."""
     options: dict[str, Any] = {"law": "hertz", "model": model, "elements": elements, "step": step}
     if joint == "ideal joint":
         options |= {"joint": "ideal", "duration": DURATIONS[joint], "outputs": OUTPUTS}
@@ -78,7 +79,7 @@ def simulated(
 
 
 def longest_step(joint: Joint, elements: Elements, scene: Scene = SCENE) -> float:
-    """Limit of stability of the particles' step out of contact, in s."""
+    """Stability limit in s of the step of particles without contact."""
     ideal = joint == "ideal joint"
     end_mass = scene.slider_mass if ideal else 0.0
     return 2 / Frame(scene, elements).highest_frequency(end_mass, held=ideal)
@@ -86,13 +87,13 @@ def longest_step(joint: Joint, elements: Elements, scene: Scene = SCENE) -> floa
 
 @cache
 def reference(joint: Joint, scene: Scene = SCENE) -> NDArray[np.float64]:
-    """Limit of `simulated`: particles of a fine mesh."""
+    """Reference of `simulated`: particles on a fine mesh."""
     step = SHARES[1] * longest_step(joint, FINEST[joint], scene)
     return simulated("particles", joint, FINEST[joint], step, scene)
 
 
 def error(joint: Joint, scene: Scene, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """NRMS of the slider's position over its change since the start; or two relative errors."""
+    """NRMS error of the slider's position, or the relative errors of the first impact."""
     exact = reference(joint, scene)
     if joint == "first impact":
         return np.abs(values / exact - 1)

@@ -1,4 +1,4 @@
-"""Where explicit steps fail, predicted and observed.
+"""Limits of explicit steps, predicted and observed.
 
 Most limits have a prediction, in closed form or from the linearised equations, and an observed
 value, found by running the method on both sides of it.
@@ -88,10 +88,10 @@ def step_limit(scheme: str, frequency: float, rate: float = 0.0) -> float:
 def observed_step(
     scene: Scene, law: str, state: ArrayLike, scheme: str, approach: float = inf
 ) -> float:
-    """Smallest step at which two runs of 40 steps that start side by side diverge, in s.
+    """Smallest step in s at which two runs of 40 steps from neighbouring states diverge.
 
-    Runs diverge if the first difference of their accelerations grows tenfold. The contact's
-    approach speed is in m/s; inf: not damped.
+    Runs diverge if the first difference of their accelerations grows tenfold. ``approach`` is the
+    approach speed of the contact in m/s; inf means without damping.
     """
     numbers, contact, state = packed(scene, law), oscillator(scene, law, state), np.asarray(state)
     rate = scene.damping_factor * contact["force"] / contact["mass"] / approach

@@ -1,4 +1,4 @@
-"""Limits of methods: where something begins to fail, found from both sides."""
+"""Limits of methods, found by bisection between a value that works and one that fails."""
 
 from collections.abc import Callable, Iterable
 from math import sqrt
@@ -9,7 +9,7 @@ from study.checks import StudyError
 
 
 def table(rows: Iterable[tuple]) -> pd.DataFrame:
-    """Table of limits: what fails, condition, predicted, observed (as text), unit, reported by."""
+    """Table of limits: what fails, condition, predicted and observed limit, unit, reported by."""
     columns = ["what", "condition", "predicted", "observed", "unit", "reported_by"]
     limits, numbers = pd.DataFrame(rows, columns=columns), ["predicted", "observed"]
     limits[numbers] = limits[numbers].map(lambda x: x if isinstance(x, str) else f"{x:.3g}")

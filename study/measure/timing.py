@@ -24,12 +24,12 @@ from threadpoolctl import threadpool_limits
 
 Call = Callable[[], NDArray[np.float64]]
 COMPILED, PYTHON, PROGRAM = "compiled", "from Python", "as a program"
-"""How a method is called: in a compiled loop, by a loop in Python, or as a separate process."""
+"""How a method is called: in a compiled loop, from Python, or as a separate program."""
 OURS = "collocation, events"
-"""The study's own stepper, as the charts name it."""
+"""Name of the time integration of this study in the charts."""
 ERRORS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
-"""Errors of the slider's acceleration at which steppers are compared."""
-ENOUGH = 2.0  # s in calls of a function, after which it is not called again
+"""Errors of the slider's acceleration at which methods of time integration are compared."""
+ENOUGH = 2.0  # total time in s of the calls of a function after which it is not called again
 _COMPILING = """
 import pathlib, sys, time
 import numpy as np
@@ -48,7 +48,7 @@ print(middle - start - (time.perf_counter() - middle))
 
 
 class Run(NamedTuple):
-    """One method at one setting, the error of what ``call`` returns, and columns of its row."""
+    """One method at one setting, the error of the result of ``call``, and columns of its row."""
 
     method: str
     setting: str
@@ -58,7 +58,7 @@ class Run(NamedTuple):
 
 
 def timed(function: Callable[[], Any], repeats: int) -> tuple[NDArray[np.float64], Any]:
-    """Times of a call in s, and its result, as of `timed_by_turns`."""
+    """Times of a call in s, and its result, as in `timed_by_turns`."""
     return timed_by_turns([function], repeats)[0]
 
 
@@ -67,8 +67,8 @@ def timed_by_turns(
 ) -> list[tuple[NDArray[np.float64], Any]]:
     """Times of calls in s, on one thread and in turns, with each function's result.
 
-    A function is not called again once its calls took `ENOUGH`. Its first call counts only if it
-    is the only one.
+    A function is not called again when its calls have taken `ENOUGH`. Its first call is left out
+    unless it is the only one.
     """
     times: list[list[float]] = [[] for _ in functions]
     results = [None] * len(functions)
@@ -84,7 +84,7 @@ def timed_by_turns(
 
 
 def compile_time(call: str, prepare: str = "") -> float:
-    """Seconds that a compiled call takes longer in a new process with an empty cache."""
+    """Additional time in s of a compiled call in a new process with an empty cache."""
     code = _COMPILING.format(call=call, prepare=prepare)
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-c", code, folder]
@@ -93,7 +93,7 @@ def compile_time(call: str, prepare: str = "") -> float:
 
 
 def chart(name: str, runs: Sequence[Run], repeats: int) -> pd.DataFrame:
-    """Rows of a chart whose runs are timed by turns; the first is the unit of their times."""
+    """Rows of a chart whose runs are timed in turn; times are also relative to the first run."""
     measured = timed_by_turns([run.call for run in runs], repeats)
     return table(
         [
@@ -134,7 +134,7 @@ def row(
 
 
 def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
-    """A chart: rows with their times over that of the first."""
+    """A chart: rows with their times, also relative to the first row."""
     frame = pd.DataFrame(rows)
     frame["relative"] = frame["time"] / frame["time"].iloc[0]
     return frame
@@ -142,7 +142,7 @@ def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
 
 @cache
 def machine() -> str:
-    """Processor, its number of cores, Python and NumPy, as a sentence."""
+    """Processor, its number of cores, and the versions of Python, NumPy and Numba, as text."""
     model, described = platform.processor() or platform.machine(), Path("/proc/cpuinfo")
     if described.is_file():  # Linux
         names = re.findall(r"^model name\s*: *(.+)", described.read_text(), re.M)
@@ -152,7 +152,7 @@ def machine() -> str:
 
 
 def pareto_front(rows: pd.DataFrame, error: str = "rms_error", cost: str = "time") -> pd.DataFrame:
-    """Rows of a chart that no other row beats in both error and cost, from the cheapest on."""
+    """Rows of a chart for which no other row has both a smaller error and a lower cost, by cost."""
     ordered = rows.dropna(subset=[cost, error]).sort_values([cost, error])
     return ordered[ordered[error] < ordered[error].cummin().shift(fill_value=np.inf)]
 
@@ -168,9 +168,10 @@ def time_at(rows: pd.DataFrame, errors: ArrayLike) -> NDArray[np.float64]:
 
 
 def at_equal_error(steppers: pd.DataFrame, errors: Sequence[float] = ERRORS) -> pd.DataFrame:
-    """Time of every stepper at given errors, and its ratio to that of the study's own.
+    """Time of every method of time integration at given errors, relative to that of this study.
 
-    Columns method, called, error, time, ratio; without errors that a stepper does not reach.
+    The columns are method, called, error, time and ratio. Errors that a method does not reach are
+    left out.
     """
     parts = [
         pd.DataFrame(

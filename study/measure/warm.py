@@ -1,7 +1,7 @@
-"""Compile the stepping loops once, in set-up: ``python -m study.measure.warm``.
+"""Compile the time integration loops when the project is set up: ``python -m study.measure.warm``.
 
-Each kind is compiled by a separate process, all at once. What two of them need is compiled by
-both: to wait for each other would take longer.
+Each kind is compiled in a separate process, all at the same time. Functions that two kinds need are
+compiled by both, because it would take longer to wait for each other.
 """
 
 from collections.abc import Callable
@@ -29,7 +29,7 @@ KINDS: dict[str, Callable[..., object]] = {
     "links of beams": partial(simulate, Scene(), model="beams"),
     "rigid links by explicit steps": _explicit_steps,
 }
-"""What uses the loops of a kind -> a simulation by them of some law, duration and outputs."""
+"""Kind of loops -> a simulation that needs them, as a function of law, duration and outputs."""
 
 
 def _compile(kind):
@@ -37,7 +37,7 @@ def _compile(kind):
 
 
 def main() -> None:
-    """Simulate a moment of each kind, each in its own process."""
+    """Simulate a short time with each kind, each in a separate process."""
     start = perf_counter()
     print(f"Compiling {', '.join(KINDS)}, once ...", flush=True)
     with ProcessPoolExecutor(len(KINDS), get_context("spawn")) as pool:

@@ -1,4 +1,4 @@
-"""Parameter studies: many joints or scenes, on all cores, in one table."""
+"""Parameter studies: solve many joints, or simulate many mechanisms, and write one table."""
 
 from study.sweep.cases import COLUMNS, random_cases
 from study.sweep.run import Swept, run_study

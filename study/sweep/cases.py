@@ -1,8 +1,8 @@
 """Cases of a parameter study: the columns of their table, and the results of each case.
 
-A case is texts by column, as a CSV file holds them. Its columns are the options of `study joint`
-and `study simulate`, and others of the user, which the table keeps. Semicolons separate the values
-of an option that may be repeated.
+A case is a mapping of columns to texts, as in a CSV file. The columns are options of `study joint`
+or `study simulate`. Further columns of the user are copied to the table. Semicolons separate the
+values of an option that may be repeated.
 
 A new column of results needs its unit and meaning in ``columns.toml``, and its value in the
 function that solves the cases of its form.
@@ -44,7 +44,7 @@ Kind = Literal["joints", "scenes"]
 Case = dict[str, str]
 Rows = list[list[str]]
 NAME, ERROR = "case", "error"
-"""First column of every table, the case's name or number, and the last, the reason of a failure."""
+"""First column of every table (name or number of the case) and last one (reason of a failure)."""
 COLUMNS: dict[str, dict[str, tuple[str, str]]] = {
     form: {name: (unit, meaning) for name, (unit, meaning) in columns.items()}
     for form, columns in tomllib.loads(
@@ -54,10 +54,11 @@ COLUMNS: dict[str, dict[str, tuple[str, str]]] = {
 """Results of a case, by the form of the cases: column -> unit and meaning."""
 COLUMNS["scenes run twice"] = COLUMNS["scenes"] | COLUMNS["scenes run twice"]
 FITTED = np.geomspace(*USUAL_RANGE, 8)
-"""Depths in clearances at which k and n are fitted where each takes a tenth of a second: off the
-axis and with large displacements. A case off the axis that gives no depths is solved there.
+"""Depths in clearances at which k and n are fitted if each depth takes a tenth of a second, that is
+off the axis and with large displacements. A case off the axis without given depths is
+solved at these depths.
 
-40 depths change the error of the fit to a ring at 90 deg from 3.366 to 3.373 %."""
+With 40 depths the error of the fit to a ring at 90 deg is 3.373 % instead of 3.366 %."""
 _UNIT = re.compile(r"[\s_]*[(\[].*[)\]]$|[\s_](mm?|um|k?n|[km]?pa|gpa|deg)$")
 """A unit at the end of a column's name, in lower case."""
 
@@ -65,7 +66,8 @@ _UNIT = re.compile(r"[\s_]*[(\[].*[)\]]$|[\s_](mm?|um|k?n|[km]?pa|gpa|deg)$")
 def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
     """Cases from a CSV file, or from mappings, as texts; empty texts are left out.
 
-    No case, a file that is not CSV text, and a row of another length are a ``ValueError``.
+    Raises ``ValueError`` if there is no case, if a file is not CSV text, or if a row has another
+    length.
     """
     rows = _from_csv(cases) if isinstance(cases, Path) else [_as_texts(case) for case in cases]
     if not rows:
@@ -156,11 +158,11 @@ def _range(name, text):
 def prepared(
     kind: Kind, cases: list[Case], twice: bool = False
 ) -> tuple[str, list[str], list[Case]]:
-    """Form of the cases, one of `COLUMNS`, the key of each case (`Form`), and its complete cells.
+    """Form of the cases (a key of `COLUMNS`), key of each case (`Form`), and its complete cells.
 
-    These have the value that is used where the case has none. Scenes may be run ``twice``. A case
-    whose values are not possible is left as it is: `solve` gives its reason. If no case is
-    possible, the ``ValueError`` of the first one names row and column; so does that of a column.
+    The complete cells include the default values that are used. Mechanisms may be simulated
+    ``twice``. A case with invalid values is not completed; `solve` returns the reason. Raises
+    ``ValueError`` if no case is valid (the message names row and column), or for an invalid column.
     """
     checks.choice("kind", kind, get_args(Kind))
     columns = list(dict.fromkeys(name for case in cases for name in case))
@@ -202,12 +204,12 @@ def prepared(
 
 
 def own_columns(form: str, columns: Iterable[str]) -> list[str]:
-    """Columns that are no parameters of the cases: the table keeps them as they are."""
+    """Columns that are not parameters of the cases; they are copied to the table."""
     return [name for name in columns if name not in (NAME, *FORMS[form].columns)]
 
 
 def _check_own(form, column):
-    """Refuse a column that is a result, or may be meant as a parameter."""
+    """Raise ``ValueError`` for a column with the name of a result or similar to a parameter."""
     if column in (*COLUMNS[form], ERROR):
         raise ValueError(
             f"column {column} must have another name, because the table of results has one of this "
@@ -244,7 +246,7 @@ def _is_number(text):
 
 
 def solve(form: str, cases: list[Case]) -> list[Rows]:
-    """Rows of the table for each case, without its name and columns: cells with 9 digits.
+    """Rows of results of each case: cells with 9 significant digits.
 
     A case that fails has one row with the reason.
     """

@@ -1,7 +1,7 @@
 """Solves the cases of a parameter study in processes or on Dask, and writes one table.
 
-Every result is written at once to a part file in the folder of the table, so that memory use stays
-small and an interrupted study goes on where it stopped. The table is written from this file at the
+Every result is written immediately to a part file in the folder of the table, so that memory use
+stays small and an interrupted study can be continued. The table is written from this file at the
 end, in the order of the cases, with the same bytes for any number of processes.
 """
 

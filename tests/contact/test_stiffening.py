@@ -99,7 +99,13 @@ def test_rigid_bodies_leave_no_trace_of_their_material(nu, other, ratio):
 
 
 def test_a_part_of_the_table_made_anew_is_the_kept_one():
-    counts = {"ball_compliance_ratio": 1, "poisson": 1, "socket_poisson": 1, "socket_ratio": 1, "r2_star": 1}
+    counts = {
+        "ball_compliance_ratio": 1,
+        "poisson": 1,
+        "socket_poisson": 1,
+        "socket_ratio": 1,
+        "r2_star": 1,
+    }
     found = made.logarithms(0.2, counts)[0, 0, 0, 0]  # a rigid ball, the thinnest socket
     for clamped, free in np.ndindex(2, 2):
         bodies = 2e-9, 0.2, 0.2, 1.1

@@ -248,7 +248,7 @@ def test_changed_code_makes_out_of_date_what_reaches_it(made, module, old, new, 
         assert production.to_make() == set()
         return
     assert production.to_make() >= {*production.out_of_date(), store.PACKAGE}
-    message = f" is out of date: .*study/{module}.py.* changed since.*study data build"
+    message = f" is outdated: .*study/{module}.py.* changed since.*study data build"
     with pytest.raises(dataset.DatasetError, match=message):
         production.verify_made_by()
 
@@ -289,7 +289,7 @@ def test_a_changed_default_of_the_joint_makes_the_dataset_out_of_date(made, monk
     monkeypatch.setattr(
         design, "Joint", lambda r2_star, **given: curve.Joint(r2_star, **{"rim": "free"} | given)
     )
-    with pytest.raises(dataset.DatasetError, match=r"out of date: the design.*a default of the j"):
+    with pytest.raises(dataset.DatasetError, match=r"outdated: the design.*a default of the j"):
         production.verify_made_by()
 
 
