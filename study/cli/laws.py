@@ -76,7 +76,7 @@ def choose_law(
     as_json: bool = cli.JSON,
     **joint: RELATIVE | SIZED,
 ):
-    """Choose the cheapest contact law that is accurate enough for a joint.
+    """Choose the fastest contact law that is accurate enough for a joint.
 
     The joint is described as for study joint, with dimensions or without. The answer lists the
     error of every law relative to the elastic solution, and its computing time relative to that of
@@ -133,7 +133,7 @@ def choose_law(
     line = _table_line(joint | {"depth_star": deepest}, tilt)
     head = f"{NOT_ONE_LAW.format(tilt)}: {differs} {TABLE.format(line)}"
     values |= {"law": None, "export": line, "along_the_axis": axial}
-    show(values, as_json, head, "For the axial direction alone, the cheapest law is:", *parts)
+    show(values, as_json, head, "For the axial direction alone, the fastest law is:", *parts)
 
 
 def _asked(joint, of_depth, yield_stress):

@@ -28,7 +28,7 @@ COMMANDS = {
     "measure": ("stored", "Measure the speed of laws, solvers and steppers on this machine."),
     "joint": ("solve_joint", "Solve one joint: force, depth, stiffness, pressure and stresses."),
     "law": ("evaluate_law", "Evaluate a contact law at given penetration depths."),
-    "choose": ("laws", "Choose the cheapest contact law that is accurate enough for a joint."),
+    "choose": ("laws", "Choose the fastest contact law that is accurate enough for a joint."),
     "fit": ("fit", "Compare the contact laws with your own curve, and fit unknown parameters."),
     "export": ("laws", "Export the contact law of one joint for use in another program."),
     "simulate": ("mechanism", "Simulate the crank-slider and list the impacts in its joint."),

@@ -112,6 +112,7 @@ CONFIGURATION = tuple(parameters.described(Configuration))
 WITH_DIMENSIONS = (
     "; a joint with dimensions is described by --socket-radius, --clearance and --wall instead"
 )
+TWICE = " To fit another range, give --depth twice, for its minimum and its maximum."
 SIZES = ("socket_radius", "clearance", "wall")
 """Options that a joint with dimensions needs."""
 OF_SIZED = tuple(name for name in SIZED if name not in CONFIGURATION)
@@ -146,7 +147,7 @@ def solve_joint(as_json: bool = cli.JSON, **options: EITHER):
     and materials by name) and give --force or --depth, or without dimensions by --r2-star and give
     --depth-star. Each result has the estimated error of its force.
 
-    A joint with dimensions is answered with the cheapest contact law within --tolerance, the
+    A joint with dimensions is answered with the fastest contact law within --tolerance, the
     command that exports it, and a fitted power law F = k d^n. Stresses of a joint without
     dimensions are in units of E* dR/R2, and their radius is relative to the surface of the body.
 
@@ -378,7 +379,11 @@ def _power(joint, tilt, depths=None):
         f"Fitted power law F = k d^n, within {_percent(law.error)} at depths from {low:g} to "
         f"{high:g} um: n = {law.exponent:.5g} and k = {law.coefficient:.5g} N/m^n = "
         f"{law.coefficient_mm:.5g} N/mm^n."
-        + ("" if depths is not None else " To fit another range, give --depth twice.")
+        + (
+            ""
+            if depths is not None
+            else " To fit another range, give --depth twice, for its minimum and its maximum."
+        )
     )
 
 
@@ -441,7 +446,7 @@ def _law(joint, largest, tolerance, typed):
     depths = [joint.clearance * depth for depth in choice.depths]
     least, most = (_rounded(depth, "um") for depth in depths)
     text = (
-        f"The cheapest contact law within {_percent(tolerance)} of the elastic solution at depths "
+        f"The fastest contact law within {_percent(tolerance)} of the elastic solution at depths "
         f"from {least:g} to {most:g} um is {NO_LAW.get(choice.law, choice.law)}. Its relative "
         f"error is at most {_percent(choice.error_bound)}."
     )
