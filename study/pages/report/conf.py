@@ -121,6 +121,11 @@ def _skip_alias(app, what, name, item, skip, options):
 
 
 def _collapse(app, page, template, context, doctree):
-    """Show only the current branch of the contents: all of them on every page take long."""
-    toctree = context["toctree"]
-    context["toctree"] = lambda **options: toctree(**options | {"collapse": True})
+    """Show only the current branch of the contents, and on pages of results only its top level.
+
+    All contents on every page, or all results on the page of each result, take long to write.
+    """
+    toctree, shown = context["toctree"], {"collapse": True}
+    if page.startswith("figures/"):
+        shown["maxdepth"] = 1
+    context["toctree"] = lambda **options: toctree(**options | shown)
