@@ -113,6 +113,7 @@ def test_choose_needs_one_joint_and_one_largest_depth(run, words, message):
     assert message in err
 
 
+@pytest.mark.slow
 def test_choose_heads_its_answer_with_no_law_that_does_not_serve_all_directions(run):
     words = [*CHOOSE, "--ball-support", "neck:30", "--opening", 110, "--tilt", 20]
     (_, text, _), (_, out, _) = (

@@ -159,7 +159,6 @@ def test_list_of_a_name_tells_the_parameters_of_its_notebook(run):
         ["simulate", "--duration", 0.05],
         [*CHOOSE, "--yield-stress", 2e8],
         [*SIZES, "--force", 1000],
-        ["data", "check"],
     ],
 )
 def test_a_table_is_never_broken(run, on_a_terminal, words):

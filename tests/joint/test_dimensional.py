@@ -216,6 +216,7 @@ def test_stiffened_hertz_is_for_linear_kinematics_alone(law):
         replace(BRONZE, kinematics="finite").law(law)
 
 
+@pytest.mark.slow
 def test_a_rod_end_on_its_pin_is_solved_across_it():
     sizes = {"socket_radius": 8e-3, "clearance": 25e-6, "wall": 3e-3, "socket": "bronze"}
     rod_end = DimensionalJoint(**sizes, ball_support="pin:5e-3,9e-3", opening="57:123")

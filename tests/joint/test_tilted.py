@@ -373,7 +373,7 @@ def test_a_symmetric_ring_answers_symmetric_tilts_alike():
     assert solved.reaches_rim.all()
     # away from its rims the ring is the cup around the same ball
     cup, ring = (
-        tilted_contact(Joint(200, ball_support=CORE, opening=opening), 0.05, 90, 48)
+        tilted_contact(Joint(200, ball_support=CORE, opening=opening), 0.1, 90, 32)
         for opening in (140, "40:140")
     )
     assert ring.force_star == pytest.approx(cup.force_star, rel=5e-3)

@@ -30,7 +30,7 @@ def test_the_end_of_the_ball_passes_the_nodes_of_the_socket_without_a_jump(r2_st
     assert bends(force).max() < 1e-3
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(
     supports=st.sampled_from(SUPPORTS),
     r2_star=st.floats(20, 3000),

@@ -127,6 +127,7 @@ def test_the_power_law_has_the_least_largest_error(found, joints):
         assert error <= np.tanh(best.fun / 2) * (1 + 1e-9)
 
 
+@pytest.mark.slow
 def test_half_angle_and_pressure_are_the_solvers(computed):
     """At depths at which a node is the contact's edge, where the half-angle is most exact."""
     rng, given, wanted = np.random.default_rng(7), [], []
@@ -178,6 +179,7 @@ def split(wrong):
     return {"joint": USUAL | wrong}
 
 
+@pytest.mark.slow
 def test_the_largest_stress_is_within_the_bounds_of_the_page(computed):
     rng, given, wanted = np.random.default_rng(3), [], []
     for k in range(12):

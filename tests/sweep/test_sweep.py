@@ -286,6 +286,7 @@ def test_the_table_of_the_examples_can_be_solved(tmp_path):
         cases._prepare(form, case)  # raises for a case that is not possible
 
 
+@pytest.mark.slow
 def test_a_joint_with_dimensions_off_the_axis_is_that_of_the_solver(tmp_path):
     hip = {"socket_radius": 14e-3, "clearance": 50e-6, "wall": 6e-3, "socket": "UHMWPE"}
     hip |= {"ball_support": "clamped", "tilt": 20}
