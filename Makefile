@@ -18,6 +18,9 @@ FIRST := numpy|scipy|llvmlite|numba|platformdirs|threadpoolctl
 # imports, for some seconds
 export PYTHONDONTWRITEBYTECODE :=
 
+# What a rebuild imports: here once, or else by all of its processes at the same time
+IMPORTED := import study.pages.preload, study.pages.report, study.pages.tasks
+
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 # uv where it is found and reaches the packages, else pip: the same files by either
@@ -99,5 +102,6 @@ $(READY): requirements.lock pyproject.toml $(ELSEWHERE)
 		kill $$warm 2>/dev/null; \
 		echo "Missing: packages of requirements.lock. Is the package index reachable?" >&2; \
 		exit 1; }; \
-	$(call install,--no-index --no-build-isolation --editable .) && wait $$warm
+	{ $(BIN)/python -c "$(IMPORTED)" & imported=$$!; } && \
+	$(call install,--no-index --no-build-isolation --editable .) && wait $$warm && wait $$imported
 	@pwd -P > $@

@@ -35,7 +35,7 @@ def build(sources: Path, pages: Path) -> None:
     warnings, here = io.StringIO(), Path(__file__).parent
     with patch_docutils(), docutils_namespace():
         folders = sources, here, pages, sources.with_name("doctrees")
-        jobs = os.cpu_count() or 1
+        jobs = (os.cpu_count() or 1) + 1  # one hands pages out while the others write them
         Sphinx(*folders, "html", status=None, warning=warnings, parallel=jobs).build()
     warned = re.sub(r"\x1b\[[\d;]*m", "", warnings.getvalue()).strip().replace(f"{sources}/", "")
     if warned:
