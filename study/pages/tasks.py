@@ -1,13 +1,15 @@
 """Runs tasks with pytask: what is outdated, in parallel, on this machine or on a Dask cluster.
 
 pytask decides what is outdated and records it in ``pytask.lock``; nothing else reads its files. All
-adaptations of pytask are in this module, and three of them use parts that it does not document:
+adaptations of pytask are in this module, and four of them use parts that it does not document:
 
 - `_is_interrupted` asks the scheduler whether tasks are left, because pytask-parallel does not
   report that a run was interrupted.
 - `_watched_by` replaces the function that creates the plugin manager, because ``pytask.build``
   accepts no plugins: an entry point would act on every use of pytask in the environment, and
   ``--hook-module`` is an option of pytask's own command line only.
+- `_polled_often` replaces the waiting time of pytask-parallel, which looks for finished tasks ever
+  more rarely, at last once in a second: with short tasks, processes were idle for a tenth of a run.
 - `_Progress` walks the session's graph of tasks and files to count the tasks that a run may execute
   before the first one begins.
 """
@@ -27,6 +29,8 @@ from typing import NamedTuple
 from study import checks, paths
 from study.checks import StudyError
 from study.workers import begin, check_limits, dask_client
+
+_INTERVAL = 0.05  # s
 
 
 class Built(NamedTuple):
@@ -68,7 +72,7 @@ def build(
         registry.register_parallel_backend(ParallelBackend.CUSTOM, lambda n_workers: executor())
         session, progress = None, _Progress(workers)
         try:
-            with _watched_by(progress):
+            with _watched_by(progress), _polled_often():
                 session = _session(
                     folders,
                     expression,
@@ -84,6 +88,19 @@ def build(
     if _is_interrupted(session):
         raise KeyboardInterrupt
     return Built(*_outcome(session))
+
+
+@contextmanager
+def _polled_often():
+    """Let pytask-parallel look for finished tasks at equal, short intervals, in this context."""
+    from pytask_parallel.execute import _Sleeper
+
+    sleep = _Sleeper.sleep
+    _Sleeper.sleep = lambda _: time.sleep(_INTERVAL)
+    try:
+        yield
+    finally:
+        _Sleeper.sleep = sleep
 
 
 def outdated(folders: list[Path], expression: str = "") -> list[str]:
