@@ -19,27 +19,31 @@ FIRST := numpy|scipy|llvmlite|numba|platformdirs|threadpoolctl
 export PYTHONDONTWRITEBYTECODE :=
 
 # What a rebuild imports: here once, or else by all of its processes at the same time
-IMPORTED := import study.pages.preload, study.pages.report, study.pages.tasks
+IMPORTED := import papermill, ipykernel.kernelapp, ipykernel.zmqshell, pandas.io.formats.style, \
+	snakemake.cli, study.claims.identification, study.mechanism, study.pages.report
 
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
-# uv where it is found and reaches the packages, else pip: the same files by either
+# uv where it is found and reaches the packages, else pip, of which every 20th package is counted
 define install
-{ uv pip install --quiet --python $(BIN)/python --no-deps $(1) 2>/dev/null || \
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps $(1); }
+{ uv pip install --quiet --python $(BIN)/python --no-deps $(1) 2>/dev/null || { \
+	$(BIN)/python -m pip install --disable-pip-version-check --no-compile --no-deps $(1) || \
+	echo FAILED; } | awk '/^FAILED/ { exit 1 } \
+		/^(Collecting|Processing|Requirement already)/ && ++n % 20 == 0 { print "    " n " packages are here"; fflush() } \
+		/^Installing/ { print "    installing them"; fflush() }'; }
 endef
 
 .PHONY: help reproduce test test-all check setup lab data bench speed lock clean
 .PHONY: elsewhere
 
 help:
-	@echo "make reproduce   set up, rebuild what is outdated: figures/, build/paper.pdf, build/report/"
+	@echo "make reproduce   set up, rebuild what is outdated in build/: results, paper.pdf, report/"
 	@echo "make test        set up, run the tests but for the slow ones: copies, reports, set-ups"
 	@echo "make test-all    set up, run all tests"
 	@echo "make check       set up, check style, types and which package imports which"
 	@echo "make setup       set up only: .venv with the packages of requirements.lock"
 	@echo "make lab         set up, open the notebooks in JupyterLab"
-	@echo "make data        set up, build the finite-element dataset from nothing"
+	@echo "make data        set up, solve all cases of the dataset again (some minutes)"
 	@echo "make bench       set up, measure the speed of solver, steppers and studies"
 	@echo "make speed       set up, time the charts of speed with the other programs found here"
 	@echo "make lock        renew requirements.lock (needs uv)"
@@ -67,7 +71,7 @@ lab: $(READY)
 	@cd notebooks && ../$(BIN)/jupyter lab
 
 data: $(READY)
-	@$(BIN)/study data build --from-nothing
+	@$(BIN)/study data build --all
 
 bench: $(READY)
 	@$(BIN)/python -m pytest tests/bench_*.py --benchmark-columns=median,iqr,rounds
@@ -81,7 +85,7 @@ lock:
 		--custom-compile-command "make lock" pyproject.toml --output-file requirements.lock
 
 clean:
-	@rm -rf $(VENV) build .pytask pytask.lock .hypothesis .benchmarks .ruff_cache
+	@rm -rf $(VENV) build .snakemake .hypothesis .benchmarks .ruff_cache
 	@find . -name __pycache__ -prune -exec rm -rf {} +
 
 requirements.lock:
@@ -93,15 +97,20 @@ $(READY): requirements.lock pyproject.toml $(ELSEWHERE)
 		exit 1; }
 	@"$(PYTHON)" -c "import ensurepip, venv" 2>/dev/null || { \
 		echo "Missing: Python's venv module (on Debian and Ubuntu: python3-venv)" >&2; exit 1; }
-	@echo "Setting up $(VENV) with the packages of requirements.lock (a minute or two) ..."
+	@echo "Setting up (one to five minutes, most of it downloads)"
+	@echo "1 of 4: creating $(VENV)"
 	@"$(PYTHON)" -m venv --clear $(VENV)
+	@echo "2 of 4: installing $$(grep -c == requirements.lock) packages of requirements.lock"
 	@awk '/^[^ #]/ { keep = /^($(FIRST))==/ } keep' requirements.lock > $(VENV)/first.lock
 	@$(call install,--require-hashes --requirement $(VENV)/first.lock) && \
-	{ $(BIN)/python -m study.measure.warm & warm=$$!; } && \
-	$(call install,--require-hashes --requirement requirements.lock) || { \
-		kill $$warm 2>/dev/null; \
+	{ $(BIN)/python -m study.mechanism > $(VENV)/compiled.log & compiling=$$!; } && \
+	trap 'kill $$compiling 2>/dev/null' EXIT && trap 'exit 1' INT TERM HUP && \
+	{ $(call install,--require-hashes --requirement requirements.lock) || { \
 		echo "Missing: packages of requirements.lock. Is the package index reachable?" >&2; \
-		exit 1; }; \
-	{ $(BIN)/python -c "$(IMPORTED)" & imported=$$!; } && \
-	$(call install,--no-index --no-build-isolation --editable .) && wait $$warm && wait $$imported
+		exit 1; }; } && \
+	echo "3 of 4: installing this project" && \
+	$(call install,--no-index --no-build-isolation --editable .) && \
+	$(BIN)/python -c "$(IMPORTED)" && \
+	echo "4 of 4: compiling the time integration loops (begun in step 2)" && \
+	{ wait $$compiling || { cat $(VENV)/compiled.log >&2; exit 1; }; } && cat $(VENV)/compiled.log
 	@pwd -P > $@

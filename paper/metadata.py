@@ -17,8 +17,7 @@ from rocrate.rocrate import ROCrate
 
 from study import paths
 from study.checks import StudyError
-from study.dataset import tolerance
-from study.pages import baseline
+from study.dataset import compare
 from study.pages.catalogue import CATALOGUE, Result, results
 
 REPRODUCING = paths.ROOT / "REPRODUCING.md"
@@ -35,6 +34,7 @@ FILES = {
     "CITATION.cff": "how to cite this study",
     "LICENSE": "licence of the code",
     "Makefile": "the commands make reproduce and make test",
+    "Snakefile": "the workflow: rules for notebooks, article, report and dataset",
     "pyproject.toml": "the package and what it depends on",
     "requirements.lock": "every package that is needed, pinned by version and hash",
     "notebooks/catalogue.toml": "every notebook with its results",
@@ -46,7 +46,9 @@ FILES = {
     "paper/references.yml": "the literature that both cite",
     "data/LICENSE": "licence of data, figures and article",
     "data/README.md": "every file of data, its columns and its source",
-    "data/datapackage.json": "Frictionless data package: columns, units and hashes of the data",
+    "data/datapackage.json": "Frictionless data package: columns and units of the data",
+    "data/SHA256SUMS": "hash of every file of numbers",
+    "data/build.py": "makes the generated files of data, as the Snakefile asks",
 }
 """What is in the crate besides data, notebooks and results: file -> what it is."""
 FOLDERS = {
@@ -64,7 +66,7 @@ _FORMATS = {
     ".toml": "application/toml",
     ".yml": "application/yaml",
 }
-_DATA = re.compile(r"^\| `([\w/]+\.csv)` \| (.+?) \| (.+?) \|$", re.MULTILINE)
+_DATA = re.compile(r"^\| `([\w/]+\.(?:csv|json))` \| (.+?) \| (.+?) \|$", re.MULTILINE)
 _SECONDS = re.compile(r"^\| \[(\d\d-[\w-]+)\]\(.+\) \| (\d+) \|$", re.MULTILINE)
 
 
@@ -78,12 +80,11 @@ def reproducing(seconds: Mapping[str, int]) -> str:
     """
     paths.require_checkout(paths.NOTEBOOKS)
     every_result = results()
-    chaotic = [f"`{result.name}`" for result in every_result if result.name in tolerance.CHAOTIC]
+    chaotic = [f"`{result.name}`" for result in every_result if result.name in compare.CHAOTIC]
     return TEMPLATE.read_text(encoding="utf-8").format(
-        tolerance=f"{tolerance.TOLERANCE:g}".replace("e-0", "e-"),
-        chaotic_tolerance=f"{tolerance.CHAOTIC_TOLERANCE:g}",
+        tolerance=f"{compare.TOLERANCE:g}".replace("e-0", "e-"),
+        chaotic_tolerance=f"{compare.CHAOTIC_TOLERANCE:g}",
         chaotic=f"{', '.join(chaotic[:-1])} and {chaotic[-1]}",
-        levels=baseline.LEVELS,
         of_the_paper=_table(
             ("paper", "name", "what it shows", "notebook", "expected"),
             [(result.label, *_row(result)) for result in every_result if result.place < (2,)],

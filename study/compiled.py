@@ -1,13 +1,14 @@
-"""Compiled loops: numba, with a cache on disk that depends on all sources of a loop.
+"""Compiled loops: numba, with a cache on disk in a folder that is named by one hash of the code.
 
-numba's own cache checks the file of a function, but not those of the functions that it calls. Here
-a module's loops are kept in a folder named by the digest of all code that the module reaches: a
-change compiles again what reaches it, and an unchanged study starts at once. A checkout has the
-cache in ``build/``, an installed package in the user's cache folder. If the folder cannot be
-written to, every process compiles again.
+numba's own cache checks the file of a function, but not those of the functions that it calls. A
+change of any file in `study.contact` or `study.mechanism` therefore compiles all loops again. A
+checkout has the cache in ``build/``, an installed package in the user's cache folder. If the folder
+cannot be written to, every process compiles.
 """
 
 import os
+import shutil
+import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -15,18 +16,13 @@ from typing import Any
 
 import numba
 
-from study import paths, provenance
-
-CACHE = paths.CACHE / "compiled"
+from study import paths
 
 
 def compiled(function: Callable, **options: bool) -> Any:
     """Compile a function at its first call, without a wrapper for C, and keep the code on disk."""
-    source = Path(function.__code__.co_filename)
-    keep = source.is_file() and _writable(CACHE)
-    before = numba.config.CACHE_DIR
-    if keep:
-        numba.config.CACHE_DIR = str(folder(source))
+    keep = Path(function.__code__.co_filename).is_file() and _is_usable(folder())
+    before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder())
     try:
         return numba.njit(cache=keep, error_model="numpy", no_cfunc_wrapper=True, **options)(
             function
@@ -49,20 +45,29 @@ def inlined(function: Callable) -> Any:
 
 
 @cache
-def folder(source: Path) -> Path:
-    """Folder that keeps the compiled functions of one source file."""
-    return CACHE / provenance.digest(provenance.sources(source), numba.__version__)[:16]
-
-
-def is_kept(source: Path) -> bool:
-    """Whether functions of a source file, as it is now, have been compiled."""
-    return any(folder(source).rglob("*.nbi"))
+def folder() -> Path:
+    """Folder of the compiled functions of this code and this version of numba."""
+    sources = paths.sources("contact", "mechanism")
+    return paths.CACHE / "compiled" / paths.digest(sources, numba.__version__)
 
 
 @cache
-def _writable(parent):
+def _is_usable(kept: Path) -> bool:
+    """Whether the cache can be written to; a damaged one is removed, which numba would not read.
+
+    Its files are pickles, which begin with 0x80 and end with a full stop. Files that were cut off
+    or overwritten do not.
+    """
     try:
-        parent.mkdir(parents=True, exist_ok=True)
+        kept.mkdir(parents=True, exist_ok=True)
+        for path in kept.rglob("*.nb[ci]"):
+            content = path.read_bytes()
+            if content[:1] + content[-1:] != b"\x80.":
+                shutil.rmtree(kept)
+                kept.mkdir()
+                where = f"{paths.shown(path)} is damaged"
+                print(f"study: {where}; the loops are compiled again", file=sys.stderr)
+                break
     except OSError:
         return False
-    return os.access(parent, os.W_OK)
+    return os.access(kept, os.W_OK)

@@ -1,10 +1,11 @@
 """Where the project's folders are, and files that are written whole or not at all."""
 
+import hashlib
 import os
 import shutil
 import socket
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -12,20 +13,25 @@ import platformdirs
 
 from study.checks import StudyError
 
-ROOT = Path(__file__).resolve().parents[1]
+STUDY = Path(__file__).resolve().parent
+ROOT = STUDY.parent
 DATA = ROOT / "data"
 FIGURES = ROOT / "figures"
 NOTEBOOKS = ROOT / "notebooks"
 PAPER = ROOT / "paper"
 BUILD = ROOT / "build"
+RESULTS = BUILD / "results"
+"""Figures and tables as the workflow made them; `FIGURES` has those that are accepted."""
 IS_CHECKOUT = (ROOT / "pyproject.toml").is_file()  # else installed, without these folders
 CACHE = BUILD if IS_CHECKOUT else platformdirs.user_cache_path("spherical-clearance-joint-study")
-"""What is compiled or found out about the code, and may be deleted."""
+"""Folder of what is compiled, which may be deleted."""
 _TEXTS = ("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "CHANGELOG.md")
 DOCUMENTS = (*(ROOT / name for name in _TEXTS), DATA / "README.md", ROOT / "examples/README.md")
 """Texts that the report shows with the results."""
 
-RESULTS_VARIABLE = "STUDY_RESULTS"  # folder for results while a notebook runs as a task
+# Folders that a job of the workflow hands to its notebook: where it writes its results, and where
+# it reads those of other notebooks
+WRITE_VARIABLE, READ_VARIABLE = "STUDY_RESULTS", "STUDY_READS"
 _PART = f".part-{socket.gethostname()}-"  # ignored by git
 
 
@@ -39,9 +45,33 @@ def require_checkout(folder: Path) -> None:
         )
 
 
-def results() -> Path:
-    """Folder that figures and tables are written to: ``figures/``, or a running task's own."""
-    return Path(os.environ.get(RESULTS_VARIABLE, FIGURES))
+def read_result(name: str) -> Path:
+    """File of a result that a notebook reads from another one.
+
+    A job of the workflow reads what was made (`RESULTS`); elsewhere it is the accepted file.
+    """
+    return Path(os.environ.get(READ_VARIABLE, FIGURES)) / name
+
+
+def shown(path: Path) -> str:
+    """A file's path in the project, for messages and descriptions; its whole path outside it."""
+    return path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else path.as_posix()
+
+
+def sha256(path: Path) -> str:
+    """SHA-256 of a file, in hexadecimal."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def sources(*packages: str) -> list[Path]:
+    """Python files of some packages of the study."""
+    return sorted(path for name in packages for path in (STUDY / name).glob("*.py"))
+
+
+def digest(files: Iterable[Path], *more: object) -> str:
+    """One hash of the names and contents of files and of the ``repr`` of more, in 16 digits."""
+    contents = [(path.name, sha256(path)) for path in files]
+    return hashlib.sha256(repr((contents, more)).encode()).hexdigest()[:16]
 
 
 @contextmanager
@@ -70,6 +100,21 @@ def copy(source: Path, target: Path) -> None:
 
 
 @contextmanager
+def locked(path: Path, wait: bool) -> Iterator[None]:
+    """Hold the lock of a file, which ends with this process, however that ends.
+
+    Raises ``BlockingIOError`` if another process holds it and this one does not wait.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a") as file:
+        if os.name == "posix":
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        yield
+
+
+@contextmanager
 def scratch(parent: Path | None = None) -> Iterator[Path]:
     """Give a temporary folder, in ``parent`` or where the system has them, gone at the end."""
     prefix = f"{_PART}{os.getpid()}-"
@@ -80,7 +125,7 @@ def scratch(parent: Path | None = None) -> Iterator[Path]:
 def remove_abandoned() -> None:
     """Remove the temporary folders of processes of this machine that were killed."""
     temporary = Path(tempfile.gettempdir()).glob(f"{_PART}*")
-    ours = (ROOT / "study", DATA, FIGURES, BUILD)
+    ours = (STUDY, DATA, FIGURES, BUILD)
     for path in [*temporary, *(path for folder in ours for path in folder.rglob(f"{_PART}*"))]:
         process = path.name.removeprefix(_PART).split("-")[0]
         if process.isdecimal():

@@ -8,24 +8,21 @@ from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
 import study.joint  # noqa: F401  (loads the libraries that are limited)
-from study import compiled, paths
+from study import compiled
 
 settings.register_profile("study", deadline=None, derandomize=True, database=None)
 settings.load_profile("study")
 threadpool_limits(1)  # matrices are small: more threads wait for each other more than they do
 
-LOOPS = [f"mechanism/{name}" for name in ("rigid", "two_joints", "particles", "beams")]
-LOOPS += ["measure/explicit"]
-LONGEST = ("test_report", "test_pipeline", "test_build", "test_processors", "test_end_to_end")
+LONGEST = ("test_report", "test_workflow", "test_processors")
 LONGEST += ("test_directional_law", "test_calculix", "test_joint", "test_tilted", "test_joint_page")
 
 
 def pytest_sessionstart(session):
     """Compile the stepping loops once, before the workers begin, which would each do so."""
     many = getattr(session.config.option, "numprocesses", None)
-    loops = [paths.ROOT / f"study/{name}.py" for name in LOOPS]
-    if many and not all(map(compiled.is_kept, loops)):
-        subprocess.run([sys.executable, "-m", "study.measure.warm"], check=True)
+    if many and not any(compiled.folder().rglob("*.nbc")):
+        subprocess.run([sys.executable, "-m", "study.mechanism"], check=True)
 
 
 def pytest_collection_modifyitems(items):

@@ -79,10 +79,10 @@ def _bounds(claim, published):
 
 
 def result(name: str) -> pd.DataFrame:
-    """Numbers of one result, from ``figures/``. Raises `ClaimError` if they are missing."""
-    path = paths.FIGURES / f"{name}.csv"
+    """Numbers of one result (`study.paths.read_result`). Raises `ClaimError` if it is missing."""
+    path = paths.read_result(f"{name}.csv")
     if not path.is_file():
-        raise ClaimError(f"figures/{name}.csv is missing; make it with: study run {name}")
+        raise ClaimError(f"{paths.shown(path)} is missing; make it with: study run {name}")
     return pd.read_csv(path)
 
 

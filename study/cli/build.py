@@ -1,16 +1,19 @@
 """Commands for notebooks, their results, the paper and the report."""
 
 import sys
-from dataclasses import replace
 
 import typer
 
 from study import paths
 from study.cli import options as cli
-from study.cli.output import fail, say, show_table
+from study.cli.output import say, show_table
 
 
-@cli.command("run", keeps=True, examples=["run fig10", "run fig10 -p r2_star=100"])
+@cli.command(
+    "run",
+    keeps=True,
+    examples=["run fig10", "run fig10 -p r2_star=100", "run -- --executor slurm --jobs 20"],
+)
 def run_notebooks(
     names: list[str] = cli.NAMES,
     settings: list[str] = cli.option(
@@ -20,114 +23,135 @@ def run_notebooks(
         default=(),
     ),
     jobs: int = cli.JOBS,
-    force: bool = cli.switch(
-        "--force", "Run the notebooks even if they are up to date, and accept their results."
-    ),
-    dask_address: str = cli.option(
-        "Address of a Dask scheduler, whose workers then run the notebooks.", "--dask"
-    ),
+    force: bool = cli.switch("--force", "Run the notebooks even if they are up to date."),
 ):
-    """Run the outdated notebooks and compare their figures and tables with those in figures/.
+    """Run the outdated notebooks, and compare their figures and tables with the accepted ones.
 
-    A notebook is outdated if it, the code or the data that it uses has changed since its last run.
+    A notebook is outdated if it, the library, the data or a result that it reads has changed since
+    its last run. The results are written to build/results/ and compared with those in figures/. If
+    one differs by more than its tolerance, it is named and the exit status is 1; study accept NAME
+    copies it to figures/.
 
-    A result that agrees with the kept one is not changed. A result that differs replaces the kept
-    one and is named, and the exit status is 1; git diff shows the difference. To accept the new
-    results as references, run the notebook again with --force. To reject them, use git checkout.
-    Results of a run with other parameters (-p) are written to build/with/KEY=VALUE/ instead of
-    figures/.
+    With -p the results are written to build/with/KEY=VALUE/ instead, and are not compared.
+
+    Words after -- are passed to Snakemake, which runs the notebooks.
     """
-    from study.pages import catalogue, execute
+    from study.pages import catalogue
 
-    if settings and not names:  # or every notebook that has the parameter would run with it
-        raise ValueError(
-            f"-p must be given with a NAME, for example: study run fig10 -p {settings[0]}"
-        )
+    more = cli.after_dashes()
+    names = names[: len(names) - len(more)]
     selected = catalogue.select(names)
-    chosen = execute.check_parameters(selected, settings)
-    selected = [replace(notebook, settings=chosen[notebook.name]) for notebook in selected]
-    compared = _make(selected, jobs=jobs, force=force, dask_address=dask_address)
-    if compared:
-        _compare(compared)
+    if settings:
+        if not names:  # or every notebook that has the parameter would run with it
+            raise ValueError(
+                f"-p must be given with a NAME, for example: study run fig10 -p {settings[0]}"
+            )
+        others = (("--force", force), ("--jobs", jobs is not None), ("words after --", more))
+        for option, is_given in others:
+            if is_given:
+                raise ValueError(f"{option} cannot be used together with -p; remove it")
+        _run_with(selected, settings)
+        return
+    from study.pages import workflow
 
-
-def _compare(selected):
-    """Print how many results agree with those kept; name those that differ, and fail then."""
-    from study.pages import baseline
-
-    compared = baseline.compare(selected)
-    differing = [comparison.where for comparison in compared if comparison.state == "differs"]
-    for where in differing:
-        print(f"differs  {where}", file=sys.stderr)
-    print(baseline.summary(compared))
-    if differing:
-        raise typer.Exit(1)
-
-
-@cli.command("paper", examples=["paper"])
-def typeset_paper():
-    """Typeset the paper and its supplement from the current results.
-
-    The files are build/paper.pdf and build/supplement.pdf. The results in figures/ are used as they
-    are, even if they are outdated; study report first brings them up to date.
-    """
-    from study.pages.typeset import typeset_all
-
-    typeset_all()
-    print("made  build/paper.pdf and build/supplement.pdf")
-
-
-@cli.command("report", keeps=True, examples=["report --jobs 4"])
-def write_report(jobs: int = cli.JOBS):
-    """Bring everything up to date: figures, tables, the paper and the report.
-
-    Only outdated notebooks are run. Figures and tables are in figures/, the paper is
-    build/paper.pdf, and the report is a web site that begins with build/report/index.html.
-    """
-    from study.pages.catalogue import CATALOGUE
-
-    selected = _make(CATALOGUE, report=True, jobs=jobs)
-    print("Figures and tables are in figures/, and the paper is build/paper.pdf.")
-    print("Open the report in a browser: build/report/index.html")
+    made = [paths.RESULTS / name for notebook in selected for name in notebook.files()]
+    targets = [*made, *(notebook.executed for notebook in selected)]
+    workflow.run(map(paths.shown, targets), jobs=jobs, force=force, more=more)
     _compare(selected)
 
 
-def _make(selected, **how):
-    """Run notebooks and print what was made; return those to compare, selected or run."""
-    from study.pages import catalogue, execute
-    from study.provenance import name
+def _run_with(selected, settings):
+    """Run notebooks with other parameters."""
+    from study import dataset
+    from study.pages import execute
+    from study.pages.workflow import MEMORY
+    from study.threads import check_memory
 
-    paths.require_checkout(paths.NOTEBOOKS)
-    built = execute.run(selected, **how)
-    made, every = built.made, catalogue.CATALOGUE
-    for notebook in (*every, *(notebook for notebook in selected if notebook.settings)):
-        if notebook.identifier in made:
-            folder = name(notebook.folder)
-            for result in notebook.results.values():
-                print(f"made  {folder}/{result.files[-1]:<{len(result.name) + 5}} {result.shows}")
-            print(f"      {name(notebook.executed)}")
-    both = "paper.pdf and build/supplement.pdf"
-    for task, file in (("typeset", both), ("report", "report/index.html")):
-        if task in made:
-            print(f"made  build/{file}")
-    fail(built.failures)
-    if not made:
-        names = ", ".join(notebook.name for notebook in selected)
-        of = f" of {names}" if len(selected) < len(every) else ""
-        folders = " and ".join(dict.fromkeys(f"{name(nb.folder)}/" for nb in selected))
-        say(f"Nothing was outdated: all figures and tables{of} in {folders} are up to date.")
-    return [notebook for notebook in every if notebook in selected or notebook.name in made]
+    chosen = execute.check_parameters(selected, settings)
+    check_memory(MEMORY, "a notebook")
+    dataset.verify()
+    for notebook in selected:
+        folder = execute.folder_with(chosen[notebook.name])
+        execute.execute(notebook, folder, folder / notebook.path.name, chosen[notebook.name])
+        _show_made(notebook, folder)
 
 
-@cli.command("list", examples=["list fig10", "list --outdated"])
-def list_results(
-    names: list[str] = cli.NAMES,
-    outdated: bool = cli.switch(
-        "--outdated",
-        "List only the results that a run would make again, or may have to make again. This takes "
-        "about two seconds.",
-    ),
-):
+def _show_made(notebook, folder):
+    for result in notebook.results.values():
+        print(f"made  {paths.shown(folder / result.files[-1])}  {result.shows}")
+
+
+def _compare(selected):
+    """Print how many results agree with the accepted ones; if one differs, name it and fail."""
+    from study.pages import accepted
+
+    compared = accepted.compare(r for notebook in selected for r in notebook.results.values())
+    for of in compared:
+        if of.drawn_differently:
+            print(f"drawn differently: build/results/{of.result.name}.png (its table is identical)")
+        if of.state == "differs":
+            name = of.result.name
+            what = (
+                f"accept it with: study accept {name}, or make it again: study run {name} --force"
+            )
+            print(f"differs: {of.where}; {what}", file=sys.stderr)
+    print(accepted.summary(compared))
+    if any(of.state == "differs" for of in compared):
+        raise typer.Exit(1)
+
+
+@cli.command("accept", examples=["accept fig10", "accept 03-force-against-depth"])
+def accept_results(names: list[str] = cli.NAMED):
+    """Accept results: copy figures and tables from build/results/ to figures/.
+
+    The name of a notebook stands for all of its results. Look at git diff afterwards.
+    """
+    from study.pages import accepted, catalogue
+
+    results = [
+        result
+        for notebook in catalogue.select(names)
+        for result in notebook.results.values()
+        if notebook.name in names or result.name in names
+    ]
+    changed = accepted.accept(results)
+    for name in changed:
+        print(f"accepted  figures/{name}")
+    if not changed:
+        print("Nothing was copied: the files in figures/ are the same.")
+
+
+@cli.command("paper", keeps=True, examples=["paper"])
+def typeset_paper(jobs: int = cli.JOBS):
+    """Bring the article and its supplement up to date, with the results that they show.
+
+    The files are build/paper.pdf and build/supplement.pdf.
+    """
+    from study.pages import catalogue, typeset, workflow
+
+    workflow.run([paths.shown(typeset.PDFS[0])], jobs=jobs)
+    print("The article is build/paper.pdf, and its supplement build/supplement.pdf.")
+    _compare(catalogue.CATALOGUE)
+
+
+@cli.command("report", keeps=True, examples=["report --jobs 4"])
+def write_report(names: list[str] = cli.SNAKEMAKE, jobs: int = cli.JOBS):
+    """Bring everything up to date: figures, tables, the article and the report.
+
+    Figures and tables are in build/results/, the article is build/paper.pdf, and the report is a
+    web site that begins with build/report/index.html. The results are compared with those in
+    figures/, as by study run. Words after -- are passed to Snakemake.
+    """
+    from study.pages import catalogue, workflow
+
+    workflow.run(["build/report/index.html"], jobs=jobs, more=cli.after_dashes())
+    print("Figures and tables are in build/results/, and the article is build/paper.pdf.")
+    print("Open the report in a browser: build/report/index.html")
+    _compare(catalogue.CATALOGUE)
+
+
+@cli.command("list", examples=["list fig10"])
+def list_results(names: list[str] = cli.NAMES):
     """List the figures and tables of each notebook, with a description.
 
     With a NAME, the parameters of its notebook are listed too, with their defaults and ranges.
@@ -136,11 +160,6 @@ def list_results(
     from study.pages import catalogue
 
     selected = catalogue.select(names)
-    if outdated:
-        from study.pages import execute
-
-        found = execute.outdated(selected)
-        selected = [notebook for notebook in selected if notebook.name in found]
     if names or sys.stdout.isatty():
         for notebook in selected:
             shown = [name for name in notebook.results if name in names] or notebook.results

@@ -5,7 +5,7 @@ from inspect import signature
 from pathlib import Path
 from typing import Literal, get_args
 
-from study import compiled, paths
+from study import compiled
 from study.checks import StudyError
 from study.choose import choose_model
 from study.choose.links import QUANTITIES
@@ -105,7 +105,7 @@ def simulate_mechanism(
         what = f"model {options.get('model', parameters['model'].default)}"
         cli.left_out(options, [*parameters, "socket_ratio", "wall", "liner"], what)  # of some laws
     total = options.get("duration", parameters["duration"].default)
-    is_compiled = compiled.is_kept(paths.ROOT / "study/mechanism/rigid.py")
+    is_compiled = any(compiled.folder().rglob("*.nbc"))
     with working(
         "Simulating" if is_compiled else "Compiling the time integration (only once)"
     ) as tell:

@@ -5,6 +5,7 @@ sentences that ``study --help`` shows.
 """
 
 import os
+import sys
 from copy import copy
 from functools import partial
 from importlib import import_module
@@ -20,9 +21,10 @@ from study import checks, parameters, paths
 from study.checks import StudyError
 
 COMMANDS = {
-    "run": ("build", "Run the outdated notebooks and compare their results with those kept."),
-    "paper": ("build", "Typeset the paper and its supplement from the current results."),
-    "report": ("build", "Bring figures, tables, paper and report up to date."),
+    "run": ("build", "Run the outdated notebooks and compare their results with the accepted."),
+    "accept": ("build", "Accept results that differ: copy them to figures/."),
+    "paper": ("build", "Bring the article and its supplement up to date."),
+    "report": ("build", "Bring figures, tables, article and report up to date."),
     "list": ("build", "List the figures and tables of the notebooks."),
     "data": ("stored", "Show, check or rebuild the dataset of solved force-depth curves."),
     "measure": ("stored", "Measure the speed of laws, solvers and steppers on this machine."),
@@ -168,11 +170,16 @@ def option_of(about, note=""):
 JSON = switch("--json", "Print the results as one JSON object.")
 OUTPUT = option("File to write.")
 JOBS = option("Number of processes. Default: one for each core.")
-NAMES = typer.Argument(
-    (),
-    help="Name of a figure, a table or a notebook; several may be given. Default: all.",
-    metavar="NAME",
+NAMES, NAMED = (
+    typer.Argument(
+        default,
+        help="Name of a figure, a table or a notebook; several may be given." + note,
+        metavar="NAME",
+    )
+    for default, note in (((), " Default: all."), (..., ""))
 )
+FILES = typer.Argument(..., help="Data file; several may be given.", metavar="FILE")
+SNAKEMAKE = typer.Argument((), help="Words for Snakemake, after --.", metavar="[-- SNAKEMAKE]")
 DEPTHS = "Normalised penetration depth d/dR, relative to the clearance; may be repeated."
 
 
@@ -262,6 +269,11 @@ def _number(kind, text):
         return checks.read("the value", text, kind) if isinstance(text, str) else text
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
+
+
+def after_dashes():
+    """Words after ``--``, which are for Snakemake."""
+    return sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 
 
 def flag(name):

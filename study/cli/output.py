@@ -8,11 +8,10 @@ from itertools import zip_longest
 from shutil import get_terminal_size
 from textwrap import fill
 
-import typer
-
-from study.workers import SOLVER, check_limits
+from study.threads import check_memory
 
 GAP = "  "
+SOLVER = 1_300_000  # KiB that the solution of any joint needs
 _DEPTH, _FORCE = "d/dR", "P/(E* dR^2)"
 UNITS = {
     "r2_star": "R2/dR",
@@ -144,7 +143,7 @@ def working(what):
 
     The context is a function that replaces the text of this line, for example by the progress.
     """
-    check_limits(SOLVER)
+    check_memory(SOLVER, "the solution of a joint")
 
     def tell(text):
         if sys.stderr.isatty():
@@ -155,11 +154,3 @@ def working(what):
         yield tell
     finally:
         tell("")
-
-
-def fail(failures):
-    """Print what failed, and end with exit status 1 if something did."""
-    for failure in failures:
-        print(f"failed: {' '.join(failure.split())}", file=sys.stderr)
-    if failures:
-        raise typer.Exit(1)

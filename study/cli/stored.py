@@ -1,7 +1,6 @@
 """Commands for what is stored: the dataset, and the times of laws, solvers and steppers."""
 
 import json
-import os
 import sys
 from difflib import get_close_matches
 from itertools import takewhile
@@ -10,7 +9,7 @@ from typing import Literal
 
 from study import checks, paths
 from study.cli import options as cli
-from study.cli.output import columns, fail, say, show_table, text_of, working
+from study.cli.output import columns, say, show_table, text_of, working
 
 
 def _case_options():
@@ -82,52 +81,6 @@ def _check_case(case, known, listing):
         raise ValueError(f"--case must be {names}, got {case!r}{hint}")
 
 
-@cli.command("solutions", group=cli.data_app, examples=["data solutions"])
-def show_solutions(
-    case: str = cli.option("Print the results of the case with this name.", default=None),
-):
-    """List the stored elastic solutions of the notebooks, or print the results of one.
-
-    Each case is a joint (as JSON: its parameters that differ from the default) with the depths,
-    tilts or forces for which it is solved. The output is CSV if it does not go to a terminal.
-    """
-    from study.dataset import solutions, store
-
-    design = solutions.design()
-    if case is None:
-        show_table(design.to_dict("list"), f"{len(design)} cases.")
-        return
-    _check_case(case, list(design.case), "solutions")
-    kind = design.kind[design.case == case].item()
-    results = store.read(store.SOLUTIONS[kind])
-    show_table(results[results.case == case].to_dict("list"))
-
-
-@cli.command("record", group=cli.data_app, keeps=True, examples=["data record fig13"])
-def record_solutions(names: list[str] = cli.NAMES):
-    """Run notebooks, and record which elastic solutions they need in data/solutions/cases.csv.
-
-    Use this command after a change of the joints that a notebook shows; study data build then
-    solves the new cases.
-    """
-    from study.dataset import solutions
-    from study.pages import catalogue, execute, tasks
-
-    for notebook in catalogue.select(names):
-        with tasks.alone(), paths.scratch() as folder:
-            file = folder / "needed.jsonl"
-            file.touch()
-            os.environ[solutions.RECORD_VARIABLE] = str(file)
-            try:
-                execute.execute(notebook)
-            finally:
-                del os.environ[solutions.RECORD_VARIABLE]
-            lines = file.read_text(encoding="utf-8").splitlines()
-            needed = dict.fromkeys(solutions.Case(*json.loads(line)) for line in lines)
-            solutions.record(notebook.name, needed)
-        print(f"{notebook.name} needs {len(needed)} solution{'s' * (len(needed) != 1)}")
-
-
 @cli.command("materials", group=cli.data_app, examples=["data materials"])
 def list_materials():
     """List the materials that can be given by name, with typical values and their sources.
@@ -139,48 +92,76 @@ def list_materials():
     show_table(columns(materials.table()))
 
 
-@cli.command("check", group=cli.data_app, examples=["data check"])
-def check_data():
-    """Check the dataset: files, schema, physical properties, and some cases that are solved again.
+@cli.command("check", group=cli.data_app, examples=["data check", "data check --sample 100"])
+def check_data(
+    sample: int = cli.option("Number of cases that are solved again.", default=20),
+    seed: int = cli.option("Seed of the random sample.", default=0),
+    everything: bool = cli.switch("--all", "Solve all cases again; this takes some minutes."),
+    jobs: int = cli.JOBS,
+):
+    """Check the dataset: hashes, description, missing cases, and a sample that is solved again.
 
-    One force-depth curve is solved again, and one random case of each kind of the stored solutions
-    of the notebooks.
+    The sample is drawn from the force-depth curves and from the solutions that notebooks show.
     """
-    from study.dataset import production
+    from study.dataset import check
 
     with working("Checking the dataset and solving some cases again"):
-        checked, results = zip(*production.check(), strict=True)
-    say({"checked": checked, "found": results})
+        results = [*check.check(None if everything else sample, seed, jobs)]
+    checked, found = zip(*results, strict=True)
+    say({"checked": checked, "found": found})
 
 
-@cli.command("build", group=cli.data_app, keeps=True, examples=["data build --jobs 4"])
+@cli.command("build", group=cli.data_app, keeps=True, examples=["data build", "data build --all"])
 def build_data(
+    names: list[str] = cli.SNAKEMAKE,
     jobs: int = cli.JOBS,
-    from_nothing: bool = cli.switch(
-        "--from-nothing", "Also rebuild the files that are up to date; this takes some minutes."
-    ),
+    everything: bool = cli.switch("--all", "Solve all cases again; this takes some minutes."),
 ):
-    """Rebuild the outdated files of the dataset.
+    """Solve the cases that the dataset lacks, and fit the laws.
 
-    A file is outdated if the code, the data or the design from which it is made has changed. After
-    an interruption the solved cases are kept, and the same command continues from there.
+    These are new cases of the design (study/dataset/design.py), and solutions that notebooks asked
+    for and that took longer than a second. After an interruption the same command continues. A
+    table that agrees with the stored one is not changed. Words after -- are passed to Snakemake.
     """
-    from study.dataset import production
+    from study.dataset import solutions, store
+    from study.pages import workflow
 
-    if from_nothing:
-        os.environ[production.FROM_NOTHING] = "1"
-    if production.to_make():
-        from study.pages import tasks
+    store.verify()
+    if new := solutions.adopt_asked():
+        print(f"Notebooks asked for {new} new solutions.")
+    which = f"dataset={'all' if everything else 'new'}"
+    before = [paths.sha256(path) for path in store.files()]
+    workflow.run(["dataset"], jobs=jobs, config=which, more=cli.after_dashes())
+    solutions.forget_asked()
+    changed = [
+        paths.shown(path)
+        for path, sha in zip(store.files(), before, strict=True)
+        if paths.sha256(path) != sha
+    ]
+    print(f"Changed: {', '.join(changed)}." if changed else "No file of the dataset has changed.")
 
-        fail(tasks.build([paths.DATA], jobs=jobs).failures)
-    print("The dataset is up to date: data/force_curves.csv, links.csv, set_ups.csv and others.")
+
+@cli.command("accept", group=cli.data_app, examples=["data accept data/published/claims.csv"])
+def accept_data(files: list[Path] = cli.FILES):
+    """Accept data files that were edited by hand: renew their hashes in data/SHA256SUMS."""
+    from study.dataset import store
+
+    known = {path.resolve(): path for path in store.files()}
+    for file in files:
+        if file.resolve() not in known:
+            raise ValueError(f"FILE must be a file of the dataset, got {file}")
+    store.write_hashes(known[file.resolve()] for file in files)
+    print(f"{paths.shown(store.HASHES)} has the hashes of {', '.join(map(str, files))}.")
 
 
-@cli.command("measure", keeps=True, examples=["measure --chart laws --output times.csv"])
+@cli.command("measure", keeps=True, examples=["measure --method hertz", "measure --chart steppers"])
 def measure_speed(
     output: Path = cli.option("CSV file for the times. Default: data/published/speed.csv."),
     chart: list[str] = cli.option(
         "What to time: laws, solvers, steppers or flexible (links); may be repeated. Default: all."
+    ),
+    method: list[str] = cli.option(
+        "Law or method to time, by the name in the file; may be repeated. Default: all."
     ),
     repeats: int = cli.option(
         "Number of timed calls; one more call before them is not counted.", default=5
@@ -190,8 +171,8 @@ def measure_speed(
 
     The laws take a minute, the solvers and the steppers some minutes each. Without --output the
     times replace those in data/published/speed.csv, from which the charts of speed are drawn and
-    from which study data build computes the costs that study choose compares. Charts that are not
-    timed keep their values, and so do the rows of other programs (make speed times those too).
+    from which study data build computes the costs that study choose compares. Rows of other
+    methods are not changed (make speed times other programs too).
     """
     import pandas as pd
 
@@ -199,9 +180,9 @@ def measure_speed(
     from study.measure import charts
 
     cli.check_output(output, ".csv")
-    measured, frames = charts.measure(chart, repeats), []
+    measured, frames = charts.measure(chart, repeats, method), []
     if output is None:
-        store.verify_files()  # before minutes of timing
+        store.verify([store.SPEED])  # before minutes of timing
     for timed in measured:
         print(f"finished: {timed.chart.iloc[0]}", file=sys.stderr)
         frames.append(timed)

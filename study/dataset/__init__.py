@@ -13,5 +13,5 @@ from study.dataset.store import (
     renewed,
     set_ups,
     summary,
-    verify_files,
+    verify,
 )

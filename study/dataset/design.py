@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 from itertools import groupby
 
 import numpy as np
+import pandas as pd
 
 from study.contact.stiffening import RANGES
 from study.dataset.paper import PAPER_KINEMATICS, R2_STAR
-from study.joint import Joint, Kinematics, Layer, Material
+from study.joint import Joint, Kinematics, Layer, Material, force_curve
 from study.joint.definition import PAPER_SUPPORTS
 
 DEPTHS = tuple(np.round(np.arange(1, 41) * 0.025, 3).tolist())
@@ -169,6 +170,12 @@ DESIGN = (
 def every_case() -> list[Case]:
     """All cases of the design."""
     return [(s.group, name, joint, s.depths) for s in DESIGN for name, joint in s.cases()]
+
+
+def solve(case: Case) -> pd.DataFrame:
+    """Rows of a case, in the columns of the dataset."""
+    group, name, joint, depths = case
+    return pd.DataFrame({"group": group, "case": name} | force_curve(joint, depths).columns())
 
 
 def batches() -> Iterator[list[Case]]:

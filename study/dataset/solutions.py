@@ -1,26 +1,25 @@
-"""Elastic solutions that notebooks show and that take longer than a second.
+"""Elastic solutions that notebooks show: read if they are stored, else solved.
 
-``data/solutions/cases.csv`` is the list of these solutions (their design): a row for each case,
-with its kind, the joint and the other arguments. Each kind has a file of results in the same
-folder, and each row of it names its case. The functions of this module return the stored results of
-a case, or solve it if it is not in the list. Both ways give the same numbers, because arguments and
-results are rounded to 9 significant digits.
-
-``study data record NOTEBOOK`` renews the rows of a notebook in the design.
+``data/solutions/cases.json`` names the joint and the other arguments of each stored solution, and
+each kind has a file of results in the same folder. Stored and solved results are the same numbers,
+because arguments and results are rounded to 9 significant digits. A solution that takes a notebook
+longer than `LONG` is noted in ``build/asked``; ``study data build`` stores it.
 """
 
+import hashlib
 import json
 import os
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import cache
-from pathlib import Path
+from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from study import parameters, provenance
+from study import parameters, paths
 from study.contact import Material
 from study.dataset import store
 from study.joint import DimensionalJoint, Joint, force_curve, tilted_contact, whole_curve
@@ -30,22 +29,22 @@ from study.joint.stress import StressOverDepth, over_depth
 from study.joint.tilted import RESOLUTION
 
 Floats = NDArray[np.float64]
-RECORD_VARIABLE = "STUDY_SOLUTIONS_RECORD"  # file to which a running notebook adds what it needs
-COLUMNS = ("case", "kind", "notebooks", "joint", "arguments")
-"""Columns of the design; ``joint`` and ``arguments`` are JSON."""
+LONG = 1.0  # s of processor time
+ASKED = paths.BUILD / "asked"
 
 
 class Case(NamedTuple):
-    """One solution: a kind of `store.SOLUTIONS`, the joint and the other arguments as JSON."""
+    """One solution: a kind of `store.SOLUTIONS`, and the arguments of the joint and of its kind."""
 
     kind: str
-    joint: str
-    arguments: str
+    joint: dict[str, Any]
+    arguments: dict[str, Any]
 
     @property
     def name(self) -> str:
         """Name in the files: ten digits that follow from the case."""
-        return provenance.sha256("".join(self).encode())[:10]
+        text = self.kind + json.dumps(self.joint) + json.dumps(self.arguments)
+        return hashlib.sha256(text.encode()).hexdigest()[:10]
 
 
 class Curve(NamedTuple):
@@ -116,59 +115,74 @@ def under_load(joint: DimensionalJoint, force: float, tilt: float | None = None)
     return Loaded(**scalars, angle_deg=rows.angle_deg.to_numpy(), pressure=rows.pressure.to_numpy())
 
 
-def design() -> pd.DataFrame:
-    """The design: a table of all stored cases, with the columns `COLUMNS`."""
-    return store.read(store.CASES)
-
-
-def cases() -> dict[Case, set[str]]:
-    """Cases of the design, each with the names of the notebooks that show it."""
-    frame = design()
-    names = frame.notebooks.str.split().map(set)
-    return dict(zip(map(Case._make, frame[[*Case._fields]].to_numpy()), names, strict=True))
-
-
-def batches() -> dict[str, dict[str, list[Case]]]:
-    """Cases of each kind by the notebooks that show them, as their joints have bodies in common."""
-    by_kind: dict[str, dict[str, list[Case]]] = {kind: {} for kind in store.SOLUTIONS}
-    for case, notebooks in cases().items():
-        by_kind[case.kind].setdefault("-".join(sorted(notebooks)), []).append(case)
-    return by_kind
-
-
-def record(notebook: str, needed: Iterable[Case]) -> None:
-    """Replace the rows that the design has for a notebook by the cases that it needs."""
-    by_case = {case: names - {notebook} for case, names in cases().items()}
-    for case in needed:
-        by_case.setdefault(case, set()).add(notebook)
-    rows = [
-        (case.name, case.kind, " ".join(sorted(names)), case.joint, case.arguments)
-        for case, names in by_case.items()
-        if names
-    ]
-    order = pd.DataFrame(rows, columns=COLUMNS).sort_values(["kind", "notebooks"], kind="stable")
-    store.keep(order, store.CASES)
-
-
 def case_of(kind: str, joint: Joint | DimensionalJoint, arguments: dict[str, Any]) -> Case:
     """Case of a joint and the other arguments of its kind."""
-    return Case(kind, json.dumps(_written(joint)), json.dumps(_rounded(arguments)))
+    return Case(kind, _written(joint), _rounded(arguments))
 
 
-def read_joint(case: Case) -> Joint | DimensionalJoint:
+def joint_of(case: Case) -> Joint | DimensionalJoint:
     """Joint of a case."""
-    given = json.loads(case.joint)
+    given = case.joint
     return DimensionalJoint(**given) if case.kind == "loaded" else RatioJoint(**given).joint()
 
 
 def solve(case: Case) -> pd.DataFrame:
     """Results of a case, rounded to 9 significant digits, with the columns of its kind's file."""
-    arguments = json.loads(case.arguments)
-    frame = pd.DataFrame(_SOLVE[case.kind](read_joint(case), **arguments))
+    frame = pd.DataFrame(_SOLVE[case.kind](joint_of(case), **case.arguments))
     numbers = frame.select_dtypes("float").columns
     frame[numbers] = frame[numbers].map(_rounded)
     frame.insert(0, "case", case.name)
     return frame
+
+
+def cases() -> list[Case]:
+    """Cases of the stored solutions."""
+    store.verify([store.CASES])
+    return [Case(**case) for case in json.loads(store.CASES.read_text(encoding="utf-8")).values()]
+
+
+def store_cases(every: Iterable[Case]) -> None:
+    """Write the list of cases, a line for each, and its hash."""
+    lines = [f'"{case.name}": {json.dumps(case._asdict())}' for case in every]
+    with paths.whole(store.CASES) as temporary:
+        temporary.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    store.write_hashes([store.CASES])
+
+
+def adopt_asked() -> int:
+    """Add the cases that notebooks asked for to the list; return how many are new."""
+    known = {case.name: case for case in cases()}
+    asked = [Case(**json.loads(path.read_text())) for path in sorted(ASKED.glob("*.json"))]
+    new = {case.name: case for case in asked if case.name not in known}
+    if new:
+        store_cases([*known.values(), *new.values()])
+    return len(new)
+
+
+def forget_asked() -> None:
+    """Remove the notes of solutions that notebooks asked for, which are stored now."""
+    for path in ASKED.glob("*.json"):
+        path.unlink()
+
+
+def _rows(kind, joint, arguments):
+    """Results of a case, stored or solved now."""
+    case = case_of(kind, joint, arguments)
+    if case.name in (stored := _stored(kind)):
+        return stored[case.name]
+    start = process_time()
+    rows = solve(case)
+    if process_time() - start > LONG and paths.READ_VARIABLE in os.environ:  # in the workflow
+        with suppress(OSError), paths.whole(ASKED / f"{case.name}.json") as temporary:
+            temporary.write_text(json.dumps(case._asdict()))
+    return rows
+
+
+@cache
+def _stored(kind):
+    """Stored results of one kind, by the names of their cases."""
+    frame = store.read(store.SOLUTIONS[kind])
+    return {name: rows.reset_index(drop=True) for name, rows in frame.groupby("case", sort=False)}
 
 
 def _axial(joint, depth_star, **options):
@@ -214,23 +228,6 @@ _SOLVE: dict[str, Callable[..., Any]] = {
     "tilted": _tilted,
     "loaded": _loaded,
 }
-
-
-def _rows(kind, joint, arguments):
-    """Results of a case, stored or solved now."""
-    case = case_of(kind, joint, arguments)
-    if record := os.environ.get(RECORD_VARIABLE):
-        with Path(record).open("a", encoding="utf-8") as file:
-            file.write(json.dumps(case) + "\n")
-    kept = _kept(kind)
-    return kept[case.name] if case.name in kept else solve(case)
-
-
-@cache
-def _kept(kind):
-    """Kept results of one kind, by the names of their cases."""
-    frame = store.read(store.SOLUTIONS[kind])
-    return {name: rows.reset_index(drop=True) for name, rows in frame.groupby("case", sort=False)}
 
 
 def _written(joint):

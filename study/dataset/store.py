@@ -1,21 +1,24 @@
 """Loading and checking the force-depth curves and the other files of numbers.
 
-The curves are in ``data/force_curves.csv``, with one row for each case and depth. The description
-``data/datapackage.json`` (Frictionless Data Package) has the checksum of every file, and a table is
-read only if its checksum agrees. `study.dataset.production` makes both.
+The curves are in ``data/force_curves.csv``, with one row for each case and depth.
+``data/datapackage.json`` (Frictionless Data Package) describes the columns of every table, and
+``data/SHA256SUMS`` has the hash of every file: a table is read only if its hash agrees.
 """
 
-import json
+from collections.abc import Iterable
+from io import StringIO
+from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
-from study import checks, contact, paths, provenance
+from study import checks, contact, paths
 from study.contact.costs import RELATIVE_COSTS
 from study.contact.laws import COEFFICIENTS
 from study.contact.stiffening import TABLE
+from study.dataset.compare import DIGITS, differs
 from study.dataset.paper import PAPER_KINEMATICS
 
 if TYPE_CHECKING:
@@ -24,7 +27,7 @@ if TYPE_CHECKING:
 CURVES = paths.DATA / "force_curves.csv"
 LINKS = paths.DATA / "links.csv"
 SET_UPS = paths.DATA / "set_ups.csv"
-CASES = paths.DATA / "solutions/cases.csv"
+CASES = paths.DATA / "solutions/cases.json"
 SOLUTIONS = {
     "axial": paths.DATA / "solutions/axial_curves.csv",
     "stress": paths.DATA / "solutions/stresses.csv",
@@ -37,16 +40,16 @@ REFERENCES = paths.DATA / "published/joint.csv"
 OTHERS = paths.DATA / "published/others.csv"
 SPEED = paths.DATA / "published/speed.csv"
 PACKAGE = paths.DATA / "datapackage.json"
-MATERIALS = paths.ROOT / "study/contact/materials.csv"  # no import: no curve depends on it
-CONTACT_SIZE = paths.ROOT / "study/pages/report/contact_size.csv"
-PUBLISHED = (TABLES, REFERENCES, OTHERS, SPEED)
-LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, CONTACT_SIZE)
+HASHES = paths.DATA / "SHA256SUMS"
+MATERIALS = paths.STUDY / "contact/materials.csv"
+CONTACT_SIZE = paths.STUDY / "pages/report/contact_size.csv"
+LOOKS = paths.STUDY / "pages/looks.csv"
+LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, CONTACT_SIZE, LOOKS)
 """Files of numbers in the folders of the modules that read them."""
-MEND = "study data build"
 
 
 class DatasetError(checks.StudyError):
-    """The dataset is missing, damaged or outdated; the message names file and remedy."""
+    """The dataset is missing or damaged; the message names file and remedy."""
 
 
 def load(**filters: Any) -> pd.DataFrame:
@@ -54,7 +57,7 @@ def load(**filters: Any) -> pd.DataFrame:
 
     ``datapackage.json`` has the unit and the meaning of every column. A filter is the name of a
     column with a value, or a list of values: only rows with these values are returned. Raises
-    `DatasetError` as `verify` does, and ``ValueError`` if a column or value is unknown or if no row
+    `DatasetError` as `read` does, and ``ValueError`` if a column or value is unknown or if no row
     is left.
     """
     curves = frame = read(CURVES, keep_default_na=False)  # no layers: an empty text
@@ -135,25 +138,26 @@ def measured(chart: str | None = None) -> pd.DataFrame:
 
 
 def keep_measured(frame: pd.DataFrame) -> None:
-    """Write `renewed` times to ``data/published/speed.csv``, and its checksum to the package."""
-    keep(renewed(frame), SPEED, float_format="%.4g")
-
-
-def keep(frame: pd.DataFrame, path: Path, **options: Any) -> None:
-    """Write a table that no build makes, and its checksum to the description."""
-    package = read_package()
-    with paths.whole(path) as temporary:
-        frame.to_csv(temporary, index=False, lineterminator="\n", **options)
-    write_package(package, [path])
+    """Write `renewed` times to ``data/published/speed.csv``, and the hash of this file."""
+    with paths.whole(SPEED) as temporary:
+        renewed(frame).to_csv(temporary, index=False, lineterminator="\n", float_format="%.4g")
+    write_hashes([SPEED])
 
 
 def renewed(frame: pd.DataFrame) -> pd.DataFrame:
-    """New charts, together with the stored rows of other charts and of other programs."""
-    kept, by = measured(), ["chart", "program"]
-    others = ~kept.set_index(by).index.isin(frame.set_index(by).index)
-    order = {chart: n for n, chart in enumerate(kept["chart"].unique())}
-    frame = pd.concat([frame, kept[others]], ignore_index=True)
-    return frame.sort_values("chart", key=lambda names: names.map(order), kind="stable")
+    """New rows in the places of the stored rows of the same chart, program and method.
+
+    A new method comes at the end of its chart, and all other rows are those that are stored.
+    """
+    stored, by = measured(), ["chart", "program", "method"]
+    places: dict[Any, float] = {row.chart: row.Index + 0.5 for row in stored.itertuples()}
+    for row in stored.iloc[::-1].itertuples():
+        places[row.chart, row.program, row.method] = row.Index
+    keys = [tuple(row) for row in frame[by].to_numpy()]
+    others = stored[[tuple(row) not in keys for row in stored[by].to_numpy()]]
+    order = [places.get(key, places.get(key[0], np.inf)) for key in keys] + [*others.index]
+    rows = pd.concat([frame, others], ignore_index=True)
+    return rows.iloc[np.argsort(order, kind="stable")].reset_index(drop=True)
 
 
 def links() -> pd.DataFrame:
@@ -167,79 +171,81 @@ def set_ups() -> pd.DataFrame:
 
 
 def read(path: Path, **options: Any) -> pd.DataFrame:
-    """A table of the dataset, if its checksum is that in the description; see `verify`."""
-    verify(path, read_package())
+    """A table of the dataset. Raises `DatasetError` if it is missing or damaged (`verify`)."""
+    verify([path])
     return pd.read_csv(path, **options)
 
 
-def read_package() -> dict[str, Any]:
-    """Content of ``datapackage.json``, checked for all that is used here.
+def files() -> list[Path]:
+    """Every file of numbers, and the description of the tables."""
+    found = [path for suffix in ("csv", "json") for path in paths.DATA.rglob(f"*.{suffix}")]
+    return [*sorted(path for path in found if not path.parent.name.startswith(".")), *LIBRARY]
 
-    Raises `DatasetError` if it is missing or damaged, which names the remedy.
-    """
+
+def verify(some: Iterable[Path] | None = None) -> None:
+    """Raise `DatasetError` for a file, by default of all, that is not as ``SHA256SUMS`` has it."""
     paths.require_checkout(paths.DATA)
-    name = provenance.name(PACKAGE)
-    remedy = f"restore it with: git checkout -- {name}"
+    stated = _stated_hashes()
+    for path in sorted({*stated, *files()}) if some is None else some:
+        name, hashes = paths.shown(path), paths.shown(HASHES)
+        restore = f"restore both with: git checkout -- {name} {hashes}"
+        if not path.is_file():
+            raise DatasetError(f"{name} is missing; restore it with: git checkout -- {name}")
+        if path not in stated:
+            raise DatasetError(
+                f"{hashes} does not name {name}; restore it with: git checkout -- "
+                f"{hashes}. If you added the file, accept it with: study data accept {name}"
+            )
+        if paths.sha256(path) != stated[path]:
+            raise DatasetError(
+                f"{name} is not the file whose SHA-256 hash is in {hashes}; {restore}. If you "
+                f"edited it, accept it with: study data accept {name}"
+            )
+
+
+def write_hashes(changed: Iterable[Path]) -> None:
+    """Renew the hashes of some files in ``SHA256SUMS``, and leave out files that are gone."""
+    with paths.locked(paths.BUILD / "hashes", wait=True):  # several jobs write tables
+        stated = _stated_hashes() | {path: paths.sha256(path) for path in changed}
+        lines = [
+            f"{sha}  {Path(relpath(path, paths.DATA)).as_posix()}\n"
+            for path, sha in sorted(stated.items())
+            if path.is_file()
+        ]
+        with paths.whole(HASHES) as temporary:
+            temporary.write_text("".join(lines), encoding="utf-8", newline="\n")
+
+
+def _stated_hashes():
+    """Hash of every file that ``SHA256SUMS`` names, in the form that ``sha256sum`` reads."""
     try:
-        package = json.loads(PACKAGE.read_text(encoding="utf-8"))
-        package["provenance"]["design"], package["provenance"]["made_by"]
-        stated = _stated_hashes(package)
-        for resource in package["resources"]:
-            if resource["path"] == CURVES.name:
-                [(field["name"], field["type"]) for field in resource["schema"]["fields"]]
-        for path in (CURVES, LINKS, SET_UPS, CASES, *SOLUTIONS.values(), *PUBLISHED, *LIBRARY):
-            stated[path]
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        raise DatasetError(f"{name} is missing or damaged; {remedy}") from None
-    return package
+        lines = HASHES.read_text(encoding="utf-8").splitlines()
+        pairs = [line.split("  ", 1) for line in lines]
+        return {(paths.DATA / name).resolve(): sha for sha, name in pairs}
+    except (OSError, ValueError):
+        name = paths.shown(HASHES)
+        restore = f"restore it with: git checkout -- {name}"
+        raise DatasetError(f"{name} is missing or damaged; {restore}") from None
 
 
-def _stated_hashes(package):
-    """The hash of every file that the description names, by its path."""
-    resources = {paths.DATA / r["path"]: r["hash"] for r in package["resources"] if r["origin"]}
-    library = package["provenance"]["library_sha256"]
-    stated = resources | {paths.ROOT / name: sha for name, sha in library.items()}
-    return {path: text.removeprefix("sha256:") for path, text in stated.items()}
+def as_csv(frame: pd.DataFrame, name: str) -> str:
+    """Text of a table with 9 significant digits, or fewer as `study.dataset.compare.DIGITS` says.
 
-
-def verify(path: Path, package: dict[str, Any]) -> None:
-    """Raise `DatasetError` if a file is missing, or if its checksum is not that in the description.
-
-    By hashlib: frictionless (`production`) would take a second to import at every load.
+    The digits that are left out differ on another processor.
     """
-    name, description = provenance.name(path), f"data/{PACKAGE.name}"
-    # the description too: its hash may be the one that is wrong
-    remedy = f"restore it with: git checkout -- {name} {description}"
-    if name in package["provenance"]["made_by"]:
-        remedy += f", or rebuild it with: {MEND}"
-    if not path.is_file():
-        raise DatasetError(f"{name} is missing; {remedy}")
-    if not is_as_stated(path, package):
-        why = f"or its SHA-256 checksum in {description} is: they do not agree"
-        raise DatasetError(f"{name} is damaged ({why}); {remedy}")
+    frame = frame.copy()
+    for column, digits in DIGITS.get(name, {}).items():
+        frame[column] = [float(f"{value:.{digits}g}") for value in frame[column]]
+    return frame.to_csv(index=False, float_format="%.9g", lineterminator="\n")
 
 
-def is_as_stated(path: Path, package: dict[str, Any]) -> bool:
-    """Whether a file exists and has the checksum that is in the description."""
-    stated = _stated_hashes(package)[path]
-    return path.is_file() and stated == provenance.sha256(path.read_bytes())
-
-
-def verify_files() -> None:
-    """`verify` every data file."""
-    package = read_package()
-    for path in _stated_hashes(package):
-        verify(path, package)
-
-
-def write_package(package: dict[str, Any], changed: list[Path]) -> None:
-    """Write the description, with the present size and checksum of changed files."""
-    for resource in package["resources"]:
-        if (path := paths.DATA / resource["path"]) in changed:
-            resource["bytes"] = path.stat().st_size
-            resource["hash"] = f"sha256:{provenance.sha256(path.read_bytes())}"
-    with paths.whole(PACKAGE) as temporary:
-        temporary.write_text(json.dumps(package, indent=2) + "\n", encoding="utf-8")
+def write_table(frame: pd.DataFrame, path: Path) -> None:
+    """Write a table and its hash, unless it agrees with the stored file."""
+    text = as_csv(frame, path.stem)
+    if not path.is_file() or differs(path, StringIO(text), path.stem):
+        with paths.whole(path) as temporary:
+            temporary.write_text(text, encoding="utf-8", newline="\n")
+        write_hashes([path])
 
 
 def summary(frame: pd.DataFrame) -> pd.DataFrame:

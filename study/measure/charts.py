@@ -54,32 +54,54 @@ LONGEST_STEPS = {"centred": 2e-6, "velocity Verlet": 1e-6, "RK4": 1e-6}
 TOLERANCES = (1e-8, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)  # of the study's stepper
 
 
-def measure(chart: list[Chart] | None = None, repeats: int = 5) -> Iterator[pd.DataFrame]:
+def methods() -> dict[str, list[str]]:
+    """Names of the methods of this study in each chart."""
+    return {
+        "laws": [*LAWS, "tabulated", "solver"],
+        "solvers": [*SOLVERS],
+        "steppers": [OURS, *explicit.SCHEMES],
+        "flexible": [*flexible.MODELS],
+    }
+
+
+def measure(
+    chart: list[Chart] | None = None, repeats: int = 5, method: list[str] | None = None
+) -> Iterator[pd.DataFrame]:
     """Time one chart after the other on this machine.
 
     Parameters
     ----------
     chart
-        Charts to time; by default all.
+        Charts to time; by default all, or those that have the given methods.
     repeats
         Number of timed calls, after one call that is not counted. For laws it is three times as
         large.
+    method
+        Laws or methods to time, by their names; by default all. The first method of the chart is
+        timed with them, because times are relative to it.
     """
     wanted = [checks.choice("chart", name, CHARTS) for name in chart or CHARTS]
+    known = [name for of in wanted for name in methods()[of]]
+    names = [checks.choice("method", name, tuple(known)) for name in method or known]
     repeats = checks.whole("repeats", repeats, least=1)
-    return (timed(name, repeats) for name in wanted)
+    return (timed(of, repeats, names) for of in wanted if set(names) & set(methods()[of]))
 
 
-def timed(chart: Chart, repeats: int, others: Sequence[Run] = ()) -> pd.DataFrame:
-    """One chart; for all but laws together with the runs of other programs."""
+def timed(
+    chart: Chart, repeats: int, names: Sequence[str], others: Sequence[Run] = ()
+) -> pd.DataFrame:
+    """Rows of some methods of a chart, and of the runs of other programs."""
     if chart == "laws":
-        return laws(3 * repeats)
-    runs = {"solvers": solvers, "steppers": steppers, "flexible": flexible.runs}[chart]()
-    return timing.chart(chart, [*runs, *others], repeats)
+        frame = laws(3 * repeats, names)
+    else:
+        runs = list({"solvers": solvers, "steppers": steppers, "flexible": flexible.runs}[chart]())
+        some = [runs[0], *(run for run in runs[1:] if run.method in names), *others]
+        frame = timing.chart(chart, some, repeats)
+    return frame[frame.method.isin(names) | (frame.program != "ours")].reset_index(drop=True)
 
 
-def laws(repeats: int = 15) -> pd.DataFrame:
-    """Time and error of every law, `tabulated` and the elastic solution; Hertz's law is first."""
+def laws(repeats: int, names: Sequence[str]) -> pd.DataFrame:
+    """Time and error of some laws, `tabulated` and the elastic solution; Hertz's law is first."""
     solved = tabulated(whole_curve(PAPER))
     exact = force_curve(PAPER, LAW_DEPTHS, FINEST).force_star
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
@@ -88,6 +110,8 @@ def laws(repeats: int = 15) -> pd.DataFrame:
     add_law(DimensionalLaw("hertz", **SIZES).packed(), depths[:2])  # compiled here, not counted
     rows = []
     for name, law in (LAWS | {"tabulated": solved}).items():
+        if name not in ("hertz", *names):
+            continue
         options = law_parameters(law, PAPER)
         packed = DimensionalLaw(law, **SIZES, **options).packed()
         times, _ = timing.timed(partial(add_law, packed, depths), repeats)

@@ -10,11 +10,10 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from study import paths, provenance
+from study import paths
 from study.checks import StudyError
 
 FILE = paths.NOTEBOOKS / "catalogue.toml"
-LONGEST_FOLDER = 100  # name of a folder for settings, in characters
 
 
 @dataclass(frozen=True)
@@ -57,12 +56,13 @@ class Result:
 
     def size(self) -> list[int]:
         """Width and height of the image at 100 of its 200 dots per inch."""
-        header = (paths.FIGURES / f"{self.name}.png").read_bytes()[16:24]
+        header = paths.read_result(f"{self.name}.png").read_bytes()[16:24]
         return [int.from_bytes(header[k : k + 4], "big") // 2 for k in (0, 4)]
 
     def rows(self) -> list[list[str]]:
         """Lines of its CSV, head first."""
-        with open(paths.FIGURES / f"{self.name}.csv", encoding="utf-8", newline="") as file:
+        path = paths.read_result(f"{self.name}.csv")
+        with path.open(encoding="utf-8", newline="") as file:
             return list(csv.reader(file))
 
 
@@ -71,30 +71,13 @@ class Notebook:
     """A notebook, by its file name without suffix, and the results it makes, by their names.
 
     It ``reads`` the numbers of results of other notebooks. A ``long`` one takes longer than most,
-    so that it begins first. ``settings`` are parameters other than the defaults.
+    so that it begins first.
     """
 
     name: str
     results: dict[str, Result] = field(default_factory=dict)
     reads: list[str] = field(default_factory=list)
     long: bool = False
-    settings: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def identifier(self) -> str:
-        """Its name, with the settings if it has any: ``03-force: r2_star=100``."""
-        return f"{self.name}: {self.folder.name}" if self.settings else self.name
-
-    @property
-    def folder(self) -> Path:
-        """Where its results go: ``figures/``, or ``build/with/r2_star=100/`` for such settings."""
-        if not self.settings:
-            return paths.FIGURES
-        stated = ",".join(f"{key}={value}" for key, value in sorted(self.settings.items()))
-        name = re.sub(r"[^\w.,=+-]", "", re.sub(r"\.0\b", "", stated))
-        if len(name) > LONGEST_FOLDER:  # which not every file system takes
-            name = f"{name[:LONGEST_FOLDER]}-{provenance.sha256(name.encode())[:10]}"
-        return paths.BUILD / "with" / name
 
     @property
     def path(self) -> Path:
@@ -102,42 +85,19 @@ class Notebook:
         return paths.NOTEBOOKS / f"{self.name}.ipynb"
 
     @property
+    def executed(self) -> Path:
+        """Where its executed copy goes, which is the name of its target in the Snakefile."""
+        return paths.BUILD / "notebooks" / self.path.name
+
+    @property
     def title(self) -> str:
         """First line of its text."""
         cell = json.loads(self.path.read_text(encoding="utf-8"))["cells"][0]
         return "".join(cell["source"]).partition("\n")[0].removeprefix("# ")
 
-    @property
-    def executed(self) -> Path:
-        """Where the executed copy goes."""
-        folder = self.folder if self.settings else paths.BUILD / "notebooks"
-        return folder / self.path.name
-
-    @property
-    def compared(self) -> Path:
-        """Where its task says how its results compare with the kept ones."""
-        return paths.BUILD / f"compared/{self.name}.json"
-
     def files(self) -> list[str]:
         """File names of its results."""
         return [file for result in self.results.values() for file in result.files]
-
-    def products(self) -> list[Path]:
-        """Files that its task makes."""
-        results = [self.folder / name for name in self.files()]
-        return [*results, self.executed, *([] if self.settings else [self.compared])]
-
-    def digest(self) -> str:
-        """Digest of what decides its results, without the results of others that it reads."""
-        names = [*self.results, *self.reads]
-        return provenance.digest(self.inputs(), names, sorted(self.settings.items()))
-
-    def inputs(self) -> list[Path]:
-        """Itself, the code it reaches by imports, and the data that this reads."""
-        try:
-            return provenance.inputs(self.path)
-        except (SyntaxError, ValueError, KeyError):  # no notebook, or no Python: its run says so
-            return [self.path]
 
 
 def notebook(name: str, entry: Mapping[str, Any]) -> Notebook:

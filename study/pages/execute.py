@@ -1,27 +1,24 @@
-"""Check the parameters of notebooks, run outdated ones as tasks, execute one by papermill.
-
-A notebook is executed in a kernel with separate folders (`study.pages.kernel`). Nothing in the
-calling process changes, so that several threads may execute notebooks at the same time.
-"""
+"""Execute a notebook by papermill, after its parameters are checked."""
 
 import ast
 import json
 import os
 import re
-from functools import cache
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
-from study import checks, paths
-from study.contact import LAWS
-from study.pages import baseline, tasks
-from study.pages.catalogue import Notebook, check_claims
+from study import checks, paths, threads
+from study.pages.catalogue import Notebook
 
 _COMMENT = re.compile(r"(.*?)\s*(?:\[([^][]*)\])?")  # meaning and values allowed
-PARAMETERS_VARIABLE = "STUDY_PARAMETERS"  # hands parameters to notebooks/task_notebooks.py
 _RETURNED = re.compile(
     r"\[|Text\(|<\w*(matplotlib|Axes|Container)|\(array\("
 )  # by a call for a plot
 _OTHER_NUMBER = re.compile(r"\d_\d|\b0[xob]", re.IGNORECASE)  # Python's own: 1_00, 0x64
+LONGEST_FOLDER = 100  # name of a folder for parameters, in characters
 
 
 class NotebookError(checks.StudyError):
@@ -67,8 +64,8 @@ def check_parameters(notebooks: list[Notebook], settings: list[str]) -> dict[str
     """Turn settings ``key=value`` into parameters; each notebook gets those it has.
 
     Papermill itself only warns of an unknown parameter and runs the default. A value is a Python
-    literal or a bare word. The default is left out. Raises ``ValueError`` for no ``=``, an unknown
-    parameter, or a value of another type or range.
+    literal or a bare word. Raises ``ValueError`` for no ``=``, an unknown parameter, a value of
+    another type or range, or a notebook that has none of the parameters.
     """
     known = {nb.name: parameters(nb) for nb in notebooks} if settings else {}
     chosen = {nb.name: {} for nb in notebooks}
@@ -88,8 +85,9 @@ def check_parameters(notebooks: list[Notebook], settings: list[str]) -> dict[str
             default, allowed, _ = known[name][key]
             converted = _as_default(key, value, default)
             check_range(key, converted, allowed)
-            if converted != default:
-                chosen[name][key] = converted
+            chosen[name][key] = converted
+    for name in (name for name, given in chosen.items() if settings and not given):
+        raise ValueError(f"{name} has none of the given parameters; leave it out")
     return chosen
 
 
@@ -112,98 +110,118 @@ def check_range(key: str, value: Any, allowed: str) -> None:
         if to:
             checks.number(f"parameter {key}", item, least=float(low), most=float(high))
         elif allowed:
+            from study.contact import LAWS
+
             names = LAWS if allowed == "a law" else allowed.split(", ")
             checks.choice(f"parameter {key}", item, tuple(names))
 
 
-def run(notebooks: list[Notebook], *, report: bool = False, **options: Any) -> tasks.Built:
-    """Run outdated notebooks, and the outdated ones that they read from, as pytask tasks.
-
-    The options and errors are those of `study.pages.tasks.build`. Paper and report need all
-    notebooks.
-    """
-    settings = {nb.name: nb.settings for nb in notebooks if nb.settings}
-    os.environ[PARAMETERS_VARIABLE] = json.dumps(settings, sort_keys=True)
-    if options.get("jobs") is None and len(notebooks) == 1 and not notebooks[0].reads:
-        options["jobs"] = 1  # a worker would only have to start
-    folders = [paths.NOTEBOOKS, *([paths.PAPER] if report else [])]
-    return tasks.build(folders, "task_report" if report else _expression(notebooks), **options)
+def folder_with(given: Mapping[str, Any]) -> Path:
+    """Folder for the results with other parameters, such as ``build/with/r2_star=100``."""
+    stated = ",".join(f"{key}={value}" for key, value in sorted(given.items()))
+    name = re.sub(r"[^\w.,=+-]", "", re.sub(r"\.0\b", "", stated))
+    if len(name) > LONGEST_FOLDER:  # which not every file system takes
+        name = f"{name[:LONGEST_FOLDER]}-{paths.digest([], name)}"
+    return paths.BUILD / "with" / name
 
 
-def outdated(notebooks: list[Notebook]) -> list[str]:
-    """Names of the outdated notebooks among some (`study.pages.tasks.outdated`)."""
-    found = set(tasks.outdated([paths.NOTEBOOKS], _expression(notebooks)))
-    return [notebook.name for notebook in notebooks if notebook.name in found]
+def execute(
+    notebook: Notebook, results: Path, executed: Path, given: Mapping[str, Any] | None = None
+) -> None:
+    """Execute a notebook, and put its results in a folder once every cell has succeeded.
 
-
-def _expression(notebooks):
-    """Expression of pytask for the tasks of notebooks, which cannot have "=" or ","."""
-    return " or ".join(f"[{nb.name}{':' if nb.settings else ']'}" for nb in notebooks)
-
-
-def execute(notebook: Notebook) -> None:
-    """Execute one notebook with its settings, and keep its executed copy.
-
-    If every cell succeeds, its results are compared with the kept ones (`baseline.take_over`).
-    Those made with settings go to a separate folder. Raises `NotebookError` if a cell fails, or
-    a result is missing or not in the catalogue, and `study.checks.StudyError` if data are damaged
-    or a claim cannot be judged.
+    The executed copy is written last. Raises `NotebookError` if a cell fails, a result is missing
+    or not in the catalogue, or a file on which the results depend was edited meanwhile; the cells
+    that were run are then in ``build/failed``.
     """
     import papermill
     from nbformat.reader import NotJSONError
 
-    from study.pages import kernel
-
-    _check_inputs()
+    begun, failed = time.time(), paths.BUILD / "failed" / notebook.path.name
+    failed.unlink(missing_ok=True)
     paths.BUILD.mkdir(exist_ok=True)
     with paths.scratch() as folder, paths.scratch(paths.BUILD) as work:
-        results, executed = work / "results", work / notebook.path.name
-        results.mkdir()
+        made, copy = work / "results", work / notebook.path.name
+        made.mkdir()
+        os.environ |= threads.ONE | {
+            paths.WRITE_VARIABLE: str(made),
+            "PYTHONPATH": os.pathsep.join([str(paths.ROOT), os.environ.get("PYTHONPATH", "")]),
+            "PYTHONUTF8": "1",
+            "IPYTHONDIR": str(folder / "ipython"),  # not the user's settings
+        }
         try:
             papermill.execute_notebook(
                 notebook.path,
-                executed,
-                parameters=notebook.settings,
+                copy,
+                parameters=dict(given or {}),
+                cwd=folder,
                 kernel_name="python3",
                 progress_bar=False,
                 request_save_on_cell_execute=False,  # but once, at the end
-                kernel_manager_class=kernel.manager(folder, results),
+                shutdown_kernel="immediate",  # its results are written
+                kernel_manager_class=_kernel(folder),
             )
+            _refuse_edited(notebook, begun)
+            _refuse_returned(notebook, copy)
+            _refuse_other_files(notebook, {path.name for path in made.iterdir()})
         except papermill.PapermillExecutionError as error:
             where = f"{notebook.name}, cell In[{error.exec_count}]"
-            raise NotebookError(f"{where}: {error.ename}: {error.evalue}") from None
+            seen = f"the cells that were run are in {paths.shown(failed)}"
+            reason = f"{error.ename}: {error.evalue}".rstrip(". ")
+            paths.copy(copy, failed)
+            raise NotebookError(f"{where}: {reason}; {seen}") from None
         except NotJSONError:
             raise NotebookError(f"{notebook.name}: the file is not a notebook") from None
-        finally:
-            if executed.is_file():
-                paths.copy(executed, notebook.executed)
-        refuse_returned(notebook)
-        wanted, made = set(notebook.files()), {path.name for path in results.iterdir()}
-        if missing := ", ".join(sorted(wanted - made)):
-            raise NotebookError(f"{notebook.name} did not save {missing}")
-        if extra := ", ".join(sorted(made - wanted)):
-            raise NotebookError(
-                f"{notebook.name} saved {extra}, which notebooks/catalogue.toml does not name"
-            )
-        if notebook.settings:
-            for name in notebook.files():
-                paths.copy(results / name, notebook.folder / name)
-        else:
-            baseline.take_over(results, notebook)
+        for name in notebook.files():
+            paths.copy(made / name, results / name)
+        paths.copy(copy, executed)
 
 
-@cache
-def _check_inputs():
-    """Refuse damaged data and wrong claims, once in each process and before a notebook runs."""
-    from study import dataset
+def _kernel(folder):
+    """Class of a kernel of this interpreter, connected by files in a folder.
 
-    dataset.verify_files()
-    check_claims()
+    Kernels that start at the same time may share the TCP ports of jupyter_client's default.
+    """
+    from jupyter_client import AsyncKernelManager
+    from jupyter_client.kernelspec import KernelSpec
+
+    places = {"connection_file": str(folder / "kernel.json")}
+    if os.name == "posix":
+        places |= {"transport": "ipc", "ip": str(folder / "socket")}
+    # it would print that it was interrupted, which comes before each shutdown
+    launcher = [sys.executable, "-m", "ipykernel_launcher", "--log-level=50"]
+
+    class Kernel(AsyncKernelManager):
+        kernel_spec = KernelSpec(argv=[*launcher, "-f", "{connection_file}"], language="python")
+
+        def __init__(self, **options):
+            super().__init__(**(options | places))
+
+    return Kernel
 
 
-def refuse_returned(notebook: Notebook) -> None:
-    """Refuse an executed notebook with what a call for a plot returns, by a `NotebookError`."""
-    for cell in json.loads(notebook.executed.read_text(encoding="utf-8"))["cells"]:
+def _refuse_edited(notebook, begun):
+    """Refuse results that may be of two versions of a file."""
+    for path in (notebook.path, *paths.STUDY.rglob("*.py")):
+        if path.stat().st_mtime > begun:
+            edited = f"{paths.shown(path)} was edited while it ran"
+            raise NotebookError(f"{notebook.name}: {edited}; run it again")
+
+
+def _refuse_other_files(notebook, made):
+    """Refuse results that are missing or not in the catalogue."""
+    wanted = set(notebook.files())
+    if missing := ", ".join(sorted(wanted - made)):
+        raise NotebookError(f"{notebook.name} did not save {missing}")
+    if extra := ", ".join(sorted(made - wanted)):
+        raise NotebookError(
+            f"{notebook.name} saved {extra}, which notebooks/catalogue.toml does not name"
+        )
+
+
+def _refuse_returned(notebook, executed):
+    """Refuse an executed notebook that shows what a call for a plot returns."""
+    for cell in json.loads(executed.read_text(encoding="utf-8"))["cells"]:
         for data in (output.get("data", {}) for output in cell.get("outputs", ())):
             text = "".join(data["text/plain"]) if [*data] == ["text/plain"] else ""
             if _RETURNED.match(text):

@@ -9,6 +9,7 @@ figure is scaled down. No text may be smaller than 7 pt there, so a figure is at
 and its text at least `SMALLEST`: 9 pt * 6.61 / 8.4 = 7.08 pt, sub- and superscripts aside.
 """
 
+import os
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 from pandas.io.formats.style import Styler
 
 from study import checks, paths
+from study.pages import catalogue
 
 WIDEST = 8.4
 """Largest width of a figure, in inches."""
@@ -83,6 +85,7 @@ MODEL_LOOKS = _looks("model")
 METHOD_LOOKS = _looks("method")
 """Solvers of the joint and steppers of the mechanism, by the names in `study.measure.charts`."""
 
+_SAID: set[Path] = set()
 _style = ExitStack()  # entered by `new`, left by `save`
 
 
@@ -124,19 +127,34 @@ def draw_model(axes: Axes, model: str, time: ArrayLike, values: ArrayLike) -> No
 
 
 def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
-    """Write ``figures/name.png`` and what it draws to ``figures/name.csv``, and show the image.
+    """Write ``name.png``, what it draws to ``name.csv``, and show the image.
+
+    A job of the workflow collects both in ``build/results``. In a notebook that is run in another
+    way, they are written to a folder in ``build/scratch``, which is said once.
 
     Raises ``ValueError`` if a text is smaller than `SMALLEST`, or a number is not finite.
     """
     least = min(figure.findobj(Text), key=Text.get_fontsize)
     what = f"size of the text {least.get_text()!r} in {name}"
     checks.number(what, least.get_fontsize(), "pt", least=SMALLEST)
-    path = paths.results() / f"{name}.png"
+    path = _folder(name) / f"{name}.png"
     with _style:
         save_table(numbers, name)
         with paths.whole(path) as temporary:
             figure.savefig(temporary, metadata={"Software": None})
     display(Image(path, width=round(72 * figure.get_figwidth())))
+
+
+def _folder(name):
+    """Folder for the files of a result: that of the workflow's job, else one for experiments."""
+    if given := os.environ.get(paths.WRITE_VARIABLE):
+        return Path(given)
+    (number,) = {r.notebook[:2] for r in catalogue.results() if r.name == name} or {"others"}
+    folder = paths.BUILD / "scratch" / number
+    if folder not in _SAID:
+        _SAID.add(folder)
+        print(f"This is no run of the workflow: results are written to {paths.shown(folder)}.")
+    return folder
 
 
 def as_saved(numbers: Any, digits: int = DIGITS) -> Any:
@@ -160,7 +178,7 @@ def as_saved(numbers: Any, digits: int = DIGITS) -> Any:
 
 
 def save_table(table: pd.DataFrame, name: str) -> None:
-    """Write a table to ``figures/name.csv``, with 9 significant digits: see `as_saved`.
+    """Write a table to ``name.csv`` where `save` does, with 9 significant digits: see `as_saved`.
 
     Raises ``ValueError`` if a number of the table is NaN or infinite.
     """
@@ -169,7 +187,7 @@ def save_table(table: pd.DataFrame, name: str) -> None:
     if bad.any():
         column = numeric.columns[bad.any(axis=0)][0]
         raise ValueError(f"all numbers of {name} must be finite, but column {column!r} has others")
-    with paths.whole(paths.results() / f"{name}.csv") as temporary:
+    with paths.whole(_folder(name) / f"{name}.csv") as temporary:
         saved = as_saved(table)
         saved.to_csv(temporary, index=False, float_format=f"%.{DIGITS}g", lineterminator="\n")
 

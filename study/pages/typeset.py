@@ -20,7 +20,7 @@ def typeset_all() -> None:
 
 
 def typeset(source: Path = SOURCE, output: Path = PDFS[0]) -> None:
-    """Typeset a text of the project from the results in ``figures/`` and the data.
+    """Typeset a text of the project from the data and the results (`study.paths.read_result`).
 
     Only Typst's own fonts are used, and no date is written: the bytes are the same every time.
     Raises `study.checks.StudyError` if a number, figure or reference is missing, or Typst warns.
@@ -37,8 +37,10 @@ def typeset(source: Path = SOURCE, output: Path = PDFS[0]) -> None:
 
 
 def options() -> dict[str, Any]:
-    """Options of Typst's compiler: the root of all files, and no fonts but those it brings."""
-    return {"root": paths.ROOT, "ignore_system_fonts": True}
+    """Options of Typst's compiler: root and results, and no fonts but those it brings."""
+    results = paths.read_result("").relative_to(paths.ROOT).as_posix()
+    given = {"results": f"/{results}"}
+    return {"root": paths.ROOT, "ignore_system_fonts": True, "sys_inputs": given}
 
 
 def _in_one_line(problem) -> str:

@@ -8,8 +8,12 @@ end, in the order of the cases, with the same bytes for any number of processes.
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
 import csv
+import hashlib
 import json
 import os
+import signal
+import threading
+import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import Executor, as_completed
 from contextlib import closing, contextmanager, suppress
@@ -19,7 +23,7 @@ from typing import Any, NamedTuple
 
 from loky import ProcessPoolExecutor, cpu_count
 
-from study import checks, paths, provenance, workers
+from study import checks, paths
 from study.checks import StudyError
 from study.sweep import cases as of_cases
 from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind, Rows
@@ -151,16 +155,16 @@ def run_study(
 
 
 def _code() -> str:
-    """Digest of the code and of the versions of the packages that decide a result."""
-    files = provenance.inputs(Path(of_cases.__file__))
-    return provenance.digest(files, *(version(package) for package in _PACKAGES))
+    """Digest of the library and of the versions of the packages that decide a result."""
+    library = paths.sources("contact", "joint", "mechanism")
+    return paths.digest(library, *(version(package) for package in _PACKAGES))
 
 
 def _keys(form, cases, own):
     """Key of each case, whatever its number, name, own columns and the order of its columns."""
     code, no_value = _code(), {NAME, *own}
     values = (sorted(pair for pair in case.items() if pair[0] not in no_value) for case in cases)
-    return [provenance.digest([], code, form, of_case) for of_case in values]
+    return [paths.digest([], code, form, of_case) for of_case in values]
 
 
 class _Part:
@@ -212,7 +216,7 @@ class _Part:
 
     @staticmethod
     def _checksum(content):
-        return provenance.sha256(content)[:32].encode()
+        return hashlib.sha256(content).hexdigest()[:32].encode()
 
     def _read(self, line):
         checksum, _, content = line.rstrip(b"\n").partition(b" ")
@@ -269,13 +273,49 @@ def _solved(
 @contextmanager
 def _executor(count: int, dask_address: str | None) -> Iterator[Executor]:
     if dask_address is not None:
-        with workers.dask_client(dask_address) as client:
+        with _dask_client(dask_address) as client:
             yield client.get_executor(pure=False)
         return
-    executor = ProcessPoolExecutor(count, initializer=workers.begin, initargs=(os.getpid(),))
+    executor = ProcessPoolExecutor(count, initializer=_begin, initargs=(os.getpid(),))
     try:
         yield executor
     except BaseException:
         executor.shutdown(kill_workers=True)
         raise
     executor.shutdown()
+
+
+def _begin(runner: int) -> None:
+    """Prepare a worker: it ignores Ctrl-C, as its runner stops it, and ends soon after its runner.
+
+    The runner, a process number, may be killed without ending its workers.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def watch():
+        while os.getppid() == runner:
+            time.sleep(1)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def _dask_client(address: str) -> Any:
+    """Client of a Dask scheduler that answers and has workers, or raise `StudyError`."""
+    try:
+        from distributed import Client
+    except ImportError:
+        remedy = "install it with: pip install '.[dask]'"
+        raise StudyError(f"--dask requires the package distributed; {remedy}") from None
+    try:
+        client = Client(address, timeout=5)
+    except (OSError, ValueError) as error:
+        raise StudyError(
+            f"no Dask scheduler answers at {address} ({error}); check its address and that it runs"
+        ) from None
+    if not client.nthreads():
+        client.close()
+        raise StudyError(
+            f"the Dask scheduler at {address} has no workers; start one with: dask worker {address}"
+        )
+    return client

@@ -5,9 +5,9 @@ from study.dataset import store
 from study.measure import charts
 
 if __name__ == "__main__":
-    store.verify_files()  # before minutes of timing
+    store.verify()  # before minutes of timing
     for chart, others in OTHERS.items():
-        frame = charts.timed(chart, 5, list(others()))
+        frame = charts.timed(chart, 5, charts.methods()[chart], list(others()))
         store.keep_measured(frame)
         programs = ", ".join(frame.program.unique())
         print(f"timed {chart} of {programs} on {frame.machine.iloc[0]}", flush=True)

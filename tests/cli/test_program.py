@@ -1,5 +1,6 @@
 """The program as a user types it: help, one-line errors, exit statuses, tables on a terminal."""
 
+import math
 import re
 import shlex
 import subprocess
@@ -58,14 +59,15 @@ def test_every_option_is_explained_and_every_number_has_its_unit(run, words):
             assert re.search(UNIT, explained), (words, parameter.name)
 
 
-LONG = ("run", "report", "paper", "measure", "data check", "data build", "data record")
-"""Commands whose examples other tests run, or which take minutes."""
+LONG = ("run", "accept", "report", "paper", "measure", "data check", "data build", "data accept")
+"""Commands whose examples take minutes, or change files of the project."""
 
 
 @pytest.mark.parametrize("words", [*commands(PROGRAM)])
 def test_examples_of_the_help_run(run, words, monkeypatch, tmp_path):
     if " ".join(words) in LONG:
-        pytest.skip("it takes minutes")
+        pytest.skip("it takes minutes, or changes files of the project")
+    monkeypatch.setattr("study.cli.sweep.PLAIN_EVERY", math.inf)  # s: no progress if it is slow
     (tmp_path / "examples").symlink_to(paths.ROOT / "examples")
     monkeypatch.chdir(tmp_path)
     shown = found(words).epilog.replace("\\\n", "").splitlines()[2:]
@@ -183,9 +185,10 @@ def test_what_is_being_done_is_told_on_a_terminal_until_it_is(monkeypatch, capsy
         assert [line.removesuffix("\x1b[K") for line in lines] == told
 
 
-def test_no_dask_scheduler_is_one_line_and_status_1(run):
+def test_no_dask_scheduler_is_one_line_and_status_1(run, tmp_path):
     pytest.importorskip("distributed")
-    status, _, err = run("run", "fig09", "--dask", "tcp://127.0.0.1:9")
+    words = ("--random", 2, "--range", "r2_star=50:90", "--output", tmp_path / "x.csv")
+    status, _, err = run("sweep", "joints", *words, "--dask", "tcp://127.0.0.1:9")
     assert (status, err.count("\n")) == (1, 1)
     assert err.startswith("study: no Dask scheduler answers at tcp://127.0.0.1:9")
 
@@ -207,7 +210,7 @@ def interrupt(*_, **__):
     ("called", "kept", "words"),
     [
         ("study.dataset.load", "", ["data", "show"]),
-        ("study.dataset.production.to_make", options.KEPT, ["data", "build"]),
+        ("study.pages.workflow.run", options.KEPT, ["data", "build"]),
     ],
 )
 def test_interruption_is_one_line_and_status_130(run, monkeypatch, called, kept, words):

@@ -9,10 +9,8 @@ import pytest
 from study import contact, dataset, paths
 from study.cli import output
 from study.contact import materials
-from study.dataset import solutions, store
-from study.joint import Joint
+from study.dataset import store
 from study.measure import timing
-from study.pages import catalogue, execute
 
 
 def test_materials_are_csv_where_piped(run):
@@ -86,10 +84,35 @@ def test_cases_that_are_not_there(run, words, message):
 
 
 def test_missing_data_is_one_line_and_status_1(run, monkeypatch):
-    monkeypatch.setattr(store, "PACKAGE", paths.ROOT / "missing.json")
+    monkeypatch.setattr(store, "CURVES", paths.DATA / "missing.csv")
     status, _, err = run("data", "show")
     assert (status, err.count("\n")) == (1, 1)
-    assert err.startswith("study: missing.json is missing or damaged; restore it with: git")
+    assert err.startswith("study: data/missing.csv is missing; restore it with: git checkout")
+
+
+def test_a_check_says_what_it_found(run):
+    status, out, err = run("data", "check", "--sample", 1, "--jobs", 1)
+    assert (status, err) == (0, "")
+    assert [line.split()[0] for line in out.splitlines()[2:]] == [
+        "hashes",
+        "description",
+        "cases",
+        "solved",
+    ]
+    assert run("data", "check", "--sample", 0)[::2] == (2, "study: sample must be >= 1, got 0\n")
+
+
+def test_only_files_of_the_dataset_are_accepted(run, tmp_path, monkeypatch):
+    hashed = []
+    monkeypatch.setattr(store, "write_hashes", hashed.extend)
+    file = paths.DATA / "published/claims.csv"
+    status, _, err = run("data", "accept", file)
+    assert (status, err, hashed) == (0, "", [file])
+    status, _, err = run("data", "accept", tmp_path / "x.csv")
+    assert (status, err) == (
+        2,
+        f"study: FILE must be a file of the dataset, got {tmp_path}/x.csv\n",
+    )
 
 
 def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch):
@@ -105,30 +128,20 @@ def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch)
     assert store.SPEED.read_bytes() == kept
 
 
-def test_kept_solutions_are_listed_and_printed(run):
-    listed = pd.read_csv(StringIO(run("data", "solutions")[1]))
-    assert tuple(listed) == solutions.COLUMNS
-    assert set(" ".join(listed.notebooks).split()) <= {nb.name for nb in catalogue.CATALOGUE}
-    for kind, case in listed.groupby("kind").case.first().items():
-        printed = pd.read_csv(StringIO(run("data", "solutions", "--case", case)[1]))
-        kept = store.read(store.SOLUTIONS[kind])
-        assert len(printed) == (kept.case == case).sum() > 0
-    status, out, err = run("data", "solutions", "--case", f"{listed.case[0][:-1]}-")
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert f"did you mean {listed.case[0]}" in err
-
-
-def test_recording_a_notebook_renews_its_rows(run, monkeypatch, tmp_path):
-    monkeypatch.setattr(paths, "BUILD", tmp_path)
-    before, kept = solutions.design(), {}
-    monkeypatch.setattr(store, "keep", lambda frame, path: kept.update({path: frame}))
-    monkeypatch.setattr(execute, "execute", lambda notebook: solutions.curve(Joint(77), [0.1]))
-    status, out, err = run("data", "record", "03-force-against-depth")
-    assert (status, err) == (0, "")
-    assert out.endswith(" needs 1 solution\n")
-    name = out.split()[0]
-    after = kept[store.CASES]
-    (row,) = after[after.notebooks.str.contains(name)].to_dict("records")
-    assert '"r2_star": 77.0' in row["joint"]
-    others = before[before.notebooks != name].case
-    assert set(after.case) == {*others, row["case"]}
+def test_one_method_is_timed_and_the_other_rows_stay(run, monkeypatch):
+    monkeypatch.setattr(timing, "compile_time", lambda *_: 1.0)
+    before, written = dataset.measured(), []
+    monkeypatch.setattr(
+        store, "keep_measured", lambda frame: written.append(dataset.renewed(frame))
+    )
+    status, out, _ = run("measure", "--method", "liu", "--repeats", 1)
+    assert status == 0
+    assert out.startswith("1 times were measured")
+    (after,) = written
+    is_liu = before.method == "liu"
+    pd.testing.assert_frame_equal(after[~is_liu], before[~is_liu])
+    assert after.method.equals(before.method)
+    assert 0 < after[is_liu].relative.item() != before[is_liu].relative.item()
+    status, _, err = run("measure", "--method", "lieu")
+    assert (status, err.count("\n")) == (2, 1)
+    assert "did you mean liu?" in err

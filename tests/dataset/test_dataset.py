@@ -1,60 +1,40 @@
-"""The cached dataset: what it holds, what it refuses, and that it is written whole."""
+"""The cached dataset: what it holds, what it refuses, its physics, and that it is solved again."""
 
 import json
 import re
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from frictionless import Package
 from threadpoolctl import threadpool_limits
 
 from study import dataset, paths
-from study.contact import costs
-from study.dataset import design, fitting, production, store
+from study.dataset import check, design, solutions, store
 from study.joint import curve
 from study.joint.curve import SOLVERS
 from study.joint.supports import BALL_SUPPORTS, KINEMATICS, RIMS
 
-ROOT = paths.ROOT
-
 
 @pytest.fixture
 def copy(tmp_path, monkeypatch):
-    """A copy of data and code that the modules take for their own; its data folder."""
-    root = tmp_path / "project"
-    ignored = shutil.ignore_patterns("__pycache__", "static", "cli")
-    for name in ("data", "study"):
-        shutil.copytree(ROOT / name, root / name, ignore=ignored)
-    moved = {
-        name: root / path.relative_to(ROOT)
-        for name, path in vars(store).items()
-        if isinstance(path, Path)
-    }
-    every = (*production.GENERATED, *store.PUBLISHED, store.CASES)
-    of = {path: root / path.relative_to(ROOT) for path in every}
-    made_from = {of[p]: [of[file] for file in files] for p, files in production.MADE_FROM.items()}
-    monkeypatch.setattr(
-        production, "GENERATED", {of[p]: m for p, m in production.GENERATED.items()}
-    )
-    monkeypatch.setattr(production, "MADE_FROM", made_from)
-    monkeypatch.setattr(store, "SOLUTIONS", {k: of[path] for k, path in store.SOLUTIONS.items()})
-    monkeypatch.setattr(store, "PUBLISHED", tuple(of[path] for path in store.PUBLISHED))
-    library = tuple(root / path.relative_to(ROOT) for path in store.LIBRARY)
+    """A copy of the data that the modules take for the project's; its folder."""
+    shutil.copytree(paths.DATA, tmp_path / "data")
+    for name, path in [*vars(store).items()]:
+        if isinstance(path, type(paths.DATA)) and path.is_relative_to(paths.DATA):
+            monkeypatch.setattr(store, name, tmp_path / path.relative_to(paths.ROOT))
+    moved = {kind: tmp_path / p.relative_to(paths.ROOT) for kind, p in store.SOLUTIONS.items()}
+    library = tuple(tmp_path / path.relative_to(paths.ROOT) for path in store.LIBRARY)
+    for path, source in zip(library, store.LIBRARY, strict=True):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(source, path)
+    monkeypatch.setattr(store, "SOLUTIONS", moved)
     monkeypatch.setattr(store, "LIBRARY", library)
-    for name, path in moved.items():
-        monkeypatch.setattr(store, name, path)
-    monkeypatch.setattr(paths, "ROOT", root)
-    monkeypatch.setattr(paths, "DATA", root / "data")
-    return root / "data"
-
-
-@pytest.fixture
-def made(copy):
-    """The copy, described as made by this code."""
-    production.write_description()
-    return copy
+    monkeypatch.setattr(paths, "ROOT", tmp_path)
+    monkeypatch.setattr(paths, "DATA", tmp_path / "data")
+    monkeypatch.setattr(paths, "BUILD", tmp_path / "build")
+    return tmp_path / "data"
 
 
 def test_dataset_holds_the_papers_design_and_the_wider_sweep():
@@ -86,8 +66,31 @@ def test_filters_select_rows():
         dataset.load(radius=1)
 
 
-def test_every_check_passes():
-    assert {"force increases", "error estimate", "solved again"} <= set(dict(production.check()))
+@pytest.mark.parametrize("sample", [4, pytest.param(40, marks=pytest.mark.slow)])
+def test_a_sample_solved_again_agrees(sample):
+    names, found = zip(*check.check(sample, seed=sample, jobs=1), strict=True)
+    assert names == ("hashes", "description", "cases", "solved again")
+    assert found[-1].startswith(f"{sample} of ")
+
+
+def test_curves_have_the_physics_of_a_closing_contact():
+    for name, case in dataset.load().groupby("case"):
+        depth, force = case.depth_star.to_numpy(), case.force_star.to_numpy()
+        stiffness = np.diff(force, prepend=0) / np.diff(depth, prepend=0)
+        assert (stiffness > 0).all(), name
+        assert (np.diff(stiffness) > -1e-2 * stiffness[1:]).all(), name
+        # 1.5 for Hertz's law, 2 for a thin layer, 3 for an incompressible one
+        assert 1.45 < np.log(force[1] / force[0]) / np.log(depth[1] / depth[0]) < 3, name
+        assert case.error_estimate.between(0, 5e-3).all(), name
+
+
+def test_every_table_is_as_its_schema_says():
+    report = Package(str(store.PACKAGE)).validate()
+    assert report.valid, report.flatten(["title", "note", "message", "rowNumber"])
+    described = {paths.DATA / r["path"] for r in json.loads(store.PACKAGE.read_text())["resources"]}
+    assert described == {path for path in store.files() if path.is_relative_to(paths.DATA)} - {
+        store.PACKAGE
+    }
 
 
 def test_columns_have_units_and_meaning():
@@ -101,14 +104,6 @@ def test_columns_have_units_and_meaning():
         assert f"`{field['name']}`" in text
 
 
-def test_a_build_does_not_bless_damaged_published_numbers(copy):
-    path = copy / "published" / "tables.csv"
-    path.write_text("x,y\n")
-    for build in (production.write_description, production.to_make):
-        with pytest.raises(dataset.DatasetError, match=r"published/tables.csv is damaged"):
-            build()
-
-
 def test_measured_times_are_kept_with_their_hash(copy):
     frame = dataset.measured()
     assert set(frame.chart) == {"laws", "solvers", "steppers", "flexible"}
@@ -118,41 +113,52 @@ def test_measured_times_are_kept_with_their_hash(copy):
     store.keep_measured(laws)
     assert set(dataset.measured("laws").machine) == {"another"}
     pd.testing.assert_frame_equal(dataset.measured("steppers"), before)
-    own = frame[(frame.chart == "steppers") & (frame.program == "ours")].iloc[:3]
+    own = frame[(frame.chart == "steppers") & (frame.method == "RK4")].iloc[:1]
     store.keep_measured(own)
-    kept = dataset.measured("steppers")
-    assert kept.program.value_counts().to_dict() == {
-        "ours": 3,
-        **before[before.program != "ours"].program.value_counts().to_dict(),
-    }
+    after = dataset.measured("steppers")
+    assert (after.method == "RK4").sum() == 1
+    others = before[before.method != "RK4"].reset_index(drop=True)
+    pd.testing.assert_frame_equal(after[after.method != "RK4"].reset_index(drop=True), others)
+    store.verify()
 
 
 @pytest.mark.parametrize(
-    ("name", "read", "rebuild"),
+    "name",
     [
-        ("links.csv", dataset.links, ", or rebuild it with: study data build"),
-        ("published/joint.csv", dataset.reference_forces, ""),
+        "data/force_curves.csv",
+        "data/published/claims.csv",
+        "data/published/joint.csv",
+        "data/solutions/cases.json",
+        "data/datapackage.json",
+        "study/pages/looks.csv",
+        "study/contact/stiffening.csv",
     ],
 )
-def test_damaged_and_missing_files_are_named_with_a_remedy(copy, name, read, rebuild):
-    path, remedy = copy / name, f"git checkout -- data/{name} data/datapackage.json{rebuild}"
-    path.write_text(path.read_text().replace("2", "3", 1))
-    for reader in (read, dataset.verify_files):
-        with pytest.raises(dataset.DatasetError, match=rf"data/{name} is damaged.*{remedy}$"):
-            reader()
+def test_a_flipped_digit_and_a_missing_file_are_named_with_the_remedy(copy, name):
+    path = copy.parent / name
+    text = path.read_text(encoding="utf-8")
+    digit = re.search(r"\d", text).start()
+    path.write_text(f"{text[:digit]}{9 - int(text[digit])}{text[digit + 1 :]}", encoding="utf-8")
+    restore = f"git checkout -- {name} data/SHA256SUMS"
+    with pytest.raises(dataset.DatasetError, match=rf"^{name} is not .*{restore}\. If you edited"):
+        dataset.verify()
+    store.write_hashes([path])
+    dataset.verify()
     path.unlink()
-    with pytest.raises(dataset.DatasetError, match=rf"data/{name} is missing.*{remedy}$"):
-        read()
+    with pytest.raises(dataset.DatasetError, match=rf"^{name} is missing.*git checkout -- {name}"):
+        dataset.verify()
 
 
-def test_a_read_verifies_its_own_file_and_no_code(copy):
-    with (copy.parent / "study/mechanism/events.py").open("a") as module:
-        module.write("# a remark\n")
-    (copy / "links.csv").write_text("damaged")
-    assert len(dataset.load(r2_star=200)) > 0
-    assert len(dataset.published()) > 0
-    with pytest.raises(dataset.DatasetError, match=r"data/links.csv is damaged"):
-        dataset.links()
+def test_hashes_that_are_damaged_or_lack_a_file_are_refused(copy):
+    lines = store.HASHES.read_text().splitlines(keepends=True)
+    store.HASHES.write_text("".join(line for line in lines if "links.csv" not in line))
+    with pytest.raises(
+        dataset.DatasetError, match=r"^data/SHA256SUMS does not name data/links.csv"
+    ):
+        dataset.verify()
+    store.HASHES.write_text("junk")
+    with pytest.raises(dataset.DatasetError, match=r"^data/SHA256SUMS is missing or damaged"):
+        dataset.load()
 
 
 def test_what_others_printed_names_its_source_and_a_whole_joint():
@@ -174,40 +180,6 @@ def test_what_others_printed_names_its_source_and_a_whole_joint():
         assert needed <= set(given.quantity)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda package: package.update(resources="text"), "is missing or damaged"),
-        (lambda package: package["resources"][0].pop("schema"), "is missing or damaged"),
-        (lambda package: package["provenance"].pop("made_by"), "is missing or damaged"),
-    ],
-)
-def test_a_wrong_description_is_one_error_with_a_remedy(copy, change, message):
-    path = copy / "datapackage.json"
-    package = json.loads(path.read_text())
-    change(package)
-    path.write_text(json.dumps(package))
-    with pytest.raises(dataset.DatasetError, match=f"datapackage.json {message}") as caught:
-        production.check()
-    assert str(caught.value).endswith("restore it with: git checkout -- data/datapackage.json")
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda field: field.update(type="string"), "constraint .minimum. is not supported"),
-        (lambda field: field.update(name="radius"), "radius"),
-    ],
-)
-def test_a_wrong_schema_fails_the_check(made, change, message):
-    path = made / "datapackage.json"
-    package = json.loads(path.read_text())
-    change(package["resources"][0]["schema"]["fields"][3])
-    path.write_text(json.dumps(package))
-    with pytest.raises(dataset.DatasetError, match=f"datapackage.json: .*{message}"):
-        production.check()
-
-
 def test_the_schema_allows_what_the_design_has():
     fields = json.loads(store.PACKAGE.read_text())["resources"][0]["schema"]["fields"]
     allowed = {f["name"]: f["constraints"].get("enum") for f in fields}
@@ -217,129 +189,48 @@ def test_the_schema_allows_what_the_design_has():
         assert allowed[column] == list(names)
 
 
-OF_LAWS = ["study/contact/coefficients.json", "study/contact/stiffening.csv"]
-OF_LAWS += ["study/pages/report/contact_size.csv", "data/links.csv", "data/set_ups.csv"]
+def test_numbers_that_agree_leave_the_stored_file(copy):
+    stored, frame = store.CURVES.read_bytes(), dataset.load()
+    store.write_table(frame.assign(force_star=frame.force_star * (1 + 1e-8)), store.CURVES)
+    assert store.CURVES.read_bytes() == stored
+    store.write_table(frame.assign(force_star=frame.force_star * (1 + 1e-5)), store.CURVES)
+    assert store.CURVES.read_bytes() != stored
+    dataset.verify()
 
 
 @pytest.mark.parametrize(
-    ("module", "old", "new", "outdated"),
+    ("change", "message"),
     [
-        ("joint/curve", "_COUNT = 48", "_COUNT = 49", ["data/force_curves.csv"]),
-        ("joint/series", '"""', '"""Another. ', []),
-        ("contact/laws", "Parts(hertz", "Parts(1.01 * hertz", OF_LAWS),
-        ("dataset/stiffening_fit", "FINER = 320", "FINER = 9", ["study/contact/stiffening.csv"]),
-        ("choose/random_scenes", "COUNT = 160", "COUNT = 161", ["data/links.csv"]),
-        ("claims/search", "never_together", "never_both", []),
+        (lambda f: f[f.case != "ratio-1.05-linear-200"], "cases .*missing: ratio-1.05-linear-200"),
+        (lambda f: f.iloc[1:], "cases of the design, with all depths"),
+        (lambda f: f.rename(columns={"rim": "edge"}), "columns .*missing: rim; not in .*: edge"),
     ],
 )
-def test_changed_code_makes_out_of_date_what_reaches_it(made, module, old, new, outdated):
-    assert production.to_make() == set()
-    path = made.parent / f"study/{module}.py"
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
-    found = {path.relative_to(made.parent).as_posix() for path in production.out_of_date()}
-    assert set(outdated) <= found
-    assert ("data/force_curves.csv" in found) == ("data/force_curves.csv" in outdated)
-    dataset.load(r2_star=200)  # is not refused: its numbers are as they were
-    dataset.verify_files()
-    if not outdated:
-        production.verify_made_by()
-        assert production.to_make() == set()
-        return
-    assert production.to_make() >= {*production.out_of_date(), store.PACKAGE}
-    message = f" is outdated: .*study/{module}.py.* changed since.*study data build"
-    with pytest.raises(dataset.DatasetError, match=message):
-        production.verify_made_by()
+def test_what_is_not_complete_fails_the_check(copy, change, message):
+    store.write_table(change(dataset.load()), store.CURVES)
+    with pytest.raises(dataset.DatasetError, match=rf"force_curves.csv must have the {message}"):
+        list(check.check())
 
 
-def test_what_is_made_from_other_files_is_made_with_them(made):
-    store.CURVES.unlink()
-    assert production.to_make() == {store.CURVES, store.COEFFICIENTS, store.SET_UPS, store.PACKAGE}
-    shutil.copy(ROOT / "data/force_curves.csv", store.CURVES)
-    with store.MATERIALS.open("a") as table:
-        table.write("\n")
-    assert production.to_make() == {store.PACKAGE}
-    production.write_description()
-    store.TABLE.write_text(store.TABLE.read_text().replace("1", "2", 1))
-    assert production.to_make() == {store.TABLE, store.LINKS, store.SET_UPS, store.PACKAGE}
+def test_numbers_unlike_the_solver_fail_the_check(copy):
+    case = next(case for case in design.every_case() if case[0] == "ratio")
+    solution = next(case for case in solutions.cases() if case.kind == "stress")
+    assert check._difference(case) is None
+    assert check._difference(solution) is None
+    curves, stresses = dataset.load(), store.read(store.SOLUTIONS["stress"])
+    curves.loc[curves.case == case[1], "force_star"] *= 1 + 1e-5
+    stresses.loc[stresses.case == solution.name, "von_mises"] *= 1 + 1e-5
+    store.write_table(curves, store.CURVES)
+    store.write_table(stresses, store.SOLUTIONS["stress"])
+    assert f"case {case[1]} solved again differs: row" in check._difference(case)
+    assert f"case {solution.name} solved again differs" in check._difference(solution)
 
 
-def test_relative_costs_follow_the_measured_times(made):
-    frame = dataset.measured("laws")
-    frame["relative"] *= np.where(frame.method == "hertz", 1, 2)
-    store.keep_measured(frame)
-    assert production.to_make() == {store.RELATIVE_COSTS, store.PACKAGE}
-    found = fitting.relative_costs(dataset.measured())
-    kept = costs.relative_costs()
-    expected = {law: cost * (1 if law == "hertz" else 2) for law, cost in kept.items()}
-    assert found == pytest.approx(expected, rel=1e-3)  # four digits are kept
-
-
-def test_nothing_is_made_again_but_from_nothing(made, monkeypatch):
-    before = store.PACKAGE.read_bytes()
-    assert production.to_make() == set()
-    production.write_description()
-    assert store.PACKAGE.read_bytes() == before
-    monkeypatch.setenv(production.FROM_NOTHING, "1")
-    assert production.to_make() == {*production.GENERATED, store.PACKAGE}
-
-
-def test_a_changed_default_of_the_joint_makes_the_dataset_out_of_date(made, monkeypatch):
-    monkeypatch.setattr(
-        design, "Joint", lambda r2_star, **given: curve.Joint(r2_star, **{"rim": "free"} | given)
-    )
-    with pytest.raises(dataset.DatasetError, match=r"outdated: the design.*a default of the j"):
-        production.verify_made_by()
-
-
-def test_numbers_that_agree_leave_the_kept_file(copy):
-    kept = store.CURVES.read_bytes()
-    frame = dataset.load()
-    production.write_table(frame.assign(force_star=frame.force_star * (1 + 1e-8)), store.CURVES)
-    assert store.CURVES.read_bytes() == kept
-    production.write_table(frame.assign(force_star=frame.force_star * (1 + 1e-5)), store.CURVES)
-    assert store.CURVES.read_bytes() != kept
-
-
-def rewrite(copy, change):
-    """Change the curves and state the new hash, as a wrong build would."""
-    frame = dataset.load()
-    change(frame)
-    production.write_table(frame, store.CURVES)
-    production.write_description()
-
-
-@pytest.mark.parametrize(
-    ("column", "value", "message"),
-    [
-        ("force_star", 1.0, "case .*: force increases must be in"),
-        ("error_estimate", 0.1, "case .*: error estimate must be in"),
-        ("rim", "open", "datapackage.json: .*enum"),
-    ],
-)
-def test_wrong_values_fail_the_check(copy, column, value, message):
-    def change(frame):
-        frame.loc[4, column] = value
-
-    rewrite(copy, change)
-    with pytest.raises(dataset.DatasetError, match=message):
-        production.check()
-
-
-def test_a_curve_unlike_the_solver_fails_the_check(copy):
-    def change(frame):
-        frame.loc[frame.case == design.case_name("ratio-1.05"), "force_star"] *= 1.00001
-
-    rewrite(copy, change)
-    with pytest.raises(dataset.DatasetError, match=r"ratio-1.05-linear-200 solved again"):
-        production.check()
-
-
-def test_a_case_is_solved_to_the_same_bytes_on_any_number_of_threads(tmp_path):
+def test_a_case_is_solved_to_the_same_bytes_on_any_number_of_threads():
     case = ("ratio", "one", curve.Joint(20, 1.5, kinematics="small"), (0.1, 0.5))
-    for threads, name in ((1, "first.csv"), (2, "second.csv")):
+    texts = set()
+    for threads in (1, 2):
         curve.series.compliance.cache_clear()
         with threadpool_limits(threads):
-            production.write_table(production.solve_case(*case), tmp_path / name)
-    assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "second.csv").read_bytes()
+            texts.add(store.as_csv(design.solve(case), "force_curves"))
+    assert len(texts) == 1

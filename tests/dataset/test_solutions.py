@@ -1,26 +1,12 @@
-"""Kept solutions: the same as solved anew, found by their joint, and solved if not kept."""
-
-import json
+"""Stored solutions: found by their joint, solved if not stored, and then noted if that is long."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
+from study import paths
 from study.contact import Material
-from study.dataset import DatasetError, production, solutions, store
+from study.dataset import solutions, store
 from study.joint import DimensionalJoint, Joint, Layer, force_curve, paper_joint, stress
-
-
-def test_a_random_part_of_every_file_is_solved_again():
-    production.check_solutions(0.005)
-
-
-def test_a_changed_number_is_found(monkeypatch):
-    every = {path: store.read(path) for path in [store.CASES, *store.SOLUTIONS.values()]}
-    every[store.SOLUTIONS["stress"]].loc[:, "von_mises"] *= 1 + 1e-5
-    monkeypatch.setattr(store, "read", every.__getitem__)
-    with pytest.raises(DatasetError, match=r"stresses.csv: case \w+ solved again differs"):
-        production.check_solutions(0.001)
 
 
 @pytest.fixture
@@ -33,11 +19,11 @@ def nothing_is_solved(monkeypatch):
 
 def test_a_kept_curve_is_found_by_its_joint(nothing_is_solved):
     curves = (of for of in solutions.cases() if of.kind == "axial")
-    case = next(of for of in curves if json.loads(of.arguments)["depth_star"])
-    joint = solutions.read_joint(case)
-    kept = solutions.curve(joint, **json.loads(case.arguments))
+    case = next(of for of in curves if of.arguments["depth_star"])
+    joint = solutions.joint_of(case)
+    kept = solutions.curve(joint, **case.arguments)
     assert kept.joint == joint
-    np.testing.assert_allclose(kept.depth_star, json.loads(case.arguments)["depth_star"])
+    np.testing.assert_allclose(kept.depth_star, case.arguments["depth_star"])
     assert (np.diff(kept.force_star[np.argsort(kept.depth_star)]) > 0).all()
 
 
@@ -73,7 +59,7 @@ def test_stresses_are_those_of_the_library():
 )
 def test_a_joint_is_read_as_it_was_written(joint):
     case = solutions.case_of("axial", joint, {"depth_star": [0.1]})
-    again = solutions.read_joint(case)
+    again = solutions.joint_of(case)
     assert solutions.case_of("axial", again, {"depth_star": [0.1]}) == case
     assert again.columns() == joint.columns()
     assert again.configuration == joint.configuration
@@ -84,22 +70,36 @@ def test_a_joint_with_dimensions_is_read_as_it_was_written():
         10e-3, 50e-6, 4e-3, ball="steel", liner="2e-3,POM", ball_support="pin:2e-3,9e-3"
     )
     case = solutions.case_of("loaded", joint, {})
-    again = solutions.read_joint(case)
+    again = solutions.joint_of(case)
     assert solutions.case_of("loaded", again, {}) == case
     assert again.joint.layers == joint.joint.layers
     assert again.ball_support.radius == pytest.approx(joint.ball_support.radius, rel=1e-8)
 
 
-def test_recording_renews_the_rows_of_one_notebook(tmp_path, monkeypatch):
-    monkeypatch.setattr(store, "CASES", tmp_path / "cases.csv")
-    monkeypatch.setattr(store, "read", pd.read_csv)
-    pd.DataFrame(columns=solutions.COLUMNS).to_csv(store.CASES)
-    monkeypatch.setattr(store, "keep", lambda frame, path, **_: frame.to_csv(path, index=False))
-    one, two = (solutions.case_of("axial", Joint(r), {"depth_star": None}) for r in (50, 60))
-    solutions.record("first", [one, two])
-    solutions.record("second", [two])
-    solutions.record("first", [one])
-    assert solutions.design().set_index("case").notebooks.to_dict() == {
-        one.name: "first",
-        two.name: "second",
-    }
+def test_a_long_solution_that_the_workflow_asks_for_is_noted_and_adopted(tmp_path, monkeypatch):
+    monkeypatch.setattr(solutions, "ASKED", tmp_path)
+    monkeypatch.setattr(solutions, "LONG", 0.0)
+    joint = Joint(66.6, 1.5)
+    solutions.curve(joint, [0.1])
+    assert list(tmp_path.iterdir()) == []  # not in the workflow
+    monkeypatch.setenv(paths.READ_VARIABLE, str(tmp_path))
+    solutions.curve(joint, [0.1])
+    case = solutions.case_of(
+        "axial", joint, {"depth_star": [0.1], "resolution": None, "solver": None}
+    )
+    assert [path.stem for path in tmp_path.iterdir()] == [case.name]
+    written = []
+    monkeypatch.setattr(solutions, "store_cases", written.extend)
+    assert solutions.adopt_asked() == 1
+    assert written[-1] == case
+    assert written[:-1] == solutions.cases()
+    solutions.forget_asked()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_list_of_cases_is_written_as_it_was(tmp_path, monkeypatch):
+    before, every = store.CASES.read_bytes(), solutions.cases()
+    monkeypatch.setattr(store, "CASES", tmp_path / "cases.json")
+    monkeypatch.setattr(store, "write_hashes", list)
+    solutions.store_cases(every)
+    assert store.CASES.read_bytes() == before

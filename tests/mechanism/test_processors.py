@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from helpers.copied import copy_project, study
+from helpers.project import copy_project, study
 
 from study import paths
 

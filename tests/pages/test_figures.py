@@ -82,7 +82,7 @@ def test_supports_are_drawn_at_first_contact_and_moved_by_the_depth():
 
 
 def test_a_figure_leaves_the_settings_of_the_session(tmp_path, monkeypatch):
-    monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
+    monkeypatch.setenv(paths.WRITE_VARIABLE, str(tmp_path))
     figures._style.close()  # of figures that other tests have not saved
     with mpl.rc_context({"lines.linewidth": 7.0, "font.size": 5.0}):
         before = dict(mpl.rcParams)
@@ -96,7 +96,7 @@ def test_a_figure_leaves_the_settings_of_the_session(tmp_path, monkeypatch):
 @pytest.mark.parametrize("digits", [figures.DIGITS, 3])
 def test_equal_tables_give_equal_pictures(digits, tmp_path, monkeypatch):
     """The digits that are not saved differ, by what is visible on these axes."""
-    monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
+    monkeypatch.setenv(paths.WRITE_VARIABLE, str(tmp_path))
     unit, made = 10.0 ** (1 - digits), []  # in the last digit that is saved
     for unsaved in (-0.4, 0.4):
         table = pd.DataFrame({"x": [0.0, 1.0], "y": 1 + unit * (np.array([2, 5]) + unsaved)})
@@ -114,7 +114,7 @@ def test_equal_tables_give_equal_pictures(digits, tmp_path, monkeypatch):
 
 
 def test_what_is_saved_is_what_was_rounded(tmp_path, monkeypatch):
-    monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
+    monkeypatch.setenv(paths.WRITE_VARIABLE, str(tmp_path))
     table = pd.DataFrame({"law": ["hertz", ""], "n": [2, 3], "force": [2e10 / 3, -1e-12 / 7]})
     figures.save_table(table, "table")
     saved = pd.read_csv(tmp_path / "table.csv", keep_default_na=False)
@@ -131,7 +131,7 @@ def test_a_figure_too_wide_for_print_is_refused():
 
 @pytest.mark.parametrize("place", ["legend", "ticks", "text"])
 def test_text_too_small_for_print_is_refused(place, tmp_path, monkeypatch):
-    monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
+    monkeypatch.setenv(paths.WRITE_VARIABLE, str(tmp_path))
     figure, axes = figures.new()
     axes.plot([0, 1], label="law $R_2^*$")
     axes.legend(fontsize=8 if place == "legend" else None)
@@ -150,7 +150,7 @@ def test_every_kept_figure_is_readable_in_print():
 
 
 def test_numbers_for_statements_have_a_row_for_each_reading(monkeypatch, tmp_path):
-    monkeypatch.setenv(paths.RESULTS_VARIABLE, str(tmp_path))
+    monkeypatch.setenv(paths.WRITE_VARIABLE, str(tmp_path))
     figures.save_numbers("numbers", {"%": {"error": {"soft": 2, "stiff": 1}}, "1": {"ratio": 3.0}})
     table = pd.read_csv(tmp_path / "numbers.csv")
     assert list(table) == ["quantity", "reading", "value", "unit"]

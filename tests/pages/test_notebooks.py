@@ -1,9 +1,10 @@
 """The notebooks as files, their catalogue, and the checks made before one runs."""
 
+import ast
 import re
 import subprocess
 import sys
-from dataclasses import replace
+from collections import Counter
 
 import nbformat
 import pytest
@@ -52,6 +53,31 @@ def test_cells_load_call_and_show(notebook):
         assert not re.search(r"""["'](\.{1,2}/|/\w|data/|figures/)""", cell.source)
 
 
+def assigned(statement):
+    """Names that a statement assigns in its cell, but for the variables of loops."""
+    if isinstance(statement, ast.FunctionDef):
+        return {statement.name}
+    names = {
+        node.id
+        for node in ast.walk(statement)
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+    }
+    loops = [n for n in ast.walk(statement) if isinstance(n, ast.For | ast.comprehension)]
+    of_loops = [node for loop in loops for node in ast.walk(loop.target)]
+    return names - {node.id for node in of_loops if isinstance(node, ast.Name)} - {"_"}
+
+
+@every_notebook
+def test_no_name_is_assigned_in_two_cells(notebook):
+    """Else a new cell may change what a later one computes."""
+    cells = [
+        {name for statement in ast.parse(cell.source).body for name in assigned(statement)}
+        for cell in code_cells(notebook)
+    ]
+    count = Counter(name for names in cells for name in names)
+    assert not {name for name, times in count.items() if times > 1}
+
+
 @every_notebook
 def test_first_cell_asks_and_names_the_rendered_page(notebook):
     first = nbformat.read(notebook.path, as_version=4).cells[0]
@@ -86,9 +112,11 @@ def test_settings_reach_the_notebooks_that_have_them():
     )
     assert chosen == {
         "02-coefficient-over-socket-radius": {"kinematics": "small"},
-        "03-force-against-depth": {"kinematics": "small", "r2_star": 100.0},
+        "03-force-against-depth": {"kinematics": "small", "r2_star": 100.0, "largest_depth": 0.5},
         "05-range-of-depth": {"kinematics": "small", "r2_star": 100.0, "levels": [-5.0, 5.0]},
     }
+    with pytest.raises(ValueError, match="^03-.* has none of the given parameters; leave it out"):
+        execute.check_parameters(catalogue.select(["fig10", "fig13"]), ["levels=[-5,5]"])
     assert isinstance(chosen["03-force-against-depth"]["r2_star"], float)
 
 
@@ -100,10 +128,7 @@ def test_settings_reach_the_notebooks_that_have_them():
     ],
 )
 def test_settings_name_a_folder_that_every_system_takes(settings, folder):
-    (notebook,) = catalogue.select(["fig10"])
-    changed = replace(notebook, settings=settings)
-    assert {path.parent for path in changed.products()} == {paths.BUILD / "with" / folder}
-    assert changed.identifier == f"{notebook.name}: {folder}"
+    assert execute.folder_with(settings) == paths.BUILD / "with" / folder
 
 
 @pytest.mark.parametrize(
@@ -137,16 +162,15 @@ def test_a_notebook_comes_after_those_it_reads_from():
         ({"text/plain": "[1 rows x 2 columns]", "text/html": "<table></table>"}, False),
     ],
 )
-def test_what_a_call_for_a_plot_returns_is_refused(shown, refused, tmp_path, monkeypatch):
-    monkeypatch.setattr(paths, "BUILD", tmp_path)
-    (tmp_path / "notebooks").mkdir()
+def test_what_a_call_for_a_plot_returns_is_refused(shown, refused, tmp_path):
+    notebook, executed = catalogue.CATALOGUE[0], tmp_path / "executed.ipynb"
     output = v4.new_output("execute_result", shown, execution_count=3)
     cells = [v4.new_markdown_cell("# Why?"), v4.new_code_cell("axes.plot([])")]
     cells[1] |= {"outputs": [output], "execution_count": 3}
-    nbformat.write(v4.new_notebook(cells=cells), catalogue.CATALOGUE[0].executed)
+    nbformat.write(v4.new_notebook(cells=cells), executed)
     if not refused:
-        execute.refuse_returned(catalogue.CATALOGUE[0])
+        execute._refuse_returned(notebook, executed)
         return
-    wanted = re.escape(f"{catalogue.CATALOGUE[0].name}, cell In[3] shows {shown['text/plain']!r}")
+    wanted = re.escape(f"{notebook.name}, cell In[3] shows {shown['text/plain']!r}")
     with pytest.raises(execute.NotebookError, match=wanted):
-        execute.refuse_returned(catalogue.CATALOGUE[0])
+        execute._refuse_returned(notebook, executed)

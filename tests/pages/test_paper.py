@@ -15,6 +15,7 @@ from study.joint import paper_joint
 from study.pages import typeset
 
 TEXT = typeset.SOURCE.read_text(encoding="utf-8")
+TEXT_ROOT = paths.ROOT
 SUPPLEMENT = paths.PAPER / "supplement.typ"
 BOTH = TEXT + SUPPLEMENT.read_text(encoding="utf-8")
 
@@ -79,6 +80,7 @@ def copy(tmp_path, monkeypatch, old, new):
         text = text.replace(old, new) if path == typeset.SOURCE else text
         (root / "paper" / path.name).write_text(text, encoding="utf-8")
     monkeypatch.setattr(paths, "ROOT", root)
+    monkeypatch.setattr(paths, "FIGURES", root / "figures")
     return root / "paper/paper.typ"
 
 
@@ -103,7 +105,7 @@ def test_a_missing_number_stops_the_paper(tmp_path, monkeypatch):
     whole = pdf.read_bytes()
     figures = source.parents[1] / "figures"
     figures.unlink()  # a link
-    shutil.copytree(paths.FIGURES, figures)
+    shutil.copytree(TEXT_ROOT / "figures", figures)
     table = figures / "table2.csv"
     lines = table.read_text(encoding="utf-8").splitlines(keepends=True)
     table.write_text("".join(line for line in lines if not line.startswith("hertz,RMSE")))

@@ -1,7 +1,6 @@
-"""``make setup``: the locked packages by uv or pip, by programs that only note their calls."""
+"""``make setup`` by programs that only note their calls; a copy of the project is set up anew."""
 
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -9,80 +8,72 @@ import sys
 import pytest
 
 from study import paths
-from study.compiled import CACHE
-from study.measure import warm
 
-pytestmark = pytest.mark.slow
-
-FIRST = "--no-deps --require-hashes --requirement .venv/first.lock"
-LOCKED = "--no-deps --require-hashes --requirement requirements.lock"
-ITSELF = "--no-deps --no-index --no-build-isolation --editable ."
-UV = "uv pip install --quiet --python .venv/bin/python"
-PIP = "python -m pip install --quiet --disable-pip-version-check --no-compile"
-STEPS = FIRST, LOCKED, ITSELF
+FIRST = {"numpy", "scipy", "llvmlite", "numba", "platformdirs", "threadpoolctl"}
 NOTED = '#!/bin/sh\necho "$(basename "$0") $*" >> called\n'
-BEFORE_WARM = {"numpy", "scipy", "llvmlite", "numba", "platformdirs", "threadpoolctl"}
 MADE = 'case "$*" in *"-m venv"*) mkdir -p .venv/bin; cp "$0" .venv/bin/python;; esac\n'
 
 
 @pytest.fixture
-def first(tmp_path):
+def folder(tmp_path):
     """Folder with what a set-up reads."""
-    folder = tmp_path / "first"
-    folder.mkdir()
+    (tmp_path / "first").mkdir()
     for name in ("Makefile", "requirements.lock", "pyproject.toml"):
-        shutil.copy(paths.ROOT / name, folder)
-    return folder
+        shutil.copy(paths.ROOT / name, tmp_path / "first")
+    return tmp_path / "first"
 
 
 def set_up(folder, **programs):
-    """Run ``make setup`` with Python, and others, that note their calls and do what is told."""
-    for name, does in ({"python": MADE} | programs).items():
+    """Run ``make setup`` with Python and others that note their calls; return it and the calls."""
+    for name, does in ({"python": MADE, "uv": "exit 1\n"} | programs).items():
         (folder.parent / name).write_text(NOTED + does)
         (folder.parent / name).chmod(0o755)
     path = os.pathsep.join([str(folder.parent), os.environ["PATH"]])
     command = ["make", "setup", f"PYTHON={folder.parent / 'python'}"]
     environment = os.environ | {"PATH": path}
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    called = folder / "called"
+    calls = called.read_text().splitlines() if called.is_file() else []
+    called.unlink(missing_ok=True)
+    return done, calls
+
+
+@pytest.mark.parametrize("uv", ["exit 0\n", "exit 1\n"])
+def test_the_lock_is_installed_by_uv_or_else_by_pip(folder, uv):
+    done, calls = set_up(folder, uv=uv)
+    assert done.returncode == 0, done.stderr
+    by = [call.split()[0] for call in calls if " install " in call]
+    assert by == (["uv"] * 3 if uv == "exit 0\n" else ["uv", "python"] * 3)
+    assert sum("--require-hashes" in call for call in calls) == len(by) * 2 // 3
+    assert calls.count("python -m study.mechanism") == 1
+    lock = (folder / ".venv/first.lock").read_text()
+    assert {line.split("==")[0] for line in lock.splitlines() if line[0] != " "} == FIRST
+    steps = [line for line in done.stdout.splitlines() if line[1:5] == " of "]
+    assert [step[0] for step in steps] == ["1", "2", "3", "4"]
+    assert (folder / ".venv/.ready").is_file()
 
 
 @pytest.mark.parametrize(
-    ("status", "installed"),
-    [
-        (0, [f"{UV} {what}" for what in STEPS]),
-        (1, [f"{program} {what}" for what in STEPS for program in (UV, PIP)]),
-    ],
-    ids=["uv", "pip"],
+    "fails", ["requirements.lock", "-m study.mechanism", "--no-build-isolation", "papermill"]
 )
-def test_the_lock_is_installed_by_uv_or_else_by_pip(first, status, installed):
-    done = set_up(first, uv=f"exit {status}\n")
-    assert done.returncode == 0, done.stderr
-    called = (first / "called").read_text().splitlines()
-    assert [line for line in called if " install " in line] == installed
-    assert called.count("python -m study.measure.warm") == 1
-    lock = (first / ".venv/first.lock").read_text()
-    assert {line.split("==")[0] for line in lock.splitlines() if line[0] != " "} == BEFORE_WARM
-    assert lock.count("--hash=sha256:") > len(BEFORE_WARM)
-    assert (first / ".venv/.ready").is_file()
+def test_a_step_that_fails_fails_the_set_up(folder, fails):
+    done, _ = set_up(folder, python=f'{MADE}case "$*" in *"{fails}"*) exit 3;; esac\n')
+    assert done.returncode != 0
+    assert not (folder / ".venv/.ready").exists()
 
 
-def test_a_copy_is_set_up_anew_and_so_is_what_moved(first, tmp_path):
-    copy, moved = tmp_path / "a copy, é", tmp_path / "moved"
+def test_a_copy_is_set_up_anew(folder, tmp_path):
+    copy = tmp_path / "a copy, é"
 
     def is_made(folder):
         """Whether ``make setup`` made an environment."""
-        done = set_up(folder, uv="")
+        done, calls = set_up(folder)
         assert done.returncode == 0, done.stderr
-        called = folder / "called"
-        made = called.is_file() and "-m venv" in called.read_text()
-        called.unlink(missing_ok=True)
-        return made
+        return any("-m venv" in call for call in calls)
 
-    assert [is_made(first), is_made(first)] == [True, False]
-    shutil.copytree(first, copy, copy_function=shutil.copy2)
-    assert [is_made(copy), is_made(copy), is_made(first)] == [True, False, False]
-    first.rename(moved)
-    assert [is_made(moved), is_made(moved)] == [True, False]
+    assert [is_made(folder), is_made(folder)] == [True, False]
+    shutil.copytree(folder, copy, copy_function=shutil.copy2)
+    assert [is_made(copy), is_made(copy), is_made(folder)] == [True, False, False]
 
 
 def test_the_program_of_a_copy_does_not_build_the_original(tmp_path):
@@ -95,33 +86,25 @@ def test_the_program_of_a_copy_does_not_build_the_original(tmp_path):
     command = [sys.executable, program, "list"]
     environment = os.environ | {"PYTHONPATH": str(paths.ROOT), "PYTHONUTF8": "1"}
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr.count("\n") == 1
-    assert all(
-        text in done.stderr for text in (f"{copy} is a copy", f"{paths.ROOT};", "make setup")
-    )
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert f"{copy} is a copy whose environment belongs to {paths.ROOT};" in done.stderr
 
 
-def test_a_missing_lock_is_named_with_its_remedy(first):
-    (first / "requirements.lock").unlink()
-    done = set_up(first)
+def test_a_missing_lock_is_named_with_its_remedy(folder):
+    (folder / "requirements.lock").unlink()
+    done, _ = set_up(folder)
     assert done.returncode != 0
     remedy = "Missing: requirements.lock. Restore it with: git checkout -- requirements.lock\n"
     assert done.stderr.startswith(remedy)
 
 
-def test_a_loop_that_does_not_compile_fails_the_set_up(first):
-    done = set_up(first, uv="", python=MADE + 'case "$*" in *warm*) exit 3;; esac\n')
-    assert done.returncode != 0
-    assert not (first / ".venv/.ready").exists()
-
-
-def test_simulations_of_every_kind_need_no_more_than_set_up_compiles(capsys):
-    warm.main()
-    first, last = capsys.readouterr().out.splitlines()
-    assert all(name in first for name in warm.KINDS)
-    assert re.fullmatch(r"Compiled in \d+\.\d s", last)
-    compiled = set(CACHE.rglob("*.nbc"))
-    for simulated in warm.KINDS.values():
-        simulated(law="stiffened_hertz", duration=2e-3, outputs=10)
-    assert set(CACHE.rglob("*.nbc")) == compiled
+def test_a_clone_that_converts_line_ends_has_the_data_as_they_are(tmp_path):
+    clone = tmp_path / "clone"
+    for words in (
+        ["clone", "--quiet", "-c", "core.autocrlf=true", paths.ROOT, clone],
+        ["-C", clone, "status", "--porcelain"],
+    ):
+        done = subprocess.run(["git", *words], capture_output=True, text=True, check=True)
+    assert done.stdout == ""
+    for path in (*paths.DATA.rglob("*.csv"), paths.STUDY / "contact/stiffening.csv"):
+        assert b"\r" not in (clone / path.relative_to(paths.ROOT)).read_bytes(), path

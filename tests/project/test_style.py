@@ -52,3 +52,14 @@ def test_make_help_names_every_target():
     (line,) = re.findall(r"^\.PHONY: help (.+)$", text, re.M)
     assert re.findall(r'@echo "make ([\w-]+) ', text) == line.split()
     assert "setup" in line.split()
+
+
+def test_hooks_and_the_workflow_of_the_host_use_what_is_locked_and_checked_here():
+    def text(name):
+        return (paths.ROOT / name).read_text(encoding="utf-8")
+
+    locked = dict(re.findall(r"^([\w-]+)==(\S+)", text("requirements.lock"), re.MULTILINE))
+    hooks = re.findall(r"rev: v?(\S+)", text(".pre-commit-config.yaml"))
+    assert hooks == [locked["ruff"], locked["nbstripout"]]
+    assert "run: .ci/run" in text(".github/workflows/check.yml")
+    assert {"setup", "reproduce"} == set(re.findall(r"make\W+(\w+)", text("Dockerfile")[50:])) - {"git"}

@@ -9,7 +9,7 @@ import tomllib
 from importlib.metadata import distribution, packages_distributions
 
 import pytest
-from helpers.copied import share_compiled
+from helpers.project import share_compiled
 from packaging.requirements import Requirement
 
 from study import paths

@@ -45,7 +45,7 @@ def write(sources: Path, pages: Path) -> list[tuple[str, str, str, str]]:
 
 
 def read_claims() -> list[dict]:
-    """Rows of ``figures/claims.csv``, each with its ``group``, ``anchor`` and ``shown_by``."""
+    """Rows of the result ``claims``, each with its ``group``, ``anchor`` and ``shown_by``."""
     (result,) = (result for result in catalogue.results() if result.name == "claims")
     head, *rows = result.rows()
     claims = [dict(zip(head, row, strict=True)) for row in rows]
@@ -85,7 +85,7 @@ class _Sources:
         for result in self._results:
             for name in result.files:
                 self._pages_of[f"figures/{name}"] = f"/figures/{result.name}.md"
-                self._images[(paths.FIGURES / name).read_bytes()] = result
+                self._images[paths.read_result(name).read_bytes()] = result
         for notebook in CATALOGUE:
             page = f"/notebooks/{notebook.name}.ipynb"
             self._pages_of[page[1:]] = self._pages_of[f"build{page[:-6]}.html"] = page
@@ -109,7 +109,7 @@ class _Sources:
             self._page("figure.md", f"{page}.md", **shown)
             self._place(f"{result.label}: {result.shows}", kind, page, make_id(result.label))
             for name in result.files:
-                paths.copy(paths.FIGURES / name, self._pages / "figures" / name)
+                paths.copy(paths.read_result(name), self._pages / "figures" / name)
         self._page("notebooks.md", notebooks=CATALOGUE)
         for notebook in CATALOGUE:
             self._notebook(notebook)

@@ -1,5 +1,6 @@
 """Comparison of two tables with the same name; on another processor the last digits differ."""
 
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -36,28 +37,38 @@ DIGITS = {
 """Columns with fewer digits, in which a difference of one unit of the last digit is allowed."""
 
 
-def table_differs(kept: Path, made: Path) -> str | None:
-    """Where two CSV files differ by more than the tolerance of the result ``kept``, or None."""
-    old, new = (pd.read_csv(path, dtype=str, keep_default_na=False) for path in (kept, made))
+def differs(kept: Path | StringIO, made: Path | StringIO, name: str) -> str | None:
+    """Where two CSV tables of a name differ by more than their tolerance, or None.
+
+    If rows have changed places, they are matched by the columns that contain words.
+    """
+    old, new = (pd.read_csv(table, dtype=str, keep_default_na=False) for table in (kept, made))
     if list(old) != list(new):
         return f"columns: kept {', '.join(old)}; now {', '.join(new)}"
     if len(old) != len(new):
         return f"rows: kept {len(old)}, now {len(new)}"
-    excess = np.array([_excess(old[name], new[name], kept.stem, name) for name in old])
+    words = [c for c in old if _numbers(old[c]).isna().all() and _numbers(new[c]).isna().all()]
+    if not old[words].equals(new[words]):
+        old, new = (table.sort_values(words, kind="stable") for table in (old, new))
+    excess = np.array([_excess(old[column], new[column], name, column) for column in old])
     if not (excess > 1).any():
         return None
     column, row = np.unravel_index(excess.argmax(), excess.shape)  # the first of the worst
     return (
-        f"row {row + 2}, column {old.columns[column]}: kept {old.iloc[row, column]}, "
+        f"row {old.index[row] + 2}, column {old.columns[column]}: kept {old.iloc[row, column]}, "
         f"now {new.iloc[row, column]} ({np.count_nonzero(excess > 1)} in all)"
     )
 
 
+def _numbers(column):
+    return pd.to_numeric(column, errors="coerce")
+
+
 def _excess(old, new, result, column):
     """Differences of two columns in units of the tolerance; infinite where text differs."""
-    changed = (old != new).to_numpy()
+    changed = old.to_numpy() != new.to_numpy()
     excess = np.where(changed, np.inf, 0.0)
-    numbers = [pd.to_numeric(values, errors="coerce").to_numpy(float) for values in (old, new)]
+    numbers = [_numbers(values).to_numpy(float) for values in (old, new)]
     both = changed & np.isfinite(numbers).all(axis=0)
     if both.any():
         size = np.fmax(*np.abs(numbers))  # NaN where both are

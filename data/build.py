@@ -1,0 +1,211 @@
+"""Make the generated tables of the dataset, as the Snakefile asks.
+
+``python data/build.py part TABLE PART FILE`` solves one part of a table and writes it to a file.
+``python data/build.py table TABLE FILE ...`` joins such files and writes the table, unless it
+agrees with the stored one. A table has every part of its design, or only those with new cases.
+"""
+
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from study import paths
+from study.checks import StudyError
+from study.choose import random_scenes
+from study.claims import set_ups
+from study.contact import stiffening
+from study.dataset import design, fitting, solutions, stiffening_fit, store
+
+SOLUTIONS_AT_ONCE, SCENES_AT_ONCE = 24, 10
+
+
+def no_parts(everything: bool) -> dict[str, Any]:
+    """Parts of a table that is computed at once."""
+    return {}
+
+
+@dataclass(frozen=True)
+class Table:
+    """A generated table, or two that are written together.
+
+    ``parts`` gives the parts by name, all or only those with cases that are not stored. ``solve``
+    makes the rows of a part, and ``write`` writes the table from the rows of parts by name. A table
+    is made ``after`` others that it reads; one that is not ``extensible`` is only made anew.
+    """
+
+    write: Callable[[dict[str, pd.DataFrame]], Any]
+    parts: Callable[[bool], dict[str, Any]] = no_parts
+    solve: Callable[[Any], pd.DataFrame] = pd.DataFrame
+    after: tuple[str, ...] = ()
+    extensible: bool = False
+
+
+def curve_parts(everything: bool) -> dict[str, list[design.Case]]:
+    """Batches of cases of the design, by the name of their first case."""
+    stored = store.read(store.CURVES).groupby("case").depth_star.agg(tuple).to_dict()
+    return {
+        cases[0][1]: cases
+        for cases in design.batches()
+        if everything or any(stored.get(name) != depths for _, name, _, depths in cases)
+    }
+
+
+def write_curves(made: dict[str, pd.DataFrame]) -> None:
+    """Write the curves of the design in its order: those just solved, and the stored others."""
+    if not made:
+        return
+    stored, solved = store.read(store.CURVES), pd.concat(made.values())
+    by_case = dict(iter(stored.groupby("case"))) | dict(iter(solved.groupby("case")))
+    curves = pd.concat([by_case[name] for _, name, *_ in design.every_case()])
+    store.write_table(curves, store.CURVES)
+
+
+def solution_parts(kind: str, everything: bool) -> dict[str, list[solutions.Case]]:
+    """Lists of the cases of a kind, by the name of their first case."""
+    stored = set(store.read(store.SOLUTIONS[kind]).case)
+    every = [case for case in solutions.cases() if case.kind == kind]
+    batches = [every[k : k + SOLUTIONS_AT_ONCE] for k in range(0, len(every), SOLUTIONS_AT_ONCE)]
+    return {
+        cases[0].name: cases
+        for cases in batches
+        if everything or any(case.name not in stored for case in cases)
+    }
+
+
+def write_solutions(kind: str, made: dict[str, pd.DataFrame]) -> None:
+    """Write the solutions of a kind: those just solved, and the stored others."""
+    if made:
+        solved, stored = pd.concat(made.values()), store.read(store.SOLUTIONS[kind])
+        others = stored[~stored.case.isin(solved.case)]
+        store.write_table(pd.concat([others, solved]), store.SOLUTIONS[kind])
+
+
+def stiffening_parts(everything: bool) -> dict[str, tuple[float, dict[str, int]]]:
+    """Poisson's ratios of the socket, on the grid of the limit and on that of the changes."""
+    grids = {"limit": stiffening_fit.LIMITS, "change": stiffening_fit.CHANGES}
+    return {
+        f"{name}-{k}": (float(nu), counts)
+        for name, counts in grids.items()
+        for k, nu in enumerate(stiffening_fit.grid(counts)["socket_poisson"])
+    }
+
+
+def write_stiffening(made: dict[str, pd.DataFrame]) -> None:
+    """Write the table of `study.contact.stiffened_hertz`."""
+    limits, changes = (
+        [rows.to_numpy() for name, rows in made.items() if name.startswith(grid)]
+        for grid in ("limit", "change")
+    )
+    write_coefficients(stiffening_fit.table(limits, changes), store.TABLE)
+
+
+def size_parts(everything: bool) -> dict[str, float]:
+    """Poisson's ratios of the socket in the table of contact sizes."""
+    ratios = stiffening_fit.grid(stiffening_fit.SIZE_COUNTS)["socket_poisson"]
+    return {str(k): float(nu) for k, nu in enumerate(ratios)}
+
+
+def write_sizes(made: dict[str, pd.DataFrame]) -> None:
+    """Write the table of contact sizes."""
+    table = stiffening_fit.size_table([rows.to_numpy() for rows in made.values()])
+    write_coefficients(table, store.CONTACT_SIZE)
+
+
+def write_coefficients(table: pd.DataFrame, path: Path) -> None:
+    """Write a table of Chebyshev coefficients, unless it agrees with the stored one.
+
+    On another processor a number may differ by one unit, and a number at the limit below which it
+    is left out by two units.
+    """
+    keys = list(table.columns[: -len(stiffening.PLACES)])
+    stored = pd.read_csv(path).set_index(keys)
+    if stored.sub(table.set_index(keys), fill_value=0).abs().to_numpy().max() > 2:
+        with paths.whole(path) as temporary:
+            table.to_csv(temporary, index=False, lineterminator="\n")
+        store.write_hashes([path])
+
+
+def write_laws(made: dict[str, pd.DataFrame]) -> None:
+    """Fit the laws to the curves, and compute their costs from the measured times."""
+    coefficients = fitting.fit_laws(store.load(), store.read(store.TABLES))
+    costs = fitting.relative_costs(store.measured())
+    for path, values in {store.COEFFICIENTS: coefficients, store.RELATIVE_COSTS: costs}.items():
+        with paths.whole(path) as temporary:
+            temporary.write_text(json.dumps(values, indent=2) + "\n", encoding="utf-8")
+        store.write_hashes([path])
+
+
+def scene_parts(everything: bool) -> dict[str, list]:
+    """Random mechanisms in which rigid links are compared with flexible ones."""
+    scenes = list(random_scenes.draw(0))
+    starts = range(0, len(scenes), SCENES_AT_ONCE)
+    return {f"{k:03d}": scenes[k : k + SCENES_AT_ONCE] for k in starts}
+
+
+def set_up_parts(everything: bool) -> dict[str, list[set_ups.SetUp]]:
+    """Crank-sliders of the search for the mechanism of the paper."""
+    return {f"{one.number:03d}": [one] for one in (*set_ups.draw(), *set_ups.FOUND)}
+
+
+def write_joined(path: Path, made: dict[str, pd.DataFrame]) -> None:
+    """Write the rows of all parts."""
+    store.write_table(pd.concat(made.values()), path)
+
+
+def as_frame(function: Callable, *given: Any) -> pd.DataFrame:
+    """Values of a function at the places of a table of coefficients, one joint for each row."""
+    return pd.DataFrame(function(*given).reshape(-1, len(stiffening.PLACES)))
+
+
+TABLES = {
+    "curves": Table(
+        write_curves,
+        curve_parts,
+        lambda cases: pd.concat(map(design.solve, cases)),
+        extensible=True,
+    ),
+    "laws": Table(write_laws, after=("curves",), extensible=True),
+    "stiffening": Table(
+        write_stiffening, stiffening_parts, lambda of: as_frame(stiffening_fit.logarithms, *of)
+    ),
+    "contact_size": Table(write_sizes, size_parts, lambda of: as_frame(stiffening_fit.sizes, of)),
+    **{
+        f"{kind}_solutions": Table(
+            partial(write_solutions, kind),
+            partial(solution_parts, kind),
+            lambda cases: pd.concat(map(solutions.solve, cases)),
+            extensible=True,
+        )
+        for kind in store.SOLUTIONS
+    },
+    "links": Table(
+        partial(write_joined, store.LINKS), scene_parts, random_scenes.measure, ("stiffening",)
+    ),
+    "set_ups": Table(
+        partial(write_joined, store.SET_UPS), set_up_parts, set_ups.run, ("stiffening", "laws")
+    ),
+}
+"""Generated tables by name, the longest first."""
+
+
+def main(action: str, name: str, *words: str) -> None:
+    """Solve a part of a table, or write a table from the files of its parts."""
+    if action == "part":
+        part, file = words
+        with paths.whole(Path(file)) as temporary:
+            TABLES[name].solve(TABLES[name].parts(True)[part]).to_csv(temporary, index=False)
+    else:
+        TABLES[name].write({Path(file).stem: pd.read_csv(file) for file in words})
+
+
+if __name__ == "__main__":
+    try:
+        main(*sys.argv[1:])
+    except (StudyError, OSError) as error:
+        sys.exit(f"failed: {' '.join(sys.argv[1:3])}: {error}")

@@ -1,0 +1,147 @@
+"""Call Snakemake for the targets of a command, and be the jobs that the Snakefile names.
+
+Snakemake decides what is outdated and runs it in parallel. A job is ``python -m
+study.pages.workflow notebook NAME``, or ``check``, ``typeset`` or ``report``.
+"""
+
+import io
+import os
+import re
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterable, Sequence
+from contextlib import redirect_stderr
+
+from study import checks, paths
+from study.checks import StudyError
+from study.threads import check_memory
+
+MEMORY = 2_800_000  # KiB that any notebook needs
+_DONE = re.compile(r"\d+ of \d+ steps \(.+\) done|Nothing to be done")
+
+
+def run(
+    targets: Iterable[str],
+    *,
+    jobs: int | None = None,
+    config: str = "",
+    force: bool = False,
+    more: Sequence[str] = (),
+) -> None:
+    """Bring targets of the Snakefile up to date, in as many processes as ``jobs``.
+
+    The default is one process for each core. ``config`` is for the Snakefile, and ``more`` are
+    further words for Snakemake, which then prints its whole log. What is finished stays finished
+    after ``KeyboardInterrupt``.
+
+    Raises `study.checks.StudyError` if a job fails (the job has printed why), if Snakemake does, if
+    the limit of memory is too low, or if another run is working in this folder.
+    """
+    from snakemake.cli import main as snakemake
+
+    paths.require_checkout(paths.NOTEBOOKS)
+    check_memory(MEMORY, "a rebuild")
+    cores = "all" if jobs is None else str(checks.whole("jobs", jobs, least=1))
+    words = ["--snakefile", str(paths.ROOT / "Snakefile"), "--directory", str(paths.ROOT)]
+    words += ["--cores", cores, "--scheduler", "greedy", "--keep-going", "--rerun-incomplete"]
+    words += ["--nolock"]  # but our own lock, which a killed process does not leave
+    words += ["--force"] if force else []
+    words += ["--config", config] if config else []
+    words += more or ["--quiet", "host", "reason", "rules"]
+    log, interrupted = sys.stderr if more else _Log(), threading.Event()
+
+    def interrupt(*_):
+        interrupted.set()
+        raise KeyboardInterrupt
+
+    before, status = signal.signal(signal.SIGINT, interrupt), None
+    try:
+        with paths.locked(paths.BUILD / "running", wait=False), redirect_stderr(log):
+            paths.remove_abandoned()
+            snakemake([*words, "--", *targets])
+    except BlockingIOError:  # both would write the same results
+        busy = f"another run is working in {paths.ROOT}; wait until it has ended"
+        raise StudyError(busy) from None
+    except SystemExit as end:
+        status = end.code
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if interrupted.is_set():
+        raise KeyboardInterrupt
+    if status:
+        raise StudyError("Snakemake ended with an error" if more else log.reason())
+
+
+class _Log(io.StringIO):
+    """Snakemake's log, of which only the lines on its progress are shown."""
+
+    def write(self, text):
+        if _DONE.match(text):
+            print(text.rstrip(), flush=True)
+        return super().write(text)
+
+    def reason(self):
+        """Why a run failed: jobs, which have printed their reasons, or the last lines."""
+        if failed := self.getvalue().count("CalledProcessError"):
+            return f"{failed} of the jobs failed, for the reasons printed above"
+        return f"Snakemake: {' '.join(self.getvalue().split()[-60:])}"
+
+
+def main(job: str, name: str = "") -> None:
+    """Be one job of the Snakefile; print one line, on standard error if it fails."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # kernels and files are tidied up
+    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+    os.environ[paths.READ_VARIABLE] = str(paths.RESULTS)
+    start = time.monotonic()
+    try:
+        _JOBS[job](*filter(None, [name]))
+    except (StudyError, ValueError, OSError) as error:
+        of = f"{name or job}: " if isinstance(error, OSError) else ""
+        print(f"failed: {of}{' '.join(str(error).split())}", file=sys.stderr)
+        sys.exit(1)
+    except KeyboardInterrupt:
+        sys.exit(130)
+    print(f"{name or job}  ({time.monotonic() - start:.1f} s)", flush=True)
+
+
+def _end_with(parent):
+    """End this job soon after Snakemake, which may be killed without ending its jobs."""
+    while os.getppid() == parent:
+        time.sleep(1)
+    os._exit(1)
+
+
+def _check():
+    from study import dataset
+    from study.pages.catalogue import check_claims
+
+    dataset.verify()
+    check_claims()
+
+
+def _notebook(name):
+    from study.pages.catalogue import select
+    from study.pages.execute import execute
+
+    (notebook,) = select([name])
+    execute(notebook, paths.RESULTS, notebook.executed)
+
+
+def _typeset():
+    from study.pages.typeset import typeset_all
+
+    typeset_all()
+
+
+def _report():
+    from study.pages import report
+
+    report.write(paths.BUILD / "report")
+
+
+_JOBS = {"check": _check, "notebook": _notebook, "typeset": _typeset, "report": _report}
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
