@@ -29,7 +29,8 @@ define install
 { uv pip install --quiet --python $(BIN)/python --no-deps $(1) 2>/dev/null || { \
 	$(BIN)/python -m pip install --disable-pip-version-check --no-compile --no-deps $(1) || \
 	echo FAILED; } | awk '/^FAILED/ { exit 1 } \
-		/^(Collecting|Processing|Requirement already)/ && ++n % 20 == 0 { print "    " n " packages are here"; fflush() } \
+		/^(Collecting|Processing|Requirement)/ && ++n % 20 == 0 { \
+			print "    " n " packages are here"; fflush() } \
 		/^Installing/ { print "    installing them"; fflush() }'; }
 endef
 

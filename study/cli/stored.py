@@ -132,7 +132,6 @@ def build_data(
     which = f"dataset={'all' if everything else 'new'}"
     before = [paths.sha256(path) for path in store.files()]
     workflow.run(["dataset"], jobs=jobs, config=which, more=cli.after_dashes())
-    solutions.forget_asked()
     changed = [
         paths.shown(path)
         for path, sha in zip(store.files(), before, strict=True)

@@ -151,18 +151,14 @@ def store_cases(every: Iterable[Case]) -> None:
 
 def adopt_asked() -> int:
     """Add the cases that notebooks asked for to the list; return how many are new."""
-    known = {case.name: case for case in cases()}
-    asked = [Case(**json.loads(path.read_text())) for path in sorted(ASKED.glob("*.json"))]
+    known, notes = {case.name: case for case in cases()}, sorted(ASKED.glob("*.json"))
+    asked = [Case(**json.loads(path.read_text(encoding="utf-8"))) for path in notes]
     new = {case.name: case for case in asked if case.name not in known}
     if new:
         store_cases([*known.values(), *new.values()])
-    return len(new)
-
-
-def forget_asked() -> None:
-    """Remove the notes of solutions that notebooks asked for, which are stored now."""
-    for path in ASKED.glob("*.json"):
+    for path in notes:
         path.unlink()
+    return len(new)
 
 
 def _rows(kind, joint, arguments):

@@ -130,39 +130,15 @@ def results() -> list[Result]:
 def select(names: Sequence[str]) -> list[Notebook]:
     """Notebooks by their own names or those of results, in the catalogue's order; all for no name.
 
-    Raises ``ValueError`` for an unknown name, with the nearest known one.
+    Raises ``ValueError`` for an unknown name, with a known one that is nearly the same.
     """
     paths.require_checkout(paths.NOTEBOOKS)
     known = [name for nb in CATALOGUE for name in (nb.name, *nb.results)]
     for name in names:
         if name not in known:
-            near = " or ".join(_nearest(name, known))
-            hint = f": did you mean {near}?" if near else ""
+            plain = re.sub(r"\W", "", name.lower()).replace("figure", "fig")
+            padded = re.sub(r"^fig(\d)$", r"fig0\1", plain)
+            near = [padded] if padded in known else get_close_matches(plain, known, 1, cutoff=0.85)
+            hint = f": did you mean {near[0]}?" if near else ""
             raise ValueError(f"NAME must be a name that study list shows, got {name!r}{hint}")
     return [nb for nb in CATALOGUE if not names or {nb.name, *nb.results} & set(names)]
-
-
-def _nearest(name, known):
-    """Known names that a text may mean: "Figure 14", "fig 14", "Table2", "14", "fgi14"."""
-    plain = {re.sub(r"[\W_]", "", text): text for text in known}
-    asked = re.sub(r"[\W_]", "", name.lower().replace("figure", "fig"))
-    number = re.sub(r"(?<!\d)(\d)$", r"0\1", asked)
-    if number.isdecimal():
-        return [text for text in known if text.startswith(f"{number}-") or text == f"fig{number}"]
-    exact = [plain[text] for text in (asked, number) if text in plain]
-    return exact[:1] or [plain[text] for text in get_close_matches(asked, plain, 1)]
-
-
-def check_claims() -> None:
-    """Refuse wrong rows of ``data/published/claims.csv``, before anything runs for minutes.
-
-    Raises `study.claims.verdicts.ClaimError`, as `study.claims.verdicts.load` does, and for a
-    figure or evidence that no notebook makes.
-    """
-    from study.claims import verdicts
-
-    made = {name for notebook in CATALOGUE for name in notebook.results}
-    for row in verdicts.load().itertuples():
-        for name in (row.figure, row.evidence):
-            if name not in made:
-                raise verdicts.ClaimError(f"claim {row.claim}: no notebook makes {name!r}")

@@ -4,7 +4,6 @@ import ast
 import json
 import os
 import re
-import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -136,6 +135,7 @@ def execute(
     """
     import papermill
     from nbformat.reader import NotJSONError
+    from traitlets.config import Config
 
     begun, failed = time.time(), paths.BUILD / "failed" / notebook.path.name
     failed.unlink(missing_ok=True)
@@ -158,8 +158,10 @@ def execute(
                 kernel_name="python3",
                 progress_bar=False,
                 request_save_on_cell_execute=False,  # but once, at the end
+                # connected by files in its folder: kernels may choose the same TCP ports
+                config=Config(KernelManager={"transport": "ipc"} if os.name == "posix" else {}),
                 shutdown_kernel="immediate",  # its results are written
-                kernel_manager_class=_kernel(folder),
+                extra_arguments=["--log-level=50"],  # or it prints that it is interrupted then
             )
             _refuse_edited(notebook, begun)
             _refuse_returned(notebook, copy)
@@ -175,29 +177,6 @@ def execute(
         for name in notebook.files():
             paths.copy(made / name, results / name)
         paths.copy(copy, executed)
-
-
-def _kernel(folder):
-    """Class of a kernel of this interpreter, connected by files in a folder.
-
-    Kernels that start at the same time may share the TCP ports of jupyter_client's default.
-    """
-    from jupyter_client import AsyncKernelManager
-    from jupyter_client.kernelspec import KernelSpec
-
-    places = {"connection_file": str(folder / "kernel.json")}
-    if os.name == "posix":
-        places |= {"transport": "ipc", "ip": str(folder / "socket")}
-    # it would print that it was interrupted, which comes before each shutdown
-    launcher = [sys.executable, "-m", "ipykernel_launcher", "--log-level=50"]
-
-    class Kernel(AsyncKernelManager):
-        kernel_spec = KernelSpec(argv=[*launcher, "-f", "{connection_file}"], language="python")
-
-        def __init__(self, **options):
-            super().__init__(**(options | places))
-
-    return Kernel
 
 
 def _refuse_edited(notebook, begun):

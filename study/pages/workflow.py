@@ -115,10 +115,8 @@ def _end_with(parent):
 
 def _check():
     from study import dataset
-    from study.pages.catalogue import check_claims
 
     dataset.verify()
-    check_claims()
 
 
 def _notebook(name):

@@ -28,6 +28,7 @@ from study.checks import StudyError
 from study.sweep import cases as of_cases
 from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind, Rows
 
+ANSWERS_WITHIN = 30.0  # s, of a Dask scheduler
 _TASK = 16  # most cases that a process gets at once
 _PACKAGES = ("numpy", "scipy", "numba", "scikit-fem")
 
@@ -308,7 +309,7 @@ def _dask_client(address: str) -> Any:
         remedy = "install it with: pip install '.[dask]'"
         raise StudyError(f"--dask requires the package distributed; {remedy}") from None
     try:
-        client = Client(address, timeout=5)
+        client = Client(address, timeout=ANSWERS_WITHIN)
     except (OSError, ValueError) as error:
         raise StudyError(
             f"no Dask scheduler answers at {address} ({error}); check its address and that it runs"

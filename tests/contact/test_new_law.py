@@ -6,7 +6,7 @@ import sys
 
 import pandas as pd
 import pytest
-from helpers.copied import change, copy_project, describe, environment, study
+from helpers.project import copy_project, environment, study
 
 from study import paths
 
@@ -43,8 +43,12 @@ for cell in json.load(open(sys.argv[1]))["cells"]:
 def project(tmp_path_factory):
     root = copy_project(tmp_path_factory.mktemp("law") / "project")
     for name, changes in RECIPE.items():
-        change(root, name, *changes)
-    describe(root)
+        text = (root / name).read_text(encoding="utf-8")
+        for old, new in changes:
+            assert text.count(old) == 1
+            text = text.replace(old, new)
+        (root / name).write_text(text, encoding="utf-8")
+    assert study(root, "data", "accept", "study/pages/looks.csv").returncode == 0
     return root
 
 
@@ -58,7 +62,7 @@ def test_a_new_law_is_timed_and_drawn_by_its_cost(project, tmp_path):
     done = study(project, *words)
     assert done.returncode == 0, done.stderr
     notebook = project / "notebooks/16-speed-against-accuracy.ipynb"
-    results = environment(project) | {paths.RESULTS_VARIABLE: str(tmp_path)}
+    results = environment(project) | {paths.WRITE_VARIABLE: str(tmp_path)}
     command = [sys.executable, "-c", LAW_PART, notebook]
     subprocess.run(command, cwd=project, env=results, check=True)
     assert "stiffer" in set(pd.read_csv(tmp_path / "speed_laws.csv").method)

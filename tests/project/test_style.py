@@ -62,4 +62,4 @@ def test_hooks_and_the_workflow_of_the_host_use_what_is_locked_and_checked_here(
     hooks = re.findall(r"rev: v?(\S+)", text(".pre-commit-config.yaml"))
     assert hooks == [locked["ruff"], locked["nbstripout"]]
     assert "run: .ci/run" in text(".github/workflows/check.yml")
-    assert {"setup", "reproduce"} == set(re.findall(r"make\W+(\w+)", text("Dockerfile")[50:])) - {"git"}
+    assert all(f"\n{name}:" in text("Makefile") for name in ("setup", "reproduce"))
