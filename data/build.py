@@ -56,14 +56,17 @@ def curve_parts(everything: bool) -> dict[str, list[design.Case]]:
     }
 
 
-def write_curves(made: dict[str, pd.DataFrame]) -> None:
-    """Write the curves of the design in its order: those just solved, and the stored others."""
-    if not made:
-        return
-    stored, solved = store.read(store.CURVES), pd.concat(made.values())
+def write_cases(path: Path, names: list[str], made: dict[str, pd.DataFrame]) -> None:
+    """Write the rows of some cases in their order: those just solved, and the stored others."""
+    stored = store.read(path)
+    solved = pd.concat([stored[:0], *made.values()])
     by_case = dict(iter(stored.groupby("case"))) | dict(iter(solved.groupby("case")))
-    curves = pd.concat([by_case[name] for _, name, *_ in design.every_case()])
-    store.write_table(curves, store.CURVES)
+    store.write_table(pd.concat([by_case[name] for name in names]), path)
+
+
+def write_curves(made: dict[str, pd.DataFrame]) -> None:
+    """Write the curves of the design."""
+    write_cases(store.CURVES, [name for _, name, *_ in design.every_case()], made)
 
 
 def solution_parts(kind: str, everything: bool) -> dict[str, list[solutions.Case]]:
@@ -79,11 +82,9 @@ def solution_parts(kind: str, everything: bool) -> dict[str, list[solutions.Case
 
 
 def write_solutions(kind: str, made: dict[str, pd.DataFrame]) -> None:
-    """Write the solutions of a kind: those just solved, and the stored others."""
-    if made:
-        solved, stored = pd.concat(made.values()), store.read(store.SOLUTIONS[kind])
-        others = stored[~stored.case.isin(solved.case)]
-        store.write_table(pd.concat([others, solved]), store.SOLUTIONS[kind])
+    """Write the solutions of a kind."""
+    names = [case.name for case in solutions.cases() if case.kind == kind]
+    write_cases(store.SOLUTIONS[kind], names, made)
 
 
 def stiffening_parts(everything: bool) -> dict[str, tuple[float, dict[str, int]]]:

@@ -253,3 +253,6 @@ def test_a_new_case_is_solved_and_no_other(tmp_path):
     ]
     assert status(root, "data", "build") == (0, "No file of the dataset has changed.")
     assert study(root, "data", "check", "--sample", "5").returncode == 0
+    path.write_text(path.read_text().replace(ratios.replace("0.25", "0.22, 0.25"), ratios))
+    assert status(root, "data", "build") == (0, "Changed: data/force_curves.csv.")
+    assert (root / "data/force_curves.csv").read_text().splitlines() == before

@@ -1,10 +1,10 @@
 """The cache of compiled loops: named by the code, read again, and compiled anew if damaged."""
 
-import signal
 import subprocess
 import sys
 import time
 
+import psutil
 import pytest
 
 from study import compiled, paths
@@ -60,15 +60,14 @@ def test_compiling_leaves_no_process_when_it_is_terminated(tmp_path):
         "from study.mechanism import angles\nprint(angles.norm(3.0, 4.0))",
         ("from study.mechanism.__main__ import main; print('begun', flush=True); main()"),
     )
-    process = subprocess.Popen(
-        [sys.executable, "-c", code, tmp_path], stdout=subprocess.PIPE, start_new_session=True
-    )
+    process = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdout=subprocess.PIPE)
     process.stdout.readline()
     time.sleep(1)
-    process.send_signal(signal.SIGTERM)
+    children = psutil.Process(process.pid).children(recursive=True)
+    process.terminate()
     process.communicate()
-    listed = subprocess.run(["ps", "-o", "pid=", "-s", str(process.pid)], capture_output=True)
-    assert listed.stdout == b""
+    _, alive = psutil.wait_procs(children, timeout=1)
+    assert alive == []
 
 
 @pytest.mark.slow
