@@ -133,7 +133,7 @@ if "dataset" in config:
                 [f"build/data/{after}.made" for after in table.after],
                 parts=[f"build/data/{name}/{part}.csv" for part in table.parts(EVERYTHING)],
             output:
-                temp(touch(f"build/data/{name}.made")),  # written anew each time
+                touch(f"build/data/{name}.made"),
             params:
                 table=name,
             message:

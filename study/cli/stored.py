@@ -129,6 +129,8 @@ def build_data(
     store.verify()
     if new := solutions.adopt_asked():
         print(f"Notebooks asked for {new} new solutions.")
+    for made in (paths.BUILD / "data").glob("*.made"):
+        made.unlink()  # the tables are joined anew, as cases may have been dropped or restored
     which = f"dataset={'all' if everything else 'new'}"
     before = [paths.sha256(path) for path in store.files()]
     workflow.run(["dataset"], jobs=jobs, config=which, more=cli.after_dashes())
