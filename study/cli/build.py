@@ -5,6 +5,7 @@ import sys
 import typer
 
 from study import paths
+from study.checks import StudyError
 from study.cli import options as cli
 from study.cli.output import say, show_table
 
@@ -52,12 +53,13 @@ def run_notebooks(
                 raise ValueError(f"{option} cannot be used together with -p; remove it")
         _run_with(selected, settings)
         return
-    from study.pages import workflow
+    _make(_files(selected), selected, jobs=jobs, force=force, more=more)
 
-    made = [paths.RESULTS / name for notebook in selected for name in notebook.files()]
-    targets = [*made, *(notebook.executed for notebook in selected)]
-    workflow.run(map(paths.shown, targets), jobs=jobs, force=force, more=more)
-    _compare(selected)
+
+def _files(notebooks):
+    """Every file that the jobs of notebooks make."""
+    made = [paths.RESULTS / name for notebook in notebooks for name in notebook.files()]
+    return [*made, *(notebook.executed for notebook in notebooks)]
 
 
 def _run_with(selected, settings):
@@ -81,20 +83,32 @@ def _show_made(notebook, folder):
         print(f"made  {paths.shown(folder / result.files[-1])}  {result.shows}")
 
 
-def _compare(selected):
-    """Print how many results agree with the accepted ones; if one differs, name it and fail."""
-    from study.pages import accepted
+def _make(targets, selected, *told, **options):
+    """Run the workflow, print what is told, and compare the results of notebooks.
 
-    compared = accepted.compare(r for notebook in selected for r in notebook.results.values())
+    A run that fails is compared, too: its reason may be a damaged result, which is named then.
+    """
+    from study.pages import accepted, workflow
+
+    failure = None
+    try:
+        workflow.run(map(paths.shown, targets), **options)
+        print(*told, sep="\n", end="\n" if told else "")
+    except StudyError as error:
+        failure = error
+    results = [result for notebook in selected for result in notebook.results.values()]
+    compared = accepted.compare(result for result in results if result.is_made)
     for of in compared:
         if of.drawn_differently:
             print(f"drawn differently: build/results/{of.result.name}.png (its table is identical)")
         if of.state == "differs":
-            name = of.result.name
-            what = (
-                f"accept it with: study accept {name}, or make it again: study run {name} --force"
+            again = f"make it again with: study run {of.result.name} --force"
+            print(
+                f"differs: {of.where}; accept it with: study accept {of.result.name}, or {again}",
+                file=sys.stderr,
             )
-            print(f"differs: {of.where}; {what}", file=sys.stderr)
+    if failure:
+        raise failure
     print(accepted.summary(compared))
     if any(of.state == "differs" for of in compared):
         raise typer.Exit(1)
@@ -127,11 +141,10 @@ def typeset_paper(jobs: int = cli.JOBS):
 
     The files are build/paper.pdf and build/supplement.pdf.
     """
-    from study.pages import catalogue, typeset, workflow
+    from study.pages import catalogue, typeset
 
-    workflow.run([paths.shown(typeset.PDFS[0])], jobs=jobs)
-    print("The article is build/paper.pdf, and its supplement build/supplement.pdf.")
-    _compare(catalogue.CATALOGUE)
+    told = "The article is build/paper.pdf, and its supplement build/supplement.pdf."
+    _make([*typeset.PDFS, *_files(catalogue.CATALOGUE)], catalogue.CATALOGUE, told, jobs=jobs)
 
 
 @cli.command("report", keeps=True, examples=["report --jobs 4"])
@@ -142,12 +155,14 @@ def write_report(names: list[str] = cli.SNAKEMAKE, jobs: int = cli.JOBS):
     web site that begins with build/report/index.html. The results are compared with those in
     figures/, as by study run. Words after -- are passed to Snakemake.
     """
-    from study.pages import catalogue, workflow
+    from study.pages import catalogue
 
-    workflow.run(["build/report/index.html"], jobs=jobs, more=cli.after_dashes())
-    print("Figures and tables are in build/results/, and the article is build/paper.pdf.")
-    print("Open the report in a browser: build/report/index.html")
-    _compare(catalogue.CATALOGUE)
+    every = [paths.BUILD / "report/index.html", *_files(catalogue.CATALOGUE)]
+    told = (
+        "Figures and tables are in build/results/, and the article is build/paper.pdf.",
+        "Open the report in a browser: build/report/index.html",
+    )
+    _make(every, catalogue.CATALOGUE, *told, jobs=jobs, more=cli.after_dashes())
 
 
 @cli.command("list", examples=["list fig10"])

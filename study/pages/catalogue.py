@@ -43,6 +43,11 @@ class Result:
         return [f"{self.name}.csv", *([f"{self.name}.png"] if self.is_figure else [])]
 
     @property
+    def is_made(self) -> bool:
+        """Whether its files are in ``build/results``."""
+        return all((paths.RESULTS / name).is_file() for name in self.files)
+
+    @property
     def place(self) -> tuple[int, int]:
         """Where it comes: the paper's figures, the paper's tables, the others."""
         match = re.fullmatch(r"(fig|table)(\d+)", self.name)

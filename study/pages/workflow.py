@@ -98,7 +98,7 @@ def main(job: str, name: str = "") -> None:
     try:
         _JOBS[job](*filter(None, [name]))
     except (StudyError, ValueError, OSError) as error:
-        of = f"{name or job}: " if isinstance(error, OSError) else ""
+        of = "" if isinstance(error, StudyError) else f"{name or job}: "
         print(f"failed: {of}{' '.join(str(error).split())}", file=sys.stderr)
         sys.exit(1)
     except KeyboardInterrupt:

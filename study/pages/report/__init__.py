@@ -12,6 +12,7 @@ import re
 from pathlib import Path
 
 from sphinx.application import Sphinx
+from sphinx.errors import ExtensionError
 from sphinx.util.docutils import docutils_namespace, patch_docutils
 
 from study import paths
@@ -36,7 +37,10 @@ def build(sources: Path, pages: Path) -> None:
     with patch_docutils(), docutils_namespace():
         folders = sources, here, pages, sources.with_name("doctrees")
         jobs = (os.cpu_count() or 1) + 1  # one hands pages out while the others write them
-        Sphinx(*folders, "html", status=None, warning=warnings, parallel=jobs).build()
+        try:
+            Sphinx(*folders, "html", status=None, warning=warnings, parallel=jobs).build()
+        except ExtensionError as error:  # of our own sources, whose error says what is wrong
+            raise error.orig_exc or error from None
     warned = re.sub(r"\x1b\[[\d;]*m", "", warnings.getvalue()).strip().replace(f"{sources}/", "")
     if warned:
         raise StudyError(f"the report: {warned.splitlines()[0]}")

@@ -11,6 +11,7 @@ from docutils.nodes import make_id
 from jinja2 import Environment, PackageLoader
 
 from study import paths
+from study.checks import StudyError
 from study.dataset.store import CURVES, PACKAGE
 from study.pages import catalogue
 from study.pages.catalogue import CATALOGUE
@@ -152,7 +153,11 @@ class _Sources:
     def _notebook(self, notebook):
         """Write an executed notebook, with a note below its title and links to the figures."""
         text = notebook.executed.read_text(encoding="utf-8")
-        content = json.loads(text.replace(str(paths.ROOT), "..."))
+        try:
+            content = json.loads(text.replace(str(paths.ROOT), "..."))
+        except ValueError:
+            again = f"make it again with: study run {notebook.name} --force"
+            raise StudyError(f"{paths.shown(notebook.executed)} is damaged; {again}") from None
         content["metadata"] = {"language_info": {"name": "python", "pygments_lexer": "ipython3"}}
         for cell in content["cells"]:
             cell["source"] = "".join(cell["source"])
