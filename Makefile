@@ -24,7 +24,7 @@ IMPORTED := import papermill, ipykernel.kernelapp, ipykernel.zmqshell, pandas.io
 
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
-# uv where it is found and reaches the packages, else pip, of which every 20th package is counted
+# uv where it is found and reaches the packages, else pip; of its packages every 20th is announced
 define install
 { uv pip install --quiet --python $(BIN)/python --no-deps $(1) 2>/dev/null || { \
 	$(BIN)/python -m pip install --disable-pip-version-check --no-compile --no-deps $(1) || \
@@ -33,6 +33,9 @@ define install
 			print "    " n " packages are here"; fflush() } \
 		/^Installing/ { print "    installing them"; fflush() }'; }
 endef
+
+UNREACHABLE := echo "Missing: packages of requirements.lock. Is the package index reachable?" >&2; \
+	exit 1
 
 .PHONY: help reproduce test test-all check setup lab data bench speed lock clean
 .PHONY: elsewhere
@@ -44,7 +47,7 @@ help:
 	@echo "make check       set up, check style, types and which package imports which"
 	@echo "make setup       set up only: .venv with the packages of requirements.lock"
 	@echo "make lab         set up, open the notebooks in JupyterLab"
-	@echo "make data        set up, solve all cases of the dataset again (some minutes)"
+	@echo "make data        set up, solve all cases of the dataset again (eleven minutes on two cores)"
 	@echo "make bench       set up, measure the speed of solver, steppers and studies"
 	@echo "make speed       set up, time the charts of speed with the other programs found here"
 	@echo "make lock        renew requirements.lock (needs uv)"
@@ -103,12 +106,10 @@ $(READY): requirements.lock pyproject.toml $(ELSEWHERE)
 	@"$(PYTHON)" -m venv --clear $(VENV)
 	@echo "2 of 4: installing $$(grep -c == requirements.lock) packages of requirements.lock"
 	@awk '/^[^ #]/ { keep = /^($(FIRST))==/ } keep' requirements.lock > $(VENV)/first.lock
-	@$(call install,--require-hashes --requirement $(VENV)/first.lock) && \
+	@$(call install,--require-hashes --requirement $(VENV)/first.lock) || { $(UNREACHABLE); }; \
 	{ $(BIN)/python -m study.mechanism > $(VENV)/compiled.log & compiling=$$!; } && \
 	trap 'kill $$compiling 2>/dev/null' EXIT && trap 'exit 1' INT TERM HUP && \
-	{ $(call install,--require-hashes --requirement requirements.lock) || { \
-		echo "Missing: packages of requirements.lock. Is the package index reachable?" >&2; \
-		exit 1; }; } && \
+	{ $(call install,--require-hashes --requirement requirements.lock) || { $(UNREACHABLE); }; } && \
 	echo "3 of 4: installing this project" && \
 	$(call install,--no-index --no-build-isolation --editable .) && \
 	$(BIN)/python -c "$(IMPORTED)" && \

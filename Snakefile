@@ -36,11 +36,13 @@ rule report:
         results(CATALOGUE),
         EXECUTED,
         relative(PDFS),
-        relative(path for path in paths.DOCUMENTS),
+        relative(paths.DOCUMENTS),
+        "notebooks/catalogue.toml",
+        "build/checked",
         found(paths.STUDY, ".py", ".md", ".rst", ".html", ".css", ".js", ".csv", ".json"),
     output:
         "build/report/index.html",
-    threads: workflow.cores
+    threads: 2
     message:
         "Report"
     shell:
@@ -64,8 +66,9 @@ rule article:
 # Damaged data are found, and named once, before a notebook runs
 rule checked:
     input:
+        "data/SHA256SUMS",
         DATA,
-        LIBRARY,
+        found(paths.STUDY, ".csv", ".json"),
     output:
         touch("build/checked"),
     message:
@@ -98,9 +101,9 @@ for notebook in CATALOGUE:
             JOB + " notebook {params.notebook}"
 
 
-# The dataset: each table is solved in parts, of which new are those with cases that it lacks
+# The dataset: each table is solved in parts; with dataset=new they have the missing cases only
 if "dataset" in config:
-    sys.path.append(str(paths.DATA))
+    sys.path.insert(0, str(paths.DATA))
     from build import TABLES
 
     EVERYTHING = config["dataset"] == "all"
@@ -117,6 +120,7 @@ if "dataset" in config:
                 f"{name}_part"
             input:
                 LIBRARY,
+                [f"build/data/{after}.made" for after in table.after],
             output:
                 f"build/data/{name}/{{part}}.csv",
             params:

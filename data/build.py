@@ -1,26 +1,27 @@
 """Make the generated tables of the dataset, as the Snakefile asks.
 
 ``python data/build.py part TABLE PART FILE`` solves one part of a table and writes it to a file.
-``python data/build.py table TABLE FILE ...`` joins such files and writes the table, unless it
-agrees with the stored one. A table has every part of its design, or only those with new cases.
+``python data/build.py table TABLE FILE ...`` joins such files and the stored rows of other cases,
+and writes the table, unless it agrees with the stored one.
 """
 
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from study import paths
-from study.checks import StudyError
 from study.choose import random_scenes
 from study.claims import set_ups
 from study.contact import stiffening
 from study.dataset import design, fitting, solutions, stiffening_fit, store
+from study.pages.workflow import be_job
 
 SOLUTIONS_AT_ONCE, SCENES_AT_ONCE = 24, 10
 
@@ -34,9 +35,10 @@ def no_parts(everything: bool) -> dict[str, Any]:
 class Table:
     """A generated table, or two that are written together.
 
-    ``parts`` gives the parts by name, all or only those with cases that are not stored. ``solve``
+    ``parts`` gives the parts by name: of all cases, or of those that are not stored. ``solve``
     makes the rows of a part, and ``write`` writes the table from the rows of parts by name. A table
-    is made ``after`` others that it reads; one that is not ``extensible`` is only made anew.
+    is made ``after`` others that it reads. Only with ``--all`` are those made that are not
+    ``extensible``.
     """
 
     write: Callable[[dict[str, pd.DataFrame]], Any]
@@ -46,14 +48,18 @@ class Table:
     extensible: bool = False
 
 
+def named(batches: Iterable[Sequence[Any]], names: Callable[[Any], str]) -> dict[str, Any]:
+    """Batches of cases by a name that follows from those of the cases."""
+    return {paths.digest([], [names(case) for case in batch]): batch for batch in batches}
+
+
 def curve_parts(everything: bool) -> dict[str, list[design.Case]]:
-    """Batches of cases of the design, by the name of their first case."""
-    stored = store.read(store.CURVES).groupby("case").depth_star.agg(tuple).to_dict()
-    return {
-        cases[0][1]: cases
-        for cases in design.batches()
-        if everything or any(stored.get(name) != depths for _, name, _, depths in cases)
-    }
+    """Batches of cases of the design."""
+    stored = store.read(store.CURVES).case.value_counts()
+    cases = design.every_case()
+    if not everything:
+        cases = [case for case in cases if stored.get(case[1]) != len(case[3])]
+    return named(design.batches(cases), itemgetter(1))
 
 
 def write_cases(path: Path, names: list[str], made: dict[str, pd.DataFrame]) -> None:
@@ -70,15 +76,12 @@ def write_curves(made: dict[str, pd.DataFrame]) -> None:
 
 
 def solution_parts(kind: str, everything: bool) -> dict[str, list[solutions.Case]]:
-    """Lists of the cases of a kind, by the name of their first case."""
-    stored = set(store.read(store.SOLUTIONS[kind]).case)
-    every = [case for case in solutions.cases() if case.kind == kind]
-    batches = [every[k : k + SOLUTIONS_AT_ONCE] for k in range(0, len(every), SOLUTIONS_AT_ONCE)]
-    return {
-        cases[0].name: cases
-        for cases in batches
-        if everything or any(case.name not in stored for case in cases)
-    }
+    """Batches of the cases of a kind."""
+    stored = set() if everything else set(store.read(store.SOLUTIONS[kind]).case)
+    cases = [case for case in solutions.cases() if case.kind == kind and case.name not in stored]
+    starts = range(0, len(cases), SOLUTIONS_AT_ONCE)
+    batches = [cases[start : start + SOLUTIONS_AT_ONCE] for start in starts]
+    return named(batches, lambda case: case.name)
 
 
 def write_solutions(kind: str, made: dict[str, pd.DataFrame]) -> None:
@@ -197,16 +200,18 @@ TABLES = {
 
 def main(action: str, name: str, *words: str) -> None:
     """Solve a part of a table, or write a table from the files of its parts."""
+    table = TABLES[name]
     if action == "part":
         part, file = words
         with paths.whole(Path(file)) as temporary:
-            TABLES[name].solve(TABLES[name].parts(True)[part]).to_csv(temporary, index=False)
+            parts = table.parts(True) | table.parts(False)
+            table.solve(parts[part]).to_csv(temporary, index=False)
     else:
-        TABLES[name].write({Path(file).stem: pd.read_csv(file) for file in words})
+        files = {Path(file).stem: file for file in words}
+        table.write({k: pd.read_csv(file, dtype={"case": str}) for k, file in files.items()})
 
 
 if __name__ == "__main__":
-    try:
-        main(*sys.argv[1:])
-    except (StudyError, OSError) as error:
-        sys.exit(f"failed: {' '.join(sys.argv[1:3])}: {error}")
+    action, table, *words = sys.argv[1:]
+    name = f"{action} {words[0]} of {table}" if action == "part" else f"{action} {table}"
+    be_job(name, partial(main, action, table, *words))

@@ -36,8 +36,9 @@ class RangeError(ValueError):
 
 
 @contextmanager
-def intact(file: str, remedy: str) -> Iterator[None]:
+def intact(file: str) -> Iterator[None]:
     """Make one `StudyError` of what is raised while a file of the project is read."""
+    remedy = f"restore it in a checkout with: git checkout -- {file}, else install the study again"
     try:
         yield
     except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:

@@ -7,7 +7,6 @@ cannot be written to, every process compiles.
 """
 
 import os
-import shutil
 import sys
 from collections.abc import Callable
 from functools import cache
@@ -63,11 +62,9 @@ def _is_usable(kept: Path) -> bool:
         for path in kept.rglob("*.nb[ci]"):
             content = path.read_bytes()
             if content[:1] + content[-1:] != b"\x80.":
-                shutil.rmtree(kept)
-                kept.mkdir()
+                path.unlink(missing_ok=True)
                 where = f"{paths.shown(path)} is damaged"
                 print(f"study: {where}; the loops are compiled again", file=sys.stderr)
-                break
     except OSError:
         return False
     return os.access(kept, os.W_OK)

@@ -63,9 +63,10 @@ def sha256(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def sources(*packages: str) -> list[Path]:
-    """Python files of some packages of the study."""
-    return sorted(path for name in packages for path in (STUDY / name).glob("*.py"))
+def sources(*packages: str, suffixes: tuple[str, ...] = (".py",)) -> list[Path]:
+    """Files of some packages of the study, by default their Python files."""
+    files = (path for name in packages for path in (STUDY / name).glob("*.*"))
+    return sorted(path for path in files if path.suffix in suffixes)
 
 
 def digest(files: Iterable[Path], *more: object) -> str:

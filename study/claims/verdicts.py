@@ -82,7 +82,7 @@ def result(name: str) -> pd.DataFrame:
     """Numbers of one result (`study.paths.read_result`). Raises `ClaimError` if it is missing."""
     path = paths.read_result(f"{name}.csv")
     if not path.is_file():
-        raise ClaimError(f"{paths.shown(path)} is missing; make it with: study run {name}")
+        raise ClaimError(f"{paths.shown(path)} is missing; make it with: study run {name} --force")
     return pd.read_csv(path)
 
 
@@ -94,17 +94,17 @@ def readings(evidence: str, row: str, column: str) -> dict[str, float]:
     ``row``. The column ``reading`` of the result, if it has one, names the readings. Raises
     `ClaimError` if the result, row or column is missing, or if a number is not finite.
     """
-    table, remake = result(evidence), f"remake it with: study run {evidence}"
+    table, remake = result(evidence), f"make it again: study run {evidence} --force"
     for name in ("quantity", column):
         if name not in table:
-            raise ClaimError(f"figures/{evidence}.csv has no column {name!r}; {remake}")
+            raise ClaimError(f"{evidence}.csv has no column {name!r}; {remake}")
     rows = table[table.quantity == row]
     if rows.empty:
-        raise ClaimError(f"figures/{evidence}.csv has no quantity {row!r}; {remake}")
+        raise ClaimError(f"{evidence}.csv has no quantity {row!r}; {remake}")
     names = rows.get("reading", ["this study"] * len(rows))
     numbers = pd.to_numeric(rows[column], errors="coerce")
     if not np.isfinite(numbers).all():
-        raise ClaimError(f"{column} of {row!r} in figures/{evidence}.csv must be finite numbers")
+        raise ClaimError(f"{column} of {row!r} in {evidence}.csv must be finite numbers")
     return dict(zip(names, numbers, strict=True))
 
 

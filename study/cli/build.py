@@ -39,7 +39,7 @@ def run_notebooks(
     """
     from study.pages import catalogue
 
-    more = cli.after_dashes()
+    more = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
     names = names[: len(names) - len(more)]
     selected = catalogue.select(names)
     if settings:
@@ -109,6 +109,8 @@ def _make(targets, selected, *told, **options):
             )
     if failure:
         raise failure
+    if {"-n", "--dry-run", "--dryrun"} & set(options.get("more", ())):
+        return
     print(accepted.summary(compared))
     if any(of.state == "differs" for of in compared):
         raise typer.Exit(1)
@@ -162,7 +164,7 @@ def write_report(names: list[str] = cli.SNAKEMAKE, jobs: int = cli.JOBS):
         "Figures and tables are in build/results/, and the article is build/paper.pdf.",
         "Open the report in a browser: build/report/index.html",
     )
-    _make(every, catalogue.CATALOGUE, *told, jobs=jobs, more=cli.after_dashes())
+    _make(every, catalogue.CATALOGUE, *told, jobs=jobs, more=cli.after_dashes(names))
 
 
 @cli.command("list", examples=["list fig10"])

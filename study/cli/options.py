@@ -21,7 +21,10 @@ from study import checks, parameters, paths
 from study.checks import StudyError
 
 COMMANDS = {
-    "run": ("build", "Run the outdated notebooks and compare their results with the accepted."),
+    "run": (
+        "build",
+        "Run the outdated notebooks and compare their results with the accepted ones.",
+    ),
     "accept": ("build", "Accept results that differ: copy them to figures/."),
     "paper": ("build", "Bring the article and its supplement up to date."),
     "report": ("build", "Bring figures, tables, article and report up to date."),
@@ -271,9 +274,12 @@ def _number(kind, text):
         raise typer.BadParameter(str(error)) from None
 
 
-def after_dashes():
-    """Words after ``--``, which are for Snakemake."""
-    return sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
+def after_dashes(words):
+    """Words after ``--``, which are for Snakemake; no others are allowed."""
+    more = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
+    if len(words) > len(more):
+        raise ValueError(f"no name can be given here, got {words[0]!r}; remove it")
+    return more
 
 
 def flag(name):

@@ -1,6 +1,7 @@
 """Commands for what is stored: the dataset, and the times of laws, solvers and steppers."""
 
 import json
+import shutil
 import sys
 from difflib import get_close_matches
 from itertools import takewhile
@@ -96,7 +97,9 @@ def list_materials():
 def check_data(
     sample: int = cli.option("Number of cases that are solved again.", default=20),
     seed: int = cli.option("Seed of the random sample.", default=0),
-    everything: bool = cli.switch("--all", "Solve all cases again; this takes some minutes."),
+    everything: bool = cli.switch(
+        "--all", "Solve all cases again; this takes more than ten minutes on two cores."
+    ),
     jobs: int = cli.JOBS,
 ):
     """Check the dataset: hashes, description, missing cases, and a sample that is solved again.
@@ -115,7 +118,9 @@ def check_data(
 def build_data(
     names: list[str] = cli.SNAKEMAKE,
     jobs: int = cli.JOBS,
-    everything: bool = cli.switch("--all", "Solve all cases again; this takes some minutes."),
+    everything: bool = cli.switch(
+        "--all", "Solve all cases again; this takes more than ten minutes on two cores."
+    ),
 ):
     """Solve the cases that the dataset lacks, and fit the laws.
 
@@ -126,19 +131,21 @@ def build_data(
     from study.dataset import solutions, store
     from study.pages import workflow
 
-    store.verify()
-    if new := solutions.adopt_asked():
-        print(f"Notebooks asked for {new} new solutions.")
-    for made in (paths.BUILD / "data").glob("*.made"):
-        made.unlink()  # the tables are joined anew, as cases may have been dropped or restored
+    more = cli.after_dashes(names)
+    before = {path: paths.sha256(path) for path in store.files()}
+    folder = paths.BUILD / "data"
+
+    def prepare():
+        store.verify()
+        if new := solutions.adopt_asked():
+            print(f"Notebooks asked for {new} new solutions.")
+        for made in folder.glob("*.made"):
+            made.unlink()  # tables are joined anew, as cases may have been dropped or restored
+
     which = f"dataset={'all' if everything else 'new'}"
-    before = [paths.sha256(path) for path in store.files()]
-    workflow.run(["dataset"], jobs=jobs, config=which, more=cli.after_dashes())
-    changed = [
-        paths.shown(path)
-        for path, sha in zip(store.files(), before, strict=True)
-        if paths.sha256(path) != sha
-    ]
+    workflow.run(["dataset"], jobs=jobs, config=which, more=more, first=prepare)
+    shutil.rmtree(folder, ignore_errors=True)  # what is finished need not be continued
+    changed = [paths.shown(p) for p in store.files() if paths.sha256(p) != before.get(p)]
     print(f"Changed: {', '.join(changed)}." if changed else "No file of the dataset has changed.")
 
 

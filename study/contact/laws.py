@@ -535,7 +535,7 @@ def _coefficient(law, r2_star, given=None):
 
 def _fitted(law, name):
     """One number of a law's fit."""
-    with checks.intact("study/contact/coefficients.json", "rebuild it with: study data build"):
+    with checks.intact("study/contact/coefficients.json"):
         return float(fitted_coefficients()[law][name])
 
 

@@ -112,7 +112,7 @@ def table() -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
 
     Raises `study.checks.StudyError` if its file is missing or damaged.
     """
-    with checks.intact("study/contact/stiffening.csv", "rebuild it with: study data build"):
+    with checks.intact("study/contact/stiffening.csv"):
         _, *rows = TABLE.read_text(encoding="utf-8").splitlines()
         numbers = np.array([line.split(",") for line in rows], dtype=np.int64).reshape(-1, 16)
     supports, degrees, values = np.split(numbers, [2, 7], axis=1)

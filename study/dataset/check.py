@@ -35,38 +35,39 @@ def check(
     """
     if sample is not None:
         checks.whole("sample", sample, least=1)
+    if jobs is not None:
+        checks.whole("jobs", jobs, least=1)
+    checks.whole("seed", seed, least=0)
     store.verify()
     yield "hashes", f"{len(store.files())} files agree with {paths.shown(store.HASHES)}"
     described = json.loads(store.PACKAGE.read_text(encoding="utf-8"))["resources"]
     for resource in (resource for resource in described if "schema" in resource):
         columns = list(store.read(paths.DATA / resource["path"]))
         fields = [field["name"] for field in resource["schema"]["fields"]]
-        _same(resource["path"], "columns", columns, fields)
+        mend = f"restore it with: git checkout -- data/{resource['path']} data/SHA256SUMS"
+        _same(resource["path"], "columns", columns, fields, mend)
     yield "description", f"{len(described)} files are described"
     curves = store.load()
     rows = {name: len(depths) for _, name, _, depths in design.every_case()}
-    _same("force_curves.csv", "cases", curves.groupby("case").size().to_dict(), rows)
+    mend = "build them with: study data build"
+    _same("force_curves.csv", "cases", curves.groupby("case").size().to_dict(), rows, mend)
     for kind, path in store.SOLUTIONS.items():
         names = {case.name for case in solutions.cases() if case.kind == kind}
-        _same(f"solutions/{path.name}", "cases", set(store.read(path).case), names)
+        _same(f"solutions/{path.name}", "cases", set(store.read(path).case), names, mend)
     yield "cases", f"{len(rows)} curves with {len(curves)} rows; {len(solutions.cases())} solutions"
     yield "solved again", _solve_again(sample, seed, jobs)
 
 
-def _same(name, what, found, wanted):
+def _same(name, what, found, wanted, mend):
     """Raise `study.dataset.DatasetError` if the columns or cases of a file are not the wanted."""
     if found != wanted:
-        missing = ", ".join(str(one) for one in wanted if one not in found)
-        further = ", ".join(str(one) for one in found if one not in wanted)
-        both = "; ".join(
-            f"{one}: {names}"
-            for one, names in (("missing", missing), ("not in the design", further))
-            if names
-        )
-        raise store.DatasetError(
-            f"data/{name} must have the {what} of the design, {both or 'with all depths'}; build "
-            "them with: study data build"
-        )
+        lists = {
+            "missing": [str(one) for one in wanted if one not in found],
+            "not in the design": [str(one) for one in found if one not in wanted],
+        }
+        both = "; ".join(f"{of}: {', '.join(names)}" for of, names in lists.items() if names)
+        how = both or ("in their order" if what == "columns" else "with all depths")
+        raise store.DatasetError(f"data/{name} must have the {what} of the design, {how}; {mend}")
 
 
 def _solve_again(sample, seed, jobs):
@@ -77,7 +78,7 @@ def _solve_again(sample, seed, jobs):
         numbers = np.random.default_rng(seed).choice(len(every), min(sample, len(every)), False)
         drawn = [every[k] for k in np.sort(numbers)]
     with ProcessPoolExecutor(jobs, get_context("spawn")) as executor:
-        found = executor.map(_difference, drawn, chunksize=12 if sample is None else 1)
+        found = executor.map(_difference, drawn, chunksize=4 if sample is None else 1)
         for where in filter(None, found):
             executor.shutdown(wait=False, cancel_futures=True)
             raise store.DatasetError(f"{where}; solve all cases again with: study data build --all")

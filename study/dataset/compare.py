@@ -44,20 +44,19 @@ def differs(kept: Path | StringIO, made: Path | StringIO, name: str) -> str | No
     """
     old, new = (pd.read_csv(table, dtype=str, keep_default_na=False) for table in (kept, made))
     if list(old) != list(new):
-        return f"columns: kept {', '.join(old)}; now {', '.join(new)}"
+        return f"columns: accepted {', '.join(old)}; now {', '.join(new)}"
     if len(old) != len(new):
-        return f"rows: kept {len(old)}, now {len(new)}"
+        return f"rows: accepted {len(old)}, now {len(new)}"
     words = [c for c in old if _numbers(old[c]).isna().all() and _numbers(new[c]).isna().all()]
     if not old[words].equals(new[words]):
         old, new = (table.sort_values(words, kind="stable") for table in (old, new))
     excess = np.array([_excess(old[column], new[column], name, column) for column in old])
     if not (excess > 1).any():
         return None
-    column, row = np.unravel_index(excess.argmax(), excess.shape)  # the first of the worst
-    return (
-        f"row {old.index[row] + 2}, column {old.columns[column]}: kept {old.iloc[row, column]}, "
-        f"now {new.iloc[row, column]} ({np.count_nonzero(excess > 1)} in all)"
-    )
+    row, column = np.argwhere(excess.T > 1)[0]
+    place = f"row {old.index[row] + 2}, column {old.columns[column]}"
+    numbers = f"accepted {old.iloc[row, column]}, now {new.iloc[row, column]}"
+    return f"{place}: {numbers} ({np.count_nonzero(excess > 1)} in all)"
 
 
 def _numbers(column):

@@ -1,6 +1,6 @@
 """The design of the dataset: its joints in groups, and the purpose of each group."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import groupby
 
@@ -178,13 +178,13 @@ def solve(case: Case) -> pd.DataFrame:
     return pd.DataFrame({"group": group, "case": name} | force_curve(joint, depths).columns())
 
 
-def batches() -> Iterator[list[Case]]:
-    """All cases, in lists of cases with the same bodies, each of which takes some seconds."""
+def batches(cases: Iterable[Case]) -> Iterator[list[Case]]:
+    """Cases in lists of cases with the same bodies, each of which takes some seconds."""
 
     def kind(case):
         return case[0], case[2].has_large_displacements, case[2].series_applies
 
-    for (_, finite, by_series), of_kind in groupby(every_case(), kind):
+    for (_, finite, by_series), of_kind in groupby(cases, kind):
         batch, size = list(of_kind), 1 if finite else 12 if by_series else 36
         for k in range(0, len(batch), size):
             yield batch[k : k + size]

@@ -152,8 +152,12 @@ def store_cases(every: Iterable[Case]) -> None:
 def adopt_asked() -> int:
     """Add the cases that notebooks asked for to the list; return how many are new."""
     known, notes = {case.name: case for case in cases()}, sorted(ASKED.glob("*.json"))
-    asked = [Case(**json.loads(path.read_text(encoding="utf-8"))) for path in notes]
-    new = {case.name: case for case in asked if case.name not in known}
+    new = {}
+    for path in notes:
+        with suppress(ValueError, TypeError):  # a damaged note is made again by its notebook
+            case = Case(**json.loads(path.read_text(encoding="utf-8")))
+            if case.name not in known:
+                new[case.name] = case
     if new:
         store_cases([*known.values(), *new.values()])
     for path in notes:

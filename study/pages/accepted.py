@@ -73,7 +73,8 @@ def _compared(result):
     try:
         where = compare.differs(accepted, made, result.name)
     except ValueError:  # of pandas, for a file that is no table
-        where = f"{paths.shown(accepted)} or the new table cannot be read"
+        both = f"{paths.shown(accepted)} and the new table cannot be compared"
+        where = f"{both}: one is damaged (git checkout restores the first)"
     if where is None:
         return Comparison(result, "agrees")
     return Comparison(result, "differs", f"{paths.shown(made)}, {where}")

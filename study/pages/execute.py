@@ -4,7 +4,6 @@ import ast
 import json
 import os
 import re
-import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -134,10 +133,11 @@ def execute(
     that were run are then in ``build/failed``.
     """
     import papermill
+    from nbclient.exceptions import DeadKernelError
     from nbformat.reader import NotJSONError
     from traitlets.config import Config
 
-    begun, failed = time.time(), paths.BUILD / "failed" / notebook.path.name
+    before, failed = _stamps(notebook), paths.BUILD / "failed" / notebook.path.name
     failed.unlink(missing_ok=True)
     paths.BUILD.mkdir(exist_ok=True)
     with paths.scratch() as folder, paths.scratch(paths.BUILD) as work:
@@ -158,12 +158,14 @@ def execute(
                 kernel_name="python3",
                 progress_bar=False,
                 request_save_on_cell_execute=False,  # but once, at the end
+                start_timeout=600,
+                iopub_timeout=600,  # s, on a busy machine
                 # connected by files in its folder: kernels may choose the same TCP ports
                 config=Config(KernelManager={"transport": "ipc"} if os.name == "posix" else {}),
                 shutdown_kernel="immediate",  # its results are written
                 extra_arguments=["--log-level=50"],  # or it prints that it is interrupted then
             )
-            _refuse_edited(notebook, begun)
+            _refuse_edited(notebook, before)
             _refuse_returned(notebook, copy)
             _refuse_other_files(notebook, {path.name for path in made.iterdir()})
         except papermill.PapermillExecutionError as error:
@@ -172,6 +174,9 @@ def execute(
             reason = f"{error.ename}: {error.evalue}".rstrip(". ")
             paths.copy(copy, failed)
             raise NotebookError(f"{where}: {reason}; {seen}") from None
+        except DeadKernelError:
+            why = "its kernel ended, perhaps because memory was short; use fewer --jobs"
+            raise NotebookError(f"{notebook.name}: {why}") from None
         except NotJSONError:
             raise NotebookError(f"{notebook.name}: the file is not a notebook") from None
         for name in notebook.files():
@@ -179,10 +184,17 @@ def execute(
         paths.copy(copy, executed)
 
 
-def _refuse_edited(notebook, begun):
+def _stamps(notebook):
+    """Time of the last change of each file on which the results depend."""
+    data = (path for suffix in ("csv", "json") for path in paths.DATA.rglob(f"*.{suffix}"))
+    files = (notebook.path, *paths.STUDY.rglob("*.py"), *data)
+    return {path: path.stat().st_mtime_ns for path in files}
+
+
+def _refuse_edited(notebook, before):
     """Refuse results that may be of two versions of a file."""
-    for path in (notebook.path, *paths.STUDY.rglob("*.py")):
-        if path.stat().st_mtime > begun:
+    for path, stamp in _stamps(notebook).items():
+        if before.get(path) != stamp:
             edited = f"{paths.shown(path)} was edited while it ran"
             raise NotebookError(f"{notebook.name}: {edited}; run it again")
 

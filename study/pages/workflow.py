@@ -11,8 +11,10 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import redirect_stderr
+from functools import partial
+from typing import Any
 
 from study import checks, paths
 from study.checks import StudyError
@@ -29,12 +31,13 @@ def run(
     config: str = "",
     force: bool = False,
     more: Sequence[str] = (),
+    first: Callable[[], Any] = lambda: None,
 ) -> None:
     """Bring targets of the Snakefile up to date, in as many processes as ``jobs``.
 
     The default is one process for each core. ``config`` is for the Snakefile, and ``more`` are
-    further words for Snakemake, which then prints its whole log. What is finished stays finished
-    after ``KeyboardInterrupt``.
+    further words for Snakemake, which then prints its whole log. ``first`` is done before, under
+    the lock of the run. What is finished stays finished after ``KeyboardInterrupt``.
 
     Raises `study.checks.StudyError` if a job fails (the job has printed why), if Snakemake does, if
     the limit of memory is too low, or if another run is working in this folder.
@@ -46,6 +49,7 @@ def run(
     cores = "all" if jobs is None else str(checks.whole("jobs", jobs, least=1))
     words = ["--snakefile", str(paths.ROOT / "Snakefile"), "--directory", str(paths.ROOT)]
     words += ["--cores", cores, "--scheduler", "greedy", "--keep-going", "--rerun-incomplete"]
+    words += ["--max-checksum-file-size", "100MB"]  # a new time alone is no change
     words += ["--nolock"]  # but our own lock, which a killed process does not leave
     words += ["--force"] if force else []
     words += ["--config", config] if config else []
@@ -60,6 +64,7 @@ def run(
     try:
         with paths.locked(paths.BUILD / "running", wait=False), redirect_stderr(log):
             paths.remove_abandoned()
+            first()
             snakemake([*words, "--", *targets])
     except BlockingIOError:  # both would write the same results
         busy = f"another run is working in {paths.ROOT}; wait until it has ended"
@@ -84,26 +89,34 @@ class _Log(io.StringIO):
 
     def reason(self):
         """Why a run failed: jobs, which have printed their reasons, or the last lines."""
-        if failed := self.getvalue().count("CalledProcessError"):
-            return f"{failed} of the jobs failed, for the reasons printed above"
+        if failed := re.findall(r"^Command '.* (\S+)' (?:returned|died)", self.getvalue(), re.M):
+            return f"{len(failed)} of the jobs failed: {', '.join(failed)}"
         return f"Snakemake: {' '.join(self.getvalue().split()[-60:])}"
 
 
-def main(job: str, name: str = "") -> None:
-    """Be one job of the Snakefile; print one line, on standard error if it fails."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # kernels and files are tidied up
+def main(job: str, *words: str) -> None:
+    """Be the job of the Snakefile with this name."""
+    be_job(words[0] if words else job, partial(_JOBS[job], *words))
+
+
+def be_job(name: str, work: Callable[[], None]) -> None:
+    """Do the work of a job; print one line when it is done, or on standard error why it failed.
+
+    The job tidies up when it is interrupted or terminated, and ends soon after Snakemake.
+    """
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
     os.environ[paths.READ_VARIABLE] = str(paths.RESULTS)
     start = time.monotonic()
     try:
-        _JOBS[job](*filter(None, [name]))
-    except (StudyError, ValueError, OSError) as error:
-        of = "" if isinstance(error, StudyError) else f"{name or job}: "
+        work()
+    except (StudyError, ValueError, KeyError, OSError) as error:
+        of = "" if isinstance(error, StudyError) else f"{name}: "
         print(f"failed: {of}{' '.join(str(error).split())}", file=sys.stderr)
         sys.exit(1)
     except KeyboardInterrupt:
         sys.exit(130)
-    print(f"{name or job}  ({time.monotonic() - start:.1f} s)", flush=True)
+    print(f"{name}  ({time.monotonic() - start:.1f} s)", flush=True)
 
 
 def _end_with(parent):

@@ -157,7 +157,8 @@ def run_study(
 
 def _code() -> str:
     """Digest of the library and of the versions of the packages that decide a result."""
-    library = paths.sources("contact", "joint", "mechanism")
+    packages = ("", "contact", "joint", "mechanism", "sweep")
+    library = paths.sources(*packages, suffixes=(".py", ".csv", ".json", ".toml"))
     return paths.digest(library, *(version(package) for package in _PACKAGES))
 
 

@@ -215,8 +215,8 @@ def test_a_changed_claim_changes_its_verdict(change, claim, column, value, verdi
         ("expected", "1 to 0", "expected of half_angle must not be 0"),
         ("tolerance", "-1", "tolerance of half_angle must be >= 0, got -1"),
         ("evidence", "nothing", "claim half_angle: figures/nothing.csv is missing; make it with"),
-        ("row", "half", "claim half_angle: figures/numbers_00.csv has no quantity 'half'; remake"),
-        ("column", "ours", "claim half_angle: figures/numbers_00.csv has no column 'ours'; remake"),
+        ("row", "half", "claim half_angle: numbers_00.csv has no quantity 'half'; make it again"),
+        ("column", "ours", "claim half_angle: numbers_00.csv has no column 'ours'; make it again"),
         ("column", "reading", "claim half_angle: reading of 'half-angle of the law divided by"),
     ],
 )

@@ -32,7 +32,7 @@ pytestmark = [
     ("processor", "names"),
     [
         pytest.param(OLD, ["table1", "table2", "fig12", "convergence"], id="old"),
-        pytest.param(ANOTHER, ["fig08", "table2", "fig14"], id="another"),
+        pytest.param(ANOTHER, ["fig08", "table2", "fig14", "identification"], id="another"),
     ],
 )
 def test_results_agree_and_the_kept_files_stay(tmp_path, processor, names):

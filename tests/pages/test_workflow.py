@@ -71,7 +71,7 @@ def test_what_has_changed_is_run_with_its_readers_and_nothing_else(project):
     done = study(project, "run")
     assert ran(done) == [CURVE, TOTAL]
     assert done.returncode == 1
-    assert "numbers.csv, row 3, column force: kept 5, now 5.001 (1 in all)" in done.stderr
+    assert "numbers.csv, row 3, column force: accepted 5, now 5.001 (1 in all)" in done.stderr
     assert "study accept numbers" in done.stderr
     assert done.stdout.splitlines()[-1] == "4 results: 1 identical, 0 agree, 3 differ"
     with (project / "study/contact/laws.py").open("a") as module:
@@ -84,6 +84,7 @@ def test_what_has_changed_is_run_with_its_readers_and_nothing_else(project):
     [
         ("depths =", "1 / 0; depths =", "cell In[2]: ZeroDivisionError: division by zero"),
         ('"law")', '"lawn")', "did not save law.csv"),
+        ("import pandas", "import os; os.kill(os.getpid(), 9)\nimport pandas", "its kernel ended"),
         ('"law")', '"law"); figures.save_table(pd.DataFrame(), "x")', "saved x.csv, which noteb"),
     ],
 )
@@ -91,10 +92,10 @@ def test_a_notebook_that_fails_is_named_and_the_others_go_on(project, old, new, 
     edit(project, LAW, old, new)
     done = study(project, "run", "--force")
     assert (done.returncode, ran(done)) == (1, [CURVE, TOTAL])
-    first, last = done.stderr.splitlines()
-    assert first.startswith("failed: 02-law")
-    assert message in first
-    assert last == "study: 1 of the jobs failed, for the reasons printed above"
+    *_, reason, last = done.stderr.splitlines()
+    assert reason.startswith("failed: 02-law")
+    assert message in reason
+    assert last == "study: 1 of the jobs failed: 02-law"
 
 
 def start(root, begun):
@@ -168,7 +169,7 @@ def test_damaged_results_are_named_with_the_remedy(project):
         record.write_text("junk")
     code, line = status(project, "run", "curve")
     assert code == 1
-    assert "make it again: study run curve --force" in line
+    assert "make it again with: study run curve --force" in line
     done = study(project, "run", "curve", "--force")
     assert done.returncode == 0
     assert "drawn differently: build/results/curve.png (its table is identical)" in done.stdout
@@ -182,7 +183,8 @@ def test_damaged_data_stop_a_run_with_one_line(project):
     path.write_text(path.read_text().replace("title", "tytle", 1))
     done = study(project, "run")
     assert (done.returncode, ran(done)) == (1, [])
-    first, _ = done.stderr.splitlines()
+    first, *_, last = done.stderr.splitlines()
+    assert last == "study: 1 of the jobs failed: check"
     assert "git checkout -- data/datapackage.json" in first
 
 

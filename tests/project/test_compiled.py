@@ -38,7 +38,7 @@ def test_a_damaged_cache_is_compiled_again(tmp_path, suffix, damage):
     assert said.count("\n") == 1
     assert said.endswith(f"{path.name} is damaged; the loops are compiled again\n")
     assert again.keys() == first.keys()
-    assert all(again[name] > first[name] for name in again)
+    assert again[path] > first[path]
     assert run(tmp_path) == ("", again)
 
 

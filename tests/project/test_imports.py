@@ -29,7 +29,7 @@ def loaded(code):
         ("import study.contact", HEAVY),
         ("from study.mechanism import Scene, simulate", {"skfem", "matplotlib", "study.dataset"}),
         ("from study.joint import Joint, Material, force_curve", HEAVY),
-        (LIST, {*HEAVY, "pytask", "sqlalchemy", "scipy", "papermill"}),
+        (LIST, {*HEAVY, "snakemake", "sqlalchemy", "scipy", "papermill"}),
     ],
 )
 def test_an_import_loads_what_it_needs(code, heavy):
