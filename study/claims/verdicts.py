@@ -109,7 +109,7 @@ def readings(evidence: str, row: str, column: str) -> dict[str, float]:
 
 
 def judge() -> pd.DataFrame:
-    """Verdict on every statement from the results in ``figures/``, ordered by kind and verdict.
+    """Verdict on every statement from the results (`study.paths.read_result`), ordered by kind and verdict.
 
     The table is that of `load` without ``row``, ``column`` and ``assumes``, and with ``found``
     (readings with their numbers, as text), ``lowest``, ``highest``, ``verdict`` and ``depends_on``.
