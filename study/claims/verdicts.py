@@ -111,9 +111,9 @@ def readings(evidence: str, row: str, column: str) -> dict[str, float]:
 def judge() -> pd.DataFrame:
     """Verdict on every statement from the results, ordered by kind and verdict.
 
-    The results are those of `study.paths.read_result`. The table is that of `load` without ``row``, ``column`` and ``assumes``, and with ``found``
-    (readings with their numbers, as text), ``lowest``, ``highest``, ``verdict`` and ``depends_on``.
-    Raises `ClaimError` as `load` and `readings` do, and names the claim.
+    The results are those of `study.paths.read_result`. The table is that of `load` without ``row``,
+    ``column`` and ``assumes``, and with ``found`` (readings with their numbers, as text),
+    ``lowest``, ``highest``, ``verdict`` and ``depends_on``. Raises `ClaimError` as `load` and `readings` do, and names the claim.
     """
     claims = load()
     judged = claims.drop(columns=["row", "column", "assumes", "bounds"]).join(
