@@ -113,7 +113,8 @@ def judge() -> pd.DataFrame:
 
     The results are those of `study.paths.read_result`. The table is that of `load` without ``row``,
     ``column`` and ``assumes``, and with ``found`` (readings with their numbers, as text),
-    ``lowest``, ``highest``, ``verdict`` and ``depends_on``. Raises `ClaimError` as `load` and `readings` do, and names the claim.
+    ``lowest``, ``highest``, ``verdict`` and ``depends_on``. Raises `ClaimError` as `load` and
+    `readings` do, and names the claim.
     """
     claims = load()
     judged = claims.drop(columns=["row", "column", "assumes", "bounds"]).join(
