@@ -1,8 +1,8 @@
 """Force, stiffness and pressure over the depth of a joint of one's own."""
 
-from study.joint import DimensionalJoint
+from study.joint import Joint
 
-joint = DimensionalJoint(
+joint = Joint(
     socket_radius=12.5e-3,  # m
     clearance=40e-6,
     wall=6e-3,

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from study.choose import fit_curve
-from study.joint import DimensionalJoint
+from study.joint import Joint
 
 table = np.loadtxt(Path(__file__).with_suffix(".csv"), delimiter=",", skiprows=1)
 depth, force = 1e-6 * table[:, 0], table[:, 1]  # m, N
-drawn = DimensionalJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")  # m
+drawn = Joint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")  # m
 
 fit = fit_curve(depth, force, drawn, fit=("clearance", "offset"))
 for law in fit.laws:

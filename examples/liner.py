@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from study.joint import DimensionalJoint
+from study.joint import Joint
 
 FORCE = 100.0  # N
 
-bare = DimensionalJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="steel")  # m
+bare = Joint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="steel")  # m
 lined = replace(bare, liner=("0.5e-3,PTFE",))
 stiffness = {}
 for name, joint in (("bare", bare), ("lined", lined)):

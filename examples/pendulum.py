@@ -5,12 +5,12 @@ import numpy as np
 from exudyn.itemInterface import MarkerBodyRigid
 from exudyn.utilities import RigidBodyInertia
 
-from study.joint import DimensionalJoint
+from study.joint import Joint
 from study.mechanism.spatial import ClearanceJoint, solve
 
 LENGTH, MASS, WEIGHT = 0.2, 0.3, 0.3 * 9.81  # m, kg, N
 
-sizes = DimensionalJoint(socket_radius=10e-3, clearance=50e-6, wall=5e-3)  # m
+sizes = Joint(socket_radius=10e-3, clearance=50e-6, wall=5e-3)  # m
 joint = ClearanceJoint(sizes, restitution=0.8, friction=0.1)
 system = exu.SystemContainer().AddSystem()
 inertia = RigidBodyInertia(MASS, MASS * LENGTH**2 / 12 * np.diag([1, 1, 0.01]))

@@ -3,9 +3,9 @@
 The load is across the bore, so that the joint is solved at a tilt of 90 deg from its axis.
 """
 
-from study.joint import DimensionalJoint
+from study.joint import Joint
 
-rod_end = DimensionalJoint(
+rod_end = Joint(
     socket_radius=8.03e-3,  # m; the ball has 16 mm
     clearance=30e-6,  # m, radial
     wall=4e-3,  # m, of the ring

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from study.joint import DimensionalJoint
+from study.joint import Joint
 
 FORCE, COUNT = 3000.0, 100  # N
 clearances = np.random.default_rng(1).uniform(30e-6, 50e-6, COUNT)  # m
 sizes = {"socket_radius": 12.5e-3, "wall": 6e-3, "socket": "bronze"}  # m
-joints = [DimensionalJoint(clearance=clearance, **sizes) for clearance in clearances]
+joints = [Joint(clearance=clearance, **sizes) for clearance in clearances]
 depths = [1e6 * float(joint.law("stiffened_hertz").depth(FORCE)) for joint in joints]
 
 folder = Path(tempfile.gettempdir())

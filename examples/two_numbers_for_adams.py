@@ -1,11 +1,11 @@
 """A joint as k and n of a force k d^n, and as the contact of Adams that takes them."""
 
 from study.export import export
-from study.joint import DimensionalJoint
+from study.joint import Joint
 
 CLEARANCE, LEAST = 40e-6, 2e-6  # m
 
-joint = DimensionalJoint(12.5e-3, CLEARANCE, wall=6e-3, ball="bearing steel", socket="bronze")
+joint = Joint(12.5e-3, CLEARANCE, wall=6e-3, ball="bearing steel", socket="bronze")
 
 for largest in (4e-6, 20e-6, 40e-6):  # m
     power = joint.power_law((LEAST, largest))

@@ -9,25 +9,26 @@ Examples
 --------
 A joint with dimensions, in SI units:
 
->>> from study.joint import DimensionalJoint
->>> bronze = DimensionalJoint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
+>>> from study.joint import Joint
+>>> bronze = Joint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
 >>> print(f"{bronze.solve(force=3000).depth[0]:.4g} m")
 4.232e-06 m
 >>> law = bronze.law("stiffened_hertz")
 >>> print(f"{law.force(4.19e-6):.0f} N, {law.stiffness(4.19e-6):.3g} N/m")
 2949 N, 1.18e+09 N/m
 
-A joint without dimensions, with normalised depths d/dR and forces P/(E* dR^2):
+A joint made from ratios, with normalised depths d/dR and forces P/(E* dR^2):
 
 >>> from study import choose, contact
->>> from study.joint import Joint, Layer, Material, first_yield, force_curve, paper_joint
->>> curve = force_curve(Joint(r2_star=75, socket=Material(7e10, 0.33)), [0.1, 0.5])
->>> print(curve.force_star.round(2), curve.contact_half_angle_deg.round(1))
+>>> from study.joint import Layer, Material, first_yield, reference_joint
+>>> joint = Joint.from_ratios(r2_star=75, socket=Material(7e10, 0.33))
+>>> solution = joint.solve(depth_star=[0.1, 0.5])
+>>> print(solution.force_star.round(2), solution.contact_half_angle_deg.round(1))
 [ 6.59 95.69] [21.  44.9]
 >>> liner, housing = Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material(2e11, 0.3))
->>> lined = force_curve(Joint(r2_star=80, layers=(liner, housing)), [0.1, 0.5])
->>> first = first_yield(Joint(r2_star=50, ball=Material(yield_stress=5e8)), 0.3)
->>> choice = choose.choose(Joint(75, socket_ratio=1.4), 0.5, tolerance=0.02)
+>>> lined = Joint.from_ratios(r2_star=80, layers=(liner, housing)).solve(depth_star=[0.1, 0.5])
+>>> first = first_yield(Joint.from_ratios(r2_star=50, ball=Material(yield_stress=5e8)), 0.3)
+>>> choice = choose.choose(Joint.from_ratios(75, socket_ratio=1.4), 0.5, tolerance=0.02)
 >>> print(choice.law)
 stiffened_hertz
 >>> print(f"{contact.stiffened_hertz(0.3, 200, ball_support='clamped', rim='free'):.2f}")
@@ -36,8 +37,7 @@ stiffened_hertz
 A table of the elastic solution of one joint, and the cached curves of the dataset:
 
 >>> from study import dataset
->>> from study.joint import whole_curve
->>> table = contact.tabulated(whole_curve(paper_joint(200)))
+>>> table = contact.tabulated(reference_joint(200).curve())
 >>> print(f"{table(0.3):.2f}")
 88.26
 >>> len(dataset.load(r2_star=200, kinematics="linear"))

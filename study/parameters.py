@@ -201,3 +201,45 @@ def documented(owner: T) -> T:
     parts = document[:end].rstrip(), "\n".join(lines), document[end:]
     owner.__doc__ = "\n\n".join(part for part in parts if part)
     return owner
+
+
+READ = {"um": 1e-6, "mm^2": 1e-6, "MPa": 1e6, "N/um": 1e6, "%": 0.01}
+"""Units in which a person reads a quantity that is stored in another unit, in that unit."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A result: its meaning, its unit, and the unit in which a person reads it."""
+
+    meaning: str
+    unit: str = ""
+    read: str = ""
+
+    @property
+    def scale(self) -> float:
+        """The unit in which it is read, in the unit in which it is stored."""
+        return READ.get(self.read, 1.0)
+
+
+def stored(meaning: str, unit: str = "", read: str = "", **default: Any) -> Any:
+    """Field of a dataclass with its `Quantity`; without a default it must be given."""
+    return field(metadata={"quantity": Quantity(meaning, unit, read or unit)}, **default)
+
+
+def derived(meaning: str, unit: str = "", read: str = "") -> Callable[[Callable], property]:
+    """Decorate a method as a property with its `Quantity`."""
+
+    def decorate(method: Any) -> property:
+        method.quantity = Quantity(meaning, unit, read or unit)
+        return property(method, doc=f"{meaning}{f', in {unit}' if unit else ''}.")
+
+    return decorate
+
+
+def quantities(owner: type) -> dict[str, Quantity]:
+    """Quantities of a class by name: those of its fields, then those of its properties."""
+    found = {of.name: of.metadata["quantity"] for of in fields(owner) if "quantity" in of.metadata}
+    for name, of in vars(owner).items():
+        if isinstance(of, property) and hasattr(of.fget, "quantity"):
+            found[name] = of.fget.quantity
+    return found

@@ -8,17 +8,19 @@ import pytest
 
 from study import contact
 from study.contact import stiffening
-from study.joint import Joint, fem, force_curve, series, tilted, tilted_contact, whole_curve
+from study.joint import Joint, modes, series, table, tilted
 from study.joint.compliance import Ball, Socket
 from study.joint.supports import Core
 
+JOINT = Joint.from_ratios(200)
+OFF_AXIS = Joint.from_ratios(200, ball_support="core:0.2")
 DEPTHS = np.linspace(0.025, 0.5, 20)
 
 
-@pytest.mark.parametrize("solver", [series, fem])
+@pytest.mark.parametrize("solver", [series, modes])
 def test_bodies(benchmark, solver):
     def both():
-        for cached in (series.compliance, series.hat_coefficients, fem.meshed):
+        for cached in (series.compliance, series.hat_coefficients, modes.compliance, modes.meshed):
             cached.cache_clear()
         for body in (Ball(), Socket(1.19)):
             solver.compliance(body)
@@ -29,37 +31,40 @@ def test_bodies(benchmark, solver):
 @pytest.mark.parametrize(
     ("made", "body"),
     [
-        (tilted._ball, (Ball(support=Core(0.2)), 180.0)),
-        (tilted._socket, (Socket(1.298, rim="free"),)),
+        (tilted.ball_surface, (Ball(support=Core(0.2)), 8.0)),
+        (tilted.socket_surface, (Socket(1.298, rim="free"),)),
     ],
     ids=["ball", "socket"],
 )
 def test_a_body_by_fourier_modes(benchmark, made, body):
-    benchmark.pedantic(made.__wrapped__, (*body, tilted.RESOLUTION), rounds=3)
+    def solved():
+        made.__wrapped__(*body, tilted.RESOLUTION).solve(stresses=False)
+
+    benchmark.pedantic(solved, rounds=3)
 
 
 @pytest.mark.parametrize("depth", [0.1, 0.5, 1.0])
 def test_a_depth_off_the_axis_with_its_error_estimate(benchmark, depth):
-    joint = Joint(200, ball_support="core:0.2")
-    tilted_contact(joint, 0.1, 30)  # the bodies are cached from here on
-    benchmark.pedantic(tilted_contact, (joint, depth, 30), rounds=5)
+    OFF_AXIS.solve(depth_star=0.1, tilt=30)  # the bodies are cached from here on
+    benchmark.pedantic(lambda: OFF_AXIS.solve(depth_star=depth, tilt=30), rounds=5)
 
 
-@pytest.mark.parametrize("kinematics", ["small", "linear", "finite"])
+@pytest.mark.parametrize("kinematics", ["small", "linear"])
 def test_curve_of_20_depths_with_its_error_estimate(benchmark, kinematics):
-    joint = Joint(200, kinematics=kinematics)
-    force_curve(joint, DEPTHS[-1:])  # the bodies are cached from here on
-    benchmark.pedantic(force_curve, (joint, DEPTHS), rounds=3 if kinematics == "finite" else 20)
+    joint = Joint.from_ratios(200, kinematics=kinematics)
+    joint.solve(depth_star=DEPTHS[-1:])  # the bodies are cached from here on
+    benchmark.pedantic(lambda: joint.solve(depth_star=DEPTHS), rounds=20)
 
 
 @pytest.mark.parametrize("bodies", ["known", "new"])
-def test_table_of_a_joint_from_its_whole_curve(benchmark, bodies):
-    def table():
+def test_table_of_a_joint(benchmark, bodies):
+    def new():
+        table.table.cache_clear()
         if bodies == "new":
             series.compliance.cache_clear()
-        return contact.tabulated(whole_curve(Joint(200)))
+        return table.table(JOINT)
 
-    benchmark.pedantic(table, rounds=10, warmup_rounds=1)
+    benchmark.pedantic(new, rounds=10, warmup_rounds=1)
 
 
 def test_look_up_of_a_joint(benchmark):

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from study.joint import DimensionalJoint
+from study.joint import Joint
 from study.measure import charts
 from study.mechanism import simulate
 from study.mechanism.spatial import ClearanceJoint
@@ -30,7 +30,7 @@ def test_flexible_links(benchmark, model):
 
 
 def test_joint_in_space(benchmark):
-    joint = ClearanceJoint(DimensionalJoint(10e-3, 5e-5, 3e-3), restitution=0.5, friction=0.1)
+    joint = ClearanceJoint(Joint(10e-3, 5e-5, 3e-3), restitution=0.5, friction=0.1)
     state = np.array([[3.1e-5, 3e-5, 3e-5], [0.01, -0.02, 0.04], [1.0, 2.0, 3.0]])
     benchmark.pedantic(joint.forces, (*state,), rounds=200, iterations=1000, warmup_rounds=5)
 

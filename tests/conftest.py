@@ -15,7 +15,7 @@ settings.load_profile("study")
 threadpool_limits(1)  # matrices are small: more threads wait for each other more than they do
 
 LONGEST = ("test_report", "test_workflow", "test_processors")
-LONGEST += ("test_directional_law", "test_calculix", "test_joint", "test_tilted", "test_joint_page")
+LONGEST += ("test_axial", "test_calculix", "test_joint", "test_tilted", "test_joint_page")
 
 
 def pytest_sessionstart(session):

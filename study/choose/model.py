@@ -36,7 +36,6 @@ from study.mechanism.particles import usual_step
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
 
-LEAST_R2_STAR = 3  # below it, a penetration depth of one clearance is impossible
 LAW_TOLERANCE = 0.01
 """Maximum relative error of the force of the law that is used instead of the elastic solution."""
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
@@ -227,13 +226,9 @@ def choose_model(
 def _law(scene, depth, socket_ratio):
     """Law in place of the elastic solution, its options, and its error over that of Hertz's law."""
     r2_star = scene.socket_radius / scene.clearance
-    checks.number("socket radius divided by clearance", r2_star, least=LEAST_R2_STAR)
-    choice = choose(Joint(r2_star, socket_ratio, *scene.materials), 1.0, LAW_TOLERANCE)
-    if choice.evaluate is None:
-        raise StudyError(
-            f"no contact law is known to be within {LAW_TOLERANCE:g} of the elastic solution of "
-            "this joint, and to solve the joint at every time step would take too long"
-        )
+    ball, socket = scene.materials
+    joint = Joint.from_ratios(r2_star, socket_ratio, ball=ball, socket=socket)
+    choice = choose(joint, 1.0, LAW_TOLERANCE)
     law = choice.law, tuple(choice.options.items())
     if choice.law == "tabulated":
         law = choice.evaluate, ()

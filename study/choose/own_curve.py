@@ -19,9 +19,8 @@ from study import checks
 from study.contact import LAWS, tabulated
 from study.contact.fit_measures import adjusted, determination, rmse
 from study.contact.power_fit import PowerFit, fit_power
-from study.joint import DimensionalJoint, Joint, whole_curve
-from study.joint.dimensional import usual_depth
-from study.joint.law_parameters import law_parameters
+from study.joint import Joint
+from study.joint.joint import LEAST_R2_STAR
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
@@ -104,7 +103,7 @@ class CurveFit:
 def fit_curve(
     depth: ArrayLike,
     force: ArrayLike,
-    joint: Joint | DimensionalJoint | None = None,
+    joint: Joint | None = None,
     fit: Sequence[Fitted] = (),
 ) -> CurveFit:
     """Compare every law with a force-depth curve, and fit unknown parameters.
@@ -113,10 +112,10 @@ def fit_curve(
     ----------
     depth, force
         Penetration depths in m and forces > 0 in N, shape (n,), in any order, where n is at least 4
-        plus the number of fitted parameters. For a `Joint` without dimensions they are normalised,
-        d/dR and P/(E* dR^2). Noise is allowed.
+        plus the number of fitted parameters. For a joint that was made from ratios they are
+        normalised, d/dR and P/(E* dR^2). Noise is allowed.
     joint
-        The joint, with or without dimensions. If it is None, only the power law is fitted.
+        The joint. If it is None, only the power law is fitted.
     fit
         Parameters to fit: ``clearance`` (the search begins at the given one, and the radius of the
         socket is not changed), ``modulus`` (the composite modulus E*) and ``offset`` (the depth
@@ -129,7 +128,7 @@ def fit_curve(
 
     Examples
     --------
-    >>> joint = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+    >>> joint = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
     >>> depth = np.linspace(1e-6, 20e-6, 20)
     >>> fit_curve(depth, joint.law().force(depth), joint).laws[0].law
     'tabulated'
@@ -137,37 +136,33 @@ def fit_curve(
     for name in fit:
         checks.choice("fit", name, get_args(Fitted))
     depths, forces = _checked(depth, force, joint, fit)
-    plain = joint.joint if isinstance(joint, DimensionalJoint) else joint
-    length, modulus = 1.0, 1.0
-    if isinstance(joint, DimensionalJoint):
-        length, modulus = joint.clearance, joint.joint.composite_modulus
-    data = depths / length, forces / (modulus * length**2)
+    length, modulus, unit = 1.0, 1.0, 1.0
+    if joint is not None and joint.has_dimensions:
+        length, modulus, unit = joint.clearance, joint.composite_modulus, joint.force_unit
     units = {"clearance": length, "modulus": modulus, "offset": length}
-    judged = partial(_judged, depths, forces, modulus * length**2, units)
 
     power, fitted = _power(depths, forces, "offset" in fit)
     found, left_out = [_judged(depths, forces, 1.0, {}, "power", *fitted)], {}
     for law in [name for name in LAWS if name != "power"] + ["tabulated"]:
-        if plain is None:
+        if joint is None:
             left_out[law] = "it requires the description of the joint, which is not given"
             continue
         try:
-            found.append(judged(law, *_fit_law(law, plain, *data, fit)))
+            fitted = _fit_law(law, joint, depths / length, forces / unit, fit)
+            found.append(_judged(depths, forces, unit, units, law, *fitted))
         except checks.RangeError as error:
             left_out[law] = str(error)
     found.sort(key=lambda of: (of.rmse, of.law))
-    notes = tuple(_notes(found, forces, fit, plain))
+    notes = tuple(_notes(found, forces, fit, joint))
     return CurveFit(depths, forces, tuple(found), power, left_out, notes)
 
 
 def _checked(depth, force, joint, fit):
     """Depths and forces by depth, as arrays; `ValueError` if they are no curve of the joint."""
-    is_star = isinstance(joint, Joint)
-    unit_of = {"depth": "clearances" if is_star else "m", "force": "E* dR^2" if is_star else "N"}
-    if joint is None:
-        unit_of = dict.fromkeys(unit_of, "")
-    depths = np.asarray(checks.number("depth", depth, unit_of["depth"]))
-    forces = np.asarray(checks.number("force", force, unit_of["force"]))
+    is_star = joint is not None and not joint.has_dimensions
+    length, load = ("clearances", "E* dR^2") if is_star else ("m", "N") if joint else ("", "")
+    depths = np.asarray(checks.number("depth", depth, length))
+    forces = np.asarray(checks.number("force", force, load))
     least = 4 + len(fit)
     if depths.ndim != 1 or depths.shape != forces.shape or len(depths) < least:
         raise ValueError(
@@ -200,38 +195,27 @@ def _checked(depth, force, joint, fit):
     if falls[worst] > NOISE * forces.max() or np.corrcoef(depths, forces)[0, 1] <= 0:
         before = int(forces[: worst + 1].argmax())
         raise ValueError(
-            f"force must increase with depth, got {forces[before]:g} {unit_of['force']} at "
-            f"{depths[before]:g} {unit_of['depth']} and then {forces[worst]:g}; give a loading "
+            f"force must increase with depth, got {forces[before]:g} {load} at "
+            f"{depths[before]:g} {length} and then {forces[worst]:g}; give a loading "
             "curve without unloading, and check that the columns are not exchanged"
         )
     if joint is not None:
-        _check_unit(depths, joint, unit_of["depth"], "offset" in fit)
-    if joint is None or is_star:
-        for name in fit:
-            if name != "offset":
-                raise ValueError(
-                    f"{name} can only be fitted to a curve with units and a joint with dimensions; "
-                    "describe the joint with its dimensions, or do not fit it"
-                )
+        largest = np.ptp(depths) if "offset" in fit else depths[-1]
+        clearance = 1 if is_star else joint.clearance
+        radius, smallest = joint.r2_star * clearance, _SHALLOWEST * clearance
+        if not smallest <= largest < radius:
+            raise checks.RangeError(
+                f"the maximum depth must be >= {smallest:g} {length} ({_SHALLOWEST:g} clearances) "
+                f"and < {radius:g} {length}, the radius of the socket, got {largest:g} {length}; "
+                "check the unit of the depths"
+            )
+    if (joint is None or is_star) and set(fit) - {"offset"}:
+        raise ValueError(
+            f"{' and '.join(sorted(set(fit) - {'offset'}))} can only be fitted to a curve with "
+            "units and a joint with dimensions; describe the joint with its dimensions, or do not "
+            "fit it"
+        )
     return depths, forces
-
-
-def _check_unit(depths, joint, unit, with_offset):
-    largest = np.ptp(depths) if with_offset else depths[-1]
-    is_star = isinstance(joint, Joint)
-    radius = joint.r2_star if is_star else joint.socket_radius
-    remedy = "check the unit of the depths"
-    if largest >= radius:
-        raise checks.RangeError(
-            f"depth must be < {radius:g} {unit}, the radius of the socket, got {largest:g} {unit}; "
-            f"{remedy}"
-        )
-    least = _SHALLOWEST * (1 if is_star else joint.clearance)
-    if largest < least:
-        raise checks.RangeError(
-            f"the maximum depth must be >= {least:g} {unit} ({_SHALLOWEST:g} clearances), got "
-            f"{largest:g} {unit}; {remedy}"
-        )
 
 
 def _notes(found, forces, fit, joint):
@@ -340,7 +324,7 @@ def _fit_law(law, joint, depth_star, force_star, fit):
     shape = at(depth_star, offset=start.get("offset", 0.0), clip=True, **options)
     if own:
         start["coefficient"] = float(shape @ force_star / (shape @ shape))
-    least = (LAWS[law].least_r2_star if law in LAWS else None) or 1.0
+    least = (LAWS[law].least_r2_star if law in LAWS else None) or LEAST_R2_STAR
     most = min(SEARCHED[1], joint.r2_star / least * (1 - 1e-6))
     bounds = {"clearance": (SEARCHED[0], most)}
     if "clearance" in start:
@@ -359,7 +343,7 @@ def _fit_law(law, joint, depth_star, force_star, fit):
 
 def _evaluation(law: str, joint: Joint) -> Callable[..., Floats]:
     """Function of depths and of the fitted quantities: a law's force in E* dR^2 as given."""
-    table = lru_cache(maxsize=64)(lambda other, deepest: tabulated(whole_curve(other, deepest)))
+    table = lru_cache(maxsize=64)(lambda other, deepest: tabulated(other.curve(deepest)))
 
     def force(
         depth_star: Floats,
@@ -369,13 +353,14 @@ def _evaluation(law: str, joint: Joint) -> Callable[..., Floats]:
         clip: bool = False,
         **options: Any,
     ) -> Floats:
-        other = joint if clearance == 1 else replace(joint, r2_star=joint.r2_star / clearance)
+        other = joint if clearance == 1 else replace(joint, clearance=clearance * joint.clearance)
         depth = (depth_star - offset) / clearance
         if law == "tabulated":
-            formula = table(other, max(usual_depth(other), float(depth.max())))
+            deepest = float(depth.max())
+            formula = table(other, deepest if deepest > 1 else None)
         else:
             formula = LAWS[law]
-            options |= law_parameters(formula, other)
+            options |= other.law_options(law)
         if clip:  # while a fit searches
             limit = formula.limit(formula.parts(other.r2_star, **options).shape)
             depth = depth if limit is None else np.minimum(depth, limit)

@@ -23,7 +23,7 @@ from study.claims.table_alone import ROWS, known_forces
 from study.contact.laws import AREA_COEFFICIENTS, Area
 from study.dataset import fitting, solutions
 from study.dataset.fitting import LARGEST_DEPTH, R2_STAR
-from study.joint import paper_joint
+from study.joint import reference_joint
 
 NUMBERS = tuple(
     f"{quantity} {law}" for law in ROWS for quantity in ("1 - kappa_as_printed", "RMSE")
@@ -49,8 +49,8 @@ Range = tuple[float, float]
 def forces(
     sample: Forces, solver: str | None = None, resolution: int | None = None, **joint: Any
 ) -> Forces:
-    """Forces, shape (n,), at depths up to 0.5, of `study.joint.paper_joint` with changes."""
-    curve = solutions.curve(paper_joint(R2_STAR, **joint), _DEPTHS, resolution, solver)
+    """Forces, shape (n,), at depths up to 0.5, of `study.joint.reference_joint` with changes."""
+    curve = solutions.curve(reference_joint(R2_STAR, **joint), _DEPTHS, resolution, solver)
     return contact.tabulated(curve)(sample)
 
 

@@ -11,8 +11,7 @@ import typer
 from study import checks, paths
 from study.cli import options as cli
 from study.cli.output import columns, show, working
-from study.cli.solve_joint import OF_SIZED, RELATIVE, SAME_BYTES, SIZED, needed, sized
-from study.joint import RatioJoint
+from study.cli.solve_joint import RELATIVE, SAME_BYTES, SIZED, joint_of
 
 NO_UNIT = "none"
 UNITS = {
@@ -86,29 +85,20 @@ def fit_own_curve(
     heads = {"depth": depth_column, "force": force_column}
     units = {"depth": depth_unit, "force": force_unit}
     depth, force, has_units = read_curve(curve, heads, units)
-    asked = _joint(joint, has_units)
-    with working("Comparing the laws"):
-        found = fit_curve(depth, force, asked, fit or ())
-    if plot is not None:
-        _draw(found, plot, has_units)
-    show(_values(found), as_json, *_parts(found, has_units, fit or ()))
-
-
-def _joint(options, has_units):
-    """Joint of the options, with dimensions if the curve has units; None without options."""
-    if not options:
-        return None
-    if any(name in options for name in OF_SIZED):
-        joint = sized(options)
-        return joint if has_units else joint.joint
-    if has_units:
+    asked = joint_of(joint) if joint else None
+    if asked is not None and asked.has_dimensions and not has_units:
+        depth, force, has_units = asked.clearance * depth, asked.force_unit * force, True
+    elif asked is not None and has_units and not asked.has_dimensions:
         raise ValueError(
             "--socket-radius, --clearance and --wall must be given because the curve has units; "
             "--r2-star is for a curve in normalised depths and forces (--depth-unit none "
             "--force-unit none)"
         )
-    needed(("r2_star",), options)
-    return RatioJoint(**options).joint()
+    with working("Comparing the laws"):
+        found = fit_curve(depth, force, asked, fit or ())
+    if plot is not None:
+        _draw(found, plot, has_units)
+    show(_values(found), as_json, *_parts(found, has_units, fit or ()))
 
 
 def read_curve(path, heads, units):

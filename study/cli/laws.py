@@ -1,48 +1,39 @@
 """Commands for the law of a joint: choose, export."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
-
-import numpy as np
 
 from study import checks, choose, paths
 from study.choose import cheapest_law
 from study.cli import options as cli
 from study.cli.output import named_fields, show, working
-from study.cli.solve_joint import (
-    OF_SIZED,
-    RELATIVE,
-    SIZED,
-    WITH_DIMENSIONS,
-    needed,
-    sized,
-    typed,
-)
+from study.cli.solve_joint import RELATIVE, SIZED, joint_of, typed
 from study.contact import LAWS, LawName
-from study.contact.power_fit import USUAL_RANGE, fit_power
-from study.joint import RatioJoint, applicability, first_yield, force_curve, tilted_contact
-from study.joint.directional_law import LEAST_DEEPEST
+from study.contact.power_fit import USUAL_RANGE
+from study.joint import first_yield, limits
 
 YIELDS = (
     "Warning: The {body} yields {place} at depths above {depth_star:.4g} clearances (force_star "
     "{force_star:.4g}). All errors are for elastic bodies."
 )
-
 ONE_LAW = "One law for the axial direction is accurate enough for all tilts up to {:g} deg"
 NOT_ONE_LAW = (
     "One law for the axial direction is not known to be accurate enough for all tilts up to {:g} "
     "deg"
 )
-KNOWN = {"rule": "by the rule that the rim is distant and the supports are the same all round"}
-DIFFERS = "the force differs from that along the axis by a fraction of at most {:.2g} ({})."
+DIFFERS = (
+    "at the maximum depth and three tilts, the force as a vector differs from that along the axis "
+    "by at most {:.2g} %. The largest change of the force along the displacement is {:+.2g} %, and "
+    "that of the stiffness {:+.2g} %."
+)
 REST = "Along the axis, the law below is within the remaining tolerance of {:.2g}."
 NO_AXIS = (
     "No law for the axial direction applies to {}, which is loaded across its axis. For a "
     "displacement at a tilt of {:g} deg, the fitted power law {} is within {:.2g} % at depths "
     "{}, which is {} the tolerance of {:.2g} %."
 )
-_PLACES = 8  # depths at which k and n are fitted off the axis
-TABLE = "Use a table of depth and tilt instead. Command that exports it:\n{}"
+TABLE = "Use a table for each direction instead. Command that exports the one for {:g} deg:\n{}"
 
 
 @cli.command(
@@ -82,131 +73,123 @@ def choose_law(
     error of every law relative to the elastic solution, and its computing time relative to that of
     Hertz's law.
 
-    With --tilt, the answer begins with whether one law for the axial direction is accurate enough
-    for all tilts up to the given angle. If it is not, and for a ring or a ball with a bore, to
-    which no axial law applies, the answer is a table of depth and tilt.
+    With --tilt, the joint is also solved at three tilts up to the given angle. The answer begins
+    with whether one law for the axial direction is accurate enough for all of them, and with how
+    much force and stiffness change. If it is not, and for a ring or a ball with a bore, to which no
+    axial law applies, the answer is a table for one direction.
 
     To choose the model of a whole mechanism, use: study simulate --model auto --tolerance ...
     """
     joint = cli.under_tilt(tilt, joint)
+    asked = joint_of(joint)
+    if yield_stress is not None:
+        asked = _yielding(asked, yield_stress)
     of_depth = {"depth_star": depth_star, "depth": depth, "force": force}
     of_depth = {name: value for name, value in of_depth.items() if value is not None}
-    asked, dimensions = _asked(joint, of_depth, yield_stress)
+    if not asked.has_dimensions:
+        cli.left_out(of_depth, ("depth_star",), "a joint without dimensions")
+    if len(of_depth) != 1:
+        either = "exactly one of --depth, --force and --depth-star"
+        raise ValueError(
+            f"{either if asked.has_dimensions else '--depth-star'} must be given, got "
+            f"{' and '.join(map(cli.flag, of_depth)) or 'none'}"
+        )
     least, most = cheapest_law.TOLERANCES
     checks.number("tolerance", tolerance, least=least, most=most)
     with working("Solving the joint"):
-        deepest = _depth(dimensions, tilt, *of_depth.popitem())
+        deepest = _depth(asked, tilt, *of_depth.popitem())
+        tilt = asked.default_tilt if tilt is None else tilt
+        table = (
+            f"study export --law tabulated --tilt {tilt or 0:g} --format c "
+            f"{typed(joint | {'depth_star': deepest})}"
+        )
         if not asked.has_pole:
-            tilt = asked.default_tilt if tilt is None else tilt
-            text = typed(joint | {"depth_star": deepest})
-            line = f"study export --law tabulated --direction {tilt:g} --format c {text}"
-            _show_no_axis(as_json, asked, dimensions, deepest, tilt, tolerance, line)
+            _show_no_axis(as_json, asked, deepest, tilt, tolerance, table)
             return
         off_axis = tilt is not None and choose.axial_law_suffices(asked, deepest, tilt, tolerance)
         left = tolerance - (off_axis.direction_error if off_axis else 0)
         serves = left >= least  # else no law is known well enough
         choice = cheapest_law.choose_beside(asked, deepest, left if serves else tolerance)
         first = first_yield(asked, deepest) if yield_stress else None
-        if dimensions is None:
-            exceeded = applicability.of_curve(force_curve(asked, [deepest]))
-        else:
-            exceeded = dimensions.solve(depth=deepest * dimensions.clearance).limits
+        exceeded = asked.solve(depth_star=deepest, stresses=asked.has_dimensions).limits
     axial = {"next_cheaper": next(iter(choice.rejected), None)} | named_fields(choice)
-    axial["export"] = None
-    if choice.law != "solver":
-        ends = choice.depths if choice.law == "power" else choice.depths[1:]
-        text = typed(joint | {"depth_star": list(ends)})
-        axial["export"] = f"study export --law {choice.law} --format c {text}"
+    ends = choice.depths if choice.law == "power" else choice.depths[1:]
+    text = typed(joint | {"depth_star": list(ends)})
+    axial["export"] = f"study export --law {choice.law} --format c {text}"
     axial["first_yield"] = vars(first) if first else None
-    axial["applicability"] = applicability.in_short(exceeded[0])
-    parts = list(_of_choice(choice, dimensions, exceeded, axial))
+    axial["applicability"] = limits.in_short(exceeded[0])
+    parts = list(_of_choice(choice, asked, exceeded, axial))
     if not off_axis:
         show(axial, as_json, *parts)
         return
-    how = KNOWN.get(off_axis.known_by, "solved at the maximum depth")
-    differs = DIFFERS.format(off_axis.direction_error, how)
+    changes = off_axis.direction_error, off_axis.force_change, off_axis.stiffness_change
+    differs = DIFFERS.format(*(100 * change for change in changes))
     values = vars(off_axis) | {"one_law_for_all_directions": serves}
     if serves:
         head = f"{ONE_LAW.format(tilt)}: {differs} {REST.format(left)}"
         show(values | axial, as_json, head, *parts)
         return
-    line = _table_line(joint | {"depth_star": deepest}, tilt)
-    head = f"{NOT_ONE_LAW.format(tilt)}: {differs} {TABLE.format(line)}"
-    values |= {"law": None, "export": line, "along_the_axis": axial}
+    head = f"{NOT_ONE_LAW.format(tilt)}: {differs} {TABLE.format(tilt, table)}"
+    values |= {"law": None, "export": table, "along_the_axis": axial}
     show(values, as_json, head, "For the axial direction alone, the fastest law is:", *parts)
 
 
-def _asked(joint, of_depth, yield_stress):
-    """Joint without dimensions, and with them or None, after checks of what is given."""
-    if not any(name in joint for name in OF_SIZED):
-        cli.left_out(of_depth, ("depth_star",), "a joint without dimensions")
-        needed(("r2_star",), joint, WITH_DIMENSIONS)
-        needed(("depth_star",), of_depth)
-        return RatioJoint(**joint).joint(yield_stress), None
-    if yield_stress is not None:
+def _yielding(joint, stress):
+    """A joint without dimensions, with a yield stress of ball and socket in Pa."""
+    if joint.has_dimensions or joint.liner:
         raise ValueError(
-            "--yield-stress does not apply to a joint with dimensions, whose materials have their "
-            "own; remove it"
+            "--yield-stress does not apply to a joint with dimensions or layers; remove it, or "
+            "describe materials with their yield stresses by --ball, --socket and --liner"
         )
-    if len(of_depth) != 1:
-        raise ValueError(
-            "exactly one of --depth, --force and --depth-star must be given, got "
-            f"{' and '.join(map(cli.flag, of_depth)) or 'none'}"
-        )
-    dimensions = sized(joint)
-    return dimensions.joint, dimensions
+    bodies = {body: replace(of, yield_stress=stress) for body, of in joint.materials.items()}
+    return replace(joint, **bodies)
 
 
-def _depth(dimensions, tilt, name, value):
+def _depth(joint, tilt, name, value):
     """Maximum depth in clearances, which is given as such, in m, or by a force in N."""
     checks.number(name, value, {"depth": "m", "force": "N"}.get(name, ""), above=0)
-    if name == "depth_star":
-        return value
-    if name == "force":  # off the axis only where there is none
-        value = dimensions.solve(force=value, tilt=None if dimensions.has_pole else tilt).depth[0]
-    return float(value / dimensions.clearance)
+    if name == "force":  # off the axis only where the joint has none
+        return float(joint.solve(force=value, tilt=None if joint.has_pole else tilt).depth_star[0])
+    return value / joint.clearance if name == "depth" else value
 
 
-def _table_line(joint, tilt):
-    """Command that exports a table of depth and tilt, of at least the minimum depth."""
-    joint = joint | {"depth_star": max(joint["depth_star"], LEAST_DEEPEST)}
-    return f"study export --law tabulated --tilt {tilt:g} --format c {typed(joint)}"
+def _depths(joint, ends):
+    """Two depths in clearances, and in um if the joint has dimensions, as words."""
+    text = "{:g} to {:g} clearances".format(*ends)
+    if joint.has_dimensions:
+        text += " ({:.4g} to {:.4g} um)".format(*(1e6 * joint.clearance * end for end in ends))
+    return text
 
 
-def _show_no_axis(as_json, asked, dimensions, deepest, tilt, tolerance, line):
+def _show_no_axis(as_json, joint, deepest, tilt, tolerance, line):
     """Show the fitted power law and the table for a joint that has no law along its axis."""
-    places = np.geomspace(USUAL_RANGE[0], max(USUAL_RANGE[1], deepest), _PLACES)
-    if dimensions is None:
-        fit = fit_power(places, tilted_contact(asked, places, tilt).force_star)
-        found = "force_star = {:.5g} depth_star^{:.5g}".format(*fit[:2])
-        ends = "from {:.3g} to {:.3g} clearances".format(*fit.depths)
-    else:
-        solution = dimensions.solve(depth=dimensions.clearance * places, tilt=tilt)
-        fit = fit_power(solution.depth, solution.force)
+    ends, clearance = (USUAL_RANGE[0], max(USUAL_RANGE[1], deepest)), joint.clearance
+    fit = joint.power_law((ends[0] * clearance, ends[1] * clearance), tilt)
+    if joint.has_dimensions:
         found = "F = k d^n with k = {:.5g} N/m^n and n = {:.5g}".format(*fit[:2])
-        ends = "from {:.4g} to {:.4g} um".format(*(1e6 * depth for depth in fit.depths))
-    body = "a ring" if asked.opening.is_ring else "a ball with a bore about its axis"
+    else:
+        coefficient = fit.coefficient * clearance**fit.exponent / joint.force_unit
+        fit = fit._replace(coefficient=coefficient, depths=ends)
+        found = "force_star = {:.5g} depth_star^{:.5g}".format(*fit[:2])
+    body = "a ring" if joint.opening.is_ring else "a ball with a bore about its axis"
     within = "within" if fit.error <= tolerance else "not within"
+    depths = f"from {_depths(joint, ends)}"
     values = {"law": None, "one_law_for_all_directions": False, "export": line}
     show(
         values | {"power_law": fit._asdict() | {"tilt": tilt}},
         as_json,
-        NO_AXIS.format(body, tilt, found, 100 * fit.error, ends, within, 100 * tolerance),
+        NO_AXIS.format(body, tilt, found, 100 * fit.error, depths, within, 100 * tolerance),
         "A table of the force along this direction follows the elastic solution within the error "
         f"that it states. Command that exports it:\n{line}",
     )
 
 
-def _of_choice(choice, dimensions, exceeded, axial):
+def _of_choice(choice, joint, exceeded, axial):
     """Parts of the text on a choice for the axial direction."""
     names, costs = ("law", "error_bound", "relative_cost", "options"), choose.relative_costs()
     yield {name: [getattr(choice, name)] for name in names}
-    depths = "For depths of {:g} to {:g} clearances".format(*choice.depths)
-    if dimensions is not None:
-        ends = (1e6 * dimensions.clearance * depth for depth in choice.depths)
-        depths += " ({:.4g} to {:.4g} um)".format(*ends)
-    yield f"{depths}."
-    yield from (f"Warning: {text}" for text in applicability.worst(exceeded))
+    yield f"For depths of {_depths(joint, choice.depths)}."
+    yield from (f"Warning: {text}" for text in limits.worst(exceeded))
     if axial["first_yield"]:
         yield YIELDS.format(**axial["first_yield"])
     yield (
@@ -219,14 +202,13 @@ def _of_choice(choice, dimensions, exceeded, axial):
         "error": [choice.errors[law] for law in laws],
         "relative_cost": [costs[law] for law in laws],
     }
-    if axial["export"]:
-        yield f"Command that exports the law for another program:\n{axial['export']}"
+    yield f"Command that exports the law for another program:\n{axial['export']}"
 
 
 @cli.command(
     "export",
     sections={
-        "Law": ("law", "depth_star", "depth", "tilt", "direction"),
+        "Law": ("law", "depth_star", "depth", "tilt"),
     }
     | cli.SECTIONS
     | {
@@ -261,13 +243,9 @@ def export_law(
         "The same as --depth-star, but in m, for a joint with dimensions."
     ),
     tilt: float = cli.option(
-        "Maximum tilt, in deg between displacement and axis: with it, tabulated is a table over "
-        "depth and tilt of the forces along and across the displacement."
-    ),
-    direction: float = cli.option(
-        "Tilt of a single direction of displacement, in deg from the axis: with it, tabulated and "
-        "power give the force along this direction. Default: 90 for a ring or a ball with a bore, "
-        "else 0."
+        "Angle in deg between the axis and the displacement: with it, tabulated and power give the "
+        "force along this direction, and the text states by how much force and stiffness change "
+        "within 10 deg of it. Default: 90 for a ring or a ball with a bore, else the axis."
     ),
     name: str = cli.option(
         "Name of the function or element, so that one model can contain several joints. Default: "
@@ -288,22 +266,14 @@ def export_law(
     if form == "matlab" and output is not None:  # MATLAB finds a function by its file
         name = name or output.stem
         checks.choice(f"name of the function in {output.name}", name, [output.stem])
-    joint = cli.under_tilt(tilt if direction is None else direction, joint)
-    if any(name in joint for name in OF_SIZED):
-        asked = sized(joint)
-        depths = [value / asked.clearance for value in depth or ()]
-        if depth and depth_star:
-            raise ValueError("--depth and --depth-star must not both be given; remove one of them")
-        depth_star = depth_star or depths
-    else:
-        if depth:
-            raise ValueError(
-                "--depth does not apply to a joint without dimensions; use --depth-star"
-            )
-        asked = RatioJoint(**joint).joint()
+    asked = joint_of(cli.under_tilt(tilt, joint))
+    if depth and not asked.has_dimensions:
+        raise ValueError("--depth does not apply to a joint without dimensions; use --depth-star")
+    if depth and depth_star:
+        raise ValueError("--depth and --depth-star must not both be given; remove one of them")
+    depths = depth_star or [value / asked.clearance for value in depth or ()]
     with working("Solving the joint and computing the error of the law"):
-        depths = sorted(depth_star or ()) or None
-        text = export(law, form, asked, depths, tilt=tilt, direction=direction, name=name)
+        text = export(law, form, asked, sorted(depths) or None, tilt, name)
     if output is None:
         print(text, end="")
     else:

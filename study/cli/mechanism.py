@@ -12,7 +12,7 @@ from study.choose.links import QUANTITIES
 from study.cli import options as cli
 from study.cli.output import columns, named_fields, show, working
 from study.contact import LAWS, SOCKET_RATIO
-from study.joint import DimensionalJoint, RatioJoint, applicability
+from study.joint import Joint, limits
 from study.mechanism import Scene, compare
 from study.mechanism.response import IMPACT_COLUMNS
 from study.mechanism.simulate import Model, simulate
@@ -47,8 +47,8 @@ OPTIONS = {
         "Default: stiffened_hertz, or tabulated if --wall or --liner is given.",
     ),
     **cli.options_of(simulate, *_SETTINGS),
-    **cli.options_of(DimensionalJoint, "wall", "liner"),
-    **cli.options_of(RatioJoint, "socket_ratio"),
+    **cli.options_of(Joint, "wall", "liner"),
+    **cli.options_of(Joint.from_ratios, "socket_ratio"),
     "quantity": cli.further(
         Literal[QUANTITIES],
         "With --model auto: part of the slider's motion whose error --tolerance limits. Default: "
@@ -112,7 +112,7 @@ def simulate_mechanism(
         response = run(progress=lambda time: tell(f"simulated {time:.4g} of {total:g} s"))
     end = {head: float(getattr(response, name)[-1]) for head, name in END.items()}
     end |= {
-        "contacts": len(response.impact_rows),
+        "contacts": response.contacts,
         "last_separation s": response.last_separation,
         "energy_error": response.energy_error,
         "complete": response.complete,
@@ -176,9 +176,11 @@ def _show(end, response, choice, agreement, exceeded, as_json):
     values = {head.split()[0]: value for head, value in end.items()} | {"law": response.law}
     values |= {"restitution": asked, "delivered_restitution": delivered}
     agrees, sentences = agreement
-    values |= {"agreement": agrees, "applicability": applicability.in_short(exceeded)}
+    values |= {"agreement": agrees, "applicability": limits.in_short(exceeded)}
     table = {
-        f"{name} {IMPACT_COLUMNS.get(name, '')}": [row[name] for row in rows[:SHOWN]]
+        f"{name} {IMPACT_COLUMNS[name].unit if name in IMPACT_COLUMNS else ''}": [
+            row[name] for row in rows[:SHOWN]
+        ]
         for name in ("time", *names)
     }
     parts = [f"Law {response.law}.", {head: [value] for head, value in end.items()}, table]

@@ -64,6 +64,7 @@ SECTIONS = {
         "rim",
         "kinematics",
         "solver",
+        "resolution",
     ),
 }
 """Headings in the help of commands that take a joint, and the options below each."""

@@ -62,7 +62,7 @@ def sweep_cases(
     of the file are options of study joint, such as socket_radius, opening or tilt, or options of
     study simulate and mechanism parameters. Other columns are copied to the table. Several depths,
     forces, layers or liners of a case are separated by semicolons. For a joint without depths or
-    forces the whole curve is solved, or 8 depths if the load is off the axis.
+    forces the whole curve is solved, or 9 depths if the load is off the axis.
 
     If the values of a case are invalid, its row has the reason in the column error, the other cases
     are solved, and the exit status is 1. After an interruption the same command continues where it
@@ -104,8 +104,8 @@ def sweep_cases(
         f"{swept.cases} cases were solved in {seconds:.3g} s; {output} has {swept.rows} rows. Its "
         "columns of results are:"
     ]
-    for name, (unit, text) in swept.columns.items():
-        lines.append(f"  {name}: {text}{f', {unit}' * (unit != '1')}")
+    for name, of in swept.columns.items():
+        lines.append(f"  {name}: {of.meaning}{f', {of.unit}' if of.unit else ''}")
     if swept.kept:
         lines.append(f"Columns that are not parameters were copied: {', '.join(swept.kept)}.")
     say("\n".join(lines))

@@ -47,7 +47,7 @@ class DimensionalLaw:
     deepest
         Maximum penetration depth of the law in m; infinite for a law without a limit.
     joint
-        The `study.joint.DimensionalJoint` to which the law belongs, or None.
+        The `study.joint.Joint` to which the law belongs, or None.
     parts
         The law at the R2* of the joint, as `study.contact.laws.Parts`.
 
@@ -73,7 +73,8 @@ class DimensionalLaw:
         self.name = self.law.name
         r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
         r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
-        self.ball_radius, self.socket_radius, self.joint = r1, r2, None
+        self.ball_radius, self.socket_radius = r1, r2
+        self.joint: Any = None
         self.clearance, self.r2_star = r2 - r1, r2 / (r2 - r1)
         checks.number("socket_radius divided by clearance", self.r2_star, above=1)  # 1 by rounding
         self.composite_modulus = checks.number(

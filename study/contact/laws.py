@@ -84,6 +84,9 @@ class Law:
         Options with which all laws are tested.
     r2_star, joint
         For the law of one `study.joint.Joint`: its only R2*, and the joint.
+    error, curve
+        For the table of an elastic solution: the maximum relative error of its force between the
+        solved depths, and the `study.joint.Solution` at these.
 
     Examples
     --------
@@ -101,6 +104,8 @@ class Law:
     examples: tuple[Mapping[str, Any], ...] = field(default=({},), repr=False)
     r2_star: float | None = field(default=None, repr=False)
     joint: Any = field(default=None, repr=False)
+    error: float | None = field(default=None, repr=False)
+    curve: Any = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         given = ["depth_star", "r2_star" if self.r2_star is None else f"r2_star={self.r2_star:g}"]
@@ -252,7 +257,7 @@ def winkler(r2_star: Floats, coefficient: float | None = None) -> Parts:
     """Winkler with fitted coefficient: P* = f1w(R2*) ds^2 (Eq. 28, derived; f1w fitted).
 
     The default of the ``coefficient`` f1w is this study's fit in the paper's joint
-    (`study.joint.paper_joint`), linear in R2*.
+    (`study.joint.reference_joint`), linear in R2*.
     """
     return Parts(_coefficient("winkler", r2_star, coefficient), shapes.winkler)
 
@@ -304,7 +309,7 @@ def power(
     """Power law: P* = k* ds^n, fitted to one joint and one range of depths (this study).
 
     It has the two numbers that programs for multibody dynamics ask for. A joint's own are those of
-    `study.joint.DimensionalJoint.power_law`. The default is fitted in the paper's joint
+    `study.joint.Joint.power_law`. The default is fitted in the paper's joint
     for depths from 0.05 to 0.5 clearances, with k* linear in R2*. Its error there is below 0.5 %
     at R2* = 200 and below 1.2 % from R2* = 20 on; elsewhere it is a guess. k* and n are
     given together.
@@ -397,7 +402,7 @@ def tabulated(curve: Any) -> Law:
     Parameters
     ----------
     curve
-        A `study.joint.ForceCurve` with at least 4 different depths > 0, a minimum depth of at most
+        A `study.joint.Solution` with at least 4 different depths > 0, a minimum depth of at most
         a tenth of the maximum, and a force that increases with depth. With 40 depths in equal steps
         of sqrt(ds) from 0.025 to 1, at a resolution of 640, the law is within 1e-4 of the elastic
         solution from a depth of 0.001 on. The default resolution of 320 leaves noise of 3e-4 in the
@@ -410,8 +415,8 @@ def tabulated(curve: Any) -> Law:
 
     Examples
     --------
-    >>> from study.joint import Joint, whole_curve
-    >>> law = tabulated(whole_curve(Joint(r2_star=200)))
+    >>> from study.joint import Joint
+    >>> law = tabulated(Joint.from_ratios(200).curve())
     >>> print(f"{law(0.3):.2f}")
     81.63
     """
@@ -428,8 +433,12 @@ def tabulated(curve: Any) -> Law:
     if (np.diff(force, prepend=0) <= 0).any():
         raise ValueError("the force of curve must increase with depth, but it decreases somewhere")
     joint_r2_star = float(curve.joint.r2_star)
-    root = np.append(0, np.sqrt(depth))
-    constants = sampling.of_points(root, np.append(1, force / hertz(depth, joint_r2_star)))
+    root, factor = np.sqrt(depth), force / hertz(depth, joint_r2_star)
+    below = np.zeros(1)
+    if factor[0] < 1:  # the contact bends the wall
+        below = root[0] * np.array([0, 0.125, 0.25, 0.5])
+    factor = np.append(sampling.in_series(below, root[0], factor[0]), factor)
+    constants = sampling.of_points(np.append(below, root), factor)
 
     def formula(r2_star: Floats) -> Parts:
         """Table of one joint's force-depth curve."""

@@ -18,6 +18,7 @@ NARROWEST, MOST_KNOTS = 1e-10, 20_000  # least interval as a share of the range,
 DEEPEST = 1000.0  # largest depth_star of a function's table
 TOLERANCE = 1e-7
 """Largest error of a function's table between its knots, relative to the force there."""
+_NEWTON = 30  # steps of Newton's method, which converges from above
 FLOOR = 1e-9
 """The same relative to the force at the largest depth, where this allows more."""
 
@@ -48,6 +49,20 @@ def _spline_slopes(x, chords):
     right[-1] = (step[-1] + 2 * last) * step[-2] * chords[-1] + step[-1] ** 2 * chords[-2]
     right[[0, -1]] /= first, last
     return solve_banded((1, 1), bands, right)
+
+
+def in_series(root: NDArray[np.float64], known: float, factor: float) -> NDArray[np.float64]:
+    """Stiffening S at some s below the first one that is ``known``, where it is ``factor``.
+
+    The contact of Hertz's law is in series with a linear spring, which is the wall that the contact
+    bends: with y = S^(1/3), the depth over that of Hertz's law is 1/y^2 = 1 + c y s.
+    """
+    y = np.cbrt(factor)
+    c = (1 / y**2 - 1) / (y * known)
+    y = np.ones_like(root)
+    for _ in range(_NEWTON):
+        y = y - (c * root * y**3 + y**2 - 1) / (3 * c * root * y**2 + 2 * y)
+    return y**3
 
 
 def of_points(root: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArray[np.float64]:

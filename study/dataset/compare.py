@@ -32,7 +32,12 @@ DIGITS = {
     "force_curves": {"error_estimate": 3, "contact_half_angle_deg": 5},
     "axial_curves": {"error_estimate": 3, "contact_half_angle_deg": 7},
     "tilted_contacts": {"error_estimate": 3},
-    "loaded_joints": {"peak_error": 3, "first_edge_deg": 7, "last_edge_deg": 7},
+    "loaded_joints": {
+        "peak_error": 3,
+        "error_estimate": 3,
+        "contact_from_deg": 7,
+        "contact_to_deg": 7,
+    },
 }
 """Columns with fewer digits, in which a difference of one unit of the last digit is allowed."""
 

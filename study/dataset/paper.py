@@ -1,4 +1,4 @@
-"""R2* and kinematics of the paper's curves; their joint is `study.joint.paper_joint`."""
+"""R2* and kinematics of the paper's curves; their joint is `study.joint.reference_joint`."""
 
 from typing import TYPE_CHECKING
 

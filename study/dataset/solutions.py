@@ -9,7 +9,7 @@ longer than `LONG` is noted in ``build/asked``; ``study data build`` stores it.
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
 from time import process_time
@@ -22,15 +22,21 @@ from numpy.typing import ArrayLike, NDArray
 from study import parameters, paths
 from study.contact import Material
 from study.dataset import store
-from study.joint import DimensionalJoint, Joint, force_curve, tilted_contact, whole_curve
-from study.joint.curve import Solver
-from study.joint.definition import RatioJoint
+from study.joint import Joint, LargestStress, Solution, Solver
+from study.joint.joint import SUPPORTS
 from study.joint.stress import StressOverDepth, over_depth
 from study.joint.tilted import RESOLUTION
 
 Floats = NDArray[np.float64]
 LONG = 1.0  # s of processor time
 ASKED = paths.BUILD / "asked"
+_AXIAL = ("depth_star", "force_star", "contact_half_angle_deg", "peak_pressure_star")
+COLUMNS: dict[str, tuple[str, ...]] = {
+    "axial": (*_AXIAL, "error_estimate"),
+    "tilted": ("depth_star", "tilt", "force_star", "error_estimate"),
+    "loaded": (*_AXIAL, "peak_error", "contact_from_deg", "contact_to_deg", "error_estimate"),
+}
+"""Arrays of a `study.joint.Solution` that are stored, by the kind of solution."""
 
 
 class Case(NamedTuple):
@@ -47,47 +53,16 @@ class Case(NamedTuple):
         return hashlib.sha256(text.encode()).hexdigest()[:10]
 
 
-class Curve(NamedTuple):
-    """Force-depth curve of a joint, as `study.joint.ForceCurve` without the pressures."""
-
-    joint: Joint
-    depth_star: Floats
-    force_star: Floats
-    contact_half_angle_deg: Floats
-    peak_pressure_star: Floats
-    error_estimate: Floats
-
-
-class Loaded(NamedTuple):
-    """Results of `study.joint.DimensionalJoint.solve` under one force.
-
-    Numbers in SI units: ``depth``, ``peak_pressure`` and its relative error (NaN along the axis),
-    the signed polar angles in deg at which the contact begins and ends, the ``body`` that is
-    closest to yield with its ``yield_factor``, and the pressures at ``angle_deg``.
-    """
-
-    depth: float
-    peak_pressure: float
-    peak_error: float
-    first_edge_deg: float
-    last_edge_deg: float
-    body: str
-    yield_factor: float
-    angle_deg: Floats
-    pressure: Floats
-
-
 def curve(
     joint: Joint,
     depth_star: ArrayLike | None = None,
     resolution: int | None = None,
     solver: Solver | None = None,
-) -> Curve:
-    """`study.joint.force_curve` at some depths, or `study.joint.whole_curve` without them."""
+) -> Solution:
+    """Solution along the axis at some depths, or the `study.joint.Joint.curve` without them."""
     depths = None if depth_star is None else np.atleast_1d(depth_star).tolist()
     given = {"depth_star": depths, "resolution": resolution, "solver": solver}
-    rows = _rows("axial", joint, given)
-    return Curve(joint, *(rows[name].to_numpy() for name in Curve._fields[1:]))
+    return _solution("axial", joint, _rows("axial", joint, given))
 
 
 def stress_over_depth(joint: Joint, deepest: float = 1.0) -> dict[str, StressOverDepth]:
@@ -101,38 +76,80 @@ def stress_over_depth(joint: Joint, deepest: float = 1.0) -> dict[str, StressOve
 
 def tilted(
     joint: Joint, depth_star: ArrayLike, tilt: ArrayLike, resolution: int = RESOLUTION
-) -> pd.DataFrame:
-    """Depth, tilt, force along the displacement and its error, of `study.joint.tilted_contact`."""
+) -> Solution:
+    """Force along the displacement at some depths and tilts."""
     depths, tilts = np.broadcast_arrays(*np.atleast_1d(depth_star, tilt))
     given = {"depth_star": depths.tolist(), "tilt": tilts.tolist(), "resolution": resolution}
-    return _rows("tilted", joint, given).reset_index(drop=True)
+    return _solution("tilted", joint, _rows("tilted", joint, given))
 
 
-def under_load(joint: DimensionalJoint, force: float, tilt: float | None = None) -> Loaded:
-    """`study.joint.DimensionalJoint.solve` for a force in N, at a tilt in deg."""
+def under_load(joint: Joint, force: float, tilt: float | None = None) -> Solution:
+    """Solution under a force in N, with the pressure and the stress of the body nearest to yield.
+
+    A tilt is that of the force, in deg.
+    """
     rows = _rows("loaded", joint, {"force": force, "tilt": tilt})
-    scalars = rows.iloc[0][list(Loaded._fields[:-2])].to_dict()
-    return Loaded(**scalars, angle_deg=rows.angle_deg.to_numpy(), pressure=rows.pressure.to_numpy())
+    first = rows.iloc[[0]]
+    stress, place = first.von_mises.to_numpy(), (str(first.place.iloc[0]),)
+    unknown = np.full(1, np.nan)
+    largest = LargestStress(stress, stress / first.peak_pressure_star, unknown, unknown, place)
+    return _solution(
+        "loaded",
+        joint,
+        first,
+        angle_deg=rows.angle_deg.to_numpy(),
+        pressure_star=rows.pressure_star.to_numpy()[None],
+        stress={first.body.iloc[0]: largest},
+    )
 
 
-def case_of(kind: str, joint: Joint | DimensionalJoint, arguments: dict[str, Any]) -> Case:
+def _solution(kind, joint, rows, **more):
+    stored = {name: rows[name].to_numpy() for name in COLUMNS[kind]}
+    return Solution(joint=joint, solver="stored", **stored, **more)
+
+
+def case_of(kind: str, joint: Joint, arguments: dict[str, Any]) -> Case:
     """Case of a joint and the other arguments of its kind."""
     return Case(kind, _written(joint), _rounded(arguments))
 
 
-def joint_of(case: Case) -> Joint | DimensionalJoint:
+def joint_of(case: Case) -> Joint:
     """Joint of a case."""
-    given = case.joint
-    return DimensionalJoint(**given) if case.kind == "loaded" else RatioJoint(**given).joint()
+    if case.kind == "loaded":
+        return Joint(**case.joint)
+    given = dict(case.joint)
+    if "layer" in given:
+        given["layers"] = given.pop("layer")
+    return Joint.from_ratios(**given)
 
 
 def solve(case: Case) -> pd.DataFrame:
     """Results of a case, rounded to 9 significant digits, with the columns of its kind's file."""
-    frame = pd.DataFrame(_SOLVE[case.kind](joint_of(case), **case.arguments))
+    joint, given = joint_of(case), dict(case.arguments)
+    if case.kind == "stress":
+        tables = over_depth(joint, **given)
+        frame = pd.concat(
+            pd.DataFrame({"body": body} | of._asdict()) for body, of in tables.items()
+        )
+    else:
+        if case.kind == "axial" and given["depth_star"] is None:
+            solved = joint.curve(1.0, resolution=given["resolution"])
+        else:
+            solved = joint.solve(**given, stresses=case.kind == "loaded")
+        arrays = {name: getattr(solved, name) for name in COLUMNS[case.kind]}
+        frame = pd.DataFrame({k: np.nan if of is None else of for k, of in arrays.items()})
+    if case.kind == "loaded":
+        factors = {body: of[0] for body, of in solved.yield_factor.items() if of is not None}
+        body = min(factors, key=factors.__getitem__)
+        near, largest = solved.pressure_star[0] > 0, solved.stress[body]
+        frame = frame.assign(body=body, von_mises=largest.von_mises, place=largest.place)
+        pressures = {"angle_deg": solved.angle_deg, "pressure_star": solved.pressure_star[0]}
+        of_angles = pd.DataFrame({name: of[near] for name, of in pressures.items()})
+        frame = frame.merge(of_angles, how="cross")
     numbers = frame.select_dtypes("float").columns
     frame[numbers] = frame[numbers].map(_rounded)
     frame.insert(0, "case", case.name)
-    return frame
+    return frame.reset_index(drop=True)
 
 
 def cases() -> list[Case]:
@@ -185,65 +202,34 @@ def _stored(kind):
     return {name: rows.reset_index(drop=True) for name, rows in frame.groupby("case", sort=False)}
 
 
-def _axial(joint, depth_star, **options):
-    if depth_star is None:
-        solved = whole_curve(joint, resolution=options["resolution"])
-    else:
-        solved = force_curve(joint, depth_star, **options)
-    return {name: getattr(solved, name) for name in Curve._fields[1:]}
-
-
-def _stresses(joint, deepest):
-    parts = [
-        pd.DataFrame({"body": body} | table._asdict())
-        for body, table in over_depth(joint, deepest).items()
-    ]
-    return pd.concat(parts, ignore_index=True)
-
-
-def _tilted(joint, depth_star, tilt, resolution):
-    solved = tilted_contact(joint, depth_star, tilt, resolution)
-    names = ("depth_star", "tilt", "force_star", "error_estimate")
-    return {name: getattr(solved, name) for name in names}
-
-
-def _loaded(joint, force, tilt):
-    solved = joint.solve(force=force, tilt=tilt)
-    factors = {body: of[0] for body, of in solved.yield_factor.items() if of is not None}
-    body = min(factors, key=factors.__getitem__)
-    if tilt is None:
-        last = solved.contact_half_angle_deg[0]
-        error, first = np.nan, -last
-    else:
-        error, (first, last) = solved.peak_error[0], solved.contact_edges_deg[:, 0]
-    numbers = (solved.depth[0], solved.peak_pressure[0], error, first, last, body, factors[body])
-    near = solved.pressure[0] > 0
-    arrays = solved.angle_deg[near], solved.pressure[0, near]
-    return dict(zip(Loaded._fields, (*numbers, *arrays), strict=True))
-
-
-_SOLVE: dict[str, Callable[..., Any]] = {
-    "axial": _axial,
-    "stress": _stresses,
-    "tilted": _tilted,
-    "loaded": _loaded,
-}
-
-
 def _written(joint):
     """Arguments of the joint that are not the default, as texts and numbers of 9 digits."""
-    record = RatioJoint.of(joint) if isinstance(joint, Joint) else joint
-    given, default = {}, parameters.defaults(type(record))
-    for name, about in parameters.described(type(record)).items():
-        value = getattr(record, name)
+    about, default = parameters.described(Joint), parameters.defaults(Joint)
+    if joint.has_dimensions:
+        given = {name: getattr(joint, name) for name in about}
+    else:
+        given = {"r2_star": joint.r2_star, "poisson": joint.ball.poisson}
+        if joint.liner:
+            given["layer"] = joint.columns()["layers"]
+        else:
+            given |= {name: getattr(joint, name) for name in ("socket_ratio", "modulus_ratio")}
+            given["socket_poisson"] = joint.socket.poisson
+        order = "r2_star", "socket_ratio", "modulus_ratio", "poisson", "socket_poisson", "layer"
+        given = {name: given[name] for name in order if name in given} | joint.supports
+        default = {"r2_star": 200.0, "poisson": 0.3} | {n: default[n] for n in SUPPORTS}
+    written = {}
+    for name, value in given.items():
         if value is None or value == default.get(name, ...):
             continue
         if isinstance(value, Material):  # by numbers: the table of materials may change
             numbers = value.youngs_modulus, value.poisson, value.yield_stress
-            given[name] = ",".join(f"{number:.9g}" for number in numbers if number is not None)
+            written[name] = ",".join(f"{number:.9g}" for number in numbers if number is not None)
         else:
-            given[name] = _rounded(value) if isinstance(value, float) else about.written(value)
-    return given
+            is_number = isinstance(value, float)
+            written[name] = (
+                _rounded(value) if is_number else about.get(name, about["rim"]).written(value)
+            )
+    return written
 
 
 def _rounded(value: Any) -> Any:

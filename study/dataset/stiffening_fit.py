@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from study.contact import hertz
 from study.contact.stiffening import DEGREES, LEAST_R2_STAR, PLACES, RANGES, SUPPORTS, UNIT
-from study.joint import Joint, Material, whole_curve
-from study.joint.curve import depths_and_forces
+from study.joint import Joint, Material
+from study.joint.axial import depths_and_forces
 from study.joint.supports import PLATES, RIMS
 from study.threads import one_thread
 
@@ -75,7 +75,8 @@ def logarithms(
     for ratio, share, poisson, r2_star, support, rim in itertools.product(*axes):
         ball = Material((1 - poisson**2) / share, poisson)
         socket = Material((1 - socket_poisson**2) / (1 - share), socket_poisson)
-        joint = Joint(r2_star, ratio, ball, socket, ball_support=support, rim=rim)
+        supports = {"ball_support": support, "rim": rim}
+        joint = Joint.from_ratios(r2_star, ratio, ball=ball, socket=socket, **supports)
         resolution = FINER if joint.series_applies else RESOLUTION
         resolution = COARSER if counts["r2_star"] > 1 else resolution
         if of is None:
@@ -154,8 +155,8 @@ def sizes(socket_poisson: float) -> NDArray[np.float64]:
     """
 
     def of(joint):
-        curve = whole_curve(joint, DEEPEST, RESOLUTION)
-        of_hertz = np.sqrt(curve.depth_star / joint.ball_radius)
+        curve = joint.curve(DEEPEST, resolution=RESOLUTION)
+        of_hertz = np.sqrt(curve.depth_star / joint.radius_ratio)
         found = np.radians(curve.contact_half_angle_deg), np.pi / 2 * curve.peak_pressure_star
         return [at_places(curve.depth_star, values / of_hertz) for values in found]
 

@@ -79,7 +79,7 @@ def load(**filters: Any) -> pd.DataFrame:
 def paper_curves(
     kinematics: "Kinematics | list[Kinematics]" = PAPER_KINEMATICS, **filters: object
 ) -> pd.DataFrame:
-    """Curves of the reference joint (`study.joint.paper_joint`), R2* = 20 to 10,000: see `load`."""
+    """Curves of `study.joint.reference_joint` for R2* = 20 to 10,000, filtered as by `load`."""
     return load(group="paper", kinematics=kinematics, **filters)
 
 

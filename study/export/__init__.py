@@ -13,21 +13,21 @@ import json
 import keyword
 import re
 from collections.abc import Sequence
-from typing import Any, Literal
+from contextlib import suppress
+from typing import Literal
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import linprog
 
-from study import checks, contact
+from study import checks
 from study.contact import LAWS, LawName, laws, shapes
 from study.contact.materials import in_words
 from study.contact.power_fit import DEPTHS, USUAL_RANGE
 from study.export import formulas
-from study.joint import DimensionalJoint, DirectionalLaw, Joint, directional_law, whole_curve
-from study.joint.dimensional import usual_depth
-from study.joint.law_parameters import law_parameters
-from study.joint.tilted import tilted_curve
+from study.joint import Joint
+from study.joint.table import table
+from study.joint.tilted import LARGEST_TILT
 
 Exported = Literal[LawName, "tabulated"]
 Format = Literal["c", "matlab", "modelica", "json", "csv", "exudyn", "adams", "mujoco"]
@@ -55,6 +55,9 @@ FIRST = 0.001
 """Minimum depth_star of the error of the tendons of MuJoCo."""
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")
 """Names of functions and elements that are valid in every language."""
+TURNED = 10.0
+"""Angle in deg by which the tilt of an export is changed to state the change of the force."""
+COARSE = 32  # elements along a quarter circle for this change
 _PYTHON = r"\b(CLEARANCE|MODULUS|VALUES|KNOT|TABLE|contact_force|_force|solver_settings)\b"
 ROWS = 400  # of a CSV after its first, in equal steps of sqrt(depth_star)
 _BETWEEN = 8  # places between rows at which interpolation is checked
@@ -72,21 +75,14 @@ _UNITS = {
     "force_star": "force/(E* dR^2), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
     "stiffness_star": "stiffness/(E* dR), of force over depth",
 }
-_TILTED_UNITS = {
-    "depth_star": _UNITS["depth_star"],
-    "tilt": "direction of the displacement off the axis, in deg",
-    "force_star": f"{_UNITS['force_star']}, along the displacement",
-    "transverse_star": "the same across it, towards larger tilt; at -tilt it has the other sign",
-}
 
 
 def export(
     law: Exported,
     form: Format,
-    joint: Joint | DimensionalJoint,
+    joint: Joint,
     depth_star: float | Sequence[float] | None = None,
     tilt: float | None = None,
-    direction: float | None = None,
     name: str | None = None,
 ) -> str:
     """Export a law of one joint as text in a format of another program.
@@ -101,19 +97,16 @@ def export(
         element of a program: the hollow sphere or a user function of `Exudyn`_, IMPACT of Adams, or
         a tendon of MuJoCo.
     joint
-        The joint. Modelica, Exudyn, Adams and MuJoCo need its dimensions.
+        The joint. For Modelica, Exudyn, Adams and MuJoCo it must not be made from ratios.
     depth_star
         Maximum normalised penetration depth of the export; or the minimum and the maximum, between
         which ``power`` and the cubics of MuJoCo are fitted and errors are stated. The default
         maximum is 1, or less if the contact cannot be so deep; for ``power`` 0.05 and 0.5.
     tilt
-        Maximum angle in deg between displacement and axis. With it, ``tabulated`` is the table over
-        depth and tilt of `study.joint.directional_law`, with forces along and across the
-        displacement.
-    direction
-        Angle in deg between the axis and the only direction of displacement. With it, ``tabulated``
-        and ``power`` give the force along this direction. The default is 90 for a ring or a ball
-        with a bore, else 0.
+        Angle in deg between the axis and the displacement. With it, ``tabulated`` and ``power``
+        give the force along this direction, and the text states by how much force and stiffness
+        change in directions up to 10 deg from it. The default is 90 for a ring or a ball with a
+        bore, else the axis.
     name
         Name of the function or element, so that one model can contain several joints. The default
         is the name of the law or of the program's element.
@@ -126,7 +119,7 @@ def export(
 
     Examples
     --------
-    >>> text = export("stiffened_hertz", "c", Joint(r2_star=200))
+    >>> text = export("stiffened_hertz", "c", Joint.from_ratios(r2_star=200))
     >>> "int stiffened_hertz(double depth" in text
     True
 
@@ -140,30 +133,13 @@ def export(
             "underscores, without being a keyword of Python"
         )
         raise ValueError(f"{wanted}, got {name!r}")
-    if isinstance(joint, DimensionalJoint):
-        plain, sized = joint.joint, joint
-    else:
-        plain, sized = checks.instance("joint", joint, Joint), None
+    if not checks.instance("joint", joint, Joint).has_dimensions:
         checks.choice("format of a joint without dimensions", form, formulas.DIMENSIONLESS)
     checks.choice(f"law in format {form}", law, [LAW_OF.get(form, law)])
-    if law == "stiffened_hertz":
-        plain.check_linear(law)
-        plain.correction_options()  # raises an error before the joint is solved
-    shallowest = FIRST if form == "mujoco" else SHALLOWEST
-    least, deepest = _range(depth_star, plain, law == "power", shallowest)
+    tilt = joint.default_tilt if tilt is None else tilt
     if tilt is not None:
-        if not plain.has_pole:
-            raise ValueError(
-                "tilt does not apply to a ring or a ball with a bore, because its table of depth "
-                "and tilt would begin on the axis; give the direction of the displacement instead"
-            )
-        checks.choice("law with a tilt", law, ["tabulated"])
-        checks.choice("format with a tilt", form, ["c", "matlab", "csv"])
-        return _tilted(directional_law(plain, deepest, tilt), form, sized, name)
-    direction = plain.default_tilt if direction is None else direction
-    if direction is not None:
-        checks.choice("law for a direction off the axis", law, ["tabulated", "power"])
-    content = _Law(law, plain, sized, (least, deepest), direction, name)
+        checks.choice("law for a displacement off the axis", law, ["tabulated", "power"])
+    content = _Law(law, joint, depth_star, tilt, FIRST if form == "mujoco" else SHALLOWEST, name)
     if form == "json":
         return _json(content)
     if form == "csv":
@@ -175,42 +151,34 @@ def export(
     return _function(content, form)
 
 
-def _range(depth_star, joint, fitted, shallowest):
-    if depth_star is None:
-        least, deepest = USUAL_RANGE if fitted else (None, usual_depth(joint))
-    else:
-        given = np.atleast_1d(checks.number("depth_star", depth_star, above=0))
-        if given.shape not in ((1,), (2,)):
-            wanted = "depth_star must be one depth, or the minimum and the maximum depth"
-            raise ValueError(f"{wanted}, got {checks.shown(depth_star)}")
-        least, deepest = given[0] if len(given) == 2 else None, float(given[-1])
-    if least is None:
-        least = deepest / 10 if fitted else min(shallowest, deepest / 12)
-    return checks.number("minimum depth_star", least, above=0, below=deepest, scalar=True), deepest
-
-
 class _Law:
-    """A law for one joint, as every format needs it: its parts, its range and its error."""
+    """A law for one joint, as every format needs it: its parts, its range and its errors."""
 
-    def __init__(self, name, joint, sized, depths, direction, called):
-        self.name, self.joint, self.sized, self.called = name, joint, sized, called
-        self.least, self.deepest = least, deepest = depths
-        if direction is None:
-            self.load, curve = "along the axis", whole_curve(joint, deepest)
-        else:
-            self.load = f"along a displacement {direction:g} deg off the axis"
-            curve = tilted_curve(joint, direction, deepest)
-            self.least = max(least, float(curve.depth_star.min()))
-        self.exact = contact.tabulated(curve)
-        depths = np.linspace(np.sqrt(self.least), np.sqrt(deepest), ROWS) ** 2
-        law, options = LAWS.get(name, self.exact), {}
-        if name != "tabulated":
-            options = law_parameters(law, joint, depths, self.exact(depths))
-            law(deepest, joint.r2_star, **options)  # raises an error for a depth beyond its range
+    def __init__(self, name, joint, depth_star, tilt, shallowest, called):
+        self.name, self.joint, self.called = name, joint, called
+        options = {} if name in ("power", "tabulated") else joint.law_options(name)
+        least, deepest = _range(depth_star, name == "power", shallowest)
+        # k and n are those of `study.joint.Joint.power_law`, from the same table and depths
+        self.exact = table(joint, None if name == "power" else deepest, tilt)
+        if deepest is not None and self.exact.deepest < deepest:
+            self.exact = table(joint, deepest, tilt)
+        curve = self.exact.curve
+        self.deepest = deepest = min(1.0, self.exact.deepest) if deepest is None else deepest
+        if name == "power":
+            places = np.geomspace(least, deepest, DEPTHS)
+            options = joint.law_options(name, places, self.exact(places))
+        law = LAWS.get(name, self.exact)
+        law(deepest, joint.r2_star, **options)  # raises an error for a depth beyond its range
         self.scale, self.shape, self.constants = law.parts(joint.r2_star, **options)
-        estimates = curve.error_estimate[curve.depth_star >= self.least]
+        first = float(curve.depth_star[0])
+        self.least = min(max(least, first), deepest)
+        depths = np.linspace(np.sqrt(self.least), np.sqrt(deepest), ROWS) ** 2
         self.error = float(np.abs(self.at(depths)[0] / self.exact(depths) - 1).max())
-        self.error_of_joint = float(estimates.max())
+        inside = (curve.depth_star >= self.least) & (curve.depth_star <= max(1.05 * deepest, first))
+        self.error_of_joint = float(curve.force_error[inside].max()) + self.exact.error
+        self.load = "a load along the axis"
+        if tilt is not None:
+            self.load = f"a displacement {tilt:g} deg off the axis{_change(joint, deepest, tilt)}"
 
     def at(self, depth):
         """Force and stiffness, dimensionless, at depths > 0."""
@@ -224,12 +192,62 @@ class _Law:
         text = f"that of the elastic solution, about {_percent(self.error_of_joint)}."
         if error is not None:
             text = f"at most {_percent(error)} relative to the elastic solution, plus {text}"
+        joint = self.joint
+        units = {name: meaning.split(",")[0] for name, meaning in _OF_SIZES.items()}
+        stated = [f"{name} {value:.9g} {units[name]}" for name, value in _sizes(joint).items()]
+        if joint.has_dimensions:
+            stated[1] += f" ({1e6 * joint.clearance:.4g} um)"
+            stated += [f"{body} of {material}" for body, material in _materials(joint).items()]
+        for name, value in _ratios(joint).items():
+            several = value if isinstance(value, list) else [value]
+            shown = (f"{x:.9g}" if isinstance(x, float) else x for x in several)
+            stated.append(f"{name} {' and '.join(shown)}")
         return [
-            _joint_in_words(self.joint, self.sized),
-            f"Range: penetration depths from 0 to {_depth(self.deepest, self.sized)}.",
-            f"Error of the force at depths >= {_depth(self.least, self.sized)}: {text}",
-            f"The law is for smooth elastic bodies without friction and a load {self.load}.",
+            f"Joint: {', '.join(stated)}.",
+            f"Range: penetration depths from 0 to {self._depth(self.deepest)}.",
+            f"Error of the force at depths >= {self._depth(self.least)}: {text}",
+            f"The law is for smooth elastic bodies without friction and {self.load}.",
         ]
+
+    def _depth(self, depth_star):
+        """A depth in clearances, and in um if the clearance is known."""
+        um = 1e6 * depth_star * self.joint.clearance
+        return f"{depth_star:g} clearances" + self.joint.has_dimensions * f" ({um:.4g} um)"
+
+
+def _range(depth_star, fitted, shallowest):
+    """Minimum depth of the stated error, and maximum depth; None for the default of the joint."""
+    if depth_star is None:
+        return USUAL_RANGE if fitted else (shallowest, None)
+    given = np.atleast_1d(checks.number("depth_star", depth_star, above=0))
+    if given.shape not in ((1,), (2,)):
+        wanted = "depth_star must be one depth, or the minimum and the maximum depth"
+        raise ValueError(f"{wanted}, got {checks.shown(depth_star)}")
+    deepest = float(given[-1])
+    least = deepest / 10 if fitted else min(shallowest, deepest / 12)
+    if len(given) == 2:
+        least = checks.number("minimum depth_star", given[0], above=0, below=deepest, scalar=True)
+    return least, deepest
+
+
+def _change(joint, deepest, tilt):
+    """How much force and stiffness change if the displacement turns from a tilt, as words."""
+    solved = {}
+    for turned in np.clip([tilt - TURNED, tilt, tilt + TURNED], 0, LARGEST_TILT):
+        with suppress(checks.RangeError):  # no contact in this direction
+            solved[turned] = joint.solve(depth_star=deepest, tilt=turned, resolution=COARSE)
+    own = solved.pop(tilt, None)
+    if own is None or not solved:
+        return ""
+    force, stiffness = (
+        max(abs(getattr(of, name)[0] / getattr(own, name)[0] - 1) for of in solved.values())
+        for name in ("force_star", "stiffness_star")
+    )
+    ends = min(tilt, *solved), max(tilt, *solved)
+    return (
+        f"; between {ends[0]:g} and {ends[1]:g} deg the force at the maximum depth changes by up "
+        f"to {_percent(force)} and the stiffness by up to {_percent(stiffness)}"
+    )
 
 
 def _function(law, language):
@@ -247,7 +265,7 @@ def _function(law, language):
         deepest=f"{law.deepest!r}",
         margin=laws.LIMIT_MARGIN,
         scale=f"{float(law.scale)!r}",
-        **formulas.of_joint(language, name, law.joint, law.sized),
+        **formulas.of_joint(language, name, law.joint),
     )
     return _named(text, law.called) if language == "exudyn" else text
 
@@ -262,34 +280,33 @@ def _named(text, name):
 def _element(law, form):
     """An element with k and n: a hollow sphere of Exudyn, or IMPACT of Adams in N and mm."""
     file, sign = ELEMENTS[form]
-    sized, (exponent,) = law.sized, law.constants
-    modulus = law.joint.composite_modulus
-    coefficient = float(modulus * sized.clearance ** (2 - exponent) * law.scale)
+    joint, exponent = law.joint, float(law.constants[0])
+    coefficient = float(law.scale * joint.force_unit / joint.clearance**exponent)
     text = formulas.filled(
         file,
         sign,
         law.in_words(),
         **_element_of(law),
-        prefix=f"{law.called}_" if law.called else "",
-        socket_radius=f"{sized.socket_radius!r}",
-        ball_radius=f"{sized.socket_radius - sized.clearance!r}",
+        socket_radius=f"{joint.socket_radius!r}",
+        ball_radius=f"{joint.ball_radius!r}",
         coefficient=f"{coefficient:.9g}",
-        exponent=f"{float(exponent):.9g}",
-        clearance_mm=f"{sized.clearance / MILLI:.9g}",
-        coefficient_mm=f"{coefficient * MILLI ** float(exponent):.9g}",
+        exponent=f"{exponent:.9g}",
+        clearance_mm=f"{joint.clearance / MILLI:.9g}",
+        coefficient_mm=f"{coefficient * MILLI**exponent:.9g}",
     )
     return _named(text, law.called) if form == "exudyn" else text
 
 
 def _element_of(law):
-    """Title and source of an element."""
+    """Title, source and prefix of the names of an element."""
     title = f"A spherical clearance joint{f' named {law.called}' if law.called else ''}."
-    return {"title": title, "source": _SOURCE}
+    prefix = f"{law.called}_" if law.called else ""
+    return {"title": title, "source": _SOURCE, "prefix": prefix}
 
 
 def _tendon(law):
     """Parallel spatial tendons of MuJoCo with cubics that are fitted to the elastic solution."""
-    clearance, modulus = law.sized.clearance, float(law.joint.composite_modulus)
+    clearance, unit = law.joint.clearance, law.joint.force_unit
     knots = law.deepest * np.array(KNOTS)
     cubics, error = _cubics(law, knots)
     whole = sum(
@@ -298,48 +315,36 @@ def _tendon(law):
     )
     turns = whole.deriv().roots()  # of the force beyond the last knot
     turn = turns[np.isreal(turns) & (turns.real > law.deepest)].real.min(initial=np.inf)
-    below = law.least / np.array([2, 10])
-    off = (law.exact(below) ** -1) * _sum(cubics, knots, below) - 1
-    unit, lengths = modulus * clearance**2, clearance * below
-    told = [
-        f"{d:.2g} m it is {100 * abs(e):.2g} % too {'large' if e > 0 else 'small'} "
-        f"({unit * f:.2g} N)"
-        for d, e, f in zip(lengths, off, law.exact(below) * np.abs(off), strict=True)
-    ]
+    outside = []
+    for depth in law.least / np.array([2, 10]):
+        exact, beyond = law.exact(depth), np.maximum(depth - knots, 0)
+        off = (cubics * beyond[:, None] ** [1, 2, 3]).sum() / exact - 1
+        outside.append(
+            f"{clearance * depth:.2g} m it is {100 * abs(off):.2g} % too "
+            f"{'large' if off > 0 else 'small'} ({unit * exact * abs(off):.2g} N)"
+        )
     beyond = "it increases with depth at every depth."
     if turn < np.inf:
         beyond = f"it falls from {clearance * turn:.3g} m on, where it must not be used."
-    units = modulus * clearance ** np.array([1.0, 0.0, -1.0])
-    prefix = f"{law.called}_" if law.called else ""
+    outside = f"Outside: at {' and at '.join(outside)}; beyond the range {beyond}"
+    names = _element_of(law)
     tendons = [
-        {
-            "name": f"{law.called or 'clearance_joint'}_{k}",
-            "starts": f"{clearance + clearance * knot:.12g}",
-        }
-        | {"stiffness": " ".join(f"{x:.9g}" for x in cubic * units)}
+        _TENDON.format(
+            name=f"{law.called or 'clearance_joint'}_{k}",
+            starts=f"{clearance + clearance * knot:.12g}",
+            stiffness=" ".join(f"{x:.9g}" for x in unit * cubic / clearance ** np.arange(1.0, 4)),
+            prefix=names["prefix"],
+        )
         for k, (cubic, knot) in enumerate(zip(cubics, knots, strict=True), 1)
     ]
-    outside = f"Outside: at {' and at '.join(told)}; beyond the range {beyond}"
-    return formulas.filled(
-        "tendon.mujoco",
-        "",
-        [*law.in_words(error), outside],
-        **_element_of(law),
-        tendons="\n".join(_TENDON.format(**of, prefix=prefix) for of in tendons),
-        prefix=prefix,
-    )
+    about = [*law.in_words(error), outside]
+    return formulas.filled("tendon.mujoco", "", about, **names, tendons="\n".join(tendons))
 
 
 _TENDON = """    <spatial name="{name}" springlength="0 {starts}" stiffness="{stiffness}">
       <site site="{prefix}socket"/>
       <site site="{prefix}ball"/>
     </spatial>"""
-
-
-def _sum(cubics, knots, depth):
-    """Dimensionless force of cubics that begin at knots."""
-    beyond = np.maximum(depth - knots[:, None], 0)
-    return sum(beyond**power * cubics[:, power - 1, None] for power in (1, 2, 3)).sum(axis=0)
 
 
 def _cubics(law, knots):
@@ -361,14 +366,16 @@ def _cubics(law, knots):
 
 
 def _json(law):
+    joint = law.joint
     content = {
         "law": law.name,
         **({"name": law.called} if law.called else {}),
         "source": _SOURCE,
         "formula": formulas.words(law.shape, law.constants),
-        "units": _UNITS | (_OF_SIZES if law.sized else {}),
-        "joint": _parameters(law.joint),
-        **({"materials": _materials(law.sized)} if law.sized else {}),
+        "units": _UNITS | (_OF_SIZES if joint.has_dimensions else {}),
+        "joint": _ratios(joint),
+        **({"materials": _materials(joint)} if joint.has_dimensions else {}),
+        "load": law.load,
         "range": {"depth_star": [0, law.deepest]},
         "error": {
             "from_depth_star": law.least,
@@ -376,7 +383,7 @@ def _json(law):
             "of_solved_joint": law.error_of_joint,
         },
         "scale": float(law.scale),
-        **_sizes(law.sized),
+        **_sizes(joint),
     }
     constants = np.asarray(law.constants, dtype=float)
     if law.shape is shapes.tabulated:
@@ -393,12 +400,22 @@ def _csv(law):
     depth = law.deepest * np.linspace(0, 1, ROWS + 1) ** 2
     force, stiffness = np.zeros((2, ROWS + 1))
     force[1:], stiffness[1:] = law.at(depth[1:])
-    linear, cubic = _interpolation_errors(law, depth, force, stiffness)
-    units = _UNITS
-    if law.sized:
-        units, modulus = _SI_UNITS, law.joint.composite_modulus
-        depth, stiffness = law.sized.clearance * depth, modulus * law.sized.clearance * stiffness
-        force = modulus * law.sized.clearance**2 * force
+    root = np.sqrt(depth)
+    steps = (np.arange(1, _BETWEEN) / _BETWEEN)[:, None]
+    between = np.sort((root[:-1] + steps * np.diff(root)).ravel() ** 2)
+    between = between[between >= law.least]
+    true = law.at(between)[0]
+    linear, cubic = (
+        _percent(np.abs(values / true - 1).max())
+        for values in (
+            np.interp(between, depth, force),
+            CubicHermiteSpline(root, force, 2 * root * stiffness)(np.sqrt(between)),
+        )
+    )
+    units, joint = _UNITS, law.joint
+    if joint.has_dimensions:
+        units, depth = _SI_UNITS, joint.clearance * depth
+        force, stiffness = joint.force_unit * force, joint.stiffness_unit * stiffness
     names = list(units)
     lines = [
         f"Contact force of one spherical clearance joint: {law.called or law.name}. {_SOURCE}",
@@ -406,114 +423,35 @@ def _csv(law):
         f"Between rows, linear interpolation over depth adds an error of up to {linear}.",
         f"A cubic Hermite spline over sqrt({names[0]}), with the slopes 2 sqrt({names[0]}) "
         f"{names[2]}, adds {cubic}.",
+        *(f"{name} = {meaning}" for name, meaning in units.items()),
     ]
-    return _table(lines, units, [depth, force, stiffness])
+    rows = (",".join(f"{x:.12g}" for x in row) for row in zip(depth, force, stiffness, strict=True))
+    return "\n".join([*(f"# {line}" for line in lines), ",".join(names), *rows, ""])
 
 
-def _table(lines, units, columns):
-    """Text of a table as CSV: comments, the meaning of each column, and the columns."""
-    meanings = (f"{name} = {meaning}" for name, meaning in units.items())
-    rows = (",".join(f"{x:.12g}" for x in row) for row in zip(*columns, strict=True))
-    return "\n".join([*(f"# {line}" for line in (*lines, *meanings)), ",".join(units), *rows, ""])
+def _ratios(joint):
+    """What the normalised force depends on."""
+    of = joint.columns()
+    return {
+        "r2_star": of["r2_star"],
+        "socket_ratio": of["socket_ratio"],
+        "poisson": [of["poisson_ball"], of["poisson_socket"]],
+        "modulus_ratio": of["modulus_ratio"],
+        **({"layers": of["layers"]} if of["layers"] else {}),
+        **{name: str(value) for name, value in joint.supports.items()},
+    }
 
 
-def _interpolation_errors(law, depth, force, stiffness):
-    """Largest errors between rows: linear over the depth, and cubic over its square root."""
-    root = np.sqrt(depth)
-    steps = (np.arange(1, _BETWEEN) / _BETWEEN)[:, None]
-    between = (root[:-1] + steps * np.diff(root)) ** 2
-    between = np.sort(between[between >= law.least])
-    linear = np.interp(between, depth, force)
-    cubic = CubicHermiteSpline(root, force, 2 * root * stiffness)(np.sqrt(between))
-    true = law.at(between)[0]
-    return [_percent(np.abs(values / true - 1).max()) for values in (linear, cubic)]
+def _materials(joint):
+    return {body: in_words(material) for body, material in joint.materials.items()}
 
 
-def _tilted(law: DirectionalLaw, form, sized, name):
-    deepest, largest = float(law.depth_star[-1]), float(law.tilt[-1])
-    title = "Contact force of one spherical clearance joint in all directions up to a tilt."
-    words = [
-        _joint_in_words(law.joint, sized),
-        f"Range: penetration depths from 0 to {_depth(deepest, sized)}, tilts from -{largest:g} to "
-        f"{largest:g} deg; the tilt is the angle between the displacement and the socket's axis.",
-        f"Error of the force at depths >= {law.depth_star[0]:.3g} clearances: about "
-        f"{_percent(law.error)}, of the elastic solution and the table together; at smaller depths "
-        "the table approaches Hertz's law.",
-    ]
-    if form in ("c", "matlab"):
-        (row_steps, column_steps), scale = law.steps, contact.hertz(1.0, law.joint.r2_star)
-        numbers = {"deepest": deepest, "largest": largest, "scale": scale}
-        numbers |= {"row_steps": row_steps, "column_steps": column_steps}
-        called = name or "tabulated"
-        texts = {"law": called, "title": title, "source": _SOURCE}
-        texts |= {"margin": laws.LIMIT_MARGIN} | {k: f"{x!r}" for k, x in numbers.items()}
-        texts |= formulas.of_joint(form, called, law.joint, sized, first=3)
-        return formulas.of_tilt(form, law.table, words, **texts)
-    _, rows, columns = law.table.shape
-    depth = deepest * np.linspace(0, 1, rows - 2)[1:] ** 2
-    tilt = np.linspace(0, largest, columns - 2)
-    along, across = law.force(depth[:, None], tilt)
-    middle = np.array([along, across]) / depth[:, None] ** 1.5
-    middle = (middle[:, 1:] + middle[:, :-1]) / 2
-    middle = (middle[..., 1:] + middle[..., :-1]) / 2
-    between = (np.sqrt(depth[1:]) + np.sqrt(depth[:-1]))[:, None] ** 2 / 4
-    true = np.array(law.force(between, (tilt[1:] + tilt[:-1]) / 2))
-    off = np.hypot(*(middle * between**1.5 - true)) / np.hypot(*true)
-    lines = [
-        f"{f'{name}: ' if name else ''}{title} {_SOURCE}",
-        *words,
-        "Between rows, linear interpolation over sqrt(depth_star) and tilt, of both forces over "
-        f"depth_star^1.5, adds an error of up to {_percent(off.max())}.",
-    ]
-    grid = np.broadcast_arrays(depth[:, None], tilt, along, across)
-    return _table(lines, _TILTED_UNITS, map(np.ravel, grid))
-
-
-def _depth(depth_star, sized):
-    """A depth in clearances, and in um if the clearance is known."""
-    in_um = f" ({1e6 * depth_star * sized.clearance:.4g} um)" if sized else ""
-    return f"{depth_star:g} clearances{in_um}"
-
-
-def _joint_in_words(joint, sized):
-    units = {name: text.split(",")[0] for name, text in _OF_SIZES.items()}
-    texts = [f"{name} {value:.9g} {units[name]}" for name, value in _sizes(sized).items()]
-    if sized:
-        texts[1] += f" ({1e6 * sized.clearance:.4g} um)"
-        texts += [f"{body} of {material}" for body, material in _materials(sized).items()]
-    texts += [f"{name} {_plain(value)}" for name, value in _parameters(joint).items()]
-    return f"Joint: {', '.join(texts)}."
-
-
-def _materials(sized):
-    return {body: in_words(material) for body, material in sized.materials.items()}
-
-
-def _sizes(sized):
-    if sized is None:
-        return {}
-    values = {name: getattr(sized, name) for name in ("socket_radius", "clearance", "wall")}
-    return values | {"composite_modulus": float(sized.joint.composite_modulus)}
+def _sizes(joint):
+    """Dimensions of a joint in SI units, if it has any."""
+    return {name: float(getattr(joint, name)) for name in _OF_SIZES if joint.has_dimensions}
 
 
 def _percent(error):
     """An error with two digits, rounded up."""
     step = 10.0 ** (np.floor(np.log10(100 * error)) - 1) if error > 0 else 1.0
     return f"{np.ceil(100 * error / step) * step:.2g} %"
-
-
-def _plain(value: Any) -> str:
-    if isinstance(value, list):
-        return " and ".join(f"{x:g}" for x in value)
-    return f"{value:.9g}" if isinstance(value, float) else f"{value}"
-
-
-def _parameters(joint):
-    return {
-        "r2_star": joint.r2_star,
-        "socket_ratio": joint.socket_ratio,
-        "poisson": [joint.ball.poisson, joint.socket.poisson],
-        "modulus_ratio": joint.modulus_ratio,
-        **({"layers": joint.columns()["layers"]} if joint.layers else {}),
-        **{n: v if isinstance(v, float) else str(v) for n, v in joint.configuration.items()},
-    }

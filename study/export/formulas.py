@@ -3,26 +3,25 @@
 A formula has lines ``name = expression``, from ``ds`` = depth/dR > 0 to ``value`` and ``slope``.
 They are read from the function of a `study.contact.shapes.Shape`, unless the shape states them.
 They are written for MATLAB's arrays; the other languages get them without the dots before * and /.
-The templates around them are ``law.c``, ``law.m``, ``law.mo`` and ``law.exudyn``. A table of depth
-and tilt fills ``tilted.c`` or ``tilted.m``. Parts of the templates are in ``languages.toml``.
+The templates around them are ``law.c``, ``law.m``, ``law.mo`` and ``law.exudyn``. Parts of the
+templates are in ``languages.toml``.
 """
 
 import ast
 import re
 import textwrap
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from inspect import getsource
 from pathlib import Path
 from string import Template
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from study.contact import shapes
 from study.contact.shapes import Shape
-from study.joint import DimensionalJoint, Joint
+from study.joint import Joint
 
 Language = Literal["c", "matlab", "modelica", "exudyn"]
 DIMENSIONLESS = ("c", "matlab", "json", "csv")
@@ -87,24 +86,17 @@ class _Translation(ast.NodeTransformer):
         return node
 
 
-def of_joint(
-    language: Language, law: str, joint: Joint, sized: DimensionalJoint | None, first: int = 2
-) -> dict[str, str]:
-    """Joint in a template: its dimensions as constants, or as arguments that are checked.
-
-    ``first`` is the number of the first such argument, which C returns.
-    """
+def of_joint(language: Language, law: str, joint: Joint) -> dict[str, str]:
+    """Joint in a template: its dimensions as constants, or as arguments that are checked."""
     texts = dict.fromkeys(("inputs", "about_inputs", "checks", "sizes"), "")
-    if sized is not None:
-        modulus = float(joint.composite_modulus)
-        sizes = {"socket_radius": f"{sized.socket_radius!r}", "clearance": f"{sized.clearance!r}"}
-        sizes["composite_modulus"] = f"{modulus!r}"
+    if joint.has_dimensions:
+        names = ("socket_radius", "clearance", "composite_modulus")
+        sizes = {name: f"{float(getattr(joint, name))!r}" for name in names}
         return texts | sizes | {"sizes": _part(language, "sizes", **sizes)}
-    numbers: dict[str, Any] = {"second": first, "third": first + 1, "fourth": first + 2}
-    numbers |= {"r2_star": f"{joint.r2_star!r}", "ratio": f"{joint.r2_star:.9g}"}
-    parts = ("inputs", "about_inputs", "checks")
+    r2_star = {"r2_star": f"{joint.r2_star!r}", "ratio": f"{joint.r2_star:.9g}"}
     return texts | {
-        name: _part(language, name, law=law, same=SAME_R2_STAR, **numbers) for name in parts
+        name: _part(language, name, law=law, same=SAME_R2_STAR, **r2_star)
+        for name in ("inputs", "about_inputs", "checks")
     }
 
 
@@ -118,28 +110,19 @@ def text(language: Language, shape: Shape, constants: Any, about: list[str], **v
         last = f"min(floor(x), {len(constants) // 2 - 2})"
         body = [line.replace(" = ", " := ", 1).replace("KNOT(x)", last) for line in body]
         body = [re.sub(r"TABLE\((.*?), (\d)\)", r"table[integer(\1) + 1, \2 + 1]", s) for s in body]
-    tables = ""
+    of, tables = _LANGUAGES[language], ""
     if shape is shapes.tabulated:
         table = np.reshape(constants[1:], (-1, 2)).tolist()
-        rows = _rows(language, table, repr)
+        rows = of["between_rows"].join(of["row"] % ", ".join(map(repr, row)) for row in table)
         tables = _part(language, "table", rows=rows, count=len(table), last=len(table) - 2)
-    values |= {"body": "\n".join(_wrapped(line, language) for line in body), "tables": tables}
-    return _function("law", language, about, names=", ".join(names), **values)
-
-
-def of_tilt(
-    language: Language, tables: NDArray[np.float64], about: list[str], **values: Any
-) -> str:
-    """Source of the function of `study.joint.DirectionalLaw`, from its table."""
-    along, across = (_rows(language, table, "{:.12g}".format) for table in tables)
-    _, rows, columns = tables.shape
-    values |= {"rows": rows, "columns": columns, "along": along, "across": across}
-    return _function("tilted", language, about, **values)
-
-
-def _function(file, language, about, **values):
-    of = _LANGUAGES[language]
-    return filled(file + of["suffix"], of["comment"], about, **values)
+    indents = {"initial_indent": "    ", "subsequent_indent": " " * 8}
+    statements = (
+        textwrap.wrap(f"{line}{of['end']}", WIDTH, break_long_words=False, **indents)
+        for line in body
+    )
+    values["body"] = "\n".join(f"{of['continued']}\n".join(parts) for parts in statements)
+    values |= {"names": ", ".join(names), "tables": tables}
+    return filled("law" + of["suffix"], of["comment"], about, **values)
 
 
 def filled(file: str, sign: str, about: Sequence[str], **values: Any) -> str:
@@ -152,19 +135,6 @@ def filled(file: str, sign: str, about: Sequence[str], **values: Any) -> str:
 
 def _part(language: Language, name: str, **values: Any) -> str:
     return Template(_LANGUAGES[language].get(name, "")).substitute(values)
-
-
-def _rows(language: Language, table: Any, number: Callable[[float], str]) -> str:
-    """Rows of a table, with a function that writes their numbers."""
-    of = _LANGUAGES[language]
-    return of["between_rows"].join(of["row"] % ", ".join(map(number, row)) for row in table)
-
-
-def _wrapped(line: str, language: Language) -> str:
-    """One statement, on as many lines as it needs."""
-    of, indents = _LANGUAGES[language], {"initial_indent": "    ", "subsequent_indent": " " * 8}
-    parts = textwrap.wrap(f"{line}{of['end']}", WIDTH, break_long_words=False, **indents)
-    return f"{of['continued']}\n".join(parts)
 
 
 def _numbers(shape: Shape, constants: Any) -> dict[str, str]:

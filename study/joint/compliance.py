@@ -25,8 +25,8 @@ from study.joint.supports import (
     WholeOutside,
 )
 
-RESOLUTION = {"series": 320, "quadratic": 160, "finite": 96}
-"""Default elements along the quarter circle: series, finite elements, large displacements."""
+RESOLUTION = {"series": 320, "quadratic": 160, "linear": 160}
+"""Default elements along the quarter circle: series, and triangles with six or three nodes."""
 FINEST_RESOLUTION = 1280
 """Finer hat functions are too similar for the series, and finer meshes take gigabytes."""
 THINNEST_RATIO = 1.0001

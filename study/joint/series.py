@@ -4,7 +4,7 @@ Mirrored about the equator, ball and socket are a whole sphere and a whole spher
 pressures of even Legendre order. Each order is solved alone. Two of its displacement modes are
 regular at the centre, and two are singular there (Lur'e, Three-dimensional problems of the theory
 of elasticity, 1964). The layers of a shell are bonded, and joined by the flexibility of those
-outside. The bodies are those of `study.joint.fem` with a ``guided`` ball and a ``mirror`` rim.
+outside. The bodies are those of `study.joint.modes` with a ``guided`` ball and a ``mirror`` rim.
 """
 
 from dataclasses import dataclass

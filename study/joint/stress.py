@@ -8,10 +8,10 @@ positive.
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
@@ -21,11 +21,14 @@ from study import checks
 from study.contact import hertz_factor, largest_depth
 from study.joint import series
 from study.joint.compliance import graded
-from study.joint.contact_kinematics import socket_pressure
-from study.joint.curve import ForceCurve, force_curve, whole_curve
-from study.joint.definition import Joint
-from study.joint.supports import HEIGHT, CentrePoint, Core, WholeOutside
+from study.joint.kinematics import socket_pressure
+from study.joint.supports import HEIGHT, Bore, CentrePoint, Core, WholeOutside
 from study.threads import one_thread
+
+if TYPE_CHECKING:
+    from study.joint.joint import Joint
+    from study.joint.solution import Solution
+    from study.joint.tilted import Contacts, GridContact
 
 Floats = NDArray[np.float64]
 
@@ -35,6 +38,8 @@ _RADII, _ANGLES = 48, 32  # points
 _NEAR = 0.02  # of the contact's radius: depth that still counts as the surface
 _LEAST_ROOT = 0.06  # of a depth at which elements resolve the stresses
 _DEEP = 0.05  # a joint is solved to this depth even where less is asked for
+_AROUND = np.radians(np.arange(0, 181, 5))  # angles phi that are searched off the axis
+_ON = 1e-3  # distance from a surface, in radii, of places that are on it off the axis
 _FELT = 30.0  # a mode that has decayed by exp(-30) is not felt
 
 
@@ -99,15 +104,8 @@ class StressOverDepth(NamedTuple):
     place: NDArray[np.str_]
 
 
-def von_mises(stress: ArrayLike) -> Floats:
-    """Von Mises stress of radial, polar, azimuthal and shear stress, shape (4, ...)."""
-    radial, polar, around, shear = np.asarray(stress)
-    apart = (radial - polar) ** 2 + (polar - around) ** 2 + (around - radial) ** 2
-    return np.sqrt(apart / 2 + 3 * shear**2)
-
-
 @one_thread
-def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) -> Floats:
+def stresses(curve: Solution, body: str, radius: ArrayLike, angle: ArrayLike) -> Floats:
     """Stresses inside a body of an exactly solved joint, at a grid of radii and polar angles.
 
     Parameters
@@ -144,7 +142,7 @@ def stresses(curve: ForceCurve, body: str, radius: ArrayLike, angle: ArrayLike) 
 
 
 @one_thread
-def largest(curve: ForceCurve) -> dict[str, LargestStress]:
+def largest(curve: Solution) -> dict[str, LargestStress]:
     """Largest von Mises stress in each body, by its name in ``joint.materials``.
 
     Elements are searched from 0.1 radii above the equator of half a ball on, as far inside the rim,
@@ -193,7 +191,8 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
     --------
     >>> from study.contact import Material
     >>> from study.joint import Joint
-    >>> first = first_yield(Joint(r2_star=50, ball=Material(yield_stress=5e8)), 0.3)
+    >>> ball, socket = Material(yield_stress=5e8), Material()
+    >>> first = first_yield(Joint.from_ratios(50, ball=ball, socket=socket), 0.3)
     >>> first.body, first.place, round(first.depth_star, 3)
     ('ball', 'below the surface', 0.13)
     """
@@ -222,14 +221,14 @@ def first_crossing(
     yields = []
     hertz = hertz_factor(joint.r2_star)  # times the cube of the root
     for body, material in joint.materials.items():
-        table, touches = stresses[body], body in ("ball", "socket", "layer 1")
+        table, touches = stresses[body], body in list(joint.materials)[:2]
         solved = np.sqrt(table.depth_star)
         used = solved >= (0 if joint.series_applies else _LEAST_ROOT)
         root = np.append(0, solved[used])
         stiffening = np.append(1, (table.force_star / (hertz * solved**3))[used])
         limit = touches * hertz_von_mises(material.poisson)
         slope = np.append(
-            2 / np.pi / np.sqrt(joint.ball_radius) * limit, (table.von_mises / solved)[used]
+            2 / np.pi / np.sqrt(joint.radius_ratio) * limit, (table.von_mises / solved)[used]
         )
         yield_star = joint.r2_star * (material.yield_stress or np.inf) / joint.composite_modulus
         beyond = np.flatnonzero(root * slope >= yield_star)
@@ -246,20 +245,17 @@ def first_crossing(
 def over_depth(joint: Joint, deepest: float = 1.0) -> dict[str, StressOverDepth]:
     """Largest von Mises stress in each body from small depths to ``deepest`` or somewhat beyond.
 
-    Depths are those of `study.joint.whole_curve`.
+    Depths are those of `study.joint.Joint.curve`.
     """
     return _over_depth(joint, max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2)))
 
 
 @lru_cache(maxsize=8)
 def _over_depth(joint, deepest):
-    if joint.has_large_displacements:
-        curve = force_curve(joint, np.linspace(_LEAST_ROOT, np.sqrt(deepest), 12) ** 2)
-    else:
-        curve = whole_curve(joint, deepest)
+    curve = joint.curve(deepest, stresses=True)
     return {
         body: StressOverDepth(curve.depth_star, curve.force_star, of.von_mises, np.array(of.place))
-        for body, of in largest(curve).items()
+        for body, of in curve.stress.items()
     }
 
 
@@ -284,13 +280,14 @@ def _solids(joint, count):
 
 def _coefficients(curve):
     """Legendre coefficients of the pressures on ball and on socket, (even orders, k) each."""
-    elements = len(curve.angles) - 1
+    elements = len(curve.angle_deg) - 1
     shares = series.hat_coefficients(elements, series.ORDERS * elements)
-    return shares @ curve.pressure.T, shares @ _on_socket(curve).T
+    return shares @ curve.pressure_star.T, shares @ _on_socket(curve).T
 
 
 def _on_socket(curve):
-    return socket_pressure(curve.joint, curve.depth_star, curve.angles, curve.pressure)
+    angles = np.radians(curve.angle_deg)
+    return socket_pressure(curve.joint, curve.depth_star, angles, curve.pressure_star)
 
 
 def _sum(solid, coefficients, radii, table):
@@ -366,14 +363,15 @@ def _of_series(curve):
 
 def _of_elements(curve):
     """As `_of_series`, at the nodes of the bodies that the curve was solved with."""
-    from study.joint import fem
+    from study.joint import modes
 
     nodes = 3 if curve.solver == "linear" else 6
-    joint, edge, resolution = curve.joint, curve.joint.reach, len(curve.angles) - 1
+    joint, edge, resolution = curve.joint, curve.joint.opening.reach, len(curve.angle_deg) - 1
     if not isinstance(joint.ball_support, CentrePoint):
-        ball, lowest = fem.meshed(joint.ball_body, resolution, nodes), joint.ball_support.lowest
-        yield "ball", _largest_at_nodes(ball, joint.ball_body.corners, lowest, curve.pressure, edge)
-    socket = fem.meshed(joint.socket_body, resolution, nodes)
+        ball, lowest = modes.meshed(joint.ball_body, resolution, nodes), joint.ball_support.lowest
+        corners = joint.ball_body.corners
+        yield "ball", _largest_at_nodes(ball, corners, lowest, curve.pressure_star, edge)
+    socket = modes.meshed(joint.socket_body, resolution, nodes)
     corners = joint.socket_body.corners
     pressure, inner = _on_socket(curve), 1.0
     for name, outer in zip([*joint.materials][1:], joint.socket_body.layers[0], strict=True):
@@ -382,10 +380,10 @@ def _of_elements(curve):
 
 
 def _largest_at_nodes(body, corners, lowest, pressure, edge, *layer):
-    radius, angle = body.places
-    stress = von_mises(body.stresses(pressure, *layer))
-    searched = far_from(corners, radius * np.sin(angle), radius * np.cos(angle))
-    searched &= radius * np.cos(angle) > lowest
+    r, z = body.mesh.doflocs
+    radius, angle = np.hypot(r, z), np.arctan2(r, z)
+    stress = von_mises(body.nodal_stresses(pressure, *layer))
+    searched = far_from(corners, r, z) & (z > lowest)
     if edge < np.pi / 2:
         searched &= angle < edge - HEIGHT
     at = np.where(searched, stress, 0).argmax(axis=1)
@@ -407,3 +405,69 @@ def _top(values, places, at):
     shift = np.divide(before - after, 2 * bend, out=np.zeros_like(bend), where=inside)
     top = values[k, at] - (before - after) * shift / 4
     return top, np.interp(at + shift, np.arange(last + 1), places)
+
+
+@one_thread
+def largest_off_axis(
+    solution: Solution, grids: list[Contacts], solved: list[list[GridContact]]
+) -> dict[str, LargestStress]:
+    """`largest` of a solution off the axis, from the contacts on its finer and coarser grid.
+
+    Stresses are sought at some angles around the axis. The ``angle`` is the polar angle from the
+    axis, negative on the other side of it, and the ``error`` is the relative difference between
+    the stresses on both grids.
+    """
+    joint, by_body = solution.joint, {}
+    of_grids = list(zip(*solved, strict=True))
+    for body in joint.materials:
+        fine, coarse = (_largest(body, *grid) for grid in zip(grids, of_grids, strict=True))
+        stress, radius, angle, place = zip(*fine, strict=True)
+        by_body[body] = LargestStress(
+            von_mises=np.array(stress),
+            over_peak=stress / solution.peak_pressure_star,
+            radius=np.array(radius),
+            angle=np.array(angle),
+            place=place,
+            error=np.abs([of_coarse[0] for of_coarse in coarse] / np.array(stress) - 1),
+        )
+    return by_body
+
+
+def _largest(body, contacts, solved):
+    """Stress, radius, polar angle and place in one body, for each contact on one grid."""
+    joint, is_ball = contacts.joint, body == "ball"
+    surface = contacts.ball if is_ball else contacts.socket
+    r, z = surface.places
+    radius = np.hypot(r, z)
+    names = np.full(len(r), "below the surface", dtype=object)
+    names[np.abs(radius - 1) < _ON] = "at the surface"
+    if is_ball:
+        if isinstance(joint.ball_support, Core | Bore):
+            of_held = r if isinstance(joint.ball_support, Bore) else radius
+            held = np.abs(of_held - joint.ball_support.radius) < _ON
+            names[held] = f"at the {joint.ball_support.word}"
+        pressures = [of.of_ball for of in solved]
+        searched = far_from(joint.ball_body.corners, r, z) & (z > joint.ball_support.lowest)
+    else:
+        pressures = [of.pressure for of in solved]
+        layer, ratios = [*joint.materials].index(body) - 1, joint.socket_body.layers[0]
+        names[radius > ratios[-1] - _ON] = "outside"
+        inside = np.searchsorted(ratios + _ON, radius) == layer
+        searched = far_from(joint.socket_body.corners, r, z) & inside
+    at = np.flatnonzero(searched)
+    found = []
+    for pressure in pressures:
+        stress = von_mises(surface.stresses(pressure, _AROUND, at))
+        place, around = np.unravel_index(stress.argmax(), stress.shape)
+        where = at[place]
+        side = 1 if _AROUND[around] <= np.pi / 2 else -1
+        angle = side * np.arctan2(r[where], z[where])
+        found.append((stress.max(), radius[where], angle, names[where]))
+    return found
+
+
+def von_mises(stress: Sequence[Floats]) -> Floats:
+    """Von Mises stress of the three normal and one or three shear stresses, shape (4 or 6, ...)."""
+    a, b, c, *shear = stress
+    normal = (a - b) ** 2 + (b - c) ** 2 + (c - a) ** 2
+    return np.sqrt(normal / 2 + 3 * sum(part**2 for part in shear))

@@ -1,10 +1,9 @@
 """Supports of ball and socket, as objects, and the opening of the socket.
 
 A support names the boundaries of the meridian's mesh that it holds, and the components of the
-displacement that are zero there (`study.joint.fem`). On the command line, in tables and in Python a
-support may be given as a text, such as ``core:0.2``, and it is written as the same text. Angles are
-polar angles in deg from the pole, which is the point of the socket that the ball is pressed into
-by a load along the axis.
+displacement that are zero there (`study.joint.modes`). A support may be given as a text, such as
+``core:0.2``, and it is written as the same text. Angles are polar angles in deg from the pole,
+which is the point of the socket that the ball is pressed into by a load along the axis.
 """
 
 from dataclasses import dataclass, fields
@@ -18,7 +17,7 @@ from study.parameters import parameter
 
 Rim = Literal["mirror", "free"]
 RIMS: tuple[Rim, ...] = get_args(Rim)
-Kinematics = Literal["small", "linear", "finite"]
+Kinematics = Literal["small", "linear"]
 KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 CLEAR = 5.0
 """Minimum angle between neck and rim, and minimum width of a sector and of half a ring, in deg."""
@@ -285,6 +284,9 @@ def _parser(kinds):
     return parse
 
 
+read_ball_support, read_socket_support = _parser(BALL_SUPPORTS), _parser(SOCKET_SUPPORTS)
+
+
 @dataclass(frozen=True)
 class Opening:
     """Polar angles in deg where a socket's surface ends: a cup at one rim, a ring at two.
@@ -327,122 +329,9 @@ class Opening:
 HEMISPHERE = Opening(90.0)
 
 
-def _read_opening(name: str, text: str) -> Opening:
+def read_opening(name: str, text: str) -> Opening:
     """Opening of a text, ``90`` or ``55:125``."""
     first, colon, last = text.rpartition(":")
     if not colon:
         return Opening(checks.read(name, last))
     return Opening(checks.read(name, last), checks.read(name, first))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Configuration:
-    """How ball and socket are held, and which points of their surfaces are paired in contact."""
-
-    ball_support: BallSupport = parameter(
-        GuidedPlate(),
-        "Ball support: how the ball is held and moved. Half a ball is moved along the axis at its "
-        "equatorial plane by a plate on which it can slide (guided) or to which it is clamped "
-        "(clamped), or at its centre point only (centre). A whole ball is held by a rigid core, "
-        "for example of 0.2 times its radius (core:0.2), or by a rigid neck on its surface, for "
-        "example within 30 deg of the top (neck:30). A ball with a bore along its axis is held "
-        "by a rigid pin over the whole bore; bore:0.5,45 is a bore of 0.5 times the radius of the "
-        "ball between flat faces whose edges are at a polar angle of 45 deg. For a joint with "
-        "dimensions, pin:6e-3,16e-3 gives the radius of the pin and the width of the ball in m "
-        "instead",
-        parse=_parser(BALL_SUPPORTS),
-        kind=BallSupport,
-    )
-    rim: Rim = parameter(
-        None,
-        "Edge of the socket: in a mirror plane (mirror), or free of traction (free)",
-        choices=RIMS,
-        otherwise="mirror for half a ball in a hemispherical socket that is held at its whole "
-        "outside and loaded along the axis, else free",
-    )
-    kinematics: Kinematics = parameter(
-        "linear",
-        "Contact kinematics: which points of the two surfaces are paired. small pairs points at "
-        "equal angles from the centre of the socket, and the pressure acts on the area of the "
-        "socket. linear pairs each point of the ball with the point of the socket that it has "
-        "moved to, as in a small-strain analysis with contact on displaced surfaces, and the "
-        "pressure acts on the area of the ball. finite is for large displacements, with a "
-        "Saint Venant-Kirchhoff material. The three differ by terms of order 1/R2*",
-        choices=KINEMATICS,
-    )
-    opening: Opening = parameter(
-        HEMISPHERE,
-        "Socket opening: polar angle of the rim from the pole in deg (30 to 170), or, for a ring "
-        "that is open on both sides, the polar angles of both rims (for example 55:125)",
-        parse=_read_opening,
-        kind=Opening,
-    )
-    socket_support: SocketSupport = parameter(
-        WholeOutside(),
-        "Socket support: where the socket is held rigidly. It is held at its whole outside "
-        "(outside), at the face of its rim only (rim), or at the sector of its outside between two "
-        "polar angles in deg (sector:0,30 is a seat at the pole, sector:60,90 a flange)",
-        parse=_parser(SOCKET_SUPPORTS),
-        kind=SocketSupport,
-    )
-
-    @property
-    def configuration(self) -> dict[str, Any]:
-        """Values of these parameters by name."""
-        return {of.name: getattr(self, of.name) for of in fields(Configuration)}
-
-    @property
-    def is_hemispherical(self) -> bool:
-        """Whether a hemispherical socket, held all over its outside, takes half a ball."""
-        half, whole = self.ball_support.is_half, isinstance(self.socket_support, WholeOutside)
-        return half and self.opening == HEMISPHERE and whole
-
-    @property
-    def has_large_displacements(self) -> bool:
-        """Whether displacements are not small relative to the bodies."""
-        return self.kinematics == "finite"
-
-    @property
-    def has_pole(self) -> bool:
-        """Whether ball and socket face each other on the axis, along which they can be pressed."""
-        return not self.opening.is_ring and self.ball_support.surface[0] == 0
-
-    @property
-    def default_tilt(self) -> float | None:
-        """Default tilt of the load: 90 deg for a ring or a bore, else None for the axis."""
-        return None if self.has_pole else 90.0
-
-    @property
-    def reach(self) -> float:
-        """Maximum polar angle in rad of a contact along the axis: pi/2, or that of the rim."""
-        return self.opening.reach
-
-    def _check_configuration(self) -> None:
-        """Check parameters against each other, and choose the rim if it is not given."""
-        ball, opening = self.ball_support, self.opening
-        if isinstance(ball, Pin):
-            raise checks.RangeError(
-                "ball_support pin requires a joint with dimensions; without dimensions use "
-                "bore:RADIUS,ANGLE, where RADIUS is the radius of the bore divided by that of the "
-                "ball and ANGLE the polar angle of the edges of its faces in deg"
-            )
-        if opening.is_ring and ball.is_half:
-            raise checks.RangeError(
-                f"ball_support must hold a whole ball if the socket is a ring (opening {opening}), "
-                "because a ring touches the ball at its equator; use for example core:0.2 (a rigid "
-                f"core), neck:30 (a rigid neck) or bore:0.5,45 (a rigid pin in a bore), got {ball}"
-            )
-        most = 90.0 if ball.is_half else 180.0
-        if isinstance(ball, Neck):
-            most = 180 - ball.half_angle - CLEAR
-        checks.number(f"opening with ball_support {ball}", opening.last, "deg", most=most)
-        if isinstance(self.socket_support, Sector):
-            held = self.socket_support
-            checks.number("first angle of socket_support", held.first, "deg", least=opening.first)
-            checks.number("last angle of socket_support", held.last, "deg", most=opening.last)
-        if self.rim is None:
-            object.__setattr__(self, "rim", "mirror" if self.is_hemispherical else "free")
-        if not self.is_hemispherical:
-            why = "unless half a ball is in a hemispherical socket held at its whole outside"
-            checks.choice(f"rim ({why})", self.rim, ("free",))
-            checks.choice(f"kinematics ({why})", self.kinematics, KINEMATICS[:2])

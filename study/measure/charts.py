@@ -24,10 +24,8 @@ from study import checks
 from study.compiled import compiled
 from study.contact import LAWS, DimensionalLaw, tabulated
 from study.contact.forces import elastic_force
-from study.joint import Joint, contact_kinematics, fem, paper_joint, series
+from study.joint import Joint, Solver, kinematics, modes, reference_joint, series
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
-from study.joint.curve import Solver, force_curve, whole_curve
-from study.joint.law_parameters import law_parameters
 from study.measure import explicit, flexible, timing
 from study.measure.timing import OURS, PYTHON, Run
 from study.mechanism import paper_scene, simulate
@@ -36,9 +34,9 @@ from study.mechanism.compare import normalised_rms
 Chart = Literal["laws", "solvers", "steppers", "flexible"]
 CHARTS = get_args(Chart)
 SIZES = {"ball_radius": 9.95e-3, "socket_radius": 10e-3, "composite_modulus": 1.1e11}  # of laws
-PAPER = paper_joint()  # of the laws
+REFERENCE = reference_joint()  # of the laws
 FINEST = 224  # elements along the surface of the curve that the laws are compared with
-FREE = Joint(200, 1.3)  # of the solvers: a radially free ball, for which the series is exact
+FREE = Joint.from_ratios(200, 1.3)  # of the solvers: the Legendre series is exact for it
 LAW_DEPTHS = np.linspace(0.025, 1, 40)
 CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
 SCENE, DURATION, OUTPUTS = paper_scene(), 0.3, 3000
@@ -102,8 +100,8 @@ def timed(
 
 def laws(repeats: int, names: Sequence[str]) -> pd.DataFrame:
     """Time and error of some laws, `tabulated` and the elastic solution; Hertz's law is first."""
-    solved = tabulated(whole_curve(PAPER))
-    exact = force_curve(PAPER, LAW_DEPTHS, FINEST).force_star
+    solved = tabulated(REFERENCE.curve())
+    exact = REFERENCE.solve(depth_star=LAW_DEPTHS, resolution=FINEST).force_star
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     prepare = "from study.measure.charts import add_law; depths = np.ones(2) * 1e-6"
     seconds = timing.compile_time("add_law(law, depths)", prepare)
@@ -112,14 +110,14 @@ def laws(repeats: int, names: Sequence[str]) -> pd.DataFrame:
     for name, law in (LAWS | {"tabulated": solved}).items():
         if name not in ("hertz", *names):
             continue
-        options = law_parameters(law, PAPER)
+        options = REFERENCE.law_options(law)
         packed = DimensionalLaw(law, **SIZES, **options).packed()
         times, _ = timing.timed(partial(add_law, packed, depths), repeats)
         elements, _ = timing.timed(partial(law, depths / 5e-5, 200.0, **options), repeats)
         columns = {"vectorised": np.median(elements), "compile_time": seconds}
         error = law(LAW_DEPTHS, 200.0, **options) / exact - 1
         rows.append(timing.row("laws", name, "", times / depths.size, error, **columns))
-    times, curve = timing.timed(partial(force_curve, PAPER, LAW_DEPTHS), repeats)
+    times, curve = timing.timed(partial(REFERENCE.solve, depth_star=LAW_DEPTHS), repeats)
     times /= LAW_DEPTHS.size
     setting = f"six-node triangles, resolution {RESOLUTION['quadratic']}"
     columns = {"vectorised": np.median(times) * depths.size, "called": PYTHON}
@@ -132,7 +130,7 @@ def laws(repeats: int, names: Sequence[str]) -> pd.DataFrame:
 
 def solvers() -> Iterator[Run]:
     """Curves of 20 depths, including the bodies, by every method and resolution of `SOLVERS`."""
-    force_curve(FREE, CURVE_DEPTHS[:1], resolution=32)  # imports
+    FREE.solve(depth_star=CURVE_DEPTHS[:1], resolution=32)  # imports
     for method, (name, resolutions) in SOLVERS.items():
         for n in resolutions:
             orders = f", {series.ORDERS * n} orders" if method == "series" else ""
@@ -147,15 +145,15 @@ def solver(method: str, setting: str, call: timing.Call, **columns: str) -> Run:
 
 @cache
 def _finest_curve():
-    return force_curve(FREE, CURVE_DEPTHS, FINEST_RESOLUTION).force_star
+    return FREE.solve(depth_star=CURVE_DEPTHS, resolution=FINEST_RESOLUTION).force_star
 
 
 def _curve(name, n):
     """Forces of this study's solution, with new bodies at this resolution and at half of it."""
-    made = fem.meshed, fem.compliance, series.compliance, series.hat_coefficients
-    for function in (*made, contact_kinematics._pairs):
+    made = modes.meshed, modes.compliance, series.compliance, series.hat_coefficients
+    for function in (*made, kinematics._pairs):
         function.cache_clear()
-    return force_curve(FREE, CURVE_DEPTHS, n, name).force_star
+    return FREE.solve(depth_star=CURVE_DEPTHS, resolution=n, solver=name).force_star
 
 
 def steppers(compile_times: bool = True) -> Iterator[Run]:

@@ -92,8 +92,8 @@ def _reaching_one_clearance(law):
 
 
 def _with_dimensions(scene, law, given):
-    """A law and its options; the table of a `DimensionalJoint`, or of the scene's joint."""
-    from study.joint import DimensionalJoint  # other laws by name need no solver
+    """A law and its options; the table of a `study.joint.Joint`, or of the scene's joint."""
+    from study.joint import Joint  # other laws by name need no solver
 
     if isinstance(law, str):
         for name in given:
@@ -102,8 +102,8 @@ def _with_dimensions(scene, law, given):
         ratio = checks.number("socket_ratio", given.get("socket_ratio", SOCKET_RATIO), scalar=True)
         wall = given.get("wall", (ratio - 1) * scene.socket_radius)
         sizes = scene.socket_radius, scene.clearance, wall
-        law, given = DimensionalJoint(*sizes, *scene.materials, given.get("liner", ())), {}
-    return law.law() if isinstance(law, DimensionalJoint) else law, given
+        law, given = Joint(*sizes, *scene.materials, given.get("liner", ())), {}
+    return law.law() if isinstance(law, Joint) else law, given
 
 
 def options(scene: Scene, law: Law, given: dict[str, Any]) -> dict[str, Any]:
@@ -115,7 +115,7 @@ def options(scene: Scene, law: Law, given: dict[str, Any]) -> dict[str, Any]:
     known = own.keys() & law.options.keys()
     stated = {name: given[name] for name in known if given.get(name) is not None}
     if law.joint is not None:
-        stated = materials(law.joint.ball, law.joint.socket)
+        stated = materials(law.joint.ball, law.joint.innermost)
     for name, value in stated.items():
         what = f"{name} of law {law.name}"
         if not isclose(checks.number(what, value, scalar=True), own[name], rel_tol=SAME):
@@ -130,9 +130,9 @@ def in_words(scene: Scene, law: Law, given: dict[str, Any]) -> str:
     """A law with all of its options, those given and others; a remark if it is of another joint."""
     own, joint = materials(*scene.materials), law.joint
     if joint is not None:
-        own = materials(joint.ball, joint.socket)
+        own = materials(joint.ball, joint.innermost)
         used = {"r2_star": joint.r2_star, "socket_ratio": joint.socket_ratio}
-        used |= joint.configuration | own | {"layers": joint.columns()["layers"] or None}
+        used |= joint.supports | own | {"layers": joint.columns()["layers"] or None}
     else:
         used = {name: (own | given).get(name, usual) for name, usual in law.defaults.items()}
     words = []

@@ -14,38 +14,42 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study import paths
+from study.parameters import Quantity, derived
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _OF_JOINT = {
-    "eccentricity_x": "m",
-    "eccentricity_y": "m",
-    "depth": "m",
-    "normal_force": "N",
-    "tangential_force": "N",
-    "force_x": "N",
-    "force_y": "N",
+    "eccentricity_x": Quantity(
+        "Eccentricity: from the socket's centre to the ball's, along x", "m"
+    ),
+    "eccentricity_y": Quantity("The same along y", "m"),
+    "depth": Quantity("Penetration depth; negative without contact", "m"),
+    "normal_force": Quantity("Normal force; of an ideal joint the magnitude of the force", "N"),
+    "tangential_force": Quantity("Friction force", "N"),
+    "force_x": Quantity("Force on the body with the socket, along x", "N"),
+    "force_y": Quantity("The same along y", "N"),
 }
 COLUMNS = {
-    "time": "s",
-    "crank_angle": "rad",
-    "slider_position": "m",
-    "crank_speed": "rad/s",
-    "slider_velocity": "m/s",
-    "crank_acceleration": "rad/s^2",
-    "slider_acceleration": "m/s^2",
-    "coupler_angle": "rad",
-    "coupler_speed": "rad/s",
+    "time": Quantity("Time", "s"),
+    "crank_angle": Quantity("Angle of the crank", "rad"),
+    "slider_position": Quantity("Position of the slider, from the axis of the crank", "m"),
+    "crank_speed": Quantity("Angular velocity of the crank", "rad/s"),
+    "slider_velocity": Quantity("Velocity of the slider", "m/s"),
+    "crank_acceleration": Quantity("Angular acceleration of the crank", "rad/s^2"),
+    "slider_acceleration": Quantity("Acceleration of the slider", "m/s^2"),
+    "coupler_angle": Quantity("Angle of the coupler", "rad"),
+    "coupler_speed": Quantity("Angular velocity of the coupler", "rad/s"),
     **_OF_JOINT,
-    "work": "J",
-    "kinetic": "J",
-    "elastic": "J",
-    "lost_damping": "J",
-    "lost_friction": "J",
-    "driving_moment": "N m",
+    "work": Quantity("Work of drive and gravity since t = 0", "J"),
+    "kinetic": Quantity("Kinetic energy", "J"),
+    "elastic": Quantity("Elastic energy of all joints and links", "J"),
+    "lost_damping": Quantity("Energy lost by damping in the joints", "J"),
+    "lost_friction": Quantity("Energy lost by friction in the joints", "J"),
+    "driving_moment": Quantity("Moment of the drive", "N m"),
 }
-CRANK_COLUMNS = {f"crank_joint_{name}": unit for name, unit in _OF_JOINT.items()}
+"""Columns of a response, by name."""
+CRANK_COLUMNS = {f"crank_joint_{name}": of for name, of in _OF_JOINT.items()}
 """Columns of rigid links only: the joint between crank and coupler, which may be ideal."""
 ALL_COLUMNS = COLUMNS | CRANK_COLUMNS
 EVENTS = ("start", "peak", "end")
@@ -53,15 +57,16 @@ EVENTS = ("start", "peak", "end")
 JOINTS = ("slider", "crank")
 """Clearance joints, by what they join to the coupler."""
 IMPACT_COLUMNS = {
-    "time": "s",
-    "approach_speed": "m/s",
-    "peak_force": "N",
-    "peak_depth": "m",
-    "duration": "s",
-    "separation_speed": "m/s",
-    "lost": "J",
-    "free_duration": "s",
+    "time": Quantity("Time of first contact", "s"),
+    "approach_speed": Quantity("Normal velocity at first contact", "m/s"),
+    "peak_force": Quantity("Maximum normal force", "N"),
+    "peak_depth": Quantity("Maximum penetration depth", "m"),
+    "duration": Quantity("Duration of the contact, so far if it has not ended", "s"),
+    "separation_speed": Quantity("Normal velocity at separation; missing before", "m/s"),
+    "lost": Quantity("Energy lost by damping and friction, so far if it has not ended", "J"),
+    "free_duration": Quantity("Duration of an elastic impact without other forces", "s"),
 }
+"""Columns of the contacts, by name."""
 SUSTAINED = 10.0
 """A contact that lasts this many times a free impact of its approach speed is not an impact."""
 OUTPUT = np.dtype([(name, float) for name in ALL_COLUMNS])
@@ -120,8 +125,8 @@ class Response:
     clearances: tuple[float, ...] = ()
 
     @property
-    def columns(self) -> dict[str, str]:
-        """Columns and their units: `COLUMNS`, and for rigid links `CRANK_COLUMNS`."""
+    def columns(self) -> dict[str, Quantity]:
+        """The quantities `COLUMNS`, and for rigid links `CRANK_COLUMNS`."""
         return {name: ALL_COLUMNS[name] for name in self.rows.dtype.names or ()}
 
     def __getattr__(self, name: str) -> NDArray[np.float64]:
@@ -138,12 +143,8 @@ class Response:
         A contact that has not ended has no end. For links of particles and beams the events are the
         first step in contact, the step of the maximum force, and the first step out of contact.
 
-        Positions are measured from the axis of the crank. The eccentricity is the vector from the
-        centre of the socket to the centre of the ball. ``depth`` is negative without contact.
-        ``force_x`` and ``force_y`` act on the body with the socket (slider or coupler);
-        ``normal_force`` of an ideal joint is the magnitude of this force, and in contact it may be
-        negative (`study.contact.forces.joint_forces`). ``work`` is the work of drive and gravity
-        since t = 0. ``elastic`` and the losses are sums over all joints and links.
+        `COLUMNS` describes the columns. The normal force in contact may be negative
+        (`study.contact.forces.joint_forces`).
         """
         import pandas as pd
 
@@ -172,21 +173,35 @@ class Response:
 
         return pd.DataFrame(self.impact_rows)
 
-    @property
-    def energy_error(self) -> float:
-        """Maximum change of work - kinetic - elastic - lost, divided by the maximum of these."""
+    @derived("Number of contacts")
+    def contacts(self) -> int:  # noqa: D102
+        return len(self.impact_rows)
+
+    @derived("Maximum penetration depth", "m", "um")
+    def largest_depth(self) -> float:  # noqa: D102
+        return float(self.impact_rows["peak_depth"].max(initial=0.0))
+
+    @derived("Maximum normal force in a clearance joint", "N")
+    def largest_force(self) -> float:  # noqa: D102
+        return float(self.impact_rows["peak_force"].max(initial=0.0))
+
+    @derived("Energy lost by damping and friction in the joints", "J")
+    def energy_lost(self) -> float:  # noqa: D102
+        return float(self.lost_damping[-1] + self.lost_friction[-1])
+
+    @derived("Time of the last separation of the surfaces; 0 if they never separate", "s")
+    def last_separation(self) -> float:  # noqa: D102
+        impacts = self.impact_rows
+        ended = impacts[~np.isnan(impacts["separation_speed"])]
+        return float((ended["time"] + ended["duration"]).max(initial=0.0))
+
+    @derived("Maximum change of work - kinetic - elastic - lost, over the maximum of these")
+    def energy_error(self) -> float:  # noqa: D102
         lost = self.lost_damping, self.lost_friction
         energies = np.column_stack([self.work, self.kinetic, self.elastic, *lost])
         rest = self.work - energies[:, 1:].sum(axis=1)
         largest = float(np.abs(energies).max())
         return float(np.abs(rest - rest[0]).max()) / largest if largest > 0 else 0.0
-
-    @property
-    def last_separation(self) -> float:
-        """Time of the last separation of the surfaces, in s; 0 if they never separate."""
-        impacts = self.impact_rows
-        ended = impacts[~np.isnan(impacts["separation_speed"])]
-        return float((ended["time"] + ended["duration"]).max(initial=0.0))
 
     def save(self, path: Path) -> None:
         """Write the `motion` to a CSV file, completely or not at all; pandas is not needed."""

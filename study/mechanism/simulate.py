@@ -28,7 +28,7 @@ from study.mechanism.stepping import SLIDER, START, add_stored_energy
 from study.parameters import Parameter, describe, described
 
 if TYPE_CHECKING:
-    from study.joint import DimensionalJoint
+    from study.joint import Joint
 
 Model = Literal["rigid", "particles", "beams"]
 JointKind = Literal["clearance", "ideal"]
@@ -57,8 +57,8 @@ computing for rigid links. A crank far too short or light for its drive does not
         "Contact law: its name, or tabulated for a table of the joint's elastic solution. In "
         "Python it may also be a law such as ``tabulated(curve)``, a function of (``depth_star``, "
         "``r2_star``) that returns force_star (`study.contact.sampled`), a law in SI units, or a "
-        "`study.joint.DimensionalJoint`; the last two must have the dimensions of the scene's "
-        "joint, and its materials unless the scene has the default ones",
+        "`study.joint.Joint`; the last two must have the dimensions of the scene's joint, and its "
+        "materials unless the scene has the default ones",
         kind=str,
     ),
     duration=Parameter("Simulated time", "s", {"above": 0, "most": 1000000000.0}),
@@ -102,7 +102,7 @@ def simulate(
     *,
     model: Model = "rigid",
     joint: JointKind = "clearance",
-    law: AnyLaw | DimensionalLaw | DimensionalJoint = LAW,
+    law: AnyLaw | DimensionalLaw | Joint = LAW,
     duration: float = 0.1,
     outputs: int = 1000,
     tolerance: float | None = None,
@@ -116,7 +116,7 @@ def simulate(
 
     Further keywords are options of the law. Those of materials (``modulus_ratio``, ``poisson`` and
     ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene. The options of
-    ``tabulated`` are ``wall`` or ``socket_ratio``, and ``liner`` (`study.joint.DimensionalJoint`).
+    ``tabulated`` are ``wall`` or ``socket_ratio``, and ``liner`` (`study.joint.Joint`).
 
     Returns
     -------

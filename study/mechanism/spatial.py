@@ -9,7 +9,7 @@ the ball's, with n = e/abs(e). The depth is d = abs(e) - dR and its rate d' = n 
 force on the ball is -N n with N = P(d) (1 + D d'/d0'), where d0' is the rate at the start of this
 contact. The sliding velocity v is that of the ball's surface at R1 n. Friction on the ball is
 T = -mu c(abs(v)) N v/abs(v), with the moment R1 n x T. Its spin s about n has the moment
--mu c(r abs(s)) N r n s/abs(s), with a friction radius r (`study.joint.curve`). Each is as if it
+-mu c(r abs(s)) N r n s/abs(s), with a friction radius r (`study.joint.Solution`). Each is as if it
 were alone: a ball that slides and spins at once has less of both.
 """
 
@@ -29,7 +29,7 @@ from study.contact.damping import Damping, damping_factor, delivered_restitution
 from study.contact.forces import joint_forces, stored_energy
 from study.contact.friction import friction_factor, friction_regime
 from study.contact.laws import LIMIT_MARGIN
-from study.joint import DimensionalJoint
+from study.joint import Joint
 
 JOINTS = "clearance joints"  # key of an Exudyn system's variables: joints and their connectors
 Vector = NDArray[np.float64]
@@ -126,7 +126,7 @@ class ClearanceJoint:
     ----------
     law
         A law of a joint in SI units, or a joint, for a table of its force-depth curve. With
-        friction, a law of a `study.joint.DimensionalJoint` reaches no deeper than that table: the
+        friction, a law of a `study.joint.Joint` reaches no deeper than that table: the
         joint's solved pressure gives the friction radius. For other laws it is that of Hertz's
         pressure.
     restitution, damping, friction, slow_speed, full_speed
@@ -144,7 +144,7 @@ class ClearanceJoint:
 
     def __init__(
         self,
-        law: DimensionalLaw | DimensionalJoint,
+        law: DimensionalLaw | Joint,
         *,
         restitution: float = 1.0,
         damping: Damping = "exact",
@@ -158,7 +158,7 @@ class ClearanceJoint:
         full = checks.number("full speed", full_speed, "m/s", above=0, scalar=True)
         slow = checks.number("slow speed", slow_speed, "m/s", least=0, below=full, scalar=True)
         pulls = bool(checks.flag("tension", tension))
-        if isinstance(law, DimensionalJoint):
+        if isinstance(law, Joint):
             law = law.law()
         self.law = checks.instance("law", law, DimensionalLaw)
         self.delivered_restitution = delivered_restitution(factor)

@@ -2,14 +2,14 @@
 
 from study import checks
 from study.contact import LAWS, SOCKET_RATIO
-from study.joint import Joint, applicability, first_yield
+from study.joint import Joint, first_yield, limits
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
 
 
 def exceeded_limits(
     scene: Scene, response: Response, socket_ratio: float = SOCKET_RATIO
-) -> applicability.Limits:
+) -> limits.Limits:
     """Model limits that the deepest contact exceeds: a key for each, and a sentence.
 
     Yield is checked if a material has a yield stress, for half a ball on a guided plate and a
@@ -21,17 +21,18 @@ def exceeded_limits(
     depth_star, (ball, socket) = deepest / scene.clearance, scene.materials
     name, *_ = response.law.split(":")
     law = LAWS.get(name)
-    found: applicability.Limits = {}
+    found: limits.Limits = {}
     if law and law.fitted_to and depth_star > law.fitted_to:
         found["law"] = (
             f"The penetration depth of {depth_star:.2g} clearances is greater than "
             f"{law.fitted_to:g}, the maximum to which the law {law.name} was fitted."
         )
     moduli = {"ball": ball.youngs_modulus, "socket": socket.youngs_modulus}
-    found |= applicability.modulus_limit(moduli)
+    found |= limits.modulus_limit(moduli)
     try:
-        joint = Joint(scene.socket_radius / scene.clearance, socket_ratio, ball, socket)
-        found |= applicability.limits(joint, depth_star, 0.0, depth=deepest)
+        r2_star = scene.socket_radius / scene.clearance
+        joint = Joint.from_ratios(r2_star, socket_ratio, ball=ball, socket=socket)
+        found |= limits.limits(joint, depth_star, 0.0, depth=deepest)
         yields = ball.yield_stress or socket.yield_stress
         first = first_yield(joint, min(depth_star, 1.0)) if yields else None
     except checks.RangeError as error:

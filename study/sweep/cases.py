@@ -4,13 +4,12 @@ A case is a mapping of columns to texts, as in a CSV file. The columns are optio
 or `study simulate`. Further columns of the user are copied to the table. Semicolons separate the
 values of an option that may be repeated.
 
-A new column of results needs its unit and meaning in ``columns.toml``, and its value in the
-function that solves the cases of its form.
+The results are quantities of a `study.joint.Solution` or a `study.mechanism.Response`, and a few
+more of `COLUMNS`.
 """
 
 import csv
 import re
-import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from difflib import SequenceMatcher
 from functools import partial
@@ -20,45 +19,80 @@ from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
-from study import checks
+from study import checks, parameters
 from study.checks import StudyError
-from study.contact import SOCKET_RATIO, tabulated
-from study.contact.power_fit import DEPTHS, USUAL_RANGE, PowerFit, fit_power
-from study.joint import (
-    DimensionalJoint,
-    RatioJoint,
-    applicability,
-    force_curve,
-    tilted_contact,
-    whole_curve,
-)
-from study.joint.dimensional import usual_depth
+from study.contact import SOCKET_RATIO
+from study.contact.power_fit import PowerFit
+from study.joint import Joint, limits
+from study.joint.joint import SUPPORTS
+from study.joint.solution import quantities
 from study.joint.tilted import LARGEST_TILT
-from study.mechanism import Scene
+from study.mechanism import Response, Scene
 from study.mechanism.compare import second_run
 from study.mechanism.simulate import BEAM_STEP, ELEMENTS, LAW, TOLERANCE, ready, simulate
 from study.mechanism.validity import exceeded_limits
-from study.parameters import Parameter, described
+from study.parameters import Parameter, Quantity, described
 
 Kind = Literal["joints", "scenes"]
 Case = dict[str, str]
 Rows = list[list[str]]
 NAME, ERROR = "case", "error"
 """First column of every table (name or number of the case) and last one (reason of a failure)."""
-COLUMNS: dict[str, dict[str, tuple[str, str]]] = {
-    form: {name: (unit, meaning) for name, (unit, meaning) in columns.items()}
-    for form, columns in tomllib.loads(
-        Path(__file__).with_name("columns.toml").read_text(encoding="utf-8")
-    ).items()
+_RENAMED = {"tilt": "displacement_tilt"}
+"""Quantities of a solution whose column has another name, as theirs is that of a parameter."""
+_APPLICABILITY = {
+    "applicability": Quantity(
+        "Model limits that are exceeded (study joint and study simulate explain them)"
+    )
 }
-"""Results of a case, by the form of the cases: column -> unit and meaning."""
-COLUMNS["scenes run twice"] = COLUMNS["scenes"] | COLUMNS["scenes run twice"]
-FITTED = np.geomspace(*USUAL_RANGE, 8)
-"""Depths in clearances at which k and n are fitted if each depth takes a tenth of a second, that is
-off the axis and with large displacements. A case off the axis without given depths is
-solved at these depths.
 
-With 40 depths the error of the fit to a ring at 90 deg is 3.373 % instead of 3.366 %."""
+
+def _of_joints(dimensions):
+    """Results of a joint: quantities of its solution, and its power law."""
+    found = {_RENAMED.get(name, name): of for name, of in quantities(dimensions).items()}
+    law = "force = k depth^n" if dimensions else "force_star = k depth_star^n"
+    if dimensions:
+        found["yield_factor"] = Quantity(
+            "Yield stress divided by the maximum von Mises stress, of the body closest to yield"
+        )
+    return {
+        **found,
+        "power_coefficient": Quantity(
+            f"k of the power law {law}, fitted from 0.05 to 0.5 clearances",
+            "N/m^n" if dimensions else "",
+        ),
+        "power_exponent": Quantity(
+            "n of this power law; empty if the joint cannot be solved over this range"
+        ),
+        "power_error": Quantity("Maximum relative error of this power law over this range"),
+        **_APPLICABILITY,
+    }
+
+
+_OF_RESPONSE = {
+    **parameters.quantities(Response),
+    "delivered_restitution": Quantity(
+        "Coefficient of restitution of a free impact with the damping of the scene"
+    ),
+    "mean_slider_deviation": Quantity(
+        "Mean distance of the slider from its position with ideal joints at the same crank angle",
+        "m",
+    ),
+    "largest_slider_deviation": Quantity("Maximum of this distance at the output times", "m"),
+    **_APPLICABILITY,
+}
+COLUMNS: dict[str, dict[str, Quantity]] = {
+    "joints": _of_joints(False),
+    "joints with dimensions": _of_joints(True),
+    "scenes": _OF_RESPONSE,
+    "scenes run twice": _OF_RESPONSE
+    | {
+        "agrees_until": Quantity(
+            "Time until which a run at a second tolerance agrees; only for rigid links", "s"
+        )
+    },
+}
+"""Results of a case by column, for each form of the cases."""
 _UNIT = re.compile(r"[\s_]*[(\[].*[)\]]$|[\s_](mm?|um|k?n|[km]?pa|gpa|deg)$")
 """A unit at the end of a column's name, in lower case."""
 
@@ -286,107 +320,51 @@ def _prepare(form, case):
     return prepare({name: of.taken(name, of.read(name, case[name])) for name, of in about.items()})
 
 
-def _joint(values):
-    asked = {name: values.pop(name) for name in ("depth_star",) if name in values}
-    given, tilt = _tilted(RatioJoint, values)
-    joint = given.joint()
-
-    def solved():
-        if tilt is not None:
-            solve = partial(tilted_contact, joint, tilt=tilt)
-            contact, power = _off_axis(solve, "depth_star", asked, FITTED)
-            return _results(contact, applicability.of_contact(contact), power)
-        if asked:
-            curve, slope, table = force_curve(joint, **asked), "", None
-        else:
-            curve = whole_curve(joint, usual_depth(joint))
-            table = tabulated(curve)
-            slope = table(curve.depth_star, joint.r2_star, derivative=True)
-        power = _fitted(lambda: _power_star(joint, table))
-        found = _results(curve, applicability.of_curve(curve), power)
-        return found | {"stiffness_star": slope}
-
-    used = {"socket_ratio": joint.socket_ratio, "modulus_ratio": joint.modulus_ratio}
-    used |= {"socket_poisson": joint.socket.poisson, "rim": joint.rim, "tilt": tilt}
-    return _bodies(joint), solved, vars(given) | used
-
-
-def _tilted(kind, values):
-    """Joint of a class, and the tilt of its load or None; with a tilt the rim is free."""
-    tilt = values.pop("tilt", None)
-    joint = kind(**({} if tilt is None else {"rim": "free"}) | values)
-    return joint, joint.default_tilt if tilt is None else tilt
-
-
-def _off_axis(solve, depth, asked, places):
-    """A contact at what is asked for, or at some depths, and k and n over these depths.
-
-    ``solve`` takes the depths by the name ``depth``, or what is asked for.
-    """
-    contact = solve(**(asked or {depth: places}))
-    along = (lambda: solve(**{depth: places})) if asked else (lambda: contact)
-
-    def power():
-        found = vars(along())
-        return fit_power(found[depth], found[depth.replace("depth", "force")])
-
-    return contact, _fitted(power)
-
-
-def _power_star(joint, table):
-    """Power law along the axis, by the table of the whole curve if it is known."""
-    if table is None and joint.has_large_displacements:
-        return fit_power(FITTED, force_curve(joint, FITTED).force_star)
-    places = np.geomspace(*USUAL_RANGE, DEPTHS)
-    return fit_power(places, (table or tabulated(whole_curve(joint, USUAL_RANGE[1])))(places))
-
-
-def _fitted(fit: Callable[[], PowerFit]) -> PowerFit | None:
-    """A fit, or None if the joint cannot be solved over the whole range of the fit."""
-    try:
-        return fit()
-    except (ValueError, StudyError):
-        return None
-
-
-def _results(solution, limits, power):
-    """Results of a joint by column, with its limits in short and its power law."""
-    of_power = power._asdict() if power else dict.fromkeys(PowerFit._fields, "")
-    along_axis = {"transverse": 0.0, "transverse_star": 0.0, "displacement_tilt": 0.0}
-    found = along_axis | {"peak_error": "", "yield_factor": ""} | vars(solution)
-    if "tilt" in found:
-        half_angle = solution.contact_half_angle_deg
-        found |= {"displacement_tilt": solution.tilt, "contact_half_angle_deg": half_angle}
-    found |= {f"power_{name}": value for name, value in of_power.items()}
-    return found | {"applicability": [applicability.in_short(each) for each in limits]}
-
-
-def _bodies(joint):
-    """Key of the compliances of a joint's bodies, or of a joint with large displacements itself."""
-    bodies = joint.ball_body, joint.socket_body
-    return repr(joint if joint.has_large_displacements else bodies)
-
-
-def _dimensional_joint(values):
-    asked = {name: values.pop(name) for name in _ASKED if name in values}
+def _joint(values, dimensions):
+    """A joint with dimensions, or by its ratios; its results are those of a `Solution`."""
+    asked = {name: values.pop(name) for name in ("depth", "force", "depth_star") if name in values}
     if len(asked) > 1:
         raise ValueError("depth and force must not both be given; remove one of them")
-    joint, tilt = _tilted(DimensionalJoint, values)
+    tilt = values.pop("tilt", None)
+    given = values if tilt is None else {"rim": "free"} | values
+    if "layer" in given:
+        given["layers"] = given.pop("layer")
+    joint = Joint(**given) if dimensions else Joint.from_ratios(**given)
+    tilt = joint.default_tilt if tilt is None else tilt
 
     def solved():
-        if tilt is None:
-            solution = joint.solve(**asked) if asked else joint.curve()
-            power = _fitted(joint.power_law)
+        if asked:
+            solution = joint.solve(**asked, tilt=tilt, stresses=dimensions)
         else:
-            solve, places = partial(joint.solve, tilt=tilt), joint.clearance * FITTED
-            solution, power = _off_axis(solve, "depth", asked, places)
+            solution = joint.curve(tilt=tilt, stresses=dimensions)
+        names = quantities(dimensions)
+        arrays = {name: getattr(solution, name) for name in names}
+        found = {_RENAMED.get(n, n): "" if of is None else of for n, of in arrays.items()}
         factors = [factor for factor in solution.yield_factor.values() if factor is not None]
-        nearest = np.min(factors, axis=0) if factors else ""
-        found = _results(solution, solution.limits, power)
-        return found | {"yield_factor": nearest}
+        found["yield_factor"] = np.min(factors, axis=0) if factors else ""
+        found["applicability"] = [limits.in_short(each) for each in solution.limits]
+        return found | _power(joint, solution.direction_deg)
 
-    used = vars(joint) | {name: getattr(DimensionalJoint, name) for name in ("ball", "socket")}
-    return _bodies(joint.joint), solved, used | {"tilt": tilt}
+    used = vars(joint) | {name: getattr(joint, name) for name in ("r2_star", "socket_ratio")}
+    used |= {"modulus_ratio": joint.modulus_ratio, "poisson": joint.ball.poisson}
+    used |= {
+        "socket_poisson": joint.innermost.poisson,
+        "layer": joint.layers if joint.liner else (),
+        "tilt": tilt,
+    }
+    return repr((joint.ball_body, joint.socket_body)), solved, used
+
+
+def _power(joint, tilt):
+    """Power law of a joint by column; empty if it cannot be solved over the range of the fit."""
+    try:
+        fit = joint.power_law(tilt=tilt)
+    except (ValueError, StudyError):
+        return {f"power_{name}": "" for name in PowerFit._fields}
+    values = fit._asdict()
+    if not joint.has_dimensions:
+        values["coefficient"] *= joint.clearance**fit.exponent / joint.force_unit
+    return {f"power_{name}": value for name, value in values.items()}
 
 
 def _scene(values, twice=False):
@@ -416,7 +394,6 @@ def _simulate(scene, run, again):
     response = run()
     if not response.complete:
         raise KeyboardInterrupt
-    impacts = response.impact_rows
     angle, crank, coupler = response.crank_angle, scene.crank_length, scene.coupler_length
     ideal = crank * np.cos(angle) + np.sqrt(coupler**2 - (crank * np.sin(angle)) ** 2)
     deviation = np.abs(response.slider_position - ideal)
@@ -425,16 +402,11 @@ def _simulate(scene, run, again):
     except StudyError as error:
         raise StudyError(f"the run at a second tolerance failed: {error}") from None
     return {
-        "impacts": len(response.impact_rows),
-        "largest_depth": impacts["peak_depth"].max(initial=0.0),
-        "largest_force": impacts["peak_force"].max(initial=0.0),
-        "energy_lost": response.lost_damping[-1] + response.lost_friction[-1],
+        **{name: getattr(response, name) for name in parameters.quantities(Response)},
         "delivered_restitution": response.delivered_restitution,
-        "last_separation": response.last_separation,
         "mean_slider_deviation": deviation.mean(),
         "largest_slider_deviation": deviation.max(),
-        "energy_error": response.energy_error,
-        "applicability": applicability.in_short(exceeded_limits(scene, response)),
+        "applicability": limits.in_short(exceeded_limits(scene, response)),
         "agrees_until": "" if agreement is None else agreement.until,
     }
 
@@ -460,23 +432,30 @@ _TILT = {
         {"least": 0, "most": LARGEST_TILT},
     )
 }
-_DEPTHS = {"depth_star": Parameter("Penetration depths d/dR", limits={"least": 0}, several=";")}
 _ASKED = {
+    "depth_star": Parameter("Penetration depths d/dR", limits={"above": 0}, several=";"),
     "depth": Parameter("Penetration depths", "m", {"above": 0}, several=";"),
     "force": Parameter("Contact forces", "N", {"above": 0}, several=";"),
 }
+_RATIOS = described(Joint.from_ratios)
+_RATIOS = {"layer" if name == "layers" else name: about for name, about in _RATIOS.items()}
+_RATIOS |= {name: described(Joint)[name] for name in SUPPORTS}
 _OF_SCENES = {
     **described(Scene),
     **{n: about for n, about in described(simulate).items() if n not in ("scene", "progress")},
-    **{name: described(DimensionalJoint)[name] for name in ("wall", "liner")},
-    "socket_ratio": described(RatioJoint)["socket_ratio"],
+    **{name: described(Joint)[name] for name in ("wall", "liner")},
+    "socket_ratio": _RATIOS["socket_ratio"],
 }
 FORMS = {
-    "joints": Form(described(RatioJoint) | _TILT | _DEPTHS, ("r2_star",), _joint),
+    "joints": Form(
+        _RATIOS | _TILT | {"depth_star": _ASKED["depth_star"]},
+        ("r2_star",),
+        partial(_joint, dimensions=False),
+    ),
     "joints with dimensions": Form(
-        described(DimensionalJoint) | _TILT | _ASKED,
+        described(Joint) | _TILT | {name: _ASKED[name] for name in ("depth", "force")},
         ("socket_radius", "clearance", "wall"),
-        _dimensional_joint,
+        partial(_joint, dimensions=True),
     ),
     "scenes": Form(_OF_SCENES, (), _scene),
     "scenes run twice": Form(_OF_SCENES, (), partial(_scene, twice=True)),

@@ -25,6 +25,7 @@ from loky import ProcessPoolExecutor, cpu_count
 
 from study import checks, paths
 from study.checks import StudyError
+from study.parameters import Quantity
 from study.sweep import cases as of_cases
 from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind, Rows
 
@@ -50,7 +51,7 @@ class Swept(NamedTuple):
 
     cases: int
     rows: int
-    columns: dict[str, tuple[str, str]]
+    columns: dict[str, Quantity]
     failures: dict[str, str]
     kept: list[str]
 
@@ -68,12 +69,12 @@ def run_study(
     """Solve many joints, or simulate many mechanisms, and write one table.
 
     A joint has a row for each of its depths or forces. If none are given, it has about 50 rows for
-    its whole curve, or 8 rows from 0.05 to 0.5 clearances if the load is off the axis. A mechanism
+    its whole curve, or 9 rows up to one clearance if the load is off the axis. A mechanism
     has one row. The columns are the number or name of the case, the given values, the results
     (`COLUMNS`), and ``error``. A case with invalid values, or one that fails, has a single row with
     the reason in this column.
 
-    A joint with a ``tilt`` is pressed off the axis (`study.joint.tilted_contact`), and so is a ring
+    A joint with a ``tilt`` is pressed off the axis (`study.joint.Joint.solve`), and so is a ring
     or a ball with a bore, for which the default tilt is 90 deg.
 
     Parameters

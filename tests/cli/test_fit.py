@@ -8,7 +8,7 @@ import pytest
 
 from study import paths
 from study.choose import fit_curve
-from study.joint import DimensionalJoint
+from study.joint import Joint
 
 SIZES = ["--socket-radius", 12.5e-3, "--clearance", 40e-6, "--wall", 6e-3, "--socket", "bronze"]
 MADE = paths.ROOT / "examples/fit_your_curve.csv"
@@ -32,7 +32,7 @@ def test_the_command_prints_what_the_function_returns(run):
     status, out, err = run("fit", MADE, *SIZES, *fit, "--json")
     assert (status, err) == (0, "")
     found, (depth, force) = json.loads(out), np.loadtxt(MADE, delimiter=",", skiprows=1).T
-    joint = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+    joint = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
     expected = fit_curve(1e-6 * depth, force, joint, ("offset", "clearance"))
     assert [of["law"] for of in found["laws"]] == [of.law for of in expected.laws]
     assert found["laws"][0]["parameters"] == pytest.approx(expected.laws[0].parameters)

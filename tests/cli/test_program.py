@@ -165,11 +165,11 @@ def test_list_of_a_name_tells_the_parameters_of_its_notebook(run):
     ],
 )
 def test_a_table_is_never_broken(run, on_a_terminal, words):
-    """Every number and name stands whole: on 80 columns, and in one line where it is piped."""
+    """Every number and word stands whole: on 80 columns, and in one line where it is piped."""
     wide = run(*words)[1]
     narrow = on_a_terminal(*words)
     assert max(len(line) for line in narrow if not line.startswith("study export ")) <= 80
-    words = re.compile(r"[^\s,:─]*[^\s,:.─]")
+    words = re.compile(r"[^\s,:─_]*[^\s,:.─_]")
     assert set(words.findall(wide)) <= set(words.findall(" ".join(narrow)))
     assert any(line.startswith("─") for line in wide.splitlines())
 

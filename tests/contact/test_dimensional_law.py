@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from study import contact
 from study.contact import DimensionalLaw
-from study.joint import Joint, Material, whole_curve
+from study.joint import Joint
 
 SIZES = {"ball_radius": 9.95e-3, "socket_radius": 10e-3, "composite_modulus": 1.1e11}
 CLEARANCE = SIZES["socket_radius"] - SIZES["ball_radius"]
@@ -35,7 +35,7 @@ def test_force_and_stiffness_are_the_laws_with_dimensions(name, options):
 @pytest.fixture(scope="module")
 def soft():
     """A law by the table of a soft socket's curve."""
-    curve = whole_curve(Joint(200, 1.5, Material(2.3e11, 0.3), Material(8e8, 0.46)))
+    curve = Joint.from_ratios(200, 1.5, modulus_ratio=0.0035, socket_poisson=0.46).curve()
     return DimensionalLaw(contact.tabulated(curve), **SIZES)
 
 

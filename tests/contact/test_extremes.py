@@ -73,8 +73,10 @@ def test_steuermanns_profile_of_high_order_on_a_nearly_full_ball():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: Joint(1e308), r"r2_star must be > 1 and <= 1e\+40 in magnitude, got 1e\+308"),
-        (lambda: Joint(200, socket=Material(2e-4)), "divided by that of the ball must be >= 1e-09"),
+        (lambda: Joint.from_ratios(1e308), r"r2_star must be <= 1e\+40 in magnitude, got 1e\+308"),
+        (lambda: Joint.from_ratios(9), "r2_star must be >= 10, got 9; such a loose ball is not in"),
+        (lambda: Joint.from_ratios(modulus_ratio=1e-10), "modulus_ratio must be >= 1e-09"),
+        (lambda: Joint.from_ratios(ball=Material(1), socket=Material(1e12)), "must be >= 1e-09"),
         (lambda: simulate(Scene(crank_length=1e-9)), r"crank turns .* must be <= 1e\+06"),
         (lambda: contact.hertz([0.1, 0.2], [20, 30, 40]), "shape mismatch"),
     ],

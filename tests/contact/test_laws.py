@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from study import contact, dataset
 from study.contact import laws
 from study.dataset import fitting, store
-from study.joint import Joint, force_curve
+from study.joint import Joint
 
 depths = st.floats(1e-6, 0.999)
 radii = st.floats(20, 1e5)
@@ -161,14 +161,14 @@ def test_stored_coefficients_are_the_fit_to_the_stored_curves():
 
 @pytest.fixture(scope="module")
 def curve():
-    return force_curve(Joint(200), np.linspace(0.025, 1, 40) ** 2, 640)
+    return Joint.from_ratios(200).solve(depth_star=np.linspace(0.025, 1, 40) ** 2, resolution=640)
 
 
 def test_tabulated_law_is_its_curve(curve):
     law = contact.tabulated(curve)
     assert law(curve.depth_star) == pytest.approx(curve.force_star, rel=1e-6)
     between = np.linspace(0.031, 0.997, 30) ** 2
-    exact = force_curve(Joint(200), between, 640).force_star
+    exact = Joint.from_ratios(200).solve(depth_star=between, resolution=640).force_star
     assert np.abs(law(between) / exact - 1).max() < 1e-4
     assert law(1e-9) == pytest.approx(contact.hertz(1e-9, 200), rel=1e-3)
     assert law(-0.1) == 0
@@ -191,9 +191,9 @@ def test_tabulated_law_refuses_what_it_does_not_know(curve):
         law(0.1, 100)
     with pytest.raises(ValueError, match="depth_star of tabulated must be <= 1, got 1.1"):
         law(1.1)
-    deep = force_curve(Joint(200), [0.1, 0.2, 0.3, 0.4], 64)
+    deep = Joint.from_ratios(200).solve(depth_star=[0.1, 0.2, 0.3, 0.4], resolution=64)
     with pytest.raises(ValueError, match="minimum depth .* <= a tenth of .* got 0.1 and 0.4"):
         contact.tabulated(deep)
-    short = force_curve(Joint(200), [0.1, 0.2, 0.3], 64)
+    short = Joint.from_ratios(200).solve(depth_star=[0.1, 0.2, 0.3], resolution=64)
     with pytest.raises(ValueError, match=">= 4 different depths > 0, got 3"):
         contact.tabulated(short)

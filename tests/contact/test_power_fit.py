@@ -12,10 +12,9 @@ from study.contact import LAWS, tabulated
 from study.contact.laws import fitted_coefficients
 from study.contact.power_fit import USUAL_RANGE, fit_power
 from study.dataset.fitting import fit_laws
-from study.joint import DimensionalJoint, paper_joint, whole_curve
-from study.joint.law_parameters import law_parameters
+from study.joint import Joint, reference_joint
 
-BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+BRONZE = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 
 
 @pytest.mark.parametrize(
@@ -25,7 +24,7 @@ BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 def test_the_papers_joint(depths, exponent, error):
     """Numbers of an independent fit to an independent solution."""
     depth = np.geomspace(*depths, 60)
-    fit = fit_power(depth, tabulated(whole_curve(paper_joint()))(depth))
+    fit = fit_power(depth, tabulated(reference_joint().curve())(depth))
     assert fit.exponent == pytest.approx(exponent, abs=6e-4)
     assert fit.error == pytest.approx(error, rel=0.02)
     if depths == USUAL_RANGE:
@@ -68,9 +67,9 @@ def test_numbers_in_metres_and_in_millimetres_are_one_law():
 def test_the_default_is_the_paper_s_joint():
     for r2_star in (20, 60, 200, 300):
         depth = np.geomspace(*USUAL_RANGE, 60)
-        exact = tabulated(whole_curve(paper_joint(r2_star)))(depth)
+        exact = tabulated(reference_joint(r2_star).curve())(depth)
         assert np.abs(LAWS["power"](depth, r2_star) / exact - 1).max() < 0.012
-        own = law_parameters(LAWS["power"], paper_joint(r2_star))
+        own = reference_joint(r2_star).law_options(LAWS["power"])
         assert np.abs(LAWS["power"](depth, r2_star, **own) / exact - 1).max() < 0.006
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from study import contact, dataset
 from study.contact import stiffening
 from study.dataset import stiffening_fit as made
-from study.joint import Joint, Material, paper_joint, whole_curve
+from study.joint import Joint, reference_joint
 
 OPTIONS = {
     "socket_ratio": st.floats(1.1, 1e3),
@@ -22,13 +22,13 @@ joints = st.fixed_dictionaries(OPTIONS)
 
 
 def force(depth, joint, derivative=False):
-    options = joint.correction_options()
+    options = joint.law_options("stiffened_hertz")
     return contact.stiffened_hertz(depth, joint.r2_star, derivative=derivative, **options)
 
 
 def error(joint):
     """Largest relative error, from the shallowest depth that is solved to one clearance."""
-    curve = whole_curve(joint)
+    curve = joint.curve()
     inside = curve.depth_star <= 1
     return np.abs(force(curve.depth_star[inside], joint) / curve.force_star[inside] - 1).max()
 
@@ -40,10 +40,8 @@ def test_error_on_joints_that_had_no_part_in_it():
     for (r2_star, ratio, modulus, *nu, drive, rim), case in rows.groupby(
         [*keys, "ball_support", "rim"]
     ):
-        ball, socket = Material(1.0, nu[0]), Material(modulus, nu[1])
-        found = force(
-            case.depth_star, Joint(r2_star, ratio, ball, socket, ball_support=drive, rim=rim)
-        )
+        of = dict(zip(OPTIONS, (ratio, modulus, *nu, drive, rim), strict=True))
+        found = force(case.depth_star, Joint.from_ratios(r2_star, **of))
         errors.append(np.abs(found / case.force_star - 1).max())
     assert len(errors) >= 300
     assert max(errors) < 0.005
@@ -51,7 +49,7 @@ def test_error_on_joints_that_had_no_part_in_it():
 
 
 def test_error_in_the_papers_joint():
-    assert max(error(paper_joint(r2_star)) for r2_star in (20, 200)) < 0.003
+    assert max(error(reference_joint(r2_star)) for r2_star in (20, 200)) < 0.003
 
 
 @pytest.mark.parametrize("ratio", [1.1, 3.0, 1e6])
@@ -59,8 +57,8 @@ def test_error_in_the_papers_joint():
 @pytest.mark.parametrize("r2_star", [20, 1e9])
 def test_error_at_the_ends_of_the_range(ratio, modulus, r2_star):
     for nu in ((0.2, 0.46), (0.46, 0.2)):
-        ball, socket = Material(1.0, nu[0]), Material(modulus, nu[1])
-        assert error(Joint(r2_star, ratio, ball, socket)) < 0.006  # the worst corner: 0.0057
+        of = dict(zip(OPTIONS, (ratio, modulus, *nu), strict=False))
+        assert error(Joint.from_ratios(r2_star, **of)) < 0.006  # the worst corner: 0.0057
 
 
 @given(joints, st.floats(20, 1e6))

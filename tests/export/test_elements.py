@@ -12,9 +12,9 @@ from scipy.optimize import brentq
 
 from study import paths
 from study.export import SUFFIXES, export
-from study.joint import DimensionalJoint
+from study.joint import Joint
 
-BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+BRONZE = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 FORCES = 5e3, 3e4  # inside the range of the fits, 0.05 to 0.5 clearances
 TABLE_ERROR = 1e-5  # of a text with the joint's own table
 DAMPING = 1e5  # N s/m, so that a ball of 1 kg comes to rest

@@ -7,11 +7,10 @@ from study.joint.compliance import Socket
 
 
 def reaction(body):
-    """Axial reaction of a body's supports to the pressure of each hat function."""
-    load = body._hat_loads
-    unbalanced = body._stiffness @ body.solve(load.toarray()) - load.toarray()
-    axial = body._basis.get_dofs(elements=True).all(["u^2"])
-    return np.abs(unbalanced[axial].sum(axis=0))
+    """Axial reaction of a body's supports, along +z, to the pressure of each hat function."""
+    load = 2 * np.pi * body.loads.toarray()
+    unbalanced = body._constant @ body.axisymmetric(load) - load
+    return unbalanced[body._basis.get_dofs(elements=True).all(["u^3"])].sum(axis=0)
 
 
 def of_socket(orders, *constants):

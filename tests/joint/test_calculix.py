@@ -6,9 +6,18 @@ from helpers.programs import needs_calculix
 from other_programs import calculix, calculix_ring, calculix_tilted
 
 from study import checks
-from study.joint import Joint, Material, fem, tilted_contact
-from study.joint import force_curve as own
+from study.joint import Joint, Layer, Material, modes
 from study.joint.compliance import Ball
+
+JOINT = Joint.from_ratios(200)
+HELD = {"ball_support": "clamped", "rim": "free"}
+CUT = Joint.from_ratios(200, ball_support="core:0.2", opening=70)
+ROD_END = Joint.from_ratios(200, ball_support="bore:0.5,45", opening="55:125")
+HOUSED = Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material())
+
+
+def own(joint, depth, **how):
+    return joint.solve(depth_star=depth, **how).force_star
 
 
 @needs_calculix
@@ -18,44 +27,52 @@ from study.joint.compliance import Ball
 )
 def test_force_is_that_of_the_exact_series(nodes, resolution, lowest, highest):
     depth = np.array([0.3, 0.0, 0.1])
-    force = calculix.force_curve(Joint(200), depth, resolution, nodes)
+    force = calculix.force_curve(JOINT, depth, resolution, nodes)
     assert force[1] == 0
-    error = force[[0, 2]] / own(Joint(200), depth[[0, 2]], 640).force_star - 1
+    error = force[[0, 2]] / own(JOINT, depth[[0, 2]], resolution=640) - 1
     assert ((lowest < error) & (error < highest)).all()
 
 
 @needs_calculix
-def test_large_displacements_a_free_rim_and_unequal_bodies():
-    supports = {"ball_support": "clamped", "rim": "free"}
-    joint = Joint(20, 1.3, socket=Material(1e11, 0.4), kinematics="finite", **supports)
-    force = calculix.force_curve(joint, 0.3, 32)
-    assert force == pytest.approx(own(joint, 0.3).force_star, rel=1e-2)
+@pytest.mark.parametrize("supports", [{}, HELD])
+def test_force_of_a_lined_joint_is_the_same(supports):
+    joint = Joint.from_ratios(200, layers=HOUSED, **supports)
+    force = calculix.force_curve(joint, [0.3, 1.0], 32)
+    assert force == pytest.approx(own(joint, [0.3, 1.0]), rel=3e-3)
+
+
+@needs_calculix
+@pytest.mark.parametrize("r2_star", [20, 80])
+def test_large_displacements_differ_by_the_error_that_is_stated(r2_star):
+    joint = Joint.from_ratios(r2_star, 1.3, socket=Material(1e11, 0.4), **HELD)
+    small, large = (calculix.force_curve(joint, 0.4, 32, large=large) for large in (False, True))
+    found = joint.solve(depth_star=0.4)
+    assert small == pytest.approx(found.force_star, rel=3e-3)
+    off = 1 - large / small
+    assert 0.3 * found.formulation_error < off < 1.5 * found.formulation_error
 
 
 @needs_calculix
 def test_a_load_off_the_axis_whose_contact_is_cut_by_the_rim():
-    joint = Joint(200, ball_support="core:0.2", opening=70)
-    contact = tilted_contact(joint, 0.5, 60, 32)
-    expected = np.append(contact.force_star, contact.transverse_star)
-    assert contact.reaches_rim
+    found = CUT.solve(depth_star=0.5, tilt=60, resolution=32)
+    expected = np.append(found.force_star, found.transverse_star)
+    assert found.reaches_rim
     # this coarse mesh is 0.6 % too stiff; forces of finer ones are kept in `test_tilted`
-    assert calculix_tilted.force(joint, 0.5, 60) == pytest.approx(expected, abs=0.01 * expected[0])
+    assert calculix_tilted.force(CUT, 0.5, 60) == pytest.approx(expected, abs=0.01 * expected[0])
 
 
 @needs_calculix
 def test_a_rod_end_whose_contact_is_cut_by_both_rims():
-    joint = Joint(200, ball_support="bore:0.5,45", opening="55:125")
-    contact = tilted_contact(joint, 0.5, 90, 32)
-    assert contact.reaches_rim
-    force, pressure = calculix_ring.pressed(joint, 0.5, resolution=4, shells=2)
+    found = ROD_END.solve(depth_star=0.5, resolution=32)
+    assert found.reaches_rim
+    force, pressure = calculix_ring.pressed(ROD_END, 0.5, resolution=4, shells=2)
     # forces of finer meshes are kept in `test_tilted`
-    assert force == pytest.approx(contact.force_star[0], rel=5e-3)
-    assert pressure == pytest.approx(contact.peak_pressure_star[0], rel=0.03)
+    assert force == pytest.approx(found.force_star[0], rel=5e-3)
+    assert pressure == pytest.approx(found.peak_pressure_star[0], rel=0.03)
 
 
 def test_bricks_of_a_rod_end_are_right_handed_and_held_in_their_planes_of_symmetry():
-    joint = Joint(200, ball_support="bore:0.5,45", opening="55:125")
-    cards = _cards(calculix_ring.deck(joint, 0.5, resolution=2, shells=1))
+    cards = _cards(calculix_ring.deck(ROD_END, 0.5, resolution=2, shells=1))
     place = {}
     for name in ("BALL", "SOCKET"):
         place |= {int(k): np.array(x, float) for k, *x in cards[f"*NODE, NSET={name}"]}
@@ -70,7 +87,7 @@ def test_bricks_of_a_rod_end_are_right_handed_and_held_in_their_planes_of_symmet
             assert held == {k for k in of_body if abs(place[k][axis]) < 1e-12}
     bore = [place[int(k)] for (k,) in cards["*NSET, NSET=BALLHELD"]]
     radii = np.hypot(*(np.array(bore)[:, :2] - [1 / 200, 0]).T)
-    assert radii == pytest.approx(0.5 * joint.ball_radius)
+    assert radii == pytest.approx(0.5 * ROD_END.radius_ratio)
     assert np.array([place[int(k)] for (k,) in cards["*NSET, NSET=FIRST"]]) == pytest.approx(
         np.array([[1, 0, 0]] * 2)
     )
@@ -78,7 +95,7 @@ def test_bricks_of_a_rod_end_are_right_handed_and_held_in_their_planes_of_symmet
 
 @needs_calculix
 def test_failure_is_reported_with_its_reason():
-    text = calculix.deck(Joint(200), [0.1], 32, 3).replace("1., 1.", "one")
+    text = calculix.deck(JOINT, [0.1], 32, 3).replace("1., 1.", "one")
     with pytest.raises(checks.StudyError, match=r"with 0 of 1 depths solved: \*ERROR.*STATIC"):
         calculix.run(text, 1)
 
@@ -86,7 +103,7 @@ def test_failure_is_reported_with_its_reason():
 @pytest.mark.parametrize("nodes", [3, 6])
 @pytest.mark.parametrize("name", ["BALL", "SOCKET"])
 def test_elements_run_counterclockwise_with_midsides_after_corners(nodes, name):
-    cards = _cards(calculix.deck(Joint(200), [0.1], 32, nodes))
+    cards = _cards(calculix.deck(JOINT, [0.1], 32, nodes))
     place = {}
     for body in ("BALL", "SOCKET"):
         rows = cards[f"*NODE, NSET={body}"]
@@ -113,18 +130,16 @@ def test_elements_run_counterclockwise_with_midsides_after_corners(nodes, name):
 
 def test_boundaries_have_all_their_nodes():
     for nodes in (3, 6):
-        cards = _cards(calculix.deck(Joint(200), [0.1], 32, nodes))
-        mesh = fem.ball_mesh(Ball(), 32, nodes)
+        cards = _cards(calculix.deck(JOINT, [0.1], 32, nodes))
+        mesh = modes.meshed(Ball(), 32, nodes).mesh
         for name, on_it in (("AXIS", mesh.doflocs[0] == 0), ("EQUATOR", mesh.doflocs[1] == 0)):
             listed = [int(row[0]) - 1 for row in cards[f"*NSET, NSET=BALL{name}"]]
             assert listed == np.flatnonzero(on_it).tolist()
 
 
 def test_the_joint_decides_what_is_held():
-    usual = calculix.deck(Joint(200), [0.1, 0.2], 32)
-    other = calculix.deck(
-        Joint(200, ball_support="clamped", rim="free", kinematics="finite"), [0.1], 32
-    )
+    usual = calculix.deck(JOINT, [0.1, 0.2], 32)
+    other = calculix.deck(Joint.from_ratios(200, **HELD), [0.1], 32, large=True)
     assert usual.count("*STEP") == 2
     assert "SOCKETRIM, 2, 2" in usual
     assert "SOCKETRIM, 2, 2" not in other
@@ -138,12 +153,12 @@ def test_a_missing_program_is_named(monkeypatch):
     monkeypatch.setenv("PATH", "")
     assert calculix.version() is None
     with pytest.raises(checks.StudyError, match=r"ccx \(Debian's calculix-ccx\) is not installed"):
-        calculix.force_curve(Joint(200), 0.1, 32, 3)
+        calculix.force_curve(JOINT, 0.1, 32, 3)
 
 
 def test_kinematics_that_calculix_has_not_are_refused():
-    with pytest.raises(ValueError, match="kinematics must be one of linear, finite, got 'small'"):
-        calculix.force_curve(Joint(200, kinematics="small"), 0.1)
+    with pytest.raises(ValueError, match="kinematics must be one of linear, got 'small'"):
+        calculix.force_curve(Joint.from_ratios(200, kinematics="small"), 0.1)
 
 
 def _cards(text):

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from study import paths
 from study.contact import hertz
-from study.joint import whole_curve
-from study.joint.curve import depths_and_forces
+from study.joint.axial import depths_and_forces
 
 OF_FORCE, OF_ANGLE, OF_PEAK = 0.035, 0.07, 0.12  # largest relative errors stated
 ROOTS = np.linspace(0.001**0.5, 1, 40)
@@ -63,7 +62,7 @@ def test_error_of_force_on_joints_that_had_no_part_in_the_fit():
 
 def test_half_angle_and_peak_pressure():
     for joint in random_joints(40, (0.01, 1.0), seed=4):
-        curve = whole_curve(joint, resolution=160)
+        curve = joint.curve(resolution=160)
         inside = (curve.depth_star >= 0.001) & (curve.depth_star <= 1)
         depth, bodies = curve.depth_star[inside], form.bodies_of(joint)
         angle, peak = form.half_angle_and_peak(depth, joint.r2_star, *bodies)

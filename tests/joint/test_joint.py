@@ -1,373 +1,370 @@
-"""Force-depth curves against independent solutions, convergence, and mechanics."""
+"""The joint with its dimensions and by its ratios: known values, consistency, wrong input."""
 
+import re
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
-import pandas as pd
 import pytest
-from helpers.bodies import reaction
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from study import contact, paths
-from study.checks import RangeError
-from study.joint import (
-    Joint,
-    Material,
-    UnresolvedError,
-    complementarity,
-    contact_kinematics,
-    fem,
-    force_curve,
-    large_displacement,
-    nested_contact,
-    paper_joint,
-    series,
-    whole_curve,
-)
+from study import contact
+from study.joint import Joint, Layer, Material, first_yield, reference_joint, stress
 from study.joint.complementarity import ComplementarityError
-from study.joint.compliance import Ball, HatFunctions, Socket
-from study.joint.supports import RIMS, Core, Sector
 
-REFERENCE = pd.read_csv(paths.DATA / "published" / "joint.csv")
-FINITE = Joint(200, kinematics="finite")
-
-
-@cache
-def finest(joint, depths):
-    return force_curve(joint, depths, 640).force_star
-
-
-def reference(source, r2_star, kinematics):
-    rows = REFERENCE[
-        REFERENCE.source.str.startswith(source)
-        & (REFERENCE.r2_star == r2_star)
-        & (REFERENCE.kinematics == kinematics)
-    ]
-    return rows.depth_star.to_numpy(), rows.force_star.to_numpy()
-
-
-def test_force_is_that_of_the_exact_series():
-    depth, exact = reference("Legendre", 200, "small")
-    curve = force_curve(Joint(200, socket_ratio=1.2, kinematics="small"), depth)
-    assert curve.solver == "series"
-    assert np.abs(curve.force_star / exact - 1).max() < 1e-4
+BRONZE = Joint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
+CUP = Joint(16e-3, 0.1e-3, 8e-3, Material(230e9, 0.3), Material(0.8e9, 0.46))
+LINED = Joint(20e-3, 0.1e-3, 8e-3, "steel", "steel", ("0.5e-3,PTFE", "1e-3,bronze"))
+CUT = Joint(0.01, 5e-5, 2.98e-3, "steel", ball_support="core:0.2", opening=70)
+"""Pressed towards 60 deg, its contact is cut by the rim."""
+JOINTS = pytest.mark.parametrize("joint", [BRONZE, CUP, LINED], ids=["bronze", "cup", "lined"])
+TOGETHER = 2e-6
+"""Depths that are solved together decide at which of them the contact's matrix is made. A force
+differs by less than this between two such choices, a hundredth of its estimated error."""
+THIN = {"socket_radius": 10e-3, "clearance": 1e-4, "socket_support": "rim"}
+THIN_DEPTHS = [3e-7, 5e-7, 1e-6, 5e-6]
 
 
 @pytest.mark.parametrize(
-    ("r2_star", "kinematics", "tolerance"),
+    ("joint", "force", "depth", "stiffness", "pressure"),
     [
-        (200, "linear", 1.5e-3),
-        (20, "linear", 5e-3),
-        (200, "finite", 2.5e-3),
-        (20, "finite", 6e-3),
+        (BRONZE, 3e3, 4.19e-6, 1.199e9, None),
+        (BRONZE, 8e3, 7.54e-6, 1.763e9, 117e6),
+        (CUP, 3e3, 48.1e-6, 1.04e8, None),
+        (CUP, 8e3, 89.1e-6, 1.35e8, 23.3e6),
     ],
 )
-def test_force_is_that_of_calculix(r2_star, kinematics, tolerance):
-    depth, expected = reference("CalculiX", r2_star, kinematics)
-    joint = Joint(r2_star, socket_ratio=1.25, rim="free", kinematics=kinematics)
-    error = np.abs(force_curve(joint, depth).force_star / expected - 1)
-    assert error.max() < tolerance
-    assert error[depth >= 0.5].max() < 1e-3  # the shallow values are trusted to 0.5 or 1 %
+def test_known_joints(joint, force, depth, stiffness, pressure):
+    """Values worked out by hand from the normalised solution, to the digits given."""
+    found = joint.solve(force=force)
+    assert found.depth[0] == pytest.approx(depth, rel=0.01)
+    assert found.stiffness[0] == pytest.approx(stiffness, rel=0.01)
+    assert pressure is None or found.peak_pressure[0] == pytest.approx(pressure, rel=0.01)
+    assert found.error_estimate[0] < 1e-3
 
 
 @pytest.mark.parametrize(
-    ("solver", "order", "smallest"),
-    [("series", 1.9, 1e-4), ("quadratic", 1.9, 1e-4), ("linear", 1.5, 2e-3)],
+    ("joint", "depth", "force", "stiffness"),
+    [
+        (  # a socket that bends under the shallowest contacts
+            Joint(wall=0.3e-3, **THIN),
+            THIN_DEPTHS,
+            [1.170, 2.036, 4.472, 48.67],
+            [4.20e6, 4.47e6, 5.37e6, 16.8e6],
+        ),
+        (
+            Joint(wall=0.6e-3, **THIN),
+            THIN_DEPTHS,
+            [3.742, 6.641, 14.53, 115.0],
+            [14.1e6, 14.9e6, 16.6e6, 35.0e6],
+        ),
+        (  # a nearly incompressible ball that is softer than its socket, up to the rim
+            Joint(10e-3, 50e-6, 2.98e-3, "1e7,0.499", "steel"),
+            [0.5 * 50e-6, 0.9 * 50e-6, 0.95 * 50e-6, 0.97 * 50e-6],
+            [4.598, 18.86, 24.79, 29.22],
+            [0.3466e6, 1.719e6, 3.425e6, 5.886e6],
+        ),
+    ],
+    ids=["thin", "less thin", "soft ball"],
 )
-def test_every_solver_converges_to_the_series(solver, order, smallest):
-    depth = np.linspace(0.1, 1.0, 31)  # many, as the error oscillates with the edge's place
-    joint = Joint(200, socket_ratio=1.2, kinematics="small")
-    exact = finest(joint, tuple(depth))
-    errors = [
-        np.sqrt(np.mean((force_curve(joint, depth, n, solver).force_star / exact - 1) ** 2))
-        for n in (32, 128)
-    ]
-    assert np.log2(errors[0] / errors[1]) / 2 > order
-    assert errors[-1] < smallest
+def test_joints_whose_table_is_hard(joint, depth, force, stiffness):
+    """Forces to their four digits, and stiffnesses by their differences, at a finer resolution."""
+    found, law = joint.solve(depth=depth), joint.law()
+    assert found.force == pytest.approx(force, rel=1e-3)
+    assert found.stiffness == pytest.approx(stiffness, rel=6e-3)
+    near = np.array(depth) < 0.95 * joint.clearance
+    tolerance = np.where(near, 2e-3, 6e-3)
+    assert law.deepest > depth[-1]
+    assert (np.abs(law.force(depth) / found.force - 1) < tolerance).all()
+    places = np.geomspace(1e-4 * joint.clearance, law.deepest, 400)
+    assert (law.stiffness(places) > 0).all()
+    assert (np.diff(law.force(places)) > 0).all()
+    assert law.law.error < 6e-3
 
 
-@pytest.mark.parametrize("solver", ["quadratic", "linear"])
-@pytest.mark.parametrize("kinematics", ["small", "linear"])
-def test_reaction_of_the_supports_balances_the_force(kinematics, solver):
-    joint = Joint(200, socket_ratio=1.2, kinematics=kinematics)
-    curve = force_curve(joint, [0.05, 0.3, 1.0], 160, solver)
-    area = 1.0 if kinematics == "small" else joint.ball_radius**2  # whose area the force acts on
-    axial = area * HatFunctions(curve.angles).integrate(np.cos)
-    borne = joint.r2_star * curve.pressure @ axial  # without extrapolation
-    assert (np.abs(borne / curve.force_star - 1) < curve.error_estimate).all()
-    nodes = 3 if solver == "linear" else 6
-    bodies = (fem.meshed(body, 160, nodes) for body in (Ball(), Socket(1.2)))
-    for body in bodies:
-        force = joint.r2_star * area * curve.pressure @ reaction(body)
-        exact = 1e-8 if solver != "linear" else 2e-3  # facets are not quite the sphere
-        assert force == pytest.approx(borne, rel=exact)
+def test_a_first_guess_that_is_not_resolved_does_not_fail_a_force():
+    supports = {"ball_support": "neck:17", "opening": "98", "socket_support": "rim"}
+    found = Joint(10e-3, 3e-5, 0.9e-3, **supports).solve(force=129.764, tilt=27.864)
+    assert found.depth == pytest.approx([3e-6], rel=1e-4)
+    assert found.tilt == pytest.approx([29], abs=1e-3)
 
 
-def test_kinematics_differ_by_terms_of_order_one_over_radius():
-    for kind in ("small", "finite"):
-        differences = []
-        for r2_star in (100, 400):
-            linear, other = (
-                force_curve(Joint(r2_star, 1.2, kinematics=k), [0.2, 0.6], 64, "quadratic")
-                for k in ("linear", kind)
-            )
-            differences.append((other.force_star / linear.force_star - 1) * r2_star)
-        assert differences[0] == pytest.approx(differences[1], rel=0.25)
-        assert np.abs(differences).max() < 2
+def test_a_hip_liner_is_as_in_calculix():
+    hip = Joint(14.1e-3, 100e-6, 8e-3, "CoCr", "1e9,0.4", ball_support="core:0.5")
+    found = hip.solve(force=3000)
+    assert found.depth == pytest.approx([59.08e-6], rel=1e-3)
+    at_depth = hip.solve(depth=59.08e-6)
+    assert at_depth.force == pytest.approx([2999.2], rel=1e-3)
+    assert (at_depth.force_error > np.abs(at_depth.force / 2999.2 - 1)).all()
 
 
-def test_a_free_rim_matters_for_thick_sockets_only():
-    differences = []
-    for ratio in (1.25, 1.5, 3.0):
-        free, mirror = (
-            force_curve(Joint(200, ratio, rim=rim), 1.0, 64, "quadratic").force_star[0]
-            for rim in ("free", "mirror")
-        )
-        differences.append(1 - free / mirror)
-    assert 0 < differences[0] < 1e-5
-    assert 5e-5 < differences[1] < 2e-4
-    assert 0.03 < differences[2] < 0.05
-    soft = Material(poisson=0.45)  # nearly incompressible: it matters for thinner sockets too
-    free, mirror = (
-        force_curve(Joint(200, 1.5, soft, soft, rim=rim), 1.0, 64, "quadratic").force_star[0]
-        for rim in ("free", "mirror")
+def test_ratios_and_dimensions_make_the_same_joint_in_other_units():
+    softer = {"ball": Material(2.1, 0.3), "socket": Material(1.1, 0.34)}  # by 1e11
+    by_ratios = Joint.from_ratios(312.5, 1.48, **softer)
+    assert (by_ratios.has_dimensions, BRONZE.has_dimensions) == (False, True)
+    for name in ("r2_star", "socket_ratio", "modulus_ratio", "radius_ratio"):
+        assert getattr(by_ratios, name) == pytest.approx(getattr(BRONZE, name), rel=1e-14)
+    assert by_ratios.columns() == BRONZE.columns()
+    one, other = by_ratios.solve(depth_star=[0.1, 0.4]), BRONZE.solve(depth=[4e-6, 16e-6])
+    for name in ("force", "stiffness", "peak_pressure", "contact_area"):
+        stars = [getattr(of, f"{name}_star") for of in (one, other)]
+        assert stars[1] == pytest.approx(stars[0], rel=1e-9)
+    modulus = BRONZE.composite_modulus
+    assert BRONZE.force_unit == pytest.approx(modulus * 40e-6**2)
+    assert BRONZE.stiffness_unit == pytest.approx(modulus * 40e-6)
+    assert BRONZE.pressure_unit == pytest.approx(modulus * 40e-6 / 12.5e-3)
+    assert by_ratios.force_unit == pytest.approx(modulus / 1e11 / 312.5**2)
+    assert (by_ratios.socket_radius, by_ratios.clearance) == (1, 1 / 312.5)
+
+
+def test_layers_of_ratios_are_liners():
+    layers = Layer(1.025, Material(5e8, 0.46)), Layer(1.075, Material(1.1e11, 0.34))
+    layers = (*layers, Layer(1.4, Material(2.1e11)))
+    by_ratios = Joint.from_ratios(200, layers=layers, ball=Material(2.1e11))
+    for joint in (by_ratios, LINED):
+        assert [of.material for of in joint.layers] == [of.material for of in layers]
+        ratios = [of.outer_ratio for of in joint.layers]
+        assert ratios == pytest.approx([of.outer_ratio for of in layers], rel=1e-14)
+        assert list(joint.materials) == ["ball", "liner 1", "liner 2", "socket"]
+        assert joint.innermost == layers[0].material
+    assert by_ratios.columns() == LINED.columns()
+
+
+def test_a_joint_with_something_replaced():
+    wider = replace(BRONZE, clearance=80e-6, ball_support="clamped", rim="free")
+    assert wider == Joint(
+        12.5e-3, 80e-6, 6e-3, "steel", "bronze", ball_support="clamped", rim="free"
     )
-    assert 0.01 < 1 - free / mirror < 0.02
+    assert wider != replace(wider, ball="aluminium")
+    assert wider.r2_star == 156.25
+    loose = replace(Joint.from_ratios(200), clearance=0.02)
+    assert (loose.r2_star, loose.has_dimensions) == (50, False)
+    assert loose == Joint.from_ratios(50)
+    reference = {"ball_support": "clamped", "rim": "free"}
+    assert reference_joint(60) == Joint.from_ratios(60, 1.298, **reference)
 
 
-@pytest.mark.parametrize("stiffer", [0.2, 0.5, 5.0])
-def test_large_displacements_of_unequal_bodies(stiffer):
-    socket = Material(2e11 * stiffer, 0.33)
-    linear, finite = (
-        force_curve(Joint(20, 1.3, socket=socket, kinematics=k), 0.3, 32, "quadratic").force_star[0]
-        for k in ("linear", "finite")
-    )
-    assert 0.9 < finite / linear < 1
-
-
-def test_large_displacements_do_not_depend_on_the_path():
-    joint = Joint(10, 1.3, kinematics="finite")
-    bodies = fem.meshed(Ball(), 64), fem.meshed(Socket(1.3), 64)
-    _, steps, _ = large_displacement.solve(joint, np.linspace(0, 0.8, 9), *bodies)
-    _, jump, _ = large_displacement.solve(joint, np.array([0.8, 0.4]), *bodies)
-    assert jump == pytest.approx(steps[[8, 4]], rel=1e-6)
-
-
-def test_large_uniform_stretch_has_the_stress_of_its_material():
-    body = fem.meshed(Ball(), 32)
-    stretch = 0.1
-    place = np.zeros(body.size)  # the position vector, as a displacement
-    for component, values in zip(("u^1", "u^2"), body._basis.doflocs, strict=True):
-        dofs = body._basis.get_dofs(elements=True).all([component])
-        place[dofs] = values[dofs]
-    bulk = 1 / (1 - 2 * 0.3)  # stress over strain of a uniform stretch, Young's modulus 1
-    green = stretch + stretch**2 / 2
-    beyond = bulk * ((1 + stretch) * green - stretch)
-    work = body.excess_force(stretch * place) @ place  # 3 times the stress times the volume
-    assert work == pytest.approx(2 * np.pi * beyond, rel=1e-6)
-
-
-def test_dimensionless_force_does_not_depend_on_the_modulus():
-    curves = [
-        force_curve(Joint(75, ball=Material(e, 0.25), socket=Material(e, 0.25)), [0.1, 0.5], 64)
-        for e in (1.0, 7e10, 2e11)
-    ]
-    for curve in curves[1:]:
-        assert curve.force_star == pytest.approx(curves[0].force_star, rel=1e-12)
-
-
-def test_compliances_of_unequal_bodies_add():
-    # a ball a million times stiffer leaves the socket's compliance alone, and vice versa
-    stiff, soft = Material(1e12, 0.3), Material(1e6, 0.3)
-    sockets = [force_curve(Joint(200, r, ball=stiff, socket=soft), 0.3, 64) for r in (1.1, 1.5)]
-    balls = [force_curve(Joint(200, r, ball=soft, socket=stiff), 0.3, 64) for r in (1.1, 1.5)]
-    assert sockets[0].force_star[0] > 1.2 * sockets[1].force_star[0]
-    assert balls[0].force_star == pytest.approx(balls[1].force_star, rel=1e-5)
-
-
-def test_small_contact_is_hertzs():
-    # the ratio to Hertz tends to 1 linearly in the contact radius, that is in sqrt(depth)
-    depth = np.array([2.5e-4, 1e-3, 4e-3])
-    curve = force_curve(Joint(1e4, socket_ratio=2.0), depth, 256)
-    excess = curve.force_star / contact.hertz(depth, 1e4) - 1
-    assert (excess > 0).all()
-    assert excess[1:] / excess[:-1] == pytest.approx(2, rel=0.15)
-    extrapolated = 2 * excess[0] - excess[1]
-    assert abs(extrapolated) < 0.01
-    angle = np.radians(curve.contact_half_angle_deg) / np.sqrt(depth)
-    assert angle == pytest.approx(1, rel=0.03)
-    peak = 2 / np.pi * np.sqrt(depth)  # p0 = 2 E* a/(pi R)
-    assert curve.peak_pressure_star == pytest.approx(peak, rel=0.05)
-
-
-def test_gap_and_pressure_are_complementary():
-    joint = Joint(200, kinematics="small")
-    curve = force_curve(joint, [0.1, 0.5])
-    of_ball, of_socket = joint.modulus_shares
-    flexibility = (
-        of_ball * joint.ball_radius * series.compliance(Ball()).flexibility
-        + of_socket * series.compliance(Socket(joint.socket_ratio)).flexibility
-    )
-
-    for depth, pressure in zip(curve.depth_star, curve.pressure, strict=True):
-        e, r1 = (1 + depth) / 200, joint.ball_radius
-
-        def rigid_gap(theta, e=e, r1=r1):
-            ball = e * np.cos(theta) + np.sqrt(r1**2 - (e * np.sin(theta)) ** 2)
-            return (1 - ball) * 200
-
-        gap = HatFunctions(curve.angles).integrate(rigid_gap) + flexibility @ pressure
-        scale = np.abs(gap).max()
-        assert (pressure >= 0).all()
-        assert gap.min() > -1e-9 * scale
-        assert np.abs(gap * pressure).max() < 1e-9 * scale * pressure.max()
-
-
-@pytest.mark.parametrize("solver", ["series", "quadratic"])
-def test_error_estimate_covers_the_error(solver):
-    depth = np.linspace(0.025, 1, 79)
-    exact = finest(Joint(200), tuple(depth))
-    for n in (32, 64, 128):
-        curve = force_curve(Joint(200), depth, n, solver)
-        error = np.abs(curve.force_star / exact - 1)
-        assert (error <= curve.error_estimate).all()
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_error_estimate_covers_the_error_of_any_joint(seed):
-    draw = np.random.default_rng(seed)
-    nu, stiffer = draw.uniform(0, 0.47, 2), 1000 ** draw.uniform(-1, 1)
-    kinematics = ("small", "linear")[seed % 2]
-    materials = Material(2e11, nu[0]), Material(2e11 * stiffer, nu[1])
-    joint = Joint(10 * 1000 ** draw.random(), 1 + 3 / 100 ** draw.random(), *materials)
-    joint = replace(joint, kinematics=kinematics)
-    depth = np.linspace(0.02, 1, 25) ** 1.5
-    curve = force_curve(joint, depth, 64)
-    error = np.abs(curve.force_star / finest(joint, tuple(depth)) - 1)
-    assert (error <= curve.error_estimate).all()
-    assert curve.error_estimate.max() < 0.05  # and is no wild overestimate
-
-
-def test_error_estimate_covers_the_error_at_large_displacements():
-    joint, depth = paper_joint(20, kinematics="finite"), np.linspace(0.1, 0.8, 6)
-    exact, curve = force_curve(joint, depth, 128).force_star, force_curve(joint, depth, 32)
-    error = np.abs(curve.force_star / exact - 1)
-    assert (error <= curve.error_estimate).all()
-
-
-@pytest.mark.parametrize("kinematics", ["small", "linear"])
-@pytest.mark.parametrize(
-    ("socket", "ratio"), [(Material(), 1.2), (Material(2e9, 0.49), 1.05), (Material(2e13, 0.2), 3)]
-)
-def test_contact_grown_from_the_pole_is_that_found_by_pivoting(kinematics, socket, ratio):
-    joint = Joint(30, ratio, socket=socket, kinematics=kinematics)
-    bodies = [series.compliance(body, 64) for body in (joint.ball_body, joint.socket_body)]
-    problem, axial = contact_kinematics.problem_of(joint, *bodies)
-    for depth in (0.02, 0.2, 0.5):
-        nested = nested_contact.NestedContacts(joint, *bodies, 2.0, np.array([depth]))
-        pressure = nested.pressure(depth)
-        matrix, parts = problem(depth)
-        expected, _ = complementarity.solve(matrix, depth ** np.arange(3) @ parts)
-        assert pressure == pytest.approx(expected, abs=1e-9 * expected.max())
-        # the force at a node's closure depth is that of the contact that ends there
-        at, force = nested.depth, joint.r2_star * pressure @ axial
-        assert nested.force[at < depth].max() < force < nested.force[at >= depth].min()
+@JOINTS
+@settings(max_examples=10)
+@given(roots=st.lists(st.floats(0.06, 0.99), min_size=1, max_size=3, unique=True))
+def test_depth_and_force_are_each_others_inverse(joint, roots):
+    found = joint.solve(depth=joint.clearance * np.square(roots))
+    back = joint.solve(force=found.force)
+    assert back.force == pytest.approx(found.force, rel=TOGETHER)
+    assert back.depth == pytest.approx(found.depth, rel=TOGETHER)
+    for one, other in (
+        (back.stiffness, found.stiffness),
+        (joint.law().force(found.depth), found.force),
+    ):
+        assert (np.abs(one / other - 1) < found.error_estimate + 1e-5).all()
 
 
 @pytest.mark.parametrize(
-    ("socket_support", "depth", "ring"),
-    [((30, 60), 1.0, True), ((0, 10), 1.0, True), ((0, 60), 0.2, False)],
+    "joint",
+    [BRONZE, LINED, replace(BRONZE, ball_support="clamped"), CUT],
+    ids=["series", "lined", "elements", "core"],
 )
-def test_contact_that_is_a_ring_is_found_by_pivoting(socket_support, depth, ring):
-    soft = Material(2e10)
-    joint = Joint(
-        200,
-        1.05,
-        socket=soft,
-        ball_support=Core(0.2),
-        opening=120.0,
-        socket_support=Sector(*socket_support),
-    )
-    curve, fine = (force_curve(joint, depth, n) for n in (64, 192))
-    parts = np.count_nonzero(np.diff(curve.pressure[0] > 0))
-    assert (parts > 1) == ring
-    assert abs(curve.force_star / fine.force_star - 1) < 3 * curve.error_estimate
-    whole = whole_curve(joint, 1.0, 64)
-    assert np.interp(depth, whole.depth_star, whole.force_star) == pytest.approx(
-        curve.force_star[0], rel=0.02
-    )
+def test_stiffness_is_the_slope_of_the_force(joint):
+    depth, step = np.array([0.05, 0.4, 0.8]), 2e-3
+    near = joint.solve(depth_star=np.ravel([depth * (1 - step), depth * (1 + step)]))
+    slope = np.diff(near.force_star.reshape(2, -1), axis=0)[0] / (2 * step * depth)
+    found = joint.solve(depth_star=depth)
+    assert found.stiffness_star == pytest.approx(slope, rel=2e-3)
+    assert found.stiffness == pytest.approx(joint.stiffness_unit * found.stiffness_star)
 
 
-@settings(max_examples=25)
-@given(
-    r2_star=st.floats(10, 1e4),
-    ratio=st.floats(1.05, 4),
-    poisson=st.floats(-0.3, 0.48),
-    stiffer=st.floats(0.1, 10),
-    drive=st.sampled_from(["guided", "clamped"]),
-    rim=st.sampled_from(RIMS),
-    kinematics=st.sampled_from(["small", "linear"]),
+def test_limit_is_hertz():
+    """A small load on big bodies: Johnson, Contact Mechanics, 1985, Eqs. 4.22 to 4.24."""
+    joint, force = Joint(0.05, 5e-3, 5.0, "steel", "aluminium"), 20.0
+    found, modulus = joint.solve(force=force, stresses=True), joint.composite_modulus
+    radius = 1 / (1 / 0.045 - 1 / 0.05)
+    depth = (9 * force**2 / (16 * radius * modulus**2)) ** (1 / 3)
+    assert found.depth[0] == pytest.approx(depth, rel=0.01)
+    assert found.stiffness[0] == pytest.approx(1.5 * force / depth, rel=0.015)
+    peak = (6 * force * modulus**2 / (np.pi**3 * radius**2)) ** (1 / 3)
+    assert found.peak_pressure[0] == pytest.approx(peak, rel=0.01)
+    assert found.von_mises["ball"][0] == pytest.approx(0.62 * peak, rel=0.01)
+    assert joint.law("hertz").depth(force) == pytest.approx(depth, rel=1e-9)
+
+
+def test_factor_to_yield():
+    ball, socket = Material(2.1e11, 0.3, 1e9), Material(1.1e11, 0.34, 2e8)
+    joint = replace(BRONZE, ball=ball, socket=socket)
+    first = first_yield(joint)
+    found = joint.solve(depth_star=first.depth_star, stresses=True)
+    assert first.body == "socket"
+    assert found.yield_factor["socket"][0] == pytest.approx(1, rel=0.005)
+    assert found.yield_factor["ball"][0] == pytest.approx(1e9 / found.von_mises["ball"][0])
+    assert CUP.solve(force=1e3, stresses=True).yield_factor == {"ball": None, "socket": None}
+
+
+@JOINTS
+def test_stresses_are_those_of_the_solution_and_none_unless_asked_for(joint):
+    plain = joint.solve(depth_star=[0.3, 0.05])
+    assert plain.stress is None
+    assert plain.von_mises == plain.yield_factor == {}
+    found = joint.solve(depth_star=[0.3, 0.05], stresses=True)
+    assert found.von_mises.keys() == joint.materials.keys()
+    for body, largest in stress.largest(plain).items():
+        assert found.von_mises[body] == pytest.approx(joint.pressure_unit * largest.von_mises)
+        assert found.stress[body].place == largest.place
+
+
+def test_laws_of_a_joint():
+    depth = 4e-6
+    exact = BRONZE.law().force(depth)
+    for law in ("stiffened_hertz", contact.stiffened_hertz):
+        assert BRONZE.law(law).force(depth) == pytest.approx(exact, rel=2e-3)
+    assert BRONZE.law("hertz").force(depth) < 0.9 * exact
+    for name in contact.LAWS:
+        law = BRONZE.law(name)
+        assert law.depth(law.force(depth)) == pytest.approx(depth, rel=1e-9)
+    fit = BRONZE.power_law()
+    places = 40e-6 * np.array([0.05, 0.2, 0.5])
+    found = fit.coefficient * places**fit.exponent
+    assert found == pytest.approx(BRONZE.law().force(places), rel=1.01 * fit.error)
+    assert BRONZE.law("power").force(places) == pytest.approx(found, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("joint", "what"),
+    [
+        (LINED, "a socket with layers"),
+        (CUT, "ball_support core:0.2"),
+        (replace(BRONZE, ball_support="clamped", opening=70, rim=None), "an opening of 70 deg"),
+        (replace(BRONZE, socket_support="rim", rim=None), "socket_support rim"),
+    ],
 )
-def test_any_joint_stiffens_with_depth(r2_star, ratio, poisson, stiffer, drive, rim, kinematics):
-    socket = Material(2e11 * stiffer, poisson)
-    how = {"ball_support": drive, "rim": rim, "kinematics": kinematics}
-    joint = Joint(r2_star, ratio, socket=socket, **how)
-    curve = force_curve(joint, [0.6, 0.0, 0.2, 0.4], 32)
-    order = np.argsort(curve.depth_star)
-    force = curve.force_star[order]
-    assert force[0] == 0
-    assert (np.diff(force, 2) > 0).all()
-    assert (np.diff(curve.contact_half_angle_deg[order]) > 0).all()
-    assert (np.diff(curve.peak_pressure_star[order]) > 0).all()
-    assert (curve.error_estimate[order] < 0.1).all()
+def test_stiffened_hertz_is_not_for_other_supports(joint, what):
+    with pytest.raises(ValueError, match=f"stiffened_hertz is not valid for {what}"):
+        joint.law("stiffened_hertz")
+
+
+def test_depths_beyond_one_clearance_and_up_to_the_rim():
+    deep = CUP.solve(depth=3e-4)
+    assert 60 < deep.contact_half_angle_deg[0] < 90
+    assert CUP.solve(force=deep.force).depth == pytest.approx([3e-4], rel=TOGETHER)
+    with pytest.raises(ValueError, match=r"depth_star must .* rim of the socket .*0.0014 m"):
+        CUP.solve(depth=1.4e-3)
+    with pytest.raises(ValueError, match=r"force must be <= \S+ N, got 1e\+06 N;") as error:
+        CUP.solve(force=1e6)
+    most = float(re.search(r"<= (\S+) N", str(error.value))[1])
+    assert CUP.solve(force=0.99 * most).contact_half_angle_deg[0] > 80
+
+
+def test_a_contact_too_small_to_resolve():
+    assert BRONZE.solve(depth=40e-6 * 3e-5).error_estimate[0] < 0.05  # on finer elements
+    with pytest.raises(ValueError, match=r"depth_star must be 0 or large .*depth given: 1e-15 m"):
+        BRONZE.solve(depth=1e-15)
+
+
+def test_a_narrow_socket_has_a_table_up_to_its_rim():
+    narrow = Joint(12.5e-3, 40e-6, 6e-3, opening=40)
+    law = narrow.law()
+    assert 0.1 * 40e-6 < law.deepest < 40e-6
+    depth = law.deepest / 2
+    assert narrow.solve(depth=depth).force == pytest.approx([law.force(depth)], rel=2e-3)
+
+
+@pytest.mark.slow
+def test_a_rod_end_on_its_pin_is_solved_across_it():
+    sizes = {"socket_radius": 8e-3, "clearance": 25e-6, "wall": 3e-3, "socket": "bronze"}
+    rod_end = Joint(**sizes, ball_support="pin:5e-3,9e-3", opening="57:123")
+    assert rod_end.ball_support.radius == pytest.approx(5e-3 / (8e-3 - 25e-6))
+    solution = rod_end.solve(force=4000, stresses=True)
+    assert solution.tilt == pytest.approx([90], abs=1e-3)
+    # the table along this direction, read between the depths that were solved for it
+    assert rod_end.law().force(solution.depth) == pytest.approx(solution.force, rel=3e-3)
+    power = rod_end.power_law()
+    assert power.depths == pytest.approx((0.05 * 25e-6, 0.5 * 25e-6))
+    assert power.error < 0.06
+    assert set(solution.friction_radius) == {"spin", "tilt", "turn"}
+    assert all(0 <= of.error[0] < 0.05 for of in solution.stress.values())
+    with pytest.raises(ValueError, match="force must be one .* got .* N at a tilt of 90"):
+        rod_end.solve(force=1e12)
+    with pytest.raises(ValueError, match="law must be the table .* off the axis, got hertz"):
+        rod_end.law("hertz")
+
+
+def sized(**changes):
+    return Joint(**{"socket_radius": 0.01, "clearance": 1e-4, "wall": 3e-3} | changes)
+
+
+def ratios(*values, **changes):
+    return Joint.from_ratios(*values, **changes)
+
+
+STEEL, HOUSED = Material(), (Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material()))
+RING = {"ball_support": "bore:0.5,45", "opening": "55:125"}
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
+        # Joint
+        (lambda: sized(clearance=-1e-6), "clearance must be > 0 m, got -1e-06 m; without"),
+        (lambda: sized(clearance=1e-13), "clearance must be >= 1e-11 m, got 1e-13 m"),
+        (lambda: sized(wall=1e-7), "wall must be >= 1e-06 and"),
         (
-            lambda: force_curve(Joint(200, 1.01), 0.1, solver="quadratic"),
-            "layer .* must be >= 1.02",
+            lambda: sized(clearance=0.0011),
+            "clearance must be <= 0.001 m, a tenth of the radius of the socket, got 0.0011 m; such",
         ),
-        (lambda: force_curve(Joint(200, rim="free"), 0.1, solver="series"), "quadratic or linear"),
-        (lambda: force_curve(FINITE, 0.1, solver="linear"), "quadratic for kinematics finite"),
-        (lambda: force_curve(Joint(200), []), "depth_star must be a list of depths"),
-        (lambda: force_curve(Joint(200), 0.1, 48), "resolution must be a multiple of 32, got 48"),
-        (lambda: force_curve(replace(FINITE, r2_star=1e9), 0.1), r"r2_star must be <= 1e\+08, got"),
-        (lambda: force_curve(Joint(200), 1e-9, 32), "depth_star must be 0 or large enough"),
-        (lambda: force_curve(Joint(200), 20, 32), "depth_star must be < 18.97"),
-        (lambda: force_curve(Joint(200, kinematics="linear"), 9, 32), "rim of the socket"),
+        (lambda: sized(liner=("PTFE",)), "liner must be a thickness in m and a material"),
+        (lambda: sized(liner=("3e-3,PTFE",)), "must be > 0.003 m, got 0.003 m"),
+        (lambda: sized(socket="210,0.3"), "socket"),
+        (lambda: sized(kinematics="finite"), "kinematics must be one of small, linear"),
+        (lambda: sized(opening=120, ball_support="clamped"), "opening with ball_support clamped"),
+        (lambda: sized(socket_support="sector:0,95"), "last angle of socket_support must be <= 90"),
+        (lambda: sized(opening="55:125"), "ball_support must hold a whole ball if the socket is a"),
+        (lambda: sized(opening=70, rim="mirror"), "must be one of free, got 'mirror'"),
+        # from_ratios
+        (lambda: ratios(9.99), "r2_star must be >= 10, got 9.99; such a loose ball"),
+        (lambda: ratios(2e9), "r2_star must be >= 10 and <= 1e+09, got 2e+09"),
+        (lambda: ratios(80, modulus_ratio=0.0), "modulus_ratio must be >= 1e-09"),
+        (lambda: ratios(80, poisson=0.5), "poisson must be > -1 and < 0.5, got 0.5"),
+        (lambda: ratios(80, 1.4, layers=HOUSED), "socket_ratio does not apply"),
+        (lambda: ratios(80, modulus_ratio=2, layers=HOUSED), "modulus_ratio does not apply"),
+        (lambda: ratios(80, layers=HOUSED[::-1]), "divided by its inner radius must be >= 1.0001"),
+        (lambda: ratios(**RING | {"ball_support": "bore:0.8,45"}), "radius of the bore must be <="),
+        (lambda: ratios(**RING | {"ball_support": "pin:6e-3,9e-3"}), "pin requires a joint with"),
+        (lambda: ratios(**RING, socket_support="sector:40,90"), "first angle of socket_support"),
+        # solve
+        (lambda: sized().solve(), "exactly one of depth, force and depth_star must be given, got"),
+        (lambda: sized().solve(depth=1e-6, force=1.0), "must be given, got depth and force"),
+        (lambda: sized().solve(force=[1.0, -3.0]), "force must be > 0 N, got -3 N"),
+        (lambda: sized().solve(force=[]), "force must be one number or a list, got shape (0,)"),
+        (lambda: sized().solve(depth=np.nan), "depth must be finite and > 0 m, got nan m"),
+        (lambda: sized().solve(depth_star=-0.1), "depth_star must be > 0, got -0.1"),
+        (
+            lambda: ratios(200, 1.01).solve(depth_star=0.1, solver="quadratic"),
+            "outer radius of a layer divided by its inner radius must be >= 1.02",
+        ),
+        (
+            lambda: ratios(200, rim="free").solve(depth_star=0.1, solver="series"),
+            "solver must be quadratic or linear for this joint",
+        ),
+        (lambda: sized().solve(force=9, solver="fem"), "solver must be one of series, quadratic"),
+        (
+            lambda: ratios(200).solve(depth_star=0.1, resolution=48),
+            "resolution must be a multiple of 32, got 48",
+        ),
+        (lambda: ratios(200).solve(depth_star=0.1, resolution=16), "resolution must be >= 32"),
+        (
+            lambda: ratios(200).solve(depth_star=1e-9, resolution=32),
+            "depth_star must be 0 or large",
+        ),
+        (lambda: ratios(200).solve(depth_star=20, resolution=32), "depth_star must be < 18.97"),
+        (lambda: ratios(200).solve(depth_star=9, resolution=32), "rim of the socket"),
+        (lambda: ratios(**RING).solve(depth_star=0.5, tilt=0), "inside the opening of 55:125 deg"),
+        # curve
+        (lambda: ratios(200).curve(20), "deepest must be < 18.97"),
+        (lambda: ratios(20).curve(5), "rim of the socket (at a half-angle of 90 deg), got 5"),
+        (lambda: ratios(200).curve(1e-4), "deepest must be large enough for a contact of >= 16"),
+        (lambda: ratios(200).curve(resolution=100), "resolution must be a multiple of 32, got 100"),
+        (lambda: ratios(200).curve(0.5, tilt=20), "ball_support under a tilted load must be"),
     ],
 )
 def test_bad_input_is_one_clear_error(call, message):
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(ValueError, match=re.escape(message)) as error:
         call()
-
-
-@pytest.mark.parametrize(("r2_star", "depth"), [(20, 5.0), (10, 3.0)])
-def test_too_large_strains_end_in_an_error_with_a_remedy(r2_star, depth):
-    with pytest.raises(ComplementarityError, match="use smaller depths or linear kinematics"):
-        force_curve(Joint(r2_star, kinematics="finite"), depth, 64)
-
-
-@settings(max_examples=30)
-@given(ratio=st.floats(1e-9, 1e9), r2_star=st.floats(3, 1e40), thickness=st.floats(1.0001, 1e6))
-def test_a_joint_inside_its_limits_is_solved_or_refused(ratio, r2_star, thickness):
-    joint = Joint(r2_star, thickness, socket=Material(ratio * 2e11))
-    try:
-        curve = force_curve(joint, [0.2, 0.4], 64)
-    except RangeError:
-        return
-    assert (curve.force_star > 0).all()
-    assert np.isfinite(curve.force_star).all()
-
-
-@pytest.mark.parametrize("supports", [{}, {"ball_support": "clamped"}, {"kinematics": "finite"}])
-@pytest.mark.parametrize("depth", [1e-12, 4.7e-9, 1e-7])
-def test_a_contact_too_small_for_the_elements_is_said_to_be_so(supports, depth):
-    joint = Joint(200, **supports)
-    for solve in (lambda: force_curve(joint, [depth]), lambda: whole_curve(joint, depth)):
-        with pytest.raises(UnresolvedError, match="elements to resolve the contact|16 elements"):
-            solve()
+    assert not isinstance(error.value, ComplementarityError)

@@ -1,24 +1,21 @@
-"""Sockets of several layers: against one layer, closed forms, elements, CalculiX and limits."""
-
-from dataclasses import replace
+"""Sockets of several layers: against one layer, closed forms, elements and limits."""
 
 import numpy as np
 import pytest
 from helpers.bodies import of_socket
-from helpers.programs import needs_calculix
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from other_programs import calculix
 
-from study.joint import Joint, Layer, Material, force_curve, series
+from study.joint import Joint, Layer, Material, series
 from study.joint.compliance import Socket
 
 EVEN = np.arange(0, 10_001, 2)
 STEEL, PTFE = Material(2e11, 0.3), Material(5e8, 0.46)
 HOUSED = Layer(1.125, PTFE), Layer(1.5, STEEL)  # 2 mm in 6 mm, around R2 = 16 mm
-OTHER = Material(2.1e11)
 RIGID = 1e9
 DEPTHS = np.array([0.1, 0.3, 1.0])
+
+
+def forces(joint, resolution=None, solver=None, depths=DEPTHS):
+    return joint.solve(depth_star=depths, resolution=resolution, solver=solver).force_star
 
 
 @pytest.mark.parametrize("ratios", [(1.25, 1.5), (1.1, 1.5), (1.1, 1.3, 1.5), (1.499, 1.5)])
@@ -33,11 +30,11 @@ def test_layers_of_one_material_are_one_layer(ratios, poisson):
     ("supports", "tolerance"), [({}, 1e-10), ({"ball_support": "clamped", "rim": "free"}, 1e-5)]
 )
 def test_a_socket_of_one_material_in_layers_is_the_socket(supports, tolerance):
-    one = Joint(80, 1.5, **supports)
-    three = Joint(80, layers=tuple(Layer(q, Material()) for q in (1.1, 1.3, 1.5)), **supports)
+    one = Joint.from_ratios(80, 1.5, **supports)
+    layers = tuple(Layer(ratio, Material()) for ratio in (1.1, 1.3, 1.5))
+    three = Joint.from_ratios(80, layers=layers, **supports)
     resolution = 64 if supports else None  # meshes differ in their rings
-    forces = [force_curve(joint, DEPTHS, resolution).force_star for joint in (one, three)]
-    assert forces[1] == pytest.approx(forces[0], rel=tolerance)
+    assert forces(three, resolution) == pytest.approx(forces(one, resolution), rel=tolerance)
 
 
 def lame(ratios, poissons, moduli):
@@ -75,6 +72,7 @@ def test_amplitudes_meet_every_condition():
 
 def test_no_order_overflows_however_thin_thick_stiff_or_soft():
     orders = np.arange(0, 100_001, 2)
+    assert (series.ball(orders, 0.3).state(1.0)[0] < 0).all()
     for ratios in ((1.0001, 1.0003, 1.5), (1.1, 1e3, 1e6), (1e5, 1.1e5, 1e6)):
         for moduli in ((1.0, 1e9, 1e-9), (1.0, 1e-9, 1e9)):
             found = of_socket(orders, ratios, (0.3, 0.499, -0.5), moduli)
@@ -82,40 +80,10 @@ def test_no_order_overflows_however_thin_thick_stiff_or_soft():
             assert (found > 0).all()
 
 
-@pytest.mark.parametrize(
-    ("layers", "r2_star"),
-    [
-        (HOUSED, 80),
-        ((Layer(1.02, PTFE), Layer(1.3, STEEL)), 1000),
-        ((Layer(1.3, STEEL), Layer(1.5, PTFE)), 80),
-    ],
-)
-@pytest.mark.parametrize("kinematics", ["small", "linear"])
-def test_elements_agree_with_the_series(layers, r2_star, kinematics):
-    joint = Joint(r2_star, layers=layers, kinematics=kinematics)
-    exact = force_curve(joint, DEPTHS, 640).force_star
-    curve = force_curve(joint, DEPTHS, 160, "quadratic")
-    assert np.abs(curve.force_star / exact - 1).max() < 1e-3
-
-
-@needs_calculix
-@pytest.mark.parametrize("supports", [{}, {"ball_support": "clamped", "rim": "free"}])
-def test_calculix_agrees(supports):
-    joint = Joint(200, layers=HOUSED, **supports)
-    force = calculix.force_curve(joint, [0.3, 1.0], 32)
-    assert force == pytest.approx(force_curve(joint, [0.3, 1.0]).force_star, rel=3e-3)
-
-
-@needs_calculix
-def test_calculix_agrees_at_large_displacements():
-    joint = Joint(80, layers=HOUSED, kinematics="finite")
-    force = calculix.force_curve(joint, 0.1, 32)
-    assert force == pytest.approx(force_curve(joint, 0.1, 64).force_star, rel=5e-3)
-
-
 def liner(thickness, poisson, r2_star=1e6):
     """A liner between a rigid ball and a rigid backing."""
-    return Joint(r2_star, 1 + thickness, socket=Material(2e11 / RIGID, poisson))
+    socket = Material(2e11 / RIGID, poisson)
+    return Joint.from_ratios(r2_star, 1 + thickness, socket=socket)
 
 
 def thin_liner_force(depth, r2_star, thickness, poisson):
@@ -132,7 +100,7 @@ def thin_liner_force(depth, r2_star, thickness, poisson):
 def test_a_thin_liner_is_as_an_independent_series_has_it(poisson, expected):
     depth = np.array([0.2, 0.5, 1.0])
     limit = thin_liner_force(depth, 1e6, 0.01, poisson)
-    ratio = force_curve(liner(0.01, poisson), depth, 640).force_star / limit
+    ratio = forces(liner(0.01, poisson), 640, depths=depth) / limit
     assert ratio == pytest.approx(expected, abs=1e-3)
 
 
@@ -140,7 +108,7 @@ def test_a_thin_liner_is_as_an_independent_series_has_it(poisson, expected):
 def test_a_thin_compressible_liner_goes_to_winklers_springs(poisson):
     depth, errors = np.array([0.1, 0.5, 1.0]), []
     for thickness in (3e-3, 1e-3, 3e-4):
-        force = force_curve(liner(thickness, poisson), depth, 640).force_star
+        force = forces(liner(thickness, poisson), 640, depths=depth)
         limit = thin_liner_force(depth, 1e6, thickness, poisson)
         errors.append(np.abs(force / limit - 1).max())
     assert errors[0] > 2 * errors[1] > 4 * errors[2]
@@ -148,59 +116,20 @@ def test_a_thin_compressible_liner_goes_to_winklers_springs(poisson):
 
 
 def test_a_stiff_housing_is_a_rigid_backing():
-    backed = Joint(200, 1.1, socket=PTFE)
-    rigid = force_curve(backed, DEPTHS).force_star
-    differences = []
+    rigid, differences = forces(Joint.from_ratios(200, 1.1, socket=PTFE)), []
     for modulus in (2e11, 2e13, 2e15):
         layers = Layer(1.1, PTFE), Layer(1.4, Material(modulus))
-        differences.append(1 - force_curve(Joint(200, layers=layers), DEPTHS).force_star / rigid)
+        differences.append(1 - forces(Joint.from_ratios(200, layers=layers)) / rigid)
     assert (differences[0] > 0).all()
     for k in (1, 2):
         assert 100**k * differences[k] == pytest.approx(differences[0], rel=0.1)
 
 
 def test_what_follows_from_the_layers():
-    joint = Joint(80, layers=HOUSED)
-    assert (joint.socket_ratio, joint.socket) == (1.5, PTFE)
+    joint = Joint.from_ratios(80, layers=HOUSED)
+    assert (joint.socket_ratio, joint.innermost, joint.socket) == (1.5, PTFE, STEEL)
     assert joint.modulus_ratio == 0.0025
     assert joint.columns()["layers"] == "1.125,0.0025,0.46;1.5,1,0.3"
     expected = [(1.125, 1.5), (0.46, 0.3), (1.0, 400.0)]
     assert joint.socket_body.layers.tolist() == [list(of) for of in expected]
-    assert replace(joint, r2_star=90) == Joint(90, layers=HOUSED)
-    assert Joint(80).columns()["layers"] == ""
-
-
-@settings(max_examples=25)
-@given(
-    r2_star=st.floats(20, 1e4),
-    steps=st.lists(st.floats(1.002, 1.5), min_size=2, max_size=4),
-    poisson=st.floats(-0.3, 0.49),
-    stiffer=st.lists(st.floats(1e-3, 1e3), min_size=4, max_size=4),
-    kinematics=st.sampled_from(["small", "linear"]),
-)
-def test_any_lined_joint_stiffens_with_depth(r2_star, steps, poisson, stiffer, kinematics):
-    each = zip(np.cumprod(steps).tolist(), stiffer, strict=False)
-    layers = tuple(Layer(q, Material(2e11 * e, poisson)) for q, e in each)
-    curve = force_curve(Joint(r2_star, layers=layers, kinematics=kinematics), [0.2, 0.4, 0.6], 64)
-    assert (np.diff(curve.force_star, 2, prepend=0) > 0).all()
-    assert (np.diff(curve.contact_half_angle_deg) > 0).all()
-    assert (np.diff(curve.peak_pressure_star) > 0).all()
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (
-            lambda: Joint(80, 1.4, layers=HOUSED),
-            "socket_ratio does not apply",
-        ),
-        (
-            lambda: Joint(80, socket=OTHER, layers=HOUSED),
-            "socket does not apply",
-        ),
-        (lambda: Joint(80, layers=HOUSED[::-1]), "divided by its inner radius must be >= 1.0001"),
-    ],
-)
-def test_bad_input_is_one_clear_error(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()
+    assert Joint.from_ratios(80).columns()["layers"] == ""

@@ -11,7 +11,7 @@ from helpers.with_hertz import simulate
 from study import contact, paths
 from study.checks import RangeError
 from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
-from study.joint import Joint, Material, complementarity, force_curve, paper_joint
+from study.joint import Joint, Material, complementarity, reference_joint
 from study.joint.compliance import surface_angles
 from study.measure import explicit, stability, thresholds
 from study.mechanism import MechanismError, paper_scene, particles, rigid
@@ -325,7 +325,7 @@ def test_pivoting_takes_few_steps():
 
 
 def test_no_contact_has_no_force():
-    curve = force_curve(Joint(200), [0.0, 0.5], resolution=64)
+    curve = Joint.from_ratios(200).solve(depth_star=[0.0, 0.5], resolution=64)
     assert curve.force_star[0] == curve.contact_half_angle_deg[0] == curve.error_estimate[0] == 0
     assert curve.force_star[1] > 0
 
@@ -339,31 +339,33 @@ def test_no_contact_has_no_force():
     ],
 )
 def test_contact_is_solved_up_to_the_rim_and_refused_there(r2_star, reach, message):
-    assert force_curve(Joint(r2_star), 0.999 * reach, resolution=64).force_star > 0
+    assert Joint.from_ratios(r2_star).solve(depth_star=0.999 * reach, resolution=64).force_star > 0
     with pytest.raises(RangeError, match=re.escape(message)):
-        force_curve(Joint(r2_star), 1.001 * reach, resolution=64)
+        Joint.from_ratios(r2_star).solve(depth_star=1.001 * reach, resolution=64)
 
 
 @pytest.mark.parametrize("resolution", [32, 128])
 def test_smallest_contact_is_that_of_one_hat(resolution):
     pole = surface_angles(resolution // 2)[1]
     smallest = 0.15 * pole**2
-    true = force_curve(Joint(200), 1.01 * smallest, resolution=640).force_star
-    coarse = force_curve(Joint(200), 1.01 * smallest, resolution=resolution)
+    true = Joint.from_ratios(200).solve(depth_star=1.01 * smallest, resolution=640).force_star
+    coarse = Joint.from_ratios(200).solve(depth_star=1.01 * smallest, resolution=resolution)
     assert coarse.force_star == pytest.approx(true, rel=0.05)
     assert coarse.error_estimate > 0.5  # the coarser mesh has only just seen it
     with pytest.raises(RangeError, match="large enough for the elements to resolve the contact"):
-        force_curve(Joint(200), 0.99 * smallest, resolution=resolution)
+        Joint.from_ratios(200).solve(depth_star=0.99 * smallest, resolution=resolution)
 
 
 def test_extreme_radii_are_solved_or_the_estimate_warns():
     for r2_star in (2.0, 20.0, 1e6, 1e12):
         depth = 0.5 * min(1, (2 * r2_star - 1) ** 0.5 - 1)
-        assert force_curve(Joint(r2_star), depth, resolution=160).error_estimate < 2e-3
+        assert (
+            Joint.from_ratios(r2_star).solve(depth_star=depth, resolution=160).error_estimate < 2e-3
+        )
     for r2_star in (1.001, 1.01):
         depth = 0.5 * ((2 * r2_star - 1) ** 0.5 - 1)
-        coarse = force_curve(Joint(r2_star), depth, resolution=64)
-        fine = force_curve(Joint(r2_star), depth, resolution=640)
+        coarse = Joint.from_ratios(r2_star).solve(depth_star=depth, resolution=64)
+        fine = Joint.from_ratios(r2_star).solve(depth_star=depth, resolution=640)
         apart = abs(coarse.force_star / fine.force_star - 1)
         assert apart < 3 * coarse.error_estimate  # it warns, though of less than it misses
         assert coarse.error_estimate > 0.01
@@ -372,10 +374,10 @@ def test_extreme_radii_are_solved_or_the_estimate_warns():
 def test_three_node_triangles_lock_and_six_node_ones_do_not():
     for poisson, least, most in ((0.3, 0.002, 0.02), (0.4999, 0.4, 0.7)):
         material = Material(poisson=poisson)
-        joint = Joint(200, ball=material, socket=material)
-        true = force_curve(joint, 0.1).force_star
-        linear = force_curve(joint, 0.1, resolution=64, solver="linear")
-        quadratic = force_curve(joint, 0.1, resolution=64, solver="quadratic")
+        joint = Joint.from_ratios(200, ball=material, socket=material)
+        true = joint.solve(depth_star=0.1).force_star
+        linear = joint.solve(depth_star=0.1, resolution=64, solver="linear")
+        quadratic = joint.solve(depth_star=0.1, resolution=64, solver="quadratic")
         assert least < linear.force_star / true - 1 < most
         assert quadratic.force_star == pytest.approx(true, rel=0.006)
         assert quadratic.error_estimate > abs(quadratic.force_star / true - 1)
@@ -386,7 +388,7 @@ def test_three_node_triangles_lock_and_six_node_ones_do_not():
 
 
 def test_laws_that_extrapolate_beyond_one_clearance_are_this_far_off():
-    true = force_curve(paper_joint(), 1.2).force_star[0]
+    true = reference_joint().solve(depth_star=1.2).force_star[0]
     errors = {name: contact.LAWS[name](1.2, 200) / true - 1 for name in contact.PAPER_LAWS}
     assert errors["hyperbolic_winkler"] == pytest.approx(0.17, abs=0.01)
     assert errors["winkler"] == pytest.approx(0.58, abs=0.02)

@@ -10,7 +10,7 @@ from other_programs import odes
 
 from study import contact, mechanism
 from study.choose import choose, choose_model
-from study.joint import DimensionalJoint, Joint, Layer, Material, whole_curve
+from study.joint import Joint, Layer, Material
 from study.measure import explicit
 from study.mechanism import Scene, compare, paper_scene
 
@@ -21,7 +21,7 @@ OPTIONS = {"modulus_ratio": 1.1 / 2.07, "poisson": 0.3, "socket_poisson": 0.34}
 
 
 def table(**joint):
-    return contact.tabulated(whole_curve(Joint(200, **joint)))
+    return contact.tabulated(Joint.from_ratios(200, **joint).curve())
 
 
 def test_materials_are_those_of_all_bodies_or_a_bodys_own():
@@ -141,7 +141,7 @@ def test_the_table_of_the_scenes_joint_is_that_of_a_joint_with_dimensions():
     run = partial(simulate, MIXED, law="tabulated", wall=3e-3, **BRIEF)
     by_name = run()
     assert by_name.law.startswith("tabulated: r2_star 200, socket_ratio 1.3, ball_support guided")
-    joint = DimensionalJoint(10e-3, 5e-5, 3e-3, STEEL, BRONZE)
+    joint = Joint(10e-3, 5e-5, 3e-3, STEEL, BRONZE)
     for law in (joint, joint.law()):
         response = simulate(MIXED, law=law, **BRIEF)
         assert response.rows.tobytes() == by_name.rows.tobytes()
@@ -155,7 +155,7 @@ def test_the_table_of_the_scenes_joint_is_that_of_a_joint_with_dimensions():
 
 def test_a_liner_is_softer_and_counts_with_its_own_modulus():
     liner = ("0.5e-3,PTFE",)
-    lined = DimensionalJoint(10e-3, 5e-5, 3e-3, STEEL, BRONZE, liner)
+    lined = Joint(10e-3, 5e-5, 3e-3, STEEL, BRONZE, liner)
     bare = simulate(MIXED, law="tabulated", wall=3e-3, **BRIEF).impacts
     modulus = lined.joint.composite_modulus
     for scene in (PAPER, MIXED):  # without materials, and with those of ball and socket
@@ -203,7 +203,7 @@ def test_a_scene_outside_the_range_of_the_default_law_is_told_what_to_take():
 
 
 def test_a_law_with_options_inside_is_refused():
-    inner = choose(Joint(200), 0.3, 0.01).evaluate
+    inner = choose(Joint.from_ratios(200), 0.3, 0.01).evaluate
     with pytest.raises(ValueError, match="law must be a law without options"):
         simulate(PAPER, law=inner, **BRIEF)
 

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from study import contact, dataset, mechanism, paths
 from study.contact import LAWS
 from study.contact.damping import DAMPINGS
-from study.joint import Joint, force_curve
+from study.joint import Joint
 from study.measure import explicit
 from study.mechanism import MechanismError, Scene, compare, paper_scene, rigid, stepping
 from study.mechanism.joints import ContactState
@@ -105,7 +105,7 @@ def test_ideal_mechanism_is_known_to_1e_9(time):
 
 
 def test_a_joints_own_curve_drives_the_mechanism():
-    curve = force_curve(Joint(200), np.linspace(0.025, 1, 40) ** 2)
+    curve = Joint.from_ratios(200).solve(depth_star=np.linspace(0.025, 1, 40) ** 2)
     tabulated, closed = (
         simulate(law=law, duration=0.02, outputs=200)
         for law in (contact.tabulated(curve), "stiffened_hertz")
@@ -498,7 +498,7 @@ def test_lead_and_last_separation():
 
 
 def test_a_law_that_ends_before_one_clearance_is_refused():
-    curve = force_curve(Joint(200), np.linspace(0.05, 0.5, 12) ** 2)
+    curve = Joint.from_ratios(200).solve(depth_star=np.linspace(0.05, 0.5, 12) ** 2)
     with pytest.raises(
         ValueError, match=r"law must .* depth of one clearance, .* depth of tabulated must"
     ):

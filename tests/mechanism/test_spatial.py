@@ -13,7 +13,7 @@ from study.checks import StudyError
 from study.contact import forces
 from study.contact.damping import damping_factor, delivered_restitution
 from study.contact.friction import friction_regime
-from study.joint import DimensionalJoint
+from study.joint import Joint
 from study.mechanism import Scene, simulate
 from study.mechanism.spatial import ClearanceJoint, solve
 
@@ -23,7 +23,7 @@ IN_THE_PLANE = {"damping": "lankarani-nikravesh", "tension": True}
 ENERGIES = ["kinetic", "potential", "elastic", "lost_damping", "lost_friction"]
 
 
-BRONZE = DimensionalJoint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
+BRONZE = Joint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
 
 
 def clearance_joint(law="hertz", **changes):

@@ -1,6 +1,6 @@
 """The joint in CalculiX: axisymmetric triangles, frictionless contact by penalty.
 
-Bodies and meshes are those of `study.joint.fem`; the search, integration and solution of the
+Bodies and meshes are those of `study.joint.meridian`; the search, integration and solution of the
 contact are CalculiX's, on moved surfaces. Lengths are in socket radii R2 and stresses in E*;
 the deck's x is r and its y is z.
 
@@ -20,11 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.joint import Joint, fem
-from study.joint.compliance import Ball
+from study.joint import Joint, meridian, modes
 
 CONTACTS = {"surface": "SURFACE TO SURFACE", "node": "NODE TO SURFACE"}
-KINEMATICS = ("linear", "finite")
 PENALTY = 5000.0
 TIMEOUT = 1800.0  # s
 _SECTORS = 180  # an axisymmetric element stands for a sector of 2 degrees
@@ -48,14 +46,15 @@ def force_curve(
     nodes: int = 6,
     penalty: float = PENALTY,
     contact: str = "surface",
+    large: bool = False,
 ) -> NDArray[np.float64]:
     """Dimensionless force P/(E* dR^2) at given depths, in one run with one step per depth.
 
     Parameters
     ----------
     joint
-        ``linear`` kinematics have no NLGEOM, ``finite`` have it; ``ball_support`` is ``guided`` or
-        ``clamped``.
+        Of ``linear`` kinematics, with a hemispherical socket that is held at its whole outside;
+        ``ball_support`` is ``guided`` or ``clamped``.
     depth_star
         Penetration depths over dR, >= 0, in any order.
     resolution
@@ -67,13 +66,15 @@ def force_curve(
     contact
         From ``surface`` to surface, which CalculiX's manual recommends for six nodes; or from
         ``node`` to surface, which takes a sixth of the time and scatters by up to 0.8 %.
+    large
+        Whether displacements are large ones (NLGEOM), or small ones with contact on moved surfaces.
 
     Raises `study.checks.StudyError` if CalculiX is missing, fails or takes too long.
     """
     depths = np.atleast_1d(depth_star)
     ordered, places = np.unique(depths, return_inverse=True)
     touching = ordered > 0
-    text = deck(joint, ordered[touching], resolution, nodes, penalty, contact)
+    text = deck(joint, ordered[touching], resolution, nodes, penalty, contact, large)
     force = np.zeros(ordered.shape)
     if touching.any():
         force[touching] = _SECTORS * joint.r2_star**2 * run(text, np.count_nonzero(touching))
@@ -87,21 +88,22 @@ def deck(
     nodes: int = 6,
     penalty: float = PENALTY,
     contact: str = "surface",
+    large: bool = False,
 ) -> str:
     """CalculiX's input for increasing depths > 0; arguments and errors as for `force_curve`."""
-    checks.choice("kinematics", joint.kinematics, KINEMATICS)
+    checks.choice("kinematics", joint.kinematics, ("linear",))
     checks.choice("ball_support", str(joint.ball_support), ("guided", "clamped"))
-    ball = fem.ball_mesh(Ball(), resolution, nodes)
-    socket = fem.socket_mesh(joint.socket_body, resolution, nodes)
+    bodies = joint.ball_body, joint.socket_body
+    ball, socket = (modes.meshed(body, resolution, nodes).mesh for body in bodies)
     ratios, poissons, moduli = joint.socket_body.layers
-    radius, clearance = joint.ball_radius, 1 / joint.r2_star
+    radius, clearance = joint.radius_ratio, 1 / joint.r2_star
     lines = [
         *_body("BALL", ball, radius * ball.doflocs + [[0], [clearance]], (1, 1)),
         *_body("SOCKET", socket, socket.doflocs, (1 + ball.doflocs.shape[1], 1 + ball.nelements)),
     ]
     of_ball, of_socket = joint.modulus_shares
     lines += material("BALL", 1 / of_ball, joint.ball.poisson)
-    layer = fem.layer_of(socket, ratios)
+    layer = meridian.layer_of(socket, ratios)
     for k, (poisson, modulus) in enumerate(zip(poissons, moduli, strict=True)):
         lines += [f"*ELSET, ELSET=LAYER{k}"]
         lines += [f"{i}," for i in np.flatnonzero(layer == k) + 1 + ball.nelements]
@@ -114,7 +116,7 @@ def deck(
     ]
     for depth in depth_star:
         lines += [
-            "*STEP, INC=1000" + (", NLGEOM" if joint.kinematics == "finite" else ""),
+            "*STEP, INC=1000" + (", NLGEOM" if large else ""),
             *("*STATIC", "1., 1."),
             *("*BOUNDARY", f"BALLEQUATOR, 2, 2, {depth * clearance:.12g}"),
             *("*NODE PRINT, NSET=BALLEQUATOR, TOTALS=ONLY, FREQUENCY=1000", "RF"),

@@ -59,7 +59,7 @@ def deck(joint, depth_star, resolution=8, shells=3, penalty=3000.0):
     def in_ball(points, share):
         theta, phi = points.T
         radius = bore.radius + share * (np.sin(theta) - bore.radius)
-        return centre + joint.ball_radius * _cylindrical(radius, phi, np.cos(theta))
+        return centre + joint.radius_ratio * _cylindrical(radius, phi, np.cos(theta))
 
     def in_socket(points, radius):
         theta, phi = points.T

@@ -52,7 +52,7 @@ def deck(joint, depth_star, tilt, resolution=3, shells=2, shift=0.3, penalty=300
     centre = np.array([np.sin(np.radians(tilt)), 0, np.cos(np.radians(tilt))]) / joint.r2_star
     half = (1 - core) / 2
     outer, inner = graded(half, _DEPTH_SCALE, shells), graded(half, core, shells)
-    radii = joint.ball_radius * np.append(1 - outer, core + inner[-2::-1])
+    radii = joint.radius_ratio * np.append(1 - outer, core + inner[-2::-1])
     points, quads, near = _half_sphere(resolution, opening, shift)
     in_ball = partial(_on_sphere, centre=centre)
     ball, after = body("BALL", points, quads[:, ::-1], near, radii, in_ball, (1, 1))

@@ -12,7 +12,7 @@ import pytest
 from helpers.programs import CHROMIUM
 from scipy.optimize import minimize_scalar
 
-from study.joint import DimensionalJoint, whole_curve
+from study.joint import Joint
 from study.pages.report import numbers as page_of_joint
 
 STATIC = Path(page_of_joint.__file__).parent / "static"
@@ -85,7 +85,7 @@ def joints():
     rng, given = np.random.default_rng(2024), []
     for k in range(200):
         joint = random_joint(rng)
-        law = DimensionalJoint(**joint).law("stiffened_hertz")
+        law = Joint(**joint).law("stiffened_hertz")
         depth = law.deepest * 10 ** rng.uniform(-4, 0)
         asked = {"depth": depth} if k % 2 else {"force": law.force(depth)}
         given.append(({"joint": joint} | asked, law))
@@ -133,8 +133,8 @@ def test_half_angle_and_pressure_are_the_solvers(computed):
     rng, given, wanted = np.random.default_rng(7), [], []
     for _ in range(COUNT):
         joint = random_joint(rng, 11, 3.5)
-        of_python = DimensionalJoint(**joint)
-        curve = whole_curve(of_python.joint)
+        of_python = Joint(**joint)
+        curve = of_python.joint.curve()
         first, last = np.searchsorted(curve.depth_star, [0.01, 1.0])
         k = rng.integers(first, last)
         depth = curve.depth_star[k] * of_python.clearance
@@ -164,7 +164,7 @@ def test_what_python_refuses_the_page_refuses_in_the_same_words(computed):
     given = [({"joint": USUAL, "depth": 1e-6} | split(wrong)) for wrong in WRONG]
     for case, of_page in zip(given, computed(given), strict=True):
         with pytest.raises(ValueError, match=" must be ") as refused:
-            law = DimensionalJoint(**case["joint"]).law("stiffened_hertz")
+            law = Joint(**case["joint"]).law("stiffened_hertz")
             if "force" in case:
                 law.depth(case["force"])
             law.force(case["depth"])
@@ -186,7 +186,7 @@ def test_the_largest_stress_is_within_the_bounds_of_the_page(computed):
         sizes = {"socket_radius": 1.0, "clearance": 10 ** -(1.4 + k / 6)}
         sizes["wall"] = 0.101 if k % 2 else 0.1 + 10 ** rng.uniform(-2, 0.7)
         joint = random_joint(rng, 10) | sizes
-        of_python = DimensionalJoint(**joint)
+        of_python = Joint(**joint)
         depths = of_python.clearance * np.array([0.01, 0.1, 0.4, 1.0])
         solved = of_python.solve(depth=depths)
         given += [{"joint": joint, "depth": depth} for depth in depths]

@@ -11,7 +11,7 @@ import typst
 from study import paths
 from study.checks import StudyError
 from study.contact import stiffened_hertz
-from study.joint import paper_joint
+from study.joint import reference_joint
 from study.pages import typeset
 
 TEXT = typeset.SOURCE.read_text(encoding="utf-8")
@@ -44,7 +44,7 @@ def test_the_worked_example_is_that_of_the_law():
     (worked,) = json.loads(
         typst.query(typeset.SOURCE, "<worked>", field="value", **typeset.options())
     )
-    options = paper_joint(200).correction_options()
+    options = reference_joint(200).law_options("stiffened_hertz")
     for name, derivative in (("force", False), ("slope", True)):
         expected = stiffened_hertz(0.25, 200, derivative=derivative, **options)
         np.testing.assert_allclose(worked[name], expected, rtol=1e-5)

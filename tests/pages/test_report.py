@@ -22,7 +22,7 @@ from nbformat import v4
 from study import dataset, paths
 from study.checks import StudyError
 from study.contact import COMPARED_LAWS
-from study.joint import DimensionalJoint
+from study.joint import Joint
 from study.pages import catalogue, execute, report
 from study.pages.catalogue import CATALOGUE, results
 from study.pages.report import pages as sources_of_pages
@@ -521,7 +521,7 @@ def test_a_joint_follows_its_form_and_the_address_follows_it(browse):
         assert parsed(copied) == parsed(line)
     assert found["same"] == found["first"]
     sizes = {"socket_radius": 12.5e-3, "clearance": 40e-6, "wall": 6e-3, "socket": "bronze"}
-    depth = DimensionalJoint(**sizes).law("stiffened_hertz").depth(3000)
+    depth = Joint(**sizes).law("stiffened_hertz").depth(3000)
     assert found["depth"] == f"{1e6 * depth:.6g}"
     assert found["clamped"] != found["first"]
     beyond = "Value: depth of stiffened_hertz must be <= 4e-05 m, got 5e-05 m"

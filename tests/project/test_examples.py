@@ -45,7 +45,7 @@ def test_examples_of_docstrings_print_what_they_show(module):
 @pytest.mark.parametrize(
     ("owner", "name"),
     [
-        ("study.joint", "DimensionalJoint"),
+        ("study.joint", "Joint"),
         ("study.joint", "Joint"),
         ("study.joint", "force_curve"),
         ("study.contact", "DimensionalLaw"),

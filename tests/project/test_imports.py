@@ -28,7 +28,7 @@ def loaded(code):
     [
         ("import study.contact", HEAVY),
         ("from study.mechanism import Scene, simulate", {"skfem", "matplotlib", "study.dataset"}),
-        ("from study.joint import Joint, Material, force_curve", HEAVY),
+        ("from study.joint import Joint, Material", HEAVY),
         (LIST, {*HEAVY, "snakemake", "sqlalchemy", "scipy", "papermill"}),
     ],
 )

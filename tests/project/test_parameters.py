@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from study.joint.dimensional import Liner
 from typer.main import get_group
 
 from study.checks import RangeError
 from study.cli.options import app, flag
 from study.contact import Material
-from study.joint import DimensionalJoint, Joint, Layer, RatioJoint
-from study.joint.dimensional import Liner
+from study.joint import Joint, Layer
 from study.joint.supports import (
     BALL_SUPPORTS,
     SOCKET_SUPPORTS,
@@ -30,7 +30,7 @@ from study.mechanism.simulate import simulate
 from study.parameters import defaults, described
 from study.sweep.cases import FORMS
 
-CLASSES = (Joint, RatioJoint, DimensionalJoint, Scene, Material, Layer, Liner, Core, Neck, Sector)
+CLASSES = (Joint, RatioJoint, Scene, Material, Layer, Liner, Core, Neck, Sector)
 OWNERS = (*CLASSES, simulate)
 EVERY = [
     pytest.param(owner, name, about, id=f"{owner.__name__}.{name}")
@@ -42,7 +42,7 @@ OUTSIDE = {"above": -math.inf, "least": -math.inf, "below": math.inf, "most": ma
 """Limit -> where the next number outside it is."""
 GIVEN = {
     Joint: {"r2_star": 200.0},
-    DimensionalJoint: {"socket_radius": 0.01, "clearance": 1e-4, "wall": 3e-3},
+    Joint: {"socket_radius": 0.01, "clearance": 1e-4, "wall": 3e-3},
     Layer: {"outer_ratio": 1.2, "material": Material()},
     Liner: {"thickness": 1e-3, "material": Material()},
     Core: {"radius": 0.2},
@@ -52,12 +52,12 @@ GIVEN = {
 """What an object needs."""
 COMMANDS = {
     RatioJoint: ("joint", "choose", "export"),
-    DimensionalJoint: ("joint", "export"),
+    Joint: ("joint", "export"),
     simulate: ("simulate",),
 }
 COLUMNS = {
     RatioJoint: "joints",
-    DimensionalJoint: "joints with dimensions",
+    Joint: "joints with dimensions",
     Scene: "scenes",
     simulate: "scenes",
 }
@@ -204,7 +204,7 @@ def test_every_parameter_is_a_column(owner):
         assert name in OF_PYTHON or columns[name] is about
 
 
-@pytest.mark.parametrize("owner", [Joint, RatioJoint, DimensionalJoint, Scene, Material, simulate])
+@pytest.mark.parametrize("owner", [Joint, RatioJoint, Scene, Material, simulate])
 def test_documentation_has_every_parameter_with_unit_and_range(owner):
     document = " ".join(owner.__doc__.split())
     for name, about in described(owner).items():
@@ -216,9 +216,9 @@ def test_documentation_has_every_parameter_with_unit_and_range(owner):
 
 @pytest.mark.parametrize("kind", [np.float32, np.float64, np.longdouble, np.int64, np.array])
 def test_numpys_numbers_are_stored_as_pythons(kind):
-    joint = Joint(kind(200), kind(2), Material(kind(2**37), poisson=0.25))
-    assert joint == Joint(200, 2, Material(2**37, poisson=0.25))
-    assert hash(joint) == hash(Joint(200, 2, Material(2**37, poisson=0.25)))
+    joint = Joint.from_ratios(kind(200), kind(2), ball=Material(kind(2**37), poisson=0.25))
+    assert joint == Joint.from_ratios(200, 2, ball=Material(2**37, poisson=0.25))
+    assert hash(joint) == hash(Joint.from_ratios(200, 2, ball=Material(2**37, poisson=0.25)))
     assert {type(joint.r2_star), type(joint.socket_ratio)} == {float}
     scene = Scene(coupler_length=kind(2), gravity=kind(9))
     assert (scene, type(scene.gravity)) == (Scene(coupler_length=2, gravity=9), float)

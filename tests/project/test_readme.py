@@ -13,7 +13,7 @@ import pytest
 
 import study
 from study import contact, paths
-from study.joint import DimensionalJoint
+from study.joint import Joint
 from study.pages import catalogue
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
@@ -135,7 +135,7 @@ def test_the_other_support_is_as_much_stiffer():
     )
     sizes = {"socket_radius": 12.5e-3, "clearance": 40e-6, "wall": 6e-3, "socket": "bronze"}
     free, clamped = (
-        DimensionalJoint(**sizes, ball_support=drive).solve(force=3000).stiffness[0]
+        Joint(**sizes, ball_support=drive).solve(force=3000).stiffness[0]
         for drive in ("guided", "clamped")
     )
     assert 100 * (clamped / free - 1) == pytest.approx(percent, abs=0.5)

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 LIBRARY = """
 import study
 from study import contact, export
-from study.joint import Joint, Material, force_curve
+from study.joint import Joint, Material
 from study.mechanism import Scene, simulate
 
 joint = Joint(75, socket=Material(7e10, 0.33))

@@ -6,8 +6,8 @@ from study.contact.laws import LIMIT_MARGIN, stiffened_hertz
 from study.contact.power_fit import USUAL_RANGE
 from study.dataset import design, store
 from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
-from study.joint.dimensional import LEAST_CLEARANCE
-from study.joint.law_parameters import law_parameters
+from study.joint.joint import LARGEST_R2_STAR
+from study.joint.solution import quantities
 from study.joint.stress import hertz_von_mises
 from study.pages import catalogue
 from study.pages.figures import LOOKS
@@ -55,7 +55,7 @@ def curves() -> dict:
         fitted_to = usual["depth_star"], usual["force_star"]
         for law in COMPARED_LAWS:
             try:
-                options = law_parameters(LAWS[law], joint, *fitted_to)
+                options = joint.law_options(law, *fitted_to)
                 force = LAWS[law](depth, joint.r2_star, **options)
                 case["laws"][law] = [_rounded(value) for value in force]
             except ValueError as error:
@@ -67,14 +67,14 @@ def curves() -> dict:
 
 
 def _parameters(joint):
-    ball, socket = joint.ball, joint.socket
+    bodies = joint.ball, joint.innermost
     return {
         "kinematics": joint.kinematics,
         "support": f"{joint.ball_support}, {joint.rim}",
         "modulus_ratio": f"{joint.modulus_ratio:g}",
         "socket_ratio": f"{joint.socket_ratio:g}",
         "layers": joint.columns()["layers"] or "none",
-        "poisson": " / ".join(dict.fromkeys((f"{ball.poisson:g}", f"{socket.poisson:g}"))),
+        "poisson": " / ".join(dict.fromkeys(f"{of.poisson:g}" for of in bodies)),
         "r2_star": f"{joint.r2_star:g}",
     }
 
@@ -93,9 +93,10 @@ def joint_data() -> dict:
         "tables": [path.read_text(encoding="utf-8") for path in tables],
         **{name.lower(): getattr(stiffening, name) for name in COPIED},
         "to_powers": stiffening._POWERS.tolist(),
+        "quantities": {name: vars(of) for name, of in quantities(dimensions=True).items()},
         "deepest": shapes.stiffened.deepest,
         "margin": LIMIT_MARGIN,
-        "least_clearance": LEAST_CLEARANCE,
+        "least_clearance": 1 / LARGEST_R2_STAR,
         "walls": [THINNEST_RATIO - 1, THICKEST_RATIO - 1],
         "choices": {name: of.choices for name, of in stiffened_hertz.options.items() if of.choices},
         "softest": checks.SOFTEST,

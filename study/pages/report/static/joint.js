@@ -3,6 +3,7 @@
 "use strict";
 window.STIFFENED_HERTZ = (() => {
   const data = window.JOINT_DATA, count = data.to_powers.length;
+  const LEAST_R2_STAR = 10;  // of a joint; that of the law is in the data
   const [force, sizes] = data.tables.map((text) => text.trim().split("\n").slice(1).map((line) => line.split(",")));
   const tables = [force, ...["half_angle", "peak_pressure"].map((name) =>
     sizes.filter((row) => row[0] === name).map((row) => row.slice(1)))].map((rows) => rows.map((row) => row.map(Number)));
@@ -69,12 +70,15 @@ window.STIFFENED_HERTZ = (() => {
     return [depth * root * factor, root * 1.5 * factor + depth * slope * (1 - u) ** 2 / 2, factor];
   }
 
-  // A law of a joint; checks are those of `study.joint.DimensionalJoint` and of the law, in their order.
+  // A law of a joint; checks are those of `study.joint.Joint` and of the law, in their order.
   function law({ socket_radius, clearance, wall, ball, socket, ball_support, rim }) {
     const margin = 1 + data.margin;
     number("socket_radius", socket_radius, "m", { ">": 0 });
     number("clearance", clearance, "m", { ">": 0 });
-    number("clearance", clearance, "m", { ">=": data.least_clearance * socket_radius, "<": socket_radius });
+    if (+(socket_radius / clearance).toPrecision(12) < LEAST_R2_STAR)
+      throw new Error(`clearance must be <= ${general(socket_radius / LEAST_R2_STAR)} m, a tenth of the radius of the socket, got ${general(clearance)} m; ` +
+        "such a loose ball is not in a clearance joint, for which the solution assumes small displacements");
+    number("clearance", clearance, "m", { ">=": (1 - 1e-9) * data.least_clearance * socket_radius });
     number("wall", wall, "m", { ">=": data.walls[0] * socket_radius, "<=": data.walls[1] * socket_radius });
     const [first, second] = [material("ball", ball), material("socket", socket)], modulus_ratio = second.youngs_modulus / first.youngs_modulus;
     const name = "Young's modulus of the socket divided by that of the ball", most = data.ranges.modulus_ratio[1];

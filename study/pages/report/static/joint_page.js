@@ -2,15 +2,17 @@
 "use strict";
 (() => {
   const { law: lawOf, general, read, number } = window.STIFFENED_HERTZ, { svg, html } = window.ELEMENTS;
-  const { judged, materials } = window.JOINT_DATA;
+  const { judged, materials, quantities } = window.JOINT_DATA;
   const form = document.getElementById("joint"), fields = form.elements, part = (id) => document.getElementById(id);
-  const MICRO = 1e-6, ROUGHNESS = 0.1 * MICRO, BODIES = ["ball", "socket"], UNITS = { mm: 1e-3, um: MICRO, GPa: 1e9, MPa: 1e6 };
+  const MICRO = 1e-6, ROUGHNESS = 0.1 * MICRO, BODIES = ["ball", "socket"], UNITS = { mm: 1e-3, um: MICRO, GPa: 1e9, MPa: 1e6, "N/um": 1e6 };
   const FIELDS = { socket_radius: "socket_radius_mm", clearance: "clearance_um", r2_star: "clearance_um", wall: "wall_mm", socket_ratio: "wall_mm", force: "value", depth: "value" };
   const MEANS = { r2_star: "r2_star is the socket's inner radius over the clearance", socket_ratio: "socket_ratio is 1 + wall/inner radius" };
   let found = {}, saving = 0;
 
   const few = (value, digits = 4) => general(+value.toPrecision(digits));
   const rounded = (value) => +value.toPrecision(12);
+  const unitOf = (name) => quantities[name].read.replace("um", "µm"), inUnit = (name) => UNITS[quantities[name].read] ?? 1;
+  const result = (name, value, more = "") => [quantities[name].meaning, `${few(value / inUnit(name))} ${unitOf(name)}${more}`];
   const known = (body) => materials.find((row) => row.name === fields[body].value);
   const numbersOf = (body) => ["youngs_modulus_GPa", "poisson", "yield_stress_MPa"].map((name) => `${body}_${name}`);
 
@@ -75,13 +77,13 @@
       return [body, strength ? [strength / most, strength / least] : null];
     }));
     list("results", [
-      ["Depth", `${few(depth / MICRO)} µm, or ${few(depth / law.clearance)} clearances`],
-      ["Force", `${few(force)} N`],
-      ["Stiffness", `${few(law.stiffness(depth) * MICRO)} N/µm`],
-      ["Half-angle of the contact", `${few(size.half_angle)}°`],
-      ["Peak pressure", `${few(size.peak_pressure * MICRO)} MPa`],
+      result("depth", depth, `, or ${few(depth / law.clearance)} clearances`),
+      result("force", force),
+      result("stiffness", law.stiffness(depth)),
+      result("contact_half_angle_deg", size.half_angle),
+      result("peak_pressure", size.peak_pressure),
       ...Object.entries(factors).map(([body, range]) => [`Factor to yield of the ${body}`, range ? `${range.map((factor) => few(factor, 2)).join(" to ")} (bounds; study joint computes it)` : "the material has no yield stress"]),
-      ["Error of the force", `at most ${few(judged.validation, 2)} % on random joints, ${few(judged.ends, 2)} % at the ends of the law's ranges`],
+      ["Error of the force, relative to elastic solutions for small displacements", `at most ${few(judged.validation, 2)} % on random joints, ${few(judged.ends, 2)} % at the ends of the law's ranges`],
       [`Power law F = k dⁿ of stiffened_hertz, from ${from} to ${to} clearances`, `n = ${general(n)}, k = ${general(k)} N/mⁿ = ${perMm} N/mmⁿ`],
       ["Largest error of the power law", `${few(100 * error, 2)} %`],
     ]);
@@ -116,8 +118,8 @@
       start + k / 100 * (end - start)).map((d) => `${x(d).toFixed(1)} ${y(of(d)).toFixed(1)}`).join("L") });
     part("curve").setAttribute("aria-label", `Force over depth: ${few(force)} N at ${few(depth / MICRO)} µm`);
     part("curve").replaceChildren(
-      ...ticks(most / MICRO).map((t) => words(general(t), x(t * MICRO), bottom + 16)), words("depth, µm", (left + right) / 2, bottom + 34),
-      ...ticks(highest).flatMap((t) => [svg("path", { class: "grid", d: `M${left} ${y(t)}H${right}` }), words(general(t), left - 6, y(t) + 4, "end")]), words("force, N", 4, 14, "start"),
+      ...ticks(most / inUnit("depth")).map((t) => words(general(t), x(t * inUnit("depth")), bottom + 16)), words(`${quantities.depth.meaning}, ${unitOf("depth")}`, (left + right) / 2, bottom + 34),
+      ...ticks(highest).flatMap((t) => [svg("path", { class: "grid", d: `M${left} ${y(t)}H${right}` }), words(general(t), left - 6, y(t) + 4, "end")]), words(`${quantities.force.meaning}, ${unitOf("force")}`, 4, 14, "start"),
       svg("path", { class: "axis", d: `M${left} ${top}V${bottom}H${right}` }),
       line("hertz", law.hertz, 0, most), line("law", law.force, 0, most),
       line("power", (d) => k * d ** n, from * law.clearance, Math.min(to * law.clearance, most)), svg("circle", { class: "point", cx: x(depth), cy: y(force), r: 5 }));

@@ -1,12 +1,14 @@
 """Which points of ball and socket face each other, and along which normals pressure acts.
 
-There are two contact problems of linear bodies, `small` and `linear`; large displacements are
-solved by `study.joint.large_displacement`. Lengths are in socket radii R2, pressures in E* dR/R2
-and depths in dR. Arguments are not checked here.
+There are two contact problems, `small` and `linear`, which differ by terms of order 1/R2*. Lengths
+are in socket radii R2, pressures in E* dR/R2 and depths in dR. Arguments are not checked here.
 """
+
+from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +16,9 @@ from scipy.linalg import solveh_banded
 
 from study import checks
 from study.joint.compliance import Compliance, HatFunctions, surface_angles
-from study.joint.definition import Joint
+
+if TYPE_CHECKING:
+    from study.joint.joint import Joint
 
 Problem = Callable[[float], tuple[NDArray[np.float64], NDArray[np.float64]]]
 """Depth_star -> matrix (n, n), and gap (3, n): its factors of 1, depth_star and depth_star^2.
@@ -41,7 +45,7 @@ def at_rim(name: str, joint: Joint, got: str) -> checks.RangeError:
     """Error of depths or forces at which contact reaches the socket's rim."""
     return checks.RangeError(
         f"{name} must be small enough that the contact does not reach the rim of the socket (at a "
-        f"half-angle of {np.degrees(joint.reach):g} deg), got {got}"
+        f"half-angle of {np.degrees(joint.opening.reach):g} deg), got {got}"
     )
 
 
@@ -51,7 +55,7 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
     The gap is the rigid spheres' exact overlap.
     """
     of_ball, of_socket = joint.modulus_shares
-    r1, r2_star = joint.ball_radius, joint.r2_star
+    r1, r2_star = joint.radius_ratio, joint.r2_star
     matrix = of_ball * r1 * ball.flexibility + of_socket * socket.flexibility
     hats = HatFunctions(ball.angles)
 
@@ -73,21 +77,21 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
 def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
     """Contact problem with each point of the ball facing the point it has moved to, as `small`."""
     of_ball, of_socket = joint.modulus_shares
-    of_pressure = of_ball * joint.ball_radius * ball.flexibility
+    of_pressure = of_ball * joint.radius_ratio * ball.flexibility
     # the socket's hats do not see ripples of the pressure; these act as on a half-space
     width = np.convolve(np.diff(ball.angles), [0.5, 0.5])
-    local = np.sqrt(2 / np.pi * (1 - joint.socket.poisson**2) * width)
+    local = np.sqrt(2 / np.pi * (1 - joint.innermost.poisson**2) * width)
 
     def problem(depth):
         moved, unseen, gap = _pairs(joint.r2_star, depth, len(width) - 1, ball.angles[-1])
         by_socket = moved @ (moved @ socket.between_nodes).T + local[:, None] * unseen * local
         return of_pressure + of_socket * by_socket, gap
 
-    return problem, joint.ball_radius**2 * HatFunctions(ball.angles).integrate(np.cos)
+    return problem, joint.radius_ratio**2 * HatFunctions(ball.angles).integrate(np.cos)
 
 
 def problem_of(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
-    """Contact problem of a joint of linear bodies, `small` or `linear`."""
+    """Contact problem of a joint, `small` or `linear`."""
     return (linear if joint.acts_on_ball else small)(joint, ball, socket)
 
 
@@ -135,7 +139,7 @@ def socket_pressure(joint: Joint, depths: Floats, angles: Floats, pressure: Floa
     """Pressure on the socket (k, n) from that on the ball; facing areas carry equal forces."""
     if not joint.acts_on_ball:
         return pressure
-    r1, moved = joint.ball_radius, np.zeros_like(pressure)
+    r1, moved = joint.radius_ratio, np.zeros_like(pressure)
     for k, depth in enumerate(depths):
         e = (1 + depth) / joint.r2_star
         away = np.sqrt(r1**2 + e**2 + 2 * r1 * e * np.cos(angles))

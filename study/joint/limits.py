@@ -4,12 +4,15 @@ The solution is valid for smooth, elastic bodies without friction, at small stra
 supports of the joint. It gives numbers beyond these limits too, and the sentences warn the user.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from math import radians
+from typing import TYPE_CHECKING
 
-from study.joint.curve import ForceCurve
-from study.joint.definition import Joint
-from study.joint.tilted import TiltedContact
+if TYPE_CHECKING:
+    from study.joint.joint import Joint
+    from study.joint.solution import Solution
 
 DEEPEST = 1.0
 """Maximum depth_star at which the solution was compared with other programs."""
@@ -24,8 +27,6 @@ SMOOTH = 20.0
 has roughness times radius over contact radius squared below 0.05, which is roughness over depth."""
 FRICTION = 0.01
 """Fraction of the force that friction may carry without a warning."""
-WORN = 0.1
-"""Wear depth in clearances up to which the pressure is about unchanged (assumed)."""
 SOFT = 1e6
 """In Pa: a Young's modulus below it is that of rubber, or was meant in MPa."""
 Limits = dict[str, str]
@@ -109,30 +110,32 @@ def modulus_limit(moduli: Mapping[str, float]) -> Limits:
     return {"modulus": text} if soft else {}
 
 
-def wear_limit(depth: float) -> Limits:
-    """The limit of wear, by its depth in clearances."""
-    if depth <= WORN:
-        return {}
-    text = (
-        f"The wear depth is {depth:.2g} clearances. So much wear changes the gap and the pressure, "
-        "which the solution assumes to be unchanged."
-    )
-    return {"wear": text}
+def of_solution(solution: Solution) -> tuple[Limits, ...]:
+    """Model limits that each contact of a solution exceeds.
 
-
-def of_curve(curve: ForceCurve) -> list[Limits]:
-    """Model limits that each contact of a curve without dimensions exceeds."""
-    contacts = zip(curve.depth_star, curve.contact_half_angle_deg, strict=True)
-    return [limits(curve.joint, depth, angle) for depth, angle in contacts]
-
-
-def of_contact(contact: TiltedContact) -> list[Limits]:
-    """Model limits that each contact off the axis exceeds, without dimensions."""
-    contacts = contact.depth_star, contact.contact_half_angle_deg, contact.to_rim_deg
-    return [
-        limits(contact.joint, depth, angle, to_rim=to_rim)
-        for depth, angle, to_rim in zip(*contacts, strict=True)
-    ]
+    Yield is checked if the solution has stresses; roughness, strain and the unit of Young's moduli
+    if the joint has dimensions.
+    """
+    joint, found = solution.joint, []
+    moduli = {body: of.youngs_modulus for body, of in joint.materials.items()}
+    factors = {body: of for body, of in solution.yield_factor.items() if of is not None}
+    strains = solution.peak_pressure / min(moduli.values())
+    for k, depth_star in enumerate(solution.depth_star):
+        of_sizes: dict = {}
+        if joint.has_dimensions:
+            of_sizes = {"depth": solution.depth[k], "strain": strains[k]}
+        found.append(
+            limits(
+                joint,
+                depth_star,
+                solution.contact_half_angle_deg[k],
+                to_rim=solution.to_rim_deg[k],
+                yield_factor={body: of[k] for body, of in factors.items()},
+                **of_sizes,
+            )
+            | (modulus_limit(moduli) if joint.has_dimensions else {})
+        )
+    return tuple(found)
 
 
 def in_short(found: Limits) -> str:

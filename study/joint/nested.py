@@ -8,9 +8,12 @@ A thin socket that is held over a part of its outside may bend until the contact
 contacts are not nested, and `pivoted` finds them one by one.
 """
 
-from collections.abc import Iterable
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
@@ -20,13 +23,14 @@ from scipy.linalg import cholesky, solve_triangular
 from study.contact import hertz_factor
 from study.joint import complementarity
 from study.joint.compliance import Compliance
-from study.joint.contact_kinematics import problem_of
-from study.joint.definition import Joint
+from study.joint.kinematics import problem_of
+
+if TYPE_CHECKING:
+    from study.joint.joint import Joint
 
 Floats = NDArray[np.float64]
-LEAST_R2_STAR = 1.5
-"""Below, the ball moves too far for a matrix that is made at few depths."""
-_FAR = 10.0  # R2* beyond which a matrix made at 3 depths leads to all others, else at 5
+ALONG, AT = (0, 0.5, 1), (1,)
+"""Depths at which a matrix is made, divided by the deepest one."""
 _STEPS = 5  # of Newton, more than enough
 _RIGID = 1e6  # R2* from which on the matrix does not change with the depth, within 1e-6
 _WIDEST = 2.2  # half-angles of Hertz: a thin incompressible liner has 2, and no contact has more
@@ -35,7 +39,7 @@ _ZERO = 1e-3  # of the largest pressure, or of the depth: less may be the parabo
 
 
 class NestedContacts:
-    """Contacts that end at each node of one mesh: closure depths, forces and pressures.
+    """Contacts that end at each node of one mesh: closure depths, forces, stiffnesses, pressures.
 
     With the matrix A = L L^T, the contact of the first n nodes has the pressure -L^-T y, where y is
     L^-1 gap in its first n rows. The next entry of y is, but for a positive factor, the gap that
@@ -73,8 +77,17 @@ class NestedContacts:
             own = own - missing / (polyval(own, slopes, tensor=False) - 1)
         nested = np.diff(own, prepend=0.0) > 0
         own = own[: np.argmin(np.append(nested, False))]
-        self.depth = self._deepest * own
-        self.force = polyval(own, self._polynomial(force)[:, : len(own)], tensor=False)
+        self.depth, size = self._deepest * own, len(own)
+        self.force = polyval(own, self._polynomial(force)[:, :size], tensor=False)
+        # the derivative of the force at a constant contact, as its growth begins with pressure 0;
+        # the node that just closes counts half
+        inside = (np.cumsum(g * load, axis=1) - g * load / 2 for g in self._gaps)
+        const, linear, square = (of[:, :size] for of in inside)
+        value = const + self.depth * (linear + self.depth * square)
+        slope = linear + 2 * self.depth * square
+        by_matrix = polyval(own, polyder(self._polynomial(value)), tensor=False) / self._deepest
+        slope = polyval(own, self._polynomial(slope), tensor=False)
+        self.stiffness = -joint.r2_star * (slope + by_matrix)
 
     def _polynomial(self, values):
         """Coefficients in powers of depth over deepest, of values where the matrix was made."""
@@ -108,69 +121,73 @@ class NestedContacts:
 class Extrapolated:
     """Contacts that end at the nodes of the coarser of two meshes, extrapolated from both.
 
-    Depth_star and force_star at equal half-angle have errors of order 2. The ``error`` is the
-    relative difference of the two meshes' forces at equal depth. Arrays (m,), from the pole on.
+    Depth_star, force_star and stiffness_star at equal half-angle have errors of order 2. The
+    ``error`` is the relative difference of the two meshes' forces at equal depth. Arrays (m,), from
+    the pole on.
     """
 
     depth: Floats
     force: Floats
+    stiffness: Floats
     error: Floats
     fine: NestedContacts
     coarse: NestedContacts
 
-    def at(self, joint: Joint, depths: Floats) -> tuple[Floats, Floats, Floats]:
-        """Forces, half-angles in rad and errors at depths below the last one.
+    def at(self, joint: Joint, depths: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Forces, stiffnesses, half-angles in rad and errors at depths below the last one.
 
-        The force is interpolated as a multiple of Hertz's, which it is at depth 0, over the root of
-        the depth. The error is taken to grow to 1 below the first contact.
+        Force and stiffness are interpolated as multiples of Hertz's, which they are at depth 0,
+        over the root of the depth. The error is taken to grow to 1 below the first contact.
         """
         root, places = np.sqrt(depths), np.append(0, np.sqrt(self.depth[1:]))
         unit = hertz_factor(joint.r2_star)
-        stiffening = np.append(1, self.force[1:] / (unit * self.depth[1:] * places[1:]))
+        force = np.append(1, self.force[1:] / (unit * self.depth[1:] * places[1:]))
+        stiffness = np.append(1, self.stiffness[1:] / (1.5 * unit * places[1:]))
         slope = self.coarse.angles[1 : len(places)] / places[1:]
-        values = np.array([stiffening, np.append(slope[0], slope)])
-        stiffening, slope = _interpolated(root, places, values)
+        values = np.array([force, stiffness, np.append(slope[0], slope)])
+        force, stiffness, slope = _interpolated(root, places, values)
         error = np.interp(root, places, np.append(1, self.error[1:]))
-        return stiffening * unit * depths * root, slope * root, error
+        return force * unit * depths * root, 1.5 * unit * stiffness * root, slope * root, error
 
 
 def widest(joint: Joint, depth: float) -> float:
     """Polar angle in rad that no contact at a depth_star reaches."""
-    return float(_WIDEST * np.sqrt(depth / joint.ball_radius))
+    return float(_WIDEST * np.sqrt(depth / joint.radius_ratio))
 
 
 def extrapolated(
     joint: Joint,
     meshes: Iterable[tuple[Compliance, Compliance]],
     deepest: float,
-    single: bool = False,
+    made: Sequence[float] = ALONG,
 ) -> Extrapolated:
     """Nested contacts up to a depth, and somewhat beyond.
 
-    The ``meshes`` are ball and socket, and the same with half the elements. A ``single`` depth
-    needs a matrix at that depth alone.
+    The ``meshes`` are ball and socket, and the same with half the elements. The matrix is ``made``
+    at some depths, relative to the deepest: `ALONG` serves all depths; `AT` is exact at the deepest
+    one, but for the stiffness.
     """
-    made = np.array([deepest])
-    if not single and joint.r2_star < _RIGID:
-        count = 3 if joint.r2_star >= _FAR else 5
-        made = deepest * (1 - np.cos(np.linspace(0, np.pi, count))) / 2
+    depths = deepest * np.array(made if joint.r2_star < _RIGID else AT)
     (ball, socket), (coarse_ball, coarse_socket) = meshes
     most = widest(joint, deepest) + coarse_ball.angles[_MORE]
-    fine = NestedContacts(joint, ball, socket, most, made)
-    coarse = NestedContacts(joint, coarse_ball, coarse_socket, most, made)
+    fine = NestedContacts(joint, ball, socket, most, depths)
+    coarse = NestedContacts(joint, coarse_ball, coarse_socket, most, depths)
     size = min(len(coarse.depth), len(fine.depth[::2]))
-    fine_depth, fine_force = fine.depth[: 2 * size : 2], fine.force[: 2 * size : 2]
-    depth = fine_depth + (fine_depth - coarse.depth[:size]) / 3
-    force = fine_force + (fine_force - coarse.force[:size]) / 3
+    of_fine = [of[: 2 * size : 2] for of in (fine.depth, fine.force, fine.stiffness)]
+    of_coarse = [of[:size] for of in (coarse.depth, coarse.force, coarse.stiffness)]
+    depth, force, stiffness = (
+        of + (of - same) / 3 for of, same in zip(of_fine, of_coarse, strict=True)
+    )
+    (fine_depth, fine_force, _), (coarse_depth, coarse_force, _) = of_fine, of_coarse
     grown = (np.diff(depth, prepend=-1.0) > 0) & (np.diff(force, prepend=-1.0) > 0)
     size = int(np.argmin(np.append(grown, False)))
     depth, force, error = depth[:size], force[:size], np.zeros(size)
     if size > 1:
         slope = np.gradient(force, depth)  # leads from equal half-angle to equal depth
-        apart = fine_force[:size] - coarse.force[:size]
-        apart -= slope * (fine_depth[:size] - coarse.depth[:size])
+        apart = fine_force[:size] - coarse_force[:size]
+        apart -= slope * (fine_depth[:size] - coarse_depth[:size])
         error[1:] = np.abs(apart[1:] / force[1:])
-    return Extrapolated(depth, force, error, fine, coarse)
+    return Extrapolated(depth, force, stiffness[:size], error, fine, coarse)
 
 
 def pivoted(

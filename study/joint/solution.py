@@ -1,0 +1,254 @@
+"""The elastic solution of a joint at some penetration depths, as data.
+
+Each quantity is described once, by the metadata of its field or property: its meaning, its unit,
+and the unit in which a person reads it. `quantities` lists them for printed tables, JSON, and the
+columns of parameter studies.
+"""
+
+from __future__ import annotations  # so that help() shows names and not what they stand for
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from study import checks, parameters
+from study.joint import limits
+from study.joint.compliance import HatFunctions
+from study.parameters import Quantity, derived, stored
+
+if TYPE_CHECKING:
+    from study.joint.joint import Joint
+    from study.joint.stress import LargestStress
+
+Floats = NDArray[np.float64]
+_NOT_STORED: Any = None  # of what is asked for, or that a solution read from a table lacks
+FORMULATION = 1.5
+"""Error of small displacements, relative to the force and to the strain of the bodies, which is the
+penetration in each body over its thickness. CalculiX with large displacements gives 0.5 to 2 for 82
+contacts (``data/published/large_displacements.csv``, notebook 12)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solution:
+    """Elastic solution of a joint at k penetration depths, along its axis or in other directions.
+
+    Arrays have the shape (k,) unless stated otherwise. Normalised quantities end in ``_star``:
+    depths are divided by the clearance dR, forces by E* dR^2, stiffnesses by E* dR, pressures by
+    E* dR/R2 and areas by R2^2. The same in SI units are properties without this ending. What only a
+    contact off the axis has is None along the axis. `quantities` has the meaning of each number.
+
+    Attributes
+    ----------
+    joint, solver, resolution
+        The joint, how it was solved (``series``; ``quadratic`` or ``linear`` elements; ``modes``
+        off the axis), and the number of elements along a quarter circle.
+    depth_star, tilt
+        Displacement of the ball beyond first touch, and its direction.
+    error_estimate
+        Numerical error of the force, relative to it: the difference of the forces, as vectors, of
+        two meshes of which one has twice the elements of the other. The force is extrapolated from
+        both. Its error is smaller, by a factor above 10 for the series and about 1 for elements of
+        bodies that are held at a core, a neck or a seat, where stresses have no bound. Off the axis
+        the estimate covers the difference to twice the resolution in 99 % of 300 random contacts. A
+        contact that is a ring, and three-node triangles, have the force of the finer mesh.
+    peak_error
+        The same of the maximum pressure. Where an edge cuts the contact, the pressure there grows
+        with the resolution, and the error is that to be expected at twice the resolution.
+    reaches_rim
+        Whether the contact is cut by a rim, or by the edge of a ball's face.
+    angle_deg, pressure_star
+        Polar angles in deg, shape (n,), and the pressure there, shape (k, n). Along the axis it is
+        the pressure on the ball for ``linear`` kinematics; off the axis, angles are signed and in
+        the plane of symmetry, and the pressure is that on the socket.
+    stress
+        Maximum von Mises stress in each body, by its name in ``joint.materials``, if asked for.
+    """
+
+    joint: Joint = field(repr=False)
+    solver: str
+    resolution: int | None = None
+    depth_star: Floats = stored("Penetration depth divided by the clearance")
+    tilt: Floats | None = stored("Angle between the displacement and the axis", "deg", default=None)
+    force_star: Floats = stored("Normalised contact force along the displacement")
+    transverse_star: Floats | None = stored(
+        "Normalised contact force across the displacement, positive towards larger tilt",
+        default=None,
+    )
+    stiffness_star: Floats = stored(
+        "Derivative of force_star with respect to depth_star", default=None
+    )
+    transverse_stiffness_star: Floats | None = stored(
+        "Derivative of transverse_star with respect to a displacement across", default=None
+    )
+    contact_half_angle_deg: Floats = stored(
+        "Contact half-angle, in the plane of load and axis", "deg", default=None
+    )
+    contact_area_star: Floats = stored(
+        "Area of contact divided by R2^2; off the axis within about 5 %", default=None
+    )
+    peak_pressure_star: Floats = stored("Maximum of the normalised contact pressure", default=None)
+    peak_error: Floats = stored(
+        "Estimated relative error of the maximum pressure", read="%", default=None
+    )
+    peak_angle_deg: Floats | None = stored(
+        "Signed polar angle of the maximum pressure", "deg", default=None
+    )
+    contact_from_deg: Floats | None = stored(
+        "Signed polar angle where the contact begins", "deg", default=None
+    )
+    contact_to_deg: Floats | None = stored(
+        "Signed polar angle where the contact ends", "deg", default=None
+    )
+    error_estimate: Floats = stored("Numerical error of the force, relative to it", read="%")
+    reaches_rim: NDArray[np.bool_] | None = None
+    angle_deg: Floats = field(default=_NOT_STORED, repr=False)
+    pressure_star: Floats = field(default=_NOT_STORED, repr=False)
+    off_axis_friction: dict[str, Floats] | None = field(default=None, repr=False)
+    stress: dict[str, LargestStress] = field(default=_NOT_STORED, repr=False)
+
+    @derived("Penetration depth", "m", "um")
+    def depth(self) -> Floats:  # noqa: D102
+        return self.joint.clearance * self.depth_star
+
+    @derived("Contact force along the displacement", "N")
+    def force(self) -> Floats:  # noqa: D102
+        return self.joint.force_unit * self.force_star
+
+    @derived("Contact force across the displacement, positive towards larger tilt", "N")
+    def transverse(self) -> Floats | None:  # noqa: D102
+        return _scaled(self.joint.force_unit, self.transverse_star)
+
+    @derived("Derivative of the force with respect to the depth", "N/m", "N/um")
+    def stiffness(self) -> Floats:  # noqa: D102
+        return self.joint.stiffness_unit * self.stiffness_star
+
+    @derived("Derivative of the force across with respect to a displacement across", "N/m", "N/um")
+    def transverse_stiffness(self) -> Floats | None:  # noqa: D102
+        return _scaled(self.joint.stiffness_unit, self.transverse_stiffness_star)
+
+    @derived("Area of contact", "m^2", "mm^2")
+    def contact_area(self) -> Floats:  # noqa: D102
+        return self.joint.socket_radius**2 * self.contact_area_star
+
+    @derived("Maximum contact pressure", "Pa", "MPa")
+    def peak_pressure(self) -> Floats:  # noqa: D102
+        return self.joint.pressure_unit * self.peak_pressure_star
+
+    @derived("Error of small displacements, estimated, relative to the force", read="%")
+    def formulation_error(self) -> Floats:  # noqa: D102
+        joint = self.joint
+        bodies = zip(joint.modulus_shares, (joint.ball, joint.innermost), strict=True)
+        of_ball, of_socket = (share * (1 - of.poisson**2) for share, of in bodies)
+        strain = of_ball + of_socket / min(1.0, joint.layers[0].outer_ratio - 1)
+        return FORMULATION * strain * self.depth_star / joint.r2_star
+
+    @derived("Relative error of the force: numerical, and of small displacements", read="%")
+    def force_error(self) -> Floats:  # noqa: D102
+        return self.error_estimate + self.formulation_error
+
+    @property
+    def pressure(self) -> Floats:
+        """Contact pressure in Pa at ``angle_deg``, shape (k, n)."""
+        return self.joint.pressure_unit * self.pressure_star
+
+    @property
+    def von_mises(self) -> dict[str, Floats]:
+        """Maximum von Mises stress in each body in Pa; of a solution with stresses."""
+        stress = self.stress or {}
+        return {body: self.joint.pressure_unit * of.von_mises for body, of in stress.items()}
+
+    @property
+    def yield_factor(self) -> dict[str, Floats | None]:
+        """Yield stress divided by the maximum von Mises stress of each body.
+
+        The body yields if the factor is below 1; None for a material without a yield stress. All
+        other numbers are for elastic bodies, also beyond yield.
+        """
+        strengths = {body: of.yield_stress for body, of in self.joint.materials.items()}
+        return {
+            body: None if (strength := strengths[body]) is None else strength / stress
+            for body, stress in self.von_mises.items()
+        }
+
+    @property
+    def direction_deg(self) -> float | None:
+        """Tilt of the deepest displacement in deg, of 4 digits; None along the axis."""
+        return None if self.tilt is None else float(f"{self.tilt[self.depth_star.argmax()]:.4g}")
+
+    @property
+    def to_rim_deg(self) -> Floats:
+        """Angle from the contact's end to the nearest rim or face, in deg; 0 if it is cut."""
+        (first, last), opening = self.joint.ball_support.surface, self.joint.opening
+        if self.tilt is None:  # along the axis a contact ends inside the rim
+            return np.maximum(opening.last - self.contact_half_angle_deg, 1e-9)
+        low, high, cut = map(
+            np.asarray, (self.contact_from_deg, self.contact_to_deg, self.reaches_rim)
+        )
+        to_rim = min(last, opening.last) - np.maximum(np.abs(low), high)
+        if not self.joint.has_pole:
+            to_rim = np.minimum(to_rim, low - max(first, opening.first))
+        return np.where(cut, 0.0, np.maximum(to_rim, 1e-9))
+
+    @property
+    def limits(self) -> tuple[limits.Limits, ...]:
+        """Model limits that each contact exceeds, as sentences (`study.joint.limits`)."""
+        return limits.of_solution(self)
+
+    @property
+    def friction_radius(self) -> dict[str, Floats]:
+        """Friction radii in m: friction torque divided by the coefficient of friction and force.
+
+        The ball slides over its whole contact, under the pressure of the frictionless joint, while
+        it rotates about the load (``spin``) or about an axis across it (``tilt``). Off the axis,
+        ``tilt`` is about the normal of the plane of load and axis, and ``turn`` about the axis in
+        this plane across the force. A place of the contact is at n R from the ball's centre and
+        slides along w x n, where w is the unit vector of the axis through this centre. The torque
+        along w is mu times the integral of p R abs(w x n) dA (this study). R is the radius of the
+        surface on whose areas the force acts. Hertz's pressure on a small radius a gives 3 pi a/16
+        (``spin``) and R (``tilt``). Depths are > 0.
+        """
+        radii, size = self.off_axis_friction, self.joint.socket_radius
+        if radii is None:
+            from scipy.special import ellipe  # late: for this alone
+
+            hats = HatFunctions(np.radians(self.angle_deg))
+            # of abs(w x n), or of its mean over the azimuth
+            tilt = hats.integrate(lambda angle: 2 / np.pi * ellipe(np.sin(angle) ** 2))
+            of_motion = {"spin": hats.integrate(np.sin), "tilt": tilt}
+            along = self.pressure_star @ hats.integrate(np.cos)
+            radius = self.joint.radius_ratio if self.joint.acts_on_ball else 1.0
+            radii = {k: radius * (self.pressure_star @ of) / along for k, of in of_motion.items()}
+        return {motion: size * radius for motion, radius in radii.items()}
+
+    def friction_torque(self, friction: float) -> dict[str, Floats]:
+        """Friction torques in N m by the rotations of `friction_radius`; ``friction`` >= 0."""
+        mu = checks.number("friction", friction, least=0, scalar=True)
+        return {motion: mu * self.force * r for motion, r in self.friction_radius.items()}
+
+    def wear_depth(self, coefficient: float, path: float) -> Floats:
+        """Archard's wear depth h = k p s in m at ``angle_deg``, shape (k, n).
+
+        The ``coefficient`` k >= 0 in m^2/N is the worn volume of a body divided by force and
+        sliding distance (Archard, J. Appl. Phys. 24 (1953) 981-988), and ``path`` the sliding
+        distance s >= 0 in m. The pressure p is assumed not to change: the wear must be small.
+        """
+        k = checks.number("wear coefficient", coefficient, "m^2/N", least=0, scalar=True)
+        return k * checks.number("path", path, "m", least=0, scalar=True) * self.pressure
+
+
+def quantities(dimensions: bool) -> dict[str, Quantity]:
+    """Quantities of a `Solution` by name, in the order of tables: in SI units or normalised."""
+    every, found = parameters.quantities(Solution), {}
+    for name, about in every.items():
+        plain = name.removesuffix("_star")
+        if plain != name and dimensions:
+            found[plain] = every[plain]
+        elif f"{name}_star" not in every:  # which the table without dimensions has
+            found[name] = about
+    return found
+
+
+def _scaled(unit, values):
+    return None if values is None else unit * values

@@ -1,0 +1,266 @@
+"""Forces along the axis against independent solutions, convergence, errors and mechanics."""
+
+from functools import cache
+
+import numpy as np
+import pandas as pd
+import pytest
+from helpers.bodies import reaction
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from study import contact, paths
+from study.checks import RangeError
+from study.joint import Joint, Layer, Material, UnresolvedError, modes, series
+from study.joint.compliance import Ball, HatFunctions, Socket
+from study.joint.supports import RIMS
+
+REFERENCE = pd.read_csv(paths.DATA / "published" / "joint.csv")
+LARGE = pd.read_csv(paths.DATA / "published" / "large_displacements.csv")
+
+
+@cache
+def finest(joint, depths):
+    return joint.solve(depth_star=depths, resolution=640).force_star
+
+
+def reference(source, r2_star, kinematics):
+    rows = REFERENCE[
+        REFERENCE.source.str.startswith(source)
+        & (REFERENCE.r2_star == r2_star)
+        & (REFERENCE.kinematics == kinematics)
+    ]
+    return rows.depth_star.to_numpy(), rows.force_star.to_numpy()
+
+
+def test_force_is_that_of_the_exact_series():
+    depth, exact = reference("Legendre", 200, "small")
+    solution = Joint.from_ratios(200, 1.2, kinematics="small").solve(depth_star=depth)
+    assert solution.solver == "series"
+    assert np.abs(solution.force_star / exact - 1).max() < 1e-4
+
+
+@pytest.mark.parametrize(("r2_star", "tolerance"), [(200, 1.5e-3), (20, 5e-3)])
+def test_force_is_that_of_calculix(r2_star, tolerance):
+    depth, expected = reference("CalculiX", r2_star, "linear")
+    solution = Joint.from_ratios(r2_star, 1.25, rim="free").solve(depth_star=depth)
+    error = np.abs(solution.force_star / expected - 1)
+    assert error.max() < tolerance
+    assert error[depth >= 0.5].max() < 1e-3  # the shallow values are trusted to 0.5 or 1 %
+
+
+@pytest.mark.parametrize("name", LARGE.joint.unique())
+def test_the_stated_error_is_that_of_calculix_with_large_displacements(name):
+    for r2_star, rows in LARGE[LARGE.joint == name].groupby("r2_star"):
+        small, large, depth = rows[["force_small", "force_large", "depth_star"]].to_numpy().T
+        how = rows.iloc[0][["socket_ratio", "poisson", "modulus_ratio", "ball_support", "rim"]]
+        found = Joint.from_ratios(r2_star, **how).solve(depth_star=depth)
+        own = 3e-3 + 0.15 / r2_star  # what CalculiX scatters by, and the paired points differ by
+        assert found.force_star == pytest.approx(small, rel=own)
+        assert (np.abs(found.force_star / large - 1) < found.force_error + own).all()
+        over = found.formulation_error / (1 - large / small)
+        assert 0.7 < over.min() < over.max() < 3.5
+
+
+@pytest.mark.parametrize(
+    ("solver", "order", "smallest"),
+    [("series", 1.9, 1e-4), ("quadratic", 1.9, 1e-4), ("linear", 1.5, 2e-3)],
+)
+def test_every_solver_converges_to_the_series(solver, order, smallest):
+    depth = np.linspace(0.1, 1.0, 31)  # many, as the error oscillates with the edge's place
+    joint = Joint.from_ratios(200, 1.2, kinematics="small")
+    exact, errors = finest(joint, tuple(depth)), []
+    for n in (32, 128):
+        found = joint.solve(depth_star=depth, resolution=n, solver=solver)
+        errors.append(np.sqrt(np.mean((found.force_star / exact - 1) ** 2)))
+    assert np.log2(errors[0] / errors[1]) / 2 > order
+    assert errors[-1] < smallest
+
+
+@pytest.mark.parametrize("solver", ["quadratic", "linear"])
+@pytest.mark.parametrize("kinematics", ["small", "linear"])
+def test_reaction_of_the_supports_balances_the_force(kinematics, solver):
+    joint = Joint.from_ratios(200, 1.2, kinematics=kinematics)
+    found = joint.solve(depth_star=[0.05, 0.3, 1.0], resolution=160, solver=solver)
+    area = 1.0 if kinematics == "small" else joint.radius_ratio**2  # whose area the force acts on
+    axial = area * HatFunctions(np.radians(found.angle_deg)).integrate(np.cos)
+    borne = joint.r2_star * found.pressure_star @ axial  # without extrapolation
+    assert (np.abs(borne / found.force_star - 1) < found.error_estimate).all()
+    nodes = 3 if solver == "linear" else 6
+    for body in (Ball(), Socket(1.2)):
+        by_hat = reaction(modes.meshed(body, 160, nodes))
+        exact = 1e-8 if solver != "linear" else 2e-3  # facets are not quite the sphere
+        force = joint.r2_star * area * np.abs(found.pressure_star @ by_hat)
+        assert force == pytest.approx(borne, rel=exact)
+
+
+def test_kinematics_differ_by_terms_of_order_one_over_radius():
+    differences = []
+    for r2_star in (100, 400):
+        linear, small = (
+            Joint.from_ratios(r2_star, 1.2, kinematics=k)
+            .solve(depth_star=[0.2, 0.6], resolution=64, solver="quadratic")
+            .force_star
+            for k in ("linear", "small")
+        )
+        differences.append((small / linear - 1) * r2_star)
+    assert differences[0] == pytest.approx(differences[1], rel=0.25)
+    assert 0.01 < np.abs(differences).max() < 2
+
+
+def test_a_free_rim_matters_for_thick_sockets_only():
+    def softening(ratio, **material):
+        free, mirror = (
+            Joint.from_ratios(200, ratio, rim=rim, **material)
+            .solve(depth_star=1.0, resolution=64, solver="quadratic")
+            .force_star[0]
+            for rim in ("free", "mirror")
+        )
+        return 1 - free / mirror
+
+    assert 0 < softening(1.25) < 1e-5
+    assert 5e-5 < softening(1.5) < 2e-4
+    assert 0.03 < softening(3.0) < 0.05
+    assert 0.01 < softening(1.5, poisson=0.45) < 0.02  # nearly incompressible: thinner ones too
+
+
+def test_compliances_of_unequal_bodies_add():
+    # a ball a million times stiffer leaves the socket's compliance alone, and vice versa
+    def force(ratio, **materials):
+        joint = Joint.from_ratios(200, ratio, **materials)
+        return joint.solve(depth_star=0.3, resolution=64).force_star[0]
+
+    stiff, soft = Material(1e12, 0.3), Material(1e6, 0.3)
+    assert force(1.1, ball=stiff, socket=soft) > 1.2 * force(1.5, ball=stiff, socket=soft)
+    balls = [force(ratio, ball=soft, socket=stiff) for ratio in (1.1, 1.5)]
+    assert balls[0] == pytest.approx(balls[1], rel=1e-5)
+
+
+def test_a_small_contact_is_that_of_hertz():
+    # the ratio to Hertz tends to 1 linearly in the contact radius, that is in sqrt(depth)
+    depth = np.array([2.5e-4, 1e-3, 4e-3])
+    found = Joint.from_ratios(1e4, 2.0).solve(depth_star=depth, resolution=256)
+    excess = found.force_star / contact.hertz(depth, 1e4) - 1
+    assert (excess > 0).all()
+    assert excess[1:] / excess[:-1] == pytest.approx(2, rel=0.15)
+    assert abs(2 * excess[0] - excess[1]) < 0.01  # extrapolated
+    assert np.radians(found.contact_half_angle_deg) == pytest.approx(np.sqrt(depth), rel=0.03)
+    assert found.contact_area_star == pytest.approx(np.pi * depth, rel=0.05)  # pi a^2
+    peak = 2 / np.pi * np.sqrt(depth)  # p0 = 2 E* a/(pi R)
+    assert found.peak_pressure_star == pytest.approx(peak, rel=0.05)
+
+
+def test_gap_and_pressure_are_complementary():
+    joint = Joint.from_ratios(200, kinematics="small")
+    found, (of_ball, of_socket) = joint.solve(depth_star=[0.1, 0.5]), joint.modulus_shares
+    flexibility = (
+        of_ball * joint.radius_ratio * series.compliance(Ball()).flexibility
+        + of_socket * series.compliance(Socket(joint.socket_ratio)).flexibility
+    )
+    hats = HatFunctions(np.radians(found.angle_deg))
+    for depth, pressure in zip(found.depth_star, found.pressure_star, strict=True):
+
+        def rigid_gap(theta, e=(1 + depth) / 200, r1=joint.radius_ratio):
+            return (1 - e * np.cos(theta) - np.sqrt(r1**2 - (e * np.sin(theta)) ** 2)) * 200
+
+        gap = hats.integrate(rigid_gap) + flexibility @ pressure
+        scale = np.abs(gap).max()
+        assert (pressure >= 0).all()
+        assert gap.min() > -1e-9 * scale
+        assert np.abs(gap * pressure).max() < 1e-9 * scale * pressure.max()
+
+
+@pytest.mark.parametrize("solver", ["series", "quadratic"])
+def test_error_estimates_cover_the_errors_of_force_and_peak_pressure(solver):
+    joint, depth = Joint.from_ratios(200), np.linspace(0.025, 1, 79)
+    exact = joint.solve(depth_star=depth, resolution=640)
+    for n in (32, 64, 128):
+        found = joint.solve(depth_star=depth, resolution=n, solver=solver)
+        assert (np.abs(found.force_star / exact.force_star - 1) <= found.error_estimate).all()
+        off = np.abs(found.peak_pressure_star / exact.peak_pressure_star - 1)
+        assert (off <= found.peak_error).mean() > 0.98
+        assert found.peak_error.max() < 0.1
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_error_estimate_covers_the_error_of_any_joint(seed):
+    draw = np.random.default_rng(seed)
+    nu, stiffer = draw.uniform(0, 0.47, 2), 1000 ** draw.uniform(-1, 1)
+    joint = Joint.from_ratios(
+        10 * 1000 ** draw.random(),
+        1 + 3 / 100 ** draw.random(),
+        ball=Material(2e11, nu[0]),
+        socket=Material(2e11 * stiffer, nu[1]),
+        kinematics=("small", "linear")[seed % 2],
+    )
+    depth = np.linspace(0.02, 1, 25) ** 1.5
+    found = joint.solve(depth_star=depth, resolution=64)
+    error = np.abs(found.force_star / finest(joint, tuple(depth)) - 1)
+    assert (error <= found.error_estimate).all()
+    assert found.error_estimate.max() < 0.05  # and is no wild overestimate
+
+
+@pytest.mark.parametrize(
+    ("socket_support", "depth", "ring"),
+    [("sector:30,60", 1.0, True), ("sector:0,10", 1.0, True), ("sector:0,60", 0.2, False)],
+)
+def test_contact_that_is_a_ring_is_found_by_pivoting(socket_support, depth, ring):
+    supports = {"ball_support": "core:0.2", "opening": 120.0, "socket_support": socket_support}
+    joint = Joint.from_ratios(200, 1.05, modulus_ratio=0.1, **supports)
+    found, fine = (joint.solve(depth_star=depth, resolution=n) for n in (64, 192))
+    pressure = found.pressure_star[0]
+    assert (np.count_nonzero(np.diff(pressure > 0)) > 1) == ring
+    assert abs(found.force_star / fine.force_star - 1) < 3 * found.error_estimate
+    cap = 2 * np.pi * (1 - np.cos(np.radians(found.contact_half_angle_deg)))
+    assert (found.contact_area_star < 0.97 * cap) == ring  # its middle does not touch
+    whole = joint.curve(1.0, resolution=64)
+    of_curve = np.interp(depth, whole.depth_star, whole.force_star)
+    assert of_curve == pytest.approx(found.force_star[0], rel=0.02)
+
+
+@settings(max_examples=40)
+@given(
+    r2_star=st.floats(10, 1e4),
+    steps=st.lists(st.floats(1.02, 1.6), min_size=1, max_size=3),
+    stiffer=st.lists(st.floats(1e-3, 1e3), min_size=3, max_size=3),
+    poisson=st.tuples(*2 * [st.floats(-0.3, 0.48)]),
+    support=st.sampled_from(["guided", "clamped"]),
+    rim=st.sampled_from(RIMS),
+    kinematics=st.sampled_from(["small", "linear"]),
+)
+def test_any_joint_stiffens_with_depth(r2_star, steps, stiffer, poisson, support, rim, kinematics):
+    ratios, moduli = np.cumprod(steps).tolist(), 2e11 * np.array(stiffer)
+    each = zip(ratios, moduli, strict=False)
+    layers = tuple(Layer(ratio, Material(modulus, poisson[1])) for ratio, modulus in each)
+    how = {"ball_support": support, "rim": rim, "kinematics": kinematics}
+    joint = Joint.from_ratios(r2_star, layers=layers, poisson=poisson[0], **how)
+    found = joint.solve(depth_star=[0.6, 0.2, 0.4], resolution=64)
+    order = np.argsort(found.depth_star)
+    assert (np.diff(found.force_star[order], 2, prepend=0) > 0).all()
+    if len(steps) == 1:
+        least = 0.98 - 1.2 / r2_star  # for kinematics differ by such terms
+        assert (found.force_star > least * contact.hertz(found.depth_star, r2_star)).all()
+    for grows in (found.stiffness_star, found.contact_half_angle_deg, found.peak_pressure_star):
+        assert (np.diff(grows[order]) > 0).all()
+    assert (found.error_estimate < 0.1).all()
+
+
+@settings(max_examples=30)
+@given(ratio=st.floats(1e-9, 1e9), r2_star=st.floats(10, 1e40), thickness=st.floats(1.0001, 1e6))
+def test_a_joint_inside_its_limits_is_solved_or_refused(ratio, r2_star, thickness):
+    try:
+        joint = Joint.from_ratios(r2_star, thickness, modulus_ratio=ratio)
+        found = joint.solve(depth_star=[0.2, 0.4], resolution=64)
+    except RangeError:
+        return
+    assert (found.force_star > 0).all()
+    assert np.isfinite(found.force_star).all()
+
+
+@pytest.mark.parametrize("supports", [{}, {"ball_support": "clamped"}])
+@pytest.mark.parametrize("depth", [1e-12, 4.7e-9, 1e-7])
+def test_a_contact_too_small_for_the_elements_is_said_to_be_so(supports, depth):
+    joint = Joint.from_ratios(200, **supports)
+    for solve in (lambda: joint.solve(depth_star=[depth]), lambda: joint.curve(depth)):
+        with pytest.raises(UnresolvedError, match="elements to resolve the contact|16 elements"):
+            solve()

@@ -1,0 +1,166 @@
+"""What follows from a solution: units, contact area, errors, friction torque and wear."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from study.joint import Joint
+from study.joint.solution import quantities
+from study.parameters import READ
+
+BRONZE = Joint(15e-3, 22e-6, 7e-3, "steel", "bronze")
+FOUND = Joint.from_ratios(200).solve(depth_star=[0.01, 0.3])
+ANGLES = np.radians(FOUND.angle_deg)
+BALL = FOUND.joint.ball_radius
+
+
+@pytest.fixture(scope="module")
+def tilted():
+    rod_end = Joint(8e-3, 25e-6, 3e-3, ball_support="bore:0.5,45", opening="55:125")
+    return rod_end.solve(force=[500.0, 2000.0])
+
+
+@pytest.mark.parametrize("dimensions", [True, False])
+def test_every_quantity_has_a_known_unit_and_is_there(dimensions, tilted):
+    units = {"", "deg", *(["m", "N", "N/m", "m^2", "Pa"] if dimensions else [])}
+    along = BRONZE.solve(force=[1e4, 5e2])
+    for name, about in quantities(dimensions).items():
+        assert about.meaning[0].isupper(), name
+        assert about.unit in units, name
+        assert about.read == about.unit or about.read in READ, name
+        assert np.shape(getattr(tilted, name)) == (2,), name
+        values = getattr(along, name)
+        of_tilt = ("tilt", "transverse", "peak_angle", "contact_from", "contact_to")
+        assert (values is None) == name.startswith(of_tilt), name
+    scales = {of.unit: of.scale for of in quantities(True).values()}
+    assert scales["m"] == scales["m^2"] == 1e-6
+    assert scales["Pa"] == scales["N/m"] == 1e6
+
+
+def test_values_in_si_units_are_those_with_a_star_in_the_units_of_the_joint(tilted):
+    for found in (BRONZE.solve(force=1e4), tilted):
+        joint = found.joint
+        modulus, clearance, radius = joint.composite_modulus, joint.clearance, joint.socket_radius
+        units = {
+            "depth": clearance,
+            "force": modulus * clearance**2,
+            "transverse": modulus * clearance**2,
+            "stiffness": modulus * clearance,
+            "transverse_stiffness": modulus * clearance,
+            "peak_pressure": modulus * clearance / radius,
+            "pressure": modulus * clearance / radius,
+            "contact_area": radius**2,
+        }
+        for name, unit in units.items():
+            star = getattr(found, f"{name}_star")
+            if star is None:
+                assert getattr(found, name) is None
+            else:
+                assert getattr(found, name) == pytest.approx(unit * star, rel=1e-14)
+
+
+def test_the_error_of_a_force_is_its_numerical_one_and_that_of_small_displacements(tilted):
+    for found in (FOUND, tilted):
+        assert found.force_error == pytest.approx(found.error_estimate + found.formulation_error)
+    errors = [Joint.from_ratios(r).solve(depth_star=0.5).formulation_error for r in (20, 2000)]
+    assert errors[0] == pytest.approx(100 * errors[1])  # its size: `test_axial`
+
+
+def cap(angle_deg):
+    return 2 * np.pi * (1 - np.cos(np.radians(angle_deg)))
+
+
+@pytest.mark.parametrize("depth_star", [1e-3, 0.1, 0.9])
+def test_contact_area_is_that_of_the_cap_inside_the_edge(depth_star):
+    small, linear = (
+        Joint.from_ratios(200, kinematics=of).solve(depth_star=depth_star)
+        for of in ("small", "linear")
+    )
+    assert small.contact_area_star == pytest.approx(cap(small.contact_half_angle_deg), rel=1e-9)
+    last = np.flatnonzero(small.pressure_star[0])[-1]
+    inner, outer = cap(small.angle_deg[[last - 2, last + 1]])
+    assert inner < small.contact_area_star[0] < outer
+    # angles of the ball and of the socket differ by terms of order 1/R2*
+    assert linear.contact_area_star == pytest.approx(small.contact_area_star, rel=5 / 200)
+
+
+def under(pressure, kinematics="linear"):
+    """Friction radii under a pressure that is a function of the polar angle."""
+    profile = np.asarray(pressure(ANGLES)) * np.ones((2, 1))
+    joint = Joint.from_ratios(200, kinematics=kinematics)
+    return replace(FOUND, joint=joint, pressure_star=profile).friction_radius
+
+
+def test_uniform_pressure_on_a_hemisphere_turns_alike_about_any_axis():
+    for kinematics, radius in (("linear", BALL), ("small", 1.0)):
+        for found in under(np.ones_like, kinematics).values():
+            assert found == pytest.approx(np.pi / 2 * radius, rel=1e-10)
+
+
+@pytest.mark.parametrize("node", [40, 150, 250])
+def test_uniform_pressure_on_a_cap(node):
+    edge = (ANGLES[node] + ANGLES[node + 1]) / 2  # a hat's slope is half in, half out
+    found = under(lambda angle: np.where(angle < edge, 1.0, 0.0))["spin"]
+    spin = (edge - np.sin(edge) * np.cos(edge)) / np.sin(edge) ** 2
+    assert found == pytest.approx(BALL * spin, rel=1e-3)
+
+
+def test_pressure_at_a_place_acts_on_its_distance_from_the_axis():
+    """A ring of pressure far out, and its sum over places and azimuth."""
+    ring = np.zeros_like(ANGLES)
+    ring[200] = 1.0
+    found, angle, azimuth = under(lambda _: ring), ANGLES[200], 2 * np.pi * np.arange(1000) / 1000
+    x, y = np.sin(angle) * np.cos(azimuth), np.sin(angle) * np.sin(azimuth)
+    place = np.column_stack([x, y, np.full(1000, np.cos(angle))])
+    for motion, axis in (("spin", [0, 0, 1]), ("tilt", [0.6, 0.8, 0])):
+        lever = np.linalg.norm(np.cross(axis, place), axis=1).mean()
+        assert found[motion] == pytest.approx(BALL * lever / np.cos(angle), rel=2e-3)
+
+
+def test_limit_of_friction_torques_is_that_of_hertz():
+    """Under p0 sqrt(1 - r^2/a^2): 3 pi/16 mu N a in spin, mu N R in tilt."""
+    joint = Joint(0.05, 5e-3, 5.0, "steel", "aluminium")
+    radius = 1 / (1 / 0.045 - 1 / 0.05)
+    contact_radius = (0.75 * 20 * radius / joint.composite_modulus) ** (1 / 3)
+    torque = joint.solve(force=20.0).friction_torque(0.2)
+    assert torque["spin"] == pytest.approx(3 * np.pi / 16 * 4 * contact_radius, rel=0.01)
+    assert torque["tilt"] == pytest.approx(4 * 0.045, rel=1e-4)
+
+
+def test_known_joint():
+    """10 kN at a half-angle of 33.8 deg: 5.4 N m at a friction of 0.1, within 5 %."""
+    found = BRONZE.solve(force=10e3)
+    assert found.contact_half_angle_deg[0] == pytest.approx(33.8, abs=0.5)
+    assert found.friction_torque(0.1)["spin"][0] == pytest.approx(5.4, rel=0.05)
+
+
+@pytest.mark.parametrize("kinematics", ["small", "linear"])
+def test_pressure_bears_the_force(kinematics):
+    found = replace(BRONZE, kinematics=kinematics).solve(force=[1e4, 5e2])
+    angle = np.radians(found.angle_deg)
+    axial = found.pressure * np.sin(2 * angle)
+    force = np.pi * BRONZE.socket_radius**2 * np.trapezoid(axial, angle)
+    assert force == pytest.approx([1e4, 5e2], rel=4e-3)
+    assert found.pressure.max(axis=1) == pytest.approx(found.peak_pressure)
+    assert not found.pressure[:, found.angle_deg > 40].any()
+
+
+def test_torque_is_in_the_order_asked_and_that_of_the_curve():
+    asked, curve = BRONZE.solve(depth=[8e-6, 2e-6]), BRONZE.curve()
+    for motion, torque in asked.friction_torque(0.3).items():
+        radii = curve.friction_radius[motion]
+        assert (np.diff(radii) > 0).all()
+        radius = np.interp(np.sqrt(asked.depth), np.sqrt(curve.depth), radii)
+        assert torque == pytest.approx(0.3 * asked.force * radius, rel=2e-3)
+        assert asked.friction_torque(0.0)[motion] == pytest.approx([0, 0])
+    with pytest.raises(ValueError, match=r"friction must be >= 0, got -0\.1"):
+        asked.friction_torque(-0.1)
+
+
+def test_wear_is_that_of_archard():
+    found = BRONZE.solve(force=[1e4, 3e3])
+    depth, angle = found.wear_depth(2e-15, 500.0), np.radians(found.angle_deg)
+    assert depth.max(axis=1) == pytest.approx(2e-15 * 500 * found.peak_pressure)
+    volume = 2 * np.pi * BRONZE.socket_radius**2 * np.trapezoid(depth * np.sin(angle), angle)
+    assert (volume > 2e-15 * 500 * found.force).all()  # k N s, of a flat contact
