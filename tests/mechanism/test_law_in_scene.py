@@ -157,7 +157,7 @@ def test_a_liner_is_softer_and_counts_with_its_own_modulus():
     liner = ("0.5e-3,PTFE",)
     lined = Joint(10e-3, 5e-5, 3e-3, STEEL, BRONZE, liner)
     bare = simulate(MIXED, law="tabulated", wall=3e-3, **BRIEF).impacts
-    modulus = lined.joint.composite_modulus
+    modulus = lined.composite_modulus
     for scene in (PAPER, MIXED):  # without materials, and with those of ball and socket
         response = simulate(scene, law=lined, **BRIEF)
         assert response.impacts.peak_force[0] < 0.6 * bare.peak_force[0]

@@ -46,8 +46,7 @@ def test_examples_of_docstrings_print_what_they_show(module):
     ("owner", "name"),
     [
         ("study.joint", "Joint"),
-        ("study.joint", "Joint"),
-        ("study.joint", "force_curve"),
+        ("study.joint", "first_yield"),
         ("study.contact", "DimensionalLaw"),
         ("study.contact", "Material"),
         ("study.mechanism", "Scene"),
