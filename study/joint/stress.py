@@ -113,7 +113,7 @@ def stresses(curve: Solution, body: str, radius: ArrayLike, angle: ArrayLike) ->
     curve
         Of the solver ``series``.
     body
-        Its name in ``joint.materials``: ``ball``, and ``socket`` or ``layer 1`` and so on.
+        Its name in ``joint.materials``: ``ball``, ``liner 1`` and so on, and ``socket``.
     radius
         Distances from the body's centre over its surface's radius, > 0; shape (m,).
     angle

@@ -22,10 +22,10 @@ from study import contact, export
 from study.joint import Joint, Material
 from study.mechanism import Scene, simulate
 
-joint = Joint(75, socket=Material(7e10, 0.33))
+joint = Joint.from_ratios(75, socket=Material(7e10, 0.33))
 print(study.__file__)
 print(contact.stiffened_hertz(0.3, 200))
-print(force_curve(joint, 0.5).force_star)
+print(joint.solve(depth_star=0.5).force_star)
 print(simulate(Scene(restitution=0.9), duration=1e-3, outputs=2).slider_position[-1])
 print(len(export.export("tabulated", "csv", joint)))
 """
