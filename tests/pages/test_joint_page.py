@@ -134,11 +134,11 @@ def test_half_angle_and_pressure_are_the_solvers(computed):
     for _ in range(COUNT):
         joint = random_joint(rng, 11, 3.5)
         of_python = Joint(**joint)
-        curve = of_python.joint.curve()
+        curve = of_python.curve()
         first, last = np.searchsorted(curve.depth_star, [0.01, 1.0])
         k = rng.integers(first, last)
         depth = curve.depth_star[k] * of_python.clearance
-        unit = of_python.joint.composite_modulus / of_python.joint.r2_star
+        unit = of_python.pressure_unit
         given.append({"joint": joint, "depth": depth})
         wanted.append([curve.contact_half_angle_deg[k], unit * curve.peak_pressure_star[k]])
     sizes = [[of["half_angle"], of["peak_pressure"]] for of in computed(given)]
