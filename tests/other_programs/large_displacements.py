@@ -28,8 +28,8 @@ REMOVED = (
     ("soft", 20, 0.1),
     ("soft", 200, 0.05),
 )
-"""Joint, R2* and depth at which the ratio of both forces jumps over the depth, because CalculiX ends
-with a wrong contact area."""
+"""Joint, R2* and depth at which the ratio of both forces jumps, because CalculiX ends with a wrong
+contact area."""
 
 
 def joints() -> Iterator[tuple[str, Joint]]:
