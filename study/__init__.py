@@ -29,15 +29,15 @@ A joint made from ratios, with normalised depths d/dR and forces P/(E* dR^2):
 >>> lined = Joint.from_ratios(r2_star=80, layers=(liner, housing)).solve(depth_star=[0.1, 0.5])
 >>> first = first_yield(Joint.from_ratios(r2_star=50, ball=Material(yield_stress=5e8)), 0.3)
 >>> choice = choose.choose(Joint.from_ratios(75, socket_ratio=1.4), 0.5, tolerance=0.02)
->>> print(choice.law)
+>>> print(choice.law.name)
 stiffened_hertz
->>> print(f"{contact.stiffened_hertz(0.3, 200, ball_support='clamped', rim='free'):.2f}")
+>>> print(f"{contact.StiffenedHertz.of(reference_joint(200))(0.3):.2f}")
 88.26
 
 A table of the elastic solution of one joint, and the cached curves of the dataset:
 
 >>> from study import dataset
->>> table = contact.tabulated(reference_joint(200).curve())
+>>> table = reference_joint(200).table()
 >>> print(f"{table(0.3):.2f}")
 88.26
 >>> len(dataset.load(r2_star=200, kinematics="linear"))

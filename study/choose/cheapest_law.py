@@ -11,9 +11,8 @@ solving the joint at three tilts.
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
-from functools import partial
+from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
@@ -21,10 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact import LAWS, hertz, largest_depth
+from study.contact import CLOSED_FORM, LAWS, Hertz, Law, largest_depth
 from study.contact.costs import relative_costs
 from study.joint import Joint, UnresolvedError, axial
-from study.joint.table import table
 from study.joint.tilted import LARGEST_TILT
 from study.threads import one_thread
 
@@ -54,9 +52,7 @@ class Choice:
     Attributes
     ----------
     law
-        Key of ``study.contact.LAWS``, or ``tabulated`` for a table of the elastic solution.
-    options
-        Options of the law; for ``tabulated`` the resolution of the solution.
+        The law of the joint; ``law.name`` is a key of `study.contact.LAWS`.
     error_bound
         Bound of the relative error of the force between the `depths`.
     relative_cost
@@ -65,22 +61,18 @@ class Choice:
     depths
         Minimum and maximum depth_star for which the bound is valid.
     rejected
-        Cheaper laws whose bound exceeds the tolerance, the most expensive first: ``law``,
-        ``options``, ``error``, ``error_bound``, ``relative_cost``.
+        Cheaper laws whose bound exceeds the tolerance, the most expensive first: ``law`` (its
+        name), ``error``, ``error_bound``, ``relative_cost``.
     errors
         Maximum relative error of every closed-form law that applies to the joint, by its name.
-    evaluate
-        The law as a function of (``depth_star``, ``r2_star``).
     """
 
-    law: str
-    options: dict
+    law: Law
     error_bound: float
     relative_cost: float
     depths: tuple[float, float]
     rejected: tuple[dict, ...]
     errors: dict[str, float]
-    evaluate: Callable = field(repr=False, compare=False)
 
 
 @one_thread
@@ -107,7 +99,7 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     --------
     >>> joint = Joint.from_ratios(r2_star=75, socket_ratio=1.4)
     >>> choice = choose(joint, depth_star=0.5, tolerance=0.02)
-    >>> choice.law, choice.error_bound < 0.002
+    >>> choice.law.name, choice.error_bound < 0.002
     ('stiffened_hertz', True)
     """
     deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
@@ -118,24 +110,24 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
     depths = np.linspace(np.sqrt(least), np.sqrt(deepest), DEPTHS) ** 2
     tables = _tables(joint, depths)
     first = next(tables)
-    _, solved, _, uncertainty = first
+    solved, _, uncertainty = first
     force = solved(depths)
     errors = {law: float(off.max()) for law, off in law_errors(joint, depths, force).items()}
     rejected: list[dict] = []
     costs = relative_costs()
     ahead = costs | {"tabulated": SOLVED_FIRST * costs["tabulated"]}
-    for law in sorted([*errors, "tabulated"], key=ahead.__getitem__):
+    for name in sorted([*errors, "tabulated"], key=ahead.__getitem__):
         candidates: Iterable[Any] = chain([first], tables)
-        if law != "tabulated":
-            options, error = joint.law_options(law, depths, force), errors[law]
+        if name != "tabulated":
+            error = errors[name]
             bound = error * (1 + uncertainty) + uncertainty
-            candidates = [(options, partial(LAWS[law], **options), error, bound)]
-        for options, evaluate, error, bound in candidates:
+            candidates = [(LAWS[name].fit(joint, depths, force), error, bound)]
+        for law, error, bound in candidates:
             if bound <= tolerance:
                 ends, cheaper = (float(least), deepest), tuple(reversed(rejected))
-                return Choice(law, options, bound, costs[law], ends, cheaper, errors, evaluate)
-            row = {"law": law, "options": options, "error": error, "error_bound": bound}
-            rejected.append(row | {"relative_cost": costs[law]})
+                return Choice(law, bound, costs[name], ends, cheaper, errors)
+            row = {"law": name, "error": error, "error_bound": bound}
+            rejected.append(row | {"relative_cost": costs[name]})
     row = min(rejected, key=lambda row: row["error_bound"])
     raise checks.StudyError(
         f"no law is known to be within the tolerance {tolerance:g}: the minimum error bound is "
@@ -144,18 +136,18 @@ def choose(joint: Joint, depth_star: float, tolerance: float) -> Choice:
 
 
 def _tables(joint, depths):
-    """Tables of the elastic solution, with options, estimated errors and bounds of their errors."""
+    """Tables of the elastic solution, with estimated errors and bounds of their errors."""
     deepest, (kind, _) = float(depths[-1]), axial.settings(joint, None, None)
     for resolution in RESOLUTIONS[kind]:
         try:
-            law = table(joint, deepest, resolution=resolution)
+            law = joint.table(deepest, resolution=resolution)
         except UnresolvedError:  # a finer one may
             if resolution == RESOLUTIONS[kind][-1]:
                 raise
             continue
         error = float(law.curve.error_estimate[law.curve.depth_star >= depths[0]].max())
         bound = max(ESTIMATE * error, error + law.error)
-        yield {"resolution": resolution}, law, error, bound
+        yield law, error, bound
 
 
 def choose_beside(joint: Joint, depth_star: float, tolerance: float) -> Choice:
@@ -171,7 +163,7 @@ def choose_beside(joint: Joint, depth_star: float, tolerance: float) -> Choice:
         except checks.RangeError:
             if not is_small:
                 raise
-    force = hertz(depth_star, joint.r2_star)  # stiffened_hertz begins as this law
+    force = Hertz()(depth_star, joint.r2_star)  # stiffened_hertz begins as this law
     error = law_errors(joint, depth_star, force).get("stiffened_hertz")
     known = "" if error is None else f"; there Hertz's law is valid within {100 * error:.2g} %"
     raise checks.RangeError(
@@ -187,15 +179,15 @@ def law_errors(
     Laws that do not apply to the joint are left out. ``power`` is fitted to the forces.
     """
     by_law: dict[str, NDArray[np.float64]] = {}
-    for law in filter(relative_costs().__contains__, LAWS):
-        if law == "power" and np.size(depth_star) < 2:
-            continue
+    for name in filter(relative_costs().__contains__, CLOSED_FORM):
+        law = LAWS[name]
+        if len(law.fitted_constants) > 1 and np.size(depth_star) < 2:
+            continue  # nothing to fit them to
         try:
-            options = joint.law_options(law, depth_star, force_star)
-            force = LAWS[law](depth_star, joint.r2_star, **options)
+            force = law.fit(joint, depth_star, force_star)(depth_star, joint.r2_star)
         except checks.RangeError:
             continue
-        by_law[law] = np.abs(force / force_star - 1)
+        by_law[name] = np.abs(force / force_star - 1)
     return by_law
 
 

@@ -14,9 +14,9 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from study.contact import Material, hertz
+from study.contact import Material
 from study.contact.forces import elastic_force
-from study.mechanism.law_in_scene import in_joint
+from study.mechanism.law_in_scene import in_scene
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
 
@@ -56,7 +56,7 @@ def ratios(scene: Scene, depth: float) -> dict[str, Any]:
     contact. ``frequency_ratio`` is the natural frequency of the slider on the contact divided by
     the lowest axial natural frequency of the crank.
     """
-    contact = elastic_force(in_joint(scene, hertz, scene.clearance).packed(), depth)[1]
+    contact = elastic_force(in_scene(scene, "hertz").packed(), depth)[1]
     compliance, _, axial = _compliance_and_frequencies(scene)
     frequency = sqrt(contact / scene.slider_mass)
     return {"compliance_ratio": compliance * contact, "frequency_ratio": frequency / axial}

@@ -26,12 +26,11 @@ from study.checks import StudyError
 from study.choose import links
 from study.choose.cheapest_law import SHALLOWEST, choose
 from study.choose.links import Quantity
-from study.contact import SOCKET_RATIO, hertz
-from study.contact.laws import find
+from study.contact import SOCKET_RATIO, Hertz
 from study.joint import Joint
 from study.mechanism import simulate
 from study.mechanism.compare import motion_nrms
-from study.mechanism.law_in_scene import in_joint
+from study.mechanism.law_in_scene import in_scene
 from study.mechanism.particles import usual_step
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
@@ -229,11 +228,9 @@ def _law(scene, depth, socket_ratio):
     ball, socket = scene.materials
     joint = Joint.from_ratios(r2_star, socket_ratio, ball=ball, socket=socket)
     choice = choose(joint, 1.0, LAW_TOLERANCE)
-    law = choice.law, tuple(choice.options.items())
-    if choice.law == "tabulated":
-        law = choice.evaluate, ()
+    law = choice.law, ()
     at = max(depth / scene.clearance, SHALLOWEST), r2_star
-    of_hertz = abs(hertz(*at) / choice.evaluate(*at) - 1)
+    of_hertz = abs(Hertz()(*at) / choice.law(*at) - 1)
     return law, choice.error_bound / of_hertz if of_hertz > 0 else 1.0
 
 
@@ -246,15 +243,15 @@ def _loosest(run, difference, allowed, law, finest):
 @lru_cache(maxsize=32)
 def _run(scene, duration, outputs, model, law, joint="clearance", step_share=1.0, **settings):
     """Run a model once for all tolerances; ``step_share`` is of the particles' usual step."""
-    function, options = law[0], dict(law[1])
-    name, stepper = function if isinstance(function, str) else "tabulated", STEPPERS[model]
+    function = law[0]
+    name, stepper = function if isinstance(function, str) else function.name, STEPPERS[model]
     if joint == "ideal":
         name, stepper = "none", "DOP853"
     if model == "particles":
-        packed = in_joint(scene, find(function), scene.clearance, options).packed()
+        packed = in_scene(scene, function).packed()
         settings["step"] = step_share * usual_step(scene, packed, settings["elements"])
     run = partial(simulate, scene, model=model, joint=joint, law=function, duration=duration)
-    run = partial(run, outputs=outputs, **settings, **options)
+    run = partial(run, outputs=outputs, **settings)
     run(duration=min(WARM_UP, duration), outputs=1)
     start = perf_counter()
     response = run()

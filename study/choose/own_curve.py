@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact import LAWS, tabulated
-from study.contact.fit_measures import adjusted, determination, rmse
-from study.contact.power_fit import PowerFit, fit_power
+from study.contact import LAWS, Law, Table
+from study.contact.power_fit import PowerFit, adjusted, determination, fit_power, rmse
 from study.joint import Joint
 from study.joint.joint import LEAST_R2_STAR
 from study.threads import one_thread
@@ -44,7 +43,7 @@ class LawFit:
     Attributes
     ----------
     law
-        Key of ``study.contact.LAWS``, or ``tabulated`` for the elastic solution of the joint.
+        Key of ``study.contact.LAWS``.
     force
         Force of the law at the depths of the curve, shape (n,).
     rmse, max_error
@@ -133,8 +132,8 @@ def fit_curve(
     >>> fit_curve(depth, joint.law().force(depth), joint).laws[0].law
     'tabulated'
     """
-    for name in fit:
-        checks.choice("fit", name, get_args(Fitted))
+    for fitted_name in fit:
+        checks.choice("fit", fitted_name, get_args(Fitted))
     depths, forces = _checked(depth, force, joint, fit)
     length, modulus, unit = 1.0, 1.0, 1.0
     if joint is not None and joint.has_dimensions:
@@ -143,15 +142,17 @@ def fit_curve(
 
     power, fitted = _power(depths, forces, "offset" in fit)
     found, left_out = [_judged(depths, forces, 1.0, {}, "power", *fitted)], {}
-    for law in [name for name in LAWS if name != "power"] + ["tabulated"]:
+    for name, law in LAWS.items():
+        if name == "power":
+            continue
         if joint is None:
-            left_out[law] = "it requires the description of the joint, which is not given"
+            left_out[name] = "it requires the description of the joint, which is not given"
             continue
         try:
             fitted = _fit_law(law, joint, depths / length, forces / unit, fit)
-            found.append(_judged(depths, forces, unit, units, law, *fitted))
+            found.append(_judged(depths, forces, unit, units, name, *fitted))
         except checks.RangeError as error:
-            left_out[law] = str(error)
+            left_out[name] = str(error)
     found.sort(key=lambda of: (of.rmse, of.law))
     notes = tuple(_notes(found, forces, fit, joint))
     return CurveFit(depths, forces, tuple(found), power, left_out, notes)
@@ -237,7 +238,7 @@ def _notes(found, forces, fit, joint):
         )
 
 
-_PREDICTED = {name for name, law in LAWS.items() if "coefficient" not in law.options}
+_PREDICTED = {name for name, law in LAWS.items() if not law.fitted_constants}
 
 
 def _judged(depths, forces, unit, units, law, force_star, values, errors):
@@ -307,11 +308,11 @@ def _first_touch(depths, forces):
 
 def _fit_law(law, joint, depth_star, force_star, fit):
     """Forces of a law at depths, without dimensions, and its fitted values and standard errors."""
-    own = law in LAWS and "coefficient" in LAWS[law].options
+    own = bool(law.fitted_constants)
     kept = ["offset"]
     if not own:
         kept = list(get_args(Fitted))
-    elif law == "hyperbolic_winkler":  # Winkler's coefficient contains the clearance too
+    elif law().exponent_of_depth is None:  # that of k d^n contains the clearance too
         kept.append("clearance")
     names = [name for name in fit if name in kept]
     at = _evaluation(law, joint)
@@ -320,11 +321,11 @@ def _fit_law(law, joint, depth_star, force_star, fit):
         start["offset"] = _first_touch(depth_star, force_star)
     if not start and not own:
         return at(depth_star), {}, {}
-    options = {"coefficient": 1.0} if own else {}
-    shape = at(depth_star, offset=start.get("offset", 0.0), clip=True, **options)
+    numbers = {"coefficient": 1.0} if own else {}
+    shape = at(depth_star, offset=start.get("offset", 0.0), clip=True, **numbers)
     if own:
         start["coefficient"] = float(shape @ force_star / (shape @ shape))
-    least = (LAWS[law].least_r2_star if law in LAWS else None) or LEAST_R2_STAR
+    least = max(law.least_r2_star, LEAST_R2_STAR)
     most = min(SEARCHED[1], joint.r2_star / least * (1 - 1e-6))
     bounds = {"clearance": (SEARCHED[0], most)}
     if "clearance" in start:
@@ -341,9 +342,9 @@ def _fit_law(law, joint, depth_star, force_star, fit):
     return at(depth_star, **values), values, errors
 
 
-def _evaluation(law: str, joint: Joint) -> Callable[..., Floats]:
+def _evaluation(law: type[Law], joint: Joint) -> Callable[..., Floats]:
     """Function of depths and of the fitted quantities: a law's force in E* dR^2 as given."""
-    table = lru_cache(maxsize=64)(lambda other, deepest: tabulated(other.curve(deepest)))
+    table = lru_cache(maxsize=64)(lambda other, deepest: Table.of_curve(other.curve(deepest)))
 
     def force(
         depth_star: Floats,
@@ -351,20 +352,18 @@ def _evaluation(law: str, joint: Joint) -> Callable[..., Floats]:
         modulus: float = 1.0,
         offset: float = 0.0,
         clip: bool = False,
-        **options: Any,
+        **numbers: Any,
     ) -> Floats:
         other = joint if clearance == 1 else replace(joint, clearance=clearance * joint.clearance)
         depth = (depth_star - offset) / clearance
-        if law == "tabulated":
+        if law is Table:  # checked tables would take several times as long
             deepest = float(depth.max())
-            formula = table(other, deepest if deepest > 1 else None)
+            found: Law = table(other, deepest if deepest > 1 else None)
         else:
-            formula = LAWS[law]
-            options |= other.law_options(law)
-        if clip:  # while a fit searches
-            limit = formula.limit(formula.parts(other.r2_star, **options).shape)
-            depth = depth if limit is None else np.minimum(depth, limit)
-        return modulus * clearance**2 * formula(depth, other.r2_star, **options)
+            found = law(**numbers) if numbers else law.of(other)
+        if clip and found.deepest is not None:  # while a fit searches
+            depth = np.minimum(depth, found.deepest)
+        return modulus * clearance**2 * found(depth, other.r2_star)
 
     return force
 

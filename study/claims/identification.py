@@ -51,7 +51,7 @@ def forces(
 ) -> Forces:
     """Forces, shape (n,), at depths up to 0.5, of `study.joint.reference_joint` with changes."""
     curve = solutions.curve(reference_joint(R2_STAR, **joint), _DEPTHS, resolution, solver)
-    return contact.tabulated(curve)(sample)
+    return contact.Table.of_curve(curve)(sample)
 
 
 def table_2(sample: Forces, force: Forces, area: Area = "flat") -> dict[str, Forces]:
@@ -59,10 +59,13 @@ def table_2(sample: Forces, force: Forces, area: Area = "flat") -> dict[str, For
 
     The hyperbolic law has the area element ``area``.
     """
-    options = {law: {} for law in contact.PAPER_LAWS} | {"hyperbolic_winkler": {"area": area}}
-    for law, name in (("winkler", "winkler"), ("hyperbolic_winkler", AREA_COEFFICIENTS[area])):
-        options[law]["coefficient"] = fitting.coefficient(name, sample, force)
-    return {law: contact.LAWS[law](sample, R2_STAR, **options[law]) for law in options}
+    laws = {law: contact.LAWS[law]() for law in contact.PAPER_LAWS}
+    winkler, hyperbolic = (
+        fitting.coefficient(name, sample, force) for name in ("winkler", AREA_COEFFICIENTS[area])
+    )
+    laws["winkler"] = contact.Winkler(winkler)
+    laws["hyperbolic_winkler"] = contact.HyperbolicWinkler(hyperbolic, area)
+    return {name: law(sample, R2_STAR) for name, law in laws.items()}
 
 
 @lru_cache

@@ -52,7 +52,7 @@ def interval(values: ArrayLike) -> dict[str, float]:
 
 def known_forces(depths: ArrayLike) -> tuple[Numbers, Numbers]:
     """Forces of Hertz's and Steuermann's laws at some depths, as this study reads them."""
-    return contact.hertz(depths, R2_STAR), contact.steuermann(depths, R2_STAR)
+    return contact.Hertz()(depths, R2_STAR), contact.Steuermann()(depths, R2_STAR)
 
 
 def totals(

@@ -112,10 +112,12 @@ def choose_law(
         choice = cheapest_law.choose_beside(asked, deepest, left if serves else tolerance)
         first = first_yield(asked, deepest) if yield_stress else None
         exceeded = asked.solve(depth_star=deepest, stresses=asked.has_dimensions).limits
+    law = choice.law
     axial = {"next_cheaper": next(iter(choice.rejected), None)} | named_fields(choice)
-    ends = choice.depths if choice.law == "power" else choice.depths[1:]
+    axial |= {"law": law.name, "numbers": law.numbers}
+    ends = choice.depths if len(law.fitted_constants) > 1 else choice.depths[1:]
     text = typed(joint | {"depth_star": list(ends)})
-    axial["export"] = f"study export --law {choice.law} --format c {text}"
+    axial["export"] = f"study export --law {law.name} --format c {text}"
     axial["first_yield"] = vars(first) if first else None
     axial["applicability"] = limits.in_short(exceeded[0])
     parts = list(_of_choice(choice, asked, exceeded, axial))
@@ -186,8 +188,13 @@ def _show_no_axis(as_json, joint, deepest, tilt, tolerance, line):
 
 def _of_choice(choice, joint, exceeded, axial):
     """Parts of the text on a choice for the axial direction."""
-    names, costs = ("law", "error_bound", "relative_cost", "options"), choose.relative_costs()
-    yield {name: [getattr(choice, name)] for name in names}
+    costs = choose.relative_costs()
+    yield {
+        "law": [choice.law.name],
+        "error_bound": [choice.error_bound],
+        "relative_cost": [choice.relative_cost],
+        "numbers": [choice.law.numbers],
+    }
     yield f"For depths of {_depths(joint, choice.depths)}."
     yield from (f"Warning: {text}" for text in limits.worst(exceeded))
     if axial["first_yield"]:
@@ -208,7 +215,7 @@ def _of_choice(choice, joint, exceeded, axial):
 @cli.command(
     "export",
     sections={
-        "Law": ("law", "depth_star", "depth", "tilt"),
+        "Law": ("law", "option", "depth_star", "depth", "tilt"),
     }
     | cli.SECTIONS
     | {
@@ -221,16 +228,14 @@ def _of_choice(choice, joint, exceeded, axial):
     ],
 )
 def export_law(
-    law: Literal[LawName, "tabulated"] = cli.required(
-        f"Contact law: {', '.join(LAWS)}; or tabulated, a table of the joint's elastic solution."
+    law: LawName = cli.required(
+        f"Contact law: {', '.join(LAWS)}. tabulated is a table of the joint's elastic solution."
     ),
-    form: Literal[
-        "c", "matlab", "modelica", "json", "csv", "exudyn", "adams", "mujoco"
-    ] = cli.required(
-        "Form of the export: a function for C, for MATLAB and Octave (matlab), or for Modelica; "
-        "the formula and its numbers (json); a table of the force over the depth (csv); or an "
-        "element of Exudyn, Adams or MuJoCo. Modelica, Exudyn, Adams and MuJoCo need a joint with "
-        "dimensions.",
+    option: list[str] = cli.OPTION,
+    form: Literal["c", "matlab", "modelica", "csv", "exudyn", "adams", "mujoco"] = cli.required(
+        "Form of the export: a function for C, for MATLAB and Octave (matlab), or for Modelica; a "
+        "table of the force over the depth (csv); or an element of Exudyn, Adams or MuJoCo. "
+        "Modelica, Exudyn, Adams and MuJoCo need a joint with dimensions.",
         "--format",
     ),
     depth_star: list[float] = cli.option(
@@ -273,7 +278,7 @@ def export_law(
         raise ValueError("--depth and --depth-star must not both be given; remove one of them")
     depths = depth_star or [value / asked.clearance for value in depth or ()]
     with working("Solving the joint and computing the error of the law"):
-        text = export(law, form, asked, sorted(depths) or None, tilt, name)
+        text = export(cli.law_of(law, option), form, asked, sorted(depths) or None, tilt, name)
     if output is None:
         print(text, end="")
     else:

@@ -11,9 +11,10 @@ from study.choose import choose_model
 from study.choose.links import QUANTITIES
 from study.cli import options as cli
 from study.cli.output import columns, named_fields, show, working
-from study.contact import LAWS, SOCKET_RATIO
+from study.contact import LAWS, SOCKET_RATIO, LawName
 from study.joint import Joint, limits
 from study.mechanism import Scene, compare
+from study.mechanism.law_in_scene import LAW, of_name
 from study.mechanism.response import IMPACT_COLUMNS
 from study.mechanism.simulate import Model, simulate
 from study.mechanism.validity import exceeded_limits
@@ -34,6 +35,8 @@ SCENE = (
     + ". With the default damping, exact, an impact has the given coefficient of restitution; the "
     "other models are lankarani-nikravesh (which Yao et al. use), hunt-crossley and flores."
 )
+SOCKET = ("wall", "socket_ratio", "liner")
+"""Options that describe the socket of the clearance joint."""
 _SETTINGS = ("joint", "duration", "outputs", "tolerance", "step", "elements", "method")
 OPTIONS = {
     "model": cli.further(
@@ -42,8 +45,8 @@ OPTIONS = {
         "--tolerance. Default: rigid.",
     ),
     "law": cli.further(
-        Literal[(*LAWS, "tabulated")],
-        f"Contact law: {', '.join(LAWS)}; or tabulated, a table of the joint's elastic solution. "
+        LawName,
+        f"Contact law: {', '.join(LAWS)}. tabulated is a table of the joint's elastic solution. "
         "Default: stiffened_hertz, or tabulated if --wall or --liner is given.",
     ),
     **cli.options_of(simulate, *_SETTINGS),
@@ -61,7 +64,7 @@ OPTIONS = {
 @cli.command(
     "simulate",
     sections={
-        "Mechanism and joint": ("scene", "joint", "law", "socket_ratio", "wall", "liner"),
+        "Mechanism and joint": ("scene", "joint", "law", "option", "socket_ratio", "wall", "liner"),
         "Model of the links": ("model", "elements", "method", "quantity"),
         "Time and accuracy": ("duration", "outputs", "tolerance", "step", "once"),
         "Output": ("as_json", "output"),
@@ -73,6 +76,7 @@ OPTIONS = {
 )
 def simulate_mechanism(
     scene: list[str] = cli.option(SCENE, default=()),
+    option: list[str] = cli.OPTION,
     output: Path = cli.option("CSV file for the motion over time."),
     as_json: bool = cli.JSON,
     once: bool = cli.switch(
@@ -94,8 +98,12 @@ def simulate_mechanism(
     cli.check_output(output, ".csv")
     if "elements" in options:
         options["elements"] = described(simulate)["elements"].read("elements", options["elements"])
-    if options.keys() & {"wall", "liner"}:
-        options.setdefault("law", "tabulated")
+    socket = {name: options.pop(name) for name in SOCKET if name in options}
+    if option:
+        cli.left_out(socket, (), "a law with its own numbers (--option)")
+        options["law"] = cli.law_of(options.get("law", LAW), option)
+    elif socket:
+        options["law"] = of_name(changed, options.get("law"), **socket)
     parameters = signature(simulate).parameters
     if options.get("model") == "auto":
         choice = _choice(changed, **options)
@@ -103,7 +111,7 @@ def simulate_mechanism(
     else:
         choice, run = None, partial(simulate, changed, **options)
         what = f"model {options.get('model', parameters['model'].default)}"
-        cli.left_out(options, [*parameters, "socket_ratio", "wall", "liner"], what)  # of some laws
+        cli.left_out(options, parameters, what)
     total = options.get("duration", parameters["duration"].default)
     is_compiled = any(compiled.folder().rglob("*.nbc"))
     with working(
@@ -117,7 +125,7 @@ def simulate_mechanism(
         "energy_error": response.energy_error,
         "complete": response.complete,
     }
-    exceeded = exceeded_limits(changed, response, options.get("socket_ratio", SOCKET_RATIO))
+    exceeded = exceeded_limits(changed, response, socket.get("socket_ratio", SOCKET_RATIO))
     with working("Repeating the simulation at a second tolerance"):
         agreement = (None, []) if once else _agreement(response, run)
     _show(end, response, choice, agreement, exceeded, as_json)
@@ -173,7 +181,9 @@ def _show(end, response, choice, agreement, exceeded, as_json):
         for row in response.impact_rows.tolist()
     ]
     asked, delivered = response.restitution, response.delivered_restitution
-    values = {head.split()[0]: value for head, value in end.items()} | {"law": response.law}
+    values = {head.split()[0]: value for head, value in end.items()} | {
+        "law": str(response.law or "none")
+    }
     values |= {"restitution": asked, "delivered_restitution": delivered}
     agrees, sentences = agreement
     values |= {"agreement": agrees, "applicability": limits.in_short(exceeded)}
@@ -183,7 +193,7 @@ def _show(end, response, choice, agreement, exceeded, as_json):
         ]
         for name in ("time", *names)
     }
-    parts = [f"Law {response.law}.", {head: [value] for head, value in end.items()}, table]
+    parts = [f"Law: {values['law']}.", {head: [value] for head, value in end.items()}, table]
     if choice:
         values["choice"] = named_fields(choice)
         parts = [*_of_choice(choice, end["time s"]), *parts]

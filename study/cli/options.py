@@ -19,6 +19,7 @@ from typer.main import get_command_from_info
 
 from study import checks, parameters, paths
 from study.checks import StudyError
+from study.contact import LAWS
 
 COMMANDS = {
     "run": (
@@ -171,6 +172,11 @@ def option_of(about, note=""):
     return further(kind, f"{text} {note}".rstrip())
 
 
+OPTION = option(
+    "A number of the law, as NAME=VALUE, for example n=2 of steuermann or coefficient=900 of "
+    "winkler; may be repeated. study law --help has them all.",
+    default=(),
+)
 JSON = switch("--json", "Print the results as one JSON object.")
 OUTPUT = option("File to write.")
 JOBS = option("Number of processes. Default: one for each core.")
@@ -293,6 +299,23 @@ def left_out(options, allowed, what):
     for name in options:
         if name not in allowed:
             raise ValueError(f"{flag(name)} does not apply to {what}; remove it")
+
+
+def law_of(name, settings):
+    """Law with the numbers of ``NAME=VALUE``, or its name without any."""
+    if not settings:
+        return name
+    about, values = parameters.described(LAWS[name]), {}
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        if not equals or key not in about:
+            known = ", ".join(about) or "nothing, as this law has no numbers to choose"
+            raise ValueError(
+                f"--option of the law {name} must be NAME=VALUE with NAME one of {known}, got "
+                f"{setting!r}"
+            )
+        values[key] = about[key].read(key, text)
+    return LAWS[name](**values)
 
 
 def under_tilt(tilt, options):

@@ -133,8 +133,7 @@ def text_of(value):
 
 def named_fields(choice):
     """Attributes of a choice by name, without its function."""
-    functions = ("evaluate", "simulate")
-    return {name: value for name, value in vars(choice).items() if name not in functions}
+    return {name: value for name, value in vars(choice).items() if name != "simulate"}
 
 
 @contextmanager

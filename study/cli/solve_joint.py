@@ -384,7 +384,8 @@ def _cheapest(joint, deepest, tolerance, words):
     if joint.has_dimensions:
         depths = [joint.clearance * depth for depth in depths]
         of_range = "{:g} to {:g} um".format(*map(_micrometres, depths))
-    name = TABULATED if choice.law == "tabulated" else choice.law
+    law = choice.law.name
+    name = TABULATED if law == "tabulated" else law
     text = (
         f"The fastest contact law within {_percent(tolerance)} of the elastic solution at depths "
         f"from {of_range} is {name}. Its relative error is at most {_percent(choice.error_bound)}."
@@ -395,11 +396,11 @@ def _cheapest(joint, deepest, tolerance, words):
             f" No closed-form law is within this tolerance: the best is {best}, with an error of "
             f"up to {_percent(choice.errors[best])}."
         )
-    line = f"study export --law {choice.law} --format c {words}"
+    line = f"study export --law {law} --format c {words}"
     if choice.depths[1] > joint.default_depth:
         line += f" --depth-star {choice.depths[1]:.9g}"
     text += f"\nCommand that exports it for another program:\n{line}"
-    values = {"law": choice.law, "law_error_bound": choice.error_bound, "law_depths": depths}
+    values = {"law": law, "law_error_bound": choice.error_bound, "law_depths": depths}
     return values | {"law_errors": choice.errors, "export": line}, text
 
 

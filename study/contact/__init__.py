@@ -1,21 +1,28 @@
 """Contact laws: the force between ball and socket as a function of penetration depth."""
 
-from study.contact.bodies import SOCKET_RATIO, composite_modulus, hertz_factor, largest_depth
 from study.contact.dimensional_law import DimensionalLaw
 from study.contact.laws import (
+    CLOSED_FORM,
     COMPARED_LAWS,
     LAWS,
     PAPER_LAWS,
+    Hertz,
+    HyperbolicWinkler,
     Law,
     LawName,
-    hertz,
-    hyperbolic_winkler,
-    liu,
-    power,
-    sampled,
-    steuermann,
-    stiffened_hertz,
-    tabulated,
-    winkler,
+    Liu,
+    Power,
+    Sampled,
+    Steuermann,
+    StiffenedHertz,
+    Table,
+    Winkler,
 )
-from study.contact.materials import Material, material
+from study.contact.materials import (
+    SOCKET_RATIO,
+    Material,
+    composite_modulus,
+    hertz_factor,
+    largest_depth,
+    material,
+)

@@ -6,7 +6,7 @@ and the inverse, and packs a law for the compiled loops.
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
-from math import inf
+from math import inf, isclose
 from typing import Any
 
 import numpy as np
@@ -25,29 +25,26 @@ class DimensionalLaw:
     """A contact law of a joint with dimensions, in SI units.
 
     Its methods `force`, `stiffness` and `depth` evaluate it. Raises ``ValueError`` for an unknown
-    law or option, a missing option, or a value outside its range.
+    law, or a value outside its range. `study.joint.Joint.law` makes it of a joint.
 
     Parameters
     ----------
     law
-        Key of `study.contact.LAWS`, a law itself, such as ``tabulated(curve)``, or a function
-        (`study.contact.sampled`).
+        Key of `study.contact.LAWS`, a law itself, such as ``Steuermann(n=2)``, or a function
+        (`study.contact.Sampled`).
     ball_radius, socket_radius
         Radii in m; the ball is smaller than the socket.
     composite_modulus
         Composite modulus E* > 0 in Pa (`study.contact.composite_modulus`).
-    **options
-        Options of the law. ``stiffened_hertz`` requires ``socket_ratio``, ``modulus_ratio``,
-        ``poisson`` and ``socket_poisson``.
+    joint
+        The `study.joint.Joint` to which the law belongs, or None.
 
     Attributes
     ----------
-    law, options
-        The law without dimensions, and its options as they were given.
+    law
+        The law without dimensions.
     deepest
         Maximum penetration depth of the law in m; infinite for a law without a limit.
-    joint
-        The `study.joint.Joint` to which the law belongs, or None.
     parts
         The law at the R2* of the joint, as `study.contact.laws.Parts`.
 
@@ -67,29 +64,32 @@ class DimensionalLaw:
         ball_radius: float,
         socket_radius: float,
         composite_modulus: float,
-        **options: Any,
+        joint: Any = None,
     ) -> None:
-        self.law = find(law)
+        self.law, self.joint = find(law, joint), joint
         self.name = self.law.name
         r1 = checks.number("ball_radius", ball_radius, "m", above=0, scalar=True)
         r2 = checks.number("socket_radius", socket_radius, "m", above=r1, scalar=True)
         self.ball_radius, self.socket_radius = r1, r2
-        self.joint: Any = None
         self.clearance, self.r2_star = r2 - r1, r2 / (r2 - r1)
         checks.number("socket_radius divided by clearance", self.r2_star, above=1)  # 1 by rounding
         self.composite_modulus = checks.number(
             "composite modulus", composite_modulus, "Pa", above=0, scalar=True
         )
-        missing = [name for name in self.law.of_bodies if name not in options]
-        if missing:
+        own = self.law.r2_star
+        if own is not None and not isclose(self.r2_star, own, rel_tol=1e-6):
             raise ValueError(
-                f"the law {self.name} in SI units requires {', '.join(missing)}, because its force "
-                "depends on the thickness of the socket and on both materials"
+                f"socket_radius divided by clearance must be {own:.9g}, that of the joint of the "
+                f"law {self.name}, got {self.r2_star:.9g}"
             )
-        self.options = options
-        self.parts = self.law.parts(self.r2_star, **options)
-        limit = self.law.limit(self.parts.shape)
-        self.deepest = inf if limit is None else self.clearance * float(limit)
+        self.parts = self.law.parts(self.r2_star)
+        limit = self.law.deepest
+        self.deepest = inf if limit is None else self.clearance * limit
+
+    def __repr__(self) -> str:
+        """The law with its numbers, or with its joint."""
+        joint = self.joint or self.law.joint
+        return repr(self.law) if joint is None else f"{self.name} of {joint}"
 
     def force(self, depth: ArrayLike) -> Floats:
         """Contact force in N at penetration depths in m, with their shape; 0 at depths <= 0."""
@@ -123,11 +123,14 @@ class DimensionalLaw:
 
     def _evaluated(self, depth, derivative):
         depths = np.asarray(checks.depth("depth", depth, "m"))
-        if self.deepest < inf:
-            most = self.deepest * (1 + LIMIT_MARGIN)
-            checks.number(f"depth of {self.name}", depths, "m", most=most)
+        most = self.deepest * (1 + LIMIT_MARGIN) if self.deepest < inf else None
+        checks.number(f"depth of {self.name}", depths, "m", most=most)
         depth_star = np.asarray(checks.depth("depth divided by clearance", depths / self.clearance))
-        return self._unit(derivative) * self.parts.at(depth_star, derivative)
+        scale, shape, constants = self.parts
+        result, touches = np.zeros(depths.shape), depth_star > 0
+        result[touches] = scale * shape(depth_star[touches], constants)[derivative]
+        found = self._unit(derivative) * result
+        return float(found) if found.ndim == 0 else found
 
     def _inverted(self, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
         """Depths in clearances at which the shape has given values > 0."""

@@ -6,7 +6,6 @@ array would be counted at every call, which takes as long as a law. This module 
 laws: another law of a known shape compiles nothing again.
 """
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -15,41 +14,35 @@ from numba.extending import register_jitable
 from study.compiled import compiled
 from study.contact import shapes
 from study.contact.friction import friction_factor
-from study.contact.shapes import SHAPES
+from study.contact.shapes import SHAPES, chord, hertz, hyperbolic, liu, power, stiffened, winkler
 
-_HERTZ, _WINKLER, _SAMPLED = map(SHAPES.index, (shapes.hertz, shapes.winkler, shapes.sampled))
-_ELASTIC_FORCE = '''
+HERTZ, WINKLER, POWER, CHORD, LIU, HYPERBOLIC, STIFFENED, TABLE = range(len(SHAPES))
+"""Place of each shape in `SHAPES`."""
+for _shape in (*SHAPES, shapes.cubic):  # a call takes as long as a law: they are inlined
+    register_jitable(inline="always")(_shape)
+
+
+@compiled
 def elastic_force(law, depth):
     """Force of a packed law in N, and its derivative in N/m, at a depth > 0 in m."""
-    depth_star, shape, constants = depth / law.clearance, law.shape_index, law.constants{branches}
+    ds, shape, constants = depth / law.clearance, law.shape_index, law.constants
+    if shape == HERTZ:
+        value, slope = hertz(ds, constants)
+    elif shape == WINKLER:
+        value, slope = winkler(ds, constants)
+    elif shape == POWER:
+        value, slope = power(ds, constants)
+    elif shape == CHORD:
+        value, slope = chord(ds, constants)
+    elif shape == LIU:
+        value, slope = liu(ds, constants)
+    elif shape == HYPERBOLIC:
+        value, slope = hyperbolic(ds, constants[: law.count])
+    elif shape == STIFFENED:
+        value, slope = stiffened(ds, constants)
+    else:
+        value, slope = shapes.table(ds, constants[: law.count])
     return law.scale * value, law.scale / law.clearance * slope
-'''
-_BRANCH = """
-    {when}:
-        value, slope = {name}(depth_star, {constants})"""
-
-
-def _elastic_force():
-    """Function that evaluates the shape of a law, from its source.
-
-    The source has a branch for each of `SHAPES`, because compiled code cannot choose from a list of
-    functions. A call takes as long as a law, so that the shapes' functions become a part of it. Its
-    lines are numbered from the end of this file on: numba would take others for its source.
-    """
-    names, branches = {**globals()}, ""
-    for place, shape in enumerate(SHAPES):
-        names[shape.name] = register_jitable(inline="always")(shape.function)
-        constants = "constants[: law.count]" if shape.constants is None else "constants"
-        when = "else" if shape is SHAPES[-1] else f"{'elif' if place else 'if'} shape == {place}"
-        branches += _BRANCH.format(when=when, name=shape.name, constants=constants)
-    lines = Path(__file__).read_text(encoding="utf-8").count("\n")
-    source = "\n" * lines + _ELASTIC_FORCE.format(branches=branches)
-    exec(compile(source, __file__, "exec"), names)
-    return names["elastic_force"]
-
-
-register_jitable(inline="always")(shapes.cubic)
-elastic_force = compiled(_elastic_force())
 
 
 def _gauss(count):
@@ -66,23 +59,20 @@ def stored_energy(law, depth):
     """Elastic energy at a depth, in J: the force integrated over the depth.
 
     Gauss's rule is applied in the square root of the depth. All shapes are analytic in it but
-    Steuermann's profiles of n > 1, whose error is 1e-11. A sampled function may have kinks: each
-    interval between its knots is integrated exactly.
+    Steuermann's profiles of n > 1, whose error is 1e-11, and tables, of which each interval between
+    two knots is integrated exactly.
     """
     energy = 0.0
-    if depth > 0 and law.shape_index == _SAMPLED:
-        low, root = 0.0, np.sqrt(depth / law.clearance)
-        for knot in law.constants[1 : law.count // 3]:
-            step = min(knot, root) - low
+    if depth > 0 and law.shape_index == TABLE:
+        root, step = np.sqrt(depth / law.clearance), 1 / law.constants[0]
+        for k in range(int(np.ceil(root / step))):
+            width = min(step, root - k * step)
             for node, weight in zip(_FEW_NODES, _FEW_WEIGHTS):  # noqa: B905
-                s = low + node * step
+                s = k * step + node * width
                 inner = s * s * law.clearance
-                energy += weight * step * 2 * s * law.clearance * elastic_force(law, inner)[0]
-            low = knot
-            if low >= root:
-                break
+                energy += weight * width * 2 * s * law.clearance * elastic_force(law, inner)[0]
     elif depth > 0:
-        few_are_exact = law.shape_index == _HERTZ or law.shape_index == _WINKLER
+        few_are_exact = law.shape_index == HERTZ or law.shape_index == WINKLER
         rule = (_FEW_NODES, _FEW_WEIGHTS) if few_are_exact else (NODES, WEIGHTS)
         for node, weight in zip(*rule):  # noqa: B905 (compiled code has no strict)
             energy += weight * 2 * node * depth * elastic_force(law, node * node * depth)[0]

@@ -1,33 +1,31 @@
-"""Force-depth laws of a ball in a socket: one `Law` each, all dimensionless.
+"""Force-depth laws of a ball in a socket: one class each, all dimensionless.
 
 In dimensionless form depth_star = d/dR (ds), r2_star = R2/dR and force_star = P/(E* dR^2), with
 the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*. Damping and
 friction are not here.
 
-A law is a function of R2* and of its options, which returns its `Parts`; `new_law` makes an object
-of it. "Eq." numbers are those of the paper that the study reproduces.
+A law holds its own numbers, and `Law.parts` writes its formula with one of the shapes of
+`study.contact.shapes`. "Eq." numbers are those of the paper that the study reproduces.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache, partial
-from inspect import getdoc
+from functools import lru_cache
 from math import factorial, gamma, pi, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks, parameters
-from study.contact import sampling, shapes, stiffening
-from study.contact.bodies import SOCKET_RATIO, hertz_factor
-from study.contact.power_fit import USUAL_RANGE
-from study.contact.shapes import Shape
-from study.parameters import Parameter, describe
+from study.contact import shapes, stiffening, tables
+from study.contact.materials import hertz_factor
+from study.contact.power_fit import USUAL_RANGE, fit_power
+from study.parameters import parameter
 
 Area = Literal["flat", "sphere"]
 Evidence = Literal["given", "derived", "identified", "reconstructed", "fitted", "solved", "user's"]
@@ -38,7 +36,7 @@ AREA_COEFFICIENTS: dict[Area, str] = {
     "flat": "hyperbolic_winkler",
     "sphere": "hyperbolic_winkler_sphere",
 }
-"""Name of the fitted coefficient of `hyperbolic_winkler`, by the area element of its pressure."""
+"""Name of the fitted coefficient of `HyperbolicWinkler`, by the area element of its pressure."""
 LIMIT_MARGIN = 1e-9  # by rounding, d/dR and R2/dR from radii in m may exceed a limit
 
 
@@ -46,91 +44,87 @@ class Parts(NamedTuple):
     """A law at some R2*: force_star is ``scale`` times the ``shape`` with its ``constants``."""
 
     scale: Any
-    shape: Shape
+    shape: Callable[[Any, Any], tuple[Any, Any]]
     constants: Any = ()
 
-    def at(self, depth_star: NDArray[np.float64], derivative: int) -> Any:
-        """Dimensionless force, or its derivative by the depth; 0 at depths <= 0.
 
-        Scale and constants are one for all depths, or one for each depth > 0.
-        """
-        result, touches = np.zeros(depth_star.shape), depth_star > 0
-        values = self.shape(depth_star[touches], self.constants)
-        result[touches] = self.scale * values[derivative]
-        return float(result) if result.ndim == 0 else result
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Law:
     """A contact law: the normalised force as a function of the normalised penetration depth.
 
-    A law is called to evaluate it.
+    A law is called to evaluate it. Its class has what is the same for all of its numbers:
 
     Attributes
     ----------
     name
-        Key of `LAWS`, or the name of the function from which another law was made.
-    formula
-        Function of R2* and all options, with their defaults, that returns the law's `Parts`.
-    of_bodies
-        Options that a joint with dimensions determines, where they have no default.
+        Key of `LAWS`, or the name of the function from which the law was made.
+    evidence
+        How sure the formula is.
     deepest
-        Maximum depth_star, if the law has a limit that its shape does not have.
+        Maximum depth_star, or None.
     least_r2_star
-        Minimum R2*, if it is not 1.
+        Minimum R2*.
     fitted_to
         Maximum depth_star of the fit, in the reference joint, of the default coefficients.
-    examples
-        Options with which all laws are tested.
+    fitted_constants
+        Numbers that can be fitted to a measured curve.
+    needs_joint
+        Whether the law is made by `of` alone; else its numbers have defaults.
     r2_star, joint
-        For the law of one `study.joint.Joint`: its only R2*, and the joint.
-    error, curve
-        For the table of an elastic solution: the maximum relative error of its force between the
-        solved depths, and the `study.joint.Solution` at these.
+        For the law of one joint: its R2*, and the `study.joint.Joint`.
 
     Examples
     --------
-    >>> print(f"{hertz(0.3, 200):.2f}")
+    >>> print(f"{Hertz()(0.3, 200):.2f}")
     43.71
     """
 
-    name: str
-    formula: Callable[..., Parts] = field(repr=False)
-    evidence: Evidence
-    of_bodies: tuple[str, ...] = field(default=(), repr=False)
-    deepest: float | None = field(default=None, repr=False)
-    least_r2_star: float | None = field(default=None, repr=False)
-    fitted_to: float | None = field(default=None, repr=False)
-    examples: tuple[Mapping[str, Any], ...] = field(default=({},), repr=False)
-    r2_star: float | None = field(default=None, repr=False)
-    joint: Any = field(default=None, repr=False)
-    error: float | None = field(default=None, repr=False)
-    curve: Any = field(default=None, repr=False)
+    name: ClassVar[str]
+    evidence: ClassVar[Evidence]
+    deepest = None
+    least_r2_star: ClassVar[float] = 1.0
+    fitted_to: ClassVar[float | None] = None
+    fitted_constants: ClassVar[tuple[str, ...]] = ()
+    needs_joint: ClassVar[bool] = False
+    r2_star = None
+    joint = None
 
     def __post_init__(self) -> None:
-        given = ["depth_star", "r2_star" if self.r2_star is None else f"r2_star={self.r2_star:g}"]
-        given += ["*", "derivative=False"]
-        given += [f"{name}={default!r}" for name, default in self.defaults.items()]
-        text = f"{self.name}({', '.join(given)})\n\n{getdoc(self.formula) or ''}"
-        object.__setattr__(self, "__doc__", text)  # for help() and the report
+        parameters.take(self)
+
+    def __repr__(self) -> str:
+        """The class and its numbers; for one that is left out, what it is by default."""
+        about = parameters.described(type(self))
+        values = ((name, of, about[name].otherwise) for name, of in self.numbers.items())
+        written = (f"{name}={usual if of is None else of}" for name, of, usual in values)
+        return f"{type(self).__name__}({', '.join(written)})"
 
     @property
-    def options(self) -> dict[str, Parameter]:
-        """What each option is."""
-        return vars(self.formula).get("described", {})
+    def numbers(self) -> dict[str, Any]:
+        """The numbers that a user may choose, by name; None for the default."""
+        return {name: getattr(self, name) for name in parameters.described(type(self))}
 
-    @cached_property
-    def defaults(self) -> dict[str, Any]:
-        """Default of each option."""
-        return parameters.defaults(self.formula)
+    @classmethod
+    def of(cls, joint: Any) -> Law:
+        """The law of a joint; a `study.checks.RangeError` if the law is not valid for it."""
+        return cls()
+
+    @classmethod
+    def fit(cls, joint: Any, depth_star: ArrayLike, force_star: ArrayLike) -> Law:
+        """The law of a joint for given depths, where its force is known."""
+        return cls.of(joint)
+
+    @property
+    def exponent_of_depth(self) -> float | None:
+        """Exponent n if the force is k d^n, else None."""
+        return None
+
+    def parts(self, r2_star: Any) -> Parts:
+        """Scale, shape and constants for one R2*, or for each of an array."""
+        raise NotImplementedError
 
     def __call__(
-        self,
-        depth_star: ArrayLike,
-        r2_star: ArrayLike | None = None,
-        *,
-        derivative: bool = False,
-        **options: Any,
+        self, depth_star: ArrayLike, r2_star: ArrayLike | None = None, *, derivative: bool = False
     ) -> Any:
         """Evaluate the law.
 
@@ -141,8 +135,6 @@ class Law:
             A law of one joint needs no ``r2_star``.
         derivative
             Whether to return the derivative of the force with respect to depth_star.
-        **options
-            Options of the law.
 
         Returns
         -------
@@ -152,71 +144,41 @@ class Law:
         Raises
         ------
         ValueError
-            If an option is unknown or a value is outside its range.
+            If a value is outside its range.
         """
+        most = None if self.deepest is None else self.deepest * (1 + LIMIT_MARGIN)
         depth = np.asarray(checks.depth("depth_star", depth_star))
+        checks.number(f"depth_star of {self.name}", depth, most=most)
         given: Any = self.r2_star if r2_star is None else r2_star
-        r2 = np.asarray(checks.number("r2_star", given, above=1))
-        depth, r2 = np.broadcast_arrays(depth, r2)
-        touches = depth > 0
-        if not touches.any():
-            self._checked(options)
-            return 0.0 if depth.ndim == 0 else np.zeros(depth.shape)
-        parts = self.parts(r2[touches], **options)
-        limit = self.limit(parts.shape)
-        if limit is not None:
-            checks.number(f"depth_star of {self.name}", depth, most=limit * (1 + LIMIT_MARGIN))
-        return parts.at(depth, int(derivative))
-
-    def parts(self, r2_star: Any, **options: Any) -> Parts:
-        """Scale, shape and constants for one R2*, or for each of an array."""
-        if self.least_r2_star is not None:
-            least = self.least_r2_star * (1 - LIMIT_MARGIN)
-            checks.number(f"r2_star of {self.name}", r2_star, least=least)
-        return self.formula(r2_star, **self._checked(options))
-
-    def limit(self, shape: Shape) -> float | None:
-        """Largest depth_star of the law with one of its shapes."""
-        return self.deepest if shape.deepest is None else shape.deepest
-
-    def _checked(self, options):
-        """All options: those given, in their ranges, and defaults."""
-        for name in options:
-            if not self.options:
-                raise checks.RangeError(
-                    f"{name} does not apply to the law {self.name}, which has no options; remove it"
-                )
-            checks.choice(f"option of {self.name}", name, self.options)
-        return self.defaults | {
-            name: self.options[name].taken(f"{name} of {self.name}", value)
-            for name, value in options.items()
-            if value is not None or self.defaults[name] is not None
-        }
+        depth, r2 = np.broadcast_arrays(depth, checks.number("r2_star", given, above=1))
+        if self.r2_star is not None and not np.allclose(r2, self.r2_star, rtol=1e-6, atol=0):
+            raise ValueError(
+                f"r2_star must be {self.r2_star:g}, that of the joint of this law, got {given}"
+            )
+        result, touches = np.zeros(depth.shape), depth > 0
+        if touches.any():
+            scale, shape, constants = self.parts(r2[touches])
+            result[touches] = scale * shape(depth[touches], constants)[derivative]
+        return float(result) if result.ndim == 0 else result
 
 
-def new_law(evidence: Evidence, **more: Any) -> Callable[[Callable[..., Parts]], Law]:
-    """Make a `Law` of the function that follows, its ``formula``; more attributes are `Law`'s."""
-    return lambda formula: Law(formula.__name__, formula, evidence, **more)
-
-
-COEFFICIENT = Parameter("Fitted coefficient (no unit)", limits={"above": 0})
-
-
-@new_law("given")
-def hertz(r2_star: Floats) -> Parts:
-    """Hertz: P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) (Eqs. 4-6, given)."""
-    return Parts(hertz_factor(r2_star), shapes.hertz)
-
-
-@new_law("identified", examples=({}, {"n": 3}, {"n": 2, "radius": "profile"}))
-@describe(
-    n=Parameter("Half of the order 2n of the profile", limits={"least": 1, "most": 50}, whole=True),
-    radius=Parameter(
-        "Contact radius a: geometric, from the overlap of the spheres, or that of the profile",
-        choices=("geometric", "profile"),
-    ),
+_COEFFICIENT: Any = parameter(
+    None, "Fitted coefficient (no unit)", above=0, otherwise="that of the reference joint"
 )
-def steuermann(r2_star: Floats, n: int = 1, radius: str = "geometric") -> Parts:
+
+
+@dataclass(frozen=True, repr=False)
+class Hertz(Law):
+    """Hertz: P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) (Eqs. 4-6, given)."""
+
+    name, evidence, exponent_of_depth = "hertz", "given", 1.5
+
+    def parts(self, r2_star: Any) -> Parts:  # noqa: D102
+        return Parts(hertz_factor(r2_star), shapes.hertz)
+
+
+@dataclass(frozen=True, repr=False)
+class Steuermann(Law):
     """Steuermann: P = (4n/(2n+1)) E* a d for a profile of order 2n (Eq. 7; Johnson, sec. 5.3).
 
     ``radius="geometric"`` takes the contact radius a = R2 sin(eps) with
@@ -225,22 +187,38 @@ def steuermann(r2_star: Floats, n: int = 1, radius: str = "geometric") -> Parts:
     coefficient of the gap between the spheres and c_n = 2*4*..*2n / (1*3*..*(2n-1)). With n = 1 it
     is Hertz's law.
     """
-    factor = 4 * n / (2 * n + 1)
-    if radius == "geometric":
-        return Parts(factor * r2_star, shapes.chord)
-    c_n = sqrt(pi) * gamma(n + 1) / gamma(n + 0.5)
-    taylor = factorial(2 * n - 2) / (2 ** (2 * n - 1) * factorial(n - 1) * factorial(n))
-    odd = 2 * n - 1
-    # ln(R1^-odd - R2^-odd), in units of dR: the powers themselves may under- or overflow
-    ratio = -odd * np.log1p(-1 / r2_star)  # ln((R2/R1)^odd); beyond 700 the 1 in it is lost
-    difference = np.where(ratio < 700, np.log(np.expm1(np.minimum(ratio, 700))), ratio)
-    difference = difference - odd * np.log(r2_star)
-    radius_star = np.exp(-(np.log(c_n * taylor) + difference) / (2 * n))  # at ds = 1
-    return Parts(factor * radius_star, shapes.power, (1 + 1 / (2 * n),))
+
+    n: int = parameter(1, "Half of the order 2n of the profile", least=1, most=50, whole=True)
+    radius: str = parameter(
+        "geometric",
+        "Contact radius a: geometric, from the overlap of the spheres, or that of the profile",
+        choices=("geometric", "profile"),
+    )
+
+    name, evidence = "steuermann", "identified"
+
+    @property
+    def exponent_of_depth(self) -> float | None:  # noqa: D102
+        return 1 + 1 / (2 * self.n) if self.radius == "profile" else None
+
+    def parts(self, r2_star: Any) -> Parts:  # noqa: D102
+        n = self.n
+        factor = 4 * n / (2 * n + 1)
+        if self.radius == "geometric":
+            return Parts(factor * r2_star, shapes.chord)
+        c_n = sqrt(pi) * gamma(n + 1) / gamma(n + 0.5)
+        taylor = factorial(2 * n - 2) / (2 ** (2 * n - 1) * factorial(n - 1) * factorial(n))
+        odd = 2 * n - 1
+        # ln(R1^-odd - R2^-odd), in units of dR: the powers themselves may under- or overflow
+        ratio = -odd * np.log1p(-1 / r2_star)  # ln((R2/R1)^odd); beyond 700 the 1 in it is lost
+        difference = np.where(ratio < 700, np.log(np.expm1(np.minimum(ratio, 700))), ratio)
+        difference = difference - odd * np.log(r2_star)
+        radius_star = np.exp(-(np.log(c_n * taylor) + difference) / (2 * n))  # at ds = 1
+        return Parts(factor * radius_star, shapes.power, (self.exponent_of_depth,))
 
 
-@new_law("reconstructed", fitted_to=USUAL_RANGE[1])
-def liu(r2_star: Floats) -> Parts:
+@dataclass(frozen=True, repr=False)
+class Liu(Law):
     """Liu et al. 2006: P* = 4.57 R2* ds sin(eps) sin(eps/2) (Eq. 8 is lost; reconstructed).
 
     The coefficient of determination in Table 2 gives the factor, the RMSE the growth with depth
@@ -248,35 +226,32 @@ def liu(r2_star: Floats) -> Parts:
     cylinders. Another form also agrees with both numbers: a pressure 1 - theta^2/eps^2 on the
     socket's sphere. At a depth of 0.5 it differs by less than 1 % of the force.
     """
-    return Parts(_coefficient("liu", r2_star), shapes.liu)
+
+    name, evidence, fitted_to = "liu", "reconstructed", USUAL_RANGE[1]
+
+    def parts(self, r2_star: Any) -> Parts:  # noqa: D102
+        return Parts(_coefficient("liu", r2_star), shapes.liu)
 
 
-@new_law("derived", fitted_to=USUAL_RANGE[1], examples=({}, {"coefficient": 3.0}))
-@describe(coefficient=COEFFICIENT)
-def winkler(r2_star: Floats, coefficient: float | None = None) -> Parts:
+@dataclass(frozen=True, repr=False)
+class Winkler(Law):
     """Winkler with fitted coefficient: P* = f1w(R2*) ds^2 (Eq. 28, derived; f1w fitted).
 
     The default of the ``coefficient`` f1w is this study's fit in the paper's joint
     (`study.joint.reference_joint`), linear in R2*.
     """
-    return Parts(_coefficient("winkler", r2_star, coefficient), shapes.winkler)
+
+    coefficient: float | None = _COEFFICIENT
+
+    name, evidence, exponent_of_depth = "winkler", "derived", 2.0
+    fitted_to, fitted_constants = USUAL_RANGE[1], ("coefficient",)
+
+    def parts(self, r2_star: Any) -> Parts:  # noqa: D102
+        return Parts(_coefficient("winkler", r2_star, self.coefficient), shapes.winkler)
 
 
-@new_law(
-    "derived",
-    fitted_to=USUAL_RANGE[1],
-    examples=({}, {"coefficient": 3.0}, {"area": "sphere"}),
-)
-@describe(
-    area=Parameter(
-        "Area element: that of a flat disc, or that of the sphere of the socket",
-        choices=("flat", "sphere"),
-    ),
-    coefficient=COEFFICIENT,
-)
-def hyperbolic_winkler(
-    r2_star: Floats, area: Area = "flat", coefficient: float | None = None
-) -> Parts:
+@dataclass(frozen=True, repr=False)
+class HyperbolicWinkler(Law):
     """The paper's law: P* = f1(R2*) f2(ds) (Eqs. 20-27, f2 derived; f1 fitted by this study).
 
     f2 = 2 ds [(6/a) sin(a) + (6/a^2 - 2) cos(a) - 1 - 6/a^2] with the contact half-angle
@@ -288,191 +263,227 @@ def hyperbolic_winkler(
     its error for ds from 0.1 to 0.5 is up to 29 %, that of the flat element up to 32 %.
 
     The largest depth is pi^2/8, a half-angle of 90 deg. The default of the ``coefficient`` f1 is as
-    for `winkler`.
+    for `Winkler`.
     """
-    scale = _coefficient(AREA_COEFFICIENTS[area], r2_star, coefficient)
-    return Parts(scale, shapes.hyperbolic, shapes.BRACKETS[area])
+
+    coefficient: float | None = _COEFFICIENT
+    area: Area = parameter(
+        "flat",
+        "Area element: that of a flat disc, or that of the sphere of the socket",
+        choices=("flat", "sphere"),
+    )
+
+    name, evidence, deepest = "hyperbolic_winkler", "derived", pi**2 / 8  # type: ignore[assignment]
+    fitted_to, fitted_constants = USUAL_RANGE[1], ("coefficient",)
+
+    def parts(self, r2_star: Any) -> Parts:  # noqa: D102
+        scale = _coefficient(AREA_COEFFICIENTS[self.area], r2_star, self.coefficient)
+        return Parts(scale, shapes.hyperbolic, shapes.BRACKETS[self.area])
 
 
-@new_law(
-    "fitted",
-    fitted_to=USUAL_RANGE[1],
-    examples=({}, {"coefficient": 600.0, "exponent": 1.7}),
-)
-@describe(
-    coefficient=COEFFICIENT,
-    exponent=Parameter("Exponent (no unit)", limits={"least": 1, "most": 3}),
-)
-def power(
-    r2_star: Floats, coefficient: float | None = None, exponent: float | None = None
-) -> Parts:
+@dataclass(frozen=True, repr=False)
+class Power(Law):
     """Power law: P* = k* ds^n, fitted to one joint and one range of depths (this study).
 
-    It has the two numbers that programs for multibody dynamics ask for. A joint's own are those of
-    `study.joint.Joint.power_law`. The default is fitted in the paper's joint
-    for depths from 0.05 to 0.5 clearances, with k* linear in R2*. Its error there is below 0.5 %
-    at R2* = 200 and below 1.2 % from R2* = 20 on; elsewhere it is a guess. k* and n are
-    given together.
+    It has the two numbers that programs for multibody dynamics ask for; `of` a joint, they are
+    fitted to its elastic solution from 0.05 to 0.5 clearances. The default is fitted in the paper's
+    joint over this range, with k* linear in R2*. Its error there is below 0.5 % at R2* = 200 and
+    below 1.2 % from R2* = 20 on; elsewhere it is a guess. k* and n are given together.
     """
-    if (coefficient is None) != (exponent is None):
-        raise ValueError(
-            "coefficient and exponent of the law power must be given together, got only one of them"
-        )
-    n = _fitted("power", "exponent") if exponent is None else exponent
-    return Parts(_coefficient("power", r2_star, coefficient), shapes.power, (n,))
+
+    coefficient: float | None = _COEFFICIENT
+    exponent: float | None = parameter(
+        None, "Exponent (no unit)", least=1, most=3, otherwise="that of the reference joint"
+    )
+
+    name, evidence = "power", "fitted"
+    fitted_to, fitted_constants = USUAL_RANGE[1], ("coefficient", "exponent")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.coefficient is None) != (self.exponent is None):
+            raise ValueError(
+                "coefficient and exponent of the law power must be given together, got only one "
+                "of them"
+            )
+
+    @classmethod
+    def of(cls, joint: Any) -> Power:  # noqa: D102
+        return cls(*joint.power_fit()[:2])
+
+    @classmethod
+    def fit(cls, joint: Any, depth_star: ArrayLike, force_star: ArrayLike) -> Power:  # noqa: D102
+        return cls(*fit_power(depth_star, force_star)[:2])
+
+    @property
+    def exponent_of_depth(self) -> float:  # noqa: D102
+        return _fitted("power", "exponent") if self.exponent is None else self.exponent
+
+    def parts(self, r2_star: Any) -> Parts:  # noqa: D102
+        scale = _coefficient("power", r2_star, self.coefficient)
+        return Parts(scale, shapes.power, (self.exponent_of_depth,))
 
 
-_MEANINGS = {
-    "socket_ratio": "Outer radius of the socket divided by its inner radius",
-    "modulus_ratio": "Young's modulus of the socket divided by that of the ball",
-    "poisson": "Poisson's ratio of the ball",
-    "socket_poisson": "Poisson's ratio of the socket",
-}
-"""Options of `stiffened_hertz` that describe both bodies."""
-
-
-def _in_table(name):
-    least, most = stiffening.RANGES[name]
-    return Parameter(_MEANINGS[name], limits={"least": least * (1 - LIMIT_MARGIN), "most": most})
-
-
-_PAPER = {"socket_ratio": SOCKET_RATIO, "modulus_ratio": 1.0, "poisson": 0.3, "socket_poisson": 0.3}
-
-
-@new_law(
-    "fitted",
-    of_bodies=tuple(_MEANINGS),
-    least_r2_star=stiffening.LEAST_R2_STAR,
-    examples=(
-        _PAPER,
-        _PAPER | {"socket_ratio": 1.1, "poisson": 0.45, "socket_poisson": 0.45},
-        _PAPER | {"socket_ratio": 3.0, "modulus_ratio": 0.01, "ball_support": "clamped"},
-        _PAPER | {"socket_poisson": 0.46, "modulus_ratio": 30.0, "rim": "free"},
-    ),
-)
-@describe(
-    **{name: _in_table(name) for name in _MEANINGS},
-    ball_support=Parameter(
-        "Ball support: a plate on which half a ball can slide (guided) or is clamped (clamped)",
-        choices=("guided", "clamped"),
-    ),
-    rim=Parameter(
-        "Edge of the socket: in a mirror plane (mirror), or free of traction (free)",
-        choices=("mirror", "free"),
-    ),
-)
-def stiffened_hertz(
-    r2_star: Floats,
-    socket_ratio: float = SOCKET_RATIO,
-    modulus_ratio: float = 1.0,
-    poisson: float = 0.3,
-    socket_poisson: float | None = None,
-    ball_support: str = "guided",
-    rim: str = "mirror",
-) -> Parts:
+@dataclass(frozen=True)
+class StiffenedHertz(Law):
     """Hertz stiffened by thickness, materials and supports (this study, tabulated).
 
     P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s) and
     s = sqrt(ds): Hertz's law as ds -> 0. It is for half a ball, ``guided`` or ``clamped``, in a
     hemispherical socket of one material that is fixed all over its outside, pressed along the axis.
-    The nine numbers of a joint are looked up once, in ``stiffening.csv``
-    (`study.contact.stiffening`). The law is for small displacements, ds <= 1 and the ranges of
+    `of` looks up the nine numbers of a joint in ``stiffening.csv`` (`study.contact.stiffening`).
+    The law is for small displacements, ds <= 1 and the ranges of
     `study.contact.stiffening.RANGES`. Its largest error is 0.18 % on 336 random joints, and 0.57 %
-    at the ends of the ranges (notebook 15). Defaults are the paper's socket ratio and equal
-    materials; supports are those of `study.joint.Joint`.
-    """
-    socket_poisson = poisson if socket_poisson is None else socket_poisson
-    share = stiffening.share_of_ball(modulus_ratio, poisson, socket_poisson)
-    bodies = share, poisson, socket_poisson, socket_ratio
-    radii = np.asarray(r2_star)
-    if radii.ndim and (radii == radii[:1]).all():  # nearly always: the table is looked up once
-        radii = radii[:1]
-    constants = stiffening.powers(radii, bodies, ball_support == "clamped", rim == "free")
-    return Parts(hertz.parts(r2_star).scale, shapes.stiffened, constants)
+    at the ends of the ranges (notebook 15).
 
-
-def tabulated(curve: Any) -> Law:
-    """Law of one joint, interpolated from its force-depth curve.
-
-    The stiffening S = P*/P*(Hertz) is interpolated over sqrt(ds), from S = 1 at ds = 0, by a spline
-    that is monotone where the curve is (`sampling.monotone_slopes`). The table is a cubic Hermite
-    spline with equal steps, which is continuously differentiable and needs only one square root.
-    The maximum depth of the law is that of the curve, and ``r2_star`` need not be given.
-
-    Parameters
+    Attributes
     ----------
-    curve
-        A `study.joint.Solution` with at least 4 different depths > 0, a minimum depth of at most
-        a tenth of the maximum, and a force that increases with depth. With 40 depths in equal steps
-        of sqrt(ds) from 0.025 to 1, at a resolution of 640, the law is within 1e-4 of the elastic
-        solution from a depth of 0.001 on. The default resolution of 320 leaves noise of 3e-4 in the
-        curve at depths below 0.005.
-
-    Raises
-    ------
-    ValueError
-        If the curve has too few depths, or its force does not increase.
+    constants
+        c1 to c9.
+    r2_star, joint
+        R2* of the joint, and the joint.
 
     Examples
     --------
     >>> from study.joint import Joint
-    >>> law = tabulated(Joint.from_ratios(200).curve())
-    >>> print(f"{law(0.3):.2f}")
+    >>> print(f"{StiffenedHertz.of(Joint.from_ratios(200, 1.298))(0.3):.2f}")
     81.63
     """
-    order = np.argsort(curve.depth_star)
-    order = order[curve.depth_star[order] > 0]
-    depth, force = curve.depth_star[order], curve.force_star[order]
-    if len(depth) < 4 or (np.diff(depth) <= 0).any():
-        raise ValueError(f"curve must have >= 4 different depths > 0, got {len(depth)}")
-    if depth[0] > 0.1 * depth[-1]:
-        raise ValueError(
-            "the minimum depth of curve must be <= a tenth of the maximum depth, because the law "
-            f"is not reliable below it, got {depth[0]:g} and {depth[-1]:g}"
-        )
-    if (np.diff(force, prepend=0) <= 0).any():
-        raise ValueError("the force of curve must increase with depth, but it decreases somewhere")
-    joint_r2_star = float(curve.joint.r2_star)
-    root, factor = np.sqrt(depth), force / hertz(depth, joint_r2_star)
-    below = np.zeros(1)
-    if factor[0] < 1:  # the contact bends the wall
-        below = root[0] * np.array([0, 0.125, 0.25, 0.5])
-    factor = np.append(sampling.in_series(below, root[0], factor[0]), factor)
-    constants = sampling.of_points(np.append(below, root), factor)
 
-    def formula(r2_star: Floats) -> Parts:
-        """Table of one joint's force-depth curve."""
-        if not np.allclose(r2_star, joint_r2_star, rtol=1e-6, atol=0):
+    constants: tuple[float, ...]
+    r2_star: float = field()  # type: ignore[assignment]
+    joint: Any = field(default=None, compare=False)  # type: ignore[assignment]
+
+    name, evidence, deepest, needs_joint = "stiffened_hertz", "fitted", 1.0, True  # type: ignore[assignment]
+    least_r2_star = stiffening.LEAST_R2_STAR
+
+    def __post_init__(self) -> None:
+        if len(self.constants) != 9:
+            raise ValueError(f"constants must be nine numbers, got {len(self.constants)}")
+
+    @classmethod
+    def of(cls, joint: Any) -> StiffenedHertz:  # noqa: D102
+        for unsuited, what in (
+            (joint.liner, "a socket with layers"),
+            (not joint.ball_support.by_plane, f"ball_support {joint.ball_support}"),
+            (str(joint.opening) != "90", f"an opening of {joint.opening} deg"),
+            (not joint.is_held_all_round, f"socket_support {joint.socket_support}"),
+        ):
+            if unsuited:
+                raise checks.RangeError(
+                    f"the law stiffened_hertz is not valid for {what}; use tabulated, a table of "
+                    "the joint's elastic solution"
+                )
+        ball, socket, ratio = joint.ball, joint.socket, joint.modulus_ratio
+        limits = {"r2_star": (cls.least_r2_star, None), **stiffening.RANGES}
+        values = joint.r2_star, joint.socket_ratio, ball.poisson, socket.poisson, ratio
+        try:
+            for (name, (least, most)), value in zip(limits.items(), values, strict=True):
+                least *= 1 - LIMIT_MARGIN
+                checks.number(f"{name} of stiffened_hertz", value, least=least, most=most)
+        except checks.RangeError as error:
+            raise checks.RangeError(
+                f"{error}; use the law tabulated, which is valid for any joint"
+            ) from None
+        share = stiffening.share_of_ball(ratio, ball.poisson, socket.poisson)
+        bodies = share, ball.poisson, socket.poisson, joint.socket_ratio
+        supports = joint.ball_support.word == "clamped", joint.rim == "free"
+        powers = stiffening.powers(joint.r2_star, bodies, *supports)
+        return cls(tuple(powers[::-1].tolist()), joint.r2_star, joint)
+
+    def parts(self, r2_star: Any) -> Parts:  # noqa: D102
+        return Parts(hertz_factor(r2_star), shapes.stiffened, self.constants[::-1])
+
+
+@dataclass(frozen=True, eq=False)
+class Table(Law):
+    """Table of the elastic solution of one joint, a cubic Hermite spline over sqrt(ds).
+
+    The stiffening S = P*/P*(Hertz) of a force-depth curve is interpolated by a spline that is
+    monotone where the curve is, from S = 1 at ds = 0 (`study.contact.tables`). It is continuously
+    differentiable and needs only one square root.
+
+    Attributes
+    ----------
+    r2_star, deepest
+        R2* of the joint, and maximum depth_star of the table.
+    constants
+        Those of `study.contact.shapes.table`.
+    joint, curve
+        The joint, and the `study.joint.Solution` at the solved depths.
+    error
+        Maximum relative error of the force between these depths, if it was checked.
+
+    Examples
+    --------
+    >>> from study.joint import Joint
+    >>> print(f"{Table.of(Joint.from_ratios(200))(0.3):.2f}")
+    81.63
+    """
+
+    r2_star: float = field()  # type: ignore[assignment]
+    deepest: float = field()  # type: ignore[assignment]
+    constants: NDArray[np.float64] = field(repr=False)
+    joint: Any = None  # type: ignore[assignment]
+    curve: Any = field(default=None, repr=False)
+    error: float | None = None
+
+    name, evidence, needs_joint = "tabulated", "solved", True
+
+    def __post_init__(self) -> None:
+        pass
+
+    @classmethod
+    def of(cls, joint: Any) -> Table:  # noqa: D102
+        return joint.table()
+
+    @classmethod
+    def of_curve(cls, curve: Any) -> Table:
+        """Table of a `study.joint.Solution`.
+
+        The curve has at least 4 different depths > 0, a minimum depth of at most a tenth of the
+        maximum, and a force that increases with depth; else ``ValueError``. With 40 depths in
+        equal steps of sqrt(ds) from 0.025 to 1, at a resolution of 640, the law is within 1e-4 of
+        the elastic solution from a depth of 0.001 on. The default resolution of 320 leaves noise of
+        3e-4 in the curve at depths below 0.005.
+        """
+        order = np.argsort(curve.depth_star)
+        order = order[curve.depth_star[order] > 0]
+        depth, force = curve.depth_star[order], curve.force_star[order]
+        if len(depth) < 4 or (np.diff(depth) <= 0).any():
+            raise ValueError(f"curve must have >= 4 different depths > 0, got {len(depth)}")
+        if depth[0] > 0.1 * depth[-1]:
             raise ValueError(
-                f"r2_star must be {joint_r2_star:g}, that of the tabulated joint, got {r2_star}"
+                "the minimum depth of curve must be <= a tenth of the maximum depth, because the "
+                f"law is not reliable below it, got {depth[0]:g} and {depth[-1]:g}"
             )
-        return Parts(hertz.parts(r2_star).scale, shapes.tabulated, constants)
+        if (np.diff(force, prepend=0) <= 0).any():
+            raise ValueError(
+                "the force of curve must increase with depth, but it decreases somewhere"
+            )
+        joint = curve.joint
+        r2_star = float(joint.r2_star)
+        constants = tables.of_points(np.sqrt(depth), force / Hertz()(depth, r2_star))
+        return cls(r2_star, float(depth[-1]), constants, joint, curve)
 
-    return Law(
-        "tabulated",
-        formula,
-        "solved",
-        deepest=float(depth[-1]),
-        r2_star=joint_r2_star,
-        joint=curve.joint,
-    )
+    def parts(self, r2_star: Any) -> Parts:  # noqa: D102
+        return Parts(hertz_factor(r2_star), shapes.table, self.constants)
 
 
-def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> Law:
+@dataclass(frozen=True, eq=False)
+class Sampled(Law):
     """Law from a Python function, as a table that compiled code can read.
 
-    The secant stiffness P*/ds is a cubic Hermite spline over sqrt(ds), which is continuously
-    differentiable and exact for ds, ds^1.5, ds^2 and ds^2.5. Steps are halved until the error of
-    the force between them is within `sampling.TOLERANCE`, or within `sampling.FLOOR` of the maximum
-    force. There is one table for each R2*, and therefore a call accepts one R2* only.
+    The table is within 0.1 % of the force, or of a millionth of the maximum force. There is one for
+    each R2*, and therefore a call accepts one R2* only. Functions that accept a law also accept
+    such a function, and sample it up to one clearance.
 
-    Functions that accept a law also accept such a function, and sample it up to one clearance.
-
-    Parameters
+    Attributes
     ----------
     function
         Function of two numbers (``depth_star``, ``r2_star``) that returns the normalised force
-        P/(E* dR^2), which must be 0 at depth 0 and increase. The law has the name of the function.
+        P/(E* dR^2), which must be 0 at depth 0, increase, and be smooth. The law has the name of
+        the function.
     deepest
         Maximum depth_star of the law, up to which the function is sampled.
 
@@ -484,55 +495,79 @@ def sampled(function: Callable[[float, float], float], deepest: float = 1.0) -> 
 
     Examples
     --------
-    >>> law = sampled(lambda depth_star, r2_star: 1.5 * r2_star * depth_star**1.6)
+    >>> law = Sampled(lambda depth_star, r2_star: 1.5 * r2_star * depth_star**1.6)
     >>> print(f"{law(0.3, 200):.2f}")
     43.70
     """
-    if not callable(function) or isinstance(function, type):
-        raise ValueError(f"law must be a name or a function, got {checks.shown(function)}")
-    name = getattr(function, "__name__", type(function).__name__)
-    limit = checks.number("deepest", deepest, above=0, most=sampling.DEEPEST, scalar=True)
-    table = lru_cache(maxsize=8)(partial(sampling.of_function, function, name, deepest=limit))
 
-    def formula(r2_star: Floats) -> Parts:
+    function: Callable[[float, float], float]
+    deepest: float = 1.0  # type: ignore[assignment]
+
+    evidence = "user's"
+
+    def __post_init__(self) -> None:
+        if not callable(self.function) or isinstance(self.function, type):
+            shown = checks.shown(self.function)
+            raise ValueError(f"law must be a name or a function, got {shown}")
+        checks.number("deepest", self.deepest, above=0, most=tables.DEEPEST, scalar=True)
+
+    @property
+    def name(self) -> str:  # type: ignore[override]
+        """Name of the function."""
+        return getattr(self.function, "__name__", type(self.function).__name__)
+
+    def parts(self, r2_star: Any) -> Parts:  # noqa: D102
         given = np.unique(r2_star)
         if given.size > 1:
-            raise ValueError(f"r2_star of law {name} must be one number, got {checks.shown(given)}")
-        return Parts(1.0, shapes.sampled, table(r2_star=float(given[0])))
+            raise ValueError(
+                f"r2_star of law {self.name} must be one number, got {checks.shown(given)}"
+            )
+        return Parts(1.0, shapes.table, _table(self, float(given[0])))
 
-    formula.__doc__ = function.__doc__
-    return Law(name, formula, "user's", deepest=limit)
+
+@lru_cache(maxsize=16)
+def _table(law, r2_star):
+    return tables.of_function(law.function, law.name, r2_star, law.deepest)
 
 
 PAPER_LAWS = ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler")
 """The laws that the paper compares."""
 COMPARED_LAWS = (*PAPER_LAWS, "power", "stiffened_hertz")
 """The laws that results of all laws show: another law changes none of them."""
-LAWS = {
+LAWS: dict[str, type[Law]] = {
     law.name: law
-    for law in (hertz, steuermann, liu, winkler, hyperbolic_winkler, power, stiffened_hertz)
+    for law in (Hertz, Steuermann, Liu, Winkler, HyperbolicWinkler, Power, StiffenedHertz, Table)
 }
-"""Every law that has a name, by it."""
+"""Class of every law that has a name, by it."""
+CLOSED_FORM = tuple(name for name in LAWS if name != Table.name)
+"""Laws that need no elastic solution."""
 if TYPE_CHECKING:
     LawName = str
 else:
     LawName = Literal[tuple(LAWS)]
-AnyLaw = str | Law | Callable[[float, float], float]
-"""Key of `LAWS`, a law itself, or a function of one depth_star and one r2_star (`sampled`)."""
+AnyLaw = str | type[Law] | Law | Callable[[float, float], float]
+"""Key of `LAWS`, a law or its class, or a function of one depth_star and one r2_star."""
 
 
-def find(law: AnyLaw) -> Law:
-    """Law by its name, a law itself, or one `sampled` from a function; else ``ValueError``."""
+def find(law: AnyLaw, joint: Any = None) -> Law:
+    """Law by its name or class, a law itself, or one `Sampled` from a function.
+
+    With a ``joint``, a name or a class stands for the law `Law.of` this joint; without one, for the
+    law with its default numbers. Raises ``ValueError`` if there is no such law.
+    """
     if isinstance(law, Law):
         return law
-    if isinstance(law, partial) and isinstance(law.func, Law):
-        shown = checks.shown(law)
+    kind: Any = LAWS[checks.choice("law", law, LAWS)] if isinstance(law, str) else law
+    if not (isinstance(kind, type) and issubclass(kind, Law)):
+        return Sampled(kind)
+    if joint is not None:
+        return kind.of(joint)
+    if kind.needs_joint:
         raise ValueError(
-            f"law must be a law without options, which are given as separate arguments, got {shown}"
+            f"the law {kind.name} depends on the joint, which is not given; take it from one, for "
+            f"example Joint.from_ratios(200).law({kind.name!r})"
         )
-    if callable(law):
-        return sampled(law)
-    return LAWS[checks.choice("law", law, LAWS)]
+    return kind()
 
 
 def _coefficient(law, r2_star, given=None):

@@ -1,7 +1,8 @@
 """The power law F = k d^n, fitted to a force over a range of penetration depths.
 
 Programs for multibody dynamics need the two numbers k and n. The fit minimises the maximum of the
-relative error, so that its error is known at every depth of the range.
+relative error, so that its error is known at every depth of the range. The usual measures of how
+well predicted values agree with given ones are here too.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
@@ -70,3 +71,23 @@ def fit_power(depth: ArrayLike, force: ArrayLike, exponent: float | None = None)
     error = float((most - least) / (most + least))
     ends = float(depths.min()), float(depths.max())
     return PowerFit(float(coefficient), float(exponent), error, ends)
+
+
+def rmse(reference: ArrayLike, prediction: ArrayLike) -> float:
+    """Root-mean-square error sqrt(SSE/n), in the unit of the data."""
+    return float(np.sqrt(np.mean(np.subtract(reference, prediction) ** 2)))
+
+
+def determination(reference: ArrayLike, prediction: ArrayLike) -> float:
+    """Coefficient of determination R^2 = 1 - SSE/SST, by the usual definition.
+
+    SSE is the sum of squared differences, SST that of the given values about their mean.
+    """
+    reference = np.asarray(reference)
+    squares = np.sum((reference - prediction) ** 2)
+    return float(1 - squares / np.sum((reference - reference.mean()) ** 2))
+
+
+def adjusted(determination: float, size: int, predictors: int) -> float:
+    """Adjusted coefficient 1 - (1 - c) (n - 1)/(n - p - 1) of n values, p predictors and c."""
+    return 1 - (1 - determination) * (size - 1) / (size - predictors - 1)

@@ -1,115 +1,46 @@
-"""How each law's force grows with depth: force_star = scale(R2*) shape(depth_star).
+"""How the force of each law grows with depth: force_star = scale(R2*) shape(depth_star).
 
-A `Shape` has one Python function, which is for NumPy arrays, for the compiled stepping loops
-(`study.contact.forces`) and, line by line, for texts of other programs (`study.export.formulas`).
-Therefore it consists of assignments and one ``return``. They have numbers, names, ``constants[k]``,
-the four operations, powers and ``np.sqrt``. A function with loops or look-ups states ``lines`` for
-other programs in the same folder; a test compares both.
+Each shape is a function of ``ds`` > 0 and of ``constants`` that returns its value and its
+derivative. It is for NumPy arrays, and for the compiled stepping loops (`study.contact.forces`),
+which hold a shape by its place in `SHAPES`.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from inspect import getdoc
-from math import factorial, pi
-from typing import Any
+from math import factorial
 
 import numpy as np
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """One shape of the force over the depth.
-
-    Attributes
-    ----------
-    function, formula
-        Function of ``ds`` > 0 and ``constants``, which returns value and derivative; and its
-        formula for a reader, where ``$name`` is the number of a constant.
-    constants
-        Names of the constants; None if their number varies.
-    lines
-        Statements from ``ds`` to ``value`` and ``slope``, written for MATLAB's arrays, if they
-        cannot be read from the function; empty for a shape that is not exported.
-    polynomial
-        Variable of the polynomial whose coefficients are the constants from the highest power on,
-        and the coefficients that follow them; ``$polynomial`` and ``$derivative`` in `lines`.
-    deepest
-        Largest depth_star, if the shape has a limit.
-    """
-
-    function: Callable
-    formula: str
-    constants: tuple[str, ...] | None = ()
-    lines: tuple[str, ...] | None = None
-    polynomial: tuple[str, tuple[float, ...]] | None = None
-    deepest: float | None = None
-
-    def __post_init__(self) -> None:
-        text = f"{self.name}(depth_star, constants)\n\n{self.formula}. {getdoc(self.function)}"
-        object.__setattr__(self, "__doc__", text)  # for help() and the report
-
-    @property
-    def name(self) -> str:
-        """Name of the function."""
-        return self.function.__name__
-
-    def __call__(self, depth_star: Any, constants: Any) -> tuple[Any, Any]:
-        """Value and derivative at depths > 0."""
-        return self.function(depth_star, constants)
-
-
-def shape(formula: str, **more: Any) -> Callable[[Callable], Shape]:
-    """Make a `Shape` of the function that follows."""
-    return lambda function: Shape(function, formula, **more)
-
-
-@shape("ds^(3/2)")
 def hertz(ds, constants):
-    """Of Hertz's law."""
+    """Of Hertz's law: ds^(3/2)."""
     s = np.sqrt(ds)
     return ds * s, 1.5 * s
 
 
-@shape("ds^2")
 def winkler(ds, constants):
-    """Of Winkler's law."""
+    """Of Winkler's law: ds^2."""
     return ds * ds, 2 * ds
 
 
-@shape("ds^$exponent", constants=("exponent",))
 def power(ds, constants):
-    """Of the power law, and of Steuermann's profiles."""
+    """Of the power law, and of Steuermann's profiles: ds^n, where n is the only constant."""
     value = ds ** constants[0]
     return value, constants[0] * value / ds
 
 
-@shape("ds sin(eps), cos(eps) = 1/(1 + ds)")
 def chord(ds, constants):
-    """Of Steuermann's law."""
+    """Of Steuermann's law: ds sin(eps), cos(eps) = 1/(1 + ds)."""
     root = np.sqrt(ds * (2 + ds))
     sine = root / (1 + ds)
     return ds * sine, sine + ds / (root * (1 + ds) ** 2)
 
 
-@shape("ds sin(eps) sin(eps/2), cos(eps) = 1/(1 + ds)")
 def liu(ds, constants):
-    """Of Liu's law."""
+    """Of Liu's law: ds sin(eps) sin(eps/2), cos(eps) = 1/(1 + ds)."""
     share = ds / (1 + ds)
     value = ds * share * np.sqrt(1 - share / 2)  # the whole never overflows on the way
     return value, value * (2 / ds + 0.5 / (2 + ds) - 1.5 / (1 + ds))
 
 
-@shape(
-    "ds (b0 + b1 ds + b2 ds^2 + ...)",
-    constants=None,
-    lines=(
-        "bracket = $polynomial",
-        "value = ds .* bracket",
-        "slope = bracket + ds .* ($derivative)",
-    ),
-    polynomial=("ds", ()),
-    deepest=pi**2 / 8,  # a half-angle of 90 deg
-)
 def hyperbolic(ds, constants):
     """f2 of the hyperbolic Winkler law: ds times the bracket of Eq. 20, a power series in ds.
 
@@ -137,22 +68,11 @@ BRACKETS = {
 the sphere, w(t) = sin(t), or of a flat disc with the arc as its radius, w(t) = t."""
 
 
-@shape(
-    "ds^(3/2) S, S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s), s = sqrt(ds)",
-    constants=tuple(f"c{k}" for k in range(9, 0, -1)),
-    lines=(
-        "s = sqrt(ds)",
-        "u = s ./ (1 + s)",
-        "factor = $polynomial",
-        "steepness = $derivative",
-        "value = ds .* s .* factor",
-        "slope = 1.5 * s .* factor + ds .* steepness .* (1 - u) .* (1 - u) / 2",
-    ),
-    polynomial=("u", (1.0,)),
-    deepest=1.0,  # the end of the fit
-)
 def stiffened(ds, constants):
-    """Powers are summed in pairs, and pairs of pairs (Estrin): faster than one after the other."""
+    """Hertz's times S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s), s = sqrt(ds); from c9 to c1.
+
+    Powers are summed in pairs, and pairs of pairs (Estrin): faster than one after the other.
+    """
     root = np.sqrt(ds)
     u = root / (1 + root)
     u2 = u * u
@@ -168,6 +88,22 @@ def stiffened(ds, constants):
     return ds * root * factor, root * 1.5 * factor + ds * steepness / 2
 
 
+def table(ds, constants):
+    """Table of the secant stiffness: ds F(s), F a cubic Hermite spline over s = sqrt(ds).
+
+    ``constants`` are the knots per unit of s, which are equally spaced, then F and dF/ds in turn at
+    every knot.
+    """
+    root = np.sqrt(ds)
+    place = root * constants[0]
+    knot = np.int64(np.minimum(place, (len(constants) - 1) // 2 - 2))
+    x, step, at = place - knot, 1 / constants[0], 1 + 2 * knot
+    left, slope = constants[at], constants[at + 1] * step
+    right, next_slope = constants[at + 2], constants[at + 3] * step
+    secant, steepness = cubic(x, left, slope, right, next_slope)
+    return ds * secant, secant + root * steepness * constants[0] / 2
+
+
 def cubic(x, left, slope, right, next_slope):
     """Value and dvalue/dx at x = 0 to 1 in an interval of a cubic Hermite spline.
 
@@ -178,58 +114,4 @@ def cubic(x, left, slope, right, next_slope):
     return left + x * (slope + x * (c2 + x * c3)), slope + x * (2 * c2 + x * 3 * c3)
 
 
-@shape(
-    "ds^(3/2) S, S a cubic Hermite spline over sqrt(ds)",
-    constants=None,
-    lines=(
-        "s = sqrt(ds)",
-        "x = s * $steps",
-        "k = KNOT(x)",
-        "x = x - k",
-        "left = TABLE(k, 0)",
-        "rise = TABLE(k + 1, 0) - left",
-        "m0 = TABLE(k, 1) / $steps",
-        "m1 = TABLE(k + 1, 1) / $steps",
-        "c2 = 3 * rise - 2 * m0 - m1",
-        "c3 = m0 + m1 - 2 * rise",
-        "factor = left + x .* (m0 + x .* (c2 + x .* c3))",
-        "steepness = (m0 + x .* (2 * c2 + x .* (3 * c3))) * $steps",
-        "value = ds .* s .* factor",
-        "slope = 1.5 * s .* factor + ds .* steepness / 2",
-    ),
-)
-def tabulated(ds, constants):
-    """Spline on equal steps of s = sqrt(ds).
-
-    ``constants`` are the steps per unit of s, then S and dS/ds in turn at every knot.
-    """
-    root = np.sqrt(ds)
-    place = root * constants[0]
-    knot = np.int64(np.minimum(place, (len(constants) - 1) // 2 - 2))
-    x, step, at = place - knot, 1 / constants[0], 1 + 2 * knot
-    left, slope = constants[at], constants[at + 1] * step
-    right, next_slope = constants[at + 2], constants[at + 3] * step
-    factor, steepness = cubic(x, left, slope, right, next_slope)
-    steepness = steepness * constants[0]
-    return ds * root * factor, root * 1.5 * factor + ds * steepness / 2
-
-
-@shape("ds F, F a cubic Hermite spline over sqrt(ds)", constants=None, lines=())
-def sampled(ds, constants):
-    """Spline over s = sqrt(ds) on unequal steps.
-
-    ``constants`` are its knots, F there, and dF/ds there.
-    """
-    root, count = np.sqrt(ds), len(constants) // 3
-    knot = np.searchsorted(constants[:count], root, "right") - 1
-    knot = np.minimum(knot, count - 2)
-    step = constants[knot + 1] - constants[knot]
-    x, value, end = (root - constants[knot]) / step, count + knot, 2 * count + knot
-    left, slope = constants[value], constants[end] * step
-    right, next_slope = constants[value + 1], constants[end + 1] * step
-    factor, steepness = cubic(x, left, slope, right, next_slope)
-    return ds * factor, factor + root * steepness / (2 * step)
-
-
-SHAPES = (hertz, winkler, power, chord, liu, hyperbolic, stiffened, tabulated, sampled)
-"""All shapes; a record for the compiled loops holds a shape by its place here."""
+SHAPES = (hertz, winkler, power, chord, liu, hyperbolic, stiffened, table)

@@ -10,15 +10,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from study.contact import LAWS, LawName, shapes
+from study.contact import HyperbolicWinkler, Law, Winkler, shapes
 from study.contact.laws import AREA_COEFFICIENTS
 from study.contact.power_fit import USUAL_RANGE, fit_power
 from study.dataset.paper import PAPER_KINEMATICS, R2_STAR
 
-FITTED_LAWS: dict[str, tuple[LawName, dict]] = {
-    name: ("hyperbolic_winkler", {"area": area}) for area, name in AREA_COEFFICIENTS.items()
-} | {"winkler": ("winkler", {})}
-"""Name of the coefficients -> law and its options."""
+FITTED_LAWS: dict[str, Law] = {
+    name: HyperbolicWinkler(1.0, area) for area, name in AREA_COEFFICIENTS.items()
+} | {"winkler": Winkler(1.0)}
+"""Name of the coefficients -> law with the coefficient 1."""
 DIGITS = 7  # significant, of a coefficient
 LARGEST_DEPTH = 0.5  # maximum depth of the fit, in clearances, as in the paper
 SAMPLE = np.linspace(0, LARGEST_DEPTH, 21)
@@ -37,8 +37,7 @@ def coefficient(law: str, depth_star: ArrayLike, force_star: ArrayLike) -> float
 
 def shape(law: str, depth_star: ArrayLike) -> NDArray[np.float64]:
     """Function f2 of a law: its force with the coefficient 1."""
-    name, options = FITTED_LAWS[law]
-    return LAWS[name](depth_star, 2.0, coefficient=1.0, **options)
+    return FITTED_LAWS[law](depth_star, 2.0)
 
 
 def sampled(curve: pd.DataFrame) -> NDArray[np.float64]:

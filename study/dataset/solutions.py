@@ -19,11 +19,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from study import parameters, paths
-from study.contact import Material
+from study import paths
 from study.dataset import store
 from study.joint import Joint, LargestStress, Solution, Solver
-from study.joint.joint import SUPPORTS
 from study.joint.stress import StressOverDepth, over_depth
 from study.joint.tilted import RESOLUTION
 
@@ -110,7 +108,9 @@ def _solution(kind, joint, rows, **more):
 
 def case_of(kind: str, joint: Joint, arguments: dict[str, Any]) -> Case:
     """Case of a joint and the other arguments of its kind."""
-    return Case(kind, _written(joint), _rounded(arguments))
+    renamed = {"layers": "layer"}  # in the file
+    written = {renamed.get(name, name): value for name, value in joint.arguments().items()}
+    return Case(kind, written, _rounded(arguments))
 
 
 def joint_of(case: Case) -> Joint:
@@ -200,36 +200,6 @@ def _stored(kind):
     """Stored results of one kind, by the names of their cases."""
     frame = store.read(store.SOLUTIONS[kind])
     return {name: rows.reset_index(drop=True) for name, rows in frame.groupby("case", sort=False)}
-
-
-def _written(joint):
-    """Arguments of the joint that are not the default, as texts and numbers of 9 digits."""
-    about, default = parameters.described(Joint), parameters.defaults(Joint)
-    if joint.has_dimensions:
-        given = {name: getattr(joint, name) for name in about}
-    else:
-        given = {"r2_star": joint.r2_star, "poisson": joint.ball.poisson}
-        if joint.liner:
-            given["layer"] = joint.columns()["layers"]
-        else:
-            given |= {name: getattr(joint, name) for name in ("socket_ratio", "modulus_ratio")}
-            given["socket_poisson"] = joint.socket.poisson
-        order = "r2_star", "socket_ratio", "modulus_ratio", "poisson", "socket_poisson", "layer"
-        given = {name: given[name] for name in order if name in given} | joint.supports
-        default = {"r2_star": 200.0, "poisson": 0.3} | {n: default[n] for n in SUPPORTS}
-    written = {}
-    for name, value in given.items():
-        if value is None or value == default.get(name, ...):
-            continue
-        if isinstance(value, Material):  # by numbers: the table of materials may change
-            numbers = value.youngs_modulus, value.poisson, value.yield_stress
-            written[name] = ",".join(f"{number:.9g}" for number in numbers if number is not None)
-        else:
-            is_number = isinstance(value, float)
-            written[name] = (
-                _rounded(value) if is_number else about.get(name, about["rim"]).written(value)
-            )
-    return written
 
 
 def _rounded(value: Any) -> Any:

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.contact import hertz
+from study.contact import Hertz
 from study.contact.stiffening import DEGREES, LEAST_R2_STAR, PLACES, RANGES, SUPPORTS, UNIT
 from study.joint import Joint, Material
 from study.joint.axial import depths_and_forces
@@ -81,7 +81,7 @@ def logarithms(
         resolution = COARSER if counts["r2_star"] > 1 else resolution
         if of is None:
             depth, force = depths_and_forces(joint, DEEPEST, resolution)
-        solved.append(of(joint) if of else at_places(depth, force / hertz(depth, r2_star)))
+        solved.append(of(joint) if of else at_places(depth, force / Hertz()(depth, r2_star)))
     return np.reshape(solved, (*map(len, axes), *np.shape(solved[0])))
 
 

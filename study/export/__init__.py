@@ -1,55 +1,57 @@
 """Export of laws for other programs, as functions, tables and elements of these programs.
 
 Each export is for one joint. It states the joint, the range of depths, the units, and the maximum
-error of the law relative to the elastic solution. The dimensions of a joint are constants in the
-export; that of a joint without dimensions takes them as arguments, and rejects those with another
-R2*. The C function is C89 and needs the standard library only; the MATLAB function also runs in GNU
-Octave.
+error of the law relative to the elastic solution. A law k depth^n is exported as that, and any
+other as a table of force/depth^1.5: a cubic Hermite spline over the root of the depth. A joint
+without dimensions has depths in clearances and forces in E* dR^2.
+
+The texts are templates in this folder, by the language: ``power.c``, ``table.c`` and so on. The C
+function is C89 and needs the standard library only; the MATLAB function also runs in GNU Octave.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
-import json
+import builtins
 import keyword
 import re
+import textwrap
+import tomllib
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import Literal
+from pathlib import Path
+from string import Template
+from typing import Any, Literal
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
+from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from study import checks
-from study.contact import LAWS, LawName, laws, shapes
-from study.contact.materials import in_words
+from study.contact import LAWS, Law, Table, shapes
+from study.contact.laws import AnyLaw, find
 from study.contact.power_fit import DEPTHS, USUAL_RANGE
-from study.export import formulas
 from study.joint import Joint
-from study.joint.table import table
 from study.joint.tilted import LARGEST_TILT
 
-Exported = Literal[LawName, "tabulated"]
-Format = Literal["c", "matlab", "modelica", "json", "csv", "exudyn", "adams", "mujoco"]
+Format = Literal["c", "matlab", "modelica", "csv", "exudyn", "adams", "mujoco"]
 SUFFIXES: dict[Format, str] = {
     "c": ".c",
     "matlab": ".m",
     "modelica": ".mo",
-    "json": ".json",
     "csv": ".csv",
     "exudyn": ".py",
     "adams": ".txt",
     "mujoco": ".xml",
 }
-FUNCTIONS = {"power": "power_law"}
-"""Law -> name of its function if this differs from the law: MATLAB has a function power."""
-LAW_OF: dict[Format, str] = {"adams": "power", "mujoco": "tabulated"}
-"""Formats of one law only: Adams has k and n; cubics for MuJoCo are fitted to the solution."""
-ELEMENTS = {"exudyn": ("sphere.exudyn", "# "), "adams": ("impact.adams", "! ")}
-"""Template, and sign of its comments, of an element with the parameters k and n of ``power``."""
+DIMENSIONLESS = ("c", "matlab", "csv")
+"""Formats that are possible for a joint without dimensions."""
 SHALLOWEST = 0.005
 """Minimum depth_star of the stated error: below it, the force is below 1/1000 of that at 0.5."""
-KNOTS = 0.0, 0.004, 0.08
+KNOTS = 65, 129, 257, 513, 1025
+"""Knots of a table: 65 for the closed-form laws, and more until the table follows the law."""
+FOLLOWS = 5e-7
+"""Maximum relative error of a table between its knots, relative to the law."""
+TENDONS = 0.0, 0.004, 0.08
 """Depths where the tendons of MuJoCo begin, divided by the maximum depth of the export."""
 FIRST = 0.001
 """Minimum depth_star of the error of the tendons of MuJoCo."""
@@ -58,27 +60,17 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")
 TURNED = 10.0
 """Angle in deg by which the tilt of an export is changed to state the change of the force."""
 COARSE = 32  # elements along a quarter circle for this change
-_PYTHON = r"\b(CLEARANCE|MODULUS|VALUES|KNOT|TABLE|contact_force|_force|solver_settings)\b"
 ROWS = 400  # of a CSV after its first, in equal steps of sqrt(depth_star)
-_BETWEEN = 8  # places between rows at which interpolation is checked
-_SOURCE = "Spherical clearance joint study; see CITATION.cff there."
+WIDTH = 92
 MILLI = 1e-3
-_SI_UNITS = {"depth": "m", "force": "N", "stiffness": "N/m, of force over depth"}
-_OF_SIZES = {
-    "socket_radius": "m, R2",
-    "clearance": "m, dR = R2 - R1",
-    "wall": "m, from R2 to the outside of the socket",
-    "composite_modulus": "Pa, E*",
-}
-_UNITS = {
-    "depth_star": "depth/dR, dR = R2 - R1 the clearance",
-    "force_star": "force/(E* dR^2), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
-    "stiffness_star": "stiffness/(E* dR), of force over depth",
-}
+_SOURCE = "Spherical clearance joint study; see CITATION.cff there."
+_UNITS = ("unit_of_depth", "unit_of_force", "unit_of_stiffness")
+_COMMENTS = {"c": " * ", "matlab": "% ", "modelica": "// ", "exudyn": "# ", "adams": "! "}
+_ROW = {"c": "    {%s}", "modelica": "    {%s}", "matlab": "        %s", "exudyn": "    (%s)"}
 
 
 def export(
-    law: Exported,
+    law: AnyLaw,
     form: Format,
     joint: Joint,
     depth_star: float | Sequence[float] | None = None,
@@ -90,12 +82,11 @@ def export(
     Parameters
     ----------
     law
-        Name of a law, or ``tabulated`` for a table of the joint's elastic solution.
+        Name of a law, a law itself, or a function, as of `study.joint.Joint.law`.
     form
-        A function (``c``, ``matlab`` for MATLAB and Octave, or ``modelica``, with a component), the
-        formula and its numbers (``json``), a table of the force over the depth (``csv``), or an
-        element of a program: the hollow sphere or a user function of `Exudyn`_, IMPACT of Adams, or
-        a tendon of MuJoCo.
+        A function (``c``, ``matlab`` for MATLAB and Octave, or ``modelica``, with a component), a
+        table of the force over the depth (``csv``), or an element of a program: the hollow sphere
+        or a user function of `Exudyn`_, IMPACT of Adams, or a tendon of MuJoCo.
     joint
         The joint. For Modelica, Exudyn, Adams and MuJoCo it must not be made from ratios.
     depth_star
@@ -115,95 +106,113 @@ def export(
     ------
     ValueError
         If the law or the format is unknown, if the law does not apply to the format or the joint,
-        or if a depth is beyond the range of the law or the joint.
+        if a depth is beyond the range of the law or the joint, or if the name is a keyword or a
+        standard function of the language.
 
     Examples
     --------
     >>> text = export("stiffened_hertz", "c", Joint.from_ratios(r2_star=200))
-    >>> "int stiffened_hertz(double depth" in text
+    >>> "void stiffened_hertz_law(double depth" in text
     True
 
     .. _Exudyn: https://exudyn.readthedocs.io
     """
-    checks.choice("law", law, [*LAWS, "tabulated"])
     checks.choice("format", form, SUFFIXES)
-    if name is not None and (not NAME.fullmatch(name) or keyword.iskeyword(name)):
-        wanted = (
-            "name must begin with a letter and consist of at most 63 letters, digits and "
-            "underscores, without being a keyword of Python"
-        )
-        raise ValueError(f"{wanted}, got {name!r}")
+    if isinstance(law, str):
+        checks.choice("law", law, LAWS)
+    if name is not None:
+        check_name(name, form)
     if not checks.instance("joint", joint, Joint).has_dimensions:
-        checks.choice("format of a joint without dimensions", form, formulas.DIMENSIONLESS)
-    checks.choice(f"law in format {form}", law, [LAW_OF.get(form, law)])
+        checks.choice("format of a joint without dimensions", form, DIMENSIONLESS)
+    if form == "mujoco":
+        checks.choice("law in format mujoco", law, ["tabulated"])
     tilt = joint.default_tilt if tilt is None else tilt
     if tilt is not None:
         checks.choice("law for a displacement off the axis", law, ["tabulated", "power"])
-    content = _Law(law, joint, depth_star, tilt, FIRST if form == "mujoco" else SHALLOWEST, name)
-    if form == "json":
-        return _json(content)
+    content = _Content(law, joint, depth_star, tilt, FIRST if form == "mujoco" else SHALLOWEST)
+    exponent = content.law.exponent_of_depth
+    if form == "adams" and exponent is None:
+        raise ValueError(
+            f"law in format adams must be a power k depth^n, such as power or hertz, got {law}"
+        )
     if form == "csv":
-        return _csv(content)
+        return _csv(content, name)
     if form == "mujoco":
-        return _tendon(content)
-    if form in ELEMENTS and law == "power":
-        return _element(content, form)
-    return _function(content, form)
+        return _tendon(content, name)
+    return _function(content, form, name, exponent)
 
 
-class _Law:
-    """A law for one joint, as every format needs it: its parts, its range and its errors."""
+def check_name(name: str, form: Format) -> None:
+    """Raise ``ValueError`` for a name that a function or element of a format cannot have."""
+    if not NAME.fullmatch(name):
+        raise ValueError(
+            "name must begin with a letter and consist of at most 63 letters, digits and "
+            f"underscores, got {name!r}"
+        )
+    reserved = {*keyword.kwlist, *dir(builtins)} if form == "exudyn" else set()
+    text = Path(__file__).with_name("names.toml").read_text(encoding="utf-8")
+    for words in tomllib.loads(text).get(form, {}).values():
+        reserved.update(words.split())
+    if name in reserved:
+        raise ValueError(
+            f"name must not be a keyword or a standard function of {form}, got {name!r}; take "
+            f"another name, for example {name}_joint"
+        )
 
-    def __init__(self, name, joint, depth_star, tilt, shallowest, called):
-        self.name, self.joint, self.called = name, joint, called
-        options = {} if name in ("power", "tabulated") else joint.law_options(name)
-        least, deepest = _range(depth_star, name == "power", shallowest)
-        # k and n are those of `study.joint.Joint.power_law`, from the same table and depths
-        self.exact = table(joint, None if name == "power" else deepest, tilt)
+
+class _Content:
+    """A law for one joint, as every format needs it: its range and its errors."""
+
+    def __init__(self, law, joint, depth_star, tilt, shallowest):
+        self.joint = joint
+        kind = LAWS.get(law) if isinstance(law, str) else None
+        fitted = kind is not None and len(kind.fitted_constants) > 1
+        least, deepest = _range(depth_star, fitted, shallowest)
+        self.exact = joint.table(None if fitted else deepest, tilt)
         if deepest is not None and self.exact.deepest < deepest:
-            self.exact = table(joint, deepest, tilt)
+            self.exact = joint.table(deepest, tilt)
         curve = self.exact.curve
         self.deepest = deepest = min(1.0, self.exact.deepest) if deepest is None else deepest
-        if name == "power":
+        self.law: Law = self.exact
+        if fitted:
             places = np.geomspace(least, deepest, DEPTHS)
-            options = joint.law_options(name, places, self.exact(places))
-        law = LAWS.get(name, self.exact)
-        law(deepest, joint.r2_star, **options)  # raises an error for a depth beyond its range
-        self.scale, self.shape, self.constants = law.parts(joint.r2_star, **options)
+            self.law = kind.fit(joint, places, self.exact(places))
+        elif kind is not Table:
+            self.law = find(law, joint)
         first = float(curve.depth_star[0])
         self.least = min(max(least, first), deepest)
         depths = np.linspace(np.sqrt(self.least), np.sqrt(deepest), ROWS) ** 2
-        self.error = float(np.abs(self.at(depths)[0] / self.exact(depths) - 1).max())
+        self.error = float(np.abs(self.law(depths, joint.r2_star) / self.exact(depths) - 1).max())
         inside = (curve.depth_star >= self.least) & (curve.depth_star <= max(1.05 * deepest, first))
         self.error_of_joint = float(curve.force_error[inside].max()) + self.exact.error
         self.load = "a load along the axis"
         if tilt is not None:
             self.load = f"a displacement {tilt:g} deg off the axis{_change(joint, deepest, tilt)}"
+        self.units = ("clearances dR", "E* dR^2", "E* dR")
+        self.unit_of_depth = self.unit_of_force = 1.0
+        if joint.has_dimensions:
+            self.units = ("m", "N", "N/m")
+            self.unit_of_depth, self.unit_of_force = joint.clearance, joint.force_unit
 
-    def at(self, depth):
-        """Force and stiffness, dimensionless, at depths > 0."""
-        value, slope = self.shape(depth, self.constants)
-        return self.scale * value, self.scale * slope
+    def at(self, depth_star: NDArray[np.float64]) -> tuple[Any, Any]:
+        """Force and stiffness in the units of the export, at depths > 0 in clearances."""
+        force, slope = (
+            self.law(depth_star, self.joint.r2_star, derivative=of) for of in (False, True)
+        )
+        return self.unit_of_force * force, self.unit_of_force / self.unit_of_depth * slope
 
-    def in_words(self, error=None):
-        """Lines on joint, range and error; a given ``error`` is that of a fit to the law."""
-        if error is None and self.name != "tabulated":
+    def in_words(self, error: float | None = None) -> list[str]:
+        """Lines on joint, range and error; a given ``error`` is that of a fit to the table."""
+        if error is None and self.law is not self.exact:
             error = self.error
         text = f"that of the elastic solution, about {_percent(self.error_of_joint)}."
         if error is not None:
             text = f"at most {_percent(error)} relative to the elastic solution, plus {text}"
         joint = self.joint
-        units = {name: meaning.split(",")[0] for name, meaning in _OF_SIZES.items()}
-        stated = [f"{name} {value:.9g} {units[name]}" for name, value in _sizes(joint).items()]
-        if joint.has_dimensions:
-            stated[1] += f" ({1e6 * joint.clearance:.4g} um)"
-            stated += [f"{body} of {material}" for body, material in _materials(joint).items()]
-        for name, value in _ratios(joint).items():
-            several = value if isinstance(value, list) else [value]
-            shown = (f"{x:.9g}" if isinstance(x, float) else x for x in several)
-            stated.append(f"{name} {' and '.join(shown)}")
+        modulus = f", E* = {joint.composite_modulus:.9g} Pa" if joint.has_dimensions else ""
         return [
-            f"Joint: {', '.join(stated)}.",
+            f"Joint: {joint}.",
+            f"R2* = {joint.r2_star:.9g}{modulus}.",
             f"Range: penetration depths from 0 to {self._depth(self.deepest)}.",
             f"Error of the force at depths >= {self._depth(self.least)}: {text}",
             f"The law is for smooth elastic bodies without friction and {self.load}.",
@@ -250,74 +259,96 @@ def _change(joint, deepest, tilt):
     )
 
 
-def _function(law, language):
-    name = law.called or FUNCTIONS.get(law.name, law.name)
-    if language == "modelica":
-        name = law.called or "ClearanceJoint"
-    text = formulas.text(
-        language,
-        law.shape,
-        law.constants,
-        [*law.in_words(), "", f"Formula: {formulas.words(law.shape, law.constants)}."],
-        law=name,
-        title=f"Contact force of one spherical clearance joint: {law.name}.",
-        source=_SOURCE,
-        deepest=f"{law.deepest!r}",
-        margin=laws.LIMIT_MARGIN,
-        scale=f"{float(law.scale)!r}",
-        **formulas.of_joint(language, name, law.joint),
-    )
-    return _named(text, law.called) if language == "exudyn" else text
+def _function(content, form, name, exponent):
+    """A function, or an element with k and n, from the templates of a format."""
+    joint, law = content.joint, content.law
+    values = {
+        "name": name or ("ClearanceJoint" if form == "modelica" else f"{law.name}_law"),
+        "prefix": f"{name}_" if name else "",
+        "suffix": name or "joint",
+        "title": f"Contact force of one spherical clearance joint: {law.name}.",
+        **dict(zip(_UNITS, content.units, strict=True)),
+        "clearance": f"{joint.clearance!r}",
+    }
+    if exponent is not None:
+        kind, scale = "power", float(law.parts(joint.r2_star).scale)
+        coefficient = scale * content.unit_of_force / content.unit_of_depth**exponent
+        values |= {
+            "coefficient": f"{coefficient:.12g}",
+            "exponent": f"{exponent:.12g}",
+            "coefficient_mm": f"{coefficient * MILLI**exponent:.12g}",
+            "clearance_mm": f"{joint.clearance / MILLI:.9g}",
+            "socket_radius": f"{joint.socket_radius!r}",
+            "ball_radius": f"{joint.ball_radius!r}",
+        }
+    else:
+        kind, (steps, rows) = "table", table_of(content)
+        brackets = _ROW[form]
+        values |= {
+            "rows": ("\n" if form == "matlab" else ",\n").join(
+                brackets % ", ".join(f"{x!r}" for x in row) for row in rows.tolist()
+            ),
+            "count": len(rows),
+            "last": len(rows) - 2,
+            "steps": f"{steps!r}",
+            "deepest": f"{content.deepest * content.unit_of_depth!r}",
+        }
+    suffix, about = {"c": "c", "matlab": "m", "modelica": "mo"}.get(form, form), content.in_words()
+    if form == "modelica":
+        values["function"] = Template(_template(f"{kind}.mo")).substitute(values).rstrip()
+        kind = "joint"
+    return _filled(f"{kind}.{suffix}", _COMMENTS[form], about, values)
 
 
-def _named(text, name):
-    """A text in Python in which the top-level names contain a name, if one is given."""
-    if name is None:
-        return text
-    return re.sub(_PYTHON, rf"{name}_\1", text.replace("add_joint", f"add_{name}"))
+def table_of(content: _Content) -> tuple[float, NDArray[np.float64]]:
+    """Knots per unit of s = sqrt(depth), and force/s^3 with its derivative by s at each knot.
+
+    The derivative is (2 s stiffness - 3 force/s)/s^3. At depth 0 both are extrapolated from a
+    thousandth of the first step, where force/s^3 is linear in s.
+    """
+    deepest = np.sqrt(content.deepest)
+    for count in KNOTS:
+        s = np.linspace(0, deepest, count)
+        middle = (s[:-1] + s[1:]) / 2
+        s[0] = 1e-3 * s[1]
+        force, stiffness = content.at(s * s)
+        s, unit = s * np.sqrt(content.unit_of_depth), np.sqrt(content.unit_of_depth)
+        factor, slope = force / s**3, (2 * s * stiffness - 3 * force / s) / s**3
+        factor[0] -= s[0] * slope[0]
+        step = s[-1] / (count - 1)
+        between, _ = shapes.cubic(0.5, factor[:-1], step * slope[:-1], factor[1:], step * slope[1:])
+        asked = middle**2 >= SHALLOWEST / 10 * content.deepest
+        off = between * (unit * middle) ** 3 / content.at(middle**2)[0] - 1
+        if np.abs(off[asked]).max() < FOLLOWS:
+            break
+    return float(1 / step), np.column_stack([factor, slope])
 
 
-def _element(law, form):
-    """An element with k and n: a hollow sphere of Exudyn, or IMPACT of Adams in N and mm."""
-    file, sign = ELEMENTS[form]
-    joint, exponent = law.joint, float(law.constants[0])
-    coefficient = float(law.scale * joint.force_unit / joint.clearance**exponent)
-    text = formulas.filled(
-        file,
-        sign,
-        law.in_words(),
-        **_element_of(law),
-        socket_radius=f"{joint.socket_radius!r}",
-        ball_radius=f"{joint.ball_radius!r}",
-        coefficient=f"{coefficient:.9g}",
-        exponent=f"{exponent:.9g}",
-        clearance_mm=f"{joint.clearance / MILLI:.9g}",
-        coefficient_mm=f"{coefficient * MILLI**exponent:.9g}",
-    )
-    return _named(text, law.called) if form == "exudyn" else text
+def _filled(file, sign, about, values):
+    """A template with its values, and lines about it as comments that begin with a sign."""
+    comment = [part for line in about for part in textwrap.wrap(line, WIDTH) or [""]]
+    described = "\n".join(f"{sign}{part}".rstrip() for part in comment)
+    return Template(_template(file)).substitute(values, described=described, source=_SOURCE)
 
 
-def _element_of(law):
-    """Title, source and prefix of the names of an element."""
-    title = f"A spherical clearance joint{f' named {law.called}' if law.called else ''}."
-    prefix = f"{law.called}_" if law.called else ""
-    return {"title": title, "source": _SOURCE, "prefix": prefix}
+def _template(file):
+    return Path(__file__).with_name(file).read_text(encoding="utf-8")
 
 
-def _tendon(law):
+def _tendon(content, name):
     """Parallel spatial tendons of MuJoCo with cubics that are fitted to the elastic solution."""
-    clearance, unit = law.joint.clearance, law.joint.force_unit
-    knots = law.deepest * np.array(KNOTS)
-    cubics, error = _cubics(law, knots)
+    clearance, unit = content.joint.clearance, content.joint.force_unit
+    knots = content.deepest * np.array(TENDONS)
+    cubics, error = _cubics(content, knots)
     whole = sum(
         (np.polynomial.Polynomial([0, *c])(np.polynomial.Polynomial([-k, 1])))
         for c, k in zip(cubics, knots, strict=True)
     )
     turns = whole.deriv().roots()  # of the force beyond the last knot
-    turn = turns[np.isreal(turns) & (turns.real > law.deepest)].real.min(initial=np.inf)
+    turn = turns[np.isreal(turns) & (turns.real > content.deepest)].real.min(initial=np.inf)
     outside = []
-    for depth in law.least / np.array([2, 10]):
-        exact, beyond = law.exact(depth), np.maximum(depth - knots, 0)
+    for depth in content.least / np.array([2, 10]):
+        exact, beyond = content.exact(depth), np.maximum(depth - knots, 0)
         off = (cubics * beyond[:, None] ** [1, 2, 3]).sum() / exact - 1
         outside.append(
             f"{clearance * depth:.2g} m it is {100 * abs(off):.2g} % too "
@@ -327,18 +358,21 @@ def _tendon(law):
     if turn < np.inf:
         beyond = f"it falls from {clearance * turn:.3g} m on, where it must not be used."
     outside = f"Outside: at {' and at '.join(outside)}; beyond the range {beyond}"
-    names = _element_of(law)
+    values = {
+        "title": f"A spherical clearance joint{f' named {name}' if name else ''}.",
+        "prefix": f"{name}_" if name else "",
+    }
     tendons = [
         _TENDON.format(
-            name=f"{law.called or 'clearance_joint'}_{k}",
+            name=f"{name or 'clearance_joint'}_{k}",
             starts=f"{clearance + clearance * knot:.12g}",
             stiffness=" ".join(f"{x:.9g}" for x in unit * cubic / clearance ** np.arange(1.0, 4)),
-            prefix=names["prefix"],
+            prefix=values["prefix"],
         )
         for k, (cubic, knot) in enumerate(zip(cubics, knots, strict=True), 1)
     ]
-    about = [*law.in_words(error), outside]
-    return formulas.filled("tendon.mujoco", "", about, **names, tendons="\n".join(tendons))
+    about = [*content.in_words(error), outside]
+    return _filled("tendon.mujoco", "", about, values | {"tendons": "\n".join(tendons)})
 
 
 _TENDON = """    <spatial name="{name}" springlength="0 {starts}" stiffness="{stiffness}">
@@ -347,15 +381,15 @@ _TENDON = """    <spatial name="{name}" springlength="0 {starts}" stiffness="{st
     </spatial>"""
 
 
-def _cubics(law, knots):
+def _cubics(content, knots):
     """Coefficients of d, d^2, d^3 beyond each knot, (knots, 3), and their relative error.
 
     Its maximum is as small as it can be.
     """
-    depth = np.geomspace(law.least, law.deepest, 4 * DEPTHS)
-    depth = np.union1d(depth, knots[knots > law.least])  # where the error has a kink
+    depth = np.geomspace(content.least, content.deepest, 4 * DEPTHS)
+    depth = np.union1d(depth, knots[knots > content.least])  # where the error has a kink
     beyond = np.maximum(depth[:, None] - knots, 0)[..., None]
-    columns = (beyond ** [1, 2, 3]).reshape(len(depth), -1) / law.exact(depth)[:, None]
+    columns = (beyond ** [1, 2, 3]).reshape(len(depth), -1) / content.exact(depth)[:, None]
     ones = np.ones((len(depth), 1))
     upper, lower = np.hstack([columns, -ones]), np.hstack([-columns, -ones])
     limits = np.append(ones, -ones)
@@ -365,90 +399,26 @@ def _cubics(law, knots):
     return found.x[:-1].reshape(-1, 3), float(found.x[-1])
 
 
-def _json(law):
-    joint = law.joint
-    content = {
-        "law": law.name,
-        **({"name": law.called} if law.called else {}),
-        "source": _SOURCE,
-        "formula": formulas.words(law.shape, law.constants),
-        "units": _UNITS | (_OF_SIZES if joint.has_dimensions else {}),
-        "joint": _ratios(joint),
-        **({"materials": _materials(joint)} if joint.has_dimensions else {}),
-        "load": law.load,
-        "range": {"depth_star": [0, law.deepest]},
-        "error": {
-            "from_depth_star": law.least,
-            "against_solved_joint": law.error,
-            "of_solved_joint": law.error_of_joint,
-        },
-        "scale": float(law.scale),
-        **_sizes(joint),
-    }
-    constants = np.asarray(law.constants, dtype=float)
-    if law.shape is shapes.tabulated:
-        content["root_depth_star"] = (np.arange(len(constants) // 2) / constants[0]).tolist()
-        content |= {"stiffening": constants[1::2].tolist(), "slope": constants[2::2].tolist()}
-    elif law.shape.polynomial:
-        content["coefficients"] = constants[::-1].tolist()
-    else:
-        content |= dict(zip(law.shape.constants, constants.tolist(), strict=True))
-    return json.dumps(content, indent=2) + "\n"
-
-
-def _csv(law):
-    depth = law.deepest * np.linspace(0, 1, ROWS + 1) ** 2
+def _csv(content, name):
+    """Rows of depth, force and stiffness, with the error of linear interpolation between them."""
+    depth = content.deepest * np.linspace(0, 1, ROWS + 1) ** 2
     force, stiffness = np.zeros((2, ROWS + 1))
-    force[1:], stiffness[1:] = law.at(depth[1:])
-    root = np.sqrt(depth)
-    steps = (np.arange(1, _BETWEEN) / _BETWEEN)[:, None]
-    between = np.sort((root[:-1] + steps * np.diff(root)).ravel() ** 2)
-    between = between[between >= law.least]
-    true = law.at(between)[0]
-    linear, cubic = (
-        _percent(np.abs(values / true - 1).max())
-        for values in (
-            np.interp(between, depth, force),
-            CubicHermiteSpline(root, force, 2 * root * stiffness)(np.sqrt(between)),
-        )
-    )
-    units, joint = _UNITS, law.joint
-    if joint.has_dimensions:
-        units, depth = _SI_UNITS, joint.clearance * depth
-        force, stiffness = joint.force_unit * force, joint.stiffness_unit * stiffness
-    names = list(units)
+    force[1:], stiffness[1:] = content.at(depth[1:])
+    between = (depth[1:] + depth[:-1]) / 2
+    between = between[between >= content.least]
+    error = np.abs(np.interp(between, depth, force) / content.at(between)[0] - 1).max()
+    heads = ("depth", "force", "stiffness")
+    if not content.joint.has_dimensions:
+        heads = tuple(f"{head}_star" for head in heads)
     lines = [
-        f"Contact force of one spherical clearance joint: {law.called or law.name}. {_SOURCE}",
-        *law.in_words(),
-        f"Between rows, linear interpolation over depth adds an error of up to {linear}.",
-        f"A cubic Hermite spline over sqrt({names[0]}), with the slopes 2 sqrt({names[0]}) "
-        f"{names[2]}, adds {cubic}.",
-        *(f"{name} = {meaning}" for name, meaning in units.items()),
+        f"Contact force of one spherical clearance joint: {name or content.law.name}. {_SOURCE}",
+        *content.in_words(),
+        f"Between rows, linear interpolation over depth adds an error of up to {_percent(error)}.",
+        *(f"{head} in {unit}" for head, unit in zip(heads, content.units, strict=True)),
     ]
-    rows = (",".join(f"{x:.12g}" for x in row) for row in zip(depth, force, stiffness, strict=True))
-    return "\n".join([*(f"# {line}" for line in lines), ",".join(names), *rows, ""])
-
-
-def _ratios(joint):
-    """What the normalised force depends on."""
-    of = joint.columns()
-    return {
-        "r2_star": of["r2_star"],
-        "socket_ratio": of["socket_ratio"],
-        "poisson": [of["poisson_ball"], of["poisson_socket"]],
-        "modulus_ratio": of["modulus_ratio"],
-        **({"layers": of["layers"]} if of["layers"] else {}),
-        **{name: str(value) for name, value in joint.supports.items()},
-    }
-
-
-def _materials(joint):
-    return {body: in_words(material) for body, material in joint.materials.items()}
-
-
-def _sizes(joint):
-    """Dimensions of a joint in SI units, if it has any."""
-    return {name: float(getattr(joint, name)) for name in _OF_SIZES if joint.has_dimensions}
+    columns = content.unit_of_depth * depth, force, stiffness
+    rows = (",".join(f"{x:.12g}" for x in row) for row in zip(*columns, strict=True))
+    return "\n".join([*(f"# {line}" for line in lines), ",".join(heads), *rows, ""])
 
 
 def _percent(error):

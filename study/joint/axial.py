@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study import checks
-from study.contact import hertz, largest_depth
+from study.contact import hertz_factor, largest_depth
 from study.joint import nested, series, stress
 from study.joint.compliance import (
     FINEST_RESOLUTION,
@@ -142,7 +142,7 @@ def _depth_under(joint, force, solver, resolution):
     A depth at which the contact is not resolved, or would reach the rim, narrows the bracket.
     """
     low, high, borne, small = 0.0, float(largest_depth(joint.r2_star)), 0.0, None
-    depth, is_rim = min((force / hertz(1.0, joint.r2_star)) ** (2 / 3), high / 2), True
+    depth, is_rim = min((force / hertz_factor(joint.r2_star)) ** (2 / 3), high / 2), True
     for _ in range(_STEPS):
         following = np.inf
         try:

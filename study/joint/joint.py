@@ -16,17 +16,17 @@ from numpy.typing import ArrayLike
 
 from study import checks, parameters
 from study.contact import (
-    LAWS,
     SOCKET_RATIO,
     DimensionalLaw,
     Material,
+    Table,
     largest_depth,
     material,
 )
 from study.contact.laws import AnyLaw, find
 from study.contact.materials import read_material
 from study.contact.power_fit import DEPTHS, USUAL_RANGE, PowerFit, fit_power
-from study.joint import axial, tilted
+from study.joint import axial, table, tilted
 from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO, Ball, Socket, layer_steps
 from study.joint.solution import Solution
 from study.joint.supports import (
@@ -49,7 +49,6 @@ from study.joint.supports import (
     read_opening,
     read_socket_support,
 )
-from study.joint.table import table
 from study.parameters import Parameter, parameter
 
 LEAST_R2_STAR, LARGEST_R2_STAR = 10.0, 1e9
@@ -487,6 +486,41 @@ class Joint:
         """Default tilt of the load: 90 deg for a ring or a bore, else None for the axis."""
         return None if self.has_pole else 90.0
 
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of `Joint` or `from_ratios` that are not the default.
+
+        They are texts, and numbers of 9 digits. Materials are given by their numbers, because the
+        table of materials may change.
+        """
+        about, default = parameters.described(Joint), parameters.defaults(Joint)
+        if self.has_dimensions:
+            given = {name: getattr(self, name) for name in about}
+        else:
+            given = {"r2_star": self.r2_star, "poisson": self.ball.poisson}
+            if self.liner:
+                given["layers"] = self.columns()["layers"]
+            else:
+                given |= {name: getattr(self, name) for name in ("socket_ratio", "modulus_ratio")}
+                given["socket_poisson"] = self.socket.poisson
+            default = {"r2_star": 200.0, "poisson": 0.3} | {n: default[n] for n in SUPPORTS}
+            order = parameters.described(Joint.from_ratios)
+            given = {name: given[name] for name in order if name in given} | self.supports
+        written: dict[str, Any] = {}
+        for name, value in given.items():
+            if value is None or value == default.get(name, ...):
+                continue
+            if isinstance(value, Material):
+                numbers = value.youngs_modulus, value.poisson, value.yield_stress
+                value = ",".join(f"{number:.9g}" for number in numbers if number is not None)
+            is_number = isinstance(value, float)
+            of = about.get(name, about["rim"])
+            written[name] = float(f"{value:.9g}") if is_number else of.written(value)
+        return written
+
+    def __str__(self) -> str:
+        made = "Joint" if self.has_dimensions else "Joint.from_ratios"
+        return f"{made}({', '.join(f'{k}={v}' for k, v in self.arguments().items())})"
+
     def columns(self) -> dict[str, Any]:
         """The joint as columns of a table, as in `study.dataset.load`."""
         layers = [
@@ -607,13 +641,6 @@ class Joint:
             cannot be so deep.
         tilt, resolution, stresses
             As in `solve`; one tilt.
-
-        Examples
-        --------
-        >>> from study.contact import tabulated
-        >>> law = tabulated(Joint.from_ratios(200).curve())
-        >>> round(law(0.3), 2)
-        81.63
         """
         tilt = self.default_tilt if tilt is None else tilt
         last = self.default_depth if deepest is None else deepest
@@ -634,17 +661,29 @@ class Joint:
         """Default maximum depth in clearances: 1, or less if the spheres cannot be so deep."""
         return float(min(1.0, 0.8 * largest_depth(self.r2_star)))
 
-    def law(self, law: AnyLaw | None = None, tilt: float | None = None) -> DimensionalLaw:
+    def table(
+        self,
+        deepest: float | None = None,
+        tilt: float | None = None,
+        resolution: int | None = None,
+    ) -> Table:
+        """Table of the elastic solution as a contact law; arguments are those of `curve`.
+
+        The ``error`` of the table is the maximum relative error of its force, relative to the
+        elastic solution, at the depths that were checked. Its ``curve`` is the `Solution`.
+        """
+        return table.checked(self, deepest, tilt, resolution)
+
+    def law(self, law: AnyLaw = "tabulated", tilt: float | None = None) -> DimensionalLaw:
         """Contact law of this joint, in SI units.
 
         Parameters
         ----------
         law
-            Name of a law, a law itself, or a function (`study.contact.sampled`). By default it is
-            a table of the elastic solution of this joint, which reaches a depth of at least one
-            clearance if the contact can be so deep. ``stiffened_hertz`` gets its options from the
-            joint and ``power`` is fitted to it over the default range of `power_law`; the
-            coefficients of the other laws are those of the reference joint of the study.
+            Name of a law, a law itself, or a function (`study.contact.Sampled`). By default it is
+            the `table` of the elastic solution of this joint. ``stiffened_hertz`` is looked up for
+            the joint and ``power`` fitted to it; the coefficients of the other laws are those of
+            the reference joint of the study.
         tilt
             Angle in deg between displacement and axis. The law is then the table of the force along
             a displacement in this direction.
@@ -657,21 +696,34 @@ class Joint:
         3479 N, 1.42e+09 N/m
         """
         tilt = self.default_tilt if tilt is None else tilt
-        if law is not None and tilt is not None:
+        if tilt is not None and law != "tabulated":
             raise ValueError(
                 "law must be the table of the elastic solution for a load off the axis, got "
                 f"{law}; remove law, or use the fitted power law of power_law"
             )
-        found = table(self, tilt=tilt) if law is None else find(law)
-        made = DimensionalLaw(
-            found,
+        return DimensionalLaw(
+            find(law, self) if tilt is None else self.table(tilt=tilt),
             ball_radius=self.ball_radius,
             socket_radius=self.socket_radius,
             composite_modulus=self.composite_modulus,
-            **({} if law is None else self.law_options(found)),
+            joint=self,
         )
-        made.joint = self
-        return made
+
+    def power_fit(
+        self, depths: tuple[float, float] = USUAL_RANGE, tilt: float | None = None
+    ) -> PowerFit:
+        """Power law P* = k* ds^n, fitted to the elastic solution between two depths in clearances.
+
+        It is dimensionless; `power_law` is the same in SI units.
+        """
+        low = checks.number("minimum depth_star", depths[0], above=0, scalar=True)
+        high = checks.number("maximum depth_star", depths[1], above=low, scalar=True)
+        tilt = self.default_tilt if tilt is None else tilt
+        law = self.table(tilt=tilt)
+        if law.deepest < high:
+            law = self.table(high, tilt)
+        places = np.geomspace(low, high, DEPTHS)
+        return fit_power(places, law(places))
 
     def power_law(
         self, depths: tuple[float, float] | None = None, tilt: float | None = None
@@ -692,59 +744,13 @@ class Joint:
         >>> print(f"k = {fit.coefficient:.3e} N/m^n, n = {fit.exponent:.3f}, {fit.error:.1%}")
         k = 2.272e+12 N/m^n, n = 1.653, 1.0%
         """
-        low, high = depths or (share * self.clearance for share in USUAL_RANGE)
+        unit = self.clearance
+        low, high = depths or (share * unit for share in USUAL_RANGE)
         low = checks.number("minimum depth", low, "m", above=0, scalar=True)
         high = checks.number("maximum depth", high, "m", above=low, scalar=True)
-        tilt = self.default_tilt if tilt is None else tilt
-        law = table(self, tilt=tilt)
-        if (law.deepest or np.inf) * self.clearance < high:
-            law = table(self, high / self.clearance, tilt)
-        places = np.geomspace(low, high, DEPTHS)
-        return fit_power(places, self.force_unit * law(places / self.clearance))
-
-    def law_options(
-        self,
-        law: AnyLaw,
-        depth_star: ArrayLike | None = None,
-        force_star: ArrayLike | None = None,
-    ) -> dict[str, Any]:
-        """Options of a law for this joint; ``ValueError`` if the law is not for it.
-
-        ``stiffened_hertz`` gets the ratios and supports of the joint. ``power`` is fitted to the
-        given normalised forces, by default to the elastic solution from 0.05 to 0.5 clearances.
-        Other laws have no options that depend on the joint.
-        """
-        law = find(law)
-        if law is LAWS["stiffened_hertz"]:
-            return self._options_of_stiffened_hertz()
-        if law is not LAWS["power"]:
-            return {}
-        if depth_star is None or force_star is None:
-            depth_star = np.geomspace(*USUAL_RANGE, DEPTHS)
-            force_star = table(self, USUAL_RANGE[1], self.default_tilt)(depth_star)
-        fit = fit_power(depth_star, force_star)
-        return {"coefficient": fit.coefficient, "exponent": fit.exponent}
-
-    def _options_of_stiffened_hertz(self):
-        for unsuited, what in (
-            (self.liner, "a socket with layers"),
-            (not self.ball_support.by_plane, f"ball_support {self.ball_support}"),
-            (self.opening != HEMISPHERE, f"an opening of {self.opening} deg"),
-            (not self.is_held_all_round, f"socket_support {self.socket_support}"),
-        ):
-            if unsuited:
-                raise checks.RangeError(
-                    f"the law stiffened_hertz is not valid for {what}; use tabulated, a table of "
-                    "the joint's elastic solution"
-                )
-        return {
-            "socket_ratio": self.socket_ratio,
-            "modulus_ratio": self.modulus_ratio,
-            "poisson": self.ball.poisson,
-            "socket_poisson": self.socket.poisson,
-            "ball_support": str(self.ball_support),
-            "rim": self.rim,
-        }
+        fit = self.power_fit((low / unit, high / unit), tilt)
+        coefficient = fit.coefficient * self.force_unit / unit**fit.exponent
+        return fit._replace(coefficient=coefficient, depths=(low, high))
 
 
 SUPPORTS = tuple(of.name for of in fields(Joint) if of.kw_only and of.name != "has_dimensions")

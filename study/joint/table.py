@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study import checks
-from study.contact import Law, tabulated
+from study.contact import Table
 from study.joint.kinematics import UnresolvedError
 from study.joint.solution import Solution
 
@@ -32,17 +32,13 @@ _BELOW = np.array([0.5, 0.75])  # roots of the depths below the first point, ove
 
 
 @lru_cache(maxsize=16)
-def table(
+def checked(
     joint: Joint,
     deepest: float | None = None,
     tilt: float | None = None,
     resolution: int | None = None,
-) -> Law:
-    """Table of the elastic solution; arguments are those of `study.joint.Joint.curve`.
-
-    The attribute ``error`` of the law is the maximum relative error of its force, relative to the
-    elastic solution, at the depths that were checked; ``curve`` is the `Solution` of the curve.
-    """
+) -> Table:
+    """Table of the elastic solution: see `study.joint.Joint.table`."""
     curve = joint.curve(deepest, tilt, resolution)
     tilt = None if curve.tilt is None else float(curve.tilt[0])
     depth, force = curve.depth_star, curve.force_star
@@ -53,7 +49,7 @@ def table(
         )
     error, checked = 0.0, np.zeros(0)
     for round_ in range(_ROUNDS + 1):
-        law, roots = tabulated(_curve(curve, depth, force)), np.sqrt(depth)
+        law, roots = Table.of_curve(_curve(curve, depth, force)), np.sqrt(depth)
         places = (roots[1:] + roots[:-1]) ** 2 / 4
         if round_ == 0:  # at both ends and in the middle; everywhere if one of these is wrong
             places = places[[0, len(places) // 2, -1]]
@@ -77,7 +73,7 @@ def table(
     error = max(error, off[fails & ~above].max(initial=0))
     if above.any():
         keep = depth < places[above].min()
-        law = tabulated(_curve(curve, depth[keep], force[keep]))
+        law = Table.of_curve(_curve(curve, depth[keep], force[keep]))
     return replace(law, error=float(error), curve=curve)
 
 

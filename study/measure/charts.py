@@ -22,7 +22,7 @@ import pandas as pd
 
 from study import checks
 from study.compiled import compiled
-from study.contact import LAWS, DimensionalLaw, tabulated
+from study.contact import LAWS, DimensionalLaw
 from study.contact.forces import elastic_force
 from study.joint import Joint, Solver, kinematics, modes, reference_joint, series
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
@@ -55,7 +55,7 @@ TOLERANCES = (1e-8, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)  # of the s
 def methods() -> dict[str, list[str]]:
     """Names of the methods of this study in each chart."""
     return {
-        "laws": [*LAWS, "tabulated", "solver"],
+        "laws": [*LAWS, "solver"],
         "solvers": [*SOLVERS],
         "steppers": [OURS, *explicit.SCHEMES],
         "flexible": [*flexible.MODELS],
@@ -99,23 +99,22 @@ def timed(
 
 
 def laws(repeats: int, names: Sequence[str]) -> pd.DataFrame:
-    """Time and error of some laws, `tabulated` and the elastic solution; Hertz's law is first."""
-    solved = tabulated(REFERENCE.curve())
+    """Time and error of some laws and of the elastic solution; Hertz's law is first."""
     exact = REFERENCE.solve(depth_star=LAW_DEPTHS, resolution=FINEST).force_star
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     prepare = "from study.measure.charts import add_law; depths = np.ones(2) * 1e-6"
     seconds = timing.compile_time("add_law(law, depths)", prepare)
     add_law(DimensionalLaw("hertz", **SIZES).packed(), depths[:2])  # compiled here, not counted
     rows = []
-    for name, law in (LAWS | {"tabulated": solved}).items():
+    for name, kind in LAWS.items():
         if name not in ("hertz", *names):
             continue
-        options = REFERENCE.law_options(law)
-        packed = DimensionalLaw(law, **SIZES, **options).packed()
+        law = kind.of(REFERENCE)
+        packed = DimensionalLaw(law, **SIZES).packed()
         times, _ = timing.timed(partial(add_law, packed, depths), repeats)
-        elements, _ = timing.timed(partial(law, depths / 5e-5, 200.0, **options), repeats)
+        elements, _ = timing.timed(partial(law, depths / 5e-5, 200.0), repeats)
         columns = {"vectorised": np.median(elements), "compile_time": seconds}
-        error = law(LAW_DEPTHS, 200.0, **options) / exact - 1
+        error = law(LAW_DEPTHS, 200.0) / exact - 1
         rows.append(timing.row("laws", name, "", times / depths.size, error, **columns))
     times, curve = timing.timed(partial(REFERENCE.solve, depth_star=LAW_DEPTHS), repeats)
     times /= LAW_DEPTHS.size

@@ -14,11 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from study.compiled import compiled
 from study.contact.forces import elastic_force
 from study.contact.friction import friction_regime
-from study.contact.laws import find
 from study.mechanism import rigid
 from study.mechanism.angles import angle_of, norm, sine_cosine
 from study.mechanism.joints import ContactState
-from study.mechanism.law_in_scene import in_joint
+from study.mechanism.law_in_scene import in_scene
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import MechanismError, divide
 
@@ -181,7 +180,7 @@ def _centre(y, a, half, approach, p, law, work, stage, slopes):
 
 def packed(scene: Scene, law: str) -> np.record:
     """A law in the joint of a mechanism, for the compiled functions."""
-    return in_joint(scene, find(law), scene.clearance).packed()
+    return in_scene(scene, law).packed()
 
 
 def start_of(scene: Scene) -> NDArray[np.float64]:

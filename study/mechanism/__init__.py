@@ -12,10 +12,19 @@ crank's fixed end turns as given; the moment that this takes is an output. Its w
 by the trapezoidal rule, so that the energy balance closes with order 2.
 """
 
+from study.mechanism.law_in_scene import clearance_joint
 from study.mechanism.particles import stable_step
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene, paper_scene
 from study.mechanism.simulate import simulate
 from study.mechanism.stepping import MechanismError
 
-__all__ = ["MechanismError", "Response", "Scene", "paper_scene", "simulate", "stable_step"]
+__all__ = [
+    "MechanismError",
+    "Response",
+    "Scene",
+    "clearance_joint",
+    "paper_scene",
+    "simulate",
+    "stable_step",
+]

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study import paths
+from study.contact import DimensionalLaw
 from study.parameters import Quantity, derived
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ class Response:
     complete
         False if the simulation was interrupted.
     law
-        The contact law and all of its options, as a text.
+        The contact law; None for an ideal joint.
     restitution, delivered_restitution
         Coefficient of restitution of a free impact: the given one, and that of the damping model.
     tolerance
@@ -118,7 +119,7 @@ class Response:
     event_rows: NDArray[np.void]
     event_kinds: tuple[str, ...]
     complete: bool = True
-    law: str = ""
+    law: DimensionalLaw | None = None
     restitution: float = 1.0
     delivered_restitution: float = 1.0
     tolerance: float | None = None

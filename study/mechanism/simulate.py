@@ -55,8 +55,8 @@ computing for rigid links. A crank far too short or light for its drive does not
     ),
     law=Parameter(
         "Contact law: its name, or tabulated for a table of the joint's elastic solution. In "
-        "Python it may also be a law such as ``tabulated(curve)``, a function of (``depth_star``, "
-        "``r2_star``) that returns force_star (`study.contact.sampled`), a law in SI units, or a "
+        "Python it may also be a law such as ``Steuermann(n=2)``, a function of (``depth_star``, "
+        "``r2_star``) that returns force_star (`study.contact.Sampled`), a law in SI units, or a "
         "`study.joint.Joint`; the last two must have the dimensions of the scene's joint, and its "
         "materials unless the scene has the default ones",
         kind=str,
@@ -110,13 +110,13 @@ def simulate(
     elements: tuple[int, int] | None = None,
     method: particles.Method | None = None,
     progress: Callable[[float], Any] | None = None,
-    **law_options: Any,
 ) -> Response:
     """Simulate the crank-slider.
 
-    Further keywords are options of the law. Those of materials (``modulus_ratio``, ``poisson`` and
-    ``socket_poisson`` of ``stiffened_hertz``) are taken from the scene. The options of
-    ``tabulated`` are ``wall`` or ``socket_ratio``, and ``liner`` (`study.joint.Joint`).
+    The laws ``stiffened_hertz`` and ``tabulated`` are those of the scene's materials, in a socket
+    with the wall of the reference joint. For another socket, give the law of its joint, for example
+    ``clearance_joint(scene, wall=3e-3).law("stiffened_hertz")``
+    (`study.mechanism.clearance_joint`).
 
     Returns
     -------
@@ -138,9 +138,7 @@ def simulate(
     >>> len(response.impacts), f"{response.impacts.peak_force.max():.0f} N"
     (2, '229 N')
     """
-    run = _checked(
-        scene, model, joint, law, duration, outputs, tolerance, step, elements, method, law_options
-    )
+    run = _checked(scene, model, joint, law, duration, outputs, tolerance, step, elements, method)
     return run(progress)
 
 
@@ -155,9 +153,7 @@ def ready(scene: Scene | None = None, **given: Any) -> Callable[..., Response]:
     return _checked(**call.arguments)
 
 
-def _checked(
-    scene, model, joint, law, duration, outputs, tolerance, step, elements, method, law_options
-):
+def _checked(scene, model, joint, law, duration, outputs, tolerance, step, elements, method):
     """A simulation that is ready to run, as a function of ``progress``."""
     scene = Scene() if scene is None else checks.instance("scene", scene, Scene)
     model, joint = _taken("model", model), _taken("joint", joint)
@@ -176,9 +172,10 @@ def _checked(
                 f"{name} does not apply to model {model} with joint {joint}; remove it"
             )
     _check_motion(scene, model, gapless, duration)
-    if gapless and isinstance(law, str) and law == LAW and not law_options:
+    if gapless and isinstance(law, str) and law == LAW:
         law = "hertz"  # nothing touches: the range of the default law does not matter
-    in_joints, law_text = law_in_scene.in_scene(scene, law, law_options)
+    found = law_in_scene.in_scene(scene, law)
+    in_joints = [found]
     gaps = tuple(gap for gap in (scene.clearance, scene.crank_clearance) if gap is not None)
     laws = tuple(of_joint.packed() for of_joint in in_joints)
     times = duration * np.arange(outputs + 1) / outputs
@@ -195,7 +192,7 @@ def _checked(
     else:
         tolerance = tolerance or TOLERANCE
         blocks = events.blocks(scene, laws, times, tolerance)
-    told = ("none" if gapless else law_text), scene.restitution, scene.delivered_restitution
+    told = (None if gapless else found), scene.restitution, scene.delivered_restitution
     told += (None, ()) if flexible or gapless else (tolerance, gaps)
     return partial(_gather, blocks, scene, laws, COLUMNS if flexible else ALL_COLUMNS, told)
 

@@ -1,7 +1,7 @@
 """Model limits of its contact law that a simulation exceeds, as sentences."""
 
 from study import checks
-from study.contact import LAWS, SOCKET_RATIO
+from study.contact import SOCKET_RATIO
 from study.joint import Joint, first_yield, limits
 from study.mechanism.response import Response
 from study.mechanism.scene import Scene
@@ -19,8 +19,7 @@ def exceeded_limits(
     if deepest == 0:
         return {}
     depth_star, (ball, socket) = deepest / scene.clearance, scene.materials
-    name, *_ = response.law.split(":")
-    law = LAWS.get(name)
+    law = response.law.law if response.law else None
     found: limits.Limits = {}
     if law and law.fitted_to and depth_star > law.fitted_to:
         found["law"] = (

@@ -108,9 +108,9 @@ def check_range(key: str, value: Any, allowed: str) -> None:
         if to:
             checks.number(f"parameter {key}", item, least=float(low), most=float(high))
         elif allowed:
-            from study.contact import LAWS
+            from study.contact import CLOSED_FORM
 
-            names = LAWS if allowed == "a law" else allowed.split(", ")
+            names = CLOSED_FORM if allowed == "a law" else allowed.split(", ")
             checks.choice(f"parameter {key}", item, tuple(names))
 
 

@@ -29,7 +29,8 @@ from study.joint.solution import quantities
 from study.joint.tilted import LARGEST_TILT
 from study.mechanism import Response, Scene
 from study.mechanism.compare import second_run
-from study.mechanism.simulate import BEAM_STEP, ELEMENTS, LAW, TOLERANCE, ready, simulate
+from study.mechanism.law_in_scene import LAW, of_name
+from study.mechanism.simulate import BEAM_STEP, ELEMENTS, TOLERANCE, ready, simulate
 from study.mechanism.validity import exceeded_limits
 from study.parameters import Parameter, Quantity, described
 
@@ -358,12 +359,10 @@ def _joint(values, dimensions):
 def _power(joint, tilt):
     """Power law of a joint by column; empty if it cannot be solved over the range of the fit."""
     try:
-        fit = joint.power_law(tilt=tilt)
+        fit = (joint.power_law if joint.has_dimensions else joint.power_fit)(tilt=tilt)
     except (ValueError, StudyError):
         return {f"power_{name}": "" for name in PowerFit._fields}
     values = fit._asdict()
-    if not joint.has_dimensions:
-        values["coefficient"] *= joint.clearance**fit.exponent / joint.force_unit
     return {f"power_{name}": value for name, value in values.items()}
 
 
@@ -371,8 +370,13 @@ def _scene(values, twice=False):
     of_scene = {name: values.pop(name) for name in described(Scene) if name in values}
     key = repr((of_scene, values)) if values.get("model", "rigid") != "rigid" else ""
     scene = Scene(**of_scene)
+    socket = {
+        name: values.pop(name) for name in ("wall", "socket_ratio", "liner") if name in values
+    }
+    complete = _used_by_scene(scene, **values, **socket)
+    values["law"] = of_name(scene, values.get("law"), **socket)
     run, again = ready(scene, **values), partial(simulate, scene, **values) if twice else None
-    return key, partial(_simulate, scene, run, again), _used_by_scene(scene, **values)
+    return key, partial(_simulate, scene, run, again), complete
 
 
 def _used_by_scene(scene, model="rigid", joint="clearance", law=LAW, **given):

@@ -1,14 +1,15 @@
 """The numbers of the report's pages that compute: the dataset's plot, and a joint of one's own."""
 
 from study import checks, dataset
-from study.contact import COMPARED_LAWS, LAWS, materials, shapes, stiffening
-from study.contact.laws import LIMIT_MARGIN, stiffened_hertz
+from study.contact import COMPARED_LAWS, LAWS, materials, stiffening
+from study.contact.laws import LIMIT_MARGIN, StiffenedHertz
 from study.contact.power_fit import USUAL_RANGE
 from study.dataset import design, store
 from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
 from study.joint.joint import LARGEST_R2_STAR
 from study.joint.solution import quantities
 from study.joint.stress import hertz_von_mises
+from study.joint.supports import RIMS
 from study.pages import catalogue
 from study.pages.figures import LOOKS
 
@@ -55,8 +56,7 @@ def curves() -> dict:
         fitted_to = usual["depth_star"], usual["force_star"]
         for law in COMPARED_LAWS:
             try:
-                options = joint.law_options(law, *fitted_to)
-                force = LAWS[law](depth, joint.r2_star, **options)
+                force = LAWS[law].fit(joint, *fitted_to)(depth, joint.r2_star)
                 case["laws"][law] = [_rounded(value) for value in force]
             except ValueError as error:
                 case["undefined"][law] = str(error)
@@ -94,11 +94,11 @@ def joint_data() -> dict:
         **{name.lower(): getattr(stiffening, name) for name in COPIED},
         "to_powers": stiffening._POWERS.tolist(),
         "quantities": {name: vars(of) for name, of in quantities(dimensions=True).items()},
-        "deepest": shapes.stiffened.deepest,
+        "deepest": StiffenedHertz.deepest,
         "margin": LIMIT_MARGIN,
         "least_clearance": 1 / LARGEST_R2_STAR,
         "walls": [THINNEST_RATIO - 1, THICKEST_RATIO - 1],
-        "choices": {name: of.choices for name, of in stiffened_hertz.options.items() if of.choices},
+        "choices": {"ball_support": ("guided", "clamped"), "rim": RIMS},
         "softest": checks.SOFTEST,
         "stress": {
             "least": LEAST_STRESS,

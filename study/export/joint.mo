@@ -4,30 +4,10 @@ $described
 //
 // The function is plain Modelica; the model needs the Modelica Standard Library 4.
 within;
-package $law "Contact of one spherical clearance joint"
-  constant Real socket_radius(unit = "m") = $socket_radius;
+package $name "Contact of one spherical clearance joint"
   constant Real clearance(unit = "m") = $clearance;
-  constant Real composite_modulus(unit = "Pa") = $composite_modulus;
-$tables
-  function contact_force "Contact force and stiffness at a penetration depth"
-    input Real depth(unit = "m");
-    output Real force(unit = "N");
-    output Real stiffness(unit = "N/m");
-  protected
-    Real ds, scale, $names;
-  algorithm
-    ds := depth / clearance;
-    assert(ds <= $deepest * (1 + $margin), "the depth is beyond the range of the law");
-    if ds <= 0 then
-      force := 0;
-      stiffness := 0;
-      return;
-    end if;
-$body
-    scale := composite_modulus * clearance * $scale;
-    force := scale * clearance * value;
-    stiffness := scale * slope;
-  end contact_force;
+
+$function
 
   model Joint "Ball in a socket: frame_a at the socket's centre, frame_b at the ball's"
     extends Modelica.Mechanics.MultiBody.Interfaces.PartialTwoFrames;
@@ -42,4 +22,4 @@ $body
     frame_a.t = zeros(3);
     frame_b.t = zeros(3);
   end Joint;
-end $law;
+end $name;

@@ -1,0 +1,16 @@
+/* $title
+ * $source
+$described
+ *
+ * depth              penetration depth in $unit_of_depth; no force where it is negative
+ * force, stiffness   results in $unit_of_force and $unit_of_stiffness: k depth^n with k = $coefficient, n = $exponent
+ */
+#include <math.h>
+
+void $name(double depth, double *force, double *stiffness)
+{
+    *force = *stiffness = 0;
+    if (depth <= 0) return;
+    *force = $coefficient * pow(depth, $exponent);
+    *stiffness = $exponent * *force / depth;
+}
