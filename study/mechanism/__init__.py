@@ -4,8 +4,7 @@
 loop, ``advance``. A simulation can therefore show its progress, and keeps what it has when it is
 interrupted. Each impact adds three output rows: at its start, largest force and end.
 
-Rigid links are `rigid` with one clearance joint and `two_joints` with two; `joints` has what is
-the same in each joint. `events` steps them: in contact the depth is a coordinate. Flexible links
+Rigid links are `rigid`; `events` steps them: in contact the depth is a coordinate. Flexible links
 are `particles`, stepped explicitly, or `beams`, stepped implicitly. They start
 straight, with the velocities of rigid links (`frame`). At constant crank speed the
 crank's fixed end turns as given; the moment that this takes is an output. Its work is summed

@@ -10,7 +10,6 @@ from study import checks
 from study.mechanism.response import Response
 from study.mechanism.simulate import LEAST_TOLERANCE
 
-_PREFIXES = ("", "crank_joint_")  # of the columns of slider's and crank's joint
 SAME = 0.01
 """Clearances: two eccentricities that differ by less are the same motion."""
 FINER = 100  # times, the tolerance of a second run
@@ -22,8 +21,7 @@ class Agreement(NamedTuple):
     Attributes
     ----------
     until
-        Last time of output, in s, up to which both have the same eccentricity (`SAME`) in each
-        clearance joint.
+        Last time of output, in s, up to which both have the same eccentricity (`SAME`).
     lasts
         Whether that is to the end.
     largest_distance
@@ -49,13 +47,10 @@ def agreement(first: Response, second: Response) -> Agreement:
     they do in chaotic motion (this study). Raises ``ValueError`` if the times differ.
     """
     same_times(first=first, second=second)
-    distance, joints = np.zeros(len(first.time)), _PREFIXES[: len(first.clearances)]
-    for prefix, clearance in zip(joints, first.clearances, strict=True):
-        apart = [
-            first.rows[f"{prefix}eccentricity_{axis}"] - second.rows[f"{prefix}eccentricity_{axis}"]
-            for axis in "xy"
-        ]
-        distance = np.maximum(distance, np.hypot(*apart) / clearance)
+    apart = (first.rows[name] - second.rows[name] for name in ("eccentricity_x", "eccentricity_y"))
+    distance = np.hypot(*apart)
+    if first.law is not None:
+        distance /= first.law.clearance
     count = int(np.append(distance <= SAME, False).argmin())
     until = float(first.time[count - 1])
     both = first.impact_rows, second.impact_rows
@@ -66,10 +61,9 @@ def agreement(first: Response, second: Response) -> Agreement:
         peaks.append(rows["peak_force"][ended & np.isfinite(rows["separation_speed"])])
     pairs = zip(*peaks, strict=False)
     changes = [abs(peak - other) / max(peak, other) for peak, other in pairs if peak != other]
-    for prefix in joints:
-        force, other = (r.rows[f"{prefix}normal_force"][:count] for r in (first, second))
-        if force.any():
-            changes.append(np.abs(force - other).max() / np.abs(force).max())
+    force, other = (r.rows["normal_force"][:count] for r in (first, second))
+    if force.any():
+        changes.append(np.abs(force - other).max() / np.abs(force).max())
     return Agreement(
         until=until,
         lasts=count == len(first.time),

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from study.mechanism import loads
 from study.mechanism.response import OUTPUT
+from study.mechanism.rigid import Pose, loads, work_of_loads
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import Block, MechanismError, new_impacts
 
@@ -27,7 +27,7 @@ def _kinematics(p, theta):
     phi2 = (l1 * st + l2 * sp * phi1**2) / (l2 * cp)
     x1 = -l1 * st - l2 * sp * phi1
     x2 = -l1 * ct - l2 * cp * phi1**2 - l2 * sp * phi2
-    return loads.Pose(st, ct, sp, cp, l1 * ct + l2 * cp, l1 * st), phi1, phi2, x1, x2
+    return Pose(st, ct, sp, cp, l1 * ct + l2 * cp), phi1, phi2, x1, x2
 
 
 def _drive(p, theta, omega):
@@ -35,7 +35,7 @@ def _drive(p, theta, omega):
     pose, phi1, phi2, x1, x2 = _kinematics(p, theta)
     st, ct, sp, cp = pose.st, pose.ct, pose.sp, pose.cp
     sd, cd = st * cp - ct * sp, ct * cp + st * sp
-    load = loads.applied(p, pose, True)
+    load = loads(p, pose)
     inertia = p.a11 + p.a22 * phi1**2 + 2 * p.a12 * cd * phi1 + p.m3 * x1**2
     half = p.a22 * phi1 * phi2 + p.a12 * (cd * phi2 - sd * (1 - phi1) * phi1) + p.m3 * x1 * x2
     moment = load.drive + load.crank + load.coupler * phi1 + load.slider * x1 - half * omega**2
@@ -48,7 +48,7 @@ def _fill(rows, p, theta, omega, driven):
     """Fill rows of output, which have their times already; ``driven`` is the drive's work."""
     (pose, phi1, phi2, x1, x2), (alpha, moment) = _kinematics(p, theta), _drive(p, theta, omega)
     st, ct, sp, cp = pose.st, pose.ct, pose.sp, pose.cp
-    load = loads.applied(p, pose, True)
+    load = loads(p, pose)
     psi, beta = phi1 * omega, phi1 * alpha + phi2 * omega**2
     sd, cd = st * cp - ct * sp, ct * cp + st * sp
     pull = x1 * alpha + x2 * omega**2
@@ -63,7 +63,7 @@ def _fill(rows, p, theta, omega, driven):
     rows["coupler_angle"], rows["coupler_speed"] = np.arctan2(sp, cp), psi
     rows["normal_force"], rows["force_x"], rows["force_y"] = np.hypot(fx, fy), fx, fy
     rows["kinetic"] = kinetic + p.a12 * cd * omega * psi
-    rows["work"], rows["driving_moment"] = loads.work(p, pose, driven, True), moment
+    rows["work"], rows["driving_moment"] = work_of_loads(p, pose, driven), moment
     ax = -p.l1 * (st * alpha + ct * omega**2) - 0.5 * p.l2 * (sp * beta + cp * psi**2)
     ay = p.l1 * (ct * alpha - st * omega**2) + 0.5 * p.l2 * (cp * beta - sp * psi**2)
     px, py = p.m2 * ax + fx, p.m2 * (ay - load.fall) + fy

@@ -50,13 +50,15 @@ COLUMNS = {
     "driving_moment": Quantity("Moment of the drive", "N m"),
 }
 """Columns of a response, by name."""
-CRANK_COLUMNS = {f"crank_joint_{name}": of for name, of in _OF_JOINT.items()}
-"""Columns of rigid links only: the joint between crank and coupler, which may be ideal."""
+CRANK_COLUMNS = {
+    "crank_joint_normal_force": Quantity("Magnitude of the force in the ideal crank joint", "N"),
+    "crank_joint_force_x": Quantity("Force on the coupler there, along x", "N"),
+    "crank_joint_force_y": Quantity("The same along y", "N"),
+}
+"""Columns of rigid links only: the ideal joint between crank and coupler."""
 ALL_COLUMNS = COLUMNS | CRANK_COLUMNS
 EVENTS = ("start", "peak", "end")
 """Kinds of an impact's own rows: first contact, largest normal force, separation."""
-JOINTS = ("slider", "crank")
-"""Clearance joints, by what they join to the coupler."""
 IMPACT_COLUMNS = {
     "time": Quantity("Time of first contact", "s"),
     "approach_speed": Quantity("Normal velocity at first contact", "m/s"),
@@ -72,9 +74,7 @@ SUSTAINED = 10.0
 """A contact that lasts this many times a free impact of its approach speed is not an impact."""
 OUTPUT = np.dtype([(name, float) for name in ALL_COLUMNS])
 """A row of output; flexible links leave `CRANK_COLUMNS` at 0."""
-IMPACT_ROW = np.dtype(
-    [("joint", "U6"), ("kind", "U9"), *((name, float) for name in IMPACT_COLUMNS)]
-)
+IMPACT_ROW = np.dtype([("kind", "U9"), *((name, float) for name in IMPACT_COLUMNS)])
 
 
 @dataclass(frozen=True)
@@ -89,12 +89,11 @@ class Response:
     rows : shape (n,)
         A record at each output time, with the fields `columns`.
     impact_rows : shape (m,)
-        A record for each contact, with the fields ``joint``, ``kind`` and `IMPACT_COLUMNS`.
+        A record for each contact, with the fields ``kind`` and `IMPACT_COLUMNS`.
     event_rows : shape (e,)
         Records like ``rows`` at the start, the maximum normal force and the end of each impact.
     event_kinds
-        One of `EVENTS` for each of these records, with ``crank`` before it for the joint between
-        crank and coupler.
+        One of `EVENTS` for each of these records.
     complete
         False if the simulation was interrupted.
     law
@@ -103,8 +102,6 @@ class Response:
         Coefficient of restitution of a free impact: the given one, and that of the damping model.
     tolerance
         Tolerance of the time integration; None for a model without one.
-    clearances
-        Clearances in m of the joints at the slider and at the crank, if they are clearance joints.
 
     Examples
     --------
@@ -123,7 +120,6 @@ class Response:
     restitution: float = 1.0
     delivered_restitution: float = 1.0
     tolerance: float | None = None
-    clearances: tuple[float, ...] = ()
 
     @property
     def columns(self) -> dict[str, Quantity]:
@@ -139,8 +135,7 @@ class Response:
     def motion(self) -> "pd.DataFrame":
         """Table of the `columns`, in SI units, at the output times and at the events of impacts.
 
-        The last column, ``event``, is empty at output times. At events it is one of `EVENTS`, for
-        example ``peak`` for the joint at the slider and ``crank peak`` for the joint at the crank.
+        The last column, ``event``, is empty at output times. At events it is one of `EVENTS`.
         A contact that has not ended has no end. For links of particles and beams the events are the
         first step in contact, the step of the maximum force, and the first step out of contact.
 
@@ -182,11 +177,11 @@ class Response:
     def largest_depth(self) -> float:  # noqa: D102
         return float(self.impact_rows["peak_depth"].max(initial=0.0))
 
-    @derived("Maximum normal force in a clearance joint", "N")
+    @derived("Maximum normal force in the clearance joint", "N")
     def largest_force(self) -> float:  # noqa: D102
         return float(self.impact_rows["peak_force"].max(initial=0.0))
 
-    @derived("Energy lost by damping and friction in the joints", "J")
+    @derived("Energy lost by damping and friction in the joint", "J")
     def energy_lost(self) -> float:  # noqa: D102
         return float(self.lost_damping[-1] + self.lost_friction[-1])
 

@@ -22,12 +22,10 @@ Body = Literal["crank", "coupler"]
 PAPER_DAMPING: Damping = "lankarani-nikravesh"
 Constants = namedtuple(
     "Constants",
-    "l1 l2 a11 a22 a12 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1 steady "
-    "j1 own_g1 m2 i2 crank_r1",
+    "l1 l2 a11 a22 a12 m2 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1 steady",
 )
 """What compiled functions know of a scene, in SI units, with rigid links as a double pendulum.
-``steady`` is 1 for a crank of constant speed. From ``j1`` on, for free links: the crank's inertia
-about its axis, the moment of its own weight, the coupler's mass and inertia, the crank's ball."""
+``steady`` is 1 for a crank of constant speed."""
 Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear bending")
 """Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
 
@@ -62,9 +60,8 @@ class Scene:
 
     The slide lies along +x and passes through the axis of the crank. The clearance joint is between
     coupler and slider: the ball is at the end of the coupler, and the socket is in the slider,
-    which does not rotate. There may be a second clearance joint between crank and coupler, with the
-    ball at the end of the crank and the socket in the coupler. At t = 0 the balls are at rest
-    relative to their sockets. By default the mechanism is at rest then, and both links lie on +x.
+    which does not rotate. At t = 0 the ball is at rest relative to its socket. By default the
+    mechanism is at rest then, and both links lie on +x.
     Raises ``ValueError`` for a value outside its range.
 
     Examples
@@ -173,15 +170,6 @@ class Scene:
         most=1e6,
         source="no such drive",
     )
-    crank_clearance: float | None = parameter(
-        None,
-        "Clearance of a second joint between crank and coupler, for rigid links, of the same "
-        "socket radius, materials, damping and friction",
-        "m",
-        above=0,
-        otherwise="an ideal joint",
-        source="an ideal joint",
-    )
 
     def __post_init__(self) -> None:
         parameters.take(self)
@@ -190,11 +178,7 @@ class Scene:
                 material(getattr(self, body), body)
         limits: dict[str, Any] = {"least": 1e-9 * self.socket_radius, "below": self.socket_radius}
         checks.number("clearance", self.clearance, "m", **limits)
-        if self.crank_clearance is not None:
-            checks.number("crank_clearance", self.crank_clearance, "m", **limits)
-            _, inertia = self.inertias
-            checks.number("coupler_inertia", inertia, "kg m^2", above=0)
-        longest = self.coupler_length - self.clearance - (self.crank_clearance or 0.0)
+        longest = self.coupler_length - self.clearance
         checks.number("crank_length", self.crank_length, "m", below=longest)
         checks.number("slow_speed", self.slow_speed, "m/s", below=self.full_speed)
         damping_factor(self.damping, self.restitution)
@@ -283,6 +267,7 @@ class Scene:
             a11=i1 + m1 * l1**2 / 4 + m2 * l1**2,
             a22=i2 + m2 * l2**2 / 4,
             a12=m2 * l1 * l2 / 2,
+            m2=m2,
             m3=self.slider_mass,
             moment=self.driving_moment if self.crank_speed is None else 0.0,
             g1=g1,
@@ -295,11 +280,6 @@ class Scene:
             v0=self.slow_speed,
             v1=self.full_speed,
             steady=float(self.crank_speed is not None),
-            j1=i1 + m1 * l1**2 / 4,
-            own_g1=g1 - m2 * g * l1,
-            m2=m2,
-            i2=i2,
-            crank_r1=self.socket_radius - (self.crank_clearance or 0.0),
         )
 
     def parameters(self) -> "pd.DataFrame":

@@ -20,11 +20,11 @@ from study import checks
 from study.contact import DimensionalLaw
 from study.contact.laws import AnyLaw
 from study.mechanism import beams, events, ideal, law_in_scene, particles, response
-from study.mechanism.equations import add_free_durations
 from study.mechanism.law_in_scene import LAW
-from study.mechanism.response import ALL_COLUMNS, COLUMNS, EVENTS, JOINTS, Response
+from study.mechanism.response import ALL_COLUMNS, COLUMNS, EVENTS, Response
+from study.mechanism.rigid import add_free_durations
 from study.mechanism.scene import Scene
-from study.mechanism.stepping import SLIDER, START, add_stored_energy
+from study.mechanism.stepping import START, add_stored_energy
 from study.parameters import Parameter, describe, described
 
 if TYPE_CHECKING:
@@ -49,8 +49,7 @@ computing for rigid links. A crank far too short or light for its drive does not
         choices=get_args(Model),
     ),
     joint=Parameter(
-        "Joint between coupler and slider; a clearance joint between crank and coupler is given "
-        "by the mechanism parameter crank_clearance",
+        "Joint between coupler and slider",
         choices=get_args(JointKind),
     ),
     law=Parameter(
@@ -171,30 +170,28 @@ def _checked(scene, model, joint, law, duration, outputs, tolerance, step, eleme
             raise ValueError(
                 f"{name} does not apply to model {model} with joint {joint}; remove it"
             )
-    _check_motion(scene, model, gapless, duration)
+    _check_motion(scene, duration)
     if gapless and isinstance(law, str) and law == LAW:
         law = "hertz"  # nothing touches: the range of the default law does not matter
-    found = law_in_scene.in_scene(scene, law)
-    in_joints = [found]
-    gaps = tuple(gap for gap in (scene.clearance, scene.crank_clearance) if gap is not None)
-    laws = tuple(of_joint.packed() for of_joint in in_joints)
+    of_joint = law_in_scene.in_scene(scene, law)
+    packed = of_joint.packed()
     times = duration * np.arange(outputs + 1) / outputs
     pair = elements or ELEMENTS
     if step is not None:
         checks.number("step", step, "s", least=duration / MOST_STEPS)
     if model == "particles":
         method = method or "centred"
-        blocks = particles.blocks(scene, laws[SLIDER], times, gapless, step, pair, method)
+        blocks = particles.blocks(scene, packed, times, gapless, step, pair, method)
     elif model == "beams":
-        blocks = beams.blocks(scene, laws[SLIDER], times, gapless, step or BEAM_STEP, pair)
+        blocks = beams.blocks(scene, packed, times, gapless, step or BEAM_STEP, pair)
     elif gapless:
         blocks = ideal.blocks(scene, times)
     else:
         tolerance = tolerance or TOLERANCE
-        blocks = events.blocks(scene, laws, times, tolerance)
-    told = (None if gapless else found), scene.restitution, scene.delivered_restitution
-    told += (None, ()) if flexible or gapless else (tolerance, gaps)
-    return partial(_gather, blocks, scene, laws, COLUMNS if flexible else ALL_COLUMNS, told)
+        blocks = events.blocks(scene, packed, times, tolerance)
+    told = (None if gapless else of_joint), scene.restitution, scene.delivered_restitution
+    told += (None if flexible or gapless else tolerance,)
+    return partial(_gather, blocks, scene, packed, COLUMNS if flexible else ALL_COLUMNS, told)
 
 
 def _taken(name, value):
@@ -202,15 +199,10 @@ def _taken(name, value):
     return None if value is None else described(simulate)[name].taken(name, value)
 
 
-def _check_motion(scene, model, gapless, duration):
-    """Refuse a second joint that a model does not have, and a crank that does nothing but turn."""
-    if scene.crank_clearance is not None and (model != "rigid" or gapless):
-        raise ValueError(
-            "crank_clearance, a second clearance joint, requires model rigid and joint clearance, "
-            f"got model {model} and joint {'ideal' if gapless else 'clearance'}; remove it"
-        )
+def _check_motion(scene, duration):
+    """Refuse a crank that does nothing but turn."""
     p = scene.constants()
-    turned = abs(p.moment) * duration**2 / (2 * p.j1)
+    turned = abs(p.moment) * duration**2 / (2 * (p.a11 - p.m2 * p.l1**2))
     turned += abs(scene.starting_speed) * duration
     turned += sqrt(abs(scene.gravity) / scene.crank_length) * duration
     checks.number(
@@ -218,7 +210,7 @@ def _check_motion(scene, model, gapless, duration):
     )
 
 
-def _gather(blocks, scene, laws, columns, told, progress=None):
+def _gather(blocks, scene, law, columns, told, progress=None):
     """Run a model to its end or to an interruption; ``told`` are further fields of the response."""
     rows, complete = None, True
     try:
@@ -230,19 +222,18 @@ def _gather(blocks, scene, laws, columns, told, progress=None):
             raise
         complete = False
     starts = own[:, START].copy()  # of one layout, with impacts or without
-    add_free_durations(starts, impacts, scene.constants(), laws)
+    add_free_durations(starts, impacts, scene.constants(), law)
     happened = own["time"] <= rows["time"][-1]  # the others are NaN, or come after an interruption
-    names = np.array([EVENTS, [f"crank {kind}" for kind in EVENTS]])[impacts["joint"]]
+    names = np.broadcast_to(EVENTS, happened.shape)
     own, kinds = own[happened], tuple(names[happened].tolist())
     first = rows["work"][0]
     for table in (own, rows):
         table["work"] -= first
-        add_stored_energy(table, laws)
+        add_stored_energy(table, law)
     own, rows = (repack_fields(table[list(columns)]) for table in (own, rows))
     impact_rows = np.zeros(len(impacts), response.IMPACT_ROW)
     for name in response.IMPACT_COLUMNS:
         impact_rows[name] = impacts[name]
-    impact_rows["joint"] = np.array(JOINTS)[impacts["joint"]]
     is_sustained = impacts["duration"] > response.SUSTAINED * impacts["free_duration"]
     impact_rows["kind"] = np.where(is_sustained, "sustained", "impact")
     return Response(rows, impact_rows, own, kinds, complete, *told)

@@ -17,16 +17,13 @@ from numpy.typing import NDArray
 from study.checks import StudyError
 from study.compiled import compiled
 from study.contact.forces import stored_energy
-from study.mechanism.response import EVENTS, IMPACT_COLUMNS, JOINTS, OUTPUT
+from study.mechanism.response import EVENTS, IMPACT_COLUMNS, OUTPUT
 
 FINE, FULL, TOO_DEEP, FAILED = range(4)
-SLIDER, CRANK = range(len(JOINTS))
 PATIENCE = 0.1  # s, after which a compiled loop returns, so that an interruption is noticed
 START, PEAK, END = np.arange(len(EVENTS))
 """Places of an impact's rows of output, in the order of `EVENTS`; from NumPy, as in `locating`."""
-IMPACT = np.dtype(
-    [("joint", np.int64), *((name, float) for name in IMPACT_COLUMNS), ("lost_before", float)]
-)
+IMPACT = np.dtype([(name, float) for name in (*IMPACT_COLUMNS, "lost_before")])
 """An impact while it is computed."""
 STATE = [
     *((name, float) for name in ("time", "step", "until", "limit", "approach")),
@@ -58,17 +55,6 @@ def write_joint(row, joint):
     row.eccentricity_x, row.eccentricity_y = joint.eccentricity_x, joint.eccentricity_y
     row.depth, row.normal_force, row.tangential_force = joint.depth, joint.normal, joint.tangential
     row.force_x, row.force_y = joint.force_x, joint.force_y
-
-
-@compiled
-def write_crank_joint(row, joint):
-    """Fill a row's columns of the joint of crank and coupler."""
-    row.crank_joint_eccentricity_x = joint.eccentricity_x
-    row.crank_joint_eccentricity_y = joint.eccentricity_y
-    row.crank_joint_depth = joint.depth
-    row.crank_joint_normal_force = joint.normal
-    row.crank_joint_tangential_force = joint.tangential
-    row.crank_joint_force_x, row.crank_joint_force_y = joint.force_x, joint.force_y
 
 
 @compiled
@@ -118,15 +104,10 @@ def add_drive_work(state, moment, speed, h):
 
 
 @compiled
-def add_stored_energy(rows, laws):
-    """Add the joints' elastic energy to rows of output, after the loops.
-
-    The laws are those of the clearance joints, slider's and crank's.
-    """
+def add_stored_energy(rows, law):
+    """Add the joint's elastic energy to rows of output, after the loops."""
     for row in rows:
-        row.elastic += stored_energy(laws[SLIDER], row.depth)
-        if len(laws) > 1:
-            row.elastic += stored_energy(laws[CRANK], row.crank_joint_depth)
+        row.elastic += stored_energy(law, row.depth)
 
 
 def new_impacts(number: int) -> tuple[NDArray[np.void], NDArray[np.void]]:
