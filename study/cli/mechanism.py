@@ -13,7 +13,7 @@ from study.cli import options as cli
 from study.cli.output import columns, named_fields, show, working
 from study.contact import LAWS, SOCKET_RATIO, LawName
 from study.joint import Joint, limits
-from study.mechanism import Scene, compare
+from study.mechanism import MechanismError, Scene, compare
 from study.mechanism.law_in_scene import LAW, of_name
 from study.mechanism.response import IMPACT_COLUMNS
 from study.mechanism.simulate import Model, simulate
@@ -117,7 +117,13 @@ def simulate_mechanism(
     with working(
         "Simulating" if is_compiled else "Compiling the time integration (only once)"
     ) as tell:
-        response = run(progress=lambda time: tell(f"simulated {time:.4g} of {total:g} s"))
+        failed = None
+        try:
+            response = run(progress=lambda time: tell(f"simulated {time:.4g} of {total:g} s"))
+        except MechanismError as error:
+            if error.response is None:
+                raise
+            failed, response = error, error.response
     end = {head: float(getattr(response, name)[-1]) for head, name in END.items()}
     end |= {
         "contacts": response.contacts,
@@ -127,10 +133,12 @@ def simulate_mechanism(
     }
     exceeded = exceeded_limits(changed, response, socket.get("socket_ratio", SOCKET_RATIO))
     with working("Repeating the simulation at a second tolerance"):
-        agreement = (None, []) if once else _agreement(response, run)
+        agreement = (None, []) if once or failed else _agreement(response, run)
     _show(end, response, choice, agreement, exceeded, as_json)
     if output is not None:  # last, so that the results are printed even if the disk is full
         response.save(output)
+    if failed is not None:
+        raise failed
     if not response.complete:
         raise cli.InterruptionError(cli.KEPT)
 

@@ -298,13 +298,13 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
                 right[i] -= system.mass[i, BAND + j - i] * share
         _hold(system.held, matrix, right)
         _solve(matrix, right)
-        change = 0.0
+        change = total = 0.0
         for i in range(size):
-            change = max(change, abs(right[i]))
+            change, total = max(change, abs(right[i])), total + abs(right[i])
             q1[i] += right[i]
             v1[i] += gamma / (beta * h) * right[i]
             a1[i] += right[i] / (beta * h * h)
-        if not change < inf:
+        if not total < inf:  # the maximum leaves out what is not a number
             return False
         away = 0
         if state.contact:
@@ -377,7 +377,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
         state.steps += 1
         state.time = state.steps * h
         if state.contact:
-            if depth > p.clearance:
+            if not depth <= p.clearance:
                 state.limit = p.clearance
                 return done, stepping.TOO_DEEP
             largest, ended = _follow_contact(state, impacts, joint, new_joint, h)
@@ -479,4 +479,6 @@ def blocks(
     strides, h = stepping.divide(times, step)
     motion, state.step = _start(system), h
     loop = partial(advance, state, motion, system, p, law, h, strides)
-    return stepping.advance_in_blocks(loop, times, state, "Newton's method found no balance")
+    return stepping.advance_in_blocks(
+        loop, times, state, "Newton's method found no balance, for which a shorter step may help"
+    )

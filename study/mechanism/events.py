@@ -267,7 +267,7 @@ def _too_deep(work, contact, start, end, parts, state, table, p, law):
     locating.measure_peaks(
         impacts[number], row, work, state.began, step, start.joint, contact, p, law
     )
-    if max(joint.depth, impacts[number].peak_depth) > law.clearance:
+    if not (joint.depth <= law.clearance and impacts[number].peak_depth <= law.clearance):
         state.limit = law.clearance
         return True
     if stepping.follow_impact(impacts, state, joint.normal, joint.depth):

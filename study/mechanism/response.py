@@ -70,6 +70,8 @@ IMPACT_COLUMNS = {
     "free_duration": Quantity("Duration of an elastic impact without other forces", "s"),
 }
 """Columns of the contacts, by name."""
+AT_REST = 1e-20
+"""Energy in J up to which a mechanism rests: it is rounding."""
 SUSTAINED = 10.0
 """A contact that lasts this many times a free impact of its approach speed is not an impact."""
 OUTPUT = np.dtype([(name, float) for name in ALL_COLUMNS])
@@ -197,7 +199,7 @@ class Response:
         energies = np.column_stack([self.work, self.kinetic, self.elastic, *lost])
         rest = self.work - energies[:, 1:].sum(axis=1)
         largest = float(np.abs(energies).max())
-        return float(np.abs(rest - rest[0]).max()) / largest if largest > 0 else 0.0
+        return 0.0 if largest <= AT_REST else float(np.abs(rest - rest[0]).max()) / largest
 
     def save(self, path: Path) -> None:
         """Write the `motion` to a CSV file, completely or not at all; pandas is not needed."""

@@ -24,7 +24,7 @@ from study.mechanism.law_in_scene import LAW
 from study.mechanism.response import ALL_COLUMNS, COLUMNS, EVENTS, Response
 from study.mechanism.rigid import add_free_durations
 from study.mechanism.scene import Scene
-from study.mechanism.stepping import START, add_stored_energy
+from study.mechanism.stepping import START, MechanismError, add_stored_energy
 from study.parameters import Parameter, describe, described
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ def simulate(
         or the law is for another socket radius or other materials than those of the scene.
     MechanismError
         If the simulation cannot continue. The message states the time, the step and the limit that
-        was exceeded.
+        was exceeded, and the attribute ``response`` has the results up to then.
 
     Examples
     --------
@@ -212,15 +212,15 @@ def _check_motion(scene, duration):
 
 def _gather(blocks, scene, law, columns, told, progress=None):
     """Run a model to its end or to an interruption; ``told`` are further fields of the response."""
-    rows, complete = None, True
+    rows, complete, failed = None, True, None
     try:
         for rows, impacts, own in blocks:  # noqa: B007
             if progress is not None:
                 progress(rows["time"][-1])
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, MechanismError) as error:
         if rows is None:
             raise
-        complete = False
+        complete, failed = False, error if isinstance(error, MechanismError) else None
     starts = own[:, START].copy()  # of one layout, with impacts or without
     add_free_durations(starts, impacts, scene.constants(), law)
     happened = own["time"] <= rows["time"][-1]  # the others are NaN, or come after an interruption
@@ -236,4 +236,8 @@ def _gather(blocks, scene, law, columns, told, progress=None):
         impact_rows[name] = impacts[name]
     is_sustained = impacts["duration"] > response.SUSTAINED * impacts["free_duration"]
     impact_rows["kind"] = np.where(is_sustained, "sustained", "impact")
-    return Response(rows, impact_rows, own, kinds, complete, *told)
+    result = Response(rows, impact_rows, own, kinds, complete, *told)
+    if failed is not None:
+        failed.response = result
+        raise failed
+    return result

@@ -10,8 +10,10 @@ from collections import namedtuple
 from collections.abc import Callable, Iterator
 from math import ceil
 from time import perf_counter
+from typing import Any
 
 import numpy as np
+from numpy.lib.recfunctions import structured_to_unstructured
 from numpy.typing import NDArray
 
 from study.checks import StudyError
@@ -40,7 +42,12 @@ Block = tuple[NDArray[np.void], NDArray[np.void], NDArray[np.void]]
 
 
 class MechanismError(StudyError):
-    """A simulation that cannot go on; says when, and which limit was passed."""
+    """A simulation that cannot go on; says when, and which limit was passed.
+
+    Its ``response`` has the results up to then; None if there are none.
+    """
+
+    response: Any = None
 
 
 JointOutput = namedtuple(
@@ -137,8 +144,9 @@ def advance_in_blocks(
     """Growing blocks of the rows of output at ``times``, from a model's compiled loop.
 
     ``advance`` takes rows, impacts and the impacts' rows, and returns how many rows it filled and
-    how it ended. It is called for as many steps as take about `PATIENCE`. If it failed, raises
-    `MechanismError` with the text ``failure``, in which ``{}`` is replaced by the state's limit.
+    how it ended. It is called for as many steps as take about `PATIENCE`. If it failed, or filled a
+    row with something that is not a finite number, the rows before are the last block, and a
+    `MechanismError` follows. Its text is ``failure``, in which ``{}`` is the state's limit.
     """
     impacts, events = new_impacts(64)
     rows = np.zeros(len(times), OUTPUT)
@@ -147,15 +155,26 @@ def advance_in_blocks(
     while done < len(rows):
         start, state.until = perf_counter(), state.steps + some
         filled, status = advance(rows[done:], impacts, events)
-        done += filled
-        if status == FULL:
+        new = structured_to_unstructured(rows[done : done + filled])
+        finite = np.isfinite(new).all(axis=1)
+        done += int(np.append(finite, False).argmin())
+        if status == FULL and finite.all():
             more = zip((impacts, events), new_impacts(len(impacts)), strict=True)
             impacts, events = map(np.concatenate, more)
             continue
-        if status != FINE:
-            deep = "the penetration depth must stay <= one clearance ({:g} m)"
-            what = (failure if status == FAILED else deep).format(state.limit)
-            at = f"{state.time:.9g} s with a step of {state.step:.4g} s"
-            raise MechanismError(f"{what}; the simulation stopped at {at}")
+        if status != FINE or not finite.all():
+            if done > 0:
+                yield rows[:done], impacts[: state.impacts].copy(), events[: state.impacts].copy()
+            time, what = state.time, "a result is not a finite number"
+            if not finite.all():
+                time = rows["time"][done]
+            elif status == FAILED:
+                what = failure.format(state.limit)
+            else:
+                limit = f"{state.limit:g} m"
+                what = f"the penetration depth must stay <= one clearance ({limit})"
+            raise MechanismError(
+                f"{what}; the simulation stopped at {time:.9g} s with a step of {state.step:.4g} s"
+            )
         some = 1 + int(some * min(10.0, PATIENCE / (perf_counter() - start)))
         yield rows[:done], impacts[: state.impacts].copy(), events[: state.impacts].copy()
