@@ -17,13 +17,11 @@ from typing import Any
 import pandas as pd
 
 from study import paths
-from study.choose import random_scenes
-from study.claims import set_ups
 from study.contact import stiffening
 from study.dataset import design, fitting, solutions, stiffening_fit, store
 from study.pages.workflow import be_job
 
-SOLUTIONS_AT_ONCE, SCENES_AT_ONCE = 24, 10
+SOLUTIONS_AT_ONCE = 24
 
 
 def no_parts(everything: bool) -> dict[str, Any]:
@@ -145,23 +143,6 @@ def write_laws(made: dict[str, pd.DataFrame]) -> None:
         store.write_hashes([path])
 
 
-def scene_parts(everything: bool) -> dict[str, list]:
-    """Random mechanisms in which rigid links are compared with flexible ones."""
-    scenes = list(random_scenes.draw(0))
-    starts = range(0, len(scenes), SCENES_AT_ONCE)
-    return {f"{k:03d}": scenes[k : k + SCENES_AT_ONCE] for k in starts}
-
-
-def set_up_parts(everything: bool) -> dict[str, list[set_ups.SetUp]]:
-    """Crank-sliders of the search for the mechanism of the paper."""
-    return {f"{one.number:03d}": [one] for one in (*set_ups.draw(), *set_ups.FOUND)}
-
-
-def write_joined(path: Path, made: dict[str, pd.DataFrame]) -> None:
-    """Write the rows of all parts."""
-    store.write_table(pd.concat(made.values()), path)
-
-
 def as_frame(function: Callable, *given: Any) -> pd.DataFrame:
     """Values of a function at the places of a table of coefficients, one joint for each row."""
     return pd.DataFrame(function(*given).reshape(-1, len(stiffening.PLACES)))
@@ -188,12 +169,6 @@ TABLES = {
         )
         for kind in store.SOLUTIONS
     },
-    "links": Table(
-        partial(write_joined, store.LINKS), scene_parts, random_scenes.measure, ("stiffening",)
-    ),
-    "set_ups": Table(
-        partial(write_joined, store.SET_UPS), set_up_parts, set_ups.run, ("stiffening", "laws")
-    ),
 }
 """Generated tables by name, the longest first."""
 

@@ -3,8 +3,8 @@
 `choose` compares every law with the elastic solution of the joint. `axial_law_suffices` checks
 whether one law for the axial direction is accurate enough for loads off the axis. `fit_curve`
 compares the laws with a curve of the user and fits unknown parameters of its joint. `choose_model`
-simulates rigid links, bounds the effect of flexible links (`links`), and simulates flexible links
-only if this bound is too large. `random_scenes` computes the evidence for the bound.
+runs models of the crank-slider and takes the simplest one that differs little enough from a finer
+one.
 """
 
 from typing import TYPE_CHECKING, Any

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 from study import compiled
 from study.checks import StudyError
 from study.choose import choose_model
-from study.choose.links import QUANTITIES
+from study.choose.model import QUANTITIES
 from study.cli import options as cli
 from study.cli.output import columns, named_fields, show, working
 from study.contact import LAWS, SOCKET_RATIO, LawName
@@ -91,8 +91,9 @@ def simulate_mechanism(
     All values are in SI units. By default the mechanism is that of Yao et al., section 4.3, with
     rigid links.
 
-    With --model auto, the simplest model is used for which the error of --quantity is within
-    --tolerance. This error is the RMS error divided by the RMS change of the quantity since t = 0.
+    With --model auto, rigid links and links of particles are run, and the simplest model is used
+    whose --quantity differs from that of a finer one by at most --tolerance. This is the RMS
+    difference divided by the RMS change of the quantity since t = 0.
     """
     changed = _scene(scene)
     cli.check_output(output, ".csv")
@@ -220,14 +221,10 @@ def _of_choice(choice, duration):
     """The chosen model as sentences, and a table of all models that were compared."""
     return [
         f"The simplest model that is accurate enough for the {choice.quantity.replace('_', ' ')} "
-        f"over {duration:g} s: {choice.model} links, {choice.joint} joint, law {choice.law}. Its "
-        f"error is at most {choice.error_bound:.2g}.\nModels in order of detail (relative_cost is "
-        "the computing time, measured now):",
+        f"over {duration:g} s: {choice.model} links, {choice.joint} joint. It differs from a finer "
+        f"model by {choice.error:.2g}.\nModels in order of detail (error is the difference to a "
+        "finer model; relative_cost is the computing time, measured now):",
         columns(choice.evidence),
-        f"At a depth of {choice.depth_star:.2g} clearances the compliance of the links is "
-        f"{choice.compliance_ratio:.2g} times that of the contact. The natural frequency of the "
-        f"slider on the contact is {choice.frequency_ratio:.2g} times the axial one of the crank.",
-        *([f"Particles were used because {choice.note}."] if choice.note else []),
     ]
 
 

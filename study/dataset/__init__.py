@@ -2,7 +2,6 @@
 
 from study.dataset.store import (
     DatasetError,
-    links,
     load,
     measured,
     others,
@@ -11,7 +10,6 @@ from study.dataset.store import (
     published_table_2,
     reference_forces,
     renewed,
-    set_ups,
     summary,
     verify,
 )

@@ -15,8 +15,6 @@ CHAOTIC = (
     *("variants", "durations", "agreement", "convergence", "choice_mechanism"),
     *("numbers_08", "numbers_09"),
     "visited",
-    "links",
-    "set_ups",
 )
 """Results of simulated impacts, each of which increases the rounding error of the one before."""
 CHAOTIC_TOLERANCE = 1e-3

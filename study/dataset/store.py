@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from study.joint import Kinematics
 
 CURVES = paths.DATA / "force_curves.csv"
-LINKS = paths.DATA / "links.csv"
-SET_UPS = paths.DATA / "set_ups.csv"
 CASES = paths.DATA / "solutions/cases.json"
 SOLUTIONS = {
     "axial": paths.DATA / "solutions/axial_curves.csv",
@@ -158,16 +156,6 @@ def renewed(frame: pd.DataFrame) -> pd.DataFrame:
     order = [places.get(key, places.get(key[0], np.inf)) for key in keys] + [*others.index]
     rows = pd.concat([frame, others], ignore_index=True)
     return rows.iloc[np.argsort(order, kind="stable")].reset_index(drop=True)
-
-
-def links() -> pd.DataFrame:
-    """Errors of rigid links in random mechanisms: `study.choose.random_scenes.measure`."""
-    return read(LINKS)
-
-
-def set_ups() -> pd.DataFrame:
-    """Random crank-sliders, with a row for each simulation: see ``data/README.md``."""
-    return read(SET_UPS)
 
 
 def read(path: Path, **options: Any) -> pd.DataFrame:
