@@ -7,13 +7,10 @@ import subprocess
 import sys
 from functools import partial
 
-import numpy as np
 import pytest
 
-from study.joint import Joint
 from study.measure import charts
 from study.mechanism import simulate
-from study.mechanism.spatial import ClearanceJoint
 
 
 def test_rigid_links_with_clearance(benchmark):
@@ -27,12 +24,6 @@ def test_rigid_links_with_clearance(benchmark):
 def test_flexible_links(benchmark, model):
     benchmark.group = "0.1 s with clearance, flexible links"
     benchmark.pedantic(simulate, kwargs={"model": model}, rounds=3, warmup_rounds=1)
-
-
-def test_joint_in_space(benchmark):
-    joint = ClearanceJoint(Joint(10e-3, 5e-5, 3e-3), restitution=0.5, friction=0.1)
-    state = np.array([[3.1e-5, 3e-5, 3e-5], [0.01, -0.02, 0.04], [1.0, 2.0, 3.0]])
-    benchmark.pedantic(joint.forces, (*state,), rounds=200, iterations=1000, warmup_rounds=5)
 
 
 def test_start_of_stepping_in_a_new_process(benchmark):

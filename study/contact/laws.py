@@ -346,8 +346,8 @@ class StiffenedHertz(Law):
     Examples
     --------
     >>> from study.joint import Joint
-    >>> print(f"{StiffenedHertz.of(Joint.from_ratios(200, 1.298))(0.3):.2f}")
-    81.63
+    >>> print(f"{StiffenedHertz.of(Joint.from_ratios(200, 1.298))(0.3):.1f}")
+    81.6
     """
 
     constants: tuple[float, ...]

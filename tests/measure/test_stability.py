@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 from helpers.impacts import free_impact
 from helpers.with_hertz import simulate
+from study.mechanism.joints import ContactState
 
 from study import contact, paths
 from study.checks import RangeError
@@ -14,7 +15,6 @@ from study.joint.compliance import surface_angles
 from study.measure import explicit, stability, thresholds
 from study.mechanism import MechanismError, paper_scene, particles, rigid
 from study.mechanism.frame import Frame
-from study.mechanism.joints import ContactState
 
 PAPER = paper_scene()
 SLIPPERY = PAPER.replace(friction=0.0)

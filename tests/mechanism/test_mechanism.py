@@ -11,6 +11,7 @@ from helpers.laws import packed
 from helpers.scenes import random_scenes
 from helpers.with_hertz import simulate
 from scipy.integrate import solve_ivp
+from study.mechanism.joints import ContactState
 
 from study import contact, dataset, mechanism, paths
 from study.contact import LAWS
@@ -18,7 +19,6 @@ from study.contact.damping import DAMPINGS
 from study.joint import Joint
 from study.measure import explicit
 from study.mechanism import MechanismError, Scene, compare, paper_scene, rigid, stepping
-from study.mechanism.joints import ContactState
 from study.mechanism.response import EVENTS
 
 PAPER = paper_scene()

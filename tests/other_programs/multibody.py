@@ -1,26 +1,23 @@
 """Exudyn, a program for multibody dynamics, on the rigid links with their clearance joint.
 
-The joint is Exudyn's own contact of two spheres, or this study's for any law.
+The joint is Exudyn's own contact of two spheres, or that of ``examples/pendulum.py`` for any law.
 """
 
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from study import checks
-from study.contact import DimensionalLaw, hertz
-from study.contact.laws import AnyLaw, find
-from study.mechanism import Scene, law_in_scene
-from study.mechanism.spatial import ClearanceJoint, solve
+from study.mechanism import Scene
+from study.mechanism.law_in_scene import in_scene
 
 
 def check(scene: Scene) -> None:
     """Raise ``ValueError`` for a scene with features or a start that no system here has."""
     scene.has_none_of("gravity", "initial_eccentricity", "initial_crank_angle")
-    scene.has_none_of("initial_crank_speed", "crank_speed", "crank_clearance")
+    scene.has_none_of("initial_crank_speed", "crank_speed")
 
 
 def slide(system: Any, node: int) -> None:
@@ -42,7 +39,7 @@ def contact(system: Any, scene: Scene, ball: int, socket: int) -> int:
     """
     from exudyn import itemInterface as item  # noqa: N813
 
-    s, law = scene, law_in_scene.in_joint(scene, hertz, scene.clearance).packed()
+    s, law = scene, in_scene(scene, "hertz").packed()
     start = [s.clearance, 0, 0, 0]  # the gap must start positive, or the first impact is missed
     data = item.NodeGenericData(initialCoordinates=start, numberOfDataCoordinates=4)
     return system.AddObject(
@@ -148,33 +145,17 @@ def slider_acceleration(
 
 
 def crank_slider(
-    scene: Scene, law: AnyLaw = "hertz", *, duration: float, step: float = 1e-6, **options: Any
-) -> pd.DataFrame:
-    """The crank-slider of rigid links in Exudyn, by its generalised alpha method.
+    scene: Scene, joint: Any, *, duration: float, step: float = 1e-6
+) -> NDArray[np.float64]:
+    """Position of the slider, in m, after each step of Exudyn's generalised alpha method.
 
-    Beside the joint's `history` a column ``slider_position``, in m, as of
-    `study.mechanism.simulate`. The materials of ``stiffened_hertz`` are the scene's; its
-    ``socket_ratio`` must be given. Duration and step in s. Raises `study.checks.StudyError` if the
-    depth leaves the law's range.
+    The ``joint`` is a ``ClearanceJoint`` of ``examples/pendulum.py``, whose rows are filled.
+    Duration and step in s.
     """
     settings = integration(duration, step, step)
-    s, (system, at, slider) = scene, links(scene)
-    law = find(law)
-    options = law_in_scene.options(scene, law, options)
-    sizes = {name: getattr(s, name) for name in ("ball_radius", "socket_radius")}
-    joint = ClearanceJoint(
-        DimensionalLaw(law, **sizes, composite_modulus=s.composite_modulus, **options),
-        restitution=s.restitution,
-        damping=s.damping,
-        friction=s.friction,
-        slow_speed=s.slow_speed,
-        full_speed=s.full_speed,
-        tension=True,  # as in the plane
-    )
-    joint.connect(system, at("slider", 0), at("coupler", s.coupler_length / 2))
+    system, at, slider = links(scene)
+    joint.connect(system, at("slider", 0), at("coupler", scene.coupler_length / 2))
     stored = sensor(system, slider, "Position")
     system.Assemble()
-    solve(system, settings)
-    table = joint.history()
-    table["slider_position"] = system.GetSensorStoredData(stored)[:, 1]
-    return table
+    system.SolveDynamic(settings)
+    return system.GetSensorStoredData(stored)[:, 1]
