@@ -9,7 +9,7 @@ printed in Table 2 of the paper is `kappa_as_printed`.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from study.contact.fit_measures import adjusted, determination, rmse
+from study.contact.power_fit import adjusted, determination, rmse
 
 __all__ = [
     "adjusted",

@@ -20,9 +20,10 @@ FEWEST = 64
 """Minimum number of intervals."""
 DEEPEST = 200.0
 """Largest depth_star of a function's table."""
-TOLERANCE, FLOOR = 1e-3, 1e-6
+TOLERANCE, FLOOR = 0.01, 1e-6
 """Largest error of a function's table between its knots, relative to the force there, or to the
-force at the largest depth where this allows more."""
+force at the largest depth where this allows more: kinks are rounded. A smooth function is followed
+within 1e-6."""
 _NEWTON = 30  # steps of Newton's method, which converges from above
 
 

@@ -211,8 +211,7 @@ class _Content:
         joint = self.joint
         modulus = f", E* = {joint.composite_modulus:.9g} Pa" if joint.has_dimensions else ""
         return [
-            f"Joint: {joint}.",
-            f"R2* = {joint.r2_star:.9g}{modulus}.",
+            f"{joint}: R2* = {joint.r2_star:.9g}{modulus}.",
             f"Range: penetration depths from 0 to {self._depth(self.deepest)}.",
             f"Error of the force at depths >= {self._depth(self.least)}: {text}",
             f"The law is for smooth elastic bodies without friction and {self.load}.",
@@ -274,9 +273,9 @@ def _function(content, form, name, exponent):
         kind, scale = "power", float(law.parts(joint.r2_star).scale)
         coefficient = scale * content.unit_of_force / content.unit_of_depth**exponent
         values |= {
-            "coefficient": f"{coefficient:.12g}",
-            "exponent": f"{exponent:.12g}",
-            "coefficient_mm": f"{coefficient * MILLI**exponent:.12g}",
+            "coefficient": f"{coefficient:.9g}",
+            "exponent": f"{exponent:.9g}",
+            "coefficient_mm": f"{coefficient * MILLI**exponent:.9g}",
             "clearance_mm": f"{joint.clearance / MILLI:.9g}",
             "socket_radius": f"{joint.socket_radius!r}",
             "ball_radius": f"{joint.ball_radius!r}",

@@ -24,7 +24,7 @@ from study.contact import (
     material,
 )
 from study.contact.laws import AnyLaw, find
-from study.contact.materials import read_material
+from study.contact.materials import in_words, read_material
 from study.contact.power_fit import DEPTHS, USUAL_RANGE, PowerFit, fit_power
 from study.joint import axial, table, tilted
 from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO, Ball, Socket, layer_steps
@@ -518,8 +518,13 @@ class Joint:
         return written
 
     def __str__(self) -> str:
-        made = "Joint" if self.has_dimensions else "Joint.from_ratios"
-        return f"{made}({', '.join(f'{k}={v}' for k, v in self.arguments().items())})"
+        shown = {name: str(value) for name, value in self.arguments().items()}
+        made = "Joint"
+        if self.has_dimensions:
+            shown |= {name: in_words(getattr(self, name)) for name in ("ball", "socket")}
+        else:
+            made, shown = "Joint.from_ratios", {"r2_star": f"{self.r2_star:.9g}"} | shown
+        return f"{made}({', '.join(f'{name}={text}' for name, text in shown.items())})"
 
     def columns(self) -> dict[str, Any]:
         """The joint as columns of a table, as in `study.dataset.load`."""

@@ -16,7 +16,6 @@ from study.contact.forces import elastic_force
 from study.contact.friction import friction_regime
 from study.mechanism import rigid
 from study.mechanism.angles import angle_of, norm, sine_cosine
-from study.mechanism.joints import ContactState
 from study.mechanism.law_in_scene import in_scene
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import MechanismError, divide
@@ -51,7 +50,7 @@ def acceleration(y, contact, approach, p, law, work, out):
         sp = (y[EY] - p.l1 * st) / p.l2
         psi = (y[EY_RATE] - p.l1 * ct * y[OMEGA]) / (p.l2 * sqrt(1 - sp * sp))
         regime = friction_regime(r * spin + p.r1 * psi, p.v0, p.v1)
-    motion, _ = rigid.motion(work, ContactState(closed, regime, approach), p, law)
+    motion, _ = rigid.motion(work, rigid.ContactState(closed, regime, approach), p, law)
     out[THETA], out[EX], out[EY] = motion.accelerations
     if closed:
         outward, across = out[EX] - r * spin * spin, r * out[EY] + 2 * rate * spin
@@ -186,9 +185,9 @@ def packed(scene: Scene, law: str) -> np.record:
 def start_of(scene: Scene) -> NDArray[np.float64]:
     """(theta, e_x, e_y) and their rates at t = 0.
 
-    Raises ``ValueError`` for a scene with a constant speed or a second clearance joint.
+    Raises ``ValueError`` for a scene with a constant speed.
     """
-    scene.has_none_of("crank_speed", "crank_clearance")
+    scene.has_none_of("crank_speed")
     places = scene.initial_crank_angle, *scene.initial_eccentricity
     return np.array([*places, scene.initial_crank_speed, 0.0, 0.0])
 

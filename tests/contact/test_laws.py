@@ -12,19 +12,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study import contact, dataset
-from study.contact import laws
+from study.contact import laws, shapes
 from study.dataset import fitting, store
 from study.joint import Joint
 
 depths = st.floats(1e-6, 0.999)
 radii = st.floats(20, 1e5)
-every_variant = pytest.mark.parametrize(("name", "options"), VARIANTS)
+STIFF = contact.StiffenedHertz.of(Joint.from_ratios(200))
+every_variant = pytest.mark.parametrize("name", VARIANTS)
 
 
 @pytest.mark.parametrize("ds", [1e-30, 1e-12, 1e-9, 1e-6, 1e-4, 0.025, 0.5, 1.0, 1.2337])
 @pytest.mark.parametrize("area", ["sphere", "flat"])
 def test_bracket_is_exact_to_1e_12(ds, area):
-    value, derivative = laws.shapes.hyperbolic(ds, laws.shapes.BRACKETS[area])
+    value, derivative = shapes.hyperbolic(ds, shapes.BRACKETS[area])
     bracket, slope = value / ds, (derivative - value / ds) / ds
     with mpmath.workdps(160):
 
@@ -44,7 +45,7 @@ def test_bracket_is_the_integral_over_the_contact(area):
     a = mpmath.sqrt(2 * mpmath.mpf("0.4"))
     weight = {"sphere": mpmath.sin, "flat": lambda t: t}[area]
     integral = mpmath.quad(lambda t: 2 * (1 - t**2 / a**2) * mpmath.cos(t) * weight(t), [0, a])
-    force = contact.hyperbolic_winkler(0.4, 200, area=area, coefficient=1.0)
+    force = contact.HyperbolicWinkler(1.0, area)(0.4, 200)
     assert force == pytest.approx(float(0.4 * integral), rel=1e-12)
 
 
@@ -59,8 +60,8 @@ def test_hertz_is_the_textbook_formula():
 
 @given(depths, radii)
 def test_steuermann_of_a_parabola_is_hertz(ds, r2_star):
-    parabola = contact.steuermann(ds, r2_star, n=1, radius="profile")
-    assert parabola == pytest.approx(contact.hertz(ds, r2_star), rel=1e-9)
+    parabola = contact.Steuermann(1, "profile")(ds, r2_star)
+    assert parabola == pytest.approx(contact.Hertz()(ds, r2_star), rel=1e-9)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 50])
@@ -72,61 +73,81 @@ def test_steuermann_profile_is_johnsons_formula(n):
     c_n = even / mpmath.fprod(range(1, 2 * n, 2))
     radius = (mpmath.mpf("0.3") / (c_n * a_n)) ** (mpmath.mpf(1) / (2 * n))
     expected = mpmath.mpf(4 * n) / (2 * n + 1) * radius * mpmath.mpf("0.3")
-    assert contact.steuermann(0.3, 200, n=n, radius="profile") == pytest.approx(
-        float(expected), rel=1e-11
-    )
+    force = contact.Steuermann(n, "profile")(0.3, 200)
+    assert force == pytest.approx(float(expected), rel=1e-11)
 
 
 def test_steuermann_and_liu_as_identified_from_table_2():
     eps = np.arccos(1 / 1.5)
-    assert contact.steuermann(0.5, 200) == pytest.approx(4 / 3 * 200 * np.sin(eps) * 0.5)
+    assert contact.Steuermann()(0.5, 200) == pytest.approx(4 / 3 * 200 * np.sin(eps) * 0.5)
     factor = laws.fitted_coefficients()["liu"]["slope"]
     assert factor == pytest.approx(4.57, abs=0.01)
     expected = factor * 200 * 0.5 * np.sin(eps) * np.sin(eps / 2)
-    assert contact.liu(0.5, 200) == pytest.approx(expected)
+    assert contact.Liu()(0.5, 200) == pytest.approx(expected)
 
 
 def test_the_papers_law_has_the_area_of_a_disc_unless_told_otherwise():
-    disc, sphere = (contact.hyperbolic_winkler(0.3, 200, area=area) for area in ("flat", "sphere"))
-    assert contact.hyperbolic_winkler(0.3, 200) == disc
+    disc, sphere = (contact.HyperbolicWinkler(area=area)(0.3, 200) for area in ("flat", "sphere"))
+    assert contact.HyperbolicWinkler()(0.3, 200) == disc
     assert 0.01 < abs(sphere / disc - 1) < 0.05  # each with its own coefficient
 
 
 @given(st.floats(1e-9, 1e-4), radii)
 def test_hyperbolic_law_becomes_the_classical_one_at_small_depth(ds, r2_star):
-    hyperbolic = contact.hyperbolic_winkler(ds, r2_star, coefficient=2.0)
-    assert hyperbolic == pytest.approx(contact.winkler(ds, r2_star, coefficient=2.0), rel=ds)
+    hyperbolic = contact.HyperbolicWinkler(2.0)(ds, r2_star)
+    assert hyperbolic == pytest.approx(contact.Winkler(2.0)(ds, r2_star), rel=ds)
 
 
 @every_variant
 @given(ds=depths, r2_star=radii)
-def test_derivative_is_that_of_the_force(name, options, ds, r2_star):
-    law, step = contact.LAWS[name], 1e-5 * ds
-    slope = (law(ds + step, r2_star, **options) - law(ds - step, r2_star, **options)) / (2 * step)
-    assert law(ds, r2_star, derivative=True, **options) == pytest.approx(slope, rel=1e-6)
+def test_derivative_is_that_of_the_force(name, ds, r2_star):
+    law, step = VARIANTS[name](r2_star), 1e-5 * ds
+    slope = (law(ds + step, r2_star) - law(ds - step, r2_star)) / (2 * step)
+    assert law(ds, r2_star, derivative=True) == pytest.approx(slope, rel=1e-6)
 
 
 @every_variant
 @given(ds=depths, r2_star=radii, factor=st.floats(1.001, 2))
-def test_force_increases_with_depth_and_vanishes_without_contact(
-    name, options, ds, r2_star, factor
-):
-    law = contact.LAWS[name]
+def test_force_increases_with_depth_and_vanishes_without_contact(name, ds, r2_star, factor):
+    law = VARIANTS[name](r2_star)
     deeper = min(ds * factor, 1.0)
-    assert law(deeper, r2_star, **options) > law(ds, r2_star, **options) > 0
+    assert law(deeper, r2_star) > law(ds, r2_star) > 0
     for derivative in (False, True):
-        assert law(-ds, r2_star, derivative=derivative, **options) == 0
-        assert law(0.0, r2_star, derivative=derivative, **options) == 0
+        assert law(-ds, r2_star, derivative=derivative) == 0
+        assert law(0.0, r2_star, derivative=derivative) == 0
 
 
-@every_variant
-def test_laws_broadcast(name, options):
-    law = contact.LAWS[name]
+@pytest.mark.parametrize("name", [name for name in VARIANTS if "stiffened" not in name])
+def test_laws_broadcast(name):
+    law = VARIANTS[name](200)
     ds, r2 = np.array([-0.1, 0.0, 0.2, 0.5]), np.array([[20.0], [300.0]])
-    table = law(ds, r2, **options)
+    table = law(ds, r2)
     assert table.shape == (2, 4)
-    assert table[1, 3] == pytest.approx(law(0.5, 300.0, **options), rel=1e-12)
-    assert isinstance(law(0.5, 300.0, **options), float)
+    assert table[1, 3] == pytest.approx(law(0.5, 300.0), rel=1e-12)
+    assert isinstance(law(0.5, 300.0), float)
+
+
+@pytest.mark.parametrize("name", contact.LAWS)
+def test_every_name_stands_for_a_law_of_a_joint(name):
+    joint = Joint.from_ratios(200)
+    law = contact.LAWS[name].of(joint)
+    assert law.name == name
+    assert law(0.3, 200) == pytest.approx(joint.law(name).force(0.3 / 200) / joint.force_unit)
+    assert laws.find(law) is law
+    for number, value in law.numbers.items():
+        assert f"{number}=" in repr(law)
+        assert value is None or str(value) in repr(law)
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_a_power_of_the_depth_says_so(name):
+    law, ds = VARIANTS[name](200), np.array([0.01, 0.3])
+    slope = np.diff(np.log(law(ds, 200)))[0] / np.diff(np.log(ds))[0]
+    exponent = law.exponent_of_depth
+    if exponent is None:
+        assert np.ptp(ds * law(ds, 200, derivative=True) / law(ds, 200)) > 1e-3
+    else:
+        assert slope == pytest.approx(exponent, rel=1e-12)
 
 
 def test_composite_modulus_of_equal_bodies():
@@ -136,14 +157,21 @@ def test_composite_modulus_of_equal_bodies():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: contact.hertz(0.1, 1.0), "r2_star must be > 1, got 1"),
-        (lambda: contact.hertz([0.1, np.inf], 200), "depth_star must be finite, got inf"),
-        (lambda: contact.stiffened_hertz(1.01, 200), "stiffened_hertz must be <= 1, got 1.01"),
-        (lambda: contact.stiffened_hertz(0.1, 19), "r2_star of stiffened_hertz must be >= 20"),
-        (lambda: contact.hyperbolic_winkler(0.1, 200, area="x"), "must be one of flat, sphere"),
-        (lambda: contact.steuermann(0.1, 200, n=51), "n of steuermann must be >= 1 and <= 50"),
-        (lambda: contact.winkler(0.1, 200, coefficient=-1), "coefficient of winkler must be > 0"),
-        (lambda: contact.winkler(0.1, 200, n=2), "option of winkler must be one of coefficient"),
+        (lambda: contact.Hertz()(0.1, 1.0), "r2_star must be > 1, got 1"),
+        (lambda: contact.Hertz()([0.1, np.inf], 200), "depth_star must be finite, got inf"),
+        (lambda: contact.Hertz()(0.1), "r2_star must be a number, got None"),
+        (lambda: STIFF(1.01), "stiffened_hertz must be <= 1, got 1.01"),
+        (lambda: STIFF(0.1, 100), "r2_star must be 200, that of the joint of this law, got 100"),
+        (
+            lambda: contact.StiffenedHertz.of(Joint.from_ratios(19)),
+            "r2_star of stiffened_hertz must be >= 20, got 19; use the law tabulated",
+        ),
+        (lambda: contact.HyperbolicWinkler(area="x"), "area must be one of flat, sphere, got 'x'"),
+        (lambda: contact.Steuermann(51), "n must be >= 1 and <= 50, got 51"),
+        (lambda: contact.Winkler(-1), "coefficient must be > 0, got -1"),
+        (lambda: laws.find("hooke"), "law must be one of hertz, "),
+        (lambda: laws.find(3), "law must be a name or a function, got 3"),
+        (lambda: laws.find("tabulated"), "depends on the joint, which is not given"),
     ],
 )
 def test_bad_input_is_one_clear_error(call, message):
@@ -165,17 +193,17 @@ def curve():
 
 
 def test_tabulated_law_is_its_curve(curve):
-    law = contact.tabulated(curve)
+    law = contact.Table.of_curve(curve)
     assert law(curve.depth_star) == pytest.approx(curve.force_star, rel=1e-6)
     between = np.linspace(0.031, 0.997, 30) ** 2
     exact = Joint.from_ratios(200).solve(depth_star=between, resolution=640).force_star
     assert np.abs(law(between) / exact - 1).max() < 1e-4
-    assert law(1e-9) == pytest.approx(contact.hertz(1e-9, 200), rel=1e-3)
+    assert law(1e-9) == pytest.approx(contact.Hertz()(1e-9, 200), rel=1e-3)
     assert law(-0.1) == 0
 
 
 def test_tabulated_law_is_smooth_and_increasing(curve):
-    law = contact.tabulated(curve)
+    law = contact.Table.of_curve(curve)
     ds = np.linspace(1e-3, 1, 3001)
     force, slope = law(ds), law(ds, derivative=True)
     assert (np.diff(force) > 0).all()
@@ -186,14 +214,16 @@ def test_tabulated_law_is_smooth_and_increasing(curve):
 
 
 def test_tabulated_law_refuses_what_it_does_not_know(curve):
-    law = contact.tabulated(curve)
-    with pytest.raises(ValueError, match="r2_star must be 200, .* got"):
+    law = contact.Table.of_curve(curve)
+    with pytest.raises(
+        ValueError, match="r2_star must be 200, that of the joint of this law, got 100"
+    ):
         law(0.1, 100)
     with pytest.raises(ValueError, match="depth_star of tabulated must be <= 1, got 1.1"):
         law(1.1)
     deep = Joint.from_ratios(200).solve(depth_star=[0.1, 0.2, 0.3, 0.4], resolution=64)
     with pytest.raises(ValueError, match="minimum depth .* <= a tenth of .* got 0.1 and 0.4"):
-        contact.tabulated(deep)
+        contact.Table.of_curve(deep)
     short = Joint.from_ratios(200).solve(depth_star=[0.1, 0.2, 0.3], resolution=64)
     with pytest.raises(ValueError, match=">= 4 different depths > 0, got 3"):
-        contact.tabulated(short)
+        contact.Table.of_curve(short)

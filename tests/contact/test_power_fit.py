@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from study import dataset, paths
-from study.contact import LAWS, tabulated
+from study.contact import Power
 from study.contact.laws import fitted_coefficients
 from study.contact.power_fit import USUAL_RANGE, fit_power
 from study.dataset.fitting import fit_laws
@@ -24,7 +24,7 @@ BRONZE = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 def test_the_papers_joint(depths, exponent, error):
     """Numbers of an independent fit to an independent solution."""
     depth = np.geomspace(*depths, 60)
-    fit = fit_power(depth, tabulated(reference_joint().curve())(depth))
+    fit = fit_power(depth, reference_joint().table()(depth))
     assert fit.exponent == pytest.approx(exponent, abs=6e-4)
     assert fit.error == pytest.approx(error, rel=0.02)
     if depths == USUAL_RANGE:
@@ -67,10 +67,10 @@ def test_numbers_in_metres_and_in_millimetres_are_one_law():
 def test_the_default_is_the_paper_s_joint():
     for r2_star in (20, 60, 200, 300):
         depth = np.geomspace(*USUAL_RANGE, 60)
-        exact = tabulated(reference_joint(r2_star).curve())(depth)
-        assert np.abs(LAWS["power"](depth, r2_star) / exact - 1).max() < 0.012
-        own = reference_joint(r2_star).law_options(LAWS["power"])
-        assert np.abs(LAWS["power"](depth, r2_star, **own) / exact - 1).max() < 0.006
+        joint = reference_joint(r2_star)
+        exact = joint.table()(depth)
+        assert np.abs(Power()(depth, r2_star) / exact - 1).max() < 0.012
+        assert np.abs(Power.of(joint)(depth, r2_star) / exact - 1).max() < 0.006
 
 
 def test_the_kept_fit_is_that_of_the_dataset():
@@ -84,7 +84,7 @@ def test_the_kept_fit_is_that_of_the_dataset():
         (lambda: fit_power([1.0], [1.0]), "must be lists of the same length >= 2"),
         (lambda: fit_power([1.0, 1.0], [1.0, 2.0]), "depth must have two different values"),
         (lambda: fit_power([1.0, 2.0], [1.0, -2.0]), "force must be > 0, got -2"),
-        (lambda: LAWS["power"](0.1, 200, exponent=1.5), "must be given together"),
+        (lambda: Power(exponent=1.5), "must be given together"),
         (lambda: BRONZE.power_law((2e-6, 1e-6)), "maximum depth must be > 2e-06 m, got 1e-06 m"),
     ],
 )

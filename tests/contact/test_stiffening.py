@@ -22,8 +22,7 @@ joints = st.fixed_dictionaries(OPTIONS)
 
 
 def force(depth, joint, derivative=False):
-    options = joint.law_options("stiffened_hertz")
-    return contact.stiffened_hertz(depth, joint.r2_star, derivative=derivative, **options)
+    return contact.StiffenedHertz.of(joint)(depth, derivative=derivative)
 
 
 def error(joint):
@@ -64,30 +63,30 @@ def test_error_at_the_ends_of_the_range(ratio, modulus, r2_star):
 @given(joints, st.floats(20, 1e6))
 def test_force_grows_and_starts_as_that_of_hertz(options, r2_star):
     ds = np.concatenate([np.geomspace(1e-14, 1e-3, 50), np.linspace(1e-3, 1, 400)[1:]])
-    found = contact.stiffened_hertz(ds, r2_star, **options)
+    joint = Joint.from_ratios(r2_star, **options)
+    found = force(ds, joint)
     assert (np.diff(found) > 0).all()
-    assert (contact.stiffened_hertz(ds, r2_star, derivative=True, **options) > 0).all()
-    assert found[0] == pytest.approx(contact.hertz(ds[0], r2_star), rel=1e-5)
+    assert (force(ds, joint, derivative=True) > 0).all()
+    assert found[0] == pytest.approx(contact.Hertz()(ds[0], r2_star), rel=1e-5)
 
 
 @given(joints, st.floats(20, 1e6))
 @settings(max_examples=40)
 def test_force_is_continuous_in_every_parameter(options, r2_star):
     ds = np.array([0.01, 0.3, 1.0])
-    here = contact.stiffened_hertz(ds, r2_star, **options)
+    here = force(ds, Joint.from_ratios(r2_star, **options))
     for name in ("socket_ratio", "modulus_ratio", "poisson", "socket_poisson"):
         value = options[name]
         beside = options | {name: value * (1 + 1e-7) if value < 0.4 or value > 1 else value - 1e-8}
-        assert contact.stiffened_hertz(ds, r2_star, **beside) == pytest.approx(here, rel=1e-5)
-    assert contact.stiffened_hertz(ds, r2_star * (1 + 1e-7), **options) == pytest.approx(
-        here, rel=1e-5
-    )
+        assert force(ds, Joint.from_ratios(r2_star, **beside)) == pytest.approx(here, rel=1e-5)
+    other = Joint.from_ratios(r2_star * (1 + 1e-7), **options)
+    assert force(ds, other) == pytest.approx(here, rel=1e-5)
 
 
 @given(st.floats(0.2, 0.46), st.floats(0.2, 0.46), st.floats(1.1, 10))
 def test_rigid_bodies_leave_no_trace_of_their_material(nu, other, ratio):
     def law(**options):
-        return contact.stiffened_hertz(np.array([0.01, 0.3, 1.0]), 200, **options)
+        return force(np.array([0.01, 0.3, 1.0]), Joint.from_ratios(200, **options))
 
     ball = {"modulus_ratio": 1e-9, "socket_poisson": nu, "socket_ratio": ratio}
     assert law(poisson=other, **ball) == pytest.approx(law(poisson=0.3, **ball), rel=0.01)
@@ -122,6 +121,6 @@ def test_table_is_compact_and_its_damage_is_named(monkeypatch, tmp_path):
             if text is not None:
                 stiffening.TABLE.write_text(text)
             with pytest.raises(Exception, match=r"stiffening.csv is missing or damaged"):
-                contact.stiffened_hertz(0.1, 200)
+                force(0.1, Joint.from_ratios(200))
     finally:
         stiffening.table.cache_clear()

@@ -140,7 +140,7 @@ def test_a_small_contact_is_that_of_hertz():
     # the ratio to Hertz tends to 1 linearly in the contact radius, that is in sqrt(depth)
     depth = np.array([2.5e-4, 1e-3, 4e-3])
     found = Joint.from_ratios(1e4, 2.0).solve(depth_star=depth, resolution=256)
-    excess = found.force_star / contact.hertz(depth, 1e4) - 1
+    excess = found.force_star / contact.Hertz()(depth, 1e4) - 1
     assert (excess > 0).all()
     assert excess[1:] / excess[:-1] == pytest.approx(2, rel=0.15)
     assert abs(2 * excess[0] - excess[1]) < 0.01  # extrapolated
@@ -239,7 +239,7 @@ def test_any_joint_stiffens_with_depth(r2_star, steps, stiffer, poisson, support
     assert (np.diff(found.force_star[order], 2, prepend=0) > 0).all()
     if len(steps) == 1:
         least = 0.98 - 1.2 / r2_star  # for kinematics differ by such terms
-        assert (found.force_star > least * contact.hertz(found.depth_star, r2_star)).all()
+        assert (found.force_star > least * contact.Hertz()(found.depth_star, r2_star)).all()
     for grows in (found.stiffness_star, found.contact_half_angle_deg, found.peak_pressure_star):
         assert (np.diff(grows[order]) > 0).all()
     assert (found.error_estimate < 0.1).all()

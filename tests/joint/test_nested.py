@@ -28,7 +28,7 @@ SOFT = {"modulus_ratio": 0.01, "socket_poisson": 0.45}
     ],
 )
 def test_whole_curve_is_that_of_the_finest_contacts(joint):
-    law = contact.tabulated(joint.curve())
+    law = contact.Table.of_curve(joint.curve())
     finest = joint.solve(depth_star=DEPTHS, resolution=960)
     assert np.abs(law(DEPTHS) / finest.force_star - 1).max() < 1e-4
     slope = law(DEPTHS, derivative=True)
@@ -46,7 +46,7 @@ def test_whole_curve_by_finite_elements():
 def test_contact_ends_where_it_is_said_to_and_estimates_hold():
     joint = Joint.from_ratios(100, 1.2)
     coarse, fine = joint.curve(resolution=160), joint.curve(resolution=640)
-    law = contact.tabulated(fine)
+    law = contact.Table.of_curve(fine)
     inside = (coarse.depth_star >= fine.depth_star[0]) & (coarse.depth_star <= 1)
     error = np.abs(coarse.force_star[inside] / law(coarse.depth_star[inside]) - 1)
     assert (error < np.maximum(coarse.error_estimate[inside], 1e-5)).all()

@@ -21,7 +21,7 @@ OPTIONS = {"modulus_ratio": 1.1 / 2.07, "poisson": 0.3, "socket_poisson": 0.34}
 
 
 def table(**joint):
-    return contact.tabulated(Joint.from_ratios(200, **joint).curve())
+    return contact.Table.of_curve(Joint.from_ratios(200, **joint).curve())
 
 
 def test_materials_are_those_of_all_bodies_or_a_bodys_own():

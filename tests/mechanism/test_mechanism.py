@@ -108,14 +108,14 @@ def test_a_joints_own_curve_drives_the_mechanism():
     curve = Joint.from_ratios(200).solve(depth_star=np.linspace(0.025, 1, 40) ** 2)
     tabulated, closed = (
         simulate(law=law, duration=0.02, outputs=200)
-        for law in (contact.tabulated(curve), "stiffened_hertz")
+        for law in (contact.Table.of_curve(curve), "stiffened_hertz")
     )
     assert len(tabulated.impacts) == len(closed.impacts)
     first = [response.impacts.peak_force[0] for response in (tabulated, closed)]
     assert first[0] == pytest.approx(first[1], rel=5e-3)
     assert max(tabulated.energy_error, closed.energy_error) < 1e-8
     with pytest.raises(ValueError, match="r2_star must be 200, .* got"):
-        simulate(Scene(socket_radius=20e-3), law=contact.tabulated(curve), duration=1e-3)
+        simulate(Scene(socket_radius=20e-3), law=contact.Table.of_curve(curve), duration=1e-3)
 
 
 def test_ideal_joint_force_moves_slider_and_coupler():
@@ -502,7 +502,7 @@ def test_a_law_that_ends_before_one_clearance_is_refused():
     with pytest.raises(
         ValueError, match=r"law must .* depth of one clearance, .* depth of tabulated must"
     ):
-        simulate(law=contact.tabulated(curve), duration=1e-3)
+        simulate(law=contact.Table.of_curve(curve), duration=1e-3)
 
 
 @pytest.mark.parametrize(("scheme", "order"), [("lagged", 1), ("velocity Verlet", 2), ("RK4", 4)])

@@ -9,7 +9,7 @@ from helpers.laws import packed
 from scipy.integrate import quad
 
 from study import contact
-from study.contact import forces, sampling
+from study.contact import forces, shapes, tables
 from study.mechanism import Scene, paper_scene, rigid, simulate
 
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.1e11
@@ -33,39 +33,56 @@ def measured(depth_star, r2_star):
     return np.interp(depth_star, places, 300 * places**1.5)
 
 
+def kinked(depth_star, r2_star):
+    """A spring that becomes twice as stiff."""
+    return 100 * depth_star + 100 * max(depth_star - 0.25, 0)
+
+
 @pytest.mark.parametrize("power", [1, 1.5, 2, 2.5])
-def test_four_powers_are_exact(power):
-    law = contact.sampled(lambda ds, r2: r2 * ds**power)
-    assert law(DEPTHS, 200) == pytest.approx(200 * DEPTHS**power, rel=1e-13)
+def test_powers_of_the_root_of_the_depth_are_exact(power):
+    law = contact.Sampled(lambda ds, r2: r2 * ds**power)
+    floor = 200 * (1e-6 if power == 2.5 else 1e-12)
+    assert law(DEPTHS, 200) == pytest.approx(200 * DEPTHS**power, rel=1e-9, abs=floor)
     slope = 200 * power * DEPTHS ** (power - 1)
-    assert law(DEPTHS, 200, derivative=True) == pytest.approx(slope, rel=1e-11)
+    assert law(DEPTHS, 200, derivative=True) == pytest.approx(slope, rel=1e-8, abs=floor)
 
 
 @pytest.mark.parametrize(
     "function",
-    [
-        stopped,
-        measured,
-        lambda ds, r2: 5 * ds**1.2,
-        lambda ds, r2: 5 * ds**3.3,
-        lambda ds, r2: 300 * ds * sin(acos(1 / (1 + ds))),
-        lambda ds, r2: 300 * (ds**1.5 if ds < 0.4 else 0.4**1.5 + 40 * (ds - 0.4) ** 2 + ds - 0.4),
-    ],
+    [hertz, measured, kinked, lambda ds, r2: r2 * ds**1.6, lambda ds, r2: ds * acos(-ds)],
 )
-def test_table_is_within_what_is_promised(function):
-    law = contact.sampled(function)
+def test_a_table_is_within_what_is_promised(function):
+    law = contact.Sampled(function)
     exact = np.array([function(ds, 200.0) for ds in DEPTHS])
-    allowed = np.maximum(sampling.TOLERANCE * exact, sampling.FLOOR * exact[-1])
+    allowed = np.maximum(tables.TOLERANCE * exact, tables.FLOOR * exact[-1])
     # of places that were not looked at: a little more
-    assert (np.abs(law(DEPTHS, 200) - exact) <= 3 * allowed).all()
+    assert (np.abs(law(DEPTHS, 200) - exact) <= 2 * allowed).all()
     assert (np.diff(law(DEPTHS, 200)) > 0).all()
     assert law(0.0, 200) == law(-0.1, 200) == 0
 
 
+def test_below_its_first_point_a_soft_contact_is_hertz_in_series_with_a_spring():
+    spring, root = 50.0, np.array([0.2, 0.4, 0.6, 0.8, 1.0])
+
+    def force(s):  # force by which ds = (P/h)^(2/3) + P/spring, relative to Hertz's, h = 1
+        low, high = 0.0, s**3
+        for _ in range(100):
+            middle = (low + high) / 2
+            over = middle ** (2 / 3) + middle / spring > s * s
+            low, high = (low, middle) if over else (middle, high)
+        return low
+
+    factor = np.array([force(s) / s**3 for s in root])
+    constants = tables.of_points(root, factor)
+    for s in (0.05, 0.1, 0.15):
+        value, _ = shapes.table(np.array(s * s), constants)
+        assert float(value) == pytest.approx(force(s), rel=2e-3)
+
+
 def test_name_limit_and_one_socket_radius_at_a_time():
-    law = contact.sampled(hertz, deepest=2.0)
+    law = contact.Sampled(hertz, deepest=2.0)
     assert law.name == "hertz"
-    assert law(2.0, [200, 200]) == pytest.approx(contact.hertz(2.0, [200, 200]), rel=1e-13)
+    assert law(2.0, [200, 200]) == pytest.approx(contact.Hertz()(2.0, [200, 200]), rel=1e-9)
     with pytest.raises(ValueError, match="depth_star of hertz must be <= 2, got 2.1"):
         law(2.1, 200)
     with pytest.raises(ValueError, match="r2_star of law hertz must be one number, got array"):
@@ -78,9 +95,10 @@ def test_name_limit_and_one_socket_radius_at_a_time():
         (lambda ds, r2: ds + 1, "force_star of law <lambda> must be 0 at depth_star 0, got 1"),
         (lambda ds, r2: -ds, "force_star of law <lambda> must increase with depth_star, got 0 at"),
         (lambda ds, r2: sin(4 * ds), "must increase with depth_star, got 0.99"),
-        (lambda ds, r2: ds + (ds > 0.25), "law <lambda> must be continuous"),
+        (lambda ds, r2: ds + (ds > 0.25), "law <lambda> must be smooth"),
+        (stopped, "law stopped must be smooth, because it is tabulated"),
         (lambda ds, r2: nan, "force_star of law <lambda> at depth_star 0 must be finite, got nan"),
-        (3, "law must be one of hertz"),
+        (3, "law must be a name or a function, got 3"),
     ],
 )
 def test_bad_function_is_one_clear_error(function, message):
@@ -88,7 +106,7 @@ def test_bad_function_is_one_clear_error(function, message):
         contact.DimensionalLaw(function, **SIZES)
 
 
-@pytest.mark.parametrize("function", [hertz, stopped])
+@pytest.mark.parametrize("function", [hertz, measured])
 def test_compiled_force_and_energy_are_the_functions(function):
     law, clearance = packed(function, R1, R2, MODULUS), R2 - R1
     depths = clearance * DEPTHS
@@ -96,16 +114,19 @@ def test_compiled_force_and_energy_are_the_functions(function):
     of_joint = contact.DimensionalLaw(function, **SIZES)
     assert found[:, 0] == pytest.approx(of_joint.force(depths), rel=1e-13)
     assert found[:, 1] == pytest.approx(of_joint.stiffness(depths), rel=1e-10)
-    deepest, kink = 0.3 * clearance, [0.01 * clearance]
-    exact, _ = quad(lambda d: forces.elastic_force(law, d)[0], 0, deepest, points=kink, epsrel=1e-9)
-    assert forces.stored_energy(law, deepest) == pytest.approx(exact, rel=1e-8)
+    knots = clearance * (np.arange(1, 600) / 1024) ** 2
+    exact = sum(
+        quad(lambda d: forces.elastic_force(law, d)[0], low, high, epsrel=1e-12)[0]
+        for low, high in zip(np.append(0, knots[:-1]), knots, strict=True)
+    )
+    assert forces.stored_energy(law, knots[-1]) == pytest.approx(exact, rel=1e-8)
 
 
 def test_a_function_of_hertz_drives_the_mechanism_as_hertz():
     mine, named = (simulate(law=law, duration=0.02, outputs=100) for law in (hertz, "hertz"))
-    assert mine.slider_position == pytest.approx(named.slider_position, rel=1e-12)
+    assert mine.slider_position == pytest.approx(named.slider_position, rel=1e-9)
     forces = mine.impacts.peak_force
-    assert forces.to_numpy() == pytest.approx(named.impacts.peak_force.to_numpy(), rel=1e-8)
+    assert forces.to_numpy() == pytest.approx(named.impacts.peak_force.to_numpy(), rel=1e-6)
 
 
 def test_impact_on_a_linear_spring_is_half_an_oscillation():
@@ -122,30 +143,28 @@ def test_impact_on_a_linear_spring_is_half_an_oscillation():
     assert first.separation_speed == pytest.approx(first.approach_speed, rel=1e-3)
 
 
-@pytest.mark.parametrize("function", [stopped, measured])
+@pytest.mark.parametrize("function", [kinked, measured])
 @pytest.mark.parametrize("restitution", [0.5, 1.0])
 def test_energy_balance_closes_with_kinks_in_the_law(function, restitution):
     scene = paper_scene(restitution=restitution)
     response = simulate(scene, law=function, duration=0.03, outputs=3000)
     assert response.energy_error < 1e-8
-    if function is stopped:
-        assert response.impacts.peak_depth.max() > 0.01 * 5e-5  # the stop is met
 
 
-@pytest.mark.parametrize("function", [hertz, stopped, measured])
+@pytest.mark.parametrize("function", [hertz, kinked, measured])
 def test_a_function_in_si_units_and_back(function):
     law, depths = contact.DimensionalLaw(function, **SIZES), np.geomspace(1e-10, 5e-5, 50)
     force = [function(d / 5e-5, 200.0) * MODULUS * (R2 - R1) ** 2 for d in depths]
-    assert law.force(depths) == pytest.approx(force, rel=1e-6)
+    assert law.force(depths) == pytest.approx(force, rel=0.01)
     assert law.depth(law.force(depths)) == pytest.approx(depths, rel=1e-12)
 
 
-@pytest.mark.parametrize("deepest", [1e-6, 300.0])
+@pytest.mark.parametrize("deepest", [1e-6, 150.0])
 def test_shallow_and_deep_tables(deepest):
-    law = contact.sampled(lambda ds, r2: r2 * ds**1.5, deepest)
+    law = contact.Sampled(lambda ds, r2: r2 * ds**1.5, deepest)
     assert law(deepest, 1e6) == pytest.approx(1e6 * deepest**1.5, rel=1e-9)
 
 
 def test_a_table_has_a_largest_depth():
-    with pytest.raises(ValueError, match="deepest must be > 0 and <= 1000, got 1e\\+20"):
-        contact.sampled(lambda ds, r2: ds, 1e20)
+    with pytest.raises(ValueError, match="deepest must be > 0 and <= 200, got 1e\\+20"):
+        contact.Sampled(lambda ds, r2: ds, 1e20)
