@@ -61,7 +61,7 @@ def _motion(response, ideal, part, early):
 def _forces(response, ideal, part, end):
     """Impacts and normal force in the slider's joint."""
     impacts = response.impact_rows
-    ended = np.isfinite(impacts["separation_speed"]) & (impacts["joint"] == "slider")
+    ended = np.isfinite(impacts["separation_speed"])
     start, peak = impacts["time"][ended], impacts["peak_force"][ended]
     parted = start + impacts["duration"][ended]
     loose, usual = response.normal_force, ideal.normal_force

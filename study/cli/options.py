@@ -84,7 +84,9 @@ class _Command(TyperCommand):
             is_argument = parameter.param_type_name == "argument"
             *_, last = "Options", *(heading for heading in sections if heading != "Arguments")
             heading = "Arguments" if is_argument else parameter.rich_help_panel or last
-            sections.setdefault(heading, []).append(parameter.get_help_record(ctx))
+            shown, text = parameter.get_help_record(ctx)
+            record = parameter.metavar if is_argument else shown, text  # its type is in the text
+            sections.setdefault(heading, []).append(record)
         for heading, records in sections.items():
             with formatter.section(heading):
                 formatter.write_dl(records)
