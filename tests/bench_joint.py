@@ -59,10 +59,10 @@ def test_curve_of_20_depths_with_its_error_estimate(benchmark, kinematics):
 @pytest.mark.parametrize("bodies", ["known", "new"])
 def test_table_of_a_joint(benchmark, bodies):
     def new():
-        table.table.cache_clear()
+        table.checked.cache_clear()
         if bodies == "new":
             series.compliance.cache_clear()
-        return table.table(JOINT)
+        return table.checked(JOINT)
 
     benchmark.pedantic(new, rounds=10, warmup_rounds=1)
 
@@ -70,11 +70,11 @@ def test_table_of_a_joint(benchmark, bodies):
 def test_look_up_of_a_joint(benchmark):
     def look_up():
         stiffening._in_r2_star.cache_clear()
-        return contact.stiffened_hertz.parts(200.0)
+        return contact.StiffenedHertz.of(JOINT)
 
     benchmark(look_up)
 
 
 @pytest.mark.parametrize("law", contact.LAWS)
 def test_law_on_a_thousand_depths(benchmark, law):
-    benchmark(contact.LAWS[law], np.linspace(0, 1, 1000), 200.0)
+    benchmark(JOINT.law(law).law, np.linspace(0, 1, 1000), 200.0)

@@ -474,8 +474,8 @@ class Table(Law):
 class Sampled(Law):
     """Law from a Python function, as a table that compiled code can read.
 
-    The table is within 1e-6 of a smooth force. It rounds kinks, where its error may be up to 1 %, and
-    begins at a millionth of the maximum force. There is one for each R2*, and therefore a call
+    The table is within 1e-6 of a smooth force. It rounds kinks, where its error may be up to 1 %,
+    and begins at a millionth of the maximum force. There is one for each R2*, and therefore a call
     accepts one R2* only. Functions that accept a law also accept
     such a function, and sample it up to one clearance.
 
@@ -483,8 +483,8 @@ class Sampled(Law):
     ----------
     function
         Function of two numbers (``depth_star``, ``r2_star``) that returns the normalised force
-        P/(E* dR^2), which must be 0 at depth 0 and increase, without jumps or stops. The law has the name of
-        the function.
+        P/(E* dR^2), which must be 0 at depth 0 and increase, without jumps or stops. The law has
+        the name of the function.
     deepest
         Maximum depth_star of the law, up to which the function is sampled.
 

@@ -27,6 +27,7 @@ from study.contact.forces import (
 )
 from study.mechanism import stepping
 from study.mechanism.angles import angle_of, direction, norm, sine_cosine
+from study.mechanism.slide import slide
 from study.mechanism.stepping import JointOutput
 
 UNKNOWNS = 3
@@ -49,7 +50,9 @@ speed of the contact. While the state stays, the equations of motion are smooth.
 Eccentricity = namedtuple("Eccentricity", "nx ny length rate spin x y x_rate y_rate")
 """Vector from the centre of the socket to that of the ball, and its rate. (nx, ny) is its
 direction, the normal of the surfaces; ``rate`` and ``spin`` are rates of length and direction."""
-EccentricityChange = namedtuple("EccentricityChange", "length direction rate spin x y y_rate")
+EccentricityChange = namedtuple(
+    "EccentricityChange", "length direction rate spin x y x_rate y_rate"
+)
 """Derivatives of parts of an `Eccentricity`; of length and direction in contact only."""
 JointMotion = namedtuple("JointMotion", "depth rate sliding normal tangential normal_rate")
 """Depth of the joint, its rate, sliding speed, normal and tangential force, rate of the first."""
@@ -59,26 +62,27 @@ Motion = namedtuple("Motion", "accelerations powers joint moment coupler slider"
 """Motion and forces at a state (z, z', ...): accelerations z''; powers lost to damping and
 friction, and that of the drive; `JointMotion`; moment of the drive; `Coupler`; acceleration of the
 slider."""
-Parts = namedtuple("Parts", "pose cross coupling acceleration eccentricity forces")
-"""What `derive` and `write_output` need of a motion; the acceleration is the eccentricity's."""
+Parts = namedtuple("Parts", "pose cross coupling acceleration eccentricity forces speed slide")
+"""What `derive` and `write_output` need of a motion; the acceleration is the eccentricity's, the
+speed the slider's, and `slide` the force on it."""
 Pose = namedtuple("Pose", "st ct sp cp slider")
 """Sines and cosines of the angles of crank and coupler, and the position of the slider."""
-Loads = namedtuple("Loads", "drive crank coupler fall slider")
+Loads = namedtuple("Loads", "drive crank coupler fall")
 """Applied loads, or their derivatives: moment of the drive on the crank, unless its speed is given;
 other moments about the crank's axis; moment on the coupler about the crank's end; acceleration of
-the coupler's centre along y by its weight; force on the slider along its slide."""
+the coupler's centre along y by its weight."""
 
 
 @register_jitable
 def loads(p, pose):
     """Loads on the links in a pose."""
-    return Loads(p.moment, -(p.g1 * pose.ct), -(p.g2 * pose.cp), -p.gravity, 0.0)
+    return Loads(p.moment, -(p.g1 * pose.ct), -(p.g2 * pose.cp), -p.gravity)
 
 
 @register_jitable
 def loads_change(p, pose, dtheta, dphi):
     """Derivatives of the loads by something that turns crank and coupler."""
-    return Loads(0.0, p.g1 * pose.st * dtheta, p.g2 * pose.sp * dphi, 0.0, 0.0)
+    return Loads(0.0, p.g1 * pose.st * dtheta, p.g2 * pose.sp * dphi, 0.0)
 
 
 @register_jitable
@@ -107,10 +111,11 @@ def _eccentricity_change(dy, e, closed):
     """Derivatives of the eccentricity, by those of the state."""
     da, db, dva, dvb = dy[FIRST], dy[SECOND], dy[FIRST_RATE], dy[SECOND_RATE]
     if not closed:
-        return EccentricityChange(0.0, 0.0, 0.0, 0.0, da, db, dvb)
+        return EccentricityChange(0.0, 0.0, 0.0, 0.0, da, db, dva, dvb)
     dx, dy = da * e.nx - e.length * e.ny * db, da * e.ny + e.length * e.nx * db
+    dwx = dva * e.nx - (da * e.spin + e.length * dvb) * e.ny - e.y_rate * db
     dwy = dva * e.ny + (da * e.spin + e.length * dvb) * e.nx + e.x_rate * db
-    return EccentricityChange(da, db, dva, dvb, dx, dy, dwy)
+    return EccentricityChange(da, db, dva, dvb, dx, dy, dwx, dwy)
 
 
 @inlined
@@ -148,7 +153,8 @@ def motion(y, contact, p, law):
         forces = joint_forces(law, y[FIRST], *speeds, p.damping, p.friction, p.v0, p.v1)
     fx, fy = _on_ball(e, forces)
     pose = Pose(st, ct, sp, cp, l1 * ct + l2 * cp - e.x)
-    load = loads(p, pose)
+    speed = -l1 * st * omega - l2 * sp * psi - e.x_rate
+    load, of_slide = loads(p, pose), slide(p, pose.slider, speed)
 
     # [A11 C; C A22] (theta'', phi'') = (q1, q2): crank and coupler as a double pendulum
     sd, cd = st * cp - ct * sp, ct * cp + st * sp
@@ -162,7 +168,7 @@ def motion(y, contact, p, law):
     if p.steady > 0:
         alpha, beta = 0.0, q2 / p.a22
         moment = coupling * beta - q1
-    slider = (load.slider - fx) * per_m3
+    slider = (of_slide.force - fx) * per_m3
     ax = -l1 * (st * alpha + ct * omega * omega) - l2 * (sp * beta + cp * psi * psi) - slider
     ay = l1 * (ct * alpha - st * omega * omega) + l2 * (cp * beta - sp * psi * psi)
     # accelerations of the joint's coordinates, in contact the second times r
@@ -172,12 +178,12 @@ def motion(y, contact, p, law):
         first, second = growth, e.nx * ay - e.ny * ax - 2 * e.rate * e.spin
     depth = y[FIRST] if closed else e.length - law.clearance
     normal_rate = forces.normal_by_depth * e.rate + forces.normal_by_rate * growth
-    lost = (forces.normal - forces.elastic) * e.rate, -forces.tangential * sliding
+    lost = (forces.normal - forces.elastic) * e.rate + of_slide.loss, -forces.tangential * sliding
     joint = JointMotion(depth, e.rate, sliding, forces.normal, forces.tangential, normal_rate)
     accelerations = alpha, first, second * (1 / e.length if closed else 1.0)
     powers, coupler = (*lost, moment * omega), Coupler(sp, cp, psi, beta)
     result = Motion(accelerations, powers, joint, moment, coupler, slider + 0.0)
-    return result, Parts(pose, cross, coupling, (ax, ay), e, forces)
+    return result, Parts(pose, cross, coupling, (ax, ay), e, forces, speed, of_slide)
 
 
 @compiled
@@ -201,6 +207,9 @@ def derive(y, contact, p, state, parts, k):
         dsliding = de.length * e.spin + e.length * de.spin + p.r1 * dpsi
         dtangential, dfx, dfy = _on_ball_change(e, parts.forces, de, dsliding)
         load = loads_change(p, pose, dt, dp)
+        dslider = -l1 * st * dt - l2 * sp * dp - de.x
+        dspeed = -l1 * (ct * omega * dt + st * do) - l2 * (cp * psi * dp + sp * dpsi) - de.x_rate
+        dslide = parts.slide.by_position * dslider + parts.slide.by_speed * dspeed
         dcross, dcoupling = coupling * (dt - dp), -cross * (dt - dp)
         dq1 = (
             -dcross * psi * psi
@@ -224,7 +233,7 @@ def derive(y, contact, p, state, parts, k):
         dax = (
             -l1 * (st * dalpha + ct * (alpha * dt + 2 * omega * do) - st * omega * omega * dt)
             - l2 * (sp * dbeta + cp * (beta * dp + 2 * psi * dpsi) - sp * psi * psi * dp)
-            + (dfx - load.slider) * per_mass
+            + (dfx - dslide) * per_mass
         )
         day = l1 * (ct * dalpha - st * (alpha * dt + 2 * omega * do) - ct * omega * omega * dt)
         day += l2 * (cp * dbeta - sp * (beta * dp + 2 * psi * dpsi) - cp * psi * psi * dp)
@@ -278,7 +287,7 @@ def write_output(row, y, state, parts, p):
     omega, alpha = y[OMEGA], state.accelerations[THETA]
     st, ct, sp, cp = pose.st, pose.ct, pose.sp, pose.cp
     psi, beta = coupler.rate, coupler.acceleration
-    speed = -p.l1 * st * omega - p.l2 * sp * psi - e.x_rate
+    speed = parts.speed
     kinetic = 0.5 * (p.a11 * omega * omega + p.a22 * psi * psi + p.m3 * speed * speed)
     kinetic += p.a12 * (ct * cp + st * sp) * omega * psi
     row.crank_angle, row.crank_speed = y[THETA], omega
@@ -286,7 +295,8 @@ def write_output(row, y, state, parts, p):
     row.slider_position, row.slider_velocity = pose.slider, speed
     row.slider_acceleration = state.slider
     row.coupler_angle, row.coupler_speed = angle_of(coupler.sine, coupler.cosine), psi
-    row.work, row.kinetic, row.elastic = work_of_loads(p, pose, y[DRIVEN]), kinetic, 0.0
+    row.work, row.kinetic = work_of_loads(p, pose, y[DRIVEN]), kinetic
+    row.elastic = parts.slide.energy
     row.lost_damping, row.lost_friction = y[LOST_DAMPING], y[LOST_FRICTION]
     normal, tangential = state.joint.normal, state.joint.tangential
     fx, fy = normal * e.nx + tangential * e.ny, normal * e.ny - tangential * e.nx

@@ -7,6 +7,7 @@ from functools import wraps
 import pandas as pd
 import pytest
 
+from study.contact import Steuermann
 from study.mechanism import MechanismError, Scene, compare, simulate
 
 
@@ -48,14 +49,24 @@ def test_simulate_states_its_law_of_the_joint_of_the_scene(run):
     def law(*more):
         return json.loads(run(*words, *more, "--json")[1])["law"]
 
-    assert law("--law", "tabulated").startswith("tabulated: r2_star 200, socket_ratio 1.298")
-    assert law("--wall", "5e-3").startswith("tabulated: r2_star 200, socket_ratio 1.5")
-    lined = law("--liner", "0.5e-3,PTFE", "--wall", "3e-3", *bodies)
-    assert "layers 1.05,0.00238095238,0.46;1.3,0.523809524,0.34; with its own composite" in lined
-    told = "stiffened_hertz: socket_ratio 1.5, modulus_ratio 0.5"
+    sizes = "Joint(socket_radius=0.01, clearance=5e-05, wall="
+    assert law("--law", "tabulated").startswith(f"tabulated of {sizes}0.00298, ")
+    assert law("--wall", "5e-3").startswith(f"tabulated of {sizes}0.005, ")
+    assert "liner=0.0005,500000000,0.46" in law("--liner", "0.5e-3,PTFE", "--wall", "3e-3")
     stiffened = ("--law", "stiffened_hertz", "--socket-ratio", "1.5", *bodies)
-    assert law(*stiffened).startswith(told)
-    assert run(*words, *stiffened)[1].startswith(f"Law {told}")
+    told = f"stiffened_hertz of {sizes}0.005, ball=steel, socket=bronze, rim=mirror)"
+    assert law(*stiffened) == told
+    assert run(*words, *stiffened)[1].startswith(f"Law: {told}.\n")
+    assert law("--joint", "ideal") == "none"
+
+
+def test_simulate_gives_a_law_its_numbers(run):
+    words = ("simulate", "--duration", "0.002", "--once", "--json")
+    options = ("--law", "steuermann", "--option", "n=2", "--option", "radius=profile")
+    found = json.loads(run(*words, *options)[1])
+    response = simulate(law=Steuermann(2, "profile"), duration=0.002)
+    assert found["law"] == repr(response.law) == "Steuermann(n=2, radius=profile)"
+    assert found["impacts"][0]["peak_force"] == response.impacts.peak_force[0]
 
 
 def test_simulate_says_which_restitution_is_delivered(run):
@@ -75,10 +86,8 @@ def test_simulate_says_how_far_it_can_be_trusted(run):
     assert "at a second tolerance agrees to the end: " in told
     agreement = json.loads(run("simulate", "--duration", "0.01", "--json")[1])["agreement"]
     assert (agreement["lasts"], agreement["impacts"]) == (True, [5, 5])
-    words = ("crank_clearance=1.7e-4", "damping=flores", "restitution=0.05", "friction=0")
-    words += ("clearance=1.86e-5", "initial_crank_angle=-1.54", "crank_speed=250")
-    scene = [part for word in words for part in ("--scene", word)]
-    told = run("simulate", *scene, "--duration", "0.1")[1].splitlines()[-1]
+    scene = ("--scene", "restitution=1", "--scene", "friction=0")
+    told = run("simulate", *scene)[1].splitlines()[-1]
     assert re.search(r"agrees until 0\.0\d+ s: .* chaotic", told)
     assert json.loads(run("simulate", "--joint", "ideal", "--json")[1])["agreement"] is None
 
@@ -109,6 +118,16 @@ def test_a_second_run_that_ends_early_loses_nothing(run, tmp_path, monkeypatch, 
     [
         (["--scene", "friction"], "--scene must be KEY=VALUE"),
         (["--elements", "2,2", "--model", "auto"], "--elements does not apply to model auto"),
+        (["--law", "hertz", "--wall", "5e-3"], "wall does not apply to the law hertz; remove it"),
+        (["--law", "winkler", "--option", "n=2"], "with NAME one of coefficient, got 'n=2'"),
+        (["--law", "winkler", "--option", "coefficient"], "must be NAME=VALUE with NAME one of c"),
+        (["--option", "n=2"], "one of nothing, as this law has no numbers to choose, got 'n=2'"),
+        (["--law", "steuermann", "--option", "n=0"], "n must be >= 1 and <= 50, got 0"),
+        (["--law", "power", "--option", "exponent=2"], "coefficient and exponent of the law power"),
+        (
+            ["--law", "winkler", "--option", "coefficient=3", "--wall", "5e-3"],
+            "--wall does not apply to a law with its own numbers (--option); remove it",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused(run, words, message):
@@ -122,9 +141,9 @@ def test_simulate_auto_tells_what_it_chose(run):
     status, out, err = run("simulate", *words, "--json")
     assert (status, err) == (0, "")
     choice = json.loads(out)["choice"]
-    assert choice["error_bound"] <= 0.001
-    assert choice["evidence"]
-    words += ["--quantity", "slider_velocity", "--tolerance", 0.1, "--socket-ratio", 1.5]
+    assert choice["error"] <= 0.001
+    assert [row["model"] for row in choice["evidence"]][:2] == ["rigid", "rigid"]
+    words += ["--quantity", "slider_velocity", "--tolerance", 0.1, "--law", "hertz"]
     _, out, _ = run("simulate", *words)
     assert re.match(r"The simplest model .* slider velocity over 0\.05 s: rigid links", out)
 

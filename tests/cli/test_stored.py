@@ -123,7 +123,7 @@ def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch)
     assert status == 0
     assert re.match(r"\d+ times were measured on .+\n", out)
     rows = pd.read_csv(table)
-    assert set(rows.method) == {*contact.LAWS, "tabulated", "solver"}
+    assert set(rows.method) == {*contact.LAWS, "solver"}
     assert (rows.time > 0).all()
     assert store.SPEED.read_bytes() == kept
 

@@ -149,9 +149,9 @@ def test_a_flipped_digit_and_a_missing_file_are_named_with_the_remedy(copy, name
 
 def test_hashes_that_are_damaged_or_lack_a_file_are_refused(copy):
     lines = store.HASHES.read_text().splitlines(keepends=True)
-    store.HASHES.write_text("".join(line for line in lines if "links.csv" not in line))
+    store.HASHES.write_text("".join(line for line in lines if "claims.csv" not in line))
     with pytest.raises(
-        dataset.DatasetError, match=r"^data/SHA256SUMS does not name data/links.csv"
+        dataset.DatasetError, match=r"^data/SHA256SUMS does not name data/published/claims.csv"
     ):
         dataset.verify()
     store.HASHES.write_text("junk")

@@ -86,10 +86,12 @@ def test_depths_outside_the_range(tmp_path, law):
 
 @needs_compiler
 def test_two_joints_in_one_file_in_c(tmp_path):
-    texts = [
-        export("tabulated", "c", joint, name=name) for name, joint in (("a", BRONZE), ("b", LESS))
-    ]
-    programs.compiled("\n".join(texts), tmp_path)
+    joints = {"a": BRONZE, "b": LESS}
+    text = "\n".join(export("tabulated", "c", of, name=name) for name, of in joints.items())
+    for name, joint in joints.items():
+        (tmp_path / name).mkdir()
+        force, _ = in_c(text, tmp_path / name, name, [0.3 * units(joint)[0]])
+        assert force == pytest.approx(in_python("tabulated", joint, 0.3)[0], rel=1e-6)
 
 
 @needs_compiler
@@ -120,7 +122,9 @@ def test_every_law_in_octave_is_the_law(tmp_path):
     told = iter(programs.in_octave(lines, tmp_path).split("\n"))
     for law in LAWS:
         assert next(told).split() == ["2", "4"]
-        for values, error in zip(expected[law], (1e-5, 2e-4), strict=True):
+        for values, error in zip(
+            expected[law], (1e-5 if law == "power" else 1e-6, 2e-4), strict=True
+        ):
             found = [float(next(told)) for _ in range(8)]
             assert found == pytest.approx(values.T.ravel().tolist(), rel=error)
 

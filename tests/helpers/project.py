@@ -39,10 +39,10 @@ CELLS = {
     LAW: (
         "r2_star = 200.0  # socket radius R2* [20 to 10000]",
         "import pandas as pd\n"
-        "from study.contact import hertz\n"
+        "from study.contact import Hertz\n"
         "from study.pages import figures\n"
         "depths = [0.1, 0.2, 0.5]\n"
-        'figures.save_table(pd.DataFrame({"force": hertz(depths, r2_star)}), "law")',
+        'figures.save_table(pd.DataFrame({"force": Hertz()(depths, r2_star)}), "law")',
     ),
     TOTAL: (
         "factor = 1.0  # to the total [1 to 9]",

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study import paths
-from study.contact import hertz
+from study.contact import Hertz
 from study.joint.axial import depths_and_forces
 
 OF_FORCE, OF_ANGLE, OF_PEAK = 0.035, 0.07, 0.12  # largest relative errors stated
@@ -82,7 +82,7 @@ in_range = st.tuples(
 @given(in_range)
 def test_limit_is_hertz(joint):
     shallow, r2_star = 1e-10, joint[0]
-    assert form.force_at(shallow, *joint) == pytest.approx(hertz(shallow, r2_star), rel=2e-4)
+    assert form.force_at(shallow, *joint) == pytest.approx(Hertz()(shallow, r2_star), rel=2e-4)
     angle, peak = form.half_angle_and_peak(shallow, *joint)
     assert angle == pytest.approx(np.degrees(shallow**0.5), rel=1e-4)
     first_order = 1.1 / r2_star + 1e-4  # which angle and pressure leave out

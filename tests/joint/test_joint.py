@@ -213,7 +213,7 @@ def test_stresses_are_those_of_the_solution_and_none_unless_asked_for(joint):
 def test_laws_of_a_joint():
     depth = 4e-6
     exact = BRONZE.law().force(depth)
-    for law in ("stiffened_hertz", contact.stiffened_hertz):
+    for law in ("stiffened_hertz", contact.StiffenedHertz):
         assert BRONZE.law(law).force(depth) == pytest.approx(exact, rel=2e-3)
     assert BRONZE.law("hertz").force(depth) < 0.9 * exact
     for name in contact.LAWS:

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from other_programs import calculix
 
-from study.contact import hertz
+from study.contact import Hertz
 from study.joint import Joint, Layer, Material, first_yield, modes, stress
 from study.joint.compliance import HatFunctions
 from study.joint.supports import HEIGHT
@@ -264,7 +264,7 @@ def test_a_weak_joint_yields_as_hertz_tells():
     strength = 200 * 1e5 / joint.composite_modulus
     root = strength * np.pi / 2 * np.sqrt(joint.radius_ratio) / stress.hertz_von_mises(0.3)
     assert first.depth_star == pytest.approx(root**2, rel=5e-3)
-    assert first.force_star == pytest.approx(hertz(first.depth_star, 200), rel=5e-3)
+    assert first.force_star == pytest.approx(Hertz()(first.depth_star, 200), rel=5e-3)
 
 
 def test_only_bodies_with_a_yield_stress_yield():

@@ -5,7 +5,6 @@ import pandas as pd
 import pytest
 from helpers.impacts import free_impact
 from helpers.with_hertz import simulate
-from study.mechanism.joints import ContactState
 
 from study import contact, paths
 from study.checks import RangeError
@@ -15,6 +14,7 @@ from study.joint.compliance import surface_angles
 from study.measure import explicit, stability, thresholds
 from study.mechanism import MechanismError, paper_scene, particles, rigid
 from study.mechanism.frame import Frame
+from study.mechanism.rigid import ContactState
 
 PAPER = paper_scene()
 SLIPPERY = PAPER.replace(friction=0.0)
@@ -131,7 +131,11 @@ def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
     state = stability.sustained_contact(scene, "hertz", 0.8 * SETTLED)
     rate = stability.oscillator(scene, "hertz", state)["friction_rate"]
     numbers, p = explicit.packed(scene, "hertz"), scene.constants()
-    (angle, ex, ey), slopes, piece = state[:3], np.zeros((3, 6)), ContactState(True, 1, np.inf)
+    (angle, ex, ey), slopes, piece = (
+        state[:3],
+        np.zeros((3, 6)),
+        ContactState(True, 1, np.inf),
+    )
     still = np.array([angle, np.hypot(ex, ey) - numbers.clearance, np.arctan2(ey, ex), 0, 0, 0])
     rigid.derive(still, piece, p, *rigid.motion(still, piece, p, numbers), slopes)
     assert rate == pytest.approx(np.abs(np.linalg.eigvals(slopes[:3, 3:])).max(), rel=1e-9)
@@ -368,7 +372,7 @@ def test_three_node_triangles_lock_and_six_node_ones_do_not():
 
 def test_laws_that_extrapolate_beyond_one_clearance_are_this_far_off():
     true = reference_joint().solve(depth_star=1.2).force_star[0]
-    errors = {name: contact.LAWS[name](1.2, 200) / true - 1 for name in contact.PAPER_LAWS}
+    errors = {name: contact.LAWS[name]()(1.2, 200) / true - 1 for name in contact.PAPER_LAWS}
     assert errors["hyperbolic_winkler"] == pytest.approx(0.17, abs=0.01)
     assert errors["winkler"] == pytest.approx(0.58, abs=0.02)
     assert all(-0.7 < errors[name] < -0.3 for name in ("hertz", "steuermann", "liu"))
@@ -377,6 +381,6 @@ def test_laws_that_extrapolate_beyond_one_clearance_are_this_far_off():
 def test_steuermann_of_any_order_is_finite_and_settles():
     for radius in ("geometric", "profile"):
         for r2_star in (1.01, 200, 1e6):
-            forces = [contact.steuermann(0.5, r2_star, n=n, radius=radius) for n in (1, 10, 49, 50)]
+            forces = [contact.Steuermann(n, radius)(0.5, r2_star) for n in (1, 10, 49, 50)]
             assert np.isfinite(forces).all()
             assert forces[3] == pytest.approx(forces[2], rel=2e-3)

@@ -6,9 +6,9 @@ from math import comb
 import numpy as np
 import pytest
 from helpers.laws import packed
-from study.mechanism.joints import ContactState
 
 from study.mechanism import collocation, paper_scene, rigid
+from study.mechanism.rigid import ContactState
 
 SCENE = paper_scene()
 HERTZ = packed("hertz", SCENE.ball_radius, SCENE.socket_radius, SCENE.composite_modulus)

@@ -9,19 +9,15 @@ from helpers.with_hertz import simulate
 from other_programs import odes
 
 from study import contact, mechanism
-from study.choose import choose, choose_model
-from study.joint import Joint, Layer, Material
+from study.joint import Joint, Material
 from study.measure import explicit
 from study.mechanism import Scene, compare, paper_scene
+from study.mechanism.law_in_scene import clearance_joint, of_name
 
 BRONZE, STEEL = Material(1.1e11, 0.34), Material(2.07e11, 0.3)
 PAPER, MIXED = paper_scene(), paper_scene(socket=BRONZE)
 BRIEF = {"duration": 2e-3, "outputs": 20}
-OPTIONS = {"modulus_ratio": 1.1 / 2.07, "poisson": 0.3, "socket_poisson": 0.34}
-
-
-def table(**joint):
-    return contact.Table.of_curve(Joint.from_ratios(200, **joint).curve())
+RADII = "ball_radius", "socket_radius"
 
 
 def test_materials_are_those_of_all_bodies_or_a_bodys_own():
@@ -48,34 +44,34 @@ def test_a_modulus_in_another_unit_is_a_hint(name):
         Scene(**{name: 210})
 
 
-def test_stiffened_hertz_takes_materials_from_the_scene():
-    found, stated = (
-        simulate(MIXED, law="stiffened_hertz", **given, **BRIEF) for given in ({}, OPTIONS)
-    )
-    assert found.impacts.equals(stated.impacts)
-    assert found.law == (
-        "stiffened_hertz: socket_ratio 1.298 (that of the reference joint), "
-        "modulus_ratio 0.531400966, poisson 0.3, socket_poisson 0.34, "
-        "ball_support guided, rim mirror"
-    )
-    law = contact.DimensionalLaw(
-        "stiffened_hertz",
-        ball_radius=MIXED.ball_radius,
-        socket_radius=MIXED.socket_radius,
-        composite_modulus=MIXED.composite_modulus,
-        socket_ratio=contact.SOCKET_RATIO,
-        **OPTIONS,
-    )
-    force = law.force(found.impacts.peak_depth[0])
+@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+@pytest.mark.parametrize("name", ["stiffened_hertz", "tabulated"])
+def test_a_name_stands_for_the_law_of_the_scenes_joint(name, model):
+    ratios = Joint.from_ratios(200, ball=STEEL, socket=BRONZE)
+    laws = name, clearance_joint(MIXED).law(name), contact.LAWS[name].of(ratios)
+    by_name, *given = (simulate(MIXED, law=law, model=model, **BRIEF) for law in laws)
+    for response in given:
+        for quantity in ("peak_force", "peak_depth"):
+            found, expected = (of.impacts[quantity][0] for of in (response, by_name))
+            assert found == pytest.approx(expected, rel=1e-6)
+    first, force = by_name.impacts.iloc[0], by_name.law.force
     # damping adds to it: the force's peak is before the depth's
-    assert force < found.impacts.peak_force[0] < 1.5 * force
+    assert force(first.peak_depth) < first.peak_force < 1.5 * force(first.peak_depth)
+    assert repr(by_name.law).startswith(f"{name} of Joint(socket_radius=0.01, clearance=5e-05, ")
 
 
-@pytest.mark.parametrize(("name", "other"), [(name, 1.01 * OPTIONS[name]) for name in OPTIONS])
-def test_options_of_other_materials_are_refused(name, other):
-    message = f"{name} of law stiffened_hertz must be {OPTIONS[name]:.9g}, "
-    with pytest.raises(ValueError, match=re.escape(message)):
-        simulate(MIXED, law="stiffened_hertz", **BRIEF, **{name: other})
+def test_a_law_without_a_joint_takes_the_dimensions_of_the_scene():
+    sizes = {name: getattr(MIXED, name) for name in (*RADII, "composite_modulus")}
+    for law, told in (
+        ("hertz", "Hertz()"),
+        (contact.Winkler(), "Winkler(coefficient=that of the reference joint)"),
+        (contact.Steuermann(2, "profile"), "Steuermann(n=2, radius=profile)"),
+    ):
+        response = simulate(MIXED, law=law, **BRIEF)
+        same = simulate(MIXED, law=contact.DimensionalLaw(law, **sizes), **BRIEF)
+        assert response.rows.tobytes() == same.rows.tobytes()
+        assert repr(response.law) == told
+    assert simulate(MIXED, joint="ideal", **BRIEF).law is None
 
 
 @pytest.mark.parametrize(
@@ -84,86 +80,35 @@ def test_options_of_other_materials_are_refused(name, other):
         ({}, "modulus_ratio of law tabulated must be 0.531400966, .* got 1"),
         (
             {"ball": STEEL, "socket": replace(BRONZE, poisson=0.3)},
-            "socket_poisson of law tabulated",
+            "socket_poisson of law tabulated must be 0.34, that of the scene's materials, got 0.3",
         ),
     ],
 )
-def test_a_curve_of_other_materials_is_refused(joint, message):
+def test_a_law_of_other_materials_is_refused(joint, message):
+    law = contact.Table.of(Joint.from_ratios(200, **joint))
     with pytest.raises(ValueError, match=message):
-        simulate(MIXED, law=table(**joint), **BRIEF)
+        simulate(MIXED, law=law, **BRIEF)
 
 
-def test_a_curve_of_the_scenes_materials_drives_it():
-    response = simulate(MIXED, law=table(ball=STEEL, socket=BRONZE), **BRIEF)
-    assert len(response.impacts) == 1
-    assert response.law.startswith(
-        "tabulated: r2_star 200, socket_ratio 1.298, ball_support guided"
-    )
-    layers = Layer(1.1, BRONZE), Layer(1.4, STEEL)
-    lined = table(ball=STEEL, layers=layers)
-    assert "layers 1.1,0.531400966,0.34" in simulate(MIXED, law=lined, **BRIEF).law
-
-
-@pytest.mark.parametrize("law", ["liu", "winkler", "hyperbolic_winkler"])
-def test_fitted_laws_say_that_their_joint_was_another(law):
-    note = "its coefficient is that of the reference joint, which has other materials"
-    assert note in simulate(MIXED, law=law, **BRIEF).law
-    assert note in simulate(PAPER.replace(poisson=0.4), law=law, **BRIEF).law
-    assert note not in simulate(PAPER, law=law, **BRIEF).law
-    if law != "liu":
-        assert simulate(MIXED, law=law, coefficient=3.0, **BRIEF).law.endswith("coefficient 3")
-
-
-def test_laws_without_materials_say_what_they_are():
-    for law, told in (("hertz", "hertz"), ("steuermann", "steuermann: n 1, radius geometric")):
-        assert simulate(MIXED, law=law, **BRIEF).law == told
-    assert simulate(MIXED, joint="ideal", **BRIEF).law == "none"
-
-
-def in_si_units(law, scene=PAPER, **options):
-    radii = {"ball_radius": scene.ball_radius, "socket_radius": scene.socket_radius}
-    modulus = {"composite_modulus": scene.composite_modulus}
-    return contact.DimensionalLaw(law, **(radii | modulus | options))
-
-
-@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
-def test_a_law_with_dimensions_is_the_law_by_its_name(model):
-    given = {"hertz": {}, "stiffened_hertz": OPTIONS | {"socket_ratio": 1.5}}
-    for name, options in given.items():
-        ours = simulate(MIXED, law=in_si_units(name, MIXED, **options), model=model, **BRIEF)
-        ratio = {"socket_ratio": 1.5} if options else {}
-        named = simulate(MIXED, law=name, model=model, **BRIEF, **ratio)
-        assert ours.rows.tobytes() == named.rows.tobytes()
-        assert ours.law == named.law
-
-
-def test_the_table_of_the_scenes_joint_is_that_of_a_joint_with_dimensions():
-    run = partial(simulate, MIXED, law="tabulated", wall=3e-3, **BRIEF)
-    by_name = run()
-    assert by_name.law.startswith("tabulated: r2_star 200, socket_ratio 1.3, ball_support guided")
-    joint = Joint(10e-3, 5e-5, 3e-3, STEEL, BRONZE)
-    for law in (joint, joint.law()):
-        response = simulate(MIXED, law=law, **BRIEF)
-        assert response.rows.tobytes() == by_name.rows.tobytes()
-        assert response.law == by_name.law
-    usual = simulate(MIXED, law="tabulated", **BRIEF)
-    assert "socket_ratio 1.298" in usual.law
-    stiffened = simulate(MIXED, law="stiffened_hertz", **BRIEF).impacts
-    assert usual.impacts.peak_force[0] == pytest.approx(stiffened.peak_force[0], rel=2e-3)
-    assert compare.second_run(by_name, run).lasts
+def test_a_joint_with_dimensions_is_a_law():
+    run = partial(simulate, MIXED, law=clearance_joint(MIXED, wall=3e-3), **BRIEF)
+    response, joint = run(), Joint(10e-3, 5e-5, 3e-3, STEEL, BRONZE)
+    assert "wall=0.003" in repr(response.law)
+    for law in (joint, joint.law(), of_name(MIXED, wall=3e-3)):
+        assert simulate(MIXED, law=law, **BRIEF).rows.tobytes() == response.rows.tobytes()
+    assert compare.second_run(response, run).lasts
 
 
 def test_a_liner_is_softer_and_counts_with_its_own_modulus():
     liner = ("0.5e-3,PTFE",)
     lined = Joint(10e-3, 5e-5, 3e-3, STEEL, BRONZE, liner)
-    bare = simulate(MIXED, law="tabulated", wall=3e-3, **BRIEF).impacts
-    modulus = lined.composite_modulus
+    bare = simulate(MIXED, law=of_name(MIXED, wall=3e-3), **BRIEF).impacts
     for scene in (PAPER, MIXED):  # without materials, and with those of ball and socket
         response = simulate(scene, law=lined, **BRIEF)
         assert response.impacts.peak_force[0] < 0.6 * bare.peak_force[0]
         assert response.impacts.peak_depth[0] > 1.5 * bare.peak_depth[0]
-        assert response.law.endswith(f"; with its own composite modulus, {modulus:.9g} Pa")
-    by_name = simulate(MIXED, law="tabulated", wall=3e-3, liner=liner, **BRIEF)
+        assert response.law.composite_modulus == lined.composite_modulus
+    by_name = simulate(MIXED, law=of_name(MIXED, wall=3e-3, liner=liner), **BRIEF)
     assert by_name.rows.tobytes() == response.rows.tobytes()
 
 
@@ -175,22 +120,30 @@ def test_a_liner_is_softer_and_counts_with_its_own_modulus():
     ],
 )
 def test_a_law_of_another_joint_is_refused(scene, law, message):
+    sizes = {name: getattr(PAPER, name) for name in (*RADII, "composite_modulus")} | law
     with pytest.raises(ValueError, match=re.escape(message)):
-        simulate(scene, law=in_si_units("hertz", **law), **BRIEF)
+        simulate(scene, law=contact.DimensionalLaw("hertz", **sizes), **BRIEF)
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("law", "socket", "message"),
     [
-        ({"n": 2}, "option of tabulated must be one of socket_ratio, liner, got 'n'"),
-        ({"wall": 3e-3, "socket_ratio": 1.3}, "must be one of wall, liner, got 'socket_ratio'"),
-        ({"socket_ratio": 0.9}, "wall must be >= 1e-06 and <= 9999.99 m, got -0.001 m"),
-        ({"liner": "PTFE"}, "liner must be a thickness in m and a material"),
+        ("hertz", {"socket_ratio": 1.3}, "socket_ratio does not apply to the law hertz; remove it"),
+        ("hooke", {"wall": 3e-3}, "law must be one of hertz, "),
+        (None, {"wall": 3e-3, "socket_ratio": 1.3}, "wall and socket_ratio must not both be given"),
+        (None, {"socket_ratio": 0.9}, "wall must be >= 1e-06 and <= 9999.99 m, got -0.001 m"),
+        (None, {"liner": "PTFE"}, "liner must be a thickness in m and a material"),
     ],
 )
-def test_options_of_the_scenes_joint(options, message):
+def test_sockets_that_a_scene_cannot_have(law, socket, message):
     with pytest.raises(ValueError, match=re.escape(message)):
-        simulate(MIXED, law="tabulated", **options, **BRIEF)
+        of_name(MIXED, law, **socket)
+
+
+def test_the_default_law_of_a_socket():
+    assert of_name(MIXED) == "stiffened_hertz"
+    assert of_name(MIXED, socket_ratio=1.5).name == "stiffened_hertz"
+    assert of_name(MIXED, wall=5e-3).name == "tabulated"
 
 
 def test_a_scene_outside_the_range_of_the_default_law_is_told_what_to_take():
@@ -199,28 +152,13 @@ def test_a_scene_outside_the_range_of_the_default_law_is_told_what_to_take():
     with pytest.raises(ValueError, match=re.escape(told)):
         mechanism.simulate(scene, **BRIEF)
     assert len(mechanism.simulate(scene, law="tabulated", **BRIEF).impacts) == 1
-    assert mechanism.simulate(scene, joint="ideal", **BRIEF).law == "none"
+    assert mechanism.simulate(scene, joint="ideal", **BRIEF).law is None
 
 
-def test_a_law_with_options_inside_is_refused():
-    inner = choose(Joint.from_ratios(200), 0.3, 0.01).evaluate
-    with pytest.raises(ValueError, match="law must be a law without options"):
-        simulate(PAPER, law=inner, **BRIEF)
-
-
-def test_choice_of_a_model_solves_the_joint_of_the_scenes_materials():
-    choice = choose_model(MIXED, 1.0, duration=3e-3, outputs=100)
-    laws = {row["law"] for row in choice.evidence}
-    assert laws == {"none", "hertz", "stiffened_hertz"}
-    assert choice.note == "socket material is not that of the random scenes"
-
-
-def test_models_that_measure_refuse_what_they_do_not_have():
-    numbers = explicit.packed(PAPER, "hertz")
-    options = {"duration": 1e-4, "outputs": 10, "step": 1e-6, "scheme": "RK4"}
-    for name, value in (("crank_speed", 10.0), ("crank_clearance", 1e-5)):
-        with pytest.raises(ValueError, match=f"{name} does not apply to this"):
-            explicit.integrate(PAPER.replace(**{name: value}), numbers, **options)
+def test_explicit_steps_have_no_prescribed_speed():
+    scene, numbers = PAPER.replace(crank_speed=10.0), explicit.packed(PAPER, "hertz")
+    with pytest.raises(ValueError, match="crank_speed does not apply to this"):
+        explicit.integrate(scene, numbers, 1e-4, 10, 1e-6, "RK4")
 
 
 def test_explicit_steps_begin_where_the_scene_does():

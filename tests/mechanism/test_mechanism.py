@@ -11,7 +11,6 @@ from helpers.laws import packed
 from helpers.scenes import random_scenes
 from helpers.with_hertz import simulate
 from scipy.integrate import solve_ivp
-from study.mechanism.joints import ContactState
 
 from study import contact, dataset, mechanism, paths
 from study.contact import LAWS
@@ -20,6 +19,7 @@ from study.joint import Joint
 from study.measure import explicit
 from study.mechanism import MechanismError, Scene, compare, paper_scene, rigid, stepping
 from study.mechanism.response import EVENTS
+from study.mechanism.rigid import ContactState
 
 PAPER = paper_scene()
 HERTZ = packed("hertz", PAPER.ball_radius, PAPER.socket_radius, PAPER.composite_modulus)
@@ -114,7 +114,9 @@ def test_a_joints_own_curve_drives_the_mechanism():
     first = [response.impacts.peak_force[0] for response in (tabulated, closed)]
     assert first[0] == pytest.approx(first[1], rel=5e-3)
     assert max(tabulated.energy_error, closed.energy_error) < 1e-8
-    with pytest.raises(ValueError, match="r2_star must be 200, .* got"):
+    with pytest.raises(
+        ValueError, match="must be 200, that of the joint of the law tabulated, got 400"
+    ):
         simulate(Scene(socket_radius=20e-3), law=contact.Table.of_curve(curve), duration=1e-3)
 
 
@@ -275,9 +277,15 @@ def test_free_duration_is_that_of_hertz():
 def test_jacobian_is_the_derivative(drive):
     p = PAPER.replace(gravity=9.81, **drive).constants()
     cases = [
-        (np.array([0.7, 1.3e-5, -2e-5, 11.0, 0.03, -0.05, 0, 0]), ContactState(False, 0, 1.0)),
+        (
+            np.array([0.7, 1.3e-5, -2e-5, 11.0, 0.03, -0.05, 0, 0]),
+            ContactState(False, 0, 1.0),
+        ),
         (np.array([0.7, 8e-7, 2.1, 11.0, 0.02, 900.0, 0, 0]), ContactState(True, 1, 0.06)),
-        (np.array([4.0, 8e-7, -0.4, -30.0, -0.02, -900.0, 0, 0]), ContactState(True, -2, 0.06)),
+        (
+            np.array([4.0, 8e-7, -0.4, -30.0, -0.02, -900.0, 0, 0]),
+            ContactState(True, -2, 0.06),
+        ),
     ]
     for y, contact_state in cases:
         k = np.zeros((3, 6))
@@ -499,9 +507,10 @@ def test_lead_and_last_separation():
 
 def test_a_law_that_ends_before_one_clearance_is_refused():
     curve = Joint.from_ratios(200).solve(depth_star=np.linspace(0.05, 0.5, 12) ** 2)
-    with pytest.raises(
-        ValueError, match=r"law must .* depth of one clearance, .* depth of tabulated must"
-    ):
+    told = (
+        "law must be valid up to a depth of one clearance, but the law tabulated is valid up to 1"
+    )
+    with pytest.raises(ValueError, match=told):
         simulate(law=contact.Table.of_curve(curve), duration=1e-3)
 
 
@@ -512,14 +521,6 @@ def test_explicit_steps_have_their_order_before_the_first_impact(scheme, order):
     found = [explicit.integrate(PAPER, HERTZ, 1.6e-3, 4, step, scheme)[1] for step in (4e-4, 2e-4)]
     coarse, fine = (np.abs(values - exact)[1:].max() for values in found)
     assert np.log2(coarse / fine) > order - 0.4
-
-
-CHAOTIC = paper_scene(
-    **{"restitution": 0.05, "damping": "flores", "friction": 0.0, "gravity": 0.0},
-    **{"clearance": 1.86e-5, "crank_clearance": 1.732e-4, "initial_crank_angle": -1.5356884},
-    crank_speed=252.5646605,
-)
-"""Contacts last, without friction, in both joints; the energy error is 2e-12."""
 
 
 def test_a_response_tells_how_far_it_can_be_trusted():
@@ -534,16 +535,16 @@ def test_a_response_tells_how_far_it_can_be_trusted():
     assert calm.largest_distance < 1e-8
     assert calm.force_difference < 1e-6
     assert agreement(PAPER, tolerance=1e-12, duration=0.01).lasts  # beside a rougher one
-    wild = [agreement(CHAOTIC, duration=0.05, tolerance=t) for t in (1e-6, 1e-8, 1e-10)]
+    wild = [agreement(LOSSLESS, tolerance=t) for t in (1e-6, 1e-8, 1e-10)]
     assert not any(found.lasts for found in wild)
     until = [found.until for found in wild]
     assert until == sorted(until)  # errors grow exponentially: each digit buys the same time
-    assert 0.01 < until[0] < until[-1] < 0.03
+    assert 0.02 < until[0] < until[-1] < 0.09
     # chaos, not the steps: a start moved by 1e-10 rad leads away as soon
-    moved = CHAOTIC.replace(initial_crank_angle=CHAOTIC.initial_crank_angle + 1e-10)
-    runs = [simulate(scene, duration=0.05, tolerance=1e-12) for scene in (CHAOTIC, moved)]
+    moved = LOSSLESS.replace(initial_crank_angle=1e-10)
+    runs = [simulate(scene, tolerance=1e-12) for scene in (LOSSLESS, moved)]
     apart = compare.agreement(*runs)
-    assert 0.01 < apart.until < 0.03
+    assert 0.02 < apart.until < 0.09
 
 
 def test_agreement_finds_where_motions_part():

@@ -49,12 +49,13 @@ def test_results_agree_and_the_kept_files_stay(tmp_path, processor, names):
 
 CONSTANTS = """
 import numpy as np
-from study.contact import stiffened_hertz
+from study.contact import StiffenedHertz
+from study.joint import Joint
 for seed in range(20):
     r2, q, e, nu = np.random.default_rng(seed).uniform((20, 1.1, 0.1, 0.2), (400, 3, 9, 0.46))
     bodies = {"socket_ratio": q, "modulus_ratio": e, "poisson": nu, "socket_poisson": 0.66 - nu}
-    of_joint = stiffened_hertz.parts(r2, **bodies, ball_support="clamped", rim="free")
-    print([float(x).hex() for x in (of_joint[0], *of_joint[2])])
+    law = StiffenedHertz.of(Joint.from_ratios(r2, **bodies, ball_support="clamped", rim="free"))
+    print([float(x).hex() for x in (law.parts(law.r2_star).scale, *law.constants)])
 """
 
 

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.image import imread
 
 from study import paths
-from study.contact import SOCKET_RATIO, hyperbolic_winkler, winkler
+from study.contact import SOCKET_RATIO, HyperbolicWinkler, Winkler
 from study.pages import catalogue, drawings, execute, figures
 
 (NOTEBOOK,) = catalogue.select(["fig01"])
@@ -43,19 +43,19 @@ def test_overlap_is_as_deep_as_the_depth():
 
 def test_arrows_of_the_flat_foundation_add_up_to_winkler():
     x, share = panel("fig04", "a")["pressure"]
-    coefficient = winkler(1.0, R2_STAR)  # pi R/h, with R = R1 R2/dR
+    coefficient = Winkler()(1.0, R2_STAR)  # pi R/h, with R = R1 R2/dR
     peak = DEPTH_STAR * coefficient / (np.pi * (R2_STAR - 1))  # K d/h in E* dR/R2
     total = R2_STAR * peak * np.sum(np.pi * np.abs(x) * share) * np.diff(x)[0]
-    assert total == pytest.approx(winkler(DEPTH_STAR, R2_STAR), rel=0.01)
+    assert total == pytest.approx(Winkler()(DEPTH_STAR, R2_STAR), rel=0.01)
 
 
 def test_arrows_along_the_arc_add_up_to_the_law():
     theta, share = panel("fig06", "a")["pressure"]
-    coefficient = hyperbolic_winkler.parts(R2_STAR)[0]  # pi R2^2/(h dR)
+    coefficient = HyperbolicWinkler().parts(R2_STAR).scale  # pi R2^2/(h dR)
     peak = DEPTH_STAR * coefficient / (np.pi * R2_STAR)
     rings = np.pi * np.abs(theta) * np.diff(theta)[0]  # of a disc
     total = R2_STAR * peak * np.sum(rings * share * np.cos(theta))
-    assert total == pytest.approx(hyperbolic_winkler(DEPTH_STAR, R2_STAR), rel=0.01)
+    assert total == pytest.approx(HyperbolicWinkler()(DEPTH_STAR, R2_STAR), rel=0.01)
 
 
 @pytest.mark.parametrize(("letter", "depth"), [("a", "small_depth_star"), ("b", "depth_star")])

@@ -285,8 +285,8 @@ def test_library_is_complete(built):
         name = ".".join(path.relative_to(paths.ROOT).with_suffix("").parts)
         assert (built / f"api/{name.removesuffix('.__init__')}.html").is_file()
     text = (built / "api/study.contact.laws.html").read_text(encoding="utf-8")
-    signature = re.search(r'id="study.contact.laws.hertz">.*?</dt>', text, re.DOTALL)[0]
-    assert "depth_star" in signature  # not that of the function that the law is made of
+    signature = re.search(r'id="study.contact.laws.Steuermann">.*?</dt>', text, re.DOTALL)[0]
+    assert "radius" in signature
 
 
 def test_formulas_become_mathml(built):

@@ -24,7 +24,7 @@ from study.mechanism import Scene, simulate
 
 joint = Joint.from_ratios(75, socket=Material(7e10, 0.33))
 print(study.__file__)
-print(contact.stiffened_hertz(0.3, 200))
+print(joint.law("stiffened_hertz").law(0.3))
 print(joint.solve(depth_star=0.5).force_star)
 print(simulate(Scene(restitution=0.9), duration=1e-3, outputs=2).slider_position[-1])
 print(len(export.export("tabulated", "csv", joint)))
@@ -138,12 +138,12 @@ BASE = [
     ("joint", *SIZES, "--socket", "bronze", "--force", "100", "--json"),
     ("simulate", "--duration", "1e-3", "--output", "motion.csv", "--json"),
     ("simulate", "--duration", "1e-3", "--joint", "ideal", "--json"),
-    ("export", "--law", "tabulated", "--format", "json", "--r2-star", "150"),
     ("choose", "--r2-star", "200", "--depth-star", "0.3", "--tolerance", "0.01", "--json"),
     ("simulate", "--model", "auto", "--tolerance", "0.1", "--json"),
 ]
 TEXTS = [
     ("data", "materials"),
+    ("export", "--law", "tabulated", "--format", "csv", "--r2-star", "150"),
     ("simulate", "--duration", "1e-3"),
     ("sweep", "joints", "--random", "2", "--range", "r2_star=50:90", "--output", "joints.csv"),
 ]
