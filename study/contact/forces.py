@@ -62,6 +62,8 @@ def stored_energy(law, depth):
     Steuermann's profiles of n > 1, whose error is 1e-11, and tables, of which each interval between
     two knots is integrated exactly.
     """
+    if np.isnan(depth):  # no comparison below would hold, and the energy would be 0
+        return depth
     energy = 0.0
     if depth > 0 and law.shape_index == TABLE:
         root, step = np.sqrt(depth / law.clearance), 1 / law.constants[0]

@@ -517,6 +517,9 @@ class Sampled(Law):
         """Name of the function."""
         return getattr(self.function, "__name__", type(self.function).__name__)
 
+    def __repr__(self) -> str:
+        return f"Sampled({self.name}, deepest={self.deepest!r})"
+
     def parts(self, r2_star: Any) -> Parts:  # noqa: D102
         given = np.unique(r2_star)
         if given.size > 1:

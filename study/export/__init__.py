@@ -153,6 +153,8 @@ def check_name(name: str, form: Format) -> None:
     text = Path(__file__).with_name("names.toml").read_text(encoding="utf-8")
     for words in tomllib.loads(text).get(form, {}).values():
         reserved.update(words.split())
+    if form == "c":  # sinf and sinl, the functions of other precisions
+        reserved.update([word + letter for word in reserved for letter in "fl"])
     if name in reserved:
         raise ValueError(
             f"name must not be a keyword or a standard function of {form}, got {name!r}; take "

@@ -1,4 +1,4 @@
-"""The recipe "a force on the slider": a spring and a dashpot to the ground in a copy of the project.
+"""The recipe "a force on the slider": a spring and a dashpot to ground in a copy of the project.
 
 It changes two files, and all models of the links have it: their energies balance, and they agree.
 """

@@ -10,11 +10,8 @@ from latex2mathml.converter import convert
 from numpy.typing import ArrayLike, NDArray
 from numpydoc import docscrape_sphinx
 from sphinx.domains import ObjType
-from sphinx.ext.autodoc import FunctionDocumenter
 from sphinx.util.typing import stringify_annotation
 
-from study.contact.laws import Law
-from study.contact.shapes import Shape
 from study.pages.report import pages
 
 project = html_title = "Contact in spherical clearance joints"
@@ -31,7 +28,6 @@ default_role = "py:obj"
 autodoc_default_options = {"members": True, "ignore-module-all": True}
 viewcode_follow_imported_members = False  # nor values of attributes, such as `object`
 autodoc_member_order = "bysource"
-autodoc_use_legacy_class_based = True  # else `LawDocumenter` is not asked
 numpydoc_show_class_members = False
 
 html_theme = "furo"
@@ -54,20 +50,8 @@ _SHORT = {
 }
 
 
-class LawDocumenter(FunctionDocumenter):
-    """A law, or its shape, is described as the function as which it is called."""
-
-    objtype, directivetype, priority = "law", "function", 20
-
-    @classmethod
-    def can_document_member(cls, member, membername, isattr, parent):
-        """Whether it describes a member of a module."""
-        return isinstance(member, Law | Shape)
-
-
 def setup(app):
     """Add what Sphinx lacks: sources, formulas, places that its search finds, short types."""
-    app.add_autodocumenter(LawDocumenter)
     app.add_html_math_renderer("mathml", (_formula("inline"), None), (_formula("block"), None))
     templates = {}  # numpydoc would compile its template for each docstring: a sixth of the time
     docscrape_sphinx.SandboxedEnvironment = lambda loader: templates.setdefault(
