@@ -15,9 +15,8 @@ from study.contact import LAWS, SOCKET_RATIO, LawName
 from study.joint import Joint, limits
 from study.mechanism import MechanismError, Scene, compare
 from study.mechanism.law_in_scene import LAW, of_name
-from study.mechanism.response import IMPACT_COLUMNS
+from study.mechanism.response import IMPACT_COLUMNS, exceeded_limits
 from study.mechanism.simulate import Model, simulate
-from study.mechanism.validity import exceeded_limits
 from study.parameters import described
 
 SHOWN = 20  # impacts in a printed table

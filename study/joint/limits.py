@@ -10,6 +10,8 @@ from collections.abc import Mapping, Sequence
 from math import radians
 from typing import TYPE_CHECKING
 
+from study.joint.stress import first_yield
+
 if TYPE_CHECKING:
     from study.joint.joint import Joint
     from study.joint.solution import Solution
@@ -108,6 +110,31 @@ def modulus_limit(moduli: Mapping[str, float]) -> Limits:
     values = " and ".join(f"of the {body} is {modulus:g} Pa" for body, modulus in soft.items())
     text = f"Young's modulus {values}, which is very small; check that it is in Pa."
     return {"modulus": text} if soft else {}
+
+
+def law_limit(name: str, fitted_to: float | None, depth_star: float) -> Limits:
+    """The limit of a law, from the maximum depth_star to which it was fitted."""
+    if fitted_to is None or depth_star <= fitted_to:
+        return {}
+    text = (
+        f"The penetration depth of {depth_star:.2g} clearances is greater than {fitted_to:g}, the "
+        f"maximum to which the law {name} was fitted."
+    )
+    return {"law": text}
+
+
+def yield_limit(joint: Joint, depth_star: float) -> Limits:
+    """The limit of yield, from the depth of first yield; none without a yield stress."""
+    if not any(of.yield_stress for of in joint.materials.values()):
+        return {}
+    first = first_yield(joint, min(depth_star, 1.0))
+    if first is None:
+        return {}
+    text = (
+        f"The {first.body} yields at depths above {first.depth_star:.2g} clearances, and "
+        f"{depth_star:.2g} are reached. The law is elastic and therefore too stiff there."
+    )
+    return {"yield": text}
 
 
 def of_solution(solution: Solution) -> tuple[Limits, ...]:

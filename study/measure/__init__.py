@@ -2,6 +2,6 @@
 
 `charts` times laws, elastic solutions (solvers), time integration (steppers) and ``flexible``
 links; `timing` makes and reads the tables of times. Other programs are timed by benchmarks in
-`tests`. `explicit` integrates rigid links by five explicit schemes. `stability` predicts and
+`tests`. `explicit` integrates rigid links by three explicit schemes. `stability` predicts and
 observes the limits of such steps and of impacts, and `thresholds` finds limits by bisection.
 """

@@ -20,14 +20,12 @@ from study.mechanism.law_in_scene import in_scene
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import MechanismError, divide
 
-SCHEMES = ("symplectic Euler", "lagged", "centred", "velocity Verlet", "RK4")
-"""``lagged`` and ``centred``: central differences with two velocities for damping and friction."""
-EULER, LAGGED, CENTRED, VERLET, RK4 = range(5)
+SCHEMES = ("symplectic Euler", "velocity Verlet", "RK4")
+EULER, VERLET, RK4 = range(len(SCHEMES))
 THETA, EX, EY, OMEGA, EX_RATE, EY_RATE = range(6)
 """Places in a state: the crank's angle and the eccentricity, and their rates."""
 FIRST, SECOND, THIRD = range(3)  # stages of a step
 OUTPUT = np.dtype([("slider_acceleration", float), ("depth", float)])
-MOST_DAMPING = 100.0  # largest h D P c/v0 at which `_centre` still finds the velocity
 
 
 @compiled
@@ -59,12 +57,12 @@ def acceleration(y, contact, approach, p, law, work, out):
 
 
 @compiled
-def _limit(scheme, y, depth, approach, p, law):
+def _limit(y, depth, approach, p, law):
     """Longest stable step in a contact, in s.
 
     h^2 P' c + 2 h D P c/v0 < 4 and h mu P s/(v1 - v0) < 2, with the inverse effective masses c
-    along the normal and s along the tangent. It is exact for ``lagged`` and safe for the others.
-    The centred velocity has no damping limit, but `_centre` has one.
+    along the normal and s along the tangent. It is exact for symplectic Euler and safe for the
+    others.
     """
     r = law.clearance + depth
     nx, ny = y[EX] / r, y[EY] / r
@@ -72,8 +70,6 @@ def _limit(scheme, y, depth, approach, p, law):
     force, stiffness = elastic_force(law, depth)
     stiff, loss = stiffness * ease, force * p.damping / approach * ease
     limit = (sqrt(loss * loss + 4 * stiff) - loss) / stiff
-    if scheme == CENTRED:
-        limit = min(2 / sqrt(stiff), MOST_DAMPING / loss if loss > 0 else inf)
     slip = rigid.inverse_effective_mass(y[THETA], y[EY], -ny, nx, p.r1, p)
     grip = force * p.friction / (p.v1 - p.v0) * slip
     return min(limit, 2 / grip) if grip > 0 else limit
@@ -89,12 +85,10 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, history, guarded):
     a, slopes, stage, work = np.zeros(3), np.zeros((3, 3)), np.zeros(6), np.zeros(6)
     depth = norm(y[EX], y[EY]) - law.clearance
     pull = acceleration(y, True, approach, p, law, work, a)
-    if scheme in (LAGGED, CENTRED):  # velocities half a step before the positions
-        y[OMEGA:] -= 0.5 * h * a
     for output in range(outputs + 1):
         for _ in range(strides if output > 0 else 0):
             if guarded and depth > 0:
-                limit = _limit(scheme, y, depth, approach, p, law)
+                limit = _limit(y, depth, approach, p, law)
                 if h > limit:
                     return output, limit
             _step(scheme, y, a, h, approach, p, law, work, stage, slopes)
@@ -103,8 +97,6 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, history, guarded):
                 return output, 0.0
             approach = _approach(y, before, depth, approach)
             pull = acceleration(y, True, approach, p, law, work, a)
-            if scheme == CENTRED:
-                pull = _centre(y, a, 0.5 * h, approach, p, law, work, stage, slopes)
         history[output].slider_acceleration, history[output].depth = pull, depth
     return outputs + 1, 0.0
 
@@ -125,7 +117,7 @@ def _approach(y, before, depth, approach):
 def _step(scheme, y, a, h, approach, p, law, work, stage, slopes):
     """Move the state ``y`` by one step from its accelerations ``a``."""
     half, b, c, d = 0.5 * h, slopes[FIRST], slopes[SECOND], slopes[THIRD]
-    if scheme in (EULER, LAGGED, CENTRED):
+    if scheme == EULER:
         for i in range(3):
             y[3 + i] += h * a[i]
             y[i] += h * y[3 + i]
@@ -148,33 +140,6 @@ def _step(scheme, y, a, h, approach, p, law, work, stage, slopes):
         for i in range(3):
             y[i] += h * (y[3 + i] + h / 6 * (a[i] + b[i] + c[i]))
             y[3 + i] += h / 6 * (a[i] + 2 * (b[i] + c[i]) + d[i])
-
-
-@compiled
-def _centre(y, a, half, approach, p, law, work, stage, slopes):
-    """Change ``a`` to the accelerations at the velocity of the step's middle, which has them too.
-
-    They depend nearly linearly on it, and strongly along the normal alone: two steps of a fixed
-    point and one of Aitken's extrapolation find it. Returns the slider's acceleration.
-    """
-    last, pull = a, 0.0
-    for n in range(3):
-        for i in range(3):
-            stage[i], stage[3 + i] = y[i], y[3 + i] + half * last[i]
-        pull = acceleration(stage, True, approach, p, law, work, slopes[n])
-        last = slopes[n]
-        if n == 1:
-            size = along = 0.0
-            for i in range(3):
-                first = slopes[FIRST, i] - a[i]
-                size += first * first
-                along += (slopes[SECOND, i] - slopes[FIRST, i]) * first
-            ratio = along / size if size > 0 else 0.0
-            for i in range(3):
-                change = slopes[SECOND, i] - slopes[FIRST, i]
-                last[i] = slopes[FIRST, i] + change / (1 - ratio)
-    a[:] = last
-    return pull
 
 
 def packed(scene: Scene, law: str) -> np.record:

@@ -56,11 +56,8 @@ def _amplification(scheme, w, g):
     """Matrix (2, 2) that a step h of a scheme applies to (x, h x') of h^2 x'' = -w^2 x - g h x'."""
     place, speed = identity = np.eye(2)  # of (x, h x'), each row over both
     pull = np.array([-w * w, -g])
-    if scheme in ("symplectic Euler", "lagged"):
+    if scheme == "symplectic Euler":
         speed = speed + pull
-        return np.array([place + speed, speed])
-    if scheme == "centred":
-        speed = ((1 - g / 2) * speed - w * w * place) / (1 + g / 2)
         return np.array([place + speed, speed])
     if scheme == "velocity Verlet":
         moved = place + speed + pull / 2

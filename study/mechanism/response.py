@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from study import paths
-from study.contact import DimensionalLaw
+from study import checks, paths
+from study.contact import SOCKET_RATIO, DimensionalLaw
 from study.parameters import Quantity, derived
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from study.mechanism.scene import Scene
 
 _OF_JOINT = {
     "eccentricity_x": Quantity(
@@ -209,3 +211,34 @@ class Response:
             for row, kind in zip(*self._in_order_of_time(), strict=True):
                 numbers = ("" if np.isnan(number) else f"{number:.12g}" for number in row)
                 writer.writerow([*numbers, kind])
+
+
+def exceeded_limits(
+    scene: "Scene", response: Response, socket_ratio: float = SOCKET_RATIO
+) -> dict[str, str]:
+    """Model limits that the deepest contact exceeds: a key for each, and a sentence.
+
+    Yield is checked if a material has a yield stress, for half a ball on a guided plate and a
+    socket with the given ratio of its radii that is held at its whole outside.
+    """
+    from study.joint import Joint, limits  # a simulation needs no solver
+
+    deepest = response.largest_depth
+    if deepest == 0:
+        return {}
+    depth_star, (ball, socket) = deepest / scene.clearance, scene.materials
+    found: dict[str, str] = {}
+    if response.law:
+        law = response.law.law
+        found |= limits.law_limit(law.name, law.fitted_to, depth_star)
+    found |= limits.modulus_limit({"ball": ball.youngs_modulus, "socket": socket.youngs_modulus})
+    try:
+        r2_star = scene.socket_radius / scene.clearance
+        joint = Joint.from_ratios(r2_star, socket_ratio, ball=ball, socket=socket)
+        found |= limits.limits(joint, depth_star, 0.0, depth=deepest)
+        found |= limits.yield_limit(joint, depth_star)
+    except checks.RangeError as error:
+        found["joint"] = (
+            f"The law was not compared with an elastic solution of this joint: {error}."
+        )
+    return found

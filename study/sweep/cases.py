@@ -30,8 +30,8 @@ from study.joint.tilted import LARGEST_TILT
 from study.mechanism import Response, Scene
 from study.mechanism.compare import second_run
 from study.mechanism.law_in_scene import LAW, of_name
+from study.mechanism.response import exceeded_limits
 from study.mechanism.simulate import BEAM_STEP, ELEMENTS, TOLERANCE, ready, simulate
-from study.mechanism.validity import exceeded_limits
 from study.parameters import Parameter, Quantity, described
 
 Kind = Literal["joints", "scenes"]

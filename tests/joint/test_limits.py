@@ -9,7 +9,7 @@ import pytest
 from study.joint import Joint, Material
 from study.joint.limits import NEAR_RIM, in_short, limits, worst
 from study.mechanism import Scene, simulate
-from study.mechanism.validity import exceeded_limits
+from study.mechanism.response import exceeded_limits
 
 THICK = Joint.from_ratios(200, 3.0)
 SIZES = 12.5e-3, 40e-6, 6e-3

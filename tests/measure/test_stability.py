@@ -47,13 +47,12 @@ def test_oscillator_is_the_linearised_equation(pressed):
 @pytest.mark.parametrize(
     ("scheme", "rate", "expected"),
     [
-        *((scheme, 0.0, 2.0) for scheme in explicit.SCHEMES[:4]),
+        *((scheme, 0.0, 2.0) for scheme in explicit.SCHEMES[:2]),
         ("RK4", 0.0, 2 * 2**0.5),
-        ("lagged", 3.0, (13**0.5 - 3.0)),  # (h w)^2 + 2 h c/m = 4
-        ("lagged", 1e4, 2e-4),
+        ("symplectic Euler", 3.0, (13**0.5 - 3.0)),  # (h w)^2 + 2 h c/m = 4
+        ("symplectic Euler", 1e4, 2e-4),
         ("velocity Verlet", 1e4, 2e-4),
         ("RK4", 1e4, 2.7853e-4),
-        ("centred", 1e4, 2.0),
     ],
 )
 def test_limits_of_the_linear_oscillator(scheme, rate, expected):
@@ -71,22 +70,13 @@ def test_stiffness_limits_the_step_as_predicted(law, moment, scheme):
 
 
 @pytest.mark.parametrize("approach", [1e-2, 1e-3, 1e-5])
-@pytest.mark.parametrize("scheme", [s for s in explicit.SCHEMES if s != "centred"])
+@pytest.mark.parametrize("scheme", explicit.SCHEMES)
 def test_damping_limits_the_step_as_predicted(pressed, scheme, approach):
     state, contact_ = pressed
     rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * approach)
     limit = stability.step_limit(scheme, contact_["frequency"], rate)
     seen = stability.observed_step(SLIPPERY, "hertz", state, scheme, approach)
     assert seen == pytest.approx(limit, rel=0.16)
-
-
-def test_centred_velocity_is_not_limited_by_damping_until_its_fixed_point_fails(pressed):
-    state, contact_ = pressed
-    seen = [stability.observed_step(SLIPPERY, "hertz", state, "centred", v) for v in (1e-3, 1e-6)]
-    assert seen[0] == pytest.approx(2 / contact_["frequency"], rel=0.03)
-    share = seen[1] * SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * 1e-6)
-    assert share > 100
-    assert seen[1] < 1.5 / contact_["frequency"]
 
 
 def test_an_explicit_run_that_leaves_the_clearance_says_so(pressed):
@@ -104,7 +94,7 @@ def test_an_explicit_step_beyond_its_limit_is_refused(pressed, scheme, approach)
     state, contact_ = pressed
     numbers = explicit.packed(SLIPPERY, "hertz")
     rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * approach)
-    limit = min(stability.step_limit(scheme, contact_["frequency"], rate), 100 / max(rate, 1e-9))
+    limit = stability.step_limit(scheme, contact_["frequency"], rate)
 
     def run(step):
         outputs = round(20 * limit / step)
@@ -117,12 +107,12 @@ def test_an_explicit_step_beyond_its_limit_is_refused(pressed, scheme, approach)
 
 
 @pytest.mark.parametrize("band", [1e-3, 1e-4])
-@pytest.mark.parametrize("scheme", ["symplectic Euler", "lagged"])
-def test_friction_that_sticks_limits_the_step_as_predicted(scheme, band):
+def test_friction_that_sticks_limits_the_step_as_predicted(band):
     scene = paper_scene(friction=3.0, slow_speed=0.0, full_speed=band)
     state = stability.sustained_contact(scene, "hertz", 0.8 * SETTLED)
     limit = 2 / stability.oscillator(scene, "hertz", state)["friction_rate"]
-    seen = stability.observed_step(scene.replace(restitution=1.0), "hertz", state, scheme)
+    elastic = scene.replace(restitution=1.0)
+    seen = stability.observed_step(elastic, "hertz", state, "symplectic Euler")
     assert seen == pytest.approx(limit, rel=0.15)
 
 
