@@ -20,7 +20,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 # What a rebuild imports: here once, or else by all of its processes at the same time
 IMPORTED := import papermill, ipykernel.kernelapp, ipykernel.zmqshell, pandas.io.formats.style, \
-	snakemake.cli, study.claims.identification, study.mechanism, study.pages.report
+	snakemake.cli, study.claims.table2, study.mechanism, study.pages.report
 
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
@@ -47,7 +47,7 @@ help:
 	@echo "make check       set up, check style, types and which package imports which"
 	@echo "make setup       set up only: .venv with the packages of requirements.lock"
 	@echo "make lab         set up, open the notebooks in JupyterLab"
-	@echo "make data        set up, solve all cases of the dataset again (eleven minutes on two cores)"
+	@echo "make data        set up, solve all cases of the dataset again (some minutes on two cores)"
 	@echo "make bench       set up, measure the speed of solver, steppers and studies"
 	@echo "make speed       set up, time the charts of speed with the other programs found here"
 	@echo "make lock        renew requirements.lock (needs uv)"

@@ -28,75 +28,58 @@ def motion_quantities(
     Raises ``ValueError`` if the times differ.
     """
     same_times(response=response, ideal=ideal)
-    end = float(ideal.time[-1]) if end is None else end
-    part = ideal.time <= end * (1 + _TINY)
-    return (
-        _motion(response, ideal, part, ideal.time <= EARLY * (1 + _TINY))
-        | _forces(response, ideal, part, end)
-        | _path(response, part)
-    )
+    time, times = ideal.time, 1 + _TINY
+    end = float(time[-1]) if end is None else end
+    part, early = time <= end * times, time <= EARLY * times
 
-
-def _motion(response, ideal, part, early):
-    """Time for which the slider is ahead, and its acceleration."""
     series = ("slider_position", "slider_velocity", "slider_acceleration")
     curves = [ideal.rows[name] for name in series]
-    slopes = [*curves[1:], np.gradient(curves[-1], ideal.time)]
+    slopes = [*curves[1:], np.gradient(curves[-1], time)]
     ahead = [
         100 * float(((response.rows[name] - curve) * slope > 0)[part].mean())
         for name, curve, slope in zip(series, curves, slopes, strict=True)
     ]
     usual, loose = ideal.slider_acceleration, response.slider_acceleration
-    peak = np.abs(loose[early]).max() / np.abs(usual[early]).max()
-    return {
-        "time for which the slider is ahead": ahead[0],
-        "time for which the slider's velocity is ahead": ahead[1],
-        "time for which the slider's acceleration is ahead": ahead[2],
-        "acceleration, difference of clearance and ideal joint": 100
-        * normalised_rms(usual[part], loose[part]),
-        "largest early acceleration over that of the ideal joint": float(peak),
-    }
+    difference = 100 * normalised_rms(usual[part], loose[part])
+    early_peak = float(np.abs(loose[early]).max() / np.abs(usual[early]).max())
 
-
-def _forces(response, ideal, part, end):
-    """Impacts and normal force in the slider's joint."""
+    # impacts that have ended, and the range of the normal force in each window
     impacts = response.impact_rows
     ended = np.isfinite(impacts["separation_speed"])
     start, peak = impacts["time"][ended], impacts["peak_force"][ended]
     parted = start + impacts["duration"][ended]
-    loose, usual = response.normal_force, ideal.normal_force
-    largest = max(loose[part].max(), peak[start <= end].max(initial=0.0))
-    first = peak[start <= EARLY].max(initial=0.0) / usual[ideal.time <= EARLY].max()
-    number = np.floor(ideal.time / WINDOW + _TINY).astype(int)
+    force, usual_force = response.normal_force, ideal.normal_force
+    largest = max(force[part].max(), peak[start <= end].max(initial=0.0)) / usual_force[part].max()
+    first = peak[start <= EARLY].max(initial=0.0) / usual_force[early].max()
+    number = np.floor(time / WINDOW + _TINY).astype(int)
     begins = np.flatnonzero(np.diff(number, prepend=-1))[: int(end / WINDOW + _TINY) + 1]
-    swings = [
-        (np.maximum.reduceat(force, begins) - np.minimum.reduceat(force, begins))[:-1]
-        for force in (loose, usual)
-    ]
-    return {
-        "force over that of the ideal joint": float(largest / usual[part].max()),
-        "impact force over that of the ideal joint, first 10 ms": float(first),
-        "last separation": 100 * float(parted[start <= end].max(initial=0.0)) / end,
-        "time in which the force swings": 100 * float((swings[0] > 2 * swings[1]).mean()),
-    }
+    swing, usual_swing = (
+        (np.maximum.reduceat(values, begins) - np.minimum.reduceat(values, begins))[:-1]
+        for values in (force, usual_force)
+    )
 
-
-def _path(response, part):
-    """Time and positions of the contact on the circumference of the socket."""
-    x, y = response.eccentricity_x, response.eccentricity_y
+    # path of the contact on the circumference of the socket
     touches = (response.depth > 0) & part
-    angle = np.degrees(np.arctan2(y, x))[touches] % 360
+    angle = np.degrees(np.arctan2(response.eccentricity_y, response.eccentricity_x))[touches] % 360
     count = np.histogram(angle, np.arange(0, 361, PER_DEGREE))[0]
     quarters = np.convolve(np.append(count, count[: QUARTER - 1]), np.ones(QUARTER), "valid")
-    first = response.event_rows[np.array(response.event_kinds) == "start"][:1]
-    below = (
-        -100 * first["eccentricity_y"] / np.hypot(first["eccentricity_x"], first["eccentricity_y"])
-    )
+    most_visited = 100 * float(quarters.max() / len(angle)) if len(angle) else np.nan
+    below = np.nan
+    for touch in response.event_rows[np.array(response.event_kinds) == "start"][:1]:
+        x, y = touch["eccentricity_x"], touch["eccentricity_y"]
+        below = float(-100 * y / np.hypot(x, y))
     return {
+        "time for which the slider is ahead": ahead[0],
+        "time for which the slider's velocity is ahead": ahead[1],
+        "time for which the slider's acceleration is ahead": ahead[2],
+        "acceleration, difference of clearance and ideal joint": difference,
+        "largest early acceleration over that of the ideal joint": early_peak,
+        "force over that of the ideal joint": float(largest),
+        "impact force over that of the ideal joint, first 10 ms": float(first),
+        "last separation": 100 * float(parted[start <= end].max(initial=0.0)) / end,
+        "time in which the force swings": 100 * float((swing > 2 * usual_swing).mean()),
         "time in contact": 100 * float(touches.sum() / part.sum()),
         "arc that the contact covers": float(np.unique(angle // 1).size),
-        "time of contact in the most visited quarter": 100 * float(quarters.max() / len(angle))
-        if len(angle)
-        else np.nan,
-        "first touch below the centre": float(below[0]) if len(below) else np.nan,
+        "time of contact in the most visited quarter": most_visited,
+        "first touch below the centre": below,
     }

@@ -11,14 +11,6 @@ from numpy.typing import ArrayLike
 
 from study.contact.power_fit import adjusted, determination, rmse
 
-__all__ = [
-    "adjusted",
-    "determination",
-    "goodness_of_fit",
-    "kappa_as_printed",
-    "relative_rmse",
-    "rmse",
-]
 AS_PRINTED = {"size": 20, "predictors": 1}
 """Numbers of values and of predictors in the adjusted coefficients: their factor is 19/18 in all
 five rows of the paper's Table 2. The 21st depth is zero, where every law has no error; it seems not

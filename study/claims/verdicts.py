@@ -1,10 +1,10 @@
 """Verdicts on the paper's statements, from numbers in the results of this study.
 
-``data/published/claims.csv`` has the statements, in our own words. Each row names the result, the
-row and the column of the number with which the statement is compared, the expected number, and its
-tolerance. Where the paper leaves something open, there is a number for each reading. Where it
-states no bound, this study chose one, and half and twice this bound are applied too. The notebooks
-compute the numbers, and tests check them.
+``data/published/claims.csv`` has the statements, in our own words; ``data/README.md`` describes its
+columns. Each row names the result, the row and the column of the number with which the statement is
+compared, the expected number, and its tolerance. Where the paper leaves something open, there is a
+number for each reading. Where it states no bound, this study chose one, and half and twice this
+bound are applied too.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study import checks, dataset, paths
+from study import checks, paths
+from study.dataset import store
 
 Verdict = Literal["contradicted", "undecided", "reproduced"]
 Relation = Literal["=", "<", ">"]
@@ -24,10 +25,7 @@ KINDS = ("stated", "implied only", "used to identify", "trivially satisfied")
 """Only the verdict on a statement of the kind ``stated`` is evidence for or against the paper. The
 paper does not say the others explicitly, or they were used to identify the reference joint (or
 follow from what was used), or nearly any result would satisfy them."""
-COLUMNS = [
-    *("claim", "part", "kind", "where", "statement", "measure", "relation", "expected"),
-    *("tolerance", "assumes", "figure", "evidence", "row", "column"),
-]
+CLAIMS = paths.DATA / "published/claims.csv"
 
 
 class ClaimError(checks.StudyError):
@@ -35,20 +33,14 @@ class ClaimError(checks.StudyError):
 
 
 def load() -> pd.DataFrame:
-    """Load the statements, without verdicts: a table of text with the columns `COLUMNS`.
+    """Load the statements, without verdicts: a table of text.
 
-    ``data/README.md`` describes these columns. An additional column ``bounds`` has pairs of numbers
-    from ``expected`` and ``tolerance``: one pair, or two if this study chose the bound.
-
-    Raises `ClaimError` if a row cannot be evaluated, or if the file is missing or damaged.
+    Its column ``bounds`` has pairs of numbers from ``expected`` and ``tolerance``: one pair, or two
+    if this study chose the bound. Raises `ClaimError` if a row cannot be evaluated, and
+    `study.dataset.DatasetError` if the file is missing or damaged.
     """
-    name, as_text = "data/published/claims.csv", {"keep_default_na": False, "dtype": str}
-    try:
-        claims = pd.read_csv(paths.DATA / "published/claims.csv", **as_text)[COLUMNS]
-    except (FileNotFoundError, KeyError, ValueError):
-        remedy = f"restore it with: git checkout -- {name}"
-        raise ClaimError(f"{name} is missing or damaged; {remedy}") from None
-    published, bounds = dataset.published(), []
+    claims = store.read(CLAIMS, keep_default_na=False, dtype=str)
+    published, bounds = store.published(), []
     for row in claims.itertuples():
         try:
             checks.choice(f"kind of {row.claim}", row.kind, KINDS)
@@ -78,66 +70,58 @@ def _bounds(claim, published):
     return list(product(*numbers))
 
 
-def result(name: str) -> pd.DataFrame:
-    """Numbers of one result (`study.paths.read_result`). Raises `ClaimError` if it is missing."""
-    path = paths.read_result(f"{name}.csv")
-    if not path.is_file():
-        raise ClaimError(f"{paths.shown(path)} is missing; make it with: study run {name} --force")
-    return pd.read_csv(path)
-
-
 def readings(evidence: str, row: str, column: str) -> dict[str, float]:
     """Numbers with which a statement is compared, by reading.
 
     A reading is, for example, one of the models, materials or durations that the statement allows.
-    The numbers are in ``column`` of the result ``evidence``, in those rows whose ``quantity`` is
-    ``row``. The column ``reading`` of the result, if it has one, names the readings. Raises
+    The numbers are in ``column`` of the result ``evidence`` (`study.paths.read_result`), in those
+    rows whose ``quantity`` is ``row``; its column ``reading``, if there is one, names them. Raises
     `ClaimError` if the result, row or column is missing, or if a number is not finite.
     """
-    table, remake = result(evidence), f"make it again: study run {evidence} --force"
+    path, remake = paths.read_result(f"{evidence}.csv"), f"study run {evidence} --force"
+    if not path.is_file():
+        raise ClaimError(f"{paths.shown(path)} is missing; make it with: {remake}")
+    table = pd.read_csv(path)
     for name in ("quantity", column):
         if name not in table:
-            raise ClaimError(f"{evidence}.csv has no column {name!r}; {remake}")
+            raise ClaimError(f"{path.name} has no column {name!r}; make it again: {remake}")
     rows = table[table.quantity == row]
     if rows.empty:
-        raise ClaimError(f"{evidence}.csv has no quantity {row!r}; {remake}")
+        raise ClaimError(f"{path.name} has no quantity {row!r}; make it again: {remake}")
     names = rows.get("reading", ["this study"] * len(rows))
     numbers = pd.to_numeric(rows[column], errors="coerce")
     if not np.isfinite(numbers).all():
-        raise ClaimError(f"{column} of {row!r} in {evidence}.csv must be finite numbers")
+        raise ClaimError(f"{column} of {row!r} in {path.name} must be finite numbers")
     return dict(zip(names, numbers, strict=True))
 
 
 def judge() -> pd.DataFrame:
     """Verdict on every statement from the results, ordered by kind and verdict.
 
-    The results are those of `study.paths.read_result`. The table is that of `load` without ``row``,
-    ``column`` and ``assumes``, and with ``found`` (readings with their numbers, as text),
-    ``lowest``, ``highest``, ``verdict`` and ``depends_on``. Raises `ClaimError` as `load` and
-    `readings` do, and names the claim.
+    The table is that of `load` without ``row``, ``column`` and ``assumes``, and with ``found``
+    (readings with their numbers, as text), ``lowest``, ``highest``, ``verdict`` and ``depends_on``.
+    Raises the errors of `load` and `readings`, with the name of the claim.
     """
-    claims = load()
-    judged = claims.drop(columns=["row", "column", "assumes", "bounds"]).join(
-        pd.DataFrame(map(_judge, claims.itertuples()))
-    )
+    claims, results = load(), []
+    for claim in claims.itertuples():
+        try:
+            numbers = readings(claim.evidence, claim.row, claim.column)
+        except ClaimError as error:
+            raise ClaimError(f"claim {claim.claim}: {error}") from None
+        values = list(numbers.values())
+        held = holds(values, claim.relation, claim.bounds)
+        results.append(
+            {
+                "found": "; ".join(f"{name}: {value:.4g}" for name, value in numbers.items()),
+                "lowest": min(values),
+                "highest": max(values),
+                "verdict": verdict(values, claim.relation, claim.bounds),
+                "depends_on": "; ".join(depends_on(list(numbers), held)) or claim.assumes,
+            }
+        )
+    judged = claims.drop(columns=["row", "column", "assumes", "bounds"]).join(pd.DataFrame(results))
     order = (*KINDS, *VERDICTS).index
     return judged.sort_values(["kind", "verdict"], key=lambda x: x.map(order), ignore_index=True)
-
-
-def _judge(claim):
-    try:
-        numbers = readings(claim.evidence, claim.row, claim.column)
-    except ClaimError as error:
-        raise ClaimError(f"claim {claim.claim}: {error}") from None
-    values = list(numbers.values())
-    held = holds(values, claim.relation, claim.bounds)
-    return {
-        "found": "; ".join(f"{reading}: {value:.4g}" for reading, value in numbers.items()),
-        "lowest": min(values),
-        "highest": max(values),
-        "verdict": verdict(values, claim.relation, claim.bounds),
-        "depends_on": "; ".join(depends_on(list(numbers), held)) or claim.assumes,
-    }
 
 
 def holds(

@@ -303,7 +303,7 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
             event = _follow_gap(state, impacts, depth, h)
             if depth > 0:
                 joint, limit = _joint(ex, ey, depth, state, m, system, workspace, p, law, h)
-                if h > limit and system.guarded:
+                if system.guarded and not h <= limit:  # nor if the limit is no number
                     state.limit = limit
                     return done, stepping.FAILED
                 largest = stepping.follow_impact(impacts, state, joint.normal, depth)
