@@ -46,7 +46,7 @@ def inlined(function: Callable) -> Any:
 @cache
 def folder() -> Path:
     """Folder of the compiled functions of this code and this version of numba."""
-    sources = paths.sources("contact", "mechanism")
+    sources = paths.sources("contact", "mechanism", suffixes=(".py", ".toml"))
     return paths.CACHE / "compiled" / paths.digest(sources, numba.__version__)
 
 

@@ -15,7 +15,6 @@ import numpy as np
 import pandas as pd
 
 from study import checks, contact, paths
-from study.contact.costs import RELATIVE_COSTS
 from study.contact.laws import COEFFICIENTS
 from study.contact.stiffening import TABLE
 from study.dataset.compare import DIGITS, differs
@@ -40,6 +39,7 @@ SPEED = paths.DATA / "published/speed.csv"
 PACKAGE = paths.DATA / "datapackage.json"
 HASHES = paths.DATA / "SHA256SUMS"
 MATERIALS = paths.STUDY / "contact/materials.csv"
+RELATIVE_COSTS = paths.STUDY / "choose/relative_costs.json"
 CONTACT_SIZE = paths.STUDY / "pages/report/contact_size.csv"
 LOOKS = paths.STUDY / "pages/looks.csv"
 LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, CONTACT_SIZE, LOOKS)

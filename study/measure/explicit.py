@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study.compiled import compiled
-from study.contact.forces import elastic_force
-from study.contact.friction import friction_regime
+from study.contact.forces import elastic_force, friction_regime
 from study.mechanism import rigid
 from study.mechanism.angles import angle_of, norm, sine_cosine
 from study.mechanism.law_in_scene import in_scene

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.compiled import compiled
-from study.contact.forces import joint_forces
-from study.contact.friction import friction_regime
+from study.contact.forces import friction_regime, joint_forces
 from study.mechanism import stepping
 from study.mechanism.angles import direction, norm, sine_cosine
 from study.mechanism.frame import straight_links

@@ -10,9 +10,11 @@ Radau's matrix split its system into one real and two complex systems of n unkno
 estimated against a method of order 5 with the same points and the step's start (Hairer and Wanner,
 Solving Ordinary Differential Equations II, secs. IV.5 and IV.8).
 
-The rule's constants are literals, which have the same bits on every processor.
-`tests/mechanism/test_collocation.py` computes them again, in fractions.
+The rule's constants are in ``radau.toml``.
 """
+
+import tomllib
+from pathlib import Path
 
 import numpy as np
 
@@ -24,81 +26,24 @@ AT_START = 0  # row of the rates at a step's start, before those at its points
 """The error estimate grows with the power `STAGES` + 1 of the step, hence the sixth roots."""
 
 
-def _numbers(text):
-    return np.array(text.split(), dtype=complex if "j" in text else float)
+_RULE = tomllib.loads(Path(__file__).with_name("radau.toml").read_text(encoding="utf-8"))
 
 
-POINTS = _numbers("""
-    0.05710419611451768 0.2768430136381238 0.5835904323689168 0.8602401356562195
-    1.0
-""")
-RATE = _numbers("""
-    0.07299886431790333 -0.02673533110794557 0.01867692976398435 -0.01287910609330644
-    0.0050428392338820165 0.15377523147918246 0.14621486784749346 -0.036444568905128066
-    0.021233063119304712 -0.007935579902728777 0.14006304568480987 0.29896712949128346
-    0.167585070135249 -0.03396910168661778 0.010944288744192267 0.14489430810953474
-    0.2765000687601592 0.3257979229104211 0.12875675325490976 -0.01570891737880533
-    0.14371356079122594 0.28135601514946207 0.3118265229757413 0.22310390108357073
-    0.03999999999999999
-""").reshape(STAGES, STAGES)
-PLACE = _numbers("""
-    0.0026921653450316194 -0.002419204202085872 0.0028442318729743716 -0.0026754663973015797
-    0.0011887179883241085 0.03054120463258054 0.010010047971894266 -0.0041210906920285915
-    0.003325532699545791 -0.0014346675118728028 0.0763215713643023 0.08375801730851298
-    0.012150631980818893 -0.003080650913364248 0.001139326635999711 0.11512676760096317
-    0.1651389462496801 0.08427834845361512 0.006011352233119417 -0.0005488690404623671
-    0.1355069134314881 0.20346456801027135 0.12984754760823247 0.03118097095000806
-    4.2673712501010904e-18
-""").reshape(STAGES, STAGES)
-"""Weights of the accelerations at the points in the change of rates and places up to each point:
-Radau's matrix and its square."""
-# Eigenvalues, vectors and inverse vectors of `RATE`: the real one, and one of each complex pair.
-# Ten digits do: they affect the convergence of Newton's method only, not its result.
-REAL = 0.1590658444
-REAL_VECTOR = _numbers("""
-    0.0135768673 0.0016179004 0.0791578533 0.4122560827 1.0
-""")
-REAL_INVERSE = _numbers("""
-    27.6976937757 12.7833379113 3.2084893867 -0.9514904122 0.741550496
-""")
-COMPLEX = _numbers("""
-    0.133179077+0.0749945118j 0.0650657785+0.1164685277j
-""")
-COMPLEX_VECTORS = _numbers("""
-    -0.0229570306-0.0280397178j -0.0204840956+0.0953477546j
-    -0.0153376614+0.0494171568j 0.100345729-0.1886636384j
-    0.038796928+0.1636007074j -0.461079068+0.2054060908j
-    0.8152023426+0.3993648558j 0.7557878044+0.9334882606j
-    2+0j 2+0j
-""").reshape(STAGES, PAIRS)
-COMPLEX_INVERSES = _numbers("""
-    -16.5209401068+4.3057219899j -8.6884767395-4.8499957048j -0.0860645316-0.9573643198j
-    -0.049584889-1.209346003j 0.2656140579+0.523731744j 2.6720932189-1.8740299037j
-    2.2968077839+1.9924828682j -1.5181801617+0.5222078208j 0.5253300951-0.5920492841j
-    -0.1363893059+0.2249588851j
-""").reshape(PAIRS, STAGES)
-MONOMIALS = _numbers("""
-    1.0 0.0 0.0 0.0
-    0.0 0.0 -25.0 27.78093394406464
-    -3.641478498049213 1.2525477211691185 -0.5920031671845428 0.20000000000000004
-    150.0 -208.02785730090133 77.88337605511782 -29.16741431782969
-    14.111895563613205 -4.800000000000002 -350.0 524.1878839694918
-    -264.89491356822634 137.90290440413474 -72.39587480540027 25.200000000000006
-    350.0 -543.8283560361325 317.67586907995275 -202.09087094360737
-    123.04335789978718 -44.80000000000001 -126.0 199.88739542347736
-    -127.02285306879499 92.1028331361332 -64.16737549081559 25.200000000000006
-""").reshape(1 + STAGES, 1 + STAGES)
-"""Coefficients of the polynomial in a step's time from its values at the start and the points:
-a row for each power, from the lowest."""
-RATE_ERROR = _numbers("""
-    -0.25234331220596923 0.1603571220752778 -0.11627313432088354 0.08100664893157496
-    -0.031813168880000006
-""")
-PLACE_ERROR = _numbers("""
-    -0.002881972397679326 0.008878749786731284 -0.013571177746242714 0.013937034133190758
-    -0.006362633776000002
-""")
-"""Weights of the difference to a method of order `STAGES`, whose weight at the start is `REAL`."""
+def _numbers(name):
+    """Array of the rule's numbers of a name; complex ones are stored in two parts."""
+    stored = _RULE[name]
+    if isinstance(stored, dict):
+        return np.array(stored["real"]) + 1j * np.array(stored["imaginary"])
+    return np.array(stored)
+
+
+POINTS = _numbers("points")
+RATE, PLACE = _numbers("rate"), _numbers("place")
+REAL, REAL_VECTOR, REAL_INVERSE = _RULE["real"], _numbers("real_vector"), _numbers("real_inverse")
+COMPLEX = _numbers("complex")
+COMPLEX_VECTORS, COMPLEX_INVERSES = _numbers("complex_vectors"), _numbers("complex_inverses")
+MONOMIALS = _numbers("monomials")
+RATE_ERROR, PLACE_ERROR = _numbers("rate_error"), _numbers("place_error")
 SHARES = 1 / np.arange(1.0, STAGES + 3)
 """Factor of the power x^i in its integral, whose power is one higher."""
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.compiled import compiled, inner
-from study.contact.friction import friction_regime
+from study.contact.forces import friction_regime
 from study.mechanism import collocation, locating, rigid, stepping
 from study.mechanism.angles import angle_of, norm, sine_cosine, sixth_root
 from study.mechanism.collocation import AT_START, STAGES

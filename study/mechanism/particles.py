@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 
 from study import checks
 from study.compiled import compiled
-from study.contact.forces import elastic_force, joint_forces
-from study.contact.friction import friction_factor, friction_regime
+from study.contact.forces import elastic_force, friction_factor, friction_regime, joint_forces
 from study.mechanism import stepping
 from study.mechanism.angles import angle_of, direction, norm
 from study.mechanism.frame import Frame, straight_links
