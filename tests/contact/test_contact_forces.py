@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from study import contact
-from study.contact import forces, friction
+from study.contact import forces
 from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
 
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.1e11
@@ -61,8 +61,8 @@ def test_bad_damping_is_one_clear_error(arguments, message):
 
 @given(st.floats(-0.03, 0.03))
 def test_friction_factor_is_ambrosios(speed):
-    regime = friction.friction_regime(speed, V0, V1)
-    factor, slope = friction.friction_factor(speed, regime, V0, V1)
+    regime = forces.friction_regime(speed, V0, V1)
+    factor, slope = forces.friction_factor(speed, regime, V0, V1)
     assert factor == pytest.approx(np.sign(speed) * np.clip((abs(speed) - V0) / (V1 - V0), 0, 1))
     assert slope == (1 / (V1 - V0) if abs(regime) == 1 else 0)
 
@@ -84,8 +84,8 @@ def test_exact_damping_solves_its_equation_to_the_last_digits(restitution):
 
 def test_friction_regimes_meet_at_the_kinks():
     for speed, one, other in ((V0, 0, 1), (V1, 1, 2), (-V0, 0, -1), (-V1, -1, -2)):
-        left = friction.friction_factor(speed, one, V0, V1)[0]
-        right = friction.friction_factor(speed, other, V0, V1)[0]
+        left = forces.friction_factor(speed, one, V0, V1)[0]
+        right = forces.friction_factor(speed, other, V0, V1)[0]
         assert left == pytest.approx(right, abs=1e-14)
 
 
@@ -112,7 +112,7 @@ def test_stored_energy_is_the_integral_of_the_force(name):
 @given(st.floats(1e-7, 5e-5), st.floats(-0.2, 0.2), st.floats(-0.02, 0.02))
 def test_joint_forces_and_their_derivatives(depth, rate, sliding):
     law = packed("hertz", R1, R2, MODULUS)
-    regime = friction.friction_regime(sliding, V0, V1)
+    regime = forces.friction_regime(sliding, V0, V1)
 
     def at(depth, rate, sliding):
         return forces.joint_forces(law, depth, rate, sliding, regime, 0.1, 0.6, 0.05, V0, V1)
