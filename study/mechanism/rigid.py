@@ -11,6 +11,7 @@ have the same loads.
 """
 
 from collections import namedtuple
+from functools import partial
 from math import sqrt
 
 import numpy as np
@@ -137,7 +138,7 @@ def _on_ball_change(e, forces, change, dsliding):
     return dtangential, dfx, dfy
 
 
-@compiled
+@partial(compiled, forceinline=True)  # to pass its tuples takes longer than to compute them
 def motion(y, contact, p, law):
     """`Motion` at y = (z, z', ...), and its `Parts`, with the joint in a `ContactState`."""
     l1, l2, per_l2, per_m3 = p.l1, p.l2, 1 / p.l2, 1 / p.m3  # first: all else waits for them
