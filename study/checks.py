@@ -5,8 +5,10 @@ guessed.
 """
 
 import math
-from collections.abc import Callable, Collection, Iterator
+import re
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
+from decimal import Decimal
 from typing import Any, TypeVar
 
 import numpy as np
@@ -29,6 +31,10 @@ FORMULA = tuple("=+-@\t\r")
 
 class StudyError(RuntimeError):
     """A failure other than wrong input; the message says what failed and how to repair it."""
+
+
+class UnitWarning(UserWarning):
+    """A value that was probably meant in another unit."""
 
 
 class RangeError(ValueError):
@@ -132,7 +138,7 @@ def youngs_modulus(name: str, value: Any) -> float:
     try:
         return number(name, value, "Pa", least=SOFTEST, scalar=True)
     except RangeError as error:
-        if not 0 < value < SOFTEST:
+        if not 1e-3 <= value < SOFTEST:
             raise
         meant = f"{value:g}e9" if value < 1e3 else f"{value / 1e3:g}e9"
         raise RangeError(f"{error}: did you mean {meant}?") from None
@@ -169,29 +175,64 @@ def instance(name: str, value: Any, kind: type[T]) -> T:
     return value
 
 
-def read(name: str, text: str, kind: Callable[[str], Any] = float) -> Any:
+PREFIXES = {"": 0, "n": -9, "u": -6, "µ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
+"""SI prefix -> power of ten."""
+_WITH_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)", re.ASCII)
+
+
+def exponent_of(text: str, unit: str) -> int | None:
+    """Power of ten of a unit with a prefix, such as mm, in terms of an SI unit; None of another.
+
+    Examples
+    --------
+    >>> exponent_of("mm", "m"), exponent_of("GPa", "Pa"), exponent_of("inch", "m")
+    (-3, 9, None)
+    """
+    base, own = (unit[1:], 3) if unit.startswith("kg") else (unit, 0)
+    prefix = text.removesuffix(base)
+    if not base or prefix == text or prefix not in PREFIXES:
+        return None
+    return PREFIXES[prefix] - own
+
+
+def read(name: str, text: str, kind: Callable[[str], Any] = float, unit: str = "") -> Any:
     """Return the number that a text states, or raise ``ValueError``.
 
+    A number of an SI ``unit`` may be followed by this unit, which may have a prefix: ``12.5mm``.
     Underscores (``5_0``) and digits of other scripts are rejected, although Python accepts them.
+
+    Examples
+    --------
+    >>> read("wall", "12.5mm", unit="m"), read("wall", "0.0125", unit="m")
+    (0.0125, 0.0125)
     """
+    text = text.strip()
+    found = _WITH_UNIT.fullmatch(text)
+    exponent = exponent_of(found[2], unit) if found and kind is float else None
+    if found and exponent is not None:
+        return float(Decimal(found[1]).scaleb(exponent))  # exactly the number in the SI unit
     try:
         if "_" in text or not text.isascii():
             raise ValueError
         return kind(text)
     except ValueError:
         what = "an integer" if kind is int else "a number"
+        if unit and kind is float:
+            what += f" in {unit}, or with its unit, such as {_EXAMPLES.get(unit, f'5 {unit}')}"
         raise ValueError(f"{name} must be {what}, got {text!r}") from None
 
 
-def read_several(
-    name: str, text: str, count: int = 2, kind: Callable[[str], Any] = float
-) -> tuple[Any, ...]:
-    """Return the two or three numbers that a text states, separated by commas."""
-    parts = text.split(",")
+_EXAMPLES = {"m": "5mm", "N": "3kN", "Pa": "110GPa"}
+
+
+def read_several(name: str, text: str, units: Sequence[str]) -> tuple[float, ...]:
+    """Return the numbers that a text states, separated by commas, one of each unit."""
+    parts, count = text.split(","), len(units)
     if len(parts) != count:
-        wanted = {2: "two numbers separated by a comma", 3: "three numbers separated by commas"}
-        raise ValueError(f"{name} must be {wanted[count]}, got {text!r}")
-    return tuple(read(name, part, kind) for part in parts)
+        wanted = {1: "one number", 2: "two numbers separated by a comma"}
+        wanted = wanted.get(count, "three numbers separated by commas")
+        raise ValueError(f"{name} must be {wanted}, got {text!r}")
+    return tuple(read(name, part, unit=unit) for part, unit in zip(parts, units, strict=True))
 
 
 def shown(value: object) -> str:

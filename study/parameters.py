@@ -89,7 +89,7 @@ class Parameter:
         return parts
 
     def _read(self, name, text):
-        return text if self.typed is str else checks.read(name, text, self.typed)
+        return text if self.typed is str else checks.read(name, text, self.typed, self.unit)
 
     def taken(self, name: str, value: Any) -> Any:
         """Value as a checked object or number; raises ``ValueError`` with what is allowed."""

@@ -2,8 +2,6 @@
 
 import sys
 
-import typer
-
 from study import paths
 from study.checks import StudyError
 from study.cli import options as cli
@@ -12,20 +10,23 @@ from study.cli.output import say, show_table
 
 @cli.command(
     "run",
-    keeps=True,
+    {
+        "Options": [
+            cli.option(
+                "-p settings",
+                "Change a parameter of the named notebook, as KEY=VALUE; may be repeated. study "
+                "list NAME shows the parameters.",
+                multiple=True,
+            ),
+            cli.JOBS,
+            cli.switch("--force", "Run the notebooks even if they are up to date."),
+        ]
+    },
     examples=["run fig10", "run fig10 -p r2_star=100", "run -- --executor slurm --jobs 20"],
+    arguments=[cli.NAMES],
+    keeps=True,
 )
-def run_notebooks(
-    names: list[str] = cli.NAMES,
-    settings: list[str] = cli.option(
-        "Change a parameter of the named notebook, as KEY=VALUE; may be repeated. study list NAME "
-        "shows the parameters.",
-        "-p",
-        default=(),
-    ),
-    jobs: int = cli.JOBS,
-    force: bool = cli.switch("--force", "Run the notebooks even if they are up to date."),
-):
+def run_notebooks(force, names=(), settings=(), jobs=None):
     """Run the outdated notebooks, and compare their figures and tables with the accepted ones.
 
     A notebook is outdated if it, the library, the data or a result that it reads has changed since
@@ -52,8 +53,8 @@ def run_notebooks(
             if is_given:
                 raise ValueError(f"{option} cannot be used together with -p; remove it")
         _run_with(selected, settings)
-        return
-    _make(_files(selected), selected, jobs=jobs, force=force, more=more)
+        return None
+    return _make(_files(selected), selected, jobs=jobs, force=force, more=more)
 
 
 def _files(notebooks):
@@ -84,7 +85,7 @@ def _show_made(notebook, folder):
 
 
 def _make(targets, selected, *told, **options):
-    """Run the workflow, print what is told, and compare the results of notebooks.
+    """Run the workflow, print what is told, and return the status: 1 if a result differs.
 
     A run that fails is compared, too: its reason may be a damaged result, which is named then.
     """
@@ -110,14 +111,25 @@ def _make(targets, selected, *told, **options):
     if failure:
         raise failure
     if {"-n", "--dry-run", "--dryrun"} & set(options.get("more", ())):
-        return
+        return 0
     print(accepted.summary(compared))
-    if any(of.state == "differs" for of in compared):
-        raise typer.Exit(1)
+    return int(any(of.state == "differs" for of in compared))
 
 
-@cli.command("accept", examples=["accept fig10", "accept 03-force-against-depth"])
-def accept_results(names: list[str] = cli.NAMED):
+@cli.command(
+    "accept",
+    {"Options": []},
+    examples=["accept fig10", "accept 03-force-against-depth"],
+    arguments=[
+        cli.argument(
+            "names",
+            "Name of a figure, a table or a notebook; several may be given.",
+            "NAME",
+            many=True,
+        )
+    ],
+)
+def accept_results(names):
     """Accept results: copy figures and tables from build/results/ to figures/.
 
     The name of a notebook stands for all of its results. Look at git diff afterwards.
@@ -137,8 +149,8 @@ def accept_results(names: list[str] = cli.NAMED):
         print("Nothing was copied: the files in figures/ are the same.")
 
 
-@cli.command("paper", keeps=True, examples=["paper"])
-def typeset_paper(jobs: int = cli.JOBS):
+@cli.command("paper", {"Options": [cli.JOBS]}, examples=["paper"], keeps=True)
+def typeset_paper(jobs=None):
     """Bring the article and its supplement up to date, with the results that they show.
 
     The files are build/paper.pdf and build/supplement.pdf.
@@ -146,11 +158,19 @@ def typeset_paper(jobs: int = cli.JOBS):
     from study.pages import catalogue, typeset
 
     told = "The article is build/paper.pdf, and its supplement build/supplement.pdf."
-    _make([*typeset.PDFS, *_files(catalogue.CATALOGUE)], catalogue.CATALOGUE, told, jobs=jobs)
+    return _make(
+        [*typeset.PDFS, *_files(catalogue.CATALOGUE)], catalogue.CATALOGUE, told, jobs=jobs
+    )
 
 
-@cli.command("report", keeps=True, examples=["report --jobs 4"])
-def write_report(names: list[str] = cli.SNAKEMAKE, jobs: int = cli.JOBS):
+@cli.command(
+    "report",
+    {"Options": [cli.JOBS]},
+    examples=["report --jobs 4"],
+    arguments=[cli.SNAKEMAKE],
+    keeps=True,
+)
+def write_report(names=(), jobs=None):
     """Bring everything up to date: figures, tables, the article and the report.
 
     Figures and tables are in build/results/, the article is build/paper.pdf, and the report is a
@@ -164,11 +184,11 @@ def write_report(names: list[str] = cli.SNAKEMAKE, jobs: int = cli.JOBS):
         "Figures and tables are in build/results/, and the article is build/paper.pdf.",
         "Open the report in a browser: build/report/index.html",
     )
-    _make(every, catalogue.CATALOGUE, *told, jobs=jobs, more=cli.after_dashes(names))
+    return _make(every, catalogue.CATALOGUE, *told, jobs=jobs, more=cli.after_dashes(names))
 
 
-@cli.command("list", examples=["list fig10"])
-def list_results(names: list[str] = cli.NAMES):
+@cli.command("list", {"Options": []}, examples=["list fig10"], arguments=[cli.NAMES])
+def list_results(names=()):
     """List the figures and tables of each notebook, with a description.
 
     With a NAME, the parameters of its notebook are listed too, with their defaults and ranges.
@@ -200,3 +220,12 @@ def _show_parameters(notebook):
             [f"Parameters (change one with: study run {notebook.name} -p NAME=VALUE):", *lines]
         )
     )
+
+
+COMMANDS = {
+    "run": run_notebooks,
+    "accept": accept_results,
+    "paper": typeset_paper,
+    "report": write_report,
+    "list": list_results,
+}

@@ -1,75 +1,98 @@
 """The command that compares laws with a curve of the user: study fit."""
 
-import csv
 import re
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
-import typer
 
-from study import checks, paths
+from study import checks
 from study.cli import options as cli
-from study.cli.output import columns, show, working
-from study.cli.solve_joint import RELATIVE, SAME_BYTES, SIZED, joint_of
+from study.cli.output import SAME_BYTES, check_output, digits, drawn, show, table_of, working
+from study.tables import read_table
 
 NO_UNIT = "none"
-UNITS = {
-    "depth": {"um": 1e-6, "mm": 1e-3, "m": 1.0, NO_UNIT: 1.0},
-    "force": {"N": 1.0, "kN": 1e3, NO_UNIT: 1.0},
-}
-"""Units of a curve -> their size in m or N."""
-_ALSO = {"µm": "um", "star": NO_UNIT}  # at the end of a head, as in depth_star
+SI = {"depth": "m", "force": "N"}
 SHOWN = {"clearance": ("um", 1e6), "modulus": ("GPa", 1e-9), "offset": ("um", 1e6)}
 """Units in which fitted quantities are printed, and factors from SI units."""
 
 
 @cli.command(
     "fit",
-    sections={
-        "Curve": ("depth_column", "force_column", "depth_unit", "force_unit"),
-        "Fit": ("fit",),
-    }
-    | cli.SECTIONS
-    | {
-        "Output": ("as_json", "plot"),
+    {
+        "Curve": [
+            cli.option(
+                "--depth-column", "Name of the column of depths, if it does not begin with 'depth'."
+            ),
+            cli.option(
+                "--force-column", "Name of the column of forces, if it does not begin with 'force'."
+            ),
+            cli.option(
+                "--depth-unit",
+                "Unit of the depths, such as um or mm, if neither the name of their column nor the "
+                "cells have it. 'none' means normalised depths d/dR.",
+            ),
+            cli.option(
+                "--force-unit",
+                "Unit of the forces, such as N or kN, if neither the name of their column nor the "
+                "cells have it. 'none' means normalised forces P/(E* dR^2).",
+            ),
+        ],
+        "Fit": [
+            cli.option(
+                "--fit",
+                "Parameter to fit by least squares of the force: clearance (the search begins at "
+                "--clearance), modulus (the composite modulus E*) or offset (the depth reading at "
+                "first touch); may be repeated.",
+                multiple=True,
+            ),
+            cli.option(
+                "--try-power",
+                "Constants k,n of a power law F = k d^n that you have, which are compared with the "
+                "elastic solution of the joint and with the curve. k is in N/m^n, or in N/mm^n "
+                "with --units mm.",
+            ),
+        ],
+        "Output": [
+            cli.UNITS,
+            cli.JSON,
+            cli.option(
+                "--plot",
+                "File for a figure of the curve and the laws, ending in .png, .svg or .pdf.",
+                Path,
+            ),
+        ],
     },
     examples=[
         "fit examples/fit_your_curve.csv --fit clearance --fit offset \\\n"
-        "      --socket-radius 12.5e-3 --clearance 40e-6 --wall 6e-3 --socket bronze",
+        "      --socket-radius 12.5mm --clearance 40um --wall 6mm --socket bronze",
+        "fit --try-power 5e7,1.6 --units mm \\\n"
+        "      --socket-radius 12.5mm --clearance 40um --wall 6mm --socket bronze",
     ],
+    arguments=[
+        cli.argument(
+            "curve",
+            "CSV file with a line of column names and a row for each point. It needs a column of "
+            "penetration depths and a column of forces, such as 'depth [um]' and 'force [N]', or "
+            "depth_star and force_star. It may be left out with --try-power.",
+            "[FILE]",
+            Path,
+            required=False,
+        )
+    ],
+    joint=True,
 )
 def fit_own_curve(
-    curve: Path = typer.Argument(
-        help="CSV file with a line of column names and a row for each point. It needs a column of "
-        "penetration depths and a column of forces, such as 'depth [um]' and 'force [N]', or "
-        "depth_star and force_star.",
-        metavar="FILE",
-    ),
-    depth_column: str = cli.option(
-        "Name of the column of depths, if it does not begin with 'depth'."
-    ),
-    force_column: str = cli.option(
-        "Name of the column of forces, if it does not begin with 'force'."
-    ),
-    depth_unit: Literal["m", "mm", "um", "none"] = cli.option(
-        "Unit of the depths, if the name of their column has none. 'none' means normalised depths "
-        "d/dR."
-    ),
-    force_unit: Literal["N", "kN", "none"] = cli.option(
-        "Unit of the forces, if the name of their column has none. 'none' means normalised forces "
-        "P/(E* dR^2)."
-    ),
-    fit: list[str] = cli.option(
-        "Parameter to fit by least squares of the force: clearance (the search begins at "
-        "--clearance), modulus (the composite modulus E*) or offset (the depth reading at first "
-        "touch); may be repeated."
-    ),
-    plot: Path = cli.option(
-        "File for a figure of the curve and the laws, ending in .png, .svg or .pdf."
-    ),
-    as_json: bool = cli.JSON,
-    **joint: RELATIVE | SIZED,
+    as_json,
+    curve=None,
+    depth_column=None,
+    force_column=None,
+    depth_unit=None,
+    force_unit=None,
+    fit=(),
+    try_power=None,
+    units="SI",
+    plot=None,
+    **options,
 ):
     """Compare the contact laws with your own force-depth curve, and fit unknown parameters.
 
@@ -77,28 +100,42 @@ def fit_own_curve(
     Describe its joint as for study joint: with dimensions for a curve with units, without for a
     curve in normalised depths and forces. If no joint is described, only the power law k d^n is
     fitted.
+
+    With --try-power, constants k and n that you have are compared with the elastic solution of the
+    joint, with a curve or without one.
     """
     from study.choose.own_curve import fit_curve
 
-    if plot is not None:
-        cli.check_output(plot, *SAME_BYTES, name="plot")
+    check_output(plot, *SAME_BYTES, name="plot")
+    joint, _ = cli.take_joint(options, required=False)
+    power = None if try_power is None else _power_of(try_power, units)
+    if curve is None:
+        _show_tried(joint, power, units, as_json)
+        return
     heads = {"depth": depth_column, "force": force_column}
-    units = {"depth": depth_unit, "force": force_unit}
-    depth, force, has_units = read_curve(curve, heads, units)
-    asked = joint_of(joint) if joint else None
-    if asked is not None and asked.has_dimensions and not has_units:
-        depth, force, has_units = asked.clearance * depth, asked.force_unit * force, True
-    elif asked is not None and has_units and not asked.has_dimensions:
+    depth, force, has_units = read_curve(curve, heads, {"depth": depth_unit, "force": force_unit})
+    if joint is not None and joint.has_dimensions and not has_units:
+        depth, force, has_units = joint.clearance * depth, joint.force_unit * force, True
+    elif joint is not None and has_units and not joint.has_dimensions:
         raise ValueError(
             "--socket-radius, --clearance and --wall must be given because the curve has units; "
             "--r2-star is for a curve in normalised depths and forces (--depth-unit none "
             "--force-unit none)"
         )
     with working("Comparing the laws"):
-        found = fit_curve(depth, force, asked, fit or ())
+        found = fit_curve(depth, force, joint, fit, try_power=power)
     if plot is not None:
         _draw(found, plot, has_units)
-    show(_values(found), as_json, *_parts(found, has_units, fit or ()))
+    values = _values(found) | {"warnings": [*joint.warnings] if joint else []}
+    show(values, as_json, *_parts(found, has_units, fit))
+
+
+def _power_of(text, units):
+    """Coefficient in SI units and exponent of ``k,n``."""
+    coefficient, exponent = checks.read_several("--try-power", text, ("", ""))
+    checks.number("coefficient of --try-power", coefficient, above=0)
+    checks.number("exponent of --try-power", exponent, above=0)
+    return coefficient * 1000**exponent if units == "mm" else coefficient, exponent
 
 
 def read_curve(path, heads, units):
@@ -106,24 +143,15 @@ def read_curve(path, heads, units):
 
     ``heads`` and ``units`` of ``depth`` and ``force`` are None where the head of the file has them.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-        lines = [line for line in text.splitlines() if line.strip(" ,;\t")]
-        separator = max(",;\t", key="".join(lines[:1]).count)
-        rows = list(csv.reader(lines, delimiter=separator, strict=True))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        why = getattr(error, "strerror", None) or "it is not CSV text in UTF-8"
-        raise ValueError(f"FILE must be a CSV file, got {path}: {why}") from None
-    if len(rows) < 2:
-        raise ValueError(
-            f"{path} must have a line of column names and a row for each point, got {len(rows)} "
-            "line(s)"
-        )
-    names, values, found = [name.strip() for name in rows[0]], [], {}
+    table = read_table(path)
+    if not table.rows:
+        raise ValueError(f"{path} must have a line of column names and a row for each point")
+    values, found = [], {}
     for what, head in heads.items():
-        column = _column(names, what, head)
-        found[what] = units[what] or _unit(names[column], what)
-        values.append(_numbers(rows, column, what) * UNITS[what][found[what]])
+        column = _column(table.names, what, head)
+        cells = [row[column] for row in table.rows]
+        found[what] = _unit(table.names[column], cells, what, units[what])
+        values.append(_numbers(cells, what, found[what]))
     if (found["depth"] == NO_UNIT) != (found["force"] == NO_UNIT):
         raise ValueError(
             "depth and force must either both have units or both be normalised (unit none), got "
@@ -148,36 +176,38 @@ def _column(names, what, head):
             f"no column is named {wanted or what}; select one of {listed} with {option}"
         )
     several = ", ".join(names[k] for k in found)
+    raise ValueError(f"several columns may be the {what}: {several}; select one with {option}")
+
+
+def _unit(head, cells, what, given):
+    """Unit of a column: the given one, that at the end of its head, or that of its cells."""
+    last = given or re.split(r"[\s_,/(\[]+", head.rstrip(")] "))[-1]
+    if last in (NO_UNIT, "star"):
+        return NO_UNIT
+    names = {last, last.lower(), last.lower().replace("n", "N")}  # as in DEPTH_UM
+    for name in sorted(names, reverse=True):
+        if checks.exponent_of(name, SI[what]) is not None:
+            return name
+    if not given and all(cell[-1:].isalpha() for cell in cells):
+        return SI[what]
+    examples = {"depth": "um", "force": "N"}[what]
+    got = f"got {given}" if given else f"or give it with --{what}-unit"
     raise ValueError(
-        f"several columns may be the {what}: {several}; select one with {option}, and give each "
-        "column a different name"
+        f"the unit of the column {head} must be {SI[what]} with or without a prefix, such as "
+        f"{examples}, or none; write it in the column's name, for example {what} [{examples}], "
+        f"{got}"
     )
 
 
-def _unit(head, what):
-    """Unit that the head of a column ends with."""
-    last = re.split(r"[\s_,/(\[]+", head.rstrip(")] "))[-1]
-    known = {name.casefold(): name for name in UNITS[what]}
-    known |= {name.casefold(): also for name, also in _ALSO.items() if also in UNITS[what]}
-    if last.casefold() not in known:
-        raise ValueError(
-            f"the unit of the column {head} must be one of {', '.join(UNITS[what])}; write it in "
-            f"the column's name, for example {what} [{next(iter(UNITS[what]))}], or give it with "
-            f"--{what}-unit"
-        )
-    return known[last.casefold()]
-
-
-def _numbers(rows, column, what):
+def _numbers(cells, what, unit):
     values = []
-    for k, row in enumerate(rows[1:], 1):
-        if len(row) != len(rows[0]):
-            raise ValueError(
-                f"row {k} must have {len(rows[0])} cells, as many as there are column names, got "
-                f"{len(row)}"
-            )
-        name, text = f"{what} in row {k}", row[column].strip()
-        values.append(checks.read(name, text))
+    scale = 0 if unit == NO_UNIT else checks.exponent_of(unit, SI[what])
+    for k, text in enumerate(cells, 1):
+        name = f"{what} in row {k}"
+        if unit != NO_UNIT and text[-1:].isalpha() and text.lower() not in ("nan", "inf"):
+            values.append(checks.read(name, text, unit=SI[what]))
+        else:
+            values.append(checks.read(name, text) * 10.0**scale)
         if not np.isfinite(values[-1]):
             raise ValueError(f"{name} must be a finite number, got {text}; remove the row")
     return np.array(values)
@@ -202,9 +232,9 @@ def _parts(found, has_units, fit):
     for of in found.laws:
         row = {
             "law": of.law,
-            f"rmse{force}": _digits(of.rmse),
-            f"max_error{force}": _digits(of.max_error),
-            "max_relative_error %": _digits(100 * of.max_relative_error, 3),
+            f"rmse{force}": digits(of.rmse),
+            f"max_error{force}": digits(of.max_error),
+            "max_relative_error %": digits(100 * of.max_relative_error, 3),
             "R2": round(of.determination, 6),
             "R2_adjusted": round(of.determination_adjusted, 6),
             "fitted": len(of.parameters),
@@ -212,10 +242,10 @@ def _parts(found, has_units, fit):
         for name in fit:
             unit, factor = SHOWN[name] if has_units else ("", 1)
             for head, values in (("", of.parameters), ("_error", of.standard_errors)):
-                value = _digits(factor * values[name], 2 if head else 5) if name in values else None
+                value = digits(factor * values[name], 2 if head else 5) if name in values else None
                 row[f"{name}{head} {unit}".rstrip()] = value
         rows.append(row)
-    yield columns(rows)
+    yield table_of(rows)
     yield (
         f"The errors are over {len(found.depth)} points; relative errors only where the force is "
         "at least 1 % of its maximum. R2 = 1 - SSE/SST, and R2_adjusted takes the number of fitted "
@@ -253,21 +283,10 @@ def _power(found, has_units):
     )
 
 
-def _digits(value, digits=4):
-    return float(f"{value:.{digits}g}")
-
-
 def _draw(found, path, has_units):
     """Draw a curve and the laws into a file."""
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    from study.pages.figures import STYLE
-
     depths = found.depth * (SHOWN["offset"][1] if has_units else 1)
-    with mpl.rc_context(STYLE | {"svg.hashsalt": path.stem}):
-        figure = Figure(figsize=(8.4, 3.4))
-        left, right = figure.subplots(1, 2)
+    with drawn(path) as (left, right):
         left.plot(depths, found.force, "o", color="0.5", ms=3, label="your curve")
         for of in found.laws:
             (line,) = left.plot(depths, of.force, label=of.law)
@@ -276,5 +295,6 @@ def _draw(found, path, has_units):
         left.set(xlabel=f"depth{unit[0]}", ylabel=f"force{unit[1]}")
         right.set(xlabel=f"depth{unit[0]}", ylabel=f"law minus curve{unit[1]}")
         left.legend(fontsize=7)
-        with paths.whole(path) as temporary:
-            figure.savefig(temporary, metadata=SAME_BYTES[path.suffix])
+
+
+COMMANDS = {"fit": fit_own_curve}

@@ -3,16 +3,17 @@
 from functools import partial
 from inspect import signature
 from pathlib import Path
-from typing import Literal, get_args
+from typing import get_args
 
 from study import compiled
 from study.checks import StudyError
 from study.choose import choose_model
 from study.choose.model import QUANTITIES
 from study.cli import options as cli
-from study.cli.output import columns, named_fields, show, working
-from study.contact import LAWS, SOCKET_RATIO, LawName
-from study.joint import Joint, limits
+from study.cli.output import check_output, named_fields, show, table_of, working
+from study.contact import LAWS, SOCKET_RATIO
+from study.joint import limits
+from study.joint.options import PARAMETERS
 from study.mechanism import MechanismError, Scene, compare
 from study.mechanism.law_in_scene import LAW, of_name
 from study.mechanism.response import IMPACT_COLUMNS, exceeded_limits
@@ -28,74 +29,83 @@ END = {
     "a_slider m/s^2": "slider_acceleration",
 }
 """What is printed of the end -> the response's column."""
-SCENE = (
-    "Change a mechanism parameter, as KEY=VALUE; may be repeated. The keys and their units are: "
-    + ", ".join(f"{name} ({about.unit or '-'})" for name, about in described(Scene).items())
-    + ". With the default damping, exact, an impact has the given coefficient of restitution; the "
-    "other models are lankarani-nikravesh (which Yao et al. use), hunt-crossley and flores."
-)
 SOCKET = ("wall", "socket_ratio", "liner")
 """Options that describe the socket of the clearance joint."""
-_SETTINGS = ("joint", "duration", "outputs", "tolerance", "step", "elements", "method")
-OPTIONS = {
-    "model": cli.further(
-        Literal[(*get_args(Model), "auto")],
-        "Model of the links: rigid, particles or beams; auto picks the simplest model within "
-        "--tolerance. Default: rigid.",
-    ),
-    "law": cli.further(
-        LawName,
-        f"Contact law: {', '.join(LAWS)}. tabulated is a table of the joint's elastic solution. "
-        "Default: stiffened_hertz, or tabulated if --wall or --liner is given.",
-    ),
-    **cli.options_of(simulate, *_SETTINGS),
-    **cli.options_of(Joint, "wall", "liner"),
-    **cli.options_of(Joint.from_ratios, "socket_ratio"),
-    "quantity": cli.further(
-        Literal[QUANTITIES],
-        "With --model auto: part of the slider's motion whose error --tolerance limits. Default: "
-        "slider_position.",
-    ),
-}
-"""Options of a simulation and of the choice of its model."""
+_KEYS = ", ".join(f"{name} ({about.unit or '-'})" for name, about in described(Scene).items())
+_OF = {of.name: of for of in cli.options_of(simulate, *described(simulate)) if of.name != "scene"}
 
 
 @cli.command(
     "simulate",
-    sections={
-        "Mechanism and joint": ("scene", "joint", "law", "option", "socket_ratio", "wall", "liner"),
-        "Model of the links": ("model", "elements", "method", "quantity"),
-        "Time and accuracy": ("duration", "outputs", "tolerance", "step", "once"),
-        "Output": ("as_json", "output"),
+    {
+        "Mechanism and joint": [
+            cli.option(
+                "--scene",
+                "Change a mechanism parameter, as KEY=VALUE; may be repeated. The keys and their "
+                f"units are: {_KEYS}. With the default damping, exact, an impact has the given "
+                "coefficient of restitution; the other models are lankarani-nikravesh (which Yao "
+                "et al. use), hunt-crossley and flores.",
+                multiple=True,
+            ),
+            _OF["joint"],
+            cli.option(
+                "--law",
+                f"Contact law: {', '.join(LAWS)}. tabulated is a table of the joint's elastic "
+                "solution. Default: stiffened_hertz, or tabulated if --wall or --liner is given.",
+                tuple(LAWS),
+            ),
+            cli.LAW_NUMBER,
+            *(cli.option_of(name, PARAMETERS[name]) for name in SOCKET),
+        ],
+        "Model of the links": [
+            cli.option(
+                "--model",
+                "Model of the links: rigid, particles or beams; auto picks the simplest model "
+                "within --tolerance. Default: rigid.",
+                (*get_args(Model), "auto"),
+            ),
+            _OF["elements"],
+            _OF["method"],
+            cli.option(
+                "--quantity",
+                "With --model auto: part of the slider's motion whose error --tolerance limits. "
+                "Default: slider_position.",
+                QUANTITIES,
+            ),
+        ],
+        "Time and accuracy": [
+            _OF["duration"],
+            _OF["outputs"],
+            _OF["tolerance"],
+            _OF["step"],
+            cli.switch(
+                "--once",
+                "Do not repeat the simulation at a second tolerance. The repetition shows until "
+                "when the motion does not depend on the tolerance.",
+            ),
+        ],
+        "Output": [
+            cli.JSON,
+            cli.option("--output", "CSV file for the motion over time.", Path),
+        ],
     },
     examples=[
-        "simulate --scene clearance=1e-4 --duration 0.05 --output motion.csv",
-        "simulate --model auto --tolerance 0.01 --duration 0.05",
+        "simulate --scene clearance=100um --duration 50ms --output motion.csv",
+        "simulate --model auto --tolerance 0.01 --duration 50ms",
     ],
 )
-def simulate_mechanism(
-    scene: list[str] = cli.option(SCENE, default=()),
-    option: list[str] = cli.OPTION,
-    output: Path = cli.option("CSV file for the motion over time."),
-    as_json: bool = cli.JSON,
-    once: bool = cli.switch(
-        "--once",
-        "Do not repeat the simulation at a second tolerance. The repetition shows until when the "
-        "motion does not depend on the tolerance.",
-    ),
-    **options: OPTIONS,
-):
+def simulate_mechanism(as_json, once, scene=(), option=(), output=None, **options):
     """Simulate a crank-slider with a clearance joint: the final state and every impact.
 
-    All values are in SI units. By default the mechanism is that of Yao et al., section 4.3, with
-    rigid links.
+    Numbers with a unit are in SI units, or have their unit, such as 100um. By default the mechanism
+    is that of Yao et al., section 4.3, with rigid links.
 
     With --model auto, rigid links and links of particles are run, and the simplest model is used
     whose --quantity differs from that of a finer one by at most --tolerance. This is the RMS
     difference divided by the RMS change of the quantity since t = 0.
     """
-    changed = _scene(scene)
-    cli.check_output(output, ".csv")
+    changed = Scene(**cli.key_values("scene", scene, described(Scene)))
+    check_output(output, ".csv")
     if "elements" in options:
         options["elements"] = described(simulate)["elements"].read("elements", options["elements"])
     socket = {name: options.pop(name) for name in SOCKET if name in options}
@@ -223,16 +233,8 @@ def _of_choice(choice, duration):
         f"over {duration:g} s: {choice.model} links, {choice.joint} joint. It differs from a finer "
         f"model by {choice.error:.2g}.\nModels in order of detail (error is the difference to a "
         "finer model; relative_cost is the computing time, measured now):",
-        columns(choice.evidence),
+        table_of(choice.evidence),
     ]
 
 
-def _scene(settings):
-    known, values = described(Scene), {}
-    for setting in settings:
-        key, equals, text = setting.partition("=")
-        if not equals or key not in known:
-            names = ", ".join(known)
-            raise ValueError(f"--scene must be KEY=VALUE with KEY one of {names}, got {setting!r}")
-        values[key] = known[key].read(key, text)
-    return Scene(**values)
+COMMANDS = {"simulate": simulate_mechanism}

@@ -1,286 +1,278 @@
-"""The program, options that several commands share, and how a function becomes a command.
+"""Options of the commands, made from the descriptions of parameters, and the class of a command."""
 
-A command's module is loaded when the command is called: `COMMANDS` has the modules, and the
-sentences that ``study --help`` shows.
-"""
-
-import os
+import re
 import sys
-from copy import copy
-from functools import partial
-from importlib import import_module
-from inspect import Parameter, Signature, getdoc, signature
 from pathlib import Path
-from typing import Literal, get_args
 
-import typer
-from typer.core import TyperCommand, TyperGroup
-from typer.main import get_command_from_info
+import click
 
-from study import checks, parameters, paths
-from study.checks import StudyError
+from study import checks, paths
 from study.contact import LAWS
+from study.joint import options as of_joint
+from study.joint.options import joint_of
+from study.parameters import default_of, described
 
-COMMANDS = {
-    "run": (
-        "build",
-        "Run the outdated notebooks and compare their results with the accepted ones.",
-    ),
-    "accept": ("build", "Accept results that differ: copy them to figures/."),
-    "paper": ("build", "Bring the article and its supplement up to date."),
-    "report": ("build", "Bring figures, tables, article and report up to date."),
-    "list": ("build", "List the figures and tables of the notebooks."),
-    "data": ("stored", "Show, check or rebuild the dataset of solved force-depth curves."),
-    "measure": ("stored", "Measure the speed of laws, solvers and steppers on this machine."),
-    "joint": ("solve_joint", "Solve one joint: force, depth, stiffness, pressure and stresses."),
-    "law": ("evaluate_law", "Evaluate a contact law at given penetration depths."),
-    "choose": ("laws", "Choose the fastest contact law that is accurate enough for a joint."),
-    "fit": ("fit", "Compare the contact laws with your own curve, and fit unknown parameters."),
-    "export": ("laws", "Export the contact law of one joint for use in another program."),
-    "simulate": ("mechanism", "Simulate the crank-slider and list the impacts in its joint."),
-    "sweep": ("sweep", "Solve many joints, or simulate many mechanisms, and write one table."),
-}
-"""Command -> its module, and a sentence on what it does."""
-SECTIONS = {
-    "Joint with dimensions (SI units)": (
-        "socket_radius",
-        "clearance",
-        "wall",
-        "ball",
-        "socket",
-        "liner",
-    ),
-    "Joint without dimensions": (
-        "r2_star",
-        "socket_ratio",
-        "modulus_ratio",
-        "poisson",
-        "socket_poisson",
-        "layer",
-    ),
-    "Supports and contact model": (
-        "ball_support",
-        "socket_support",
-        "opening",
-        "rim",
-        "kinematics",
-        "solver",
-        "resolution",
-    ),
-}
-"""Headings in the help of commands that take a joint, and the options below each."""
-
-
-class _Command(TyperCommand):
-    """A command whose help lists its options in sections, by their ``rich_help_panel``.
-
-    Typer itself shows these sections only as panels with frames, in which a narrow column is left
-    for the explanations.
-    """
-
-    def format_options(self, ctx, formatter):
-        sections = {}
-        for parameter in self.get_params(ctx):  # the last one is --help
-            is_argument = parameter.param_type_name == "argument"
-            *_, last = "Options", *(heading for heading in sections if heading != "Arguments")
-            heading = "Arguments" if is_argument else parameter.rich_help_panel or last
-            shown, text = parameter.get_help_record(ctx)
-            record = parameter.metavar if is_argument else shown, text  # its type is in the text
-            sections.setdefault(heading, []).append(record)
-        for heading, records in sections.items():
-            with formatter.section(heading):
-                formatter.write_dl(records)
-
-
-class _LazyGroup(TyperGroup):
-    """The program, which loads the module of a command when it is needed."""
-
-    def list_commands(self, ctx):
-        return list(COMMANDS)
-
-    def get_command(self, ctx, name):
-        if name not in COMMANDS:
-            return None
-        import_module(f"study.cli.{COMMANDS[name][0]}")
-        if name == "data":
-            return typer.main.get_group(data_app)
-        (info,) = (info for info in app.registered_commands if info.name == name)
-        return get_command_from_info(info, pretty_exceptions_short=True, rich_markup_mode=None)
-
-    def format_commands(self, ctx, formatter):
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
-
-
-app = typer.Typer(
-    cls=_LazyGroup,
-    help="Contact force laws for spherical clearance joints: solve a joint, choose and export a "
-    "law, simulate a mechanism, and rebuild the results of the study.",
-    epilog="Help on one command, with its options and an example: study joint --help",
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-)
-data_app = typer.Typer(
-    help="Show, check or rebuild the dataset of solved force-depth curves.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-)
-
-INTERRUPTED = 130  # typer's status after Ctrl-C
 KEPT = "; what was finished is kept"
 METAVARS = {float: "NUMBER", int: "COUNT", str: "TEXT", Path: "FILE"}
 """What the help shows for the value of an option, by its type."""
 LONGEST = 60  # characters of a list of choices that the help shows in its place
 
 
-def option(text, *flags, default=None):
-    """Option with its help. Without a default it is None, or absent from a command's ``**``."""
-    return typer.Option(default, *flags, help=text)
-
-
-def required(text, *flags):
-    """Option that must be given."""
-    return option(text, *flags, default=...)
-
-
-def switch(flag, text):
-    """Option without a value, which is off by default."""
-    return option(text, flag, default=False)
-
-
-def further(kind, text):
-    """Type and option of a parameter among a command's ``**``."""
-    return kind, option(text)
-
-
-def options_of(owner, *names):
-    """Options of a class's or function's parameters (`study.parameters`), all or some of them."""
-    every, options = parameters.described(owner), {}
-    for name in names or every:
-        default = parameters.default_of(owner, name)
-        options[name] = option_of(every[name], default and f"Default: {default}.")
-    return options
-
-
-def option_of(about, note=""):
-    """Type and option of a `study.parameters.Parameter`; a note is a further sentence."""
-    kind = Literal[about.choices] if about.choices else about.typed
-    kind = {",": str, ";": list[kind]}.get(about.several, kind)
-    limits = "" if about.choices else about.range
-    details = ", ".join(filter(None, [about.unit and f"in {about.unit}", limits]))
-    text = f"{about.meaning} ({details})." if details else f"{about.meaning}."
-    return further(kind, f"{text} {note}".rstrip())
-
-
-OPTION = option(
-    "A number of the law, as NAME=VALUE, for example n=2 of steuermann or coefficient=900 of "
-    "winkler; may be repeated. study law --help has them all.",
-    default=(),
-)
-JSON = switch("--json", "Print the results as one JSON object.")
-OUTPUT = option("File to write.")
-JOBS = option("Number of processes. Default: one for each core.")
-NAMES, NAMED = (
-    typer.Argument(
-        default,
-        help="Name of a figure, a table or a notebook; several may be given." + note,
-        metavar="NAME",
-    )
-    for default, note in (((), " Default: all."), (..., ""))
-)
-FILES = typer.Argument(..., help="Data file; several may be given.", metavar="FILE")
-SNAKEMAKE = typer.Argument((), help="Words for Snakemake, after --.", metavar="[-- SNAKEMAKE]")
-DEPTHS = "Normalised penetration depth d/dR, relative to the clearance; may be repeated."
-
-
 class InterruptionError(Exception):
     """Ctrl-C in a command; the message says what is kept, if anything."""
 
 
-def command(name, group=app, keeps=False, sections=None, examples=()):
-    """Decorate a function as a command; its parameters are the command's options.
+class Number(click.ParamType):
+    """A number, which may be followed by its unit with an SI prefix."""
 
-    The annotation of ``**`` is a mapping of `further` options by name; the function gets those that
-    are given. A command that ``keeps`` finished work when it is interrupted does so unless --output
-    is given. The help shows the options in ``sections``, a mapping of headings to the options below
-    each, and ends with the ``examples``, which are commands without the program's name.
+    name = "number"
+
+    def __init__(self, kind=float, unit=""):
+        self.kind, self.unit = kind, unit
+
+    def convert(self, value, param, ctx):
+        """Number of a text; a default is a number already."""
+        return (
+            checks.read(param.opts[0], value, self.kind, self.unit) if type(value) is str else value
+        )
+
+
+def flag(name):
+    """Option of a parameter, as it is typed."""
+    return f"--{name.replace('_', '-')}"
+
+
+def option(flags, text, kind=str, unit="", **more):
+    """Option with its help; ``kind`` is a type or a tuple of words. Without a value it is None."""
+    if isinstance(kind, tuple):
+        is_long = len("|".join(kind)) > LONGEST
+        more = {"type": click.Choice(kind), "metavar": "NAME" if is_long else None} | more
+    else:
+        types = {str: str, Path: click.Path(path_type=Path)}
+        more = {"type": types.get(kind) or Number(kind, unit), "metavar": METAVARS[kind]} | more
+    return click.Option(flags.split(), help=text, **more)
+
+
+def switch(flags, text):
+    """Option without a value, which is off by default."""
+    return click.Option(flags.split(), is_flag=True, help=text)
+
+
+def option_of(name, about, note="", **more):
+    """Option of a `study.parameters.Parameter`; a note is a further sentence."""
+    limits = "" if about.choices else about.range
+    details = ", ".join(filter(None, [about.unit and f"in {about.unit}", limits]))
+    text = f"{about.meaning} ({details})." if details else f"{about.meaning}."
+    kind = about.choices or (str if about.several == "," else about.typed)
+    more = {"multiple": about.several == ";"} | more
+    return option(flag(name), f"{text} {note}".rstrip(), kind, about.unit, **more)
+
+
+def options_of(owner, *names):
+    """Options of a class's or function's parameters (`study.parameters`), all or some of them."""
+    every = described(owner)
+    defaults = {name: default_of(owner, name) for name in names or every}
+    return [
+        option_of(name, every[name], default and f"Default: {default}.")
+        for name, default in defaults.items()
+    ]
+
+
+LAW_NUMBER = option(
+    "--option",
+    "A number of the law, as NAME=VALUE, for example n=2 of steuermann or coefficient=900 of "
+    "winkler; may be repeated. study law --help has them all.",
+    multiple=True,
+)
+JSON = switch("--json as_json", "Print the results as one JSON object.")
+UNITS = option(
+    "--units", "Units of the results: SI, or mm, N, MPa and s. Default: SI.", ("SI", "mm")
+)
+OUTPUT = option("--output", "File to write.", Path)
+JOBS = option("--jobs", "Number of processes. Default: one for each core.", int)
+DEPTHS = option(
+    "--depth-star",
+    "Normalised penetration depth d/dR, relative to the clearance; may be repeated.",
+    float,
+    multiple=True,
+)
+
+
+def argument(name, text, metavar, kind=str, many=False, required=True, **more):
+    """Argument of a command, with its help."""
+    types = {"type": click.Path(path_type=Path) if kind is Path else kind}
+    return click.Argument(
+        [name],
+        metavar=metavar,
+        nargs=-1 if many else 1,
+        required=required,
+        help=text,
+        **types | more,
+    )
+
+
+NAMES = argument(
+    "names",
+    "Name of a figure, a table or a notebook; several may be given. Default: all.",
+    "NAME",
+    many=True,
+    required=False,
+)
+SNAKEMAKE = argument(
+    "names", "Words for Snakemake, after --.", "[-- SNAKEMAKE]", many=True, required=False
+)
+
+
+def _of_joint(owner, *names):
+    """Options of a joint by its sections in the help of study joint."""
+    defaults = {name: default_of(owner, name) for name in described(owner)}
+    for name in names:
+        default = defaults.get("layers" if name == "layer" else name)
+        note = f"Default: {default}." if default and name != "r2_star" else ""  # which is needed
+        yield option_of(name, of_joint.PARAMETERS[name], note)
+
+
+def joint_sections():
+    """Options that describe a joint, by their headings in the help of study joint."""
+    from study.joint import Joint
+    from study.joint.joint import SUPPORTS
+
+    return {
+        "Joint with dimensions": [*_of_joint(Joint, *of_joint.DIMENSIONS)],
+        "Joint without dimensions": [*_of_joint(Joint.from_ratios, *of_joint.RATIOS)],
+        "Supports and contact kinematics": [*_of_joint(Joint, *SUPPORTS)],
+    }
+
+
+SAVED = option(
+    "--joint",
+    "Joint that study joint --save wrote. The options of study joint that describe a joint, such "
+    "as --socket-radius, can be given here too, instead of this file or to change it.",
+    Path,
+)
+
+
+class Command(click.Command):
+    """A command whose help lists its options below headings, and whose errors name options.
+
+    A command that ``keeps`` finished work when it is interrupted does so unless --output is given.
+    ``hidden`` options are explained by study joint --help.
     """
 
-    def decorate(function):
-        own = signature(function).parameters
-
-        def call(**values):
-            values = {k: v for k, v in values.items() if k in own or v is not None}
-            try:
-                return function(**values)
-            except KeyboardInterrupt:
-                kept = KEPT if keeps and values.get("output") is None else ""
-                raise InterruptionError(kept) from None
-            except ModuleNotFoundError as error:
-                if error.name.startswith("study"):
-                    raise
-                package = "." if paths.IS_CHECKOUT else "spherical-clearance-joint-study"
-                raise StudyError(
-                    f"study {'data ' * (group is data_app)}{name} needs the package {error.name}; "
-                    f"install it with: pip install '{package}[study]'"
-                ) from None
-
-        headings = {of: heading for heading, names in (sections or {}).items() for of in names}
-        rank = {option: number for number, option in enumerate(headings)}
-        listed = _parameters(own.values(), headings)
-        call.__signature__ = Signature(sorted(listed, key=lambda of: rank.get(of.name, -1)))
-        text = getdoc(function)
-        summary = " ".join(text.split("\n\n")[0].split())
+    def __init__(self, function, name, sections, arguments, hidden, examples, keeps):
         shown = "\n".join(f"  study {example}" for example in examples)
         title = "Example:" if len(examples) == 1 else "Examples:"
-        group.command(
-            name,
-            cls=_Command,
+        text = function.__doc__
+        listed = [of for options in sections.values() for of in options]
+        super().__init__(
+            name.rpartition(" ")[2],
+            params=[*arguments, *listed, *hidden],
+            callback=function,
             help=text,
-            short_help=summary,
-            epilog=f"\b\n{title}\n{shown}" if examples else None,
-        )(call)
-        return function
+            epilog=f"\b\n{title}\n{shown}",
+        )
+        self.path, self.sections, self.arguments = name, sections, arguments
+        self.keeps, self.examples = keeps, examples
+
+    def format_options(self, ctx, formatter):
+        """Write the options below their headings."""
+        sections = {
+            heading: [of.get_help_record(ctx) for of in options]
+            for heading, options in self.sections.items()
+        }
+        *_, last = sections
+        sections[last].append(self.get_help_option(ctx).get_help_record(ctx))
+        for heading, records in sections.items():
+            if records:
+                with formatter.section(heading):
+                    formatter.write_dl(records)
+
+    def invoke(self, ctx):
+        """Call the function with the options that are given."""
+        switches = {of.name for of in self.params if getattr(of, "is_flag", False)}
+        given = {n: v for n, v in ctx.params.items() if n in switches or v not in (None, ())}
+        try:
+            return self.callback(**given)
+        except KeyboardInterrupt:
+            kept = KEPT if self.keeps and "output" not in given else ""
+            raise InterruptionError(kept) from None
+        except ValueError as error:
+            raise click.UsageError(self._in_options(str(error))) from None
+        except ModuleNotFoundError as error:
+            if error.name.startswith("study"):
+                raise
+            package = "." if paths.IS_CHECKOUT else "spherical-clearance-joint-study"
+            raise checks.StudyError(
+                f"study {self.path} needs the package {error.name}; install it with: pip install "
+                f"'{package}[study]'"
+            ) from None
+
+    def _in_options(self, text):
+        """A message with the options that were typed in place of the names of parameters.
+
+        A name of one word, such as wall, is a parameter only where the message begins.
+        """
+        names = {of.name: of.opts[0] for of in self.params if isinstance(of, click.Option)}
+        known = "|".join(sorted(map(re.escape, names), key=len, reverse=True))
+        begin = rf"^(.* of )?({known})((, | and )({known}))*(?= (must|does|do|is for)\b)"
+        several = "|".join(name for name in names if "_" in name) or "^$"
+        for place in (begin, rf"\b({several})\b(?!=)"):
+            text = re.sub(
+                place,
+                lambda part: re.sub(rf"(?<!-)\b({known})\b", lambda of: names[of[0]], part[0]),
+                text,
+            )
+        return text
+
+
+def command(name, sections, examples, arguments=(), joint=False, keeps=False):
+    """Decorate a function as a command with options by heading; with those of a joint, hidden."""
+    hidden = []
+    if joint:
+        hidden = [of for options in joint_sections().values() for of in options]
+        shown = {of.name for options in sections.values() for of in options}
+        hidden = [of for of in hidden if of.name not in shown]
+        sections = {"Joint": [SAVED], **sections}
+
+    def decorate(function):
+        return Command(function, name, sections, arguments, hidden, examples, keeps)
 
     return decorate
 
 
-def _parameters(own, headings):
-    """Keyword parameters of a function, and those of the options that annotate its ``**``.
-
-    An option that several commands share is copied, as its heading differs between them.
-    """
-    for parameter in own:
-        if parameter.kind is parameter.VAR_KEYWORD:
-            yield from _parameters(
-                (
-                    Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind, default=default)
-                    for name, (kind, default) in parameter.annotation.items()
-                ),
-                headings,
-            )
-        else:
-            parameter = parameter.replace(
-                default=copy(parameter.default), kind=Parameter.KEYWORD_ONLY
-            )
-            parameter.default.rich_help_panel = headings.get(parameter.name)
-            kind, *_ = *get_args(parameter.annotation), parameter.annotation  # that of a list
-            is_long = len("|".join(map(str, get_args(parameter.annotation)))) > LONGEST
-            metavar = "NAME" if is_long else METAVARS.get(kind)
-            parameter.default.metavar = parameter.default.metavar or metavar
-            if kind in (float, int):
-                parameter.default.parser = partial(_number, kind)
-            yield parameter
+def choice(words):
+    """Type of an argument that is one of some words."""
+    return click.Choice(tuple(words))
 
 
-def _number(kind, text):
-    """Value of an option that is a number; a default is one already."""
-    try:
-        return checks.read("the value", text, kind) if isinstance(text, str) else text
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
+def take_joint(options, *, off_axis=False, required=True):
+    """Joint of the options that describe one, which are removed; None if there are none."""
+    values, words = take_values(options)
+    if not values and not required:
+        return None, words
+    return joint_of(values, off_axis=off_axis), words
+
+
+def take_values(options):
+    """Values of a joint among options, which are removed, and the words that give them again."""
+    given = {name: options.pop(name) for name in of_joint.PARAMETERS if name in options}
+    words = typed(given)
+    if (saved := options.pop("joint", None)) is not None:
+        given = of_joint.merged(of_joint.load(saved), given)
+        words = f"{typed({'joint': saved})} {words}".rstrip()
+    return given, words
+
+
+def typed(options):
+    """Options as they are typed on the command line."""
+    import shlex
+
+    words = []
+    for name, value in options.items():
+        for one in value if isinstance(value, list | tuple) else [value]:
+            text = f"{one:.9g}" if isinstance(one, float) else str(one)
+            words += [flag(name), shlex.quote(text)]
+    return " ".join(words)
 
 
 def after_dashes(words):
@@ -291,49 +283,28 @@ def after_dashes(words):
     return more
 
 
-def flag(name):
-    """Option of a parameter, as it is typed."""
-    return f"--{name.replace('_', '-')}"
-
-
 def left_out(options, allowed, what):
     """Raise ``ValueError`` for an option that does not apply to something: any not allowed."""
     for name in options:
         if name not in allowed:
-            raise ValueError(f"{flag(name)} does not apply to {what}; remove it")
+            raise ValueError(f"{name} does not apply to {what}; remove it")
 
 
-def law_of(name, settings):
-    """Law with the numbers of ``NAME=VALUE``, or its name without any."""
+def key_values(name, texts, known):
+    """Values of ``KEY=VALUE`` by key, read by the `study.parameters.Parameter` of each key."""
+    values = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not equals or key not in known:
+            names = ", ".join(known) or "nothing, as this law has no numbers to choose"
+            raise ValueError(f"{name} must be KEY=VALUE with KEY one of {names}, got {text!r}")
+        values[key] = known[key].read(key, value)
+    return values
+
+
+def law_of(name, settings=()):
+    """Law with the numbers of ``KEY=VALUE``, or its name without any."""
     if not settings:
         return name
-    about, values = parameters.described(LAWS[name]), {}
-    for setting in settings:
-        key, equals, text = setting.partition("=")
-        if not equals or key not in about:
-            known = ", ".join(about) or "nothing, as this law has no numbers to choose"
-            raise ValueError(
-                f"--option of the law {name} must be NAME=VALUE with NAME one of {known}, got "
-                f"{setting!r}"
-            )
-        values[key] = about[key].read(key, text)
-    return LAWS[name](**values)
-
-
-def under_tilt(tilt, options):
-    """Options of a joint; with a tilt the rim of the socket is free by default."""
-    return options if tilt is None else {"rim": "free"} | options
-
-
-def check_output(output, *suffixes, name="output"):
-    """Raise ``ValueError`` before the work if a file cannot be written or has another suffix."""
-    if output is None:
-        return
-    if output.suffix not in suffixes:
-        raise ValueError(f"{flag(name)} must end in {' or '.join(suffixes)}, got {output}")
-    if not output.parent.is_dir() or not os.access(output.parent, os.W_OK | os.X_OK):
-        raise ValueError(
-            f"{flag(name)} must be in an existing folder with write permission, got {output}"
-        )
-    if output.is_dir():
-        raise ValueError(f"{flag(name)} must be a file, got the folder {output}")
+    about = described(LAWS[name])
+    return LAWS[name](**key_values(f"--option of the law {name}", settings, about))

@@ -2,12 +2,15 @@
 
 import csv
 import json
+import os
 import sys
 from contextlib import contextmanager
 from itertools import zip_longest
 from shutil import get_terminal_size
 from textwrap import fill
 
+from study.cli.options import flag
+from study.parameters import READ
 from study.threads import check_memory
 
 GAP = "  "
@@ -25,6 +28,13 @@ UNITS = {
     "yield_stress": "Pa",
 }
 """Units of columns that have none in their head."""
+
+
+MM = {"m": "mm", "m^2": "mm^2", "N/m": "N/mm", "Pa": "MPa", "N m": "N mm"}
+"""SI unit -> unit of results in mm, N, MPa and s."""
+_SIZES = READ | {"mm": 1e-3, "N/mm": 1e3, "N mm": 1e-3}
+SAME_BYTES = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+"""Endings of figures -> metadata without which the same figure has the same bytes."""
 
 
 def show(values, as_json=False, *parts):
@@ -57,7 +67,7 @@ def show_table(table, *sentences):
         writer.writerow(_csv_cell(value) for value in row)
 
 
-def columns(rows):
+def table_of(rows):
     """Rows of a table, each a value by head, as columns by head."""
     return {head: [row[head] for row in rows] for head in rows[0]}
 
@@ -129,6 +139,64 @@ def text_of(value):
     if isinstance(value, dict):
         return ", ".join(f"{key} {text_of(item)}" for key, item in value.items())
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def in_mm(value, unit, units):
+    """A number, list or array in SI units, in mm, N, MPa and s if these are the ``units``."""
+    if units != "mm" or unit not in MM or value is None:
+        return value
+    return (
+        [of / _SIZES[MM[unit]] for of in value]
+        if isinstance(value, list)
+        else value / _SIZES[MM[unit]]
+    )
+
+
+def read_unit(quantity, units):
+    """Unit in which a person reads a `study.parameters.Quantity`, and its size in SI units."""
+    unit = MM.get(quantity.unit, quantity.read) if units == "mm" else quantity.read
+    return unit, _SIZES.get(unit, 1.0)
+
+
+def digits(value, count=4):
+    """A number with some significant digits."""
+    return None if value is None else float(f"{value:.{count}g}")
+
+
+def percent(error):
+    """A relative error as text, in percent."""
+    return f"{100 * error:.2g} %"
+
+
+def check_output(output, *suffixes, name="output"):
+    """Raise ``ValueError`` before the work if a file cannot be written or has another suffix."""
+    if output is None:
+        return
+    if output.suffix not in suffixes:
+        raise ValueError(f"{flag(name)} must end in {' or '.join(suffixes)}, got {output}")
+    if output.is_dir():
+        raise ValueError(f"{flag(name)} must be a file, got the folder {output}")
+    is_writable = os.access(output.parent, os.W_OK | os.X_OK)
+    if not output.parent.is_dir() or not is_writable:
+        raise ValueError(
+            f"{flag(name)} must be in an existing folder with write permission, got {output}"
+        )
+
+
+@contextmanager
+def drawn(path):
+    """Two axes, side by side, which are drawn into a file at the end."""
+    import matplotlib as mpl  # late: only figures need it
+    from matplotlib.figure import Figure
+
+    from study import paths
+    from study.pages.figures import STYLE
+
+    with mpl.rc_context(STYLE | {"svg.hashsalt": path.stem}):
+        figure = Figure(figsize=(8.4, 3.4))
+        yield figure.subplots(1, 2)
+        with paths.whole(path) as temporary:
+            figure.savefig(temporary, metadata=SAME_BYTES[path.suffix])
 
 
 def named_fields(choice):

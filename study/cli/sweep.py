@@ -3,58 +3,88 @@
 import sys
 import time
 from pathlib import Path
-from typing import Literal
-
-import typer
 
 from study.cli import options as cli
-from study.cli.output import say, working
+from study.cli.output import check_output, say, working
 
 PLAIN_EVERY = 10.0  # s between lines of progress if the output is not a terminal
 
 
 @cli.command(
     "sweep",
-    sections={
-        "Random cases": ("random", "ranges", "seed"),
-        "Computation": ("twice", "jobs", "dask_address"),
-        "Output": ("output",),
+    {
+        "Random cases": [
+            cli.option(
+                "--random",
+                "Number of random cases, whose values are drawn from each --range.",
+                int,
+            ),
+            cli.option(
+                "--range ranges",
+                "Range of a column of the random cases; may be repeated. NAME=LOW:HIGH draws "
+                "uniformly, NAME=LOW:HIGH:log uniformly in the logarithm, and NAME=A,B,C one of "
+                "the listed values.",
+                multiple=True,
+            ),
+            cli.option(
+                "--seed",
+                "Seed of the random numbers; the same seed gives the same cases. Default: 0.",
+                int,
+            ),
+        ],
+        "Computation": [
+            cli.option(
+                "--joint",
+                "Joint that study joint --save wrote: the columns replace its values in each row.",
+                Path,
+            ),
+            cli.switch(
+                "--twice",
+                "Repeat the simulation of each scene at a second tolerance. A column of the table "
+                "then has the time until which both agree. The run takes about three times as "
+                "long.",
+            ),
+            cli.JOBS,
+            cli.option(
+                "--dask dask_address",
+                "Address of a Dask scheduler, whose workers then solve the cases.",
+            ),
+        ],
+        "Output": [
+            cli.option("--output", "CSV file for the table of results.", Path, required=True)
+        ],
     },
     examples=[
         "sweep joints --random 20 --range r2_star=20:300:log --range poisson=0.2:0.4 \\\n"
         "      --output joints.csv",
     ],
+    arguments=[
+        cli.argument(
+            "kind",
+            "Kind of the cases: joints to solve, or scenes (mechanisms) to simulate.",
+            "KIND",
+            cli.choice(("joints", "scenes")),
+        ),
+        cli.argument(
+            "cases",
+            "CSV file with a row for each case. It is not given with --random.",
+            "[FILE]",
+            Path,
+            required=False,
+        ),
+    ],
 )
 def sweep_cases(
-    kind: Literal["joints", "scenes"] = typer.Argument(
-        help="Kind of the cases: joints to solve, or scenes (mechanisms) to simulate.",
-        metavar="KIND",
-    ),
-    output: Path = cli.required("CSV file for the table of results."),
-    cases: Path = typer.Argument(
-        None,
-        help="CSV file with a row for each case. It is not given with --random.",
-        metavar="[FILE]",
-    ),
-    random: int = cli.option("Number of random cases, whose values are drawn from each --range."),
-    seed: int = cli.option(
-        "Seed of the random numbers; the same seed gives the same cases. Default: 0."
-    ),
-    ranges: list[str] = cli.option(
-        "Range of a column of the random cases; may be repeated. NAME=LOW:HIGH draws uniformly, "
-        "NAME=LOW:HIGH:log uniformly in the logarithm, and NAME=A,B,C one of the listed values.",
-        "--range",
-        default=(),
-    ),
-    jobs: int = cli.JOBS,
-    dask_address: str = cli.option(
-        "Address of a Dask scheduler, whose workers then solve the cases.", "--dask"
-    ),
-    twice: bool = cli.switch(
-        "--twice",
-        "Repeat the simulation of each scene at a second tolerance. A column of the table then "
-        "has the time until which both agree. The run takes about three times as long.",
-    ),
+    kind,
+    output,
+    twice,
+    cases=None,
+    random=None,
+    seed=None,
+    ranges=(),
+    joint=None,
+    jobs=None,
+    dask_address=None,
 ):
     """Solve many joints, or simulate many mechanisms, and write one table.
 
@@ -70,7 +100,7 @@ def sweep_cases(
     """
     from study.sweep import random_cases, run_study
 
-    cli.check_output(output, ".csv")
+    check_output(output, ".csv")
     if random is not None:
         drawn = random_cases(random, _ranges(ranges), seed or 0)
     if (cases is None) == (random is None):
@@ -94,7 +124,9 @@ def sweep_cases(
 
         try:
             processes = {"jobs": jobs, "dask_address": dask_address}
-            swept = run_study(source, kind, output, **processes, progress=progress, twice=twice)
+            swept = run_study(
+                source, kind, output, joint=joint, **processes, progress=progress, twice=twice
+            )
         except KeyboardInterrupt:
             done, every = counts[-1] if counts else (0, 0)
             kept = f"; {done} of {every} cases are kept, and the same command continues from there"
@@ -115,7 +147,8 @@ def sweep_cases(
             f"{len(swept.failures)} of {swept.cases} cases failed; the column error has the reasons"
         )
         print(f"failed: {what}. The first is case {name}: {why}", file=sys.stderr)
-        raise typer.Exit(1)
+        return 1
+    return 0
 
 
 def _ranges(texts):
@@ -128,3 +161,6 @@ def _ranges(texts):
             )
         ranges[name.strip()] = limits
     return ranges
+
+
+COMMANDS = {"sweep": sweep_cases}

@@ -60,9 +60,9 @@ def material(given: str | Material, name: str = "material") -> Material:
     Parameters
     ----------
     given
-        A name of `table`, where upper case, hyphens and spaces are ignored; or Young's modulus in
-        Pa, Poisson's ratio and, optionally, yield stress in Pa as a text such as
-        ``210e9,0.3,5e8``; or a `Material`, which is checked and returned.
+        A name of `table`, where upper case, hyphens and spaces are ignored; or Young's modulus,
+        Poisson's ratio and, optionally, yield stress as a text such as ``210GPa,0.3,500MPa``
+        (plain numbers are in Pa); or a `Material`, which is checked and returned.
     name
         Name of the body, for error messages.
 
@@ -88,14 +88,14 @@ def read_material(name: str, text: str) -> Material:
     if row := known.get(_plain(text)):
         return Material(row["youngs_modulus"], row["poisson"], row["yield_stress"])
     try:
-        values = [checks.read(name, part) for part in text.split(",")]
+        values = checks.read_several(name, text, ("Pa", "", "Pa")[: text.count(",") + 1])
     except ValueError:
-        values = []
-    if len(values) not in (2, 3):
+        values = ()
+    if len(values) < 2:
         names = ", ".join(row["name"] for row in table())
         raise ValueError(
-            f"{name} must be one of {names}, or Young's modulus in Pa and Poisson's ratio, "
-            f"for example 210e9,0.3, got {checks.shown(text)}"
+            f"{name} must be one of {names}, or Young's modulus and Poisson's ratio, "
+            f"for example 210GPa,0.3, got {checks.shown(text)}"
         )
     checks.youngs_modulus(f"Young's modulus of {name}", values[0])
     return Material(*values)

@@ -10,6 +10,7 @@ from __future__ import annotations  # so that help() shows ArrayLike and not its
 from dataclasses import KW_ONLY, dataclass, field, fields
 from functools import cached_property
 from typing import Any, NamedTuple
+from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,7 +27,7 @@ from study.contact import (
 from study.contact.laws import AnyLaw, find
 from study.contact.materials import in_words, read_material
 from study.contact.power_fit import DEPTHS, USUAL_RANGE, PowerFit, fit_power
-from study.joint import axial, table, tilted
+from study.joint import axial, limits, table, tilted
 from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO, Ball, Socket, layer_steps
 from study.joint.solution import Solution
 from study.joint.supports import (
@@ -95,20 +96,20 @@ class Liner:
 
 
 def _read_liner(name: str, text: str) -> Liner:
-    """Liner of a text, ``0.5e-3,PTFE``."""
+    """Liner of a text, ``0.5mm,PTFE``."""
     thickness, _, of = text.partition(",")
     try:
-        return Liner(checks.read(name, thickness), read_material(name, of.strip()))
+        return Liner(checks.read(name, thickness, unit="m"), read_material(name, of.strip()))
     except checks.RangeError:
         raise
     except ValueError as error:
-        wanted = f"{name} must be a thickness in m and a material, for example 0.5e-3,PTFE"
+        wanted = f"{name} must be a thickness and a material, for example 0.5mm,PTFE"
         raise ValueError(f"{wanted}, got {text!r}: {error}") from None
 
 
 def _read_layer(name: str, text: str) -> Layer:
     """Layer of a text, ``1.125,0.0025,0.46``."""
-    ratio, modulus, poisson = checks.read_several(name, text, 3)
+    ratio, modulus, poisson = checks.read_several(name, text, ("", "", ""))
     modulus = UNIT * checks.number(f"modulus of {name}", modulus, above=0)
     return Layer(ratio, Material(modulus, poisson))
 
@@ -116,8 +117,8 @@ def _read_layer(name: str, text: str) -> Layer:
 def _of_material(default: str, body: str) -> Any:
     return parameter(
         default,
-        f"Material of the {body}: a name that study data materials lists, or Young's modulus in "
-        "Pa, Poisson's ratio and, optionally, yield stress in Pa, for example 210e9,0.3,5e8",
+        f"Material of the {body}: a name that study data materials lists, or Young's modulus, "
+        "Poisson's ratio and, optionally, yield stress, for example 210GPa,0.3,500MPa",
         kind=Material,
         parse=read_material,
     )
@@ -152,7 +153,7 @@ class Joint:
     socket: Material = _of_material("steel", "socket")
     liner: tuple[Liner, ...] = parameter(
         (),
-        "Liner inside the socket: its thickness in m and its material, for example 0.5e-3,PTFE; "
+        "Liner inside the socket: its thickness and its material, for example 0.5mm,PTFE; "
         "may be repeated, from the inside out. The rest of the wall is of the socket's material",
         kind=Liner,
         parse=_read_liner,
@@ -168,7 +169,7 @@ class Joint:
         "example within 30 deg of the top (neck:30). A ball with a bore along its axis is held "
         "by a rigid pin over the whole bore; bore:0.5,45 is a bore of 0.5 times the radius of the "
         "ball between flat faces whose edges are at a polar angle of 45 deg. For a joint with "
-        "dimensions, pin:6e-3,16e-3 gives the radius of the pin and the width of the ball in m "
+        "dimensions, pin:6mm,16mm gives the radius of the pin and the width of the ball "
         "instead",
         parse=read_ball_support,
         kind=BallSupport,
@@ -212,6 +213,8 @@ class Joint:
         self._check_sizes()
         self._check_materials()
         self._check_supports()
+        for sentence in self.warnings:
+            warn(sentence, checks.UnitWarning, stacklevel=4)
 
     @classmethod
     @parameters.describe(
@@ -384,6 +387,11 @@ class Joint:
     def ball_radius(self) -> float:
         """Radius of the ball in m."""
         return self.socket_radius - self.clearance
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences on dimensions and moduli that were probably meant in another unit."""
+        return limits.unit_warnings(self) if self.has_dimensions else ()
 
     @property
     def materials(self) -> dict[str, Material]:
@@ -619,10 +627,10 @@ class Joint:
                 return axial.solve(self, star, is_force, stresses, resolution, solver)
             return tilted.solve(self, star, is_force, stresses, resolution, tilt)
         except checks.RangeError as error:  # which is in clearances
-            if name == "depth_star" or str(error).startswith(f"{name} must"):
-                raise
-            given = ", ".join(f"{one:g}" for one in asked)
-            raise type(error)(f"{error} ({name} given: {given} {unit})") from None
+            text = str(error)
+            if name != "depth_star" and not text.startswith(f"{name} must"):
+                text += f" ({name} given: {', '.join(f'{one:g}' for one in asked)} {unit})"
+            raise type(error)(" ".join([*self.warnings, text])) from None
 
     def curve(
         self,

@@ -31,6 +31,8 @@ FRICTION = 0.01
 """Fraction of the force that friction may carry without a warning."""
 SOFT = 1e6
 """In Pa: a Young's modulus below it is that of rubber, or was meant in MPa."""
+LARGE = 1.0
+"""In m: a socket with a larger radius is rare, or was meant in mm."""
 Limits = dict[str, str]
 INSIDE = "inside"
 
@@ -110,6 +112,18 @@ def modulus_limit(moduli: Mapping[str, float]) -> Limits:
     values = " and ".join(f"of the {body} is {modulus:g} Pa" for body, modulus in soft.items())
     text = f"Young's modulus {values}, which is very small; check that it is in Pa."
     return {"modulus": text} if soft else {}
+
+
+def unit_warnings(joint: Joint) -> tuple[str, ...]:
+    """Sentences on dimensions and Young's moduli that may be meant in another unit."""
+    found = []
+    if joint.socket_radius >= LARGE:
+        found.append(
+            f"The radius of the socket is {joint.socket_radius:g} m; check that all dimensions are "
+            "in m, not in mm."
+        )
+    moduli = {body: of.youngs_modulus for body, of in joint.materials.items()}
+    return (*found, *modulus_limit(moduli).values())
 
 
 def law_limit(name: str, fitted_to: float | None, depth_star: float) -> Limits:

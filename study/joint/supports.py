@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study import checks, parameters
-from study.parameters import parameter
+from study.parameters import described, parameter
 
 Rim = Literal["mirror", "free"]
 RIMS: tuple[Rim, ...] = get_args(Rim)
@@ -279,7 +279,9 @@ def _parser(kinds):
             raise ValueError(f"{name} must be one of {', '.join(forms)}, got {checks.shown(text)}")
         if not colon:
             return kind()
-        return kind(*checks.read_several(name, numbers, len(fields(kind))))
+        return kind(
+            *checks.read_several(name, numbers, [of.unit for of in described(kind).values()])
+        )
 
     return parse
 
@@ -333,5 +335,5 @@ def read_opening(name: str, text: str) -> Opening:
     """Opening of a text, ``90`` or ``55:125``."""
     first, colon, last = text.rpartition(":")
     if not colon:
-        return Opening(checks.read(name, last))
-    return Opening(checks.read(name, last), checks.read(name, first))
+        return Opening(checks.read(name, last, unit="deg"))
+    return Opening(*(checks.read(name, angle, unit="deg") for angle in (last, first)))

@@ -1,37 +1,36 @@
 """Solves the cases of a parameter study in processes or on Dask, and writes one table.
 
-Every result is written immediately to a part file in the folder of the table, so that memory use
-stays small and an interrupted study can be continued. The table is written from this file at the
-end, in the order of the cases, with the same bytes for any number of processes.
+Rows are appended to a part file in the folder of the table as soon as a case is finished, so that
+an interrupted study can be continued. The table is written from this file at the end, in the order
+of the cases, with the same bytes for any number of processes.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
 import csv
-import hashlib
 import json
-import os
 import signal
-import threading
-import time
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
-from concurrent.futures import Executor, as_completed
-from contextlib import closing, contextmanager, suppress
+from collections.abc import Callable, Generator, Iterable, Mapping
+from contextlib import closing, nullcontext
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from loky import ProcessPoolExecutor, cpu_count
+import joblib
 
 from study import checks, paths
 from study.checks import StudyError
+from study.joint.joint import Joint
+from study.joint.options import load as load_joint
+from study.joint.options import values_of as values_of_joint
 from study.parameters import Quantity
 from study.sweep import cases as of_cases
-from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind, Rows
+from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind
 
 ANSWERS_WITHIN = 30.0  # s, of a Dask scheduler
 _TASK = 16  # most cases that a process gets at once
 _PACKAGES = ("numpy", "scipy", "numba", "scikit-fem")
+Rows = list[list[str]]
 
 
 class Swept(NamedTuple):
@@ -61,6 +60,7 @@ def run_study(
     kind: Kind,
     output: str | Path,
     *,
+    joint: str | Path | Joint | None = None,
     jobs: int | None = None,
     dask_address: str | None = None,
     progress: Callable[[int, int, int], Any] | None = None,
@@ -82,20 +82,22 @@ def run_study(
     cases
         CSV file with a row for each case, or mappings of its columns, for example from
         ``to_dict("records")`` of a pandas table. Columns are options of study joint, or options of
-        study simulate and mechanism parameters, and optionally ``case`` with a name. Several
-        depths, forces, layers or liners are a list, or are separated by semicolons. For an empty
-        cell or None, the table has the default that was used. NaN is an error of its case. Columns
-        that are not parameters are copied to the table.
+        study simulate and mechanism parameters, and optionally ``case`` with a name. Numbers are
+        in SI units or have their unit, behind them or in the head of the column. Several depths,
+        forces, layers or liners are a list, or are separated by semicolons. An empty cell or None
+        is the default. NaN is an error of its case. Other columns are copied to the table.
     kind
         ``joints`` or ``scenes`` (mechanisms).
     output
         CSV file to write. A file with the additional suffix ``.part`` exists until the table is
         complete, and its cases are not solved again unless they or the code have changed.
+    joint
+        A joint, or a file that study joint --save wrote, whose values the columns replace.
     jobs, dask_address
         Number of processes, by default one for each core; or the address of a Dask scheduler, whose
         workers then solve the cases.
     progress
-        Function that is called with three numbers of different cases: finished, all, and failed.
+        Function that is called with three numbers of cases: finished, all, and failed.
     twice
         Repeat each simulation at a second tolerance, for the column ``agrees_until``
         (`study.mechanism.compare.second_run`). This takes about three times as long.
@@ -120,187 +122,182 @@ def run_study(
     >>> summary.cases, summary.rows, summary.failures
     (1, 2, {})
     """
+    checks.choice("kind", kind, ("joints", "scenes"))
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
-    cases = Path(cases) if isinstance(cases, str) else cases
-    output = Path(output)
+    cases, output = Path(cases) if isinstance(cases, str) else cases, Path(output)
     if isinstance(cases, Path) and cases.resolve() == output.resolve():
         raise ValueError(f"output must be another file than the cases, got {output}")
-    every_case = of_cases.load(cases)
-    form, bodies, complete = of_cases.prepared(kind, every_case, twice)
-    own = of_cases.own_columns(form, dict.fromkeys(name for case in every_case for name in case))
-    keys = _keys(form, every_case, own)
-    different = dict(zip(keys, zip(bodies, every_case, strict=True), strict=True))
+    given = of_cases.load(cases)
+    saved = _saved(joint)
+    form = of_cases.form_of(kind, given, twice, saved)
+    names = [case.get(NAME, str(row)) for row, case in enumerate(given, 1)]
+    part = output.with_name(f"{output.name}.part")
+    keys = _keys(form, given, saved)
+    finished = _finished(part, {*keys})
+    tasks, failed = _tasks(form, given, saved, keys, finished)
     output.parent.mkdir(parents=True, exist_ok=True)
-    with _Part(output.with_name(f"{output.name}.part"), set(keys)) as part:
 
-        def report():
-            if progress is not None:
-                progress(len(part.places), len(different), len(part.failures))
+    def report():
+        if progress is not None:
+            bad = sum(bool(rows[0][-1]) for rows in finished.values())
+            progress(sum(key in finished for key in keys), len(keys), bad)
 
-        report()
-        left = {key: case for key, case in different.items() if key not in part.places}
-        names = [case.get(NAME, str(row)) for row, case in enumerate(every_case, 1)]
-        try:
-            with closing(_solved(form, _tasks(left), jobs, dask_address)) as solved:
-                for key, rows in solved:
-                    part.add(key, rows)
-                    report()
-            count = _write(output, form, complete, names, map(part.rows, keys))
-        except OSError as error:
-            kept = f"{len(part.places)} of {len(different)} cases are kept"
-            why = f"{error.strerror or error}; {kept}, and the same command continues from there"
-            raise OSError(error.errno, why, str(output)) from None
-    named = zip(names, keys, strict=True)
-    failures = {name: part.failures[key] for name, key in named if key in part.failures}
-    return Swept(len(every_case), count, COLUMNS[form], failures, own)
+    try:
+        with part.open("a", encoding="utf-8") as file:
+            report()
+            with closing(_solved(form, tasks, jobs, dask_address)) as solved:
+                for results in (failed, *solved) if failed else solved:
+                    for key, rows in results.items():
+                        finished[key] = rows
+                        file.write(f"{json.dumps([key, rows])}\n")
+                        file.flush()
+                        report()
+        rows = _write(output, form, given, names, [finished[key] for key in keys])
+    except OSError as error:
+        kept = f"{len(finished)} of {len(keys)} cases are kept"
+        why = f"{error.strerror or error}; {kept}, and the same command continues from there"
+        raise OSError(error.errno, why, str(output)) from None
+    finally:
+        if not finished:
+            part.unlink(missing_ok=True)  # nothing to go on with
+    part.unlink()
+    reasons = {name: finished[key][0][-1] for name, key in zip(names, keys, strict=True)}
+    failures = {name: reason for name, reason in reasons.items() if reason}
+    return Swept(len(given), rows, COLUMNS[form], failures, _own(form, given))
 
 
-def _code() -> str:
-    """Digest of the library and of the versions of the packages that decide a result."""
+def _saved(joint):
+    """Values of a saved joint by name; none without one."""
+    if joint is None:
+        return {}
+    return values_of_joint(joint) if isinstance(joint, Joint) else load_joint(Path(joint))
+
+
+def _own(form, cases):
+    """Columns that are not parameters of the cases; they are copied to the table."""
+    columns = dict.fromkeys(name for case in cases for name in case)
+    return [name for name in columns if name not in (NAME, *of_cases.inputs(form))]
+
+
+def _keys(form, cases, saved):
+    """Key of each case: its values, the library, and the packages that decide a result."""
     packages = ("", "contact", "joint", "mechanism", "sweep")
     library = paths.sources(*packages, suffixes=(".py", ".csv", ".json", ".toml"))
-    return paths.digest(library, *(version(package) for package in _PACKAGES))
-
-
-def _keys(form, cases, own):
-    """Key of each case, whatever its number, name, own columns and the order of its columns."""
-    code, no_value = _code(), {NAME, *own}
-    values = (sorted(pair for pair in case.items() if pair[0] not in no_value) for case in cases)
+    code = paths.digest(library, saved, *(version(package) for package in _PACKAGES))
+    known = of_cases.inputs(form)
+    values = (sorted(cell for cell in case.items() if cell[0] in known) for case in cases)
     return [paths.digest([], code, form, of_case) for of_case in values]
 
 
-class _Part:
-    """File of finished cases, a line with a checksum for each; memory has the places of lines."""
-
-    def __init__(self, path: Path, keys: set[str]):
-        self.places: dict[str, int] = {}
-        self.failures: dict[str, str] = {}
+def _finished(part: Path, keys: set[str]) -> dict[str, Rows]:
+    """Rows of the cases in a part file, by key; damaged lines and other cases are left out."""
+    finished = {}
+    lines = part.read_bytes().splitlines() if part.is_file() else []
+    for line in lines:
         try:
-            self._path, self._file = path, path.open("a+b")
-        except OSError as error:  # reported with the user's path
-            raise OSError(error.errno, error.strerror, str(path.with_suffix(""))) from None
-        self._file.seek(0)
-        place, line = 0, b"\n"
-        for line in self._file:
-            key, rows = self._read(line)
-            if key in keys:  # not of other cases or other code, and not damaged
-                self._note(key, rows, place)
-            place += len(line)
-        if not line.endswith(b"\n"):
-            self._file.write(b"\n")
+            key, rows = json.loads(line)
+        except (ValueError, TypeError):  # cut by the end of a process
+            continue
+        if key in keys:
+            finished[key] = rows
+    return finished
 
-    def __enter__(self):
-        return self
 
-    def __exit__(self, failure, *_):
-        with suppress(OSError):  # a full disk, which was reported already
-            self._file.close()
-        if failure is None or not self.places:  # finished, or nothing to go on with
-            self._path.unlink(missing_ok=True)
+def _tasks(form, cases, saved, keys, finished):
+    """Tasks for a process, values by key that share elastic bodies; and rows of invalid cases.
 
-    def add(self, key: str, rows: Rows) -> None:
-        """Append a case, at once."""
-        content = json.dumps([key, rows]).encode()
-        line = b"%s %s\n" % (self._checksum(content), content)
-        self._file.write(line)
-        self._file.flush()
-        self._note(key, rows, self._file.tell() - len(line))
+    Raises ``ValueError`` if no case is valid.
+    """
+    groups: dict[str, dict[str, Any]] = {}
+    failed: dict[str, Rows] = {}
+    valid, reasons = 0, []
+    for row, (key, case) in enumerate(zip(keys, cases, strict=True), 1):
+        try:
+            values = of_cases.values_of(form, case, saved)
+            bodies, _ = of_cases.prepared(form, values)
+            valid += 1
+        except ValueError as error:
+            reasons.append(f"row {row}: {error}")
+            failed[key] = [[""] * len(COLUMNS[form]) + [" ".join(str(error).split())]]
+            continue
+        if key not in finished:
+            groups.setdefault(bodies, {})[key] = values
+    if not valid:
+        raise ValueError(reasons[0])
+    tasks = []
+    for group in groups.values():
+        items = [*group.items()]
+        tasks += [dict(items[k : k + _TASK]) for k in range(0, len(items), _TASK)]
+    return tasks, {key: rows for key, rows in failed.items() if key not in finished}
 
-    def rows(self, key: str) -> Rows:
-        """Rows of a case."""
-        self._file.seek(self.places[key])
-        return self._read(self._file.readline())[1]
 
-    def _note(self, key, rows, place):
-        self.places[key] = place
-        if reason := rows[0][-1]:
-            self.failures[key] = reason
+def _solved(
+    form: str, tasks: list[dict[str, Any]], jobs: int | None, dask_address: str | None
+) -> Generator[dict[str, Rows]]:
+    """Rows of cases by key, as they are finished."""
+    count = min(jobs or joblib.cpu_count(), len(tasks))
+    if dask_address is None and count < 2:  # here, without the start of a process
+        for key, values in (item for task in tasks for item in task.items()):
+            yield {key: of_cases.solve(form, [values])[0]}
+        return
+    client, backend = nullcontext(), {"backend": "loky", "initializer": _leave_interrupts}
+    if dask_address is not None:
+        client, backend = _dask_client(dask_address), {"backend": "dask"}
+    with client, joblib.parallel_config(**backend):
+        parallel = joblib.Parallel(-1 if dask_address else count, return_as="generator_unordered")
+        try:
+            with closing(parallel(joblib.delayed(_task)(form, task) for task in tasks)) as results:
+                yield from results
+        except joblib.externals.loky.process_executor.TerminatedWorkerError as error:
+            raise StudyError(
+                "a worker process ended, perhaps because memory was short; use fewer --jobs; "
+                "finished cases are kept"
+            ) from error
 
-    @staticmethod
-    def _checksum(content):
-        return hashlib.sha256(content).hexdigest()[:32].encode()
 
-    def _read(self, line):
-        checksum, _, content = line.rstrip(b"\n").partition(b" ")
-        return json.loads(content) if self._checksum(content) == checksum else ("", [])
+def _task(form, task):
+    return dict(zip(task, of_cases.solve(form, [*task.values()]), strict=True))
+
+
+def _leave_interrupts():
+    """Let a worker ignore Ctrl-C, which reaches it too: its runner stops it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _write(output, form, cases, names, rows_of_cases):
+    """Write the table, and return the number of its rows."""
     columns = dict.fromkeys(name for case in cases for name in case)
-    inputs = [name for name in columns if name not in (NAME, *COLUMNS[form])]
+    given = [name for name in columns if name not in (NAME, *COLUMNS[form])]
     count = 0
     with paths.whole(output) as temporary, temporary.open("w", encoding="utf-8", newline="") as to:
         table = csv.writer(to, lineterminator="\n")
-        table.writerow([NAME, *inputs, *COLUMNS[form], ERROR])
+        table.writerow([NAME, *given, *COLUMNS[form], ERROR])
         for name, case, rows in zip(names, cases, rows_of_cases, strict=True):
-            before = [name, *(case.get(column, "") for column in inputs)]
+            before = [_plain(cell) for cell in (name, *(_written(form, case, n) for n in given))]
             table.writerows([*before, *row] for row in rows)
             count += len(rows)
     return count
 
 
-def _tasks(cases: dict[str, tuple[str, Case]]) -> list[dict[str, Case]]:
-    """Tasks for a process: cases that share bodies, by their keys."""
-    groups: dict[str, list[tuple[str, Case]]] = {}
-    for key, (bodies, case) in cases.items():
-        groups.setdefault(bodies, []).append((key, case))
-    return [
-        dict(group[start : start + _TASK])
-        for _, group in sorted(groups.items())
-        for start in range(0, len(group), _TASK)
-    ]
-
-
-def _solved(
-    form: str, tasks: list[dict[str, Case]], jobs: int | None, dask_address: str | None
-) -> Generator[tuple[str, Rows], None, None]:
-    """Keys and rows of cases, as they are finished."""
-    count = min(jobs or cpu_count(), len(tasks))
-    if dask_address is None and count < 2:  # here, without the start of a process
-        for key, case in (item for task in tasks for item in task.items()):
-            yield key, of_cases.solve(form, [case])[0]
-        return
-    with _executor(count, dask_address) as executor:
-        running = {executor.submit(of_cases.solve, form, [*task.values()]): task for task in tasks}
-        for future in as_completed(running):
-            try:
-                results = future.result()
-            except Exception as error:
-                why = "a worker process ended, perhaps because memory was short; use fewer --jobs"
-                kept = "finished cases are kept"
-                raise StudyError(f"{why}; {kept} ({type(error).__name__}: {error})") from error
-            yield from zip(running.pop(future), results, strict=True)
-
-
-@contextmanager
-def _executor(count: int, dask_address: str | None) -> Iterator[Executor]:
-    if dask_address is not None:
-        with _dask_client(dask_address) as client:
-            yield client.get_executor(pure=False)
-        return
-    executor = ProcessPoolExecutor(count, initializer=_begin, initargs=(os.getpid(),))
+def _written(form: str, case: Case, name: str) -> str:
+    """Cell of a parameter: a number in SI units, else the text that was given."""
+    about, text = of_cases.inputs(form).get(name), case.get(name, "")
     try:
-        yield executor
-    except BaseException:
-        executor.shutdown(kill_workers=True)
-        raise
-    executor.shutdown()
+        return about.written(about.read(name, text)) if about and about.unit and text else text
+    except ValueError:
+        return text
 
 
-def _begin(runner: int) -> None:
-    """Prepare a worker: it ignores Ctrl-C, as its runner stops it, and ends soon after its runner.
-
-    The runner, a process number, may be killed without ending its workers.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-    def watch():
-        while os.getppid() == runner:
-            time.sleep(1)
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
+def _plain(text):
+    """A text that no spreadsheet takes for a formula: after an apostrophe, unless a number."""
+    if not text.startswith(checks.FORMULA):
+        return text
+    try:
+        float(text)
+    except ValueError:
+        return f"'{text}"
+    return text
 
 
 def _dask_client(address: str) -> Any:

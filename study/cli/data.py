@@ -1,4 +1,4 @@
-"""Commands for what is stored: the dataset, and the times of laws, solvers and steppers."""
+"""Commands for stored data: the dataset, materials, and times of laws, solvers and steppers."""
 
 import json
 import shutil
@@ -6,11 +6,17 @@ import sys
 from difflib import get_close_matches
 from itertools import takewhile
 from pathlib import Path
-from typing import Literal
+
+import click
 
 from study import checks, paths
 from study.cli import options as cli
-from study.cli.output import columns, say, show_table, text_of, working
+from study.cli.output import check_output, say, show_table, table_of, text_of, working
+
+ALL = cli.switch(
+    "--all everything", "Solve all cases again; this takes more than ten minutes on two cores."
+)
+_NOT_OFFERED = ("centre",)  # a support that no case of the dataset has
 
 
 def _case_options():
@@ -20,19 +26,25 @@ def _case_options():
         fields = package["resources"][0]["schema"]["fields"]
         columns = {field["name"]: field for field in fields}
     except (OSError, ValueError, LookupError):  # loading the data says so
-        return {}
-    options = {}
+        return []
+    options = []
     for name in takewhile(lambda name: name != "depth_star", columns):
         text, words = columns[name]["description"], columns[name]["constraints"].get("enum")
         if columns[name]["type"] == "number":
-            options[name] = cli.further(list[float], f"{text}; may be repeated.")
+            text, kind, many = f"{text}; may be repeated", float, True
         else:
-            options[name] = cli.further(Literal[tuple(words)] if words else str, f"{text}.")
+            words = [word for word in words or () if word not in _NOT_OFFERED]
+            kind, many = tuple(words) or str, False
+        options.append(cli.option(cli.flag(name), f"{text}.", kind, multiple=many))
     return options
 
 
-@cli.command("show", group=cli.data_app, examples=["data show --group paper --r2-star 200"])
-def show_data(**values: _case_options()):
+@cli.command(
+    "data show",
+    {"Columns of the cases": _case_options()},
+    examples=["data show --group paper --r2-star 200"],
+)
+def show_data(**values):
     """Show a summary of the solved cases with the given values, or all depths of one case.
 
     If no case has a given number, the nearest number is used, and a message says so. On a terminal,
@@ -82,7 +94,7 @@ def _check_case(case, known, listing):
         raise ValueError(f"--case must be {names}, got {case!r}{hint}")
 
 
-@cli.command("materials", group=cli.data_app, examples=["data materials"])
+@cli.command("data materials", {"Options": []}, examples=["data materials"])
 def list_materials():
     """List the materials that can be given by name, with typical values and their sources.
 
@@ -90,18 +102,26 @@ def list_materials():
     """
     from study.contact import materials
 
-    show_table(columns(materials.table()))
+    show_table(table_of(materials.table()))
 
 
-@cli.command("check", group=cli.data_app, examples=["data check", "data check --sample 100"])
-def check_data(
-    sample: int = cli.option("Number of cases that are solved again.", default=20),
-    seed: int = cli.option("Seed of the random sample.", default=0),
-    everything: bool = cli.switch(
-        "--all", "Solve all cases again; this takes more than ten minutes on two cores."
-    ),
-    jobs: int = cli.JOBS,
-):
+@cli.command(
+    "data check",
+    {
+        "Options": [
+            cli.option(
+                "--sample",
+                "Number of cases that are solved again. Default: 20.",
+                int,
+            ),
+            cli.option("--seed", "Seed of the random sample. Default: 0.", int),
+            ALL,
+            cli.JOBS,
+        ]
+    },
+    examples=["data check", "data check --sample 100"],
+)
+def check_data(everything, sample=20, seed=0, jobs=None):
     """Check the dataset: hashes, description, missing cases, and a sample that is solved again.
 
     The sample is drawn from the force-depth curves and from the solutions that notebooks show.
@@ -114,14 +134,14 @@ def check_data(
     say({"checked": checked, "found": found})
 
 
-@cli.command("build", group=cli.data_app, keeps=True, examples=["data build", "data build --all"])
-def build_data(
-    names: list[str] = cli.SNAKEMAKE,
-    jobs: int = cli.JOBS,
-    everything: bool = cli.switch(
-        "--all", "Solve all cases again; this takes more than ten minutes on two cores."
-    ),
-):
+@cli.command(
+    "data build",
+    {"Options": [cli.JOBS, ALL]},
+    examples=["data build", "data build --all"],
+    arguments=[cli.SNAKEMAKE],
+    keeps=True,
+)
+def build_data(everything, names=(), jobs=None):
     """Solve the cases that the dataset lacks, and fit the laws.
 
     These are new cases of the design (study/dataset/design.py), and solutions that notebooks asked
@@ -149,8 +169,13 @@ def build_data(
     print(f"Changed: {', '.join(changed)}." if changed else "No file of the dataset has changed.")
 
 
-@cli.command("accept", group=cli.data_app, examples=["data accept data/published/claims.csv"])
-def accept_data(files: list[Path] = cli.FILES):
+@cli.command(
+    "data accept",
+    {"Options": []},
+    examples=["data accept data/published/claims.csv"],
+    arguments=[cli.argument("files", "Data file; several may be given.", "FILE", Path, many=True)],
+)
+def accept_data(files):
     """Accept data files that were edited by hand: renew their hashes in data/SHA256SUMS."""
     from study.dataset import store
 
@@ -162,19 +187,35 @@ def accept_data(files: list[Path] = cli.FILES):
     print(f"{paths.shown(store.HASHES)} has the hashes of {', '.join(map(str, files))}.")
 
 
-@cli.command("measure", keeps=True, examples=["measure --method hertz", "measure --chart steppers"])
-def measure_speed(
-    output: Path = cli.option("CSV file for the times. Default: data/published/speed.csv."),
-    chart: list[str] = cli.option(
-        "What to time: laws, solvers, steppers or flexible (links); may be repeated. Default: all."
-    ),
-    method: list[str] = cli.option(
-        "Law or method to time, by the name in the file; may be repeated. Default: all."
-    ),
-    repeats: int = cli.option(
-        "Number of timed calls; one more call before them is not counted.", default=5
-    ),
-):
+@cli.command(
+    "measure",
+    {
+        "Options": [
+            cli.option(
+                "--chart",
+                "What to time: laws, solvers, steppers or flexible (links); may be repeated. "
+                "Default: all.",
+                multiple=True,
+            ),
+            cli.option(
+                "--method",
+                "Law or method to time, by the name in the file; may be repeated. Default: all.",
+                multiple=True,
+            ),
+            cli.option(
+                "--repeats",
+                "Number of timed calls; one more call before them is not counted. Default: 5.",
+                int,
+            ),
+            cli.option(
+                "--output", "CSV file for the times. Default: data/published/speed.csv.", Path
+            ),
+        ]
+    },
+    examples=["measure --method hertz", "measure --chart steppers"],
+    keeps=True,
+)
+def measure_speed(chart=(), method=(), repeats=5, output=None):
     """Measure the speed of laws, solvers and steppers on this machine.
 
     The laws take a minute, the solvers and the steppers some minutes each. Without --output the
@@ -187,7 +228,7 @@ def measure_speed(
     from study.dataset import store
     from study.measure import charts
 
-    cli.check_output(output, ".csv")
+    check_output(output, ".csv")
     measured, frames = charts.measure(chart, repeats, method), []
     if output is None:
         store.verify([store.SPEED])  # before minutes of timing
@@ -201,3 +242,21 @@ def measure_speed(
         with paths.whole(output) as temporary:
             frame.to_csv(temporary, index=False)
     print(f"{len(frame)} times were measured on {frame.machine.iloc[0]}.")
+
+
+class _Group(click.Group):
+    """Commands, with their first sentences whole."""
+
+    def format_commands(self, ctx, formatter):
+        with formatter.section("Commands"):
+            records = [(name, of.help.split("\n\n")[0]) for name, of in self.commands.items()]
+            formatter.write_dl([(name, " ".join(text.split())) for name, text in records])
+
+
+DATA = _Group(
+    "data",
+    commands=[show_data, list_materials, check_data, build_data, accept_data],
+    help="Show, check or rebuild the dataset of solved force-depth curves.",
+    no_args_is_help=True,
+)
+COMMANDS = {"data": DATA, "measure": measure_speed}

@@ -1,0 +1,405 @@
+"""The command for a joint, with its dimensions or by its ratios: study joint."""
+
+from pathlib import Path
+
+import numpy as np
+
+from study import checks
+from study.cli import options as cli
+from study.cli.output import (
+    SAME_BYTES,
+    check_output,
+    digits,
+    drawn,
+    in_mm,
+    percent,
+    read_unit,
+    show,
+    table_of,
+    working,
+)
+from study.contact.power_fit import USUAL_RANGE
+from study.joint import limits
+from study.joint import options as of_joint
+from study.joint.axial import SOLVERS
+from study.joint.solution import quantities
+from study.parameters import READ, Quantity
+
+HEADS = {"contact_half_angle_deg": "half_angle", "peak_angle_deg": "peak_at"}
+"""Quantities with another head in the printed table."""
+UNPRINTED = ("error_estimate", "formulation_error")
+"""Quantities that are printed as their sum."""
+AROUND = 5.0  # deg beyond the ends of a contact off the axis that are shown
+BEYOND = 1.25  # times the largest depth and half-angle that are shown in a figure
+DEFAULT_TOLERANCE, LEAST_TOLERANCE = 0.01, 1e-5
+NEED_DIMENSIONS = ("force", "depth", "friction", "plot")
+"""Options that need a joint with dimensions."""
+ASKED = ("force", "depth", "depth_star", "tilt", "solver", "resolution")
+"""Options that are arguments of `study.joint.Joint.solve`."""
+_UM = Quantity("", "m", "um")
+FORCE = cli.option("--force", "Contact force in N; may be repeated.", float, "N", multiple=True)
+DEPTH = cli.option("--depth", "Penetration depth in m; may be repeated.", float, "m", multiple=True)
+TILT = cli.option(
+    "--tilt",
+    "Tilt: angle in deg between the axis of the socket and the displacement of the ball, or, with "
+    "--force, the force. Default: 90 for a ring or a ball with a bore, else a load along the axis.",
+    float,
+    "deg",
+)
+SECTIONS = {
+    "Load or depth": [FORCE, DEPTH, TILT, cli.DEPTHS],
+    "Joint": [cli.SAVED],
+    **cli.joint_sections(),
+    "Elastic solution": [
+        cli.option(
+            "--solver",
+            "Elastic solution: Legendre series of both bodies (series), or finite elements with "
+            "six-node (quadratic) or three-node (linear) triangles. Default: series where it "
+            "applies, else quadratic.",
+            SOLVERS,
+        ),
+        cli.option(
+            "--resolution",
+            "Elements along a quarter circle. Default: 320 for the series, 160 for finite "
+            "elements, 48 off the axis.",
+            int,
+        ),
+    ],
+    "Contact law": [
+        cli.switch(
+            "--law",
+            "Also give the contact law of a joint without dimensions, or of a load off the axis, "
+            "which takes some seconds.",
+        ),
+        cli.option(
+            "--tolerance",
+            "Maximum relative error of the contact law that is recommended. "
+            f"Default: {DEFAULT_TOLERANCE:g}.",
+            float,
+        ),
+    ],
+    "Friction": [
+        cli.option(
+            "--friction",
+            "Coefficient of friction (no unit). Prints the friction torques of a ball that slides "
+            "over the whole contact while it rotates about the load (spin_torque) or about an axis "
+            "perpendicular to the load (tilt_torque). For a load off the axis, tilt_torque is "
+            "about the normal of the plane of load and axis, and turn_torque about the axis "
+            "perpendicular to both others, which for a ring loaded across its axis is the axis of "
+            "the ring.",
+            float,
+        )
+    ],
+    "Output": [
+        cli.option(
+            "--save",
+            "TOML file for the joint, which --joint gives to the commands joint, law, choose, fit, "
+            "export and sweep.",
+            Path,
+        ),
+        cli.UNITS,
+        cli.JSON,
+        cli.option(
+            "--plot", "File for a figure of force and pressure, ending in .png, .svg or .pdf.", Path
+        ),
+    ],
+}
+
+
+@cli.command(
+    "joint",
+    SECTIONS,
+    examples=[
+        "joint --socket-radius 12.5mm --clearance 40um --wall 6mm \\\n"
+        "      --socket bronze --force 3kN",
+        "joint --r2-star 200 --depth-star 0.3",
+        "joint --socket-radius 12.5mm --play 80um --wall 6mm --save cup.toml",
+    ],
+)
+def solve_joint(as_json, law, units="SI", **options):
+    """Solve one joint: force, depth, stiffness, contact half-angle, pressure and stresses.
+
+    Describe the joint either with its dimensions (--socket-radius, --clearance, --wall and
+    materials by name) and give --force or --depth, or without dimensions by --r2-star and give
+    --depth-star. Each result has the estimated error of its force. Numbers with a unit are in SI
+    units, or have their unit, such as 12.5mm, 40um, 3kN or 110GPa.
+
+    A joint with dimensions is answered with the fastest contact law within --tolerance, the
+    command that exports it, and a fitted power law F = k d^n. Stresses of a joint without
+    dimensions are in units of E* dR/R2, and their radius is relative to the surface of the body.
+
+    With --tilt, and always for a ring or a ball with a bore, the ball is pressed off the axis.
+    Force and stiffness are then the components along the displacement; the transverse ones are
+    perpendicular to it, and positive towards larger tilt.
+    """
+    asked = {name: options.pop(name) for name in ASKED if name in options}
+    plot, friction, save = (options.pop(name, None) for name in ("plot", "friction", "save"))
+    tolerance = options.pop("tolerance", None)
+    check_output(plot, *SAME_BYTES, name="plot")
+    check_output(save, ".toml", name="save")
+    if friction is not None:
+        checks.number("friction", friction, least=0)
+    joint, words = cli.take_joint(options, off_axis="tilt" in asked)
+    if not joint.has_dimensions:
+        given = {"plot": plot, "friction": friction} | asked
+        for name in NEED_DIMENSIONS:
+            if given.get(name) is not None:
+                raise ValueError(f"{name} is for a joint with dimensions, not for --r2-star")
+    if save is not None:
+        of_joint.save(joint, save)
+        if not {"force", "depth", "depth_star"} & set(asked):
+            print(f"The joint is in {save}; give it to other commands with: --joint {save}")
+            return
+    tilt = joint.default_tilt if asked.get("tilt") is None else asked["tilt"]
+    for name, value in (("tolerance", tolerance), ("solver", asked.get("solver"))):
+        if tilt is not None and value is not None:
+            raise ValueError(f"{name} does not apply to a load off the axis; remove it")
+    tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    checks.number("tolerance", tolerance, least=LEAST_TOLERANCE, most=1)
+    if not {"force", "depth", "depth_star"} & set(asked):
+        raise ValueError(
+            "force or depth must be given" if joint.has_dimensions else "depth_star must be given"
+        )
+    with working("Solving the joint"):
+        solution = joint.solve(**asked | {"tilt": tilt}, stresses=True)
+        values, parts = _described(solution, friction, units)
+        if law or (joint.has_dimensions and tilt is None):
+            found, texts = _laws(solution, tolerance, words, "depth" in asked)
+            values, parts = values | found, [*parts, *texts]
+        elif joint.has_dimensions:
+            parts.append("For the contact law in this direction, add --law.")
+        exceeded = _exceeded(solution, friction)
+        sentences = limits.worst([exceeded[k] for k in np.argsort(solution.depth_star)])
+        values["warnings"] = [
+            *joint.warnings,
+            *(of for of in sentences if of not in joint.warnings),
+        ]
+        if plot is not None:
+            draw(solution, plot)
+    parts += [_assumptions(solution), *(f"Warning: {text}" for text in values["warnings"])]
+    show(values, as_json, *parts)
+
+
+def _described(solution, friction, units):
+    """The solution as JSON, and as tables."""
+    joint = solution.joint
+    about = {
+        name: of
+        for name, of in quantities(joint.has_dimensions).items()
+        if getattr(solution, name) is not None
+    }
+    arrays = {name: getattr(solution, name).tolist() for name in about}
+    parts = [_printed(arrays, {n: of for n, of in about.items() if n not in UNPRINTED}, units)]
+    if friction is not None:
+        torques = {
+            f"{motion}_torque": torque.tolist()
+            for motion, torque in solution.friction_torque(friction).items()
+        }
+        of_torques = {"depth": about["depth"]} | dict.fromkeys(torques, Quantity("", "N m", "N m"))
+        arrays |= torques
+        parts.append(_printed(arrays, of_torques, units))
+        about |= of_torques
+    parts += _stress_tables(solution, units)
+    values = {name: in_mm(of, about[name].unit, units) for name, of in arrays.items()}
+    values["units"] = units
+    values |= _stresses(solution, units)
+    values["materials"] = {
+        body: vars(of)
+        | {n: in_mm(getattr(of, n), "Pa", units) for n in ("youngs_modulus", "yield_stress")}
+        for body, of in joint.materials.items()
+    }
+    values |= {name: getattr(joint, name) for name in ("r2_star", "socket_ratio", "modulus_ratio")}
+    values["composite_modulus"] = in_mm(joint.composite_modulus, "Pa", units)
+    values["depth_star"] = solution.depth_star.tolist()
+    exceeded = _exceeded(solution, friction)
+    values["applicability"] = [limits.in_short(found) for found in exceeded]
+    return values, parts
+
+
+def _printed(values, about, units):
+    """A table of values with their heads and in the units in which a person reads them."""
+    table = {}
+    for name, of in about.items():
+        unit, size = read_unit(of, units)
+        head = f"{HEADS.get(name, name.removesuffix('_deg'))} {unit}".rstrip()
+        table[head] = [digits(value / size, 2 if unit == "%" else 4) for value in values[name]]
+    return table
+
+
+def _stresses(solution, units):
+    """Stresses as JSON, by the body."""
+    values, factors = {}, solution.yield_factor
+    for body, largest in solution.stress.items():
+        name = f"von_mises_{body.replace(' ', '_')}"
+        values[f"{name}_place"] = list(largest.place)
+        if largest.error is not None:
+            values[f"{name}_error"] = largest.error.tolist()
+        if solution.joint.has_dimensions:
+            factor = factors[body]
+            values[name] = in_mm(solution.von_mises[body].tolist(), "Pa", units)
+            factor = None if factor is None else factor.tolist()
+            values[name.replace("von_mises", "yield_factor")] = factor
+        else:
+            values[f"{name}_star"] = largest.von_mises.tolist()
+            values[f"{name}_over_peak"] = largest.over_peak.tolist()
+            values[f"{name}_radius"] = largest.radius.tolist()
+            values[f"{name}_angle_deg"] = np.degrees(largest.angle).tolist()
+    return values
+
+
+def _stress_tables(solution, units):
+    """Table with a row for each body at each depth, and a sentence on bodies without stresses."""
+    joint, stress = solution.joint, solution.stress
+    if left_out := [body for body in joint.materials if body not in stress]:
+        yield (
+            f"No stresses of the {' and the '.join(left_out)} are given, because their maximum is "
+            "where the body is held and depends on the details of the support."
+        )
+    unit, size = read_unit(_UM, units)
+    rows = []
+    for k, depth_star in enumerate(solution.depth_star):
+        for body, of in stress.items():
+            row = {"depth_star": float(depth_star), "body": body}
+            if joint.has_dimensions:
+                row = {f"depth {unit}": digits(solution.depth[k] / size), "body": body}
+                row["von_mises MPa"] = digits(solution.von_mises[body][k] / READ["MPa"])
+            else:
+                row["von_mises_star"] = digits(of.von_mises[k])
+            if of.error is not None:
+                row["stress_error %"] = digits(100 * of.error[k], 2)
+            row["place"] = of.place[k]
+            if joint.has_dimensions:
+                strength, factor = joint.materials[body].yield_stress, solution.yield_factor[body]
+                row["yield_stress MPa"] = strength and digits(strength / READ["MPa"])
+                row["factor_to_yield"] = None if factor is None else digits(factor[k])
+            else:
+                row["over_peak"] = digits(of.over_peak[k])
+                row["radius"] = digits(of.radius[k])
+                row["angle deg"] = digits(np.degrees(of.angle[k]))
+            rows.append(row)
+    if rows:
+        yield table_of(rows)
+
+
+def _exceeded(solution, friction):
+    """Model limits that each contact exceeds, with that of friction."""
+    found = solution.limits
+    if friction is None:
+        return found
+    shares = friction * solution.friction_radius["spin"] / solution.joint.socket_radius
+    return [of | limits.friction_limit(share) for of, share in zip(found, shares, strict=True)]
+
+
+def _assumptions(solution):
+    """The assumptions of the solution, and what the error of the force consists of."""
+    load = "the load is along the axis"
+    if solution.tilt is not None:
+        load = f"the displacement is {solution.tilt.max():g} deg off the axis"
+    of_r2_star = solution.formulation_error.max() * solution.joint.r2_star
+    return (
+        f"{solution.joint.socket_support.in_words()} Bodies are smooth and elastic, without "
+        f"friction; {load}. The error of the force is the sum of the numerical error, at most "
+        f"{percent(solution.error_estimate.max())}, and of the error of small displacements, "
+        f"about {of_r2_star:.2g}/R2* or {percent(solution.formulation_error.max())}."
+    )
+
+
+def _laws(solution, tolerance, words, is_range):
+    """Contact laws for the joint, as JSON and as sentences."""
+    joint, tilt = solution.joint, solution.direction_deg
+    if tilt is None:
+        law, text = _cheapest(joint, float(solution.depth_star.max()), tolerance, words)
+    else:
+        line = f"study export --law tabulated --tilt {tilt:g} --format c {words}"
+        law = {"law": "tabulated", "tilt_of_law": tilt, "export": line}
+        text = (
+            f"Command that exports a table of the force along {tilt:g} deg for another program:\n"
+            f"{line}"
+        )
+    if not joint.has_dimensions:
+        return law, [text]
+    power, sentence = _power(joint, tilt, solution.depth if is_range else None)
+    return law | power, [text, sentence]
+
+
+def _power(joint, tilt, depths):
+    """The fitted power law, as JSON and as a sentence.
+
+    It is fitted from 0.05 to 0.5 clearances, or between the given depths. A single given depth is
+    the maximum, and the minimum is then a tenth of it.
+    """
+    if depths is None:
+        least, most = joint.clearance * np.minimum(USUAL_RANGE, joint.default_depth)
+    else:
+        least, most = float(depths.min()), float(depths.max())
+    least = least if least <= most / 2 else most / 10
+    law = joint.power_law((least, most), tilt)
+    names = ("coefficient", "coefficient_mm", "exponent", "error", "depths")
+    low, high = (digits(depth / READ["um"]) for depth in (least, most))
+    text = (
+        f"Fitted power law F = k d^n, within {percent(law.error)} at depths from {low:g} to "
+        f"{high:g} um: n = {law.exponent:.5g} and k = {law.coefficient:.5g} N/m^n = "
+        f"{law.coefficient_mm:.5g} N/mm^n."
+    )
+    if depths is None:
+        text += " To fit another range, give --depth twice, for its minimum and its maximum."
+    return {"power_law": {name: getattr(law, name) for name in names}}, text
+
+
+def _cheapest(joint, deepest, tolerance, words):
+    """The cheapest law within the tolerance up to a depth_star, as JSON and as sentences."""
+    from study.choose import cheapest_law  # late: a load off the axis has no such law
+
+    try:
+        choice = cheapest_law.choose_beside(joint, deepest, tolerance)
+    except (checks.StudyError, ValueError) as error:  # no law is known well enough
+        none = {"law": None, "law_error_bound": None, "export": None}
+        return none, f"No contact law is recommended: {error}"
+    depths, of_range = list(choice.depths), "{:.4g} to {:.4g} clearances".format(*choice.depths)
+    if joint.has_dimensions:
+        depths = [joint.clearance * depth for depth in depths]
+        of_range = "{:g} to {:g} um".format(*(digits(depth / READ["um"]) for depth in depths))
+    law = choice.law.name
+    name = "tabulated, the table of the elastic solution of this joint"
+    text = (
+        f"The fastest contact law within {percent(tolerance)} of the elastic solution at depths "
+        f"from {of_range} is {name if law == 'tabulated' else law}. Its relative error is at most "
+        f"{percent(choice.error_bound)}."
+    )
+    best = min(choice.errors, key=choice.errors.__getitem__)
+    if choice.errors[best] > tolerance:
+        text += (
+            f" No closed-form law is within this tolerance: the best is {best}, with an error of "
+            f"up to {percent(choice.errors[best])}."
+        )
+    line = f"study export --law {law} --format c {words}"
+    if choice.depths[1] > joint.default_depth:
+        line += f" --depth-star {choice.depths[1]:.9g}"
+    text += f"\nCommand that exports it for another program:\n{line}"
+    values = {"law": law, "law_error_bound": choice.error_bound, "law_depths": depths}
+    return values | {"law_errors": choice.errors, "export": line}, text
+
+
+def draw(solution, path):
+    """Draw the solved curve of a joint, the given depths and the pressure at each into a file."""
+    micro, mega, tilt = READ["um"], READ["MPa"], solution.tilt
+    law = solution.joint.law(tilt=None if tilt is None else float(tilt[0]))
+    along = np.linspace(0, min(BEYOND * solution.depth.max(), law.deepest), 200)
+    ends = 0, min(BEYOND * solution.contact_half_angle_deg.max(), solution.angle_deg[-1])
+    if tilt is not None:
+        low, high = solution.contact_from_deg.min(), solution.contact_to_deg.max()
+        ends = np.clip([low - AROUND, high + AROUND], *solution.angle_deg[[0, -1]])
+    with drawn(path) as (left, right):
+        left.plot(along / micro, law.force(along), color="0.5", label="elastic solution")
+        for depth, force, pressure in zip(
+            solution.depth / micro, solution.force, solution.pressure / mega, strict=True
+        ):
+            label = f"{depth:.4g} µm, {digits(force):g} N"
+            (point,) = left.plot(depth, force, "o", label=label)
+            right.plot(solution.angle_deg, pressure, color=point.get_color())
+        left.set(xlabel="penetration depth (µm)", ylabel="contact force (N)", xlim=0, ylim=0)
+        right.set(xlabel="polar angle (deg)", ylabel="pressure (MPa)", xlim=ends, ylim=0)
+        left.legend()
+
+
+COMMANDS = {"joint": solve_joint}
