@@ -10,14 +10,14 @@ from __future__ import annotations  # so that help() shows names and not what th
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
 from study.contact import LAWS, Law, Table
-from study.contact.power_fit import PowerFit, adjusted, determination, fit_power, rmse
+from study.contact.power_fit import DEPTHS, PowerFit, adjusted, determination, fit_power, rmse
 from study.joint import Joint
 from study.joint.joint import LEAST_R2_STAR
 from study.threads import one_thread
@@ -96,6 +96,65 @@ class CurveFit:
     power: PowerFit
     left_out: dict[str, str]
     notes: tuple[str, ...]
+
+
+class TriedPower(NamedTuple):
+    """Constants of a power law F = k d^n that a user has, and their errors.
+
+    Attributes
+    ----------
+    coefficient, exponent
+        k in N/m^n, and n.
+    depths
+        Minimum and maximum depth in m at which the law was compared.
+    rms_error, max_error
+        RMS and maximum of its relative error, against the elastic solution.
+    best
+        The constants that fit the elastic solution best over these depths.
+    """
+
+    coefficient: float
+    exponent: float
+    depths: tuple[float, float]
+    rms_error: float
+    max_error: float
+    best: PowerFit
+
+
+def try_power(
+    joint: Joint,
+    coefficient: float,
+    exponent: float,
+    depths: tuple[float, float] | None = None,
+) -> TriedPower:
+    """Compare constants of a power law F = k d^n with the elastic solution of a joint.
+
+    Parameters
+    ----------
+    joint
+        The joint, with dimensions.
+    coefficient, exponent
+        k in N/m^n, and n, both > 0.
+    depths
+        Minimum and maximum depth in m. The default is 0.05 and 0.5 clearances.
+
+    Examples
+    --------
+    >>> joint = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+    >>> tried = try_power(joint, 2.3e12, 1.65)
+    >>> print(f"{tried.max_error:.1%}, best {tried.best.error:.1%}")
+    5.8%, best 1.0%
+    """
+    checks.number("coefficient", coefficient, above=0, scalar=True)
+    checks.number("exponent", exponent, above=0, scalar=True)
+    best = joint.power_law(depths)
+    places = np.geomspace(*best.depths, DEPTHS)
+    deepest = best.depths[1] / joint.clearance
+    table = joint.table(deepest if deepest > joint.default_depth else None)
+    elastic = joint.force_unit * table(places / joint.clearance)
+    errors = coefficient * places**exponent / elastic - 1
+    rms = float(np.sqrt(np.mean(errors**2)))
+    return TriedPower(coefficient, exponent, best.depths, rms, float(np.abs(errors).max()), best)
 
 
 @one_thread

@@ -7,7 +7,16 @@ import numpy as np
 
 from study import checks
 from study.cli import options as cli
-from study.cli.output import SAME_BYTES, check_output, digits, drawn, show, table_of, working
+from study.cli.output import (
+    SAME_BYTES,
+    check_output,
+    digits,
+    drawn,
+    percent,
+    show,
+    table_of,
+    working,
+)
 from study.tables import read_table
 
 NO_UNIT = "none"
@@ -65,7 +74,7 @@ SHOWN = {"clearance": ("um", 1e6), "modulus": ("GPa", 1e-9), "offset": ("um", 1e
     examples=[
         "fit examples/fit_your_curve.csv --fit clearance --fit offset \\\n"
         "      --socket-radius 12.5mm --clearance 40um --wall 6mm --socket bronze",
-        "fit --try-power 5e7,1.6 --units mm \\\n"
+        "fit --try-power 2.5e7,1.65 --units mm \\\n"
         "      --socket-radius 12.5mm --clearance 40um --wall 6mm --socket bronze",
     ],
     arguments=[
@@ -104,13 +113,19 @@ def fit_own_curve(
     With --try-power, constants k and n that you have are compared with the elastic solution of the
     joint, with a curve or without one.
     """
-    from study.choose.own_curve import fit_curve
+    from study.choose import own_curve
 
     check_output(plot, *SAME_BYTES, name="plot")
     joint, _ = cli.take_joint(options, required=False)
     power = None if try_power is None else _power_of(try_power, units)
+    if power is not None and (joint is None or not joint.has_dimensions):
+        raise ValueError("try_power must be given with a joint with dimensions; describe the joint")
     if curve is None:
-        _show_tried(joint, power, units, as_json)
+        if power is None:
+            raise ValueError("FILE or --try-power must be given")
+        with working("Solving the joint"):
+            tried = own_curve.try_power(joint, *power)
+        show(_tried_values(tried, joint), as_json, _tried(tried))
         return
     heads = {"depth": depth_column, "force": force_column}
     depth, force, has_units = read_curve(curve, heads, {"depth": depth_unit, "force": force_unit})
@@ -123,11 +138,17 @@ def fit_own_curve(
             "--force-unit none)"
         )
     with working("Comparing the laws"):
-        found = fit_curve(depth, force, joint, fit, try_power=power)
+        found = own_curve.fit_curve(depth, force, joint, fit)
+        ends = found.power.depths
+        tried = power and own_curve.try_power(joint, *power, ends)
     if plot is not None:
         _draw(found, plot, has_units)
     values = _values(found) | {"warnings": [*joint.warnings] if joint else []}
-    show(values, as_json, *_parts(found, has_units, fit))
+    parts = [*_parts(found, has_units, fit)]
+    if tried:
+        values["tried"] = _tried_values(tried, joint)
+        parts.append(_tried(tried))
+    show(values, as_json, *parts)
 
 
 def _power_of(text, units):
@@ -136,6 +157,23 @@ def _power_of(text, units):
     checks.number("coefficient of --try-power", coefficient, above=0)
     checks.number("exponent of --try-power", exponent, above=0)
     return coefficient * 1000**exponent if units == "mm" else coefficient, exponent
+
+
+def _tried(tried):
+    """A sentence on the constants of the user."""
+    low, high = (1e6 * depth for depth in tried.depths)
+    best = tried.best
+    return (
+        f"Your power law with k = {tried.coefficient:.5g} N/m^n and n = {tried.exponent:.5g} "
+        f"differs from the elastic solution of the joint by at most {percent(tried.max_error)} "
+        f"(RMS {percent(tried.rms_error)}) at depths from {low:.4g} to {high:.4g} um. The best "
+        f"power law there is within {percent(best.error)}: n = {best.exponent:.5g} and k = "
+        f"{best.coefficient:.5g} N/m^n = {best.coefficient_mm:.5g} N/mm^n."
+    )
+
+
+def _tried_values(tried, joint):
+    return tried._asdict() | {"best": tried.best._asdict(), "warnings": [*joint.warnings]}
 
 
 def read_curve(path, heads, units):

@@ -347,8 +347,7 @@ FORMATS = ("c", "matlab", "modelica", "csv", "exudyn", "adams", "mujoco")
             ),
             cli.option(
                 "--points",
-                "Number of points of a table, for example 30 for a spline. Default: as many as the "
-                "form needs for the stated error.",
+                "Number of rows of csv, for example 30 for a spline. Default: 401.",
                 int,
             ),
             cli.UNITS,

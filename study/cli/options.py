@@ -18,7 +18,7 @@ METAVARS = {float: "NUMBER", int: "COUNT", str: "TEXT", Path: "FILE"}
 LONGEST = 60  # characters of a list of choices that the help shows in its place
 
 
-class InterruptionError(Exception):
+class InterruptionError(click.Abort):
     """Ctrl-C in a command; the message says what is kept, if anything."""
 
 

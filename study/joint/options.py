@@ -91,7 +91,7 @@ def joint_of(values: Mapping[str, Any], *, off_axis: bool = False) -> Joint:
     missing = [name for name in SIZES if name not in values]
     if missing:
         raise ValueError(
-            f"{' and '.join(missing)} must be given for a joint with dimensions; a joint without "
+            f"{', '.join(missing)} must be given for a joint with dimensions; a joint without "
             "dimensions is described by r2_star instead"
         )
     if "ring_width" in values:

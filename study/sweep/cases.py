@@ -59,6 +59,8 @@ INPUTS: dict[str, dict[str, Parameter]] = {
     },
 }
 """Parameters of a case by column."""
+_RENAMED = {"tilt": "displacement_tilt"}
+"""Quantities of a solution whose column has another name, as theirs is that of a parameter."""
 _APPLICABILITY = {
     "applicability": Quantity(
         "Model limits that are exceeded (study joint and study simulate explain them)"
@@ -68,8 +70,7 @@ _APPLICABILITY = {
 
 def _of_joints(dimensions):
     """Results of a joint: quantities of its solution, and its power law."""
-    found = dict(quantities(dimensions))
-    found["displacement_tilt"] = found.pop("tilt")  # tilt is a parameter
+    found = {_RENAMED.get(name, name): of for name, of in quantities(dimensions).items()}
     law = "force = k depth^n" if dimensions else "force_star = k depth_star^n"
     if dimensions:
         found["yield_factor"] = Quantity(
@@ -258,8 +259,8 @@ def _joint(values):
             solution = joint.solve(**asked, tilt=tilt, stresses=joint.has_dimensions)
         else:
             solution = joint.curve(tilt=tilt, stresses=joint.has_dimensions)
-        found = {name: getattr(solution, name) for name in quantities(joint.has_dimensions)}
-        found["displacement_tilt"] = found.pop("tilt")
+        names = quantities(joint.has_dimensions)
+        found = {_RENAMED.get(name, name): getattr(solution, name) for name in names}
         factors = [factor for factor in solution.yield_factor.values() if factor is not None]
         found["yield_factor"] = np.min(factors, axis=0) if factors else None
         found["applicability"] = [limits.in_short(each) for each in solution.limits]
