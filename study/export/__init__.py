@@ -435,8 +435,8 @@ def _csv(content, name, count):
     lines = [
         f"Contact force of one spherical clearance joint: {name or content.law.name}. {_SOURCE}",
         *content.in_words(),
-        f"Between rows, linear interpolation over depth adds an error of up to {_percent(linear)}, "
-        f"and a cubic spline (not-a-knot) of up to {_percent(spline)}.",
+        f"Between rows, linear interpolation over depth adds an error of up to {_percent(linear)}.",
+        f"With a cubic spline (not-a-knot) this error is at most {_percent(spline)}.",
         *(f"{head} in {unit}" for head, unit in zip(heads, content.units, strict=True)),
     ]
     columns = content.unit_of_depth * depth, force, stiffness

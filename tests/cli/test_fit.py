@@ -66,6 +66,46 @@ def test_units_and_columns(run, written, head, factors, words):
     assert power["depths"] == pytest.approx([1e-6, 20e-6])
 
 
+def test_decimal_commas_and_units_in_cells(run, tmp_path):
+    path = tmp_path / "curve.csv"
+    depth = np.linspace(1, 20, 9)
+    force = 1e12 * (1e-6 * depth) ** 1.6
+    pairs = [*zip(depth.tolist(), force.tolist(), strict=True)]
+    tables = [
+        [
+            "depth [um];force [kN]",
+            *(f"{d!r};{f / 1e3!r}" for d, f in pairs),
+        ],
+        ["depth\tforce", *(f"{d!r}um\t{f!r} N" for d, f in pairs)],
+    ]
+    for lines in tables:
+        path.write_text("\n".join(lines).replace(".", ","), encoding="utf-8")
+        power = json.loads(run("fit", path, "--json")[1])["power"]
+        assert (power["exponent"], power["coefficient"]) == pytest.approx((1.6, 1e12), rel=1e-6)
+
+
+def test_constants_of_the_user_are_compared_with_the_elastic_solution(run):
+    joint = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+    fit = joint.power_law()
+    constants = f"{1.1 * fit.coefficient_mm!r},{fit.exponent!r}"
+    words = ("--try-power", constants, "--units", "mm")
+    found = json.loads(run("fit", *SIZES, *words, "--json")[1])
+    assert found["coefficient"] == pytest.approx(1.1 * fit.coefficient)
+    assert found["max_error"] == pytest.approx(0.1 + 1.1 * fit.error, rel=0.02)
+    assert 0.09 < found["rms_error"] < 0.11
+    assert "differs from the elastic solution" in run("fit", *SIZES, *words)[1]
+    with_curve = json.loads(run("fit", MADE, *SIZES, *words, "--fit", "offset", "--json")[1])
+    assert with_curve["tried"]["depths"] == with_curve["power"]["depths"]
+    for bad, message in (
+        (("--try-power", "1e9"), "--try-power must be two numbers separated by a comma"),
+        (("--try-power", "1e9,-1", *SIZES), "exponent of --try-power must be > 0, got -1"),
+        (("--try-power", "1e9,1.5"), "--try-power must be given with a joint with dimensions"),
+        ((), "FILE or --try-power must be given"),
+    ):
+        status, _, err = run("fit", *bad)
+        assert (status, message in err) == (2, True)
+
+
 def test_a_curve_in_clearances(run, written, tmp_path):
     path, plot = written("depth_star,force_star"), tmp_path / "plot.png"
     alone = json.loads(run("fit", path, "--json")[1])
@@ -79,14 +119,14 @@ def test_a_curve_in_clearances(run, written, tmp_path):
 
 
 BAD = {
-    "": "must have a line of column names and a row for each point, got 0",
-    "depth um,force N\n": "must have a line of column names and a row for each point, got 1",
+    "": "must have a line of column names and a row for each point",
+    "depth um,force N\n": "must have a line of column names and a row for each point",
     "depth um,force N\n1,2\n2,nan": "force in row 2 must be a finite number, got nan",
     "depth um,force N\n1,2\n2,": "force in row 2 must be a number, got ''",
     "depth um,force N\n1,2\n2": "row 2 must have 2 cells",
     "depth um,depth mm,force N\n1,1,2": "depth um, depth mm; select one with --depth-column",
     "x,force N\n1,2": "no column is named depth; select one of x, force N with --depth-column",
-    "depth,force N\n1,2": "the unit of the column depth must be one of um, mm, m, none",
+    "depth,force N\n1,2": "the unit of the column depth must be m with or without a prefix",
     "depth um,force_star\n1,2": "got the units um and none",
     "depth um,force N\n1,2\n": "the same length >= 4",
 }

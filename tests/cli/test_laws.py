@@ -12,6 +12,7 @@ from study.choose import choose
 from study.export import export
 from study.joint import Joint, Material, first_yield
 
+SIZES = ["--socket-radius", 12.5e-3, "--clearance", 40e-6, "--wall", 6e-3, "--socket", "bronze"]
 CHOOSE = ["choose", "--r2-star", 200, "--depth-star", 0.3]
 
 
@@ -44,11 +45,21 @@ def test_a_law_takes_its_numbers_and_no_others(run):
         (["hertz", *point, "--ball-support", "clamped"], "--ball-support does not apply to the la"),
         (["winkler", *point, "--exponent", 2], "--exponent does not apply to the law winkler"),
         (["tabulated", *point, "--n", 2], "--n does not apply to the law tabulated; remove it"),
-        (["steuermann", *point, "--n", 51], "n must be >= 1 and <= 50, got 51"),
+        (["steuermann", *point, "--n", 51], "--n must be >= 1 and <= 50, got 51"),
     ):
         status, out, err = run("law", *words)
         assert (status, out, err.count("\n")) == (2, "", 1)
         assert message in err
+
+
+def test_a_law_takes_a_joint_with_dimensions(run):
+    words = ["law", "hertz", *SIZES, "--depth", "4um", "--json"]
+    found = json.loads(run(*words)[1])
+    joint = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+    assert found["force"] == pytest.approx([joint.law("hertz").force(4e-6)])
+    assert found["depth_star"] == pytest.approx([0.1])
+    in_mm = json.loads(run(*words, "--units", "mm")[1])
+    assert (in_mm["depth"], in_mm["force"]) == ([4e-3], found["force"])
 
 
 def test_choose_prints_the_law_its_error_and_its_cost(run):
@@ -85,7 +96,6 @@ def test_choose_ends_with_status_1_where_no_law_is_known(run):
 
 
 EXPORT = ["export", "--law", "hertz", "--format", "c"]
-SIZES = ["--socket-radius", 12.5e-3, "--clearance", 40e-6, "--wall", 6e-3, "--socket", "bronze"]
 
 
 def test_choose_takes_a_joint_with_its_dimensions(run):
@@ -115,13 +125,13 @@ def test_choose_takes_a_joint_with_its_dimensions(run):
     [
         ([*SIZES], "one of --depth, --force and --depth-star must be given, got none"),
         ([*SIZES, "--depth", 1e-6, "--force", 3], "must be given, got --depth and --force"),
-        ([*SIZES, "--depth", -1], "depth must be > 0 m, got -1 m"),
+        ([*SIZES, "--depth", -1], "--depth must be > 0 m, got -1 m"),
         ([*SIZES, "--depth", 1e-6, "--yield-stress", 1e9], "--yield-stress does not apply"),
-        ([*SIZES, "--depth", 1e-6, "--r2-star", 20], "--r2-star is for a joint without dimensions"),
+        ([*SIZES, "--depth", 1e-6, "--r2-star", 20], "--r2-star and --socket-radius must not both"),
         (["--r2-star", 20, "--force", 3], "--force does not apply to a joint without dimensions"),
-        (["--depth-star", 0.1], "--r2-star must be given"),
+        (["--depth-star", 0.1], "--socket-radius, --clearance, --wall must be given"),
         (["--r2-star", 20], "--depth-star must be given"),
-        ([*EXPORT, "--depth", 1e-6], "--r2-star must be given; a joint with dimensions is"),
+        ([*EXPORT, "--depth", 1e-6], "a joint without dimensions is described by --r2-star"),
         ([*EXPORT, "--r2-star", 20, "--depth", 1e-6], "--depth does not apply to a joint without"),
         ([*EXPORT, *SIZES, "--depth", 1e-6, "--depth-star", 0.1], "must not both be given"),
     ],
@@ -193,4 +203,4 @@ def test_export_takes_the_numbers_of_a_law(run):
     assert out == export(contact.Steuermann(2, "profile"), "c", Joint.from_ratios(150))
     status, out, err = run(*words, "hertz", "--option", "n=2")
     assert (status, out, err.count("\n")) == (2, "", 1)
-    assert "--option of the law hertz must be NAME=VALUE with NAME one of nothing" in err
+    assert "--option of the law hertz must be KEY=VALUE with KEY one of nothing" in err

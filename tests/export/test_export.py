@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 from helpers import programs
 from helpers.programs import needs_compiler, needs_octave
+from scipy.interpolate import CubicSpline
 
 from study.contact import LAWS, Sampled, Steuermann
 from study.contact.power_fit import USUAL_RANGE
@@ -153,6 +154,27 @@ def test_csv_is_the_law_at_its_depths_and_says_how_to_interpolate(law, deepest):
     (told,) = (float(line.split()[-2]) / 100 for line in text.splitlines() if " adds " in line)
     off = np.abs(np.interp(between, depth, table.force_star) / exact(between) - 1).max()
     assert off < 1.05 * told + 1e-6
+
+
+def test_a_short_table_for_a_spline_in_mm():
+    text = export("tabulated", "csv", BRONZE, points=30, units="mm")
+    table, si = (
+        pd.read_csv(io.StringIO(of), comment="#")
+        for of in (text, export("tabulated", "csv", BRONZE))
+    )
+    assert (len(table), "# depth in mm" in text, "# stiffness in N/mm" in text) == (30, True, True)
+    assert table.depth.iloc[-1] == pytest.approx(1e3 * si.depth.iloc[-1])
+    (told,) = (float(line.split()[-2]) / 100 for line in text.splitlines() if "spline" in line)
+    spline = CubicSpline(table.depth, table.force)(1e3 * si.depth[40:])
+    off = np.abs(spline / si.force[40:] - 1).max()
+    assert 0.2 * told < off < 1.05 * told < 0.01
+    for more, message in (
+        ({"points": 2}, "points must be >= 3"),
+        ({"points": 30, "form": "c"}, "format with points must be one of csv"),
+        ({"units": "mm", "form": "adams"}, "format with units mm must be one of c, matlab, csv"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            export("power", **{"form": "csv", "joint": BRONZE} | more)
 
 
 def test_csv_of_a_joint_with_dimensions_is_in_si_units():

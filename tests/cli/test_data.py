@@ -73,7 +73,7 @@ def test_cases_are_chosen_by_every_column(run):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--r2-star", "7"], "r2_star must be >= 20 and <= 10000, got 7"),
+        (["--r2-star", "7"], "--r2-star must be >= 20 and <= 10000, got 7"),
         (["--case", "papr-small-200"], "did you mean paper-small-200 or paper-small-2000 or "),
     ],
 )
@@ -99,7 +99,7 @@ def test_a_check_says_what_it_found(run):
         "cases",
         "solved",
     ]
-    assert run("data", "check", "--sample", 0)[::2] == (2, "study: sample must be >= 1, got 0\n")
+    assert run("data", "check", "--sample", 0)[::2] == (2, "study: --sample must be >= 1, got 0\n")
 
 
 def test_only_files_of_the_dataset_are_accepted(run, tmp_path, monkeypatch):

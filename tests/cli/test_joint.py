@@ -2,12 +2,13 @@
 
 import json
 import re
+import shlex
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from study.checks import StudyError
+from study.checks import StudyError, UnitWarning
 from study.joint import Joint, Layer, Material
 
 SIZES = ["joint", "--socket-radius", "12.5e-3", "--clearance", "40e-6", "--wall", "6e-3"]
@@ -147,11 +148,11 @@ def test_the_same_joint_is_drawn_with_the_same_bytes(run, tmp_path, suffix):
 def test_the_drawing_has_the_numbers_of_the_solution(monkeypatch, tmp_path):
     from matplotlib.figure import Figure
 
-    from study.cli import solve_joint
+    from study.cli import joint
 
     figures, solution = [], DIMENSIONS.solve(force=[8000, 3000])
     monkeypatch.setattr(Figure, "savefig", lambda f, path, **_: figures.append(f) or path.touch())
-    solve_joint.draw(solution, tmp_path / "joint.png")
+    joint.draw(solution, tmp_path / "joint.png")
     force, pressure = figures[0].axes
     (curve, *points), profiles = force.lines, pressure.lines
     depth, along = curve.get_data()
@@ -164,27 +165,114 @@ def test_the_drawing_has_the_numbers_of_the_solution(monkeypatch, tmp_path):
         assert (axes.get_xlabel()[-len(units[0]) :], axes.get_ylabel()[-len(units[1]) :]) == units
 
 
-def test_sizes_in_mm_are_asked_about(run):
+def test_values_in_another_unit_are_asked_about(run):
     millimetres = ("--socket-radius", 16, "--clearance", 0.1, "--wall", 8, "--force", 500)
     status, out, err = run("joint", *millimetres)
     assert (status, err) == (0, "")
-    assert re.search(
-        r"too small to compare laws; .* Hertz's law is valid within 0\.\d+ %$", out, re.M
+    assert "check that all dimensions are in m, not in mm" in out
+    told, *_ = json.loads(run("joint", *millimetres, "--json")[1])["warnings"]
+    assert told == Joint(16, 0.1, 8).warnings[0]
+    status, _, err = run(*BRONZE, "--ball", "110000,0.3", "--force", 3000)
+    assert status == 2
+    assert re.search("110000 Pa, which is very small; check .* force must be <= 6", err)
+    with pytest.warns(UnitWarning, match="not in mm"):
+        Joint(16, 0.1, 8)
+
+
+def test_units_of_numbers_and_of_results(run):
+    typed = ["--socket-radius", "12.5mm", "--clearance", "40um", "--wall", "0.6cm"]
+    typed += ["--ball", "steel", "--socket", "110GPa,0.34,160MPa", "--force", "3kN", "--json"]
+    plain, with_units = (
+        json.loads(run(*w)[1]) for w in ([*BRONZE, "--force", 3000, "--json"], ["joint", *typed])
     )
-    assert "The radius of the socket is 16 m; check" in out.splitlines()[-1]
+    plain.pop("export"), with_units.pop("export")
+    assert plain == with_units
+    found = json.loads(run("joint", *typed, "--units", "mm")[1])
+    for name, factor in (
+        ("depth", 1e3),
+        ("force", 1),
+        ("stiffness", 1e-3),
+        ("contact_area", 1e6),
+        ("peak_pressure", 1e-6),
+        ("von_mises_socket", 1e-6),
+    ):
+        assert found[name] == pytest.approx([factor * plain[name][0]])
+    assert found["materials"]["socket"]["youngs_modulus"] == pytest.approx(1.1e5)
+    heads, units = (
+        line.split() for line in run("joint", *typed[:-1], "--units", "mm")[1].splitlines()[:2]
+    )
+    assert dict(zip(heads, units, strict=True))["stiffness"] == "N/mm"
+    for word, message in (
+        ("3kJ", "--force must be a number in N, or with its unit, such as 3kN"),
+        ("3e3_0", "got '3e3_0'"),
+    ):
+        status, _, err = run(*BRONZE, "--force", word)
+        assert (status, message in err) == (2, True)
+
+
+def test_a_joint_is_saved_and_given_to_other_commands(run, tmp_path):
+    save = tmp_path / "cup.toml"
+    words = ["--socket-radius", "12.5mm", "--play", "80um", "--wall", "6mm", "--socket", "bronze"]
+    status, out, _ = run("joint", *words, "--save", save)
+    assert (status, f"--joint {save}" in out) == (0, True)
+    direct = json.loads(run("joint", *words, "--force", 3000, "--json")[1])
+    saved = json.loads(run("joint", "--joint", save, "--force", 3000, "--json")[1])
+    assert saved["depth"] == direct["depth"]
+    assert shlex.split(saved["export"])[-2:] == ["--joint", str(save)]
+    assert run(*shlex.split(saved["export"])[1:])[0] == 0
+    for command in (
+        ["choose", "--force", "3kN", "--tolerance", 0.05],
+        ["law", "hertz", "--depth", "4um"],
+        ["fit", "--try-power", "2e12,1.65"],
+    ):
+        assert run(*command, "--joint", save)[0] == 0
+    other = json.loads(
+        run("joint", "--joint", save, "--clearance", "60um", "--force", 3000, "--json")[1]
+    )
+    assert other["r2_star"] == pytest.approx(12.5e-3 / 60e-6)
+    save.write_text("wall = 0.1\nwal = 3\n")
+    status, _, err = run("joint", "--joint", save, "--force", 1)
+    assert (status, "has the line wal = 3" in err) == (2, True)
+    status, _, err = run("joint", "--joint", tmp_path / "none.toml", "--force", 1)
+    assert (
+        status,
+        err.startswith("study: --joint must be a file that study joint --save wrote"),
+    ) == (2, True)
+
+
+def test_a_ring_by_its_width(run):
+    words = [*SIZES, "--ball-support", "core:0.2", "--force", 9000, "--json"]
+    width = 2 * 12.5e-3 * np.cos(np.radians(55))
+    by_width, by_angles = (
+        json.loads(run(*words, *of)[1])["depth"]
+        for of in (["--ring-width", width], ["--opening", "55:125"])
+    )
+    assert by_width == pytest.approx(by_angles, rel=1e-6)
+    for more, message in (
+        (["--opening", 80], "--ring-width and --opening must not both be given"),
+        ([], "--ring-width must be < 0.025 m, got 0.03 m"),
+    ):
+        status, _, err = run(*words, "--ring-width", "30mm", *more)
+        assert (status, message in err) == (2, True)
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ([*BRONZE, "--force", 1, "--r2-star", 75], "--r2-star is for a joint without dimensions"),
-        (["joint", "--socket-radius", 0.01, "--force", 1], "--clearance and --wall must be given"),
-        (["joint"], "--r2-star must be given; a joint with dimensions is described by"),
+        (
+            [*BRONZE, "--force", 1, "--r2-star", 75],
+            "--r2-star and --socket-radius must not both be given",
+        ),
+        (["joint", "--socket-radius", 0.01, "--force", 1], "--clearance, --wall must be given"),
+        (["joint"], "a joint without dimensions is described by --r2-star"),
         (["joint", "--r2-star", 5, "--depth-star", 0.1], ">= 10, got 5; such a loose ball is not"),
-        ([*SIZES, "--force", 1, "--resolution", 50], "resolution must be a multiple of 32, got 50"),
+        (
+            [*SIZES, "--force", 1, "--resolution", 50],
+            "--resolution must be a multiple of 32, got 50",
+        ),
         ([*TILTED, "--tolerance", 0.1], "--tolerance does not apply to a load off the axis"),
-        ([*RATIOS, "--plot", "x.png"], "--plot for a joint with dimensions"),
-        ([*RATIOS, "--friction", 0.1], "--friction for a joint with dimensions"),
+        ([*RATIOS, "--plot", "x.png"], "--plot is for a joint with dimensions"),
+        ([*RATIOS, "--friction", 0.1], "--friction is for a joint with dimensions"),
     ],
 )
 def test_what_does_not_fit_is_refused(run, words, message):
