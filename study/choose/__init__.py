@@ -3,8 +3,8 @@
 `choose` compares every law with the elastic solution of the joint. `axial_law_suffices` checks
 whether one law for the axial direction is accurate enough for loads off the axis. `fit_curve`
 compares the laws with a curve of the user and fits unknown parameters of its joint, and `try_power`
-compares constants of a power law that the user has. `choose_model` runs models of the crank-slider and takes the simplest one that differs little enough from a finer
-one.
+compares constants of a power law that the user has. `choose_model` runs models of the crank-slider
+and takes the simplest one that differs little enough from a finer one.
 """
 
 from typing import TYPE_CHECKING, Any

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from typer.main import get_group
 
 from study.checks import RangeError
-from study.cli.options import app, flag
+from study.cli.options import flag
+from study.cli.program import PROGRAM
 from study.contact import Material
 from study.joint import Joint, Layer, Liner
 from study.joint.supports import (
@@ -27,7 +27,7 @@ from study.joint.supports import (
 from study.mechanism import Scene
 from study.mechanism.simulate import simulate
 from study.parameters import defaults, described
-from study.sweep.cases import FORMS
+from study.sweep.cases import inputs
 
 RATIOS = Joint.from_ratios
 CLASSES = (Joint, Scene, Material, Liner, Core, Neck, Sector)
@@ -181,7 +181,7 @@ def make(owner, name, value):
 @settings(max_examples=3)
 @given(data=st.data())
 def test_every_parameter_is_an_option_that_takes_its_text(owner, word, data):
-    command = get_group(app).get_command(None, word)
+    command = PROGRAM.get_command(None, word)
     for option in command.params:
         option.required = False
     chosen, words = {}, []
@@ -199,7 +199,7 @@ def test_every_parameter_is_an_option_that_takes_its_text(owner, word, data):
 
 @pytest.mark.parametrize("owner", COLUMNS)
 def test_every_parameter_is_a_column(owner):
-    columns = FORMS[COLUMNS[owner]].columns
+    columns = inputs(COLUMNS[owner])
     for name, about in described(owner).items():
         assert name in OF_PYTHON or columns[RENAMED.get(name, name)] is about
 
