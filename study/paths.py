@@ -79,13 +79,18 @@ def digest(files: Iterable[Path], *more: object) -> str:
 def whole(path: Path) -> Iterator[Path]:
     """Give a temporary file in the folder of ``path``, which becomes ``path`` only on success.
 
-    An ``OSError`` names ``path``.
+    A link is followed. The file keeps its mode, or gets that of new files. An ``OSError`` names
+    ``path``.
     """
+    path = Path(os.path.realpath(path))
+    umask = os.umask(0)  # it can only be read by setting it
+    os.umask(umask)
     try:
+        mode = path.stat().st_mode & 0o777 if path.is_file() else 0o666 & ~umask
         path.parent.mkdir(parents=True, exist_ok=True)
         with scratch(path.parent) as folder:
             yield (temporary := folder / path.name)
-            temporary.chmod(0o644)
+            temporary.chmod(mode)
             temporary.replace(path)
     except OSError as error:
         names = (error.filename, error.filename2)

@@ -16,6 +16,8 @@ _RETURNED = re.compile(
     r"\[|Text\(|<\w*(matplotlib|Axes|Container)|\(array\("
 )  # by a call for a plot
 _OTHER_NUMBER = re.compile(r"\d_\d|\b0[xob]", re.IGNORECASE)  # Python's own: 1_00, 0x64
+RADII = "a radius of the dataset"
+"""Values allowed for a normalised socket radius whose curves are read from the dataset."""
 LONGEST_FOLDER = 100  # name of a folder for parameters, in characters
 
 
@@ -39,7 +41,8 @@ def parameters(notebook: Notebook) -> dict[str, Parameter]:
     """Parameters of a notebook by name, from its ``parameters`` cell.
 
     A comment tells the meaning, and ends with the values allowed: ``[20 to 10000]`` for a number or
-    each of a list, ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``.
+    each of a list, ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``, and ``[a radius of the
+    dataset]``.
 
     Raises `NotebookError` if the file is no notebook, or has anything but such lines in that cell.
     """
@@ -107,6 +110,13 @@ def check_range(key: str, value: Any, allowed: str) -> None:
     for item in value if isinstance(value, list | tuple) else [value]:
         if to:
             checks.number(f"parameter {key}", item, least=float(low), most=float(high))
+        elif allowed == RADII:
+            from study import dataset
+
+            radii = sorted(set(dataset.load(group="paper").r2_star))
+            if item not in radii:
+                listed = ", ".join(f"{radius:g}" for radius in radii)
+                raise checks.RangeError(f"parameter {key} must be one of {listed}, got {item:g}")
         elif allowed:
             from study.contact import CLOSED_FORM
 

@@ -104,6 +104,7 @@ def test_the_program_lists_every_command_with_its_own_first_sentence(run):
         (["joint", "--r2star", "9", "--depth-star", "1"], "No such option '--r2star'"),
         (["run", "-p", "r2_star=100"], "-p must be given with a NAME, for example: study run"),
         (["walk"], "No such command 'walk'"),
+        (["run", "fig10", "-p", "r2_star=210"], "must be one of 20, 40, 60, 80, 100, 120, 140, 16"),
     ],
 )
 def test_wrong_use_is_one_line_and_status_2(run, words, message):
@@ -163,7 +164,7 @@ def test_list_of_a_name_tells_the_parameters_of_its_notebook(run):
         assert out.startswith("03-force-against-depth:\n")
         assert "\n  fig10: contact force over" in out
         assert ("  trend: " in out) == (name != "fig10")
-        assert "\n  r2_star: 200.0 [20 to 10000]: " in out
+        assert "\n  r2_star: 200.0 [a radius of the dataset]: " in out
 
 
 @pytest.mark.parametrize(
@@ -229,6 +230,20 @@ def interrupt(*_, **__):
 def test_interruption_is_one_line_and_status_130(run, monkeypatch, called, kept, words):
     monkeypatch.setattr(called, interrupt)
     assert run(*words) == (130, "", f"study: interrupted{kept}\n")
+
+
+def test_ctrl_c_while_packages_load_is_one_line(run, monkeypatch):
+    monkeypatch.setattr(program, "run", interrupt)
+    assert run("joint") == (130, "", "study: interrupted\n")
+
+
+def test_a_closed_output_is_one_line(tmp_path):
+    command = f"exec {shlex.quote(sys.executable)} -m study.cli --help >&-"
+    done = subprocess.run(["sh", "-c", command], cwd=paths.ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (
+        1,
+        "study: the standard output is closed; give it a file\n",
+    )
 
 
 def test_output_that_cannot_be_written_is_refused_before_the_work(run, monkeypatch, tmp_path):

@@ -49,6 +49,7 @@ def test_states_of_a_result_and_what_is_copied(make):
     drawn = make(TABLE, label="Force")
     assert (drawn.state, drawn.drawn_differently) == ("identical", True)
     assert make(TABLE.assign(force=TABLE.force * (1 + 5e-7))).state == "agrees"
+    assert make(TABLE.assign(force=TABLE.force * (1 + 1.5e-6))).state == "differs"
     before = {path: path.read_bytes() for path in paths.FIGURES.iterdir()}
     other = make(TABLE.assign(force=TABLE.force * 1.004))
     assert other.where == (
