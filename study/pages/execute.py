@@ -41,8 +41,8 @@ def parameters(notebook: Notebook) -> dict[str, Parameter]:
     """Parameters of a notebook by name, from its ``parameters`` cell.
 
     A comment tells the meaning, and ends with the values allowed: ``[20 to 10000]`` for a number or
-    each of a list, ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``, and ``[a radius of the
-    dataset]``.
+    each of a list, ``[linear, small]`` for a word, ``[a law]`` for those of ``study law``, and ``[a
+    radius of the dataset]``.
 
     Raises `NotebookError` if the file is no notebook, or has anything but such lines in that cell.
     """

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from study import paths
-from study.cli import options, output
+from study.cli import options, output, program
 from study.cli.program import COMMANDS, PROGRAM
 from study.mechanism import simulate
 from study.pages import catalogue
