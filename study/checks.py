@@ -74,8 +74,8 @@ def number(
         If any is outside the limits, larger than `LARGEST`, or, if > 0, below `SMALLEST`.
     """
     array = _floats(name, value, scalar)
-    limits = {">": above, ">=": least, "<": below, "<=": most}
-    limits = {sign: limit for sign, limit in limits.items() if limit is not None}
+    signs = {">": above, ">=": least, "<": below, "<=": most}
+    limits = {sign: limit for sign, limit in signs.items() if limit is not None}
     good = np.abs(array) <= LARGEST
     if above == 0:
         good &= array >= SMALLEST
@@ -229,8 +229,8 @@ def read_several(name: str, text: str, units: Sequence[str]) -> tuple[float, ...
     """Return the numbers that a text states, separated by commas, one of each unit."""
     parts, count = text.split(","), len(units)
     if len(parts) != count:
-        wanted = {1: "one number", 2: "two numbers separated by a comma"}
-        wanted = wanted.get(count, "three numbers separated by commas")
+        forms = {1: "one number", 2: "two numbers separated by a comma"}
+        wanted = forms.get(count, "three numbers separated by commas")
         raise ValueError(f"{name} must be {wanted}, got {text!r}")
     return tuple(read(name, part, unit=unit) for part, unit in zip(parts, units, strict=True))
 

@@ -21,13 +21,13 @@ from study import paths
 def compiled(function: Callable, **options: bool) -> Any:
     """Compile a function at its first call, without a wrapper for C, and keep the code on disk."""
     keep = Path(function.__code__.co_filename).is_file() and _is_usable(folder())
-    before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder())
+    config: Any = numba.config
+    before, config.CACHE_DIR = config.CACHE_DIR, str(folder())
     try:
-        return numba.njit(cache=keep, error_model="numpy", no_cfunc_wrapper=True, **options)(
-            function
-        )
+        njit: Any = numba.njit
+        return njit(cache=keep, error_model="numpy", no_cfunc_wrapper=True, **options)(function)
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before
 
 
 def inner(function: Callable) -> Any:

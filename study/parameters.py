@@ -151,7 +151,7 @@ def described(owner: Any) -> dict[str, Parameter]:
     """Parameters of a dataclass, or of a function that `describe` decorates, by name."""
     if not is_dataclass(owner):
         return owner.described
-    ordered = sorted(fields(owner), key=lambda of: of.kw_only)  # a class's own come first
+    ordered = sorted(fields(owner), key=lambda of: bool(of.kw_only))  # a class's own come first
     every = {of.name: of.metadata.get("parameter") for of in ordered}
     return {name: about for name, about in every.items() if about is not None}
 
@@ -240,6 +240,6 @@ def quantities(owner: type) -> dict[str, Quantity]:
     """Quantities of a class by name: those of its fields, then those of its properties."""
     found = {of.name: of.metadata["quantity"] for of in fields(owner) if "quantity" in of.metadata}
     for name, of in vars(owner).items():
-        if isinstance(of, property) and hasattr(of.fget, "quantity"):
-            found[name] = of.fget.quantity
+        if (about := getattr(getattr(of, "fget", None), "quantity", None)) is not None:
+            found[name] = about
     return found

@@ -32,7 +32,7 @@ def kappa_as_printed(reference: ArrayLike, prediction: ArrayLike) -> float:
 
 def relative_rmse(reference: ArrayLike, prediction: ArrayLike) -> float:
     """RMS error divided by the mean of the reference (the paper's RMSE/mean(P*), Fig. 14)."""
-    return rmse(reference, prediction) / float(np.mean(reference))
+    return rmse(reference, prediction) / float(np.mean(np.asarray(reference)))
 
 
 def goodness_of_fit(reference: ArrayLike, prediction: ArrayLike) -> dict[str, float]:

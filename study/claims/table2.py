@@ -30,7 +30,7 @@ from study import checks, contact
 from study.contact.laws import AREA_COEFFICIENTS, Area
 from study.dataset import fitting, solutions
 from study.dataset.fitting import LARGEST_DEPTH, R2_STAR
-from study.joint import reference_joint
+from study.joint import Solver, reference_joint
 
 ROWS = ("hertz", "steuermann", "winkler", "hyperbolic_winkler")
 """Rows of Table 2 with known formulas; Liu's is reconstructed from its own row."""
@@ -104,7 +104,7 @@ def totals(
 
 
 def coefficients(
-    table: Printed, law: str, depths: ArrayLike, factor: float = 1.0, **reading
+    table: Printed, law: str, depths: ArrayLike, factor: float = 1.0, **reading: Any
 ) -> tuple[Numbers, Numbers]:
     """Coefficient of a fitted law by its kappa as printed, and by its RMSE.
 
@@ -124,7 +124,7 @@ def coefficients(
 
 
 def disagreement(
-    table: Printed, law: str, depths: ArrayLike, factor: float = 1.0, **reading
+    table: Printed, law: str, depths: ArrayLike, factor: float = 1.0, **reading: Any
 ) -> Numbers:
     """Relative difference in percent of a law's two `coefficients`; 0 for the paper's sample."""
     by_kappa, by_rmse = coefficients(table, law, depths, factor, **reading)
@@ -184,8 +184,8 @@ def needed_rounding(table: Printed, law: str, depths: ArrayLike, factor: float =
     unit = abs(rest(np.zeros(8)))
     if rest(np.zeros(8)) >= 0:
         return 0.0
-    limits = [lambda x: rest(x) / unit, lambda x: x[8] - x[:8], lambda x: x[8] + x[:8]]
-    limits = [{"type": "ineq", "fun": limit} for limit in limits]
+    functions = [lambda x: rest(x) / unit, lambda x: x[8] - x[:8], lambda x: x[8] + x[:8]]
+    limits = [{"type": "ineq", "fun": function} for function in functions]
     start, options = np.append(np.zeros(8), 1.0), {"maxiter": 500, "ftol": 1e-10}
     positive = [(-0.9 * number / HALF_DIGIT, None) for number in stated.ravel()] + [(0, None)]
     found = minimize(
@@ -199,7 +199,7 @@ def needed_rounding(table: Printed, law: str, depths: ArrayLike, factor: float =
 
 
 def forces(
-    sample: Numbers, solver: str | None = None, resolution: int | None = None, **joint: Any
+    sample: Numbers, solver: Solver | None = None, resolution: int | None = None, **joint: Any
 ) -> Numbers:
     """Forces, shape (n,), at depths up to 0.5, of `study.joint.reference_joint` with changes."""
     curve = solutions.curve(reference_joint(R2_STAR, **joint), _DEPTHS, resolution, solver)
@@ -346,7 +346,7 @@ def ranked(published: pd.DataFrame, scans: pd.DataFrame, scale_free: bool = Fals
     rows = []
     for key, scanned in scans.groupby(names, sort=False):
         for area, factor in product(AREA_COEFFICIENTS, FACTORS):
-            reading = {"area": area, "factor": FACTORS[factor]}
+            reading: dict[str, Any] = {"area": area, "factor": FACTORS[factor]}
             if scale_free:
                 best = freed(published, scanned, **reading)
             else:

@@ -162,7 +162,7 @@ def depends_on(readings: Sequence[str], held: NDArray[np.bool_]) -> list[str]:
     result of `holds`. The verdict depends on ``50 ms or 200 ms`` if a change of this part alone
     changes whether the statement is satisfied.
     """
-    parts, found = [name.split(", ") for name in readings], {}
+    parts, found = [name.split(", ") for name in readings], dict[int, dict[str, None]]()
     for (one, first), (other, second) in combinations(zip(parts, held, strict=True), 2):
         apart = [k for k, pair in enumerate(zip(one, other, strict=True)) if len(set(pair)) > 1]
         if len(apart) == 1 and (first != second).any():

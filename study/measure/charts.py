@@ -119,9 +119,9 @@ def laws(repeats: int, names: Sequence[str]) -> pd.DataFrame:
     times, curve = timing.timed(partial(REFERENCE.solve, depth_star=LAW_DEPTHS), repeats)
     times /= LAW_DEPTHS.size
     setting = f"six-node triangles, resolution {RESOLUTION['quadratic']}"
-    columns = {"vectorised": np.median(times) * depths.size, "called": PYTHON}
+    by_solver = {"vectorised": np.median(times) * depths.size, "called": PYTHON}
     error = curve.force_star / exact - 1
-    rows.append(timing.row("laws", "solver", setting, times, error, **columns))
+    rows.append(timing.row("laws", "solver", setting, times, error, **by_solver))
     frame = timing.table(rows)
     frame["vectorised"] /= frame["vectorised"].iloc[0]
     return frame

@@ -43,7 +43,7 @@ def runs() -> Iterator[Run]:
         simulated("beams", joint, (2, 4), 4e-6)
     for joint, model in product(DURATIONS, MODELS):
         for n in MESHES[joint]:
-            elements, steps = (n, 2 * n), STEPS[joint]
+            elements, steps = (n, 2 * n), tuple(STEPS[joint])
             if model == "particles":
                 limit = longest_step(joint, elements)
                 steps = tuple(share * limit for share in SHARES if n > 1)

@@ -164,7 +164,7 @@ def time_at(rows: pd.DataFrame, errors: ArrayLike) -> NDArray[np.float64]:
     """
     front = pareto_front(rows)[::-1]  # errors ascend
     known = np.log(front[["rms_error", "time"]].to_numpy()).T
-    return np.exp(np.interp(np.log(errors), *known, left=np.nan))
+    return np.exp(np.interp(np.log(errors), known[0], known[1], left=np.nan))
 
 
 def at_equal_error(steppers: pd.DataFrame, errors: Sequence[float] = ERRORS) -> pd.DataFrame:

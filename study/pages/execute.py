@@ -51,9 +51,11 @@ def parameters(notebook: Notebook) -> dict[str, Parameter]:
         cells = json.loads(notebook.path.read_text(encoding="utf-8"))["cells"]
         (cell,) = (cell for cell in cells if "parameters" in cell["metadata"].get("tags", ()))
         source = "".join(cell["source"])
+        line: Any
         for line in ast.parse(source).body:
             after = source.splitlines()[line.end_lineno - 1].encode()[line.end_col_offset :]
-            meaning, allowed = _COMMENT.fullmatch(after.decode().strip(" #")).groups("")
+            found: Any = _COMMENT.fullmatch(after.decode().strip(" #"))
+            meaning, allowed = found.groups("")
             default = ast.literal_eval(line.value)
             read[line.targets[0].id] = Parameter(default, allowed, meaning)
     except (ValueError, KeyError, AttributeError, SyntaxError) as error:
@@ -69,7 +71,7 @@ def check_parameters(notebooks: list[Notebook], settings: list[str]) -> dict[str
     another type or range, or a notebook that has none of the parameters.
     """
     known = {nb.name: parameters(nb) for nb in notebooks} if settings else {}
-    chosen = {nb.name: {} for nb in notebooks}
+    chosen: dict[str, dict[str, Any]] = {nb.name: {} for nb in notebooks}
     for setting in settings:
         key, equals, text = setting.partition("=")
         if not equals:

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import matplotlib as mpl
 import numpy as np
@@ -90,7 +90,7 @@ _style = ExitStack()  # entered by `new`, left by `save`
 
 
 def new(
-    columns: int = 1, rows: int = 1, width: float = 4.2, height: float = 3.2, **options
+    columns: int = 1, rows: int = 1, width: float = 4.2, height: float = 3.2, **options: Any
 ) -> tuple[Figure, Axes | NDArray[np.object_]]:
     """Figure and axes in the study's style, which lasts until the figure is saved.
 
@@ -102,12 +102,12 @@ def new(
     _style.close()
     _style.enter_context(mpl.rc_context())
     mpl.rcdefaults()
-    mpl.rcParams.update(STYLE)
+    mpl.rcParams.update(cast(Any, STYLE))
     figure = Figure(figsize=(columns * width, rows * height))
     return figure, figure.subplots(rows, columns, **options)
 
 
-def draw(axes: Axes, law: str, x: ArrayLike, y: ArrayLike, **options) -> None:
+def draw(axes: Axes, law: str, x: ArrayLike, y: ArrayLike, **options: Any) -> None:
     """Draw a law as a line, or the elastic solution as markers, in its look, `as_saved`."""
     look = LOOKS[law]
     style = {"color": look.color, "label": look.label, "linestyle": look.line}

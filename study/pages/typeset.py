@@ -43,7 +43,7 @@ def options() -> dict[str, Any]:
     return {"root": paths.ROOT, "ignore_system_fonts": True, "sys_inputs": given}
 
 
-def _in_one_line(problem) -> str:
+def _in_one_line(problem: Any) -> str:
     """File, line and message of Typst's error or warning."""
     place = re.search(r"([\w.-]+):(\d+):\d+", problem.diagnostic)
     where = f"paper/{place[1]}, line {place[2]}" if place else "paper"

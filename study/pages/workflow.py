@@ -54,7 +54,8 @@ def run(
     words += ["--force"] if force else []
     words += ["--config", config] if config else []
     words += more or ["--quiet", "host", "reason", "rules"]
-    log, interrupted = sys.stderr if more else _Log(), threading.Event()
+    log: Any = sys.stderr if more else _Log()
+    interrupted = threading.Event()
 
     def interrupt(*_):
         interrupted.set()
@@ -152,7 +153,12 @@ def _report():
     report.write(paths.BUILD / "report")
 
 
-_JOBS = {"check": _check, "notebook": _notebook, "typeset": _typeset, "report": _report}
+_JOBS: dict[str, Callable[..., None]] = {
+    "check": _check,
+    "notebook": _notebook,
+    "typeset": _typeset,
+    "report": _report,
+}
 
 if __name__ == "__main__":
     main(*sys.argv[1:])

@@ -47,7 +47,7 @@ def test_a_material_by_its_numbers_or_itself():
     ("given", "message"),
     [
         ("bronz", "material must be one of steel, bearing steel, stainless, bronze,"),
-        ("210e9", "210e9,0.3, got '210e9'"),
+        ("210e9", "210GPa,0.3, got '210e9'"),
         (3, "material must be a Material, got 3"),
         ("210,0.3", "Young's modulus of material must be >= 100000 Pa, got 210 Pa: did you mean"),
         ("69000,0.33", "got 69000 Pa: did you mean 69e9?"),

@@ -1,6 +1,8 @@
 """The repository as text: the lock, nothing that belongs to one machine only, the map."""
 
+import importlib.metadata
 import itertools
+import json
 import re
 import subprocess
 import tomllib
@@ -61,5 +63,15 @@ def test_hooks_and_the_workflow_of_the_host_use_what_is_locked_and_checked_here(
     locked = dict(re.findall(r"^([\w-]+)==(\S+)", text("requirements.lock"), re.MULTILINE))
     hooks = re.findall(r"rev: v?(\S+)", text(".pre-commit-config.yaml"))
     assert hooks == [locked["ruff"], locked["nbstripout"]]
-    assert "run: .ci/run" in text(".github/workflows/check.yml")
-    assert all(f"\n{name}:" in text("Makefile") for name in ("setup", "reproduce"))
+    jobs = text(".github/workflows/checks.yml") + text(".github/actions/set-up/action.yml")
+    called = set(re.findall(r"run: make ([\w-]+)", jobs))
+    assert called == {"setup", "check", "test-all", "reproduce"}
+    assert {f"make {name}" for name in called - {"setup"}} <= set(text(".ci/run").splitlines())
+    assert all(f"\n{name}:" in text("Makefile") for name in called)
+
+
+def test_the_version_is_in_one_place():
+    text = (paths.ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    version = re.search(r"^version: (.+)$", text, re.M)[1]
+    assert importlib.metadata.version("spherical-clearance-joint-study") == version
+    assert json.loads((paths.ROOT / ".zenodo.json").read_text())["version"] == version

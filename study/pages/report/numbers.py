@@ -1,5 +1,7 @@
 """The numbers of the report's pages that compute: the dataset's plot, and a joint of one's own."""
 
+from typing import Any
+
 from study import checks, dataset
 from study.contact import COMPARED_LAWS, LAWS, materials, stiffening
 from study.contact.laws import LIMIT_MARGIN, StiffenedHertz
@@ -41,7 +43,8 @@ def curves() -> dict:
     why a law does not apply. The power law is fitted to the case's own forces in its usual range.
     """
     frames = dict(iter(dataset.load().sort_values("depth_star").groupby("case")))
-    depths, cases = {}, []
+    depths: dict[Any, int] = {}
+    cases = []
     for group, name, joint, _ in design.every_case():
         frame = frames[name]
         depth = frame["depth_star"].to_numpy()

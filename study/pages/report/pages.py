@@ -6,6 +6,7 @@ import re
 from base64 import b64decode
 from pathlib import Path
 from posixpath import dirname, join, normpath
+from typing import Any
 
 from docutils.nodes import make_id
 from jinja2 import Environment, PackageLoader
@@ -45,11 +46,11 @@ def write(sources: Path, pages: Path) -> list[tuple[str, str, str, str]]:
     return _Sources(sources, pages).write(read_claims())
 
 
-def read_claims() -> list[dict]:
+def read_claims() -> list[dict[str, Any]]:
     """Rows of the result ``claims``, each with its ``group``, ``anchor`` and ``shown_by``."""
     (result,) = (result for result in catalogue.results() if result.name == "claims")
     head, *rows = result.rows()
-    claims = [dict(zip(head, row, strict=True)) for row in rows]
+    claims: list[dict[str, Any]] = [dict(zip(head, row, strict=True)) for row in rows]
     for claim in claims:
         claim["shown_by"] = f"{claim['figure']} {claim['evidence']}".split()
         claim["group"] = GROUPS.get(claim["kind"]) or f"Stated by the paper: {claim['verdict']}"
