@@ -132,7 +132,7 @@ def test_a_law_of_another_joint_is_refused(scene, law, message):
         ("hooke", {"wall": 3e-3}, "law must be one of hertz, "),
         (None, {"wall": 3e-3, "socket_ratio": 1.3}, "wall and socket_ratio must not both be given"),
         (None, {"socket_ratio": 0.9}, "wall must be >= 1e-06 and <= 9999.99 m, got -0.001 m"),
-        (None, {"liner": "PTFE"}, "liner must be a thickness in m and a material"),
+        (None, {"liner": "PTFE"}, "liner must be a thickness and a material"),
     ],
 )
 def test_sockets_that_a_scene_cannot_have(law, socket, message):
