@@ -78,7 +78,7 @@ def options_of(owner, *names):
 
 LAW_NUMBER = option(
     "--option",
-    "A number of the law, as NAME=VALUE, for example n=2 of steuermann or coefficient=900 of "
+    "A number of the law, as KEY=VALUE, for example n=2 of steuermann or coefficient=900 of "
     "winkler; may be repeated. study law --help has them all.",
     multiple=True,
 )
@@ -112,7 +112,7 @@ def argument(name, text, metavar, kind=str, many=False, required=True, **more):
 NAMES = argument(
     "names",
     "Name of a figure, a table or a notebook; several may be given. Default: all.",
-    "NAME",
+    "[NAME]",
     many=True,
     required=False,
 )
