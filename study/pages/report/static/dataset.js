@@ -57,7 +57,7 @@
       xaxis: { ...axis, type: state.x, anchor: "y2", title: { text: "penetration depth δ* = δ/ΔR" }, exponentformat: "power" },
       yaxis: { ...axis, type: state.y, domain: [0.48, 1], title: { text: "contact force P* = P/(E* ΔR²)" }, exponentformat: "power" },
       yaxis2: { ...axis, domain: [0, 0.42], title: { text: "relative error of the law, %" } },
-    }, { responsive: true, displaylogo: false });
+    }, { responsive: true, displayModeBar: false });
     const told = [["Case", item.name], ["Solver", item.solver],
       ["Half-angle of the contact at the maximum depth", `${item.half_angle} degrees`],
       ["Estimated error of the force", `at most ${+item.error.toPrecision(3)} %`],

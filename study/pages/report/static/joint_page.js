@@ -121,7 +121,7 @@
     ], { height: 360, margin: { l: 70, r: 10, t: 10, b: 50 }, hovermode: "x", paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
       font: { color: ink }, legend: { orientation: "h", y: 1.02, yanchor: "bottom" },
       xaxis: axis(`${quantities.depth.meaning}, ${unitOf("depth")}`), yaxis: axis(`${quantities.force.meaning}, ${unitOf("force")}`) },
-    { responsive: true, displaylogo: false });
+    { responsive: true, displayModeBar: false });
   }
 
   function open() {  // the joint of the address
