@@ -1,7 +1,5 @@
 """Laws in SI units: their dimensions, their inverse, and what they refuse."""
 
-import re
-
 import numpy as np
 import pytest
 from helpers.laws import VARIANTS
@@ -74,40 +72,3 @@ def test_largest_depths(soft):
     limit = DimensionalLaw("hyperbolic_winkler", **SIZES).deepest
     assert limit == pytest.approx(np.pi**2 / 8 * CLEARANCE)
     assert CLEARANCE <= soft.deepest < 1.1 * CLEARANCE
-
-
-@pytest.mark.parametrize("law", [LAWS["stiffened_hertz"], contact.HyperbolicWinkler()])
-def test_a_force_beyond_the_largest_depth_names_the_largest_force(law):
-    name, law = law.name, DimensionalLaw(law, **SIZES)
-    largest = law.force(law.deepest)
-    assert law.depth(largest) == pytest.approx(law.deepest, rel=1e-9)
-    message = f"force of {name} must be >= 0 and <= {largest:g} N, got {2 * largest:g} N"
-    with pytest.raises(ValueError, match=re.escape(message)):
-        law.depth([0.1 * largest, 2 * largest])
-    message = f"depth of {name} must be <= {law.deepest:g} m, got {2 * law.deepest:g} m"
-    with pytest.raises(ValueError, match=re.escape(message)):
-        law.force(2 * law.deepest)
-
-
-@pytest.mark.parametrize(
-    ("law", "changes", "message"),
-    [
-        ("hooke", {}, "law must be one of hertz, "),
-        ("hertz", {"ball_radius": 0.011}, "socket_radius must be > 0.011 m, got 0.01 m"),
-        ("stiffened_hertz", {}, "depends on the joint, which is not given; take it from one"),
-        (
-            LAWS["stiffened_hertz"],
-            {"ball_radius": 9e-3},
-            "must be 200, that of the joint of the law",
-        ),
-    ],
-)
-def test_wrong_joints(law, changes, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        DimensionalLaw(law, **(SIZES | changes))
-
-
-@pytest.mark.parametrize("force", [-1.0, np.inf])
-def test_wrong_forces(force):
-    with pytest.raises(ValueError, match="force of hertz must be "):
-        DimensionalLaw("hertz", **SIZES).depth(force)

@@ -1,6 +1,5 @@
 """The scene, the ideal mechanism, and rigid links with clearance, against independent numbers."""
 
-import re
 from dataclasses import replace
 from functools import partial
 
@@ -58,36 +57,6 @@ def test_tables_3_and_4_hold_the_scene():
         assert table.value.tolist() == mine.value.astype(float).tolist()
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"crank_length": 0.2}, "crank_length must be < 0.11995 m, got 0.2 m"),
-        ({"slow_speed": 0.1}, "slow_speed must be < 0.01 m/s, got 0.1 m/s"),
-        ({"initial_eccentricity": (3e-5, 4e-5)}, "initial_eccentricity must be < 5e-05 m"),
-    ],
-)
-def test_bad_scene_is_one_clear_error(changes, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        PAPER.replace(**changes)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"step": 1e-6}, "step does not apply to model rigid with joint clearance"),
-        (
-            {"joint": "ideal", "tolerance": 1e-6},
-            "tolerance does not apply to model rigid",
-        ),
-        ({"model": "beams", "method": "lagged"}, "method does not apply to model beams"),
-        ({"scene": {}}, "scene must be a Scene, got {}"),
-    ],
-)
-def test_bad_options_are_one_clear_error(options, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        simulate(**options)
-
-
 @pytest.mark.parametrize("time", [0.02, 0.1])
 def test_ideal_mechanism_is_known_to_1e_9(time):
     response = simulate(joint="ideal", duration=0.1, outputs=500)
@@ -114,10 +83,6 @@ def test_a_joints_own_curve_drives_the_mechanism():
     first = [response.impacts.peak_force[0] for response in (tabulated, closed)]
     assert first[0] == pytest.approx(first[1], rel=5e-3)
     assert max(tabulated.energy_error, closed.energy_error) < 1e-8
-    with pytest.raises(
-        ValueError, match="must be 200, that of the joint of the law tabulated, got 400"
-    ):
-        simulate(Scene(socket_radius=20e-3), law=contact.Table.of_curve(curve), duration=1e-3)
 
 
 def test_ideal_joint_force_moves_slider_and_coupler():
@@ -501,17 +466,6 @@ def test_lead_and_last_separation():
     assert shifted == pytest.approx(clearance.crank_angle[k], abs=2e-4)
     ends = clearance.impacts.time + clearance.impacts.duration
     assert clearance.last_separation == ends[7]
-    with pytest.raises(ValueError, match="reference and response must have the same output times"):
-        compare.motion_nrms(ideal, simulate(joint="ideal", outputs=10), "crank_angle")
-
-
-def test_a_law_that_ends_before_one_clearance_is_refused():
-    curve = Joint.from_ratios(200).solve(depth_star=np.linspace(0.05, 0.5, 12) ** 2)
-    told = (
-        "law must be valid up to a depth of one clearance, but the law tabulated is valid up to 1"
-    )
-    with pytest.raises(ValueError, match=told):
-        simulate(law=contact.Table.of_curve(curve), duration=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -560,5 +514,15 @@ def test_agreement_finds_where_motions_part():
     same = compare.agreement(first, replace(first, rows=rows))
     assert same.lasts
     assert same.largest_distance == pytest.approx(0.005)
-    with pytest.raises(ValueError, match="must have the same output times"):
-        compare.agreement(first, simulate(PAPER, duration=0.01, outputs=50))
+
+
+@pytest.mark.parametrize(("duration", "difference"), [(0.9e-5, 0.5), (1.1e-5, 0.0)])
+def test_agreement_compares_only_impacts_that_have_ended(duration, difference):
+    first = simulate(PAPER, duration=0.01, outputs=100)
+    rows, impact = first.rows.copy(), first.impact_rows[:1].copy()
+    rows["eccentricity_y"][60:] += 0.02 * PAPER.clearance
+    impact["time"], impact["duration"] = first.time[59] - 1e-5, duration
+    harder = impact.copy()
+    harder["peak_force"] *= 2
+    runs = replace(first, impact_rows=impact), replace(first, rows=rows, impact_rows=harder)
+    assert compare.agreement(*runs).force_difference == pytest.approx(difference)
