@@ -184,7 +184,10 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
     while done < len(rows) and state.steps < state.until:
         t, h = state.time, state.step
         if rows[done].time <= t:
-            _read(rows[done], state, work, p, law)
+            before, length = rigid.contact_state(work.joints[BEFORE]), state.length
+            share = (rows[done].time - state.began) / length
+            at, parts = locating.evaluate(work, length, share, before, p, law)
+            rigid.write_output(rows[done], work.trial, at, parts, p)
             done += 1
             continue
         if state.impacts == len(impacts):
@@ -221,15 +224,6 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
             contact, motion = rigid.current(work, p, law)
         state.step = h
     return done, stepping.FINE
-
-
-@inner
-def _read(row, state, work, p, law):
-    """Fill a row of output inside the last step, from its polynomial and in its contact state."""
-    contact, length = rigid.contact_state(work.joints[BEFORE]), state.length
-    share = (row.time - state.began) / length
-    motion, parts = locating.evaluate(work, length, share, contact, p, law)
-    rigid.write_output(row, work.trial, motion, parts, p)
 
 
 @inner

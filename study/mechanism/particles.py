@@ -121,14 +121,6 @@ def _accelerate(motion, bodies, workspace, steady, h):
 
 
 @compiled
-def _move(motion, size, h):
-    """Step places and turns by their rates."""
-    for k in range(3):
-        for i in range(size):
-            motion[X + k, i] += h * motion[U + k, i]
-
-
-@compiled
 def _resist(speed, grip, v0, v1):
     """Friction factor at the centred speed v = speed - grip factor(v), and that speed."""
     regime = friction_regime(speed, v0, v1)
@@ -306,7 +298,9 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
         if state.steps % strides == 0:
             _write_output(rows[done], state, m, speed, pull, system, workspace, joint, energy, p, h)
             done += 1
-        _move(m, bodies.shape[1], h)
+        for k in range(3):
+            for i in range(bodies.shape[1]):
+                m[X + k, i] += h * m[U + k, i]
         state.slider = m[X, last] if ideal else state.slider + h * state.slider_speed
         state.steps += 1
     return done, stepping.FINE
@@ -343,9 +337,10 @@ def blocks(
     masses, weights = frame.masses.copy(), -scene.gravity * frame.masses
     masses[-1] += scene.slider_mass if ideal else 0.0
     bodies = _filled([masses, masses, frame.rotaries, weights], (1.0, 1.0, 1.0, 0.0))
-    rows = _filled([frame.elements[of] for of in frame.elements.dtype.names], (1.0, 0.0, 0.0, 0.0))
+    rows = [frame.elements[name] for name in ("length", "axial", "near", "far")]
+    padded = _filled(rows, (1.0, 0.0, 0.0, 0.0))
     lagged, guarded, last = method != "centred", method != "unguarded", len(frame.elements)
-    system = System(rows, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
+    system = System(padded, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
     state = stepping.new_state(*OWN)
     motion, state.slider, state.slider_speed = _start(scene, frame, ideal, h)
     workspace, state.step = np.zeros((MIDDLE_SPIN + 1, motion.shape[1])), h

@@ -118,20 +118,6 @@ def test_energy_balance_closes_with_kinks_in_the_law(function, restitution):
     assert response.energy_error < 1e-8
 
 
-@pytest.mark.parametrize("function", [hertz, kinked, measured])
-def test_a_function_in_si_units_and_back(function):
-    law, depths = contact.DimensionalLaw(function, **SIZES), np.geomspace(1e-10, 5e-5, 50)
-    force = [function(d / 5e-5, 200.0) * MODULUS * (R2 - R1) ** 2 for d in depths]
-    assert law.force(depths) == pytest.approx(force, rel=0.01)
-    assert law.depth(law.force(depths)) == pytest.approx(depths, rel=1e-12)
-
-
-@pytest.mark.parametrize("deepest", [1e-6, 150.0])
-def test_shallow_and_deep_tables(deepest):
-    law = contact.Sampled(lambda ds, r2: r2 * ds**1.5, deepest)
-    assert law(deepest, 1e6) == pytest.approx(1e6 * deepest**1.5, rel=1e-9)
-
-
 def test_name_and_limit_are_those_of_the_function():
     law = contact.Sampled(hertz, deepest=2.0)
     assert law.name == "hertz"

@@ -48,15 +48,6 @@ def test_scene_is_the_papers():
     assert not [key for key in stated if key[0] in ("Table 3", "Table 4")]
 
 
-def test_tables_3_and_4_hold_the_scene():
-    parameters = PAPER.parameters()
-    for number in (3, 4):
-        table = pd.read_csv(paths.FIGURES / f"table{number}.csv")
-        mine = parameters[parameters.table == f"Table {number}"]
-        assert table.parameter.tolist() == mine.parameter.tolist()
-        assert table.value.tolist() == mine.value.astype(float).tolist()
-
-
 @pytest.mark.parametrize("time", [0.02, 0.1])
 def test_ideal_mechanism_is_known_to_1e_9(time):
     response = simulate(joint="ideal", duration=0.1, outputs=500)
@@ -146,7 +137,7 @@ def test_clearance_with_hertz_is_known():
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-12])
 def test_any_tolerance_finds_nine_impacts(tolerance):
     response = simulate(tolerance=tolerance)
-    assert len(response.impacts) == 9
+    assert len(response.impacts) == len(simulate(tolerance=tolerance, outputs=1).impacts) == 9
     x = KNOWN["clearance", "x_slider(0.1 s)"]
     assert abs(response.slider_position[-1] - x) < 1e-7 * tolerance**0.5 + 2e-12
 
@@ -159,8 +150,9 @@ def test_accuracy_follows_the_tolerance():
 
 
 def test_energy_is_kept_without_losses():
-    response = simulate(LOSSLESS, duration=0.05)
-    assert len(response.impacts) > 20
+    response = simulate(LOSSLESS, duration=0.1)
+    assert len(response.impacts) > 64  # the table of impacts grows
+    assert (np.diff(response.impacts.time) > 0).all()
     assert response.energy_error < 1e-8
     assert (response.lost_damping == 0).all()
     assert (response.lost_friction == 0).all()
@@ -182,9 +174,6 @@ def test_impacts_table_balances_each_impact():
     assert len(ended) == 6
     lost = response.lost_damping[-1] + response.lost_friction[-1]
     assert response.impacts.lost.sum() == pytest.approx(lost, rel=1e-12)
-    fine = simulate(duration=0.0019, outputs=20000)
-    assert ended.peak_force[0] == pytest.approx(fine.normal_force.max(), rel=1e-5)
-    assert ended.peak_depth[0] == pytest.approx(fine.depth.max(), rel=1e-5)
 
 
 @pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
@@ -212,10 +201,12 @@ def test_motion_has_rows_at_start_peak_and_end_of_each_impact(model):
 
 
 def test_peaks_between_outputs_are_those_of_a_fine_simulation():
-    coarse = simulate(duration=0.0019, outputs=10).motion.query("event == 'peak'").iloc[0]
+    response = simulate(duration=0.0019, outputs=10)
+    coarse = response.motion.query("event == 'peak'").iloc[0]
     fine = simulate(duration=0.0019, outputs=100_000).motion.query("event == ''")
     highest = fine.loc[fine.normal_force.idxmax()]
     assert coarse.time == pytest.approx(highest.time, abs=2e-8)
+    assert response.impacts.peak_depth[0] == pytest.approx(fine.depth.max(), rel=1e-5)
     for column in ("slider_acceleration", "normal_force", "depth", "crank_acceleration"):
         at_peak = np.interp(coarse.time, fine.time, fine[column])
         assert coarse[column] == pytest.approx(at_peak, rel=1e-6)
@@ -349,32 +340,6 @@ def test_slow_scene_down_to_approach_speeds_of_a_nanometre_per_second():
     assert response.energy_error < 1e-6
 
 
-@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
-@pytest.mark.parametrize("joint", ["ideal", "clearance"])
-def test_no_drive_no_motion(model, joint):
-    scene = PAPER.replace(driving_moment=0.0)
-    response = simulate(scene, model=model, joint=joint, duration=0.001, outputs=10)
-    assert np.abs(response.crank_angle).max() < 1e-15
-    assert response.impacts.empty
-    assert response.kinetic.max() < 1e-20  # rounding of the places, for flexible links
-    assert (compare.phase_lead(response, response) == 0).all()
-
-
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-8])
-@pytest.mark.parametrize("outputs", [1, 5])
-def test_few_outputs_let_steps_be_long(tolerance, outputs):
-    response = simulate(tolerance=tolerance, outputs=outputs)
-    assert len(response.impacts) == 9
-
-
-@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
-def test_energy_counts_from_the_start(model):
-    scene = PAPER.replace(gravity=9.81, initial_eccentricity=(0.0, -4.9e-5))
-    response = simulate(scene, model=model, duration=0.01)
-    assert response.work[0] == 0
-    assert response.energy_error < (1e-8 if model == "rigid" else 2e-5)
-
-
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-7])
 def test_random_scenes_end_well(tolerance):
     ended = 0
@@ -428,22 +393,6 @@ def test_interruption_leaves_what_was_computed():
     whole = simulate(duration=0.1, outputs=1000)
     assert (response.rows == whole.rows[: len(response.rows)]).all()
     assert response.event_rows["time"].max() <= response.time[-1]
-
-
-@pytest.mark.parametrize(
-    ("model", "duration"), [("rigid", 0.01), ("particles", 1e-4), ("beams", 1e-4)]
-)
-def test_an_interruption_is_noticed_between_two_times_of_output(model, duration, monkeypatch):
-    told = []
-
-    def stop(time):
-        told.append(time)
-        if len(told) == 3:
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(stepping, "PATIENCE", 0.0)  # the loops return after each step
-    response = simulate(model=model, duration=duration, outputs=1, progress=stop)
-    assert (response.complete, told, len(response.rows)) == (False, [0.0] * 3, 1)
 
 
 def test_normalised_rms_by_hand():
@@ -526,3 +475,40 @@ def test_agreement_compares_only_impacts_that_have_ended(duration, difference):
     harder["peak_force"] *= 2
     runs = replace(first, impact_rows=impact), replace(first, rows=rows, impact_rows=harder)
     assert compare.agreement(*runs).force_difference == pytest.approx(difference)
+
+
+every_model = pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+
+
+@every_model
+def test_an_interruption_is_noticed_between_two_times_of_output(model, monkeypatch):
+    told = []
+
+    def stop(time):
+        told.append(time)
+        if len(told) == 3:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(stepping, "PATIENCE", 0.0)  # the loops return after each step
+    duration = 0.01 if model == "rigid" else 1e-4
+    response = simulate(model=model, duration=duration, outputs=1, progress=stop)
+    assert (response.complete, told, len(response.rows)) == (False, [0.0] * 3, 1)
+
+
+@every_model
+@pytest.mark.parametrize("joint", ["ideal", "clearance"])
+def test_no_drive_no_motion(model, joint):
+    scene = PAPER.replace(driving_moment=0.0)
+    response = simulate(scene, model=model, joint=joint, duration=0.001, outputs=10)
+    assert np.abs(response.crank_angle).max() < 1e-15
+    assert response.impacts.empty
+    assert response.kinetic.max() < 1e-20  # rounding of the places, for flexible links
+    assert (compare.phase_lead(response, response) == 0).all()
+
+
+@every_model
+def test_energy_counts_from_the_start(model):
+    scene = PAPER.replace(gravity=9.81, initial_eccentricity=(0.0, -4.9e-5))
+    response = simulate(scene, model=model, duration=0.01)
+    assert response.work[0] == 0
+    assert response.energy_error < (1e-8 if model == "rigid" else 2e-5)
