@@ -64,14 +64,14 @@ def in_scene(scene: Scene, law: Any) -> DimensionalLaw:
         if law.joint is not None:
             ball, socket = scene.materials
             ratio = socket.youngs_modulus / ball.youngs_modulus
-            for name, value, own in (
+            for name, value, expected in (
                 ("modulus_ratio", law.joint.modulus_ratio, ratio),
                 ("poisson", law.joint.ball.poisson, ball.poisson),
                 ("socket_poisson", law.joint.innermost.poisson, socket.poisson),
             ):
-                if not isclose(value, own, rel_tol=SAME):
+                if not isclose(value, expected, rel_tol=SAME):
                     raise checks.RangeError(
-                        f"{name} of law {law.name} must be {own:.9g}, that of the scene's "
+                        f"{name} of law {law.name} must be {expected:.9g}, that of the scene's "
                         f"materials, got {value:.9g}"
                     )
         law = DimensionalLaw(
