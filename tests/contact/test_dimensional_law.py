@@ -1,4 +1,4 @@
-"""Laws in SI units: their dimensions, their inverse, and what they refuse."""
+"""Laws in SI units: their dimensions and their inverse."""
 
 import numpy as np
 import pytest
