@@ -10,7 +10,7 @@ from math import inf, isclose
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from study import checks
 from study.contact.laws import LIMIT_MARGIN, AnyLaw, Floats, find
@@ -112,10 +112,25 @@ class DimensionalLaw:
         name = f"force of {self.name}"
         forces = np.asarray(checks.number(name, force, "N", least=0, most=most))
         depth = np.zeros(forces.shape)
-        pressed = forces > 0
+        pressed, shape = forces > 0, self.parts.shape
         wanted = forces[pressed] / self._unit(0) / self.parts.scale
-        depth[pressed] = self.clearance * self._inverted(wanted)
-        return float(depth) if depth.ndim == 0 else depth
+        deepest = self.deepest / self.clearance * (1 + 2 * LIMIT_MARGIN)
+        low, high = np.zeros_like(wanted), np.full_like(wanted, deepest)
+        star = np.minimum(wanted ** (2 / 3), high)  # Hertz's, in clearances
+        for _ in range(_STEPS):
+            value, slope = shape(star, self.parts.constants)
+            off = np.log(value / wanted)
+            low, high = np.where(off < 0, star, low), np.where(off > 0, star, high)
+            before, star = star, star * np.exp(-off * value / (slope * star))
+            inside = (star > low) & (star < high)  # else it may cross a kink for ever
+            star = np.where(inside, star, (before + np.clip(star, low, high)) / 2)
+            if np.all(np.abs(star - before) <= _CLOSE * star):
+                depth[pressed] = self.clearance * star
+                return float(depth) if depth.ndim == 0 else depth
+        raise checks.StudyError(
+            f"no depth of the law {self.name} was found for a force; check that its force "
+            "increases with depth"
+        )
 
     def _unit(self, derivative):
         """Unit of the dimensionless force, in N, or of its derivative, in N/m."""
@@ -131,27 +146,6 @@ class DimensionalLaw:
         result[touches] = scale * shape(depth_star[touches], constants)[derivative]
         found = self._unit(derivative) * result
         return float(found) if found.ndim == 0 else found
-
-    def _inverted(self, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Depths in clearances at which the shape has given values > 0."""
-        deepest = self.deepest / self.clearance * (1 + 2 * LIMIT_MARGIN)
-        least, most = np.zeros_like(wanted), np.full_like(wanted, deepest)
-        depth = np.minimum(wanted ** (2 / 3), most)  # Hertz's
-        _, shape, constants = self.parts
-        for _ in range(_STEPS):
-            value, slope = shape(depth, constants)
-            off = np.log(value / wanted)
-            least, most = np.where(off < 0, depth, least), np.where(off > 0, depth, most)
-            before, depth = depth, depth * np.exp(-off * value / (slope * depth))
-            inside = (depth > least) & (depth < most)  # else it may cross a kink for ever
-            bound = np.clip(depth, least, most)
-            depth = np.where(inside, depth, (before + bound) / 2)
-            if np.all(np.abs(depth - before) <= _CLOSE * depth):
-                return depth
-        raise checks.StudyError(
-            f"no depth of the law {self.name} was found for a force; check that its force "
-            "increases with depth"
-        )
 
     def packed(self) -> np.record:
         """Record for `forces.elastic_force`, with lengths in m and forces in N."""

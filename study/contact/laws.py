@@ -317,7 +317,9 @@ class Power(Law):
 
     @property
     def exponent_of_depth(self) -> float:  # noqa: D102
-        return _fitted("power", "exponent") if self.exponent is None else self.exponent
+        if self.exponent is not None:
+            return self.exponent
+        return float(fitted_coefficients()["power"]["exponent"])
 
     def parts(self, r2_star: Any) -> Parts:  # noqa: D102
         scale = _coefficient("power", r2_star, self.coefficient)
@@ -578,16 +580,12 @@ def _coefficient(law, r2_star, given=None):
     """Coefficient of a law as it is given, or as fitted for 20 <= R2* <= 300."""
     if given is not None:
         return given
-    return _fitted(law, "slope") * r2_star + _fitted(law, "intercept")
-
-
-def _fitted(law, name):
-    """One number of a law's fit."""
-    with checks.intact("study/contact/coefficients.json"):
-        return float(fitted_coefficients()[law][name])
+    fit = fitted_coefficients()[law]
+    return fit["slope"] * r2_star + fit["intercept"]
 
 
 @lru_cache(maxsize=1)
 def fitted_coefficients() -> dict[str, Any]:
     """Content of ``coefficients.json``: the fit of every law that has one."""
-    return json.loads(COEFFICIENTS.read_text(encoding="utf-8"))
+    with checks.intact("study/contact/coefficients.json"):
+        return json.loads(COEFFICIENTS.read_text(encoding="utf-8"))

@@ -91,7 +91,11 @@ def of_function(function: Callable[..., Any], name: str, r2_star: float, deepest
     knots = _knots(np.sqrt(deepest), STEPS_OF_FUNCTION)
     root = np.linspace(0, knots[-1], 4 * len(knots) - 3)  # the knots, and three places between two
     depth = root * root
-    force = np.array([_force(function, name, ds, r2_star) for ds in depth.tolist()])
+    force = np.empty_like(depth)
+    for k, ds in enumerate(depth.tolist()):
+        value, at = np.asarray(function(ds, r2_star)), f"at depth_star {ds:.6g}"
+        value = value.item() if value.size == 1 else value
+        force[k] = checks.number(f"force_star of law {name} {at}", value, scalar=True)
     if abs(force[0]) > 1e-12 * abs(force[-1]):
         raise ValueError(f"force_star of law {name} must be 0 at depth_star 0, got {force[0]:g}")
     force[0] = 0.0
@@ -122,9 +126,3 @@ def _knots(last, steps):
 
 def _constants(knots, secant, slope):
     return np.append((len(knots) - 1) / knots[-1], np.column_stack([secant, slope]).ravel())
-
-
-def _force(function, name, depth_star, r2_star):
-    force = np.asarray(function(depth_star, r2_star))
-    at = f"force_star of law {name} at depth_star {depth_star:.6g}"
-    return checks.number(at, force.item() if force.size == 1 else force, scalar=True)

@@ -6,7 +6,7 @@ joint differ by more than 1e-3 from the 69th on, and 309 come out instead of 320
 paper, rigid links, 0.2 s). No tolerance compares that. The bits of sums, products, quotients and
 square roots are the same, and nothing else is used here.
 
-The tolerance of impacts (``CHAOTIC`` in `study.dataset.tolerance`) is for BLAS and LAPACK, which
+The tolerance of impacts (``CHAOTIC`` in `study.dataset.compare`) is for BLAS and LAPACK, which
 round otherwise on each processor, and give the coefficients of fitted laws and the particles' step.
 """
 

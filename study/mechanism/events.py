@@ -62,26 +62,6 @@ ROUNDOFF = 1e-16
 
 
 @inner
-def _weigh(work, contact, depth, driven, tolerance, p, law):
-    """Fill ``weights`` with the inverses of the errors of z and z' that ``tolerance`` allows.
-
-    Places are compared with the clearance, a depth with the largest one that the approach speed can
-    lead to. Speeds are compared with a tenth of the speed that the drive gives over the clearance
-    (found by measuring).
-    """
-    y, weights, clearance = work.start, work.weights, law.clearance
-    speed = 1 / (0.1 * tolerance * driven + ROUNDOFF * p.l1 * abs(y[OMEGA]))
-    angle = tolerance * clearance + ROUNDOFF * p.l1 * abs(y[THETA])
-    place = 1 / (tolerance * clearance)
-    weights[THETA], weights[OMEGA] = p.l1 / angle, p.l1 * speed
-    weights[FIRST], weights[SECOND] = place, place
-    weights[FIRST_RATE], weights[SECOND_RATE] = speed, speed
-    if contact.closed:
-        weights[FIRST] = 1 / (tolerance * max(work.joints[NOW].deep, depth))
-        weights[SECOND], weights[SECOND_RATE] = 1 / tolerance, clearance * speed
-
-
-@inner
 def _collocate(work, h, contact, p, law):
     """Find the accelerations at the points of a step by Newton's method; say if it converged."""
     before = inf
@@ -108,9 +88,34 @@ def _collocate(work, h, contact, p, law):
 @inner
 def _try_step(work, h, motion, contact, state, tolerance, p, law):
     """Size of the error of a step of ``h``, over the tolerance; infinite if none was found."""
-    smooth = state.size > 0 and h < FAR * state.length
-    _begin(work, motion, smooth, h / state.length)
-    _weigh(work, contact, motion.joint.depth, state.driven, tolerance, p, law)
+    y, n, clearance = work.y, UNKNOWNS, law.clearance
+    for m in range(len(y)):
+        work.start[m] = y[m]
+    work.joints[BEFORE] = work.joints[NOW]
+    for m in range(n):
+        work.rates[AT_START, m] = motion.accelerations[m]
+        work.rates[AT_START, n + m] = motion.powers[m]
+    # guesses of the accelerations at the points
+    if state.size > 0 and h < FAR * state.length:
+        collocation.guess(work, 1.0, h / state.length)
+    else:
+        for i in range(STAGES):
+            for m in range(n):
+                work.rates[1 + i, m] = work.rates[AT_START, m]
+    # Weights are the inverses of the errors of z and z' that the tolerance allows. Places are
+    # compared with the clearance, a depth with the largest one that the approach speed can lead
+    # to, and speeds with a tenth of the speed that the drive gives over the clearance (found by
+    # measuring).
+    weights = work.weights
+    speed = 1 / (0.1 * tolerance * state.driven + ROUNDOFF * p.l1 * abs(y[OMEGA]))
+    angle = tolerance * clearance + ROUNDOFF * p.l1 * abs(y[THETA])
+    place = 1 / (tolerance * clearance)
+    weights[THETA], weights[OMEGA] = p.l1 / angle, p.l1 * speed
+    weights[FIRST], weights[SECOND] = place, place
+    weights[FIRST_RATE], weights[SECOND_RATE] = speed, speed
+    if contact.closed:
+        weights[FIRST] = 1 / (tolerance * max(work.joints[NOW].deep, motion.joint.depth))
+        weights[SECOND], weights[SECOND_RATE] = 1 / tolerance, clearance * speed
     state.steps += 1
     if not _collocate(work, h, contact, p, law):
         return inf
@@ -135,13 +140,6 @@ def _try_again(h, state, work):
     """Shorten the step to ``h``; say if time still changes by it."""
     state.step, work.most = h, 1.0
     return h > 1e-15 * state.time
-
-
-@inner
-def _is_idle(length, state, work):
-    """Whether too many events in a row, with this one at the end of ``length``, changed no time."""
-    work.idle = work.idle + 1 if length <= 1e-14 * state.time else 0
-    return work.idle > MOST_IDLE
 
 
 @inner
@@ -186,7 +184,10 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
     while done < len(rows) and state.steps < state.until:
         t, h = state.time, state.step
         if rows[done].time <= t:
-            _read(rows[done], state, work, p, law)
+            before, length = rigid.contact_state(work.joints[BEFORE]), state.length
+            share = (rows[done].time - state.began) / length
+            at, parts = locating.evaluate(work, length, share, before, p, law)
+            rigid.write_output(rows[done], work.trial, at, parts, p)
             done += 1
             continue
         if state.impacts == len(impacts):
@@ -207,8 +208,10 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
             if _try_again(0.5 * length, state, work):
                 continue
             return done, stepping.FAILED
-        if event >= 0 and _is_idle(length, state, work):
-            return done, stepping.FAILED
+        if event >= 0:
+            work.idle = work.idle + 1 if length <= 1e-14 * state.time else 0
+            if work.idle > MOST_IDLE:
+                return done, stepping.FAILED
         state.began, state.length, state.size = t, length, size if event < 0 else 0.0
         state.time = horizon if landing and event < 0 else t + length
         if _too_deep(work, contact, motion, end, parts, state, (impacts, events), p, law):
@@ -221,35 +224,6 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
             contact, motion = rigid.current(work, p, law)
         state.step = h
     return done, stepping.FINE
-
-
-@inner
-def _read(row, state, work, p, law):
-    """Fill a row of output inside the last step, from its polynomial and in its contact state."""
-    contact, length = rigid.contact_state(work.joints[BEFORE]), state.length
-    share = (row.time - state.began) / length
-    motion, parts = locating.evaluate(work, length, share, contact, p, law)
-    rigid.write_output(row, work.trial, motion, parts, p)
-
-
-@inner
-def _begin(work, motion, smooth, ratio):
-    """Begin a step at the current state, with guesses of the accelerations at its points."""
-    n = UNKNOWNS
-    for m in range(len(work.y)):
-        work.start[m] = work.y[m]
-    work.joints[BEFORE] = work.joints[NOW]
-    for m in range(n):
-        work.rates[AT_START, m], work.rates[AT_START, n + m] = (
-            motion.accelerations[m],
-            motion.powers[m],
-        )
-    if smooth:
-        collocation.guess(work, 1.0, ratio)
-    else:
-        for i in range(STAGES):
-            for m in range(n):
-                work.rates[1 + i, m] = work.rates[AT_START, m]
 
 
 @inner

@@ -62,7 +62,18 @@ def in_scene(scene: Scene, law: Any) -> DimensionalLaw:
     if not isinstance(law, DimensionalLaw):
         law = find(law)
         if law.joint is not None:
-            _check_materials(scene, law)
+            ball, socket = scene.materials
+            ratio = socket.youngs_modulus / ball.youngs_modulus
+            for name, value, expected in (
+                ("modulus_ratio", law.joint.modulus_ratio, ratio),
+                ("poisson", law.joint.ball.poisson, ball.poisson),
+                ("socket_poisson", law.joint.innermost.poisson, socket.poisson),
+            ):
+                if not isclose(value, expected, rel_tol=SAME):
+                    raise checks.RangeError(
+                        f"{name} of law {law.name} must be {expected:.9g}, that of the scene's "
+                        f"materials, got {value:.9g}"
+                    )
         law = DimensionalLaw(
             law,
             ball_radius=scene.ball_radius,
@@ -92,19 +103,3 @@ def in_scene(scene: Scene, law: Any) -> DimensionalLaw:
             f"{law.name} is valid up to {law.deepest:.4g} m"
         )
     return law
-
-
-def _check_materials(scene, law):
-    """Refuse a dimensionless law of a joint with other materials than the scene's."""
-    ball, socket = scene.materials
-    joint = law.joint
-    for name, value, own in (
-        ("modulus_ratio", joint.modulus_ratio, socket.youngs_modulus / ball.youngs_modulus),
-        ("poisson", joint.ball.poisson, ball.poisson),
-        ("socket_poisson", joint.innermost.poisson, socket.poisson),
-    ):
-        if not isclose(value, own, rel_tol=SAME):
-            raise checks.RangeError(
-                f"{name} of law {law.name} must be {own:.9g}, that of the scene's materials, got "
-                f"{value:.9g}"
-            )

@@ -60,14 +60,6 @@ def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
 
 
-def usual_step(scene: Scene, law: np.record, elements: tuple[int, int]) -> float:
-    """Half the stability limit with a clearance joint at a depth of one clearance, in s."""
-    frame = Frame(scene, elements)
-    inverse_mass = 1 / frame.masses[-1] + 1 / scene.slider_mass
-    _, stiffness = elastic_force(law, scene.clearance)
-    return 1 / sqrt(frame.highest_frequency(0.0, held=False) ** 2 + stiffness * inverse_mass)
-
-
 @compiled
 def _internal_forces(motion, elements, bodies, workspace, pin, last, drive):
     """Fill in strains and forces of the elements, and forces and moments on the particles."""
@@ -126,14 +118,6 @@ def _accelerate(motion, bodies, workspace, steady, h):
             wild += not abs(middle) < 1e150
     workspace[MOMENT, FIXED] = drive
     return wild == 0
-
-
-@compiled
-def _move(motion, size, h):
-    """Step places and turns by their rates."""
-    for k in range(3):
-        for i in range(size):
-            motion[X + k, i] += h * motion[U + k, i]
 
 
 @compiled
@@ -232,9 +216,13 @@ def _joint(ex, ey, depth, state, motion, system, workspace, p, law, h):
 
 
 @compiled
-def _energies(system, workspace):
-    """Kinetic energy of the links at the middle of the step, and their strain energy."""
-    w, last, kinetic, stored = workspace, system.last, 0.0, 0.0
+def _write_output(row, state, motion, speed, pull, system, workspace, joint, energy, p, h):
+    """Fill a row of output, after the step's rates and before its places."""
+    m, w, pin, last = motion, workspace, system.pin, system.last
+    turning, drive = workspace[MOMENT, FIXED] / system.bodies[ROTARY, FIXED], p.moment
+    if p.steady:
+        turning, drive = 0.0, -workspace[MOMENT, FIXED]
+    kinetic = stored = 0.0  # of the links, at the middle of the step; and of their strains
     for i in range(1, last + 1):
         for k in range(2):
             kinetic += 0.5 * system.bodies[k, i] * w[MIDDLE_U + k, i] ** 2
@@ -244,17 +232,6 @@ def _energies(system, workspace):
         stretching = system.elements[AXIAL, e] * w[GROWTH, e] * w[GROWTH, e]
         bending1, bending2 = w[MOMENT1, e] * w[BENT1, e], w[MOMENT2, e] * w[BENT2, e]
         stored += 0.5 * (stretching + bending1 + bending2)
-    return kinetic, stored
-
-
-@compiled
-def _write_output(row, state, motion, speed, pull, system, workspace, joint, energy, p, h):
-    """Fill a row of output, after the step's rates and before its places."""
-    m, pin, last = motion, system.pin, system.last
-    turning, drive = workspace[MOMENT, FIXED] / system.bodies[ROTARY, FIXED], p.moment
-    if p.steady:
-        turning, drive = 0.0, -workspace[MOMENT, FIXED]
-    kinetic, stored = _energies(system, workspace)
     if not system.ideal:
         kinetic += 0.5 * p.m3 * speed * speed
     work = state.drive_work + p.moment * m[TURN, FIXED]
@@ -321,7 +298,9 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
         if state.steps % strides == 0:
             _write_output(rows[done], state, m, speed, pull, system, workspace, joint, energy, p, h)
             done += 1
-        _move(m, bodies.shape[1], h)
+        for k in range(3):
+            for i in range(bodies.shape[1]):
+                m[X + k, i] += h * m[U + k, i]
         state.slider = m[X, last] if ideal else state.slider + h * state.slider_speed
         state.steps += 1
     return done, stepping.FINE
@@ -340,21 +319,28 @@ def blocks(
 
     The law is packed; ``ideal`` fixes the ball to the slider. Equal steps of at most ``step``
     seconds divide the time between outputs. One above the stability limit is a ``ValueError``,
-    unless ``unguarded``.
+    unless ``unguarded``. The default is half the limit; in a clearance joint, that at a depth of
+    one clearance.
     """
     frame = Frame(scene, elements)
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
     limit = 2 / frequency
     if step is None:
-        step = 1 / frequency if ideal else usual_step(scene, law, elements)
+        inverse_mass = 1 / frame.masses[-1] + 1 / scene.slider_mass
+        _, stiffness = elastic_force(law, scene.clearance)
+        step = 1 / (frequency if ideal else sqrt(frequency**2 + stiffness * inverse_mass))
     in_contact = min(limit, 2 * step)
     checks.number("stability limit", in_contact, "s", least=1e-10 * times[-1])
     strides, h = stepping.divide(times, step)
     if h > limit and method != "unguarded":
         raise ValueError(f"step must be <= {limit:.4g} s, the stability limit, got {step:.4g} s")
-    rows, bodies = _rows(scene, frame, ideal)
+    masses, weights = frame.masses.copy(), -scene.gravity * frame.masses
+    masses[-1] += scene.slider_mass if ideal else 0.0
+    bodies = _filled([masses, masses, frame.rotaries, weights], (1.0, 1.0, 1.0, 0.0))
+    rows = [frame.elements[name] for name in ("length", "axial", "near", "far")]
+    padded = _filled(rows, (1.0, 0.0, 0.0, 0.0))
     lagged, guarded, last = method != "centred", method != "unguarded", len(frame.elements)
-    system = System(rows, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
+    system = System(padded, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
     state = stepping.new_state(*OWN)
     motion, state.slider, state.slider_speed = _start(scene, frame, ideal, h)
     workspace, state.step = np.zeros((MIDDLE_SPIN + 1, motion.shape[1])), h
@@ -369,15 +355,6 @@ def _filled(rows, values, more=0):
     size = LANES * ceil(max(map(len, rows)) / LANES) + more
     pairs = zip(rows, values, strict=True)
     return np.array([np.pad(row, (0, size - len(row)), constant_values=v) for row, v in pairs])
-
-
-def _rows(scene, frame, ideal):
-    """Elements and bodies of a `System`."""
-    masses, weights = frame.masses.copy(), -scene.gravity * frame.masses
-    masses[-1] += scene.slider_mass if ideal else 0.0
-    bodies = _filled([masses, masses, frame.rotaries, weights], (1.0, 1.0, 1.0, 0.0))
-    elements = [frame.elements[name] for name in frame.elements.dtype.names]
-    return _filled(elements, (1.0, 0.0, 0.0, 0.0)), bodies
 
 
 def _start(scene, frame, ideal, h):

@@ -170,7 +170,12 @@ def _checked(scene, model, joint, law, duration, outputs, tolerance, step, eleme
             raise ValueError(
                 f"{name} does not apply to model {model} with joint {joint}; remove it"
             )
-    _check_motion(scene, duration)
+    p = scene.constants()
+    turned = abs(p.moment) * duration**2 / (2 * (p.a11 - p.m2 * p.l1**2))
+    turned += abs(scene.starting_speed) * duration
+    turned += sqrt(abs(scene.gravity) / scene.crank_length) * duration
+    what = "angle by which the crank turns within the duration"
+    checks.number(what, turned, "rad", most=MOST_TURNED)
     if gapless and isinstance(law, str) and law == LAW:
         law = "hertz"  # nothing touches: the range of the default law does not matter
     of_joint = law_in_scene.in_scene(scene, law)
@@ -197,17 +202,6 @@ def _checked(scene, model, joint, law, duration, outputs, tolerance, step, eleme
 def _taken(name, value):
     """Argument of `simulate`, checked; None stays."""
     return None if value is None else described(simulate)[name].taken(name, value)
-
-
-def _check_motion(scene, duration):
-    """Refuse a crank that does nothing but turn."""
-    p = scene.constants()
-    turned = abs(p.moment) * duration**2 / (2 * (p.a11 - p.m2 * p.l1**2))
-    turned += abs(scene.starting_speed) * duration
-    turned += sqrt(abs(scene.gravity) / scene.crank_length) * duration
-    checks.number(
-        "angle by which the crank turns within the duration", turned, "rad", most=MOST_TURNED
-    )
 
 
 def _gather(blocks, scene, law, columns, told, progress=None):

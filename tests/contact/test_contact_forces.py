@@ -1,7 +1,5 @@
 """Damping, friction and the compiled contact force against what they are meant to be."""
 
-import re
-
 import mpmath
 import numpy as np
 import pytest
@@ -40,23 +38,18 @@ def test_lankarani_nikravesh_does_not_deliver_its_restitution():
     assert separation == pytest.approx(0.725, abs=5e-4)
 
 
+@pytest.mark.parametrize(
+    ("damping", "factor"),
+    [("lankarani-nikravesh", 0.5625), ("hunt-crossley", 0.75), ("flores", 1.6)],
+)
+def test_damping_factors_are_the_published_ones(damping, factor):
+    assert damping_factor(damping, 0.5) == pytest.approx(factor, rel=1e-15)
+
+
 @pytest.mark.parametrize("damping", DAMPINGS)
 def test_every_damping_is_elastic_at_one_and_right_close_to_it(damping):
     assert damping_factor(damping, 1.0) == 0
     assert free_impact(damping_factor(damping, 0.99))[0] == pytest.approx(0.99, abs=8e-4)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("exact", 0.0), "for damping exact must be >= 0.001, got 0"),
-        (("flores", 1.5), "restitution must be >= 0 and <= 1, got 1.5"),
-        (("newton", 0.5), "damping must be one of lankarani-nikravesh, hunt-crossley, flores, ex"),
-    ],
-)
-def test_bad_damping_is_one_clear_error(arguments, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        damping_factor(*arguments)
 
 
 @given(st.floats(-0.03, 0.03))

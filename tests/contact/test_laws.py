@@ -1,7 +1,6 @@
 """Laws against closed forms, high-precision arithmetic, and their own derivatives."""
 
 import json
-import re
 
 import mpmath
 import numpy as np
@@ -139,44 +138,16 @@ def test_every_name_stands_for_a_law_of_a_joint(name):
         assert value is None or str(value) in repr(law)
 
 
-@pytest.mark.parametrize("name", VARIANTS)
+@every_variant
 def test_a_power_of_the_depth_says_so(name):
     law, ds = VARIANTS[name](200), np.array([0.01, 0.3])
-    slope = np.diff(np.log(law(ds, 200)))[0] / np.diff(np.log(ds))[0]
-    exponent = law.exponent_of_depth
-    if exponent is None:
-        assert np.ptp(ds * law(ds, 200, derivative=True) / law(ds, 200)) > 1e-3
-    else:
-        assert slope == pytest.approx(exponent, rel=1e-12)
+    exponents = ds * law(ds, 200, derivative=True) / law(ds, 200)
+    assert (law.exponent_of_depth is None) == (np.ptp(exponents) > 1e-3)
+    assert exponents[0] == pytest.approx(law.exponent_of_depth or exponents[0], rel=1e-12)
 
 
 def test_composite_modulus_of_equal_bodies():
     assert contact.composite_modulus(2e11, 0.3, 2e11, 0.3) == pytest.approx(2e11 / (2 * 0.91))
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: contact.Hertz()(0.1, 1.0), "r2_star must be > 1, got 1"),
-        (lambda: contact.Hertz()([0.1, np.inf], 200), "depth_star must be finite, got inf"),
-        (lambda: contact.Hertz()(0.1), "r2_star must be a number, got None"),
-        (lambda: STIFF(1.01), "stiffened_hertz must be <= 1, got 1.01"),
-        (lambda: STIFF(0.1, 100), "r2_star must be 200, that of the joint of this law, got 100"),
-        (
-            lambda: contact.StiffenedHertz.of(Joint.from_ratios(19)),
-            "r2_star of stiffened_hertz must be >= 20, got 19; use the law tabulated",
-        ),
-        (lambda: contact.HyperbolicWinkler(area="x"), "area must be one of flat, sphere, got 'x'"),
-        (lambda: contact.Steuermann(51), "n must be >= 1 and <= 50, got 51"),
-        (lambda: contact.Winkler(-1), "coefficient must be > 0, got -1"),
-        (lambda: laws.find("hooke"), "law must be one of hertz, "),
-        (lambda: laws.find(3), "law must be a name or a function, got 3"),
-        (lambda: laws.find("tabulated"), "depends on the joint, which is not given"),
-    ],
-)
-def test_bad_input_is_one_clear_error(call, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        call()
 
 
 def test_stored_coefficients_are_the_fit_to_the_stored_curves():
@@ -211,19 +182,3 @@ def test_tabulated_law_is_smooth_and_increasing(curve):
     numeric = (law(ds[:-1] + step) - law(ds[:-1] - step)) / (2 * step)
     assert slope[:-1] == pytest.approx(numeric, rel=1e-6)
     assert (np.diff(slope) > 0).all()  # and the contact stiffens, without a jump
-
-
-def test_tabulated_law_refuses_what_it_does_not_know(curve):
-    law = contact.Table.of_curve(curve)
-    with pytest.raises(
-        ValueError, match="r2_star must be 200, that of the joint of this law, got 100"
-    ):
-        law(0.1, 100)
-    with pytest.raises(ValueError, match="depth_star of tabulated must be <= 1, got 1.1"):
-        law(1.1)
-    deep = Joint.from_ratios(200).solve(depth_star=[0.1, 0.2, 0.3, 0.4], resolution=64)
-    with pytest.raises(ValueError, match="minimum depth .* <= a tenth of .* got 0.1 and 0.4"):
-        contact.Table.of_curve(deep)
-    short = Joint.from_ratios(200).solve(depth_star=[0.1, 0.2, 0.3], resolution=64)
-    with pytest.raises(ValueError, match=">= 4 different depths > 0, got 3"):
-        contact.Table.of_curve(short)

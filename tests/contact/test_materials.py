@@ -1,10 +1,7 @@
 """Materials by name: a whole table with sources, and what a name may look like."""
 
-import re
-
 import pytest
 
-from study import checks
 from study.contact import Material, material, materials
 
 WANTED = "steel stainless bronze brass cast_iron aluminium titanium CoCr alumina UHMWPE PTFE POM"
@@ -41,50 +38,3 @@ def test_a_material_by_its_numbers_or_itself():
     assert (found, found.yield_stress) == (Material(2.1e11, 0.3), 5e8)
     assert material(found) is found
     assert material("bronze").yield_stress == 1.6e8
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ("bronz", "material must be one of steel, bearing steel, stainless, bronze,"),
-        ("210e9", "210GPa,0.3, got '210e9'"),
-        (3, "material must be a Material, got 3"),
-        ("210,0.3", "Young's modulus of material must be >= 100000 Pa, got 210 Pa: did you mean"),
-        ("69000,0.33", "got 69000 Pa: did you mean 69e9?"),
-        (Material(210, 0.3), "got 210 Pa: did you mean 210e9?"),
-    ],
-)
-def test_wrong_materials(given, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        material(given)
-
-
-@pytest.mark.parametrize("content", ["", "name,poisson\nsteel,0.3\n", "name\n"])
-def test_a_damaged_table_is_one_clear_error(content, tmp_path, monkeypatch):
-    monkeypatch.setattr(materials, "MATERIALS", tmp_path / "materials.csv")
-    (tmp_path / "materials.csv").write_text(content)
-    materials.table.cache_clear()
-    with pytest.raises(
-        checks.StudyError,
-        match=r"is missing or damaged.* git checkout -- study/contact/materials.csv, ",
-    ):
-        materials.table()
-    materials.table.cache_clear()
-
-
-@pytest.mark.parametrize(
-    ("row", "why"),
-    [
-        ("steel,abc,0.3,,c,s", "(youngs_modulus of steel must be a number, got 'abc')"),
-        ("steel,210,0.3,,c,s", "Young's modulus of steel must be >= 100000 Pa, got 210"),
-    ],
-)
-def test_a_wrong_row_of_the_table_is_told(row, why, tmp_path, monkeypatch):
-    monkeypatch.setattr(materials, "MATERIALS", tmp_path / "materials.csv")
-    head = "name,youngs_modulus,poisson,yield_stress,condition,source\nbrass,1e11,0.3,,c,s\n"
-    (tmp_path / "materials.csv").write_text(head + row)
-    materials.table.cache_clear()
-    with pytest.raises(checks.StudyError, match=re.escape(why)) as told:
-        material("brass")
-    materials.table.cache_clear()
-    assert "\n" not in str(told.value)

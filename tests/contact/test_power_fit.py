@@ -76,18 +76,3 @@ def test_the_default_is_the_paper_s_joint():
 def test_the_kept_fit_is_that_of_the_dataset():
     published = pd.read_csv(paths.DATA / "published/tables.csv")
     assert fit_laws(dataset.load(), published)["power"] == fitted_coefficients()["power"]
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: fit_power([1.0], [1.0]), "must be lists of the same length >= 2"),
-        (lambda: fit_power([1.0, 1.0], [1.0, 2.0]), "depth must have two different values"),
-        (lambda: fit_power([1.0, 2.0], [1.0, -2.0]), "force must be > 0, got -2"),
-        (lambda: Power(exponent=1.5), "must be given together"),
-        (lambda: BRONZE.power_law((2e-6, 1e-6)), "maximum depth must be > 2e-06 m, got 1e-06 m"),
-    ],
-)
-def test_bad_input(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()

@@ -38,11 +38,6 @@ def test_a_single_element_has_its_mass_at_its_ends():
     assert rotaries.sum() == pytest.approx(0.21 * 0.12**2 / 12)
 
 
-def test_flexible_links_need_the_inertia_of_a_rod():
-    with pytest.raises(ValueError, match=r"coupler inertia of a flexible link must be >= 0.000252"):
-        PAPER.replace(coupler_inertia=1e-4).link("coupler")
-
-
 def straight(elements):
     """System and band of stiffness of the finite elements at rest, with the slider free."""
     system = beams.assemble(PAPER, elements, ideal=False)
@@ -233,35 +228,6 @@ def test_shorter_steps_converge_with_order_2(model):
     assert order(steps, errors) > 1.5
 
 
-def test_particles_refuse_a_contact_that_takes_too_many_steps():
-    light = PAPER.replace(slider_mass=1e-40)
-    with pytest.raises(ValueError, match=r"stability limit must be >= 1e-13 s, got .*e-25 s"):
-        simulate(light, model="particles", duration=1e-3)
-
-
-def test_lagged_velocity_in_stiff_damping_says_when_and_what_limit():
-    message = r"the step must stay <= 3.8\d\de-06 s, the stability limit; .* stopped at 0.01"
-    with pytest.raises(MechanismError, match=message):
-        simulate(model="particles", method="lagged", step=3.9e-6, **TWO)
-
-
-@pytest.mark.parametrize("model", ["rigid", *FLEXIBLE])
-def test_too_deep_a_contact_says_when(model):
-    soft = PAPER.replace(youngs_modulus=1e6, driving_moment=25.0, link_modulus=2e11)
-    message = r"depth must stay <= one clearance \(5e-05 m\); .* stopped at 0.0\d+ s "
-    with pytest.raises(MechanismError, match=message):
-        simulate(soft, model=model, **({} if model == "rigid" else TWO))
-
-
-def test_many_impacts_fit_in_the_table():
-    scene = PAPER.replace(restitution=1.0, friction=0.0)
-    for model in ("rigid", *FLEXIBLE):
-        r = simulate(scene, model=model, duration=0.1, **({} if model == "rigid" else TWO))
-        assert len(r.impacts) > 64
-        assert (np.diff(r.impacts.time) > 0).all()
-        assert r.energy_error < 1e-4
-
-
 @pytest.mark.parametrize("model", FLEXIBLE)
 def test_flexible_links_of_random_scenes(model):
     ended = 0
@@ -288,15 +254,6 @@ def test_weight_rests_on_the_slide(model):
     assert r.force_y.mean() == pytest.approx(rigid.force_y.mean(), rel=0.03)
 
 
-@pytest.mark.parametrize("model", FLEXIBLE)
-def test_outputs_at_every_step_lose_none_when_the_table_of_impacts_grows(model):
-    scene = PAPER.replace(restitution=1.0, friction=0.0)
-    options = {"model": model, "duration": 0.1, "step": 2e-6, "outputs": 50_000, **TWO}
-    response = simulate(scene, **options)
-    assert len(response.impacts) > 64
-    assert (np.diff(response.crank_angle[1:]) != 0).all()  # no step is recorded twice
-
-
 @pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
 def test_where_a_loop_is_interrupted_changes_no_bit(model, monkeypatch):
     """Compiled loops return after some time, so that Ctrl-C is noticed, and begin anew."""
@@ -307,3 +264,14 @@ def test_where_a_loop_is_interrupted_changes_no_bit(model, monkeypatch):
         kept = response.rows, response.impact_rows, response.event_rows
         rows.append([part.tobytes() for part in kept])
     assert rows[0] == rows[1]
+
+
+@pytest.mark.parametrize("model", FLEXIBLE)
+def test_outputs_at_every_step_lose_none_when_the_table_of_impacts_grows(model):
+    scene = PAPER.replace(restitution=1.0, friction=0.0)
+    options = {"model": model, "duration": 0.1, "step": 2e-6, "outputs": 50_000, **TWO}
+    response = simulate(scene, **options)
+    assert len(response.impacts) > 64
+    assert (np.diff(response.impacts.time) > 0).all()
+    assert (np.diff(response.crank_angle[1:]) != 0).all()  # no step is recorded twice
+    assert response.energy_error < 1e-4

@@ -1,7 +1,5 @@
-"""The scene's materials, and laws of other materials, which are refused."""
+"""The materials of a scene, and the laws of its clearance joint."""
 
-import re
-from dataclasses import replace
 from functools import partial
 
 import pytest
@@ -37,13 +35,6 @@ def test_parameters_name_a_material_only_where_one_was_given():
     assert (row.value, row.unit, row.table) == ("1.1e+11,0.34", "Pa, 1", "-")
 
 
-@pytest.mark.parametrize("name", ["youngs_modulus", "link_modulus"])
-def test_a_modulus_in_another_unit_is_a_hint(name):
-    message = f"{name} must be >= 100000 Pa, got 210 Pa: did you mean 210e9?"
-    with pytest.raises(ValueError, match=re.escape(message) + "$"):
-        Scene(**{name: 210})
-
-
 @pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
 @pytest.mark.parametrize("name", ["stiffened_hertz", "tabulated"])
 def test_a_name_stands_for_the_law_of_the_scenes_joint(name, model):
@@ -74,22 +65,6 @@ def test_a_law_without_a_joint_takes_the_dimensions_of_the_scene():
     assert simulate(MIXED, joint="ideal", **BRIEF).law is None
 
 
-@pytest.mark.parametrize(
-    ("joint", "message"),
-    [
-        ({}, "modulus_ratio of law tabulated must be 0.531400966, .* got 1"),
-        (
-            {"ball": STEEL, "socket": replace(BRONZE, poisson=0.3)},
-            "socket_poisson of law tabulated must be 0.34, that of the scene's materials, got 0.3",
-        ),
-    ],
-)
-def test_a_law_of_other_materials_is_refused(joint, message):
-    law = contact.Table.of(Joint.from_ratios(200, **joint))
-    with pytest.raises(ValueError, match=message):
-        simulate(MIXED, law=law, **BRIEF)
-
-
 def test_a_joint_with_dimensions_is_a_law():
     run = partial(simulate, MIXED, law=clearance_joint(MIXED, wall=3e-3), **BRIEF)
     response, joint = run(), Joint(10e-3, 5e-5, 3e-3, STEEL, BRONZE)
@@ -112,74 +87,32 @@ def test_a_liner_is_softer_and_counts_with_its_own_modulus():
     assert by_name.rows.tobytes() == response.rows.tobytes()
 
 
-@pytest.mark.parametrize(
-    ("scene", "law", "message"),
-    [
-        (PAPER, {"ball_radius": 9e-3}, "Scene(socket_radius=0.01, clearance=0.001)"),
-        (MIXED, {"composite_modulus": 1e11}, "modulus E* of law must be 8.04"),
-    ],
-)
-def test_a_law_of_another_joint_is_refused(scene, law, message):
-    sizes = {name: getattr(PAPER, name) for name in (*RADII, "composite_modulus")} | law
-    with pytest.raises(ValueError, match=re.escape(message)):
-        simulate(scene, law=contact.DimensionalLaw("hertz", **sizes), **BRIEF)
-
-
-@pytest.mark.parametrize(
-    ("law", "socket", "message"),
-    [
-        ("hertz", {"socket_ratio": 1.3}, "socket_ratio does not apply to the law hertz; remove it"),
-        ("hooke", {"wall": 3e-3}, "law must be one of hertz, "),
-        (None, {"wall": 3e-3, "socket_ratio": 1.3}, "wall and socket_ratio must not both be given"),
-        (None, {"socket_ratio": 0.9}, "wall must be >= 1e-06 and <= 9999.99 m, got -0.001 m"),
-        (None, {"liner": "PTFE"}, "liner must be a thickness and a material"),
-    ],
-)
-def test_sockets_that_a_scene_cannot_have(law, socket, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        of_name(MIXED, law, **socket)
-
-
 def test_the_default_law_of_a_socket():
     assert of_name(MIXED) == "stiffened_hertz"
     assert of_name(MIXED, socket_ratio=1.5).name == "stiffened_hertz"
     assert of_name(MIXED, wall=5e-3).name == "tabulated"
 
 
-def test_a_scene_outside_the_range_of_the_default_law_is_told_what_to_take():
+def test_a_packed_law_is_that_of_the_scenes_materials():
+    numbers = [explicit.packed(scene, "stiffened_hertz").tolist() for scene in (PAPER, MIXED)]
+    assert numbers[0] != numbers[1]
+
+
+def test_a_scene_outside_the_range_of_the_default_law_has_its_table():
     scene = Scene(poisson=0.1)
-    told = "poisson of stiffened_hertz must be >= 0.2 and <= 0.46, got 0.1; use the law tabulated"
-    with pytest.raises(ValueError, match=re.escape(told)):
-        mechanism.simulate(scene, **BRIEF)
     assert len(mechanism.simulate(scene, law="tabulated", **BRIEF).impacts) == 1
     assert mechanism.simulate(scene, joint="ideal", **BRIEF).law is None
-
-
-def test_explicit_steps_have_no_prescribed_speed():
-    scene, numbers = PAPER.replace(crank_speed=10.0), explicit.packed(PAPER, "hertz")
-    with pytest.raises(ValueError, match="crank_speed does not apply to this"):
-        explicit.integrate(scene, numbers, 1e-4, 10, 1e-6, "RK4")
-
-
-def test_explicit_steps_begin_where_the_scene_does():
-    scene = PAPER.replace(initial_crank_angle=1.0, initial_crank_speed=30.0)
-    numbers = explicit.packed(scene, "hertz")
-    _, depth = explicit.integrate(scene, numbers, 3e-3, 30, 1e-6, "RK4")
-    ours = simulate(scene, duration=3e-3, outputs=30)
-    before = ours.time < ours.impacts.time[0]
-    assert before.sum() > 3
-    assert depth[before] == pytest.approx(ours.depth[before], abs=1e-11)
 
 
 def test_other_integrators_begin_where_the_scene_does():
     scene = PAPER.replace(initial_crank_angle=1.0, initial_crank_speed=30.0)
     numbers = explicit.packed(scene, "hertz")
     found = odes.slider_acceleration("DOP853", scene, numbers, 3e-3, 300, 1e-8)
-    ours = simulate(scene, duration=3e-3, outputs=300, tolerance=1e-8).slider_acceleration
-    assert abs(ours).max() > 100
-    assert found == pytest.approx(ours[1:], abs=1e-3 * abs(ours).max())
-
-
-def test_a_packed_law_is_that_of_the_scenes_materials():
-    numbers = [explicit.packed(scene, "stiffened_hertz").tolist() for scene in (PAPER, MIXED)]
-    assert numbers[0] != numbers[1]
+    ours = simulate(scene, duration=3e-3, outputs=300)
+    assert abs(ours.slider_acceleration).max() > 100
+    scale = 1e-3 * abs(ours.slider_acceleration).max()
+    assert found == pytest.approx(ours.slider_acceleration[1:], abs=scale)
+    _, depth = explicit.integrate(scene, numbers, 3e-3, 300, 1e-6, "RK4")
+    before = ours.time < ours.impacts.time[0]
+    assert before.sum() > 30
+    assert depth[before] == pytest.approx(ours.depth[before], abs=1e-11)

@@ -1,6 +1,5 @@
 """The scene, the ideal mechanism, and rigid links with clearance, against independent numbers."""
 
-import re
 from dataclasses import replace
 from functools import partial
 
@@ -49,45 +48,6 @@ def test_scene_is_the_papers():
     assert not [key for key in stated if key[0] in ("Table 3", "Table 4")]
 
 
-def test_tables_3_and_4_hold_the_scene():
-    parameters = PAPER.parameters()
-    for number in (3, 4):
-        table = pd.read_csv(paths.FIGURES / f"table{number}.csv")
-        mine = parameters[parameters.table == f"Table {number}"]
-        assert table.parameter.tolist() == mine.parameter.tolist()
-        assert table.value.tolist() == mine.value.astype(float).tolist()
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"crank_length": 0.2}, "crank_length must be < 0.11995 m, got 0.2 m"),
-        ({"slow_speed": 0.1}, "slow_speed must be < 0.01 m/s, got 0.1 m/s"),
-        ({"initial_eccentricity": (3e-5, 4e-5)}, "initial_eccentricity must be < 5e-05 m"),
-    ],
-)
-def test_bad_scene_is_one_clear_error(changes, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        PAPER.replace(**changes)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"step": 1e-6}, "step does not apply to model rigid with joint clearance"),
-        (
-            {"joint": "ideal", "tolerance": 1e-6},
-            "tolerance does not apply to model rigid",
-        ),
-        ({"model": "beams", "method": "lagged"}, "method does not apply to model beams"),
-        ({"scene": {}}, "scene must be a Scene, got {}"),
-    ],
-)
-def test_bad_options_are_one_clear_error(options, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        simulate(**options)
-
-
 @pytest.mark.parametrize("time", [0.02, 0.1])
 def test_ideal_mechanism_is_known_to_1e_9(time):
     response = simulate(joint="ideal", duration=0.1, outputs=500)
@@ -114,10 +74,6 @@ def test_a_joints_own_curve_drives_the_mechanism():
     first = [response.impacts.peak_force[0] for response in (tabulated, closed)]
     assert first[0] == pytest.approx(first[1], rel=5e-3)
     assert max(tabulated.energy_error, closed.energy_error) < 1e-8
-    with pytest.raises(
-        ValueError, match="must be 200, that of the joint of the law tabulated, got 400"
-    ):
-        simulate(Scene(socket_radius=20e-3), law=contact.Table.of_curve(curve), duration=1e-3)
 
 
 def test_ideal_joint_force_moves_slider_and_coupler():
@@ -181,7 +137,7 @@ def test_clearance_with_hertz_is_known():
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-12])
 def test_any_tolerance_finds_nine_impacts(tolerance):
     response = simulate(tolerance=tolerance)
-    assert len(response.impacts) == 9
+    assert len(response.impacts) == len(simulate(tolerance=tolerance, outputs=1).impacts) == 9
     x = KNOWN["clearance", "x_slider(0.1 s)"]
     assert abs(response.slider_position[-1] - x) < 1e-7 * tolerance**0.5 + 2e-12
 
@@ -194,8 +150,9 @@ def test_accuracy_follows_the_tolerance():
 
 
 def test_energy_is_kept_without_losses():
-    response = simulate(LOSSLESS, duration=0.05)
-    assert len(response.impacts) > 20
+    response = simulate(LOSSLESS, duration=0.1)
+    assert len(response.impacts) > 64  # the table of impacts grows
+    assert (np.diff(response.impacts.time) > 0).all()
     assert response.energy_error < 1e-8
     assert (response.lost_damping == 0).all()
     assert (response.lost_friction == 0).all()
@@ -217,9 +174,6 @@ def test_impacts_table_balances_each_impact():
     assert len(ended) == 6
     lost = response.lost_damping[-1] + response.lost_friction[-1]
     assert response.impacts.lost.sum() == pytest.approx(lost, rel=1e-12)
-    fine = simulate(duration=0.0019, outputs=20000)
-    assert ended.peak_force[0] == pytest.approx(fine.normal_force.max(), rel=1e-5)
-    assert ended.peak_depth[0] == pytest.approx(fine.depth.max(), rel=1e-5)
 
 
 @pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
@@ -247,10 +201,12 @@ def test_motion_has_rows_at_start_peak_and_end_of_each_impact(model):
 
 
 def test_peaks_between_outputs_are_those_of_a_fine_simulation():
-    coarse = simulate(duration=0.0019, outputs=10).motion.query("event == 'peak'").iloc[0]
+    response = simulate(duration=0.0019, outputs=10)
+    coarse = response.motion.query("event == 'peak'").iloc[0]
     fine = simulate(duration=0.0019, outputs=100_000).motion.query("event == ''")
     highest = fine.loc[fine.normal_force.idxmax()]
     assert coarse.time == pytest.approx(highest.time, abs=2e-8)
+    assert response.impacts.peak_depth[0] == pytest.approx(fine.depth.max(), rel=1e-5)
     for column in ("slider_acceleration", "normal_force", "depth", "crank_acceleration"):
         at_peak = np.interp(coarse.time, fine.time, fine[column])
         assert coarse[column] == pytest.approx(at_peak, rel=1e-6)
@@ -384,32 +340,6 @@ def test_slow_scene_down_to_approach_speeds_of_a_nanometre_per_second():
     assert response.energy_error < 1e-6
 
 
-@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
-@pytest.mark.parametrize("joint", ["ideal", "clearance"])
-def test_no_drive_no_motion(model, joint):
-    scene = PAPER.replace(driving_moment=0.0)
-    response = simulate(scene, model=model, joint=joint, duration=0.001, outputs=10)
-    assert np.abs(response.crank_angle).max() < 1e-15
-    assert response.impacts.empty
-    assert response.kinetic.max() < 1e-20  # rounding of the places, for flexible links
-    assert (compare.phase_lead(response, response) == 0).all()
-
-
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-8])
-@pytest.mark.parametrize("outputs", [1, 5])
-def test_few_outputs_let_steps_be_long(tolerance, outputs):
-    response = simulate(tolerance=tolerance, outputs=outputs)
-    assert len(response.impacts) == 9
-
-
-@pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
-def test_energy_counts_from_the_start(model):
-    scene = PAPER.replace(gravity=9.81, initial_eccentricity=(0.0, -4.9e-5))
-    response = simulate(scene, model=model, duration=0.01)
-    assert response.work[0] == 0
-    assert response.energy_error < (1e-8 if model == "rigid" else 2e-5)
-
-
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-7])
 def test_random_scenes_end_well(tolerance):
     ended = 0
@@ -465,22 +395,6 @@ def test_interruption_leaves_what_was_computed():
     assert response.event_rows["time"].max() <= response.time[-1]
 
 
-@pytest.mark.parametrize(
-    ("model", "duration"), [("rigid", 0.01), ("particles", 1e-4), ("beams", 1e-4)]
-)
-def test_an_interruption_is_noticed_between_two_times_of_output(model, duration, monkeypatch):
-    told = []
-
-    def stop(time):
-        told.append(time)
-        if len(told) == 3:
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(stepping, "PATIENCE", 0.0)  # the loops return after each step
-    response = simulate(model=model, duration=duration, outputs=1, progress=stop)
-    assert (response.complete, told, len(response.rows)) == (False, [0.0] * 3, 1)
-
-
 def test_normalised_rms_by_hand():
     reference, values = [5.0, 7.0, 9.0, 3.0], [5.0, 8.0, 9.0, 2.0]  # squared: 2, and 4 + 16 + 4
     assert compare.normalised_rms(reference, values) == pytest.approx(np.sqrt(2 / 24))
@@ -501,17 +415,6 @@ def test_lead_and_last_separation():
     assert shifted == pytest.approx(clearance.crank_angle[k], abs=2e-4)
     ends = clearance.impacts.time + clearance.impacts.duration
     assert clearance.last_separation == ends[7]
-    with pytest.raises(ValueError, match="reference and response must have the same output times"):
-        compare.motion_nrms(ideal, simulate(joint="ideal", outputs=10), "crank_angle")
-
-
-def test_a_law_that_ends_before_one_clearance_is_refused():
-    curve = Joint.from_ratios(200).solve(depth_star=np.linspace(0.05, 0.5, 12) ** 2)
-    told = (
-        "law must be valid up to a depth of one clearance, but the law tabulated is valid up to 1"
-    )
-    with pytest.raises(ValueError, match=told):
-        simulate(law=contact.Table.of_curve(curve), duration=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -560,5 +463,52 @@ def test_agreement_finds_where_motions_part():
     same = compare.agreement(first, replace(first, rows=rows))
     assert same.lasts
     assert same.largest_distance == pytest.approx(0.005)
-    with pytest.raises(ValueError, match="must have the same output times"):
-        compare.agreement(first, simulate(PAPER, duration=0.01, outputs=50))
+
+
+@pytest.mark.parametrize(("duration", "difference"), [(0.9e-5, 0.5), (1.1e-5, 0.0)])
+def test_agreement_compares_only_impacts_that_have_ended(duration, difference):
+    first = simulate(PAPER, duration=0.01, outputs=100)
+    rows, impact = first.rows.copy(), first.impact_rows[:1].copy()
+    rows["eccentricity_y"][60:] += 0.02 * PAPER.clearance
+    impact["time"], impact["duration"] = first.time[59] - 1e-5, duration
+    harder = impact.copy()
+    harder["peak_force"] *= 2
+    runs = replace(first, impact_rows=impact), replace(first, rows=rows, impact_rows=harder)
+    assert compare.agreement(*runs).force_difference == pytest.approx(difference)
+
+
+every_model = pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+
+
+@every_model
+def test_an_interruption_is_noticed_between_two_times_of_output(model, monkeypatch):
+    told = []
+
+    def stop(time):
+        told.append(time)
+        if len(told) == 3:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(stepping, "PATIENCE", 0.0)  # the loops return after each step
+    duration = 0.01 if model == "rigid" else 1e-4
+    response = simulate(model=model, duration=duration, outputs=1, progress=stop)
+    assert (response.complete, told, len(response.rows)) == (False, [0.0] * 3, 1)
+
+
+@every_model
+@pytest.mark.parametrize("joint", ["ideal", "clearance"])
+def test_no_drive_no_motion(model, joint):
+    scene = PAPER.replace(driving_moment=0.0)
+    response = simulate(scene, model=model, joint=joint, duration=0.001, outputs=10)
+    assert np.abs(response.crank_angle).max() < 1e-15
+    assert response.impacts.empty
+    assert response.kinetic.max() < 1e-20  # rounding of the places, for flexible links
+    assert (compare.phase_lead(response, response) == 0).all()
+
+
+@every_model
+def test_energy_counts_from_the_start(model):
+    scene = PAPER.replace(gravity=9.81, initial_eccentricity=(0.0, -4.9e-5))
+    response = simulate(scene, model=model, duration=0.01)
+    assert response.work[0] == 0
+    assert response.energy_error < (1e-8 if model == "rigid" else 2e-5)
