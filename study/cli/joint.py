@@ -209,6 +209,11 @@ def _described(solution, friction, units):
         for body, of in joint.materials.items()
     }
     values |= {name: getattr(joint, name) for name in ("r2_star", "socket_ratio", "modulus_ratio")}
+    if joint.has_dimensions:
+        sizes = ("socket_radius", "clearance", "wall")
+        values |= {name: in_mm(getattr(joint, name), "m", units) for name in sizes}
+    if solution.reaches_rim is not None:
+        values["reaches_rim"] = solution.reaches_rim.tolist()
     values["composite_modulus"] = in_mm(joint.composite_modulus, "Pa", units)
     values["depth_star"] = solution.depth_star.tolist()
     exceeded = _exceeded(solution, friction)
