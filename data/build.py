@@ -107,18 +107,6 @@ def write_stiffening(made: dict[str, pd.DataFrame]) -> None:
     write_coefficients(stiffening_fit.table(limits, changes), store.TABLE)
 
 
-def size_parts(everything: bool) -> dict[str, float]:
-    """Poisson's ratios of the socket in the table of contact sizes."""
-    ratios = stiffening_fit.grid(stiffening_fit.SIZE_COUNTS)["socket_poisson"]
-    return {str(k): float(nu) for k, nu in enumerate(ratios)}
-
-
-def write_sizes(made: dict[str, pd.DataFrame]) -> None:
-    """Write the table of contact sizes."""
-    table = stiffening_fit.size_table([rows.to_numpy() for rows in made.values()])
-    write_coefficients(table, store.CONTACT_SIZE)
-
-
 def write_coefficients(table: pd.DataFrame, path: Path) -> None:
     """Write a table of Chebyshev coefficients, unless it agrees with the stored one.
 
@@ -159,7 +147,6 @@ TABLES = {
     "stiffening": Table(
         write_stiffening, stiffening_parts, lambda of: as_frame(stiffening_fit.logarithms, *of)
     ),
-    "contact_size": Table(write_sizes, size_parts, lambda of: as_frame(stiffening_fit.sizes, of)),
     **{
         f"{kind}_solutions": Table(
             partial(write_solutions, kind),

@@ -12,6 +12,7 @@ from study.cli.output import check_output, in_mm, named_fields, show, working
 from study.contact import LAWS
 from study.contact.power_fit import USUAL_RANGE
 from study.joint import first_yield, limits
+from study.joint.options import joint_of
 
 LAW = f"Contact law: {', '.join(LAWS)}. tabulated is a table of the joint's elastic solution."
 
@@ -63,7 +64,7 @@ def evaluate_law(name, as_json, units="SI", **options):
         cli.left_out(values, ("r2_star",), f"the law {name}")
     joint = r2_star = None
     if law.needs_joint or "r2_star" not in values:
-        joint = cli.joint_of(values)
+        joint = joint_of(values)
         r2_star = joint.r2_star
     else:  # any radius: a formula is no solution of a joint
         r2_star = values["r2_star"]

@@ -8,8 +8,6 @@ import click
 
 from study import checks, paths
 from study.contact import LAWS
-from study.joint import options as of_joint
-from study.joint.options import joint_of
 from study.parameters import default_of, described
 
 KEPT = "; what was finished is kept"
@@ -80,7 +78,7 @@ def options_of(owner, *names):
 
 LAW_NUMBER = option(
     "--option",
-    "A number of the law, as NAME=VALUE, for example n=2 of steuermann or coefficient=900 of "
+    "A number of the law, as KEY=VALUE, for example n=2 of steuermann or coefficient=900 of "
     "winkler; may be repeated. study law --help has them all.",
     multiple=True,
 )
@@ -114,7 +112,7 @@ def argument(name, text, metavar, kind=str, many=False, required=True, **more):
 NAMES = argument(
     "names",
     "Name of a figure, a table or a notebook; several may be given. Default: all.",
-    "NAME",
+    "[NAME]",
     many=True,
     required=False,
 )
@@ -123,24 +121,26 @@ SNAKEMAKE = argument(
 )
 
 
-def _of_joint(owner, *names):
+def _of_joint(owner, names):
     """Options of a joint by its sections in the help of study joint."""
     defaults = {name: default_of(owner, name) for name in described(owner)}
-    for name in names:
+    for name, about in names.items():
         default = defaults.get("layers" if name == "layer" else name)
         note = f"Default: {default}." if default and name != "r2_star" else ""  # which is needed
-        yield option_of(name, of_joint.PARAMETERS[name], note)
+        yield option_of(name, about, note)
 
 
 def joint_sections():
     """Options that describe a joint, by their headings in the help of study joint."""
-    from study.joint import Joint
+    from study.joint import Joint  # late: commands without a joint do not load SciPy
     from study.joint.joint import SUPPORTS
+    from study.joint.options import DIMENSIONS, PARAMETERS, RATIOS
 
+    supports = {name: PARAMETERS[name] for name in SUPPORTS}
     return {
-        "Joint with dimensions": [*_of_joint(Joint, *of_joint.DIMENSIONS)],
-        "Joint without dimensions": [*_of_joint(Joint.from_ratios, *of_joint.RATIOS)],
-        "Supports and contact kinematics": [*_of_joint(Joint, *SUPPORTS)],
+        "Joint with dimensions": [*_of_joint(Joint, DIMENSIONS)],
+        "Joint without dimensions": [*_of_joint(Joint.from_ratios, RATIOS)],
+        "Supports and contact kinematics": [*_of_joint(Joint, supports)],
     }
 
 
@@ -247,6 +247,8 @@ def choice(words):
 
 def take_joint(options, *, off_axis=False, required=True):
     """Joint of the options that describe one, which are removed; None if there are none."""
+    from study.joint.options import joint_of
+
     values, words = take_values(options)
     if not values and not required:
         return None, words
@@ -255,6 +257,8 @@ def take_joint(options, *, off_axis=False, required=True):
 
 def take_values(options):
     """Values of a joint among options, which are removed, and the words that give them again."""
+    from study.joint import options as of_joint
+
     given = {name: options.pop(name) for name in of_joint.PARAMETERS if name in options}
     words = typed(given)
     if (saved := options.pop("joint", None)) is not None:

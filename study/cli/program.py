@@ -13,8 +13,6 @@ from pathlib import Path
 
 import click
 
-from study import checks, paths
-
 COMMANDS = {
     "run": (
         "build",
@@ -52,6 +50,9 @@ class Program(click.Group):
         """Command of a name, or None."""
         if name not in COMMANDS:
             return None
+        from study.checks import UnitWarning  # late: the help of the program needs no NumPy
+
+        warnings.simplefilter("ignore", UnitWarning)  # commands print the sentences
         return import_module(f"study.cli.{COMMANDS[name][0]}").COMMANDS[name]
 
     def format_commands(self, ctx, formatter):
@@ -71,9 +72,15 @@ PROGRAM = Program(
 
 def run():
     """Run the command line, and return its exit status."""
+    root = Path(__file__).resolve().parents[2]
+    for copied in Path(sys.argv[0]).resolve().parents[2:3]:  # above .venv/bin
+        if copied != root and (copied / "study/paths.py").is_file():
+            return _complain(
+                f"the folder {copied} is a copy whose environment belongs to {root}; create a new "
+                "environment with: make setup",
+                1,
+            )
     try:
-        _refuse_copied_program()
-        warnings.simplefilter("ignore", checks.UnitWarning)  # commands print the sentences
         status = PROGRAM(standalone_mode=False)
         sys.stdout.flush()
     except click.exceptions.NoArgsIsHelpError as error:  # the help of a group is the answer
@@ -83,8 +90,6 @@ def run():
         return _complain(_hinted(error.format_message()), 2)
     except ValueError as error:
         return _complain(_hinted(str(error)), 2)
-    except checks.StudyError as error:
-        return _complain(str(error), 1)
     except BrokenPipeError:  # the reader, such as head, needs no more
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
@@ -94,17 +99,13 @@ def run():
         return _complain(f"there is not enough memory: {error}".rstrip(": "), 1)
     except (click.Abort, KeyboardInterrupt) as error:
         return _complain(f"interrupted{error}", INTERRUPTED)
+    except Exception as error:
+        from study.checks import StudyError
+
+        if not isinstance(error, StudyError):
+            raise
+        return _complain(str(error), 1)
     return status if isinstance(status, int) else 0
-
-
-def _refuse_copied_program():
-    """Raise an error in a copied checkout, where the program would build the original folder."""
-    for copied in Path(sys.argv[0]).resolve().parents[2:3]:  # above .venv/bin
-        if copied != paths.ROOT and (copied / "study/paths.py").is_file():
-            raise checks.StudyError(
-                f"the folder {copied} is a copy whose environment belongs to {paths.ROOT}; create "
-                "a new environment with: make setup"
-            )
 
 
 def _hinted(text):

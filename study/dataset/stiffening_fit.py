@@ -1,10 +1,9 @@
-"""Tables of Chebyshev coefficients, from joints that are solved at Chebyshev points.
+"""Table of Chebyshev coefficients, from joints that are solved at Chebyshev points.
 
-The first table is that of `study.contact.stiffened_hertz`. Each body is solved once for many
+It is that of `study.contact.stiffened_hertz`. Each body is solved once for many
 joints, so that some 10,000 joints take two minutes. The grid is fine in the limit of large R2*, and
 coarse for the changes with a smaller R2*, because these are smooth. `study.contact.stiffening`
-evaluates the table, and notebook 15 shows its errors for other joints. The second table has the
-contact half-angle and the peak pressure for the report's page of a joint.
+evaluates the table, and notebook 15 shows its errors for other joints.
 """
 
 import itertools
@@ -38,14 +37,6 @@ CHANGES = {
     "r2_star": 3,
 }
 """Numbers of points of the coordinates: for infinite R2*, and for the changes with R2*."""
-SIZE_COUNTS = {
-    "ball_compliance_ratio": 6,
-    "poisson": 5,
-    "socket_poisson": 4,
-    "socket_ratio": 8,
-    "r2_star": 3,
-}
-"""Numbers of points of the coordinates in the table of contact sizes."""
 _ORDER = ("socket_poisson", "socket_ratio", "ball_compliance_ratio", "poisson", "r2_star")
 RESOLUTION = 128  # of the table's joints
 FINER = 320  # of those with the default supports, on which the changes by supports build
@@ -54,18 +45,14 @@ LARGEST = 1e9  # R2*, practically infinite
 THICK = 1e4  # ratio of the thickest socket solved: 1e-4 of the coordinate from the limit
 DEEPEST = 1.15  # depth_star of the curves, as fits are poor at their ends
 SMALLEST = 8e-5  # coefficient of the table
-SMALLEST_SIZE = 5e-4  # coefficient of the table of contact sizes
 
 
 @one_thread
-def logarithms(
-    socket_poisson: float, counts: dict[str, int], of: Callable[[Joint], Any] | None = None
-) -> NDArray[np.float64]:
+def logarithms(socket_poisson: float, counts: dict[str, int]) -> NDArray[np.float64]:
     """Logarithms of S at `PLACES`, of the joints with one socket's Poisson's ratio.
 
     Axes: socket ratio, compliance ratio of the ball, Poisson's ratio of the ball and R2* of `grid`;
-    clamped ball (no, yes); free rim (no, yes); place. With a function ``of`` a joint, the numbers
-    that it returns are used instead of the logarithms.
+    clamped ball (no, yes); free rim (no, yes); place.
     """
     places = grid(counts)
     of_ball = places["ball_compliance_ratio"]
@@ -79,9 +66,8 @@ def logarithms(
         joint = Joint.from_ratios(r2_star, ratio, ball=ball, socket=socket, **supports)
         resolution = FINER if joint.series_applies else RESOLUTION
         resolution = COARSER if counts["r2_star"] > 1 else resolution
-        if of is None:
-            depth, force = depths_and_forces(joint, DEEPEST, resolution)
-        solved.append(of(joint) if of else at_places(depth, force / Hertz()(depth, r2_star)))
+        depth, force = depths_and_forces(joint, DEEPEST, resolution)
+        solved.append(at_places(depth, force / Hertz()(depth, r2_star)))
     return np.reshape(solved, (*map(len, axes), *np.shape(solved[0])))
 
 
@@ -145,27 +131,3 @@ def table(
     rows = pd.DataFrame(np.hstack([kept, whole]), columns=[*DEGREES, *SUPPORTS, *named])
     first = [*SUPPORTS, *DEGREES]
     return rows.sort_values(first)[first + named]
-
-
-def sizes(socket_poisson: float) -> NDArray[np.float64]:
-    """Logarithms of half-angle and peak pressure, of the joints with one socket's Poisson's ratio.
-
-    The half-angle is divided by Hertz's sqrt(ds R2/R1), and the peak pressure by 2/pi times this
-    value. The last two axes are quantity and place; those before them are as in `logarithms`.
-    """
-
-    def of(joint):
-        curve = joint.curve(DEEPEST, resolution=RESOLUTION)
-        of_hertz = np.sqrt(curve.depth_star / joint.radius_ratio)
-        found = np.radians(curve.contact_half_angle_deg), np.pi / 2 * curve.peak_pressure_star
-        return [at_places(curve.depth_star, values / of_hertz) for values in found]
-
-    return logarithms(socket_poisson, SIZE_COUNTS, of)
-
-
-def size_table(solved: Sequence[NDArray[np.float64]]) -> pd.DataFrame:
-    """`table` of both quantities, from `sizes` for every Poisson's ratio of the socket."""
-    half_angle, peak_pressure = np.reshape(solved, (-1, 2, len(PLACES))).swapaxes(0, 1)
-    by_quantity = {"half_angle": half_angle, "peak_pressure": peak_pressure}
-    tables = {k: table(part, (), SMALLEST_SIZE, SIZE_COUNTS) for k, part in by_quantity.items()}
-    return pd.concat(tables, names=["quantity"]).reset_index("quantity")

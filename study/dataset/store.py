@@ -40,9 +40,8 @@ PACKAGE = paths.DATA / "datapackage.json"
 HASHES = paths.DATA / "SHA256SUMS"
 MATERIALS = paths.STUDY / "contact/materials.csv"
 RELATIVE_COSTS = paths.STUDY / "choose/relative_costs.json"
-CONTACT_SIZE = paths.STUDY / "pages/report/contact_size.csv"
 LOOKS = paths.STUDY / "pages/looks.csv"
-LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, CONTACT_SIZE, LOOKS)
+LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, LOOKS)
 """Files of numbers in the folders of the modules that read them."""
 
 

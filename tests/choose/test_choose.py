@@ -111,6 +111,7 @@ def test_evidence_names_what_is_cheaper_and_fails():
     assert choice.errors.keys() == set(CLOSED_FORM)
 
 
+@pytest.mark.slow
 def test_three_tilts_bound_the_change_of_the_force():
     scene = joint(ball_support="neck:30", opening=100)
     found = choose.axial_law_suffices(scene, 0.3, 30, 0.1)

@@ -168,6 +168,7 @@ def test_choose_heads_its_answer_with_no_law_that_does_not_serve_all_directions(
     assert tight["law"] is None  # nothing is left for the law's own error
 
 
+@pytest.mark.slow
 def test_choose_says_what_to_use_where_no_law_along_the_axis_applies(run):
     ring = ["--ball-support", "bore:0.5,45", "--opening", "55:125", "--tolerance", 0.1]
     joint = Joint(

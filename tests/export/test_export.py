@@ -230,6 +230,7 @@ def test_power_is_fitted_in_the_range_that_is_asked_for():
     assert stated(text)[0] == pytest.approx(fitted.error, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_power_law_along_a_displacement_off_the_axis():
     joint = replace(BRONZE, ball_support="clamped", rim="free")
     text, fit = export("power", "c", joint, tilt=20), joint.power_law(tilt=20)

@@ -309,7 +309,7 @@ RING = {"ball_support": "bore:0.5,45", "opening": "55:125"}
             lambda: sized(clearance=0.0011),
             "clearance must be <= 0.001 m, a tenth of the radius of the socket, got 0.0011 m; such",
         ),
-        (lambda: sized(liner=("PTFE",)), "liner must be a thickness in m and a material"),
+        (lambda: sized(liner=("PTFE",)), "liner must be a thickness and a material"),
         (lambda: sized(liner=("3e-3,PTFE",)), "must be > 0.003 m, got 0.003 m"),
         (lambda: sized(socket="210,0.3"), "socket"),
         (lambda: sized(kinematics="finite"), "kinematics must be one of small, linear"),

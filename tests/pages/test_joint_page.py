@@ -18,14 +18,12 @@ from study.pages.report import numbers as page_of_joint
 STATIC = Path(page_of_joint.__file__).parent / "static"
 NODE = shutil.which("node")
 RANGE = 0.05, 0.5
-COUNT = 8  # joints that are solved, most by finite elements
 RUN = """
 const run = ({ joint, depth, force }) => {
   try {
     const law = window.STIFFENED_HERTZ.law(joint), at = depth ?? law.depth(force);
     return { depth: at, force: law.force(at), stiffness: law.stiffness(at), deepest: law.deepest,
-      power: law.power(...RANGE), ...law.size(at),
-      stress: law.stress(at), inverse: law.depth(law.force(at)) };
+      power: law.power(...RANGE), inverse: law.depth(law.force(at)) };
   } catch (error) { return { refused: error.message }; }
 };
 const told = JSON.stringify(GIVEN.map(run));
@@ -62,15 +60,15 @@ def computed(tmp_path_factory):
     return computed
 
 
-def random_joint(rng, stiffest=12.0, largest_r2_star=5.0):
+def random_joint(rng):
     """Dimensions and materials of a joint in the law's range."""
     radius = 10 ** rng.uniform(-3, 0)
     ball, socket = (
-        f"{10 ** rng.uniform(8, stiffest):.6g},{rng.uniform(0.2, 0.46):.4g}" for _ in range(2)
+        f"{10 ** rng.uniform(8, 12):.6g},{rng.uniform(0.2, 0.46):.4g}" for _ in range(2)
     )
     return {
         "socket_radius": radius,
-        "clearance": radius / 10 ** rng.uniform(1.31, largest_r2_star),
+        "clearance": radius / 10 ** rng.uniform(1.31, 5.0),
         "wall": radius * (0.1 + 10 ** rng.uniform(-3, 1.5)),
         "ball": ball,
         "socket": socket,
@@ -127,25 +125,6 @@ def test_the_power_law_has_the_least_largest_error(found, joints):
         assert error <= np.tanh(best.fun / 2) * (1 + 1e-9)
 
 
-@pytest.mark.slow
-def test_half_angle_and_pressure_are_the_solvers(computed):
-    """At depths at which a node is the contact's edge, where the half-angle is most exact."""
-    rng, given, wanted = np.random.default_rng(7), [], []
-    for _ in range(COUNT):
-        joint = random_joint(rng, 11, 3.5)
-        of_python = Joint(**joint)
-        curve = of_python.curve()
-        first, last = np.searchsorted(curve.depth_star, [0.01, 1.0])
-        k = rng.integers(first, last)
-        depth = curve.depth_star[k] * of_python.clearance
-        unit = of_python.pressure_unit
-        given.append({"joint": joint, "depth": depth})
-        wanted.append([curve.contact_half_angle_deg[k], unit * curve.peak_pressure_star[k]])
-    sizes = [[of["half_angle"], of["peak_pressure"]] for of in computed(given)]
-    off = np.abs(np.array(sizes) / wanted - 1)
-    assert off.max() < 0.01
-
-
 USUAL = {"socket_radius": 0.0125, "clearance": 4e-5, "wall": 0.006, "ball": "steel"}
 USUAL |= {"socket": "bronze", "ball_support": "guided", "rim": "mirror"}
 WRONG = [
@@ -177,21 +156,3 @@ def split(wrong):
     if wrong.keys() & {"depth", "force"}:
         return {"depth": None} | wrong
     return {"joint": USUAL | wrong}
-
-
-@pytest.mark.slow
-def test_the_largest_stress_is_within_the_bounds_of_the_page(computed):
-    rng, given, wanted = np.random.default_rng(3), [], []
-    for k in range(12):
-        sizes = {"socket_radius": 1.0, "clearance": 10 ** -(1.4 + k / 6)}
-        sizes["wall"] = 0.101 if k % 2 else 0.1 + 10 ** rng.uniform(-2, 0.7)
-        joint = random_joint(rng, 10) | sizes
-        of_python = Joint(**joint)
-        depths = of_python.clearance * np.array([0.01, 0.1, 0.4, 1.0])
-        solved = of_python.solve(depth=depths)
-        given += [{"joint": joint, "depth": depth} for depth in depths]
-        wanted += [{b: stress[j] for b, stress in solved.von_mises.items()} for j in range(4)]
-    for of_page, stresses in zip(computed(given), wanted, strict=True):
-        for body, stress in stresses.items():
-            least, most = of_page["stress"][body]
-            assert least < stress < most

@@ -219,6 +219,7 @@ def test_a_case_that_fails_is_a_row_with_its_reason(tmp_path, monkeypatch):
     assert row[-1] == "KeyError: 'lost\\nit'"
 
 
+@pytest.mark.slow
 def test_a_ring_and_a_tilt_are_solved_off_the_axis(tmp_path):
     ring = {"r2_star": 200} | RING
     given = [

@@ -1,14 +1,14 @@
 """Sphinx's settings for the report, and formulas as MathML, which need no network."""
 
 import re
+from pathlib import Path
 from types import GenericAlias
 
 import numpy as np
+import plotly
 from docutils import nodes
-from jinja2.sandbox import SandboxedEnvironment
 from latex2mathml.converter import convert
 from numpy.typing import ArrayLike, NDArray
-from numpydoc import docscrape_sphinx
 from sphinx.domains import ObjType
 from sphinx.util.typing import stringify_annotation
 
@@ -32,7 +32,7 @@ numpydoc_show_class_members = False
 
 html_theme = "furo"
 templates_path = ["templates"]  # the search page needs a heading
-html_static_path = ["static"]
+html_static_path = ["static", str(Path(plotly.__file__).parent / "package_data/plotly.min.js")]
 html_css_files = ["report.css"]
 html_math_renderer = "mathml"
 html_copy_source = False
@@ -53,17 +53,12 @@ _SHORT = {
 def setup(app):
     """Add what Sphinx lacks: sources, formulas, places that its search finds, short types."""
     app.add_html_math_renderer("mathml", (_formula("inline"), None), (_formula("block"), None))
-    templates = {}  # numpydoc would compile its template for each docstring: a sixth of the time
-    docscrape_sphinx.SandboxedEnvironment = lambda loader: templates.setdefault(
-        "compiled", SandboxedEnvironment(loader=loader)
-    )
     kinds = {kind: ObjType(kind) for kind in pages.KINDS}  # without directives: figure has one
     app.registry.domain_object_types.setdefault("std", {}).update(kinds)
     app.connect("builder-inited", _write_sources)
     app.connect("env-updated", _add_places)
     app.connect("autodoc-process-signature", _shorten, priority=400)  # in place of numpydoc's
     app.connect("autodoc-skip-member", _skip_alias)
-    app.connect("html-page-context", _collapse, priority=400)  # before the theme's
 
 
 def mathml(latex, display="inline"):
@@ -102,14 +97,3 @@ def _shorten(app, what, name, item, options, *signature):
 def _skip_alias(app, what, name, item, skip, options):
     """Leave out names of types, which would be documented as the built-in types they are."""
     return isinstance(item, GenericAlias) or None
-
-
-def _collapse(app, page, template, context, doctree):
-    """Show only the current branch of the contents, and on pages of results only its top level.
-
-    All contents on every page, or all results on the page of each result, take long to write.
-    """
-    toctree, shown = context["toctree"], {"collapse": True}
-    if page.startswith("figures/"):
-        shown["maxdepth"] = 1
-    context["toctree"] = lambda **options: toctree(**options | shown)

@@ -6,11 +6,10 @@ from study import checks, dataset
 from study.contact import COMPARED_LAWS, LAWS, materials, stiffening
 from study.contact.laws import LIMIT_MARGIN, StiffenedHertz
 from study.contact.power_fit import USUAL_RANGE
-from study.dataset import design, store
+from study.dataset import design
 from study.joint.compliance import THICKEST_RATIO, THINNEST_RATIO
 from study.joint.joint import LARGEST_R2_STAR
 from study.joint.solution import quantities
-from study.joint.stress import hertz_von_mises
 from study.joint.supports import RIMS
 from study.pages import catalogue
 from study.pages.figures import LOOKS
@@ -27,17 +26,10 @@ PARAMETERS = {
 }
 """What a case is chosen by -> its name."""
 COPIED = ("UNIT", "DIGITS", "LEAST_R2_STAR", "RANGES")
-LEAST_STRESS, MOST_STRESS = 0.93, (1.2, 0.75)
-"""Bounds of a body's largest von Mises stress over Hertz's, of the same peak pressure and ratio.
-
-The upper one is a + b angle^2, with the contact's half-angle in rad. The lower one is over that of
-a confined layer where the wall of the socket is thinner than the contact's half-width. They leave
-0.02 and 0.038 beyond what 330 random joints have (R2* 20 to 1e4, walls 0.11 to 5.1 R2).
-"""
 
 
 def curves() -> dict:
-    """Cases, laws and their looks, as ``plot.js`` takes them, with 5 digits.
+    """Cases, laws and their looks, as ``dataset.js`` takes them, with 5 digits.
 
     ``depths`` are lists of depths, of which a case names one by its number; ``undefined`` says
     why a law does not apply. The power law is fitted to the case's own forces in its usual range.
@@ -87,13 +79,12 @@ def _rounded(value):
 
 
 def joint_data() -> dict:
-    """Every number that ``joint.js`` computes with, as the library has it; tables as CSV."""
+    """Every number that ``joint.js`` computes with, as the library has it; the table as CSV."""
     (judged,) = (result for result in catalogue.results() if result.name == "judged")
     head, *rows = judged.rows()
-    tables = stiffening.TABLE, store.CONTACT_SIZE
     errors = sorted((float(row[head.index("largest_percent")]), row[0].split()[0]) for row in rows)
     return {
-        "tables": [path.read_text(encoding="utf-8") for path in tables],
+        "table": stiffening.TABLE.read_text(encoding="utf-8"),
         **{name.lower(): getattr(stiffening, name) for name in COPIED},
         "to_powers": stiffening._POWERS.tolist(),
         "quantities": {name: vars(of) for name, of in quantities(dimensions=True).items()},
@@ -103,11 +94,6 @@ def joint_data() -> dict:
         "walls": [THINNEST_RATIO - 1, THICKEST_RATIO - 1],
         "choices": {"ball_support": ("guided", "clamped"), "rim": RIMS},
         "softest": checks.SOFTEST,
-        "stress": {
-            "least": LEAST_STRESS,
-            "most": MOST_STRESS,
-            "of_hertz": [hertz_von_mises(nu) for nu in stiffening.RANGES["poisson"]],
-        },
         "materials": materials.table(),
         "judged": {group: largest for largest, group in errors},
     }

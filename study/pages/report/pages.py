@@ -192,8 +192,7 @@ class _Sources:
         for path, name in self._modules.items():
             text = ast.get_docstring(ast.parse((paths.ROOT / path).read_text(encoding="utf-8")))
             lines[name] = (text or "").partition("\n\n")[0]
-            inner = [n for n in self._modules.values() if n.rpartition(".")[0] == name]
-            self._page("module.rst", f"api/{name}.rst", name=name, inner=inner)
+            self._page("module.rst", f"api/{name}.rst", name=name)
         self._page("library.md", lines=lines)
 
 

@@ -4,9 +4,7 @@
 window.STIFFENED_HERTZ = (() => {
   const data = window.JOINT_DATA, count = data.to_powers.length;
   const LEAST_R2_STAR = 10;  // of a joint; that of the law is in the data
-  const [force, sizes] = data.tables.map((text) => text.trim().split("\n").slice(1).map((line) => line.split(",")));
-  const tables = [force, ...["half_angle", "peak_pressure"].map((name) =>
-    sizes.filter((row) => row[0] === name).map((row) => row.slice(1)))].map((rows) => rows.map((row) => row.map(Number)));
+  const table = data.table.trim().split("\n").slice(1).map((line) => line.split(",").map(Number));
 
   function general(value, digits = 6) {  // as Python's format g
     const [mantissa, exponent] = value.toExponential(digits - 1).split("e"), size = Math.abs(exponent);
@@ -34,7 +32,7 @@ window.STIFFENED_HERTZ = (() => {
     if (known) return known;
     if (parts.length < 2 || parts.length > 3 || parts.some((part) => !part.trim() || Number.isNaN(+part))) {
       const names = data.materials.map((row) => row.name).join(", ");
-      throw new Error(`${body} must be one of ${names}, or Young's modulus in Pa and Poisson's ratio, for example 210e9,0.3, got '${text}'`);
+      throw new Error(`${body} must be one of ${names}, or Young's modulus and Poisson's ratio, for example 210GPa,0.3, got '${text}'`);
     }
     const [youngs_modulus, poisson, yield_stress = null] = parts.map(Number);
     number(`Young's modulus of ${body}`, youngs_modulus, "Pa", { ">=": data.softest });
@@ -47,8 +45,8 @@ window.STIFFENED_HERTZ = (() => {
   const byPoisson = (nu) => Math.log(1 - 1.8 * nu);
   const chebyshev = (degree, place) => Math.cos(degree * Math.acos(Math.min(Math.max(place, -1), 1)));
 
-  // Coefficients of u to u^9 in S - 1, where S is force, angle or pressure over Hertz's.
-  function powers(table, { share, poisson, socket_poisson, socket_ratio, clamped, free }, r2_star) {
+  // Coefficients of u to u^9 in S - 1, where S is the force over Hertz's.
+  function powers({ share, poisson, socket_poisson, socket_ratio, clamped, free }, r2_star) {
     const ends = data.ranges.poisson.map(byPoisson), thinnest = Math.log(1 - 1 / data.ranges.socket_ratio[0]);
     const places = [2 * Math.sqrt(share) - 1, scaled(byPoisson(poisson), ...ends), scaled(byPoisson(socket_poisson), ...ends),
       scaled(Math.log1p(-1 / socket_ratio), thinnest, 0), 2 * data.least_r2_star / r2_star - 1];
@@ -96,7 +94,7 @@ window.STIFFENED_HERTZ = (() => {
     const compliances = [first, second].map((body) => (1 - body.poisson ** 2) / body.youngs_modulus);
     const composite = 1 / (compliances[0] + compliances[1]);
     const ofBall = (1 - first.poisson ** 2) * modulus_ratio, share = ofBall / (ofBall + 1 - second.poisson ** 2);
-    const [constants, ofAngle, ofPressure] = tables.map((table) => powers(table, { ...options, share, clamped, free }, r2_star));
+    const constants = powers({ ...options, share, clamped, free }, r2_star);
     const unit = 4 / 3 * Math.sqrt(r2_star * (r2_star - 1)) * composite * gap ** 2, deepest = gap * data.deepest;
     const inside = (depth) => number("depth of stiffened_hertz", depth, "m", { "<=": deepest * margin }) / gap;
     const force = (depth) => unit * shape(inside(depth), constants)[0], stiffness = (depth) => unit / gap * shape(inside(depth), constants)[1];
@@ -128,25 +126,8 @@ window.STIFFENED_HERTZ = (() => {
       return { n, k: 2 / (least + most), error: (most - least) / (most + least) };
     }
 
-    function size(depth) {  // half-angle in deg, peak pressure in Pa
-      const angle = Math.sqrt(depth / gap * r2_star / (r2_star - 1)), [half, peak] = [ofAngle, ofPressure].map((of) => angle * shape(depth / gap, of)[2]);
-      return { half_angle: 180 / Math.PI * half, peak_pressure: 2 / Math.PI * composite / r2_star * peak };
-    }
-
-    // The least and the largest that the largest von Mises stress of each body can be, in Pa, by the tests.
-    function stress(depth) {
-      const { half_angle, peak_pressure } = size(depth), angle = half_angle * Math.PI / 180, { least, most, of_hertz } = data.stress;
-      const thin = options.socket_ratio - 1 < angle, [low, high] = data.ranges.poisson;
-      return Object.fromEntries(Object.entries({ ball: first, socket: second }).map(([body, { poisson }]) => {
-        const hertz = of_hertz[0] + (of_hertz[1] - of_hertz[0]) * (poisson - low) / (high - low);
-        const layer = (1 - 2 * poisson) / (1 - poisson);  // of a confined layer
-        const shares = [least * (thin && body === "socket" ? layer : hertz), hertz * (most[0] + most[1] * angle ** 2)];
-        return [body, shares.map((share) => share * peak_pressure)];
-      }));
-    }
-
     const hertz = (depth) => unit * (depth / gap) ** 1.5;
-    return { ...options, r2_star, clearance: gap, deepest, bodies: { ball: first, socket: second }, force, stiffness, depth, power, size, stress, hertz };
+    return { ...options, r2_star, clearance: gap, deepest, force, stiffness, depth, power, hertz };
   }
 
   return { law, general, read, number };

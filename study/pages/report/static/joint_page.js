@@ -1,7 +1,13 @@
 // The page of a joint of one's own: its form, its address, results, plot and texts to copy.
 "use strict";
 (() => {
-  const { law: lawOf, general, read, number } = window.STIFFENED_HERTZ, { svg, html } = window.ELEMENTS;
+  const { law: lawOf, general, read, number } = window.STIFFENED_HERTZ;
+  const html = (tag, attributes = {}, ...content) => {
+    const element = document.createElement(tag);
+    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+    element.append(...content);
+    return element;
+  };
   const { judged, materials, quantities } = window.JOINT_DATA;
   const form = document.getElementById("joint"), fields = form.elements, part = (id) => document.getElementById(id);
   const MICRO = 1e-6, ROUGHNESS = 0.1 * MICRO, BODIES = ["ball", "socket"], UNITS = { mm: 1e-3, um: MICRO, GPa: 1e9, MPa: 1e6, "N/um": 1e6 };
@@ -58,7 +64,7 @@
         `--ball ${quoted(joint.ball)} --socket ${quoted(joint.socket)}${supports()} --${fields.given.value} ${asked}`;
       number(fields.given.value, asked, depthGiven ? "m" : "N", { ">": 0 });
       const law = lawOf(joint), depth = depthGiven ? asked : law.depth(asked), [from, to] = [si("from"), si("to")];
-      found = { law, depth, force: law.force(depth), size: law.size(depth), from, to, power: law.power(from, to), command };
+      found = { law, depth, force: law.force(depth), from, to, power: law.power(from, to), command };
       show(found);
     } catch (error) {
       const outside = error.message.includes("stiffened_hertz") ? `. The law is not for it; this solves the joint: ${command}` : "";
@@ -70,19 +76,12 @@
     form.classList.toggle("without", Boolean(message));
   }
 
-  function show({ law, depth, force, size, from, to, power: { k, n, error }, command }) {
+  function show({ law, depth, force, from, to, power: { k, n, error }, command }) {
     const perMm = general(k * 1000 ** -n), off = 100 * (law.hertz(depth) / force - 1), nine = (value) => general(value, 9);
-    const factors = Object.fromEntries(Object.entries(law.stress(depth)).map(([body, [least, most]]) => {  // smallest and largest possible
-      const strength = law.bodies[body].yield_stress;
-      return [body, strength ? [strength / most, strength / least] : null];
-    }));
     list("results", [
       result("depth", depth, `, or ${few(depth / law.clearance)} clearances`),
       result("force", force),
       result("stiffness", law.stiffness(depth)),
-      result("contact_half_angle_deg", size.half_angle),
-      result("peak_pressure", size.peak_pressure),
-      ...Object.entries(factors).map(([body, range]) => [`Factor to yield of the ${body}`, range ? `${range.map((factor) => few(factor, 2)).join(" to ")} (bounds; study joint computes it)` : "the material has no yield stress"]),
       ["Error of the force, relative to elastic solutions for small displacements", `at most ${few(judged.validation, 2)} % on random joints, ${few(judged.ends, 2)} % at the ends of the law's ranges`],
       [`Power law F = k dⁿ of stiffened_hertz, from ${from} to ${to} clearances`, `n = ${general(n)}, k = ${general(k)} N/mⁿ = ${perMm} N/mmⁿ`],
       ["Largest error of the power law", `${few(100 * error, 2)} %`],
@@ -90,13 +89,8 @@
     const sentences = [
       "The bodies are elastic and smooth, without friction. The load is along the axis.",
       "The outside of the socket is held rigidly.",
-      Math.abs(off) < 1 ? `Hertz's law holds within ${few(Math.abs(off), 2)} %.` : `Hertz's law gives a force that is ${few(Math.abs(off), 2)} % too ${off < 0 ? "small" : "large"}.`,
-      law.socket_ratio - 1 < size.half_angle * Math.PI / 180 ? "The wall is thinner than the contact's half-width: the force depends on what holds its outside." : "",
-      size.half_angle > 75 ? "The contact reaches near the rim, where it matters how the rim is held." : "",
-      ...Object.entries(factors).map(([body, range]) => !range ? `Yield of the ${body} is not checked here, because its material has no yield stress.` :
-        range[1] < 1 ? `The ${body} yields. The force is for elastic bodies and therefore too large.` :
-        range[0] < 1 ? `The ${body} may yield: study joint, below, computes whether it does.` : ""),
-      "The factors to yield are between bounds that held for all of 330 random joints; study joint, below, computes the stresses.",
+      Math.abs(off) < 1 ? `Hertz's law is valid within ${few(Math.abs(off), 2)} %.` : `Hertz's law gives a force that is ${few(Math.abs(off), 2)} % too ${off < 0 ? "small" : "large"}.`,
+      "The command study joint, below, also computes contact pressure, stresses and the factor to yield.",
       "The socket has no liner. For a joint with a liner use study joint with --liner.",
       depth < 20 * ROUGHNESS ? `A roughness of ${ROUGHNESS / MICRO} µm (RMS) is not small beside the depth.` : "",
     ];
@@ -107,22 +101,27 @@
       ["The power law for Adams, in N and mm, with markers at the centres", `-IMPACT(-DM(ball, socket), -VR(ball, socket), -${nine(1000 * law.clearance)}, ${perMm}, ${general(n)}, 0, ${nine(1000 * law.clearance)})`],
       ["The power law for Modelica, in N and m", `f = if d > 0 then ${general(k)}*d^${general(n)} else 0;`],
     ], true);
-    const most = Math.min(law.deepest, 1.2 * Math.max(depth, to * law.clearance)), highest = 1.05 * Math.max(law.force(most), law.hertz(most));
-    const [left, right, top, bottom] = [70, 590, 24, 290], x = (d) => left + (right - left) * d / most, y = (f) => bottom - (bottom - top) * f / highest;
-    const words = (text, x, y, anchor = "middle") => svg("text", { x, y, "text-anchor": anchor }, text);
-    const ticks = (end) => {  // some six round numbers
-      const unit = 10 ** Math.floor(Math.log10(end / 5)), step = unit * [1, 2, 5, 10].find((m) => m * unit >= end / 6);
-      return Array.from({ length: Math.floor(end / step) + 1 }, (_, k) => +(k * step).toPrecision(6));
+    plot();
+  }
+
+  function plot() {
+    if (!found.law) return;
+    const { law, depth, force, from, to, power: { k, n } } = found, ink = getComputedStyle(document.body).color;
+    const most = Math.min(law.deepest, 1.2 * Math.max(depth, to * law.clearance));
+    const curve = (name, of, color, dash, start, end) => {
+      const at = Array.from({ length: 101 }, (_, step) => start + (step / 100) * (end - start));
+      return { name, x: at.map((d) => d / MICRO), y: at.map(of), line: { color, dash }, mode: "lines", hovertemplate: "%{y:.4g} N" };
     };
-    const line = (name, of, start, end) => svg("path", { class: `line ${name}`, d: "M" + Array.from({ length: 101 }, (_, k) =>
-      start + k / 100 * (end - start)).map((d) => `${x(d).toFixed(1)} ${y(of(d)).toFixed(1)}`).join("L") });
-    part("curve").setAttribute("aria-label", `Force over depth: ${few(force)} N at ${few(depth / MICRO)} µm`);
-    part("curve").replaceChildren(
-      ...ticks(most / inUnit("depth")).map((t) => words(general(t), x(t * inUnit("depth")), bottom + 16)), words(`${quantities.depth.meaning}, ${unitOf("depth")}`, (left + right) / 2, bottom + 34),
-      ...ticks(highest).flatMap((t) => [svg("path", { class: "grid", d: `M${left} ${y(t)}H${right}` }), words(general(t), left - 6, y(t) + 4, "end")]), words(`${quantities.force.meaning}, ${unitOf("force")}`, 4, 14, "start"),
-      svg("path", { class: "axis", d: `M${left} ${top}V${bottom}H${right}` }),
-      line("hertz", law.hertz, 0, most), line("law", law.force, 0, most),
-      line("power", (d) => k * d ** n, from * law.clearance, Math.min(to * law.clearance, most)), svg("circle", { class: "point", cx: x(depth), cy: y(force), r: 5 }));
+    const axis = (text) => ({ title: { text }, rangemode: "tozero", gridcolor: "rgba(128,128,128,0.25)", zerolinecolor: ink });
+    Plotly.react("curve", [
+      curve("stiffened_hertz", law.force, "#3d85c6", "solid", 0, most),
+      curve("power law", (d) => k * d ** n, "#c2701c", "dash", from * law.clearance, Math.min(to * law.clearance, most)),
+      curve("Hertz's law", law.hertz, "#888888", "dot", 0, most),
+      { name: "given", x: [depth / MICRO], y: [force], mode: "markers", marker: { size: 10, color: "#3d85c6" }, hovertemplate: "%{y:.4g} N" },
+    ], { height: 360, margin: { l: 70, r: 10, t: 10, b: 50 }, hovermode: "x", paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
+      font: { color: ink }, legend: { orientation: "h", y: 1.02, yanchor: "bottom" },
+      xaxis: axis(`${quantities.depth.meaning}, ${unitOf("depth")}`), yaxis: axis(`${quantities.force.meaning}, ${unitOf("force")}`) },
+    { responsive: true, displayModeBar: false });
   }
 
   function open() {  // the joint of the address
@@ -141,5 +140,6 @@
   });
   form.addEventListener("submit", (event) => event.preventDefault());
   window.addEventListener("hashchange", open);
+  new MutationObserver(plot).observe(document.body, { attributes: true, attributeFilter: ["data-theme"] });
   open();
 })();
