@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from helpers.laws import VARIANTS
+from hypothesis import given
+from hypothesis import strategies as st
 
 from study.contact import DimensionalLaw
 from study.joint import Joint
@@ -45,3 +47,10 @@ def test_largest_depths():
     limit = DimensionalLaw("hyperbolic_winkler", **SIZES).deepest
     assert limit == pytest.approx(np.pi**2 / 8 * CLEARANCE)
     assert CLEARANCE <= DimensionalLaw(SOFT, **SIZES).deepest < 1.1 * CLEARANCE
+
+
+@given(st.sampled_from(list(LAWS)), st.floats(1e-12, 1))
+def test_force_of_the_depth_of_a_force(name, share):
+    law = DimensionalLaw(LAWS[name], **SIZES)
+    force = share * law.force(min(law.deepest, 10 * CLEARANCE))
+    assert law.force(law.depth(force)) == pytest.approx(force, rel=1e-11)
