@@ -164,16 +164,18 @@ def defaults(owner: Any) -> dict[str, Any]:
     return {p.name: p.default for p in every if p.default is not p.empty}
 
 
-def take(record: Any) -> None:
+def take(record: Any, by_meaning: bool = False) -> None:
     """Check every described field of a frozen dataclass, and make objects of texts.
 
-    None means a default that depends on other parameters.
+    None means a default that depends on other parameters. Errors name the field, or say what it
+    means if a user does not type its name.
     """
     given = defaults(type(record))
     for name, about in described(type(record)).items():
         value = getattr(record, name)
         if value is not None or given.get(name, ...) is not None:
-            object.__setattr__(record, name, about.taken(name, value))
+            label = about.meaning if by_meaning else name
+            object.__setattr__(record, name, about.taken(label, value))
 
 
 def default_of(owner: Any, name: str) -> str:

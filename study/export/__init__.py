@@ -146,7 +146,10 @@ def export(
     tilt = joint.default_tilt if tilt is None else tilt
     if tilt is not None:
         checks.choice("law for a displacement off the axis", law, ["tabulated", "power"])
-    content = _Content(law, joint, depth_star, tilt, FIRST if form == "mujoco" else SHALLOWEST)
+    try:
+        content = _Content(law, joint, depth_star, tilt, FIRST if form == "mujoco" else SHALLOWEST)
+    except checks.RangeError as error:  # of a curve, whose maximum depth has another name
+        raise checks.RangeError(str(error).replace("deepest must", "depth_star must")) from None
     if units == "mm":
         content.units, content.unit_of_depth = ("mm", "N", "N/mm"), joint.clearance / MILLI
     exponent = content.law.exponent_of_depth

@@ -39,7 +39,7 @@ class _Support:
     """Boundary of the mesh -> components of the displacement that are zero there."""
 
     def __post_init__(self) -> None:
-        parameters.take(self)
+        parameters.take(self, by_meaning=True)
 
     def __str__(self):
         numbers = ",".join(f"{getattr(self, of.name):.9g}" for of in fields(self))
@@ -279,9 +279,12 @@ def _parser(kinds):
             raise ValueError(f"{name} must be one of {', '.join(forms)}, got {checks.shown(text)}")
         if not colon:
             return kind()
-        return kind(
-            *checks.read_several(name, numbers, [of.unit for of in described(kind).values()])
-        )
+        units = [of.unit for of in described(kind).values()]
+        values = checks.read_several(name, numbers, units)
+        try:
+            return kind(*values)
+        except checks.RangeError as error:
+            raise checks.RangeError(f"{error}, in {name} {text}") from None
 
     return parse
 
