@@ -89,6 +89,7 @@ def compared(old, new, name="t"):
         ({"a": [7]}, {"a": [8]}, "row 2, column a: accepted 7, now 8 (1 in all)"),
         ({"a": [1.0]}, {"a": [1.0000005]}, None),
         ({"a": [1e-14]}, {"a": [3e-13]}, None),  # differences of numbers of size 1
+        ({"a": [0.0]}, {"a": [1.5e-12]}, "row 2, column a"),
         # rows that have changed places are matched by their words
         ({"a": ["x", "y", "y"], "b": [1, 2, 3]}, {"a": ["y", "x", "y"], "b": [2, 1, 3]}, None),
         (
@@ -108,6 +109,8 @@ def test_chaotic_results_and_few_digits_have_their_own_tolerance():
     old, new = {"value": [2.0, 1e-4]}, {"value": [2.001, 1.01e-4]}
     assert compared(old, new, "convergence") is None
     assert compared(old, new, "fig10").startswith("row 2")
+    new = {"value": [2.0031, 1e-4]}
+    assert compared(old, new, "convergence").startswith("row 2, column value")
     for value, same in (("1.24", True), ("1.26", False)):
         column = {"y": [value, "4.57e-07"]}
         assert (compared({"y": ["1.23", "4.56e-07"]}, column, "stability_steps") is None) == same
