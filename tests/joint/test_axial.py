@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from study import contact, paths
 from study.checks import RangeError
-from study.joint import Joint, Layer, Material, UnresolvedError, modes, series
+from study.joint import Joint, Layer, Material, UnresolvedError, axial, modes, series
 from study.joint.compliance import Ball, HatFunctions, Socket
 from study.joint.supports import RIMS
 
@@ -264,3 +264,14 @@ def test_a_contact_too_small_for_the_elements_is_said_to_be_so(supports, depth):
     for solve in (lambda: joint.solve(depth_star=[depth]), lambda: joint.curve(depth)):
         with pytest.raises(UnresolvedError, match="elements to resolve the contact|16 elements"):
             solve()
+
+
+def test_the_error_under_a_force_includes_that_of_the_search(monkeypatch):
+    """The search for a depth ends before the force is exact, here much earlier."""
+    monkeypatch.setattr(axial, "_TOLERANCE", 0.05)
+    joint = Joint(12.5e-3, 40e-6, 6e-3)
+    found = joint.solve(force=3000)
+    off = abs(found.force[0] / 3000 - 1)
+    assert off > 1e-6
+    at_this_depth = joint.solve(depth=found.depth).error_estimate[0]
+    assert found.error_estimate[0] == pytest.approx(at_this_depth + off)

@@ -119,3 +119,10 @@ def test_limits_of_a_simulation(run):
     assert in_short(exceeded_limits(soft, response)) == "modulus; roughness; yield"
     unlike = Scene(ball="1e5,0.3", socket="1e22,0.3")
     assert "joint" in exceeded_limits(unlike, response)
+
+
+def test_strains_are_those_of_the_softest_body():
+    cup = Joint(16e-3, 1e-3, 8e-3, ball="steel", socket="UHMWPE").solve(depth=0.6e-3)
+    strain = cup.peak_pressure[0] / 8e8
+    assert 0.05 < strain < 1
+    assert f"The peak pressure is {strain:.2g} times Young's modulus" in cup.limits[0]["strain"]
