@@ -42,7 +42,7 @@ UNREACHABLE := echo "Missing: packages of requirements.lock. Is the package inde
 
 help:
 	@echo "make reproduce   set up, rebuild what is outdated in build/: results, paper.pdf, report/"
-	@echo "make test        set up, run the tests but for the slow ones: copies, reports, set-ups"
+	@echo "make test        set up, run the tests but for the slow ones: copies, reports, loads off the axis"
 	@echo "make test-all    set up, run all tests"
 	@echo "make check       set up, check style, types and which package imports which"
 	@echo "make setup       set up only: .venv with the packages of requirements.lock"

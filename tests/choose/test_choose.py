@@ -37,6 +37,7 @@ def true_error(law, curve):
     return np.abs(law(curve.depth_star, curve.joint.r2_star) / curve.force_star - 1).max()
 
 
+@pytest.mark.slow
 def test_choice_is_within_tolerance_and_rarely_too_dear():
     """On random scenes that were not used to set the bounds."""
     costs, missed, chosen = choose.relative_costs(), 0, set()

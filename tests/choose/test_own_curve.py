@@ -75,6 +75,7 @@ def test_what_was_changed_is_found_within_three_standard_errors(law, fit):
     assert found.rmse == pytest.approx(40, rel=0.4)
 
 
+@pytest.mark.slow
 def test_standard_errors_are_the_spread_of_repeated_fits():
     rng, found = np.random.default_rng(3), []
     for _ in range(60):
@@ -93,6 +94,7 @@ def test_parameters_that_cannot_be_told_apart_are_said_to_be_so():
     assert "0.333 to 3 times" in far.left_out["stiffened_hertz"]
 
 
+@pytest.mark.slow
 def test_a_curve_without_dimensions_and_what_a_law_is_not_for():
     joint, depth = reference_joint(), np.linspace(0.05, 1.0, 20)
     force = Winkler(1500.0)(depth, 200)

@@ -115,6 +115,7 @@ def test_only_files_of_the_dataset_are_accepted(run, tmp_path, monkeypatch):
     )
 
 
+@pytest.mark.slow
 def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch):
     monkeypatch.setattr(timing, "compile_time", lambda *_: 1.0)  # it takes some seconds
     table = tmp_path / "laws.csv"

@@ -74,6 +74,7 @@ def test_the_line_to_export_the_chosen_law_can_be_typed(run):
     assert "R2* = 312.5, E* = 8.08189655e+10 Pa" in words
 
 
+@pytest.mark.slow
 def test_a_joint_with_liners_and_a_tolerance(run, monkeypatch):
     lined = [*SIZES, "--liner", "0.5e-3,PTFE", "--liner", "1e-3,7e10,0.33", "--force", 500]
     status, out, err = run(*lined, "--ball-support", "clamped", "--json")
@@ -117,6 +118,7 @@ def test_torque_is_that_of_the_solution(run):
     assert row[1:] == pytest.approx([found[f"{m}_torque"][0] for m in ("spin", "tilt")], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_law_off_the_axis_and_a_resolution_are_for_those_who_ask(run):
     tilted = [*BRONZE, "--depth", 4e-6, "--ball-support", "clamped", "--tilt", 20]
     status, out, err = run(*tilted)
@@ -240,6 +242,7 @@ def test_a_joint_is_saved_and_given_to_other_commands(run, tmp_path):
     ) == (2, True)
 
 
+@pytest.mark.slow
 def test_a_ring_by_its_width(run):
     words = [*SIZES, "--ball-support", "core:0.2", "--force", 9000, "--json"]
     width = 2 * 12.5e-3 * np.cos(np.radians(55))

@@ -68,6 +68,7 @@ LONG = ("run", "accept", "report", "paper", "measure", "data check", "data build
 """Commands whose examples take minutes, or change files of the project."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [*commands(PROGRAM)])
 def test_examples_of_the_help_run(run, words, monkeypatch, tmp_path):
     if " ".join(words) in LONG:

@@ -244,6 +244,7 @@ def test_a_power_law_along_a_displacement_off_the_axis():
         assert float(percent) == pytest.approx(100 * np.abs(of / of[0] - 1).max(), rel=0.1)
 
 
+@pytest.mark.slow
 def test_one_pair_of_numbers_for_a_rod_end_off_its_axis():
     rod_end = Joint(
         14.53e-3,
@@ -321,6 +322,7 @@ def test_bad_input_is_one_clear_error(arguments, message):
         export(*arguments)
 
 
+@pytest.mark.slow
 def test_a_narrow_socket_has_a_depth_of_its_own():
     joint = Joint.from_ratios(20, opening=40, ball_support="core:0.2")
     deepest = joint.table().deepest

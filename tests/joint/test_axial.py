@@ -200,6 +200,7 @@ def test_error_estimate_covers_the_error_of_any_joint(seed):
     assert found.error_estimate.max() < 0.05  # and is no wild overestimate
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("socket_support", "depth", "ring"),
     [("sector:30,60", 1.0, True), ("sector:0,10", 1.0, True), ("sector:0,60", 0.2, False)],

@@ -82,6 +82,7 @@ def test_joints_whose_table_is_hard(joint, depth, force, stiffness):
     assert law.law.error < 6e-3
 
 
+@pytest.mark.slow
 def test_a_first_guess_that_is_not_resolved_does_not_fail_a_force():
     supports = {"ball_support": "neck:17", "opening": "98", "socket_support": "rim"}
     found = Joint(10e-3, 3e-5, 0.9e-3, **supports).solve(force=129.764, tilt=27.864)
@@ -89,6 +90,7 @@ def test_a_first_guess_that_is_not_resolved_does_not_fail_a_force():
     assert found.tilt == pytest.approx([29], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_hip_liner_is_as_in_calculix():
     hip = Joint(14.1e-3, 100e-6, 8e-3, "CoCr", "1e9,0.4", ball_support="core:0.5")
     found = hip.solve(force=3000)

@@ -228,6 +228,7 @@ def test_shorter_steps_converge_with_order_2(model):
     assert order(steps, errors) > 1.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", FLEXIBLE)
 def test_flexible_links_of_random_scenes(model):
     ended = 0

@@ -26,6 +26,7 @@ def run(cache):
     return done.stderr, {path: path.stat().st_mtime_ns for path in cache.rglob("*.nb*")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", [lambda b: b[: len(b) // 2], lambda b: b"junk", lambda b: b""])
 @pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
 def test_a_damaged_cache_is_compiled_again(tmp_path, suffix, damage):

@@ -35,6 +35,7 @@ WITH_EXAMPLES = [
 """Modules of the library with examples in docstrings."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", WITH_EXAMPLES)
 def test_examples_of_docstrings_print_what_they_show(module):
     flags = doctest.NORMALIZE_WHITESPACE
@@ -68,6 +69,7 @@ def test_every_example_has_its_number():
     assert {path.stem for path in EXAMPLES.glob("*.py")} == EXPECTED.keys()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EXPECTED)
 def test_an_example_prints_its_number(name, tmp_path):
     if name == "pendulum":

@@ -272,6 +272,7 @@ def test_units_catalogues_and_a_saved_joint(run, tmp_path):
     assert found.rows > 40
 
 
+@pytest.mark.slow
 def test_k_and_n_are_empty_where_the_range_of_the_fit_cannot_be_solved(tmp_path):
     given = [{"r2_star": 20, "opening": 30, "ball_support": "core:0.2", "depth_star": 0.1}]
     _, table = swept(given, "joints", tmp_path / "table.csv")
