@@ -1,6 +1,7 @@
 """Options of the commands, made from the descriptions of parameters, and the class of a command."""
 
 import re
+import shlex
 import sys
 from pathlib import Path
 
@@ -269,8 +270,6 @@ def take_values(options):
 
 def typed(options):
     """Options as they are typed on the command line."""
-    import shlex
-
     words = []
     for name, value in options.items():
         for one in value if isinstance(value, list | tuple) else [value]:
