@@ -129,6 +129,7 @@ def test_measure_times_a_chart_and_writes_where_told(run, tmp_path, monkeypatch)
     assert store.SPEED.read_bytes() == kept
 
 
+@pytest.mark.slow
 def test_one_method_is_timed_and_the_other_rows_stay(run, monkeypatch):
     monkeypatch.setattr(timing, "compile_time", lambda *_: 1.0)
     before, written = dataset.measured(), []

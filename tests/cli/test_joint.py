@@ -95,6 +95,7 @@ def test_a_joint_with_liners_and_a_tolerance(run, monkeypatch):
     assert "No contact law is recommended: no law is within 1e-05" in out
 
 
+@pytest.mark.slow
 def test_laws_are_compared_no_shallower_than_elements_resolve(run):
     metres = ("--socket-radius", 16e-3, "--clearance", 1e-4, "--wall", 8e-3, "--force")
     for words in ((500, "--ball-support", "clamped", "--rim", "free"), (0.5,)):

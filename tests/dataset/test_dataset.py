@@ -210,6 +210,7 @@ def test_what_is_not_complete_fails_the_check(copy, change, message):
         list(check.check())
 
 
+@pytest.mark.slow
 def test_numbers_unlike_the_solver_fail_the_check(copy):
     case = next(case for case in design.every_case() if case[0] == "ratio")
     solution = next(case for case in solutions.cases() if case.kind == "stress")

@@ -49,6 +49,7 @@ def random_joints(count, shares, seed):
         yield form.joint_of_share(50 * 200 ** random.random(), share, ratio, *poissons)
 
 
+@pytest.mark.slow
 def test_error_of_force_on_joints_that_had_no_part_in_the_fit():
     worst = []
     for joint in random_joints(160, (0.0, 1.0), seed=3):

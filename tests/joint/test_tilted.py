@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from study.joint import Joint, Material, UnresolvedError
 from study.joint.tilted import axes_of, direction
 
+pytestmark = pytest.mark.slow
+
 CORE = "core:0.2"
 WIDE = Joint.from_ratios(200, ball_support=CORE)
 CUT = Joint.from_ratios(200, ball_support=CORE, opening=70)
@@ -65,7 +67,6 @@ def in_space(found):
     return np.array([axes_of(tilt).T @ both for tilt, *both in parts])
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kinematics", ["small", "linear"])
 def test_a_ball_in_a_wide_socket_is_the_same_in_every_direction(kinematics):
     joint = Joint.from_ratios(200, ball_support=CORE, kinematics=kinematics)
@@ -91,7 +92,6 @@ def test_peak_pressure_is_that_of_the_axisymmetric_contact(tilt):
     assert found.peak_angle_deg == pytest.approx([tilt, tilt], abs=1)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("supports", "resolution"),
     [
@@ -208,7 +208,6 @@ def test_a_force_is_borne_by_the_displacement_that_is_found():
     assert found.tilt[2] > 70
 
 
-@pytest.mark.slow
 def test_a_symmetric_ring_answers_symmetric_tilts_alike():
     found = pressed(Joint.from_ratios(200, **ROD_END), [0.5] * 3, [75, 90, 105])
     assert found.force_star[0] == pytest.approx(found.force_star[2], rel=1e-9)
@@ -223,7 +222,6 @@ def test_a_symmetric_ring_answers_symmetric_tilts_alike():
     assert ring.force_star == pytest.approx(cup.force_star, rel=5e-3)
 
 
-@pytest.mark.slow
 def test_stresses_and_friction_off_the_axis_are_those_along_it():
     # a ball on a large core in a wide socket: nearly the same in every direction
     joint = Joint.from_ratios(200, ball_support="core:0.5")
@@ -275,7 +273,6 @@ def test_the_force_is_smooth_in_tilt_and_depth(supports, r2_star, depth, tilt, r
     assert force[3] < force[1] < force[4]
 
 
-@pytest.mark.slow
 def test_a_small_core_is_resolved():
     """With elements that grow all the way to the core, the force was 2 % off at resolution 32."""
     joint = Joint.from_ratios(200, ball_support="core:0.12", opening=80)
@@ -314,7 +311,6 @@ def random_contacts(seed, count):
         yield joint, np.exp(draw.uniform(np.log(0.05), 0)), tilt
 
 
-@pytest.mark.slow
 def test_stated_errors_cover_the_difference_to_twice_the_resolution():
     """For force and peak pressure; 300 such contacts give the frequency that is published."""
     for joint, depth, tilt in random_contacts(5, 6):
