@@ -13,6 +13,7 @@ import signal
 from collections.abc import Callable, Generator, Iterable, Mapping
 from contextlib import closing, nullcontext
 from importlib.metadata import version
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -147,7 +148,7 @@ def run_study(
         with part.open("a", encoding="utf-8") as file:
             report()
             with closing(_solved(form, tasks, jobs, dask_address)) as solved:
-                for results in (failed, *solved) if failed else solved:
+                for results in chain([failed], solved):
                     for key, rows in results.items():
                         finished[key] = rows
                         file.write(f"{json.dumps([key, rows])}\n")

@@ -219,6 +219,13 @@ def test_a_case_that_fails_is_a_row_with_its_reason(tmp_path, monkeypatch):
     assert row[-1] == "KeyError: 'lost\\nit'"
 
 
+def test_a_case_that_fails_before_the_work_keeps_no_other_waiting(tmp_path):
+    given = [{"restitution": 2}, *random_cases(3, SCENES)]
+    assert stopped(given, tmp_path / "table.csv", 2) == 0
+    assert len((tmp_path / "table.csv.part").read_text().splitlines()) == 2
+    assert stopped(given, tmp_path / "table.csv", 9) == 2
+
+
 @pytest.mark.slow
 def test_a_ring_and_a_tilt_are_solved_off_the_axis(tmp_path):
     ring = {"r2_star": 200} | RING
