@@ -219,9 +219,11 @@ def test_a_case_that_fails_is_a_row_with_its_reason(tmp_path, monkeypatch):
     assert row[-1] == "KeyError: 'lost\\nit'"
 
 
-def test_a_case_that_fails_before_the_work_keeps_no_other_waiting(tmp_path):
-    given = [{"restitution": 2}, *random_cases(3, SCENES)]
+def test_a_case_that_fails_before_the_work_keeps_no_other_waiting(tmp_path, monkeypatch):
+    given, calls, solve = [{"restitution": 2}, *random_cases(3, SCENES)], [], cases.solve
+    monkeypatch.setattr(cases, "solve", lambda *words: calls.append(1) or solve(*words))
     assert stopped(given, tmp_path / "table.csv", 2) == 0
+    assert len(calls) == 1
     assert len((tmp_path / "table.csv.part").read_text().splitlines()) == 2
     assert stopped(given, tmp_path / "table.csv", 9) == 2
 
