@@ -188,12 +188,13 @@ def form_of(kind: Kind, cases: list[Case], twice: bool, joint: Mapping[str, Any]
     for column in columns:
         if column not in (NAME, *inputs(form)):
             check_own(form, column)
-    names = [case.get(NAME, str(row)) for row, case in enumerate(cases, 1)]
-    for row, name in enumerate(names):
-        if name in names[:row]:
+    rows: dict[str, int] = {}
+    for row, case in enumerate(cases, 1):
+        name = case.get(NAME, str(row))
+        if (first := rows.setdefault(name, row)) != row:
             raise ValueError(
-                f"row {row + 1}: {NAME} must have a different name in each row, got {name!r} also "
-                f"in row {names.index(name) + 1}"
+                f"row {row}: {NAME} must have a different name in each row, got {name!r} also in "
+                f"row {first}"
             )
     return form
 

@@ -10,8 +10,10 @@ from __future__ import annotations  # so that help() shows names and not what th
 import csv
 import json
 import signal
+from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Mapping
-from contextlib import closing, nullcontext
+from contextlib import closing, nullcontext, suppress
+from functools import partial
 from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
@@ -138,23 +140,27 @@ def run_study(
     finished = _finished(part, {*keys})
     tasks, failed = _tasks(form, given, saved, keys, finished)
     output.parent.mkdir(parents=True, exist_ok=True)
+    times = Counter(keys)  # a case may be given several times
+    done = sum(times[key] for key in finished)
+    bad = sum(times[key] for key, (_, reason) in finished.items() if reason)
 
     def report():
         if progress is not None:
-            bad = sum(bool(rows[0][-1]) for rows in finished.values())
-            progress(sum(key in finished for key in keys), len(keys), bad)
+            progress(done, len(keys), bad)
 
     try:
-        with part.open("a", encoding="utf-8") as file:
+        with part.open("a+b") as file:
             report()
             with closing(_solved(form, tasks, jobs, dask_address)) as solved:
                 for results in chain([failed], solved):
                     for key, rows in results.items():
-                        finished[key] = rows
-                        file.write(f"{json.dumps([key, rows])}\n")
+                        finished[key] = file.seek(0, 2), rows[0][-1]
+                        file.write(json.dumps([key, rows]).encode() + b"\n")
                         file.flush()
+                        done += times[key]
+                        bad += times[key] * bool(rows[0][-1])
                         report()
-        rows = _write(output, form, given, names, [finished[key] for key in keys])
+            count = _write(output, form, given, names, map(partial(_rows, file, finished), keys))
     except OSError as error:
         kept = f"{len(finished)} of {len(keys)} cases are kept"
         why = f"{error.strerror or error}; {kept}, and the same command continues from there"
@@ -163,9 +169,9 @@ def run_study(
         if not finished:
             part.unlink(missing_ok=True)  # nothing to go on with
     part.unlink()
-    reasons = {name: finished[key][0][-1] for name, key in zip(names, keys, strict=True)}
+    reasons = {name: finished[key][1] for name, key in zip(names, keys, strict=True)}
     failures = {name: reason for name, reason in reasons.items() if reason}
-    return Swept(len(given), rows, COLUMNS[form], failures, _own(form, given))
+    return Swept(len(given), count, COLUMNS[form], failures, _own(form, given))
 
 
 def _saved(joint):
@@ -191,18 +197,31 @@ def _keys(form, cases, saved):
     return [paths.digest([], code, form, of_case) for of_case in values]
 
 
-def _finished(part: Path, keys: set[str]) -> dict[str, Rows]:
-    """Rows of the cases in a part file, by key; damaged lines and other cases are left out."""
-    finished = {}
-    lines = part.read_bytes().splitlines() if part.is_file() else []
-    for line in lines:
-        try:
-            key, rows = json.loads(line)
-        except (ValueError, TypeError):  # cut by the end of a process
-            continue
-        if key in keys:
-            finished[key] = rows
+def _finished(part: Path, keys: set[str]) -> dict[str, tuple[int, str]]:
+    """Place in a part file, and reason of a failure, of each case by key.
+
+    Memory has no rows of results. Damaged lines and other cases are left out.
+    """
+    finished: dict[str, tuple[int, str]] = {}
+    if not part.is_file():
+        return finished
+    with part.open("r+b") as file:
+        place, line = 0, b"\n"
+        for line in file:
+            with suppress(ValueError, TypeError, LookupError):  # cut by the end of a process
+                key, rows = json.loads(line)
+                if key in keys:
+                    finished[key] = place, rows[0][-1]
+            place += len(line)
+        if not line.endswith(b"\n"):
+            file.write(b"\n")
     return finished
+
+
+def _rows(file, finished, key):
+    """Rows of a finished case."""
+    file.seek(finished[key][0])
+    return json.loads(file.readline())[1]
 
 
 def _tasks(form, cases, saved, keys, finished):
