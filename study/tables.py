@@ -2,6 +2,7 @@
 
 import csv
 import re
+from collections.abc import Collection
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,11 +16,12 @@ class UserTable(NamedTuple):
     rows: list[list[str]]
 
 
-def read_table(path: Path, name: str = "FILE") -> UserTable:
+def read_table(path: Path, name: str = "FILE", pairs: Collection[str] = ()) -> UserTable:
     """Cells of a CSV file by row; rows without any text are left out.
 
     The separator is the sign among comma, semicolon and tab that the first line has most often. If
-    it is not the comma, a number such as ``0,25`` has a decimal comma, which becomes a point.
+    it is not the comma, a number such as ``0,25`` has a decimal comma, which becomes a point,
+    except in columns of ``pairs``, such as ``4,8``.
 
     Raises ``ValueError`` if the file is not CSV text in UTF-8, if two columns have the same name,
     or if the rows have different lengths.
@@ -32,10 +34,7 @@ def read_table(path: Path, name: str = "FILE") -> UserTable:
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         why = getattr(error, "strerror", None) or "it is not CSV text in UTF-8"
         raise ValueError(f"{name} must be a CSV file, got {path}: {why}") from None
-    rows = [[cell.strip() for cell in row] for row in rows]
-    if separator != ",":
-        rows = [[_DECIMAL_COMMA.sub(_with_point, cell) for cell in row] for row in rows]
-    names, *rows = rows or [[]]
+    names, *rows = [[cell.strip() for cell in row] for row in rows] or [[]]
     if len(set(names)) < len(names):
         raise ValueError(f"each column must have a different name, got {', '.join(names)}")
     for number, row in enumerate(rows, 1):
@@ -44,8 +43,17 @@ def read_table(path: Path, name: str = "FILE") -> UserTable:
                 f"row {number} must have {len(names)} cells, as many as there are column names, "
                 f"got {len(row)}"
             )
+    if separator != ",":
+        rows = [
+            [
+                cell if of in pairs else _with_point(cell)
+                for of, cell in zip(names, row, strict=True)
+            ]
+            for row in rows
+        ]
     return UserTable(names, rows)
 
 
-def _with_point(found):
-    return found[0] if found.string != found[0] else f"{found[1]}.{found[2]}{found[3]}"
+def _with_point(cell):
+    found = _DECIMAL_COMMA.fullmatch(cell)
+    return f"{found[1]}.{found[2]}{found[3]}" if found else cell

@@ -132,7 +132,9 @@ def load(cases: Path | Iterable[Mapping[str, Any]]) -> list[Case]:
     no case, or if the file cannot be read.
     """
     if isinstance(cases, Path):
-        table = read_table(cases, "cases")
+        known = INPUTS["joints"] | INPUTS["scenes"]
+        pairs = [name for name, of in known.items() if of.several == ","]
+        table = read_table(cases, "cases", pairs)
         rows = [dict(zip(table.names, row, strict=True)) for row in table.rows]
     else:
         rows = [_as_texts(case) for case in cases]

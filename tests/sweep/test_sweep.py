@@ -277,6 +277,10 @@ def test_units_catalogues_and_a_saved_joint(run, tmp_path):
     first, second = Joint(**OF_SIZES), Joint(12.5e-3, 30e-6, 5.5e-3, socket="bronze")
     expected = [of.solve(force=3000.0).depth[0] for of in (first, second)]
     assert table.depth.to_numpy() == pytest.approx(expected)
+    text = "model;elements;duration\nparticles;2,4;1e-4\nparticles;4,8;0,0001\n"
+    (tmp_path / "scenes.csv").write_text(text)
+    found = run_study(tmp_path / "scenes.csv", "scenes", tmp_path / "table.csv", jobs=1)
+    assert found.failures == {}
     found = run_study([{"clearance": 30e-6}], "joints", tmp_path / "one.csv", joint=first, jobs=1)
     assert found.rows > 40
 
