@@ -222,7 +222,7 @@ class Liu(Law):
     """Liu et al. 2006: P* = 4.57 R2* ds sin(eps) sin(eps/2) (Eq. 8 is lost; reconstructed).
 
     The coefficient of determination in Table 2 gives the factor, the RMSE the growth with depth
-    (notebook 32). The half-angle eps is Steuermann's; sin(eps/2) is the factor of Liu's law for
+    (notebook 13). The half-angle eps is Steuermann's; sin(eps/2) is the factor of Liu's law for
     cylinders. Another form also agrees with both numbers: a pressure 1 - theta^2/eps^2 on the
     socket's sphere. At a depth of 0.5 it differs by less than 1 % of the force.
     """

@@ -129,7 +129,7 @@ def table() -> tuple[dict[str, Any], ...]:
 
 SOCKET_RATIO = 1.298
 """Socket ratio (outer radius divided by inner radius) of the reference joint. The paper does not
-state it; with this value a fine mesh agrees best with Table 2 (notebook 32)."""
+state it; with this value a fine mesh agrees best with Table 2 (notebook 13)."""
 
 
 def composite_modulus(

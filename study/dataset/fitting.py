@@ -22,7 +22,7 @@ FITTED_LAWS: dict[str, Law] = {
 DIGITS = 7  # significant, of a coefficient
 LARGEST_DEPTH = 0.5  # maximum depth of the fit, in clearances, as in the paper
 SAMPLE = np.linspace(0, LARGEST_DEPTH, 21)
-"""Depths at which the paper evaluates its measures of agreement (inferred, notebook 32)."""
+"""Depths at which the paper evaluates its measures of agreement (inferred, notebook 13)."""
 LARGEST_R2_STAR = 300  # of the surrogate's fit, as in the paper
 
 

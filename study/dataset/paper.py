@@ -8,6 +8,6 @@ if TYPE_CHECKING:
 R2_STAR = 200
 """R2* of the paper's comparison of laws (Fig. 10 and Table 2), and of the joint's variations."""
 PAPER_KINEMATICS: "Kinematics" = "linear"
-"""Kinematics of the paper's finite elements, inferred from Table 2 (notebook 32). Only with these
+"""Kinematics of the paper's finite elements, inferred from Table 2 (notebook 13). Only with these
 kinematics does the relative RMSE of Fig. 14 rise, and its coefficient of determination fall, with
 R2* (notebooks 06 and 12)."""

@@ -776,7 +776,7 @@ def reference_joint(r2_star: float = 200, **changes: Any) -> Joint:
     """The reference joint: the configuration inferred from Table 2 of Yao et al.
 
     It has a clamped ball, a free rim, a socket ratio of 1.298, linear kinematics and Poisson's
-    ratio 0.3 of both bodies. These were inferred from Table 2 and Fig. 14 (notebook 32), except
+    ratio 0.3 of both bodies. These were inferred from Table 2 and Fig. 14 (notebook 13), except
     for the rim, which follows from the text ("the entire external surface of the socket is fixed").
 
     Parameters
