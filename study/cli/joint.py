@@ -15,7 +15,6 @@ from study.cli.output import (
     percent,
     read_unit,
     show,
-    table_of,
     working,
 )
 from study.contact.power_fit import USUAL_RANGE
@@ -36,7 +35,6 @@ NEED_DIMENSIONS = ("force", "depth", "friction", "plot")
 """Options that need a joint with dimensions."""
 ASKED = ("force", "depth", "depth_star", "tilt", "solver", "resolution")
 """Options that are arguments of `study.joint.Joint.solve`."""
-_UM = Quantity("", "m", "um")
 FORCE = cli.option("--force", "Contact force in N; may be repeated.", float, "N", multiple=True)
 DEPTH = cli.option("--depth", "Penetration depth in m; may be repeated.", float, "m", multiple=True)
 TILT = cli.option(
@@ -145,9 +143,10 @@ def solve_joint(as_json, law, units="SI", **options):
         for name in NEED_DIMENSIONS:
             if given.get(name) is not None:
                 raise ValueError(f"{name} is for a joint with dimensions, not for --r2-star")
+    is_loaded = {"force", "depth", "depth_star"} & set(asked)
     if save is not None:
         of_joint.save(joint, save)
-        if not {"force", "depth", "depth_star"} & set(asked):
+        if not is_loaded:
             print(f"The joint is in {save}; give it to other commands with: --joint {save}")
             return
     tilt = joint.default_tilt if asked.get("tilt") is None else asked["tilt"]
@@ -156,7 +155,7 @@ def solve_joint(as_json, law, units="SI", **options):
             raise ValueError(f"{name} does not apply to a load off the axis; remove it")
     tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
     checks.number("tolerance", tolerance, least=LEAST_TOLERANCE, most=1)
-    if not {"force", "depth", "depth_star"} & set(asked):
+    if not is_loaded:
         raise ValueError(
             "force or depth must be given" if joint.has_dimensions else "depth_star must be given"
         )
@@ -168,12 +167,6 @@ def solve_joint(as_json, law, units="SI", **options):
             values, parts = values | found, [*parts, *texts]
         elif joint.has_dimensions:
             parts.append("For the contact law in this direction, add --law.")
-        exceeded = _exceeded(solution, friction)
-        sentences = limits.worst([exceeded[k] for k in np.argsort(solution.depth_star)])
-        values["warnings"] = [
-            *joint.warnings,
-            *(of for of in sentences if of not in joint.warnings),
-        ]
         if plot is not None:
             draw(solution, plot)
     parts += [_assumptions(solution), *(f"Warning: {text}" for text in values["warnings"])]
@@ -181,28 +174,27 @@ def solve_joint(as_json, law, units="SI", **options):
 
 
 def _described(solution, friction, units):
-    """The solution as JSON, and as tables."""
+    """The solution as JSON, and as tables of what a person reads."""
     joint = solution.joint
-    about = {
-        name: of
+    main = {
+        name: (of, getattr(solution, name))
         for name, of in quantities(joint.has_dimensions).items()
         if getattr(solution, name) is not None
     }
-    arrays = {name: getattr(solution, name).tolist() for name in about}
-    parts = [_printed(arrays, {n: of for n, of in about.items() if n not in UNPRINTED}, units)]
+    depth = {name: main[name] for name in ("depth", "depth_star") if name in main}
+    tables, exceeded = [main], solution.limits
     if friction is not None:
-        torques = {
-            f"{motion}_torque": torque.tolist()
-            for motion, torque in solution.friction_torque(friction).items()
-        }
-        of_torques = {"depth": about["depth"]} | dict.fromkeys(torques, Quantity("", "N m", "N m"))
-        arrays |= torques
-        parts.append(_printed(arrays, of_torques, units))
-        about |= of_torques
-    parts += _stress_tables(solution, units)
-    values = {name: in_mm(of, about[name].unit, units) for name, of in arrays.items()}
+        torque = Quantity("", "N m", "N m")
+        torques = solution.friction_torque(friction).items()
+        tables.append(depth | {f"{motion}_torque": (torque, of) for motion, of in torques})
+        shares = friction * solution.friction_radius["spin"] / joint.socket_radius
+        shares = map(limits.friction_limit, shares)
+        exceeded = [of | more for of, more in zip(exceeded, shares, strict=True)]
+    tables += [depth | _stresses(solution, body) for body in solution.stress]
+
+    columns = {name: column for table in tables for name, column in table.items()}
+    values = {name: in_mm(_listed(of), about.unit, units) for name, (about, of) in columns.items()}
     values["units"] = units
-    values |= _stresses(solution, units)
     values["materials"] = {
         body: vars(of)
         | {n: in_mm(getattr(of, n), "Pa", units) for n in ("youngs_modulus", "yield_stress")}
@@ -216,83 +208,52 @@ def _described(solution, friction, units):
         values["reaches_rim"] = solution.reaches_rim.tolist()
     values["composite_modulus"] = in_mm(joint.composite_modulus, "Pa", units)
     values["depth_star"] = solution.depth_star.tolist()
-    exceeded = _exceeded(solution, friction)
     values["applicability"] = [limits.in_short(found) for found in exceeded]
-    return values, parts
+    sentences = limits.worst([exceeded[k] for k in np.argsort(solution.depth_star)])
+    values["warnings"] = [*joint.warnings, *(of for of in sentences if of not in joint.warnings)]
 
-
-def _printed(values, about, units):
-    """A table of values with their heads and in the units in which a person reads them."""
-    table = {}
-    for name, of in about.items():
-        unit, size = read_unit(of, units)
-        head = f"{HEADS.get(name, name.removesuffix('_deg'))} {unit}".rstrip()
-        table[head] = [digits(value / size, 2 if unit == "%" else 4) for value in values[name]]
-    return table
-
-
-def _stresses(solution, units):
-    """Stresses as JSON, by the body."""
-    values, factors = {}, solution.yield_factor
-    for body, largest in solution.stress.items():
-        name = f"von_mises_{body.replace(' ', '_')}"
-        values[f"{name}_place"] = list(largest.place)
-        if largest.error is not None:
-            values[f"{name}_error"] = largest.error.tolist()
-        if solution.joint.has_dimensions:
-            factor = factors[body]
-            values[name] = in_mm(solution.von_mises[body].tolist(), "Pa", units)
-            factor = None if factor is None else factor.tolist()
-            values[name.replace("von_mises", "yield_factor")] = factor
-        else:
-            values[f"{name}_star"] = largest.von_mises.tolist()
-            values[f"{name}_over_peak"] = largest.over_peak.tolist()
-            values[f"{name}_radius"] = largest.radius.tolist()
-            values[f"{name}_angle_deg"] = np.degrees(largest.angle).tolist()
-    return values
-
-
-def _stress_tables(solution, units):
-    """Table with a row for each body at each depth, and a sentence on bodies without stresses."""
-    joint, stress = solution.joint, solution.stress
-    if left_out := [body for body in joint.materials if body not in stress]:
-        yield (
+    parts = [_printed(table, units) for table in tables]
+    if left_out := [body for body in joint.materials if body not in solution.stress]:
+        parts.append(
             f"No stresses of the {' and the '.join(left_out)} are given, because their maximum is "
             "where the body is held and depends on the details of the support."
         )
-    unit, size = read_unit(_UM, units)
-    rows = []
-    for k, depth_star in enumerate(solution.depth_star):
-        for body, of in stress.items():
-            row = {"depth_star": float(depth_star), "body": body}
-            if joint.has_dimensions:
-                row = {f"depth {unit}": digits(solution.depth[k] / size), "body": body}
-                row["von_mises MPa"] = digits(solution.von_mises[body][k] / READ["MPa"])
-            else:
-                row["von_mises_star"] = digits(of.von_mises[k])
-            if of.error is not None:
-                row["stress_error %"] = digits(100 * of.error[k], 2)
-            row["place"] = of.place[k]
-            if joint.has_dimensions:
-                strength, factor = joint.materials[body].yield_stress, solution.yield_factor[body]
-                row["yield_stress MPa"] = strength and digits(strength / READ["MPa"])
-                row["factor_to_yield"] = None if factor is None else digits(factor[k])
-            else:
-                row["over_peak"] = digits(of.over_peak[k])
-                row["radius"] = digits(of.radius[k])
-                row["angle deg"] = digits(np.degrees(of.angle[k]))
-            rows.append(row)
-    if rows:
-        yield table_of(rows)
+    return values, parts
 
 
-def _exceeded(solution, friction):
-    """Model limits that each contact exceeds, with that of friction."""
-    found = solution.limits
-    if friction is None:
-        return found
-    shares = friction * solution.friction_radius["spin"] / solution.joint.socket_radius
-    return [of | limits.friction_limit(share) for of, share in zip(found, shares, strict=True)]
+def _stresses(solution, body):
+    """Columns of the stresses of a body: their quantities and values by name."""
+    largest, name = solution.stress[body], f"von_mises_{body.replace(' ', '_')}"
+    columns = {f"{name}_place": (Quantity(""), list(largest.place))}
+    if largest.error is not None:
+        columns[f"{name}_error"] = Quantity("", read="%"), largest.error
+    if solution.joint.has_dimensions:
+        factor = name.replace("von_mises", "yield_factor")
+        stress = Quantity("", "Pa", "MPa"), solution.von_mises[body]
+        return {name: stress, factor: (Quantity(""), solution.yield_factor[body])} | columns
+    return columns | {
+        f"{name}_star": (Quantity("", read="E* dR/R2"), largest.von_mises),
+        f"{name}_over_peak": (Quantity(""), largest.over_peak),
+        f"{name}_radius": (Quantity(""), largest.radius),
+        f"{name}_angle_deg": (Quantity("", "deg", "deg"), np.degrees(largest.angle)),
+    }
+
+
+def _listed(values):
+    return values.tolist() if isinstance(values, np.ndarray) else values
+
+
+def _printed(columns, units):
+    """A table of values with their heads and in the units in which a person reads them."""
+    table = {}
+    for name, (about, values) in columns.items():
+        if name in UNPRINTED or values is None:
+            continue
+        unit, size = read_unit(about, units)
+        count = 2 if unit == "%" else 4
+        head = f"{HEADS.get(name, name.removesuffix('_deg'))} {unit}".rstrip()
+        table[head] = [of if isinstance(of, str) else digits(of / size, count) for of in values]
+    return table
 
 
 def _assumptions(solution):
@@ -310,45 +271,39 @@ def _assumptions(solution):
 
 
 def _laws(solution, tolerance, words, is_range):
-    """Contact laws for the joint, as JSON and as sentences."""
+    """Contact law and power law of the joint, as JSON and as sentences.
+
+    The power law is fitted from 0.05 to 0.5 clearances, or between the given depths. A single given
+    depth is the maximum, and the minimum is then a tenth of it.
+    """
     joint, tilt = solution.joint, solution.direction_deg
     if tilt is None:
-        law, text = _cheapest(joint, float(solution.depth_star.max()), tolerance, words)
+        values, text = _cheapest(joint, float(solution.depth_star.max()), tolerance, words)
     else:
         line = f"study export --law tabulated --tilt {tilt:g} --format c {words}"
-        law = {"law": "tabulated", "tilt_of_law": tilt, "export": line}
+        values = {"law": "tabulated", "tilt_of_law": tilt, "export": line}
         text = (
             f"Command that exports a table of the force along {tilt:g} deg for another program:\n"
             f"{line}"
         )
     if not joint.has_dimensions:
-        return law, [text]
-    power, sentence = _power(joint, tilt, solution.depth if is_range else None)
-    return law | power, [text, sentence]
-
-
-def _power(joint, tilt, depths):
-    """The fitted power law, as JSON and as a sentence.
-
-    It is fitted from 0.05 to 0.5 clearances, or between the given depths. A single given depth is
-    the maximum, and the minimum is then a tenth of it.
-    """
-    if depths is None:
-        least, most = joint.clearance * np.minimum(USUAL_RANGE, joint.default_depth)
-    else:
-        least, most = float(depths.min()), float(depths.max())
+        return values, [text]
+    least, most = joint.clearance * np.minimum(USUAL_RANGE, joint.default_depth)
+    if is_range:
+        least, most = float(solution.depth.min()), float(solution.depth.max())
     least = least if least <= most / 2 else most / 10
-    law = joint.power_law((least, most), tilt)
+    power = joint.power_law((least, most), tilt)
     names = ("coefficient", "coefficient_mm", "exponent", "error", "depths")
+    values["power_law"] = {name: getattr(power, name) for name in names}
     low, high = (digits(depth / READ["um"]) for depth in (least, most))
-    text = (
-        f"Fitted power law F = k d^n, within {percent(law.error)} at depths from {low:g} to "
-        f"{high:g} um: n = {law.exponent:.5g} and k = {law.coefficient:.5g} N/m^n = "
-        f"{law.coefficient_mm:.5g} N/mm^n."
+    sentence = (
+        f"Fitted power law F = k d^n, within {percent(power.error)} at depths from {low:g} to "
+        f"{high:g} um: n = {power.exponent:.5g} and k = {power.coefficient:.5g} N/m^n = "
+        f"{power.coefficient_mm:.5g} N/mm^n."
     )
-    if depths is None:
-        text += " To fit another range, give --depth twice, for its minimum and its maximum."
-    return {"power_law": {name: getattr(law, name) for name in names}}, text
+    if not is_range:
+        sentence += " To fit another range, give --depth twice, for its minimum and its maximum."
+    return values, [text, sentence]
 
 
 def _cheapest(joint, deepest, tolerance, words):
@@ -360,27 +315,19 @@ def _cheapest(joint, deepest, tolerance, words):
     except (checks.StudyError, ValueError) as error:  # no law is known well enough
         none = {"law": None, "law_error_bound": None, "export": None}
         return none, f"No contact law is recommended: {error}"
-    depths, of_range = list(choice.depths), "{:.4g} to {:.4g} clearances".format(*choice.depths)
+    law, ends = choice.law.name, choice.depths
+    depths, of_range = list(ends), "{:.4g} to {:.4g} clearances".format(*ends)
     if joint.has_dimensions:
-        depths = [joint.clearance * depth for depth in depths]
+        depths = [joint.clearance * depth for depth in ends]
         of_range = "{:g} to {:g} um".format(*(digits(depth / READ["um"]) for depth in depths))
-    law = choice.law.name
-    name = "tabulated, the table of the elastic solution of this joint"
+    line = f"study export --law {law} --format c {words}"
+    if ends[1] > joint.default_depth:
+        line += f" --depth-star {ends[1]:.9g}"
     text = (
         f"The fastest contact law within {percent(tolerance)} of the elastic solution at depths "
-        f"from {of_range} is {name if law == 'tabulated' else law}. Its relative error is at most "
-        f"{percent(choice.error_bound)}."
+        f"from {of_range} is {law}. Its relative error is at most {percent(choice.error_bound)}."
+        f"\nCommand that exports it for another program:\n{line}"
     )
-    best = min(choice.errors, key=choice.errors.__getitem__)
-    if choice.errors[best] > tolerance:
-        text += (
-            f" No closed-form law is within this tolerance: the best is {best}, with an error of "
-            f"up to {percent(choice.errors[best])}."
-        )
-    line = f"study export --law {law} --format c {words}"
-    if choice.depths[1] > joint.default_depth:
-        line += f" --depth-star {choice.depths[1]:.9g}"
-    text += f"\nCommand that exports it for another program:\n{line}"
     values = {"law": law, "law_error_bound": choice.error_bound, "law_depths": depths}
     return values | {"law_errors": choice.errors, "export": line}, text
 

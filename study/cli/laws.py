@@ -8,7 +8,7 @@ from study import checks, choose, parameters, paths
 from study.choose import cheapest_law
 from study.cli import options as cli
 from study.cli.joint import DEPTH
-from study.cli.output import check_output, in_mm, named_fields, show, working
+from study.cli.output import check_output, in_mm, show, working
 from study.contact import LAWS
 from study.contact.power_fit import USUAL_RANGE
 from study.joint import first_yield, limits
@@ -60,14 +60,12 @@ def evaluate_law(name, as_json, units="SI", **options):
     values, _ = cli.take_values(options)
     numbers = {n: options.pop(n) for n in tuple(options) if n in parameters.described(law)}
     cli.left_out(options, (), f"the law {name}")
-    if not law.needs_joint and "r2_star" in values:
-        cli.left_out(values, ("r2_star",), f"the law {name}")
-    joint = r2_star = None
-    if law.needs_joint or "r2_star" not in values:
+    joint, r2_star = None, values.get("r2_star")
+    if law.needs_joint or r2_star is None:
         joint = joint_of(values)
         r2_star = joint.r2_star
     else:  # any radius: a formula is no solution of a joint
-        r2_star = values["r2_star"]
+        cli.left_out(values, ("r2_star",), f"the law {name}")
     has_dimensions = joint is not None and joint.has_dimensions
     if (star is None) == (depth is None) or (depth and not has_dimensions):
         either = "depth or depth_star" if has_dimensions else "depth_star"
@@ -77,19 +75,16 @@ def evaluate_law(name, as_json, units="SI", **options):
     made = law.of(joint) if law.needs_joint else law(**numbers)
     force = np.asarray(made(star, r2_star))
     found = {"depth_star": list(star), "force_star": force.tolist()}
-    if has_dimensions:
-        length, unit = ("mm", "N") if units == "mm" else ("m", "N")
-        depths = in_mm([of * joint.clearance for of in star], "m", units)
-        forces = (joint.force_unit * force).tolist()
-        table = {f"depth {length}": depths, f"force {unit}": forces} | found
-        found = {"depth": depths, "force": forces} | found | {"units": units}
-        show(found | {"warnings": [*joint.warnings]}, as_json, table, *_warned(joint))
-    else:
+    if not has_dimensions:
         show(found, as_json)
-
-
-def _warned(joint):
-    return [f"Warning: {text}" for text in joint.warnings]
+        return
+    length = "mm" if units == "mm" else "m"
+    depths = in_mm([of * joint.clearance for of in star], "m", units)
+    forces = (joint.force_unit * force).tolist()
+    table = {f"depth {length}": depths, "force N": forces} | found
+    found = {"depth": depths, "force": forces} | found
+    found |= {"units": units, "warnings": [*joint.warnings]}
+    show(found, as_json, table, *(f"Warning: {text}" for text in joint.warnings))
 
 
 @cli.command(
@@ -153,7 +148,13 @@ def choose_law(as_json, tolerance, yield_stress=None, tilt=None, **options):
     of_depth = {n: options.pop(n) for n in ("depth_star", "depth", "force") if n in options}
     joint, words = cli.take_joint(options, off_axis=tilt is not None)
     if yield_stress is not None:
-        joint = _yielding(joint, yield_stress)
+        if joint.has_dimensions or joint.liner:
+            raise ValueError(
+                "yield_stress does not apply to a joint with dimensions or layers; remove it, or "
+                "describe materials with their yield stresses by --ball, --socket and --liner"
+            )
+        bodies = joint.materials.items()
+        joint = replace(joint, **{n: replace(of, yield_stress=yield_stress) for n, of in bodies})
     if not joint.has_dimensions:
         cli.left_out(of_depth, ("depth_star",), "a joint without dimensions")
     if len(of_depth) != 1:
@@ -162,17 +163,22 @@ def choose_law(as_json, tolerance, yield_stress=None, tilt=None, **options):
             f"{either if joint.has_dimensions else '--depth-star'} must be given, got "
             f"{' and '.join(map(cli.flag, of_depth)) or 'none'}"
         )
+    ((name, value),) = of_depth.items()
+    checks.number(name, value, {"depth": "m", "force": "N"}.get(name, ""), above=0)
     least, most = cheapest_law.TOLERANCES
     checks.number("tolerance", tolerance, least=least, most=most)
     with working("Solving the joint"):
-        deepest = _depth(joint, tilt, *of_depth.popitem())
+        deepest = value / joint.clearance if name == "depth" else value
+        if name == "force":  # off the axis only where the joint has none
+            solution = joint.solve(force=value, tilt=None if joint.has_pole else tilt)
+            deepest = float(solution.depth_star[0])
         tilt = joint.default_tilt if tilt is None else tilt
         table = (
             f"study export --law tabulated --tilt {tilt or 0:g} --format c {words} "
             f"--depth-star {deepest:.9g}"
         )
         if not joint.has_pole:
-            _show_no_axis(as_json, joint, deepest, tilt, tolerance, table)
+            show_across(as_json, joint, deepest, tilt, tolerance, table)
             return
         off_axis = tilt is not None and choose.axial_law_suffices(joint, deepest, tilt, tolerance)
         left = tolerance - (off_axis.direction_error if off_axis else 0)
@@ -181,15 +187,45 @@ def choose_law(as_json, tolerance, yield_stress=None, tilt=None, **options):
         first = first_yield(joint, deepest) if yield_stress else None
         exceeded = joint.solve(depth_star=deepest, stresses=joint.has_dimensions).limits
     law = choice.law
-    axial = {"next_cheaper": next(iter(choice.rejected), None)} | named_fields(choice)
-    axial |= {"law": law.name, "numbers": law.numbers}
     ends = choice.depths if len(law.fitted_constants) > 1 else choice.depths[1:]
-    text = f"{words} {cli.typed({'depth_star': list(ends)})}"
-    axial["export"] = f"study export --law {law.name} --format c {text}"
-    axial["first_yield"] = vars(first) if first else None
-    axial["applicability"] = limits.in_short(exceeded[0])
-    axial["warnings"] = [*joint.warnings]
-    parts = list(_of_choice(choice, joint, exceeded, axial))
+    line = f"study export --law {law.name} --format c {words} "
+    line += cli.typed({"depth_star": list(ends)})
+    warned = [*joint.warnings, *limits.worst(exceeded)]
+    axial = {
+        "next_cheaper": next(iter(choice.rejected), None),
+        **vars(choice),
+        "law": law.name,
+        "numbers": law.numbers,
+        "export": line,
+        "first_yield": vars(first) if first else None,
+        "applicability": limits.in_short(exceeded[0]),
+        "warnings": [*joint.warnings],
+    }
+    if first:
+        warned.append(
+            f"The {first.body} yields {first.place} at depths above {first.depth_star:.4g} "
+            f"clearances (force_star {first.force_star:.4g}). All errors are for elastic bodies."
+        )
+    costs = choose.relative_costs()
+    laws = sorted(choice.errors, key=costs.get)
+    parts = [
+        {
+            "law": [law.name],
+            "error_bound": [choice.error_bound],
+            "relative_cost": [choice.relative_cost],
+            "numbers": [law.numbers],
+        },
+        f"For depths of {_depths(joint, choice.depths)}.",
+        *(f"Warning: {text}" for text in dict.fromkeys(warned)),
+        "Maximum relative error of each law, and its computing time relative to that of Hertz's "
+        "law:",
+        {
+            "law": laws,
+            "error": [choice.errors[name] for name in laws],
+            "relative_cost": [costs[name] for name in laws],
+        },
+        f"Command that exports the law for another program:\n{line}",
+    ]
     if not off_axis:
         show(axial, as_json, *parts)
         return
@@ -217,25 +253,6 @@ def choose_law(as_json, tolerance, yield_stress=None, tilt=None, **options):
     show(values, as_json, head, "For the axial direction alone, the fastest law is:", *parts)
 
 
-def _yielding(joint, stress):
-    """A joint without dimensions, with a yield stress of ball and socket in Pa."""
-    if joint.has_dimensions or joint.liner:
-        raise ValueError(
-            "yield_stress does not apply to a joint with dimensions or layers; remove it, or "
-            "describe materials with their yield stresses by --ball, --socket and --liner"
-        )
-    bodies = {body: replace(of, yield_stress=stress) for body, of in joint.materials.items()}
-    return replace(joint, **bodies)
-
-
-def _depth(joint, tilt, name, value):
-    """Maximum depth in clearances, which is given as such, in m, or by a force in N."""
-    checks.number(name, value, {"depth": "m", "force": "N"}.get(name, ""), above=0)
-    if name == "force":  # off the axis only where the joint has none
-        return float(joint.solve(force=value, tilt=None if joint.has_pole else tilt).depth_star[0])
-    return value / joint.clearance if name == "depth" else value
-
-
 def _depths(joint, ends):
     """Two depths in clearances, and in um if the joint has dimensions, as words."""
     text = "{:g} to {:g} clearances".format(*ends)
@@ -244,7 +261,7 @@ def _depths(joint, ends):
     return text
 
 
-def _show_no_axis(as_json, joint, deepest, tilt, tolerance, line):
+def show_across(as_json, joint, deepest, tilt, tolerance, line):
     """Show the fitted power law and the table for a joint that has no law along its axis."""
     ends, clearance = (USUAL_RANGE[0], max(USUAL_RANGE[1], deepest)), joint.clearance
     fit = joint.power_law((ends[0] * clearance, ends[1] * clearance), tilt)
@@ -267,39 +284,8 @@ def _show_no_axis(as_json, joint, deepest, tilt, tolerance, line):
         f"tolerance of {100 * tolerance:.2g} %.",
         "A table of the force along this direction follows the elastic solution within the error "
         f"that it states. Command that exports it:\n{line}",
-        *_warned(joint),
+        *(f"Warning: {text}" for text in joint.warnings),
     )
-
-
-def _of_choice(choice, joint, exceeded, axial):
-    """Parts of the text on a choice for the axial direction."""
-    costs = choose.relative_costs()
-    yield {
-        "law": [choice.law.name],
-        "error_bound": [choice.error_bound],
-        "relative_cost": [choice.relative_cost],
-        "numbers": [choice.law.numbers],
-    }
-    yield f"For depths of {_depths(joint, choice.depths)}."
-    yield from _warned(joint)
-    yield from (f"Warning: {of}" for of in limits.worst(exceeded) if of not in joint.warnings)
-    if first := axial["first_yield"]:
-        yield (
-            f"Warning: The {first['body']} yields {first['place']} at depths above "
-            f"{first['depth_star']:.4g} clearances (force_star {first['force_star']:.4g}). All "
-            "errors are for elastic bodies."
-        )
-    yield (
-        "Maximum relative error of each law, and its computing time relative to that of Hertz's "
-        "law:"
-    )
-    laws = sorted(choice.errors, key=costs.get)
-    yield {
-        "law": laws,
-        "error": [choice.errors[law] for law in laws],
-        "relative_cost": [costs[law] for law in laws],
-    }
-    yield f"Command that exports the law for another program:\n{axial['export']}"
 
 
 FORMATS = ("c", "matlab", "modelica", "csv", "exudyn", "adams", "mujoco")

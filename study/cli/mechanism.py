@@ -10,7 +10,7 @@ from study.checks import StudyError
 from study.choose import choose_model
 from study.choose.model import QUANTITIES
 from study.cli import options as cli
-from study.cli.output import check_output, named_fields, show, table_of, working
+from study.cli.output import check_output, show, table_of, working
 from study.contact import LAWS, SOCKET_RATIO
 from study.joint import limits
 from study.joint.options import PARAMETERS
@@ -115,36 +115,39 @@ def simulate_mechanism(as_json, once, scene=(), option=(), output=None, **option
     elif socket:
         options["law"] = of_name(changed, options.get("law"), **socket)
     parameters = signature(simulate).parameters
-    if options.get("model") == "auto":
-        choice = _choice(changed, **options)
-        run = choice.simulate
+    model, total = (options.get(name, parameters[name].default) for name in ("model", "duration"))
+    choice, run = None, partial(simulate, changed, **options)
+    if model != "auto":
+        cli.left_out(options, parameters, f"model {model}")
     else:
-        choice, run = None, partial(simulate, changed, **options)
-        what = f"model {options.get('model', parameters['model'].default)}"
-        cli.left_out(options, parameters, what)
-    total = options.get("duration", parameters["duration"].default)
+        del options["model"]
+        allowed = signature(choose_model).parameters
+        cli.left_out(options, allowed, "model auto, which chooses it")
+        if "tolerance" not in options:
+            raise ValueError(
+                "--tolerance must be given with --model auto: it is the maximum error of the "
+                "simplified model"
+            )
+        with working("Choosing the model"):
+            choice = choose_model(changed, **options)
+        run = choice.simulate
     is_compiled = any(compiled.folder().rglob("*.nbc"))
+    failed = None
     with working(
         "Simulating" if is_compiled else "Compiling the time integration (only once)"
     ) as tell:
-        failed = None
         try:
             response = run(progress=lambda time: tell(f"simulated {time:.4g} of {total:g} s"))
         except MechanismError as error:
             if error.response is None:
                 raise
             failed, response = error, error.response
-    end = {head: float(getattr(response, name)[-1]) for head, name in END.items()}
-    end |= {
-        "contacts": response.contacts,
-        "last_separation s": response.last_separation,
-        "energy_error": response.energy_error,
-        "complete": response.complete,
-    }
+    agreement = (None, [])
+    if not once and not failed:
+        with working("Repeating the simulation at a second tolerance"):
+            agreement = _agreement(response, run)
     exceeded = exceeded_limits(changed, response, socket.get("socket_ratio", SOCKET_RATIO))
-    with working("Repeating the simulation at a second tolerance"):
-        agreement = (None, []) if once or failed else _agreement(response, run)
-    _show(end, response, choice, agreement, exceeded, as_json)
+    _show(response, choice, agreement, exceeded, as_json)
     if output is not None:  # last, so that the results are printed even if the disk is full
         response.save(output)
     if failed is not None:
@@ -181,40 +184,40 @@ def _agreement(response, run):
     return agreement._asdict(), [text]
 
 
-def _choice(scene, model, **options):
-    cli.left_out(options, signature(choose_model).parameters, f"model {model}, which chooses it")
-    if "tolerance" not in options:
-        raise ValueError(
-            "--tolerance must be given with --model auto: it is the maximum error of the "
-            "simplified model"
-        )
-    with working("Choosing the model"):
-        return choose_model(scene, **options)
-
-
-def _show(end, response, choice, agreement, exceeded, as_json):
+def _show(response, choice, agreement, exceeded, as_json):
+    """Show the chosen model, the end of the motion and the impacts."""
+    end = {head: float(getattr(response, name)[-1]) for head, name in END.items()}
+    end["contacts"] = response.contacts
+    end["last_separation s"] = response.last_separation
+    end |= {name: getattr(response, name) for name in ("energy_error", "complete")}
     names = response.impact_rows.dtype.names
     rows = [
         {name: None if x != x else x for name, x in zip(names, row, strict=True)}  # no NaN in JSON
         for row in response.impact_rows.tolist()
     ]
     asked, delivered = response.restitution, response.delivered_restitution
-    values = {head.split()[0]: value for head, value in end.items()} | {
-        "law": str(response.law or "none")
-    }
-    values |= {"restitution": asked, "delivered_restitution": delivered}
-    agrees, sentences = agreement
-    values |= {"agreement": agrees, "applicability": limits.in_short(exceeded)}
-    table = {
-        f"{name} {IMPACT_COLUMNS[name].unit if name in IMPACT_COLUMNS else ''}": [
-            row[name] for row in rows[:SHOWN]
-        ]
-        for name in ("time", *names)
-    }
-    parts = [f"Law: {values['law']}.", {head: [value] for head, value in end.items()}, table]
+    values = {head.split()[0]: value for head, value in end.items()}
+    values |= {"law": str(response.law or "none"), "restitution": asked}
+    values |= {"delivered_restitution": delivered, "agreement": agreement[0]}
+    values["applicability"] = limits.in_short(exceeded)
+    parts = [f"Law: {values['law']}.", {head: [value] for head, value in end.items()}]
     if choice:
-        values["choice"] = named_fields(choice)
-        parts = [*_of_choice(choice, end["time s"]), *parts]
+        values["choice"] = {name: of for name, of in vars(choice).items() if name != "simulate"}
+        parts[:0] = [
+            "The simplest model that is accurate enough for the "
+            f"{choice.quantity.replace('_', ' ')} over {end['time s']:g} s: {choice.model} links, "
+            f"{choice.joint} joint. It differs from a finer model by {choice.error:.2g}.\nModels "
+            "in order of detail (error is the difference to a finer model; relative_cost is the "
+            "computing time, measured now):",
+            table_of(choice.evidence),
+        ]
+    units = {name: of.unit for name, of in IMPACT_COLUMNS.items()}
+    parts.append(
+        {
+            f"{name} {units.get(name, '')}": [row[name] for row in rows[:SHOWN]]
+            for name in ("time", *names)
+        }
+    )
     if rows and abs(delivered - asked) > 0.005:
         parts.append(
             f"Warning: The damping model gives a coefficient of restitution of {delivered:.3g} "
@@ -223,18 +226,7 @@ def _show(end, response, choice, agreement, exceeded, as_json):
     if len(rows) > SHOWN:
         parts.append(f"{len(rows) - SHOWN} more contacts are not shown; --json prints all.")
     parts += [f"Warning: {text}" for text in exceeded.values()]
-    show(values | {"impacts": rows}, as_json, *parts, *sentences)
-
-
-def _of_choice(choice, duration):
-    """The chosen model as sentences, and a table of all models that were compared."""
-    return [
-        f"The simplest model that is accurate enough for the {choice.quantity.replace('_', ' ')} "
-        f"over {duration:g} s: {choice.model} links, {choice.joint} joint. It differs from a finer "
-        f"model by {choice.error:.2g}.\nModels in order of detail (error is the difference to a "
-        "finer model; relative_cost is the computing time, measured now):",
-        table_of(choice.evidence),
-    ]
+    show(values | {"impacts": rows}, as_json, *parts, *agreement[1])
 
 
 COMMANDS = {"simulate": simulate_mechanism}

@@ -5,7 +5,6 @@ import json
 import os
 import sys
 from contextlib import contextmanager
-from itertools import zip_longest
 from shutil import get_terminal_size
 from textwrap import fill
 
@@ -15,21 +14,17 @@ from study.threads import check_memory
 
 GAP = "  "
 SOLVER = 1_300_000  # KiB that the solution of any joint needs
-_DEPTH, _FORCE = "d/dR", "P/(E* dR^2)"
 UNITS = {
     "r2_star": "R2/dR",
-    "depth_star": _DEPTH,
-    "largest_depth": _DEPTH,
-    "force_star": _FORCE,
-    "largest_force": _FORCE,
+    "depth_star": "d/dR",
+    "largest_depth": "d/dR",
+    "force_star": "P/(E* dR^2)",
+    "largest_force": "P/(E* dR^2)",
     "peak_pressure_star": "p R2/(E* dR)",
-    "von_mises_star": "E* dR/R2",
     "youngs_modulus": "Pa",
     "yield_stress": "Pa",
 }
 """Units of columns that have none in their head."""
-
-
 MM = {"m": "mm", "m^2": "mm^2", "N/m": "N/mm", "Pa": "MPa", "N m": "N mm"}
 """SI unit -> unit of results in mm, N, MPa and s."""
 _SIZES = READ | {"mm": 1e-3, "N/mm": 1e3, "N mm": 1e-3}
@@ -49,10 +44,7 @@ def show(values, as_json=False, *parts):
 
 
 def say(*parts):
-    """Print sentences, and tables of columns by head, with a blank line between them.
-
-    A line of a sentence is wrapped at words on a terminal. A command to copy stays one line.
-    """
+    """Print sentences, and tables of columns by head, with a blank line between them."""
     print("\n\n".join(_prose(part) if isinstance(part, str) else _table(part) for part in parts))
 
 
@@ -64,7 +56,8 @@ def show_table(table, *sentences):
     writer = csv.writer(sys.stdout, lineterminator="\n")
     writer.writerow(table)
     for row in zip(*table.values(), strict=True):
-        writer.writerow(_csv_cell(value) for value in row)
+        cells = (f"{value:.9g}" if isinstance(value, float) else value for value in row)
+        writer.writerow("" if cell == "nan" else cell for cell in cells)  # a missing number
 
 
 def table_of(rows):
@@ -72,26 +65,19 @@ def table_of(rows):
     return {head: [row[head] for row in rows] for head in rows[0]}
 
 
-def _csv_cell(value):
-    if not isinstance(value, float):
-        return value
-    return "" if value != value else f"{value:.9g}"  # a number that is missing is NaN
-
-
 def _prose(text):
+    """Lines wrapped on a terminal, never within a number or a name; a command stays one line."""
     return "\n".join(
-        line if line.startswith("study ") else _wrapped(line) for line in text.splitlines()
-    )
-
-
-def _wrapped(line):
-    """A line wrapped on a terminal, never within a number or a name."""
-    return fill(
-        line,
-        _terminal(),
-        subsequent_indent=GAP * 2 if line.startswith(GAP) else "",
-        break_long_words=False,
-        break_on_hyphens=False,
+        line
+        if line.startswith("study ")
+        else fill(
+            line,
+            _terminal(),
+            subsequent_indent=GAP * 2 if line.startswith(GAP) else "",
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+        for line in text.splitlines()
     )
 
 
@@ -100,31 +86,18 @@ def _table(table):
     names, _, units = zip(*(head.partition(" ") for head in table), strict=True)
     units = [unit or UNITS.get(name, "") for name, unit in zip(names, units, strict=True)]
     rows = [[text_of(value) for value in row] for row in zip(*table.values(), strict=True)]
-    heads = [names, *([units] if any(units) else [])]
-    if _width([*heads, *rows]) > _terminal():  # a word of a name below the other
-        words = [name.split("_") for name in names]
-        heads = [*zip_longest(*words, fillvalue=""), *heads[1:]]
-    if rows and _width([*heads, *rows]) > _terminal():
-        return "\n\n".join(_paragraph(names, units, row) for row in rows)
-    lines = [*heads, *rows]
-    widths = _widths(lines)
+    lines = [names, *([units] if any(units) else []), *rows]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    width = sum(widths) + len(GAP) * (len(widths) - 1)
+    if rows and width > _terminal():
+        cells = [zip(names, row, units, strict=True) for row in rows]
+        return "\n\n".join(
+            _prose(", ".join(f"{name}: {text} {unit}".rstrip() for name, text, unit in row if text))
+            for row in cells
+        )
     texts = [GAP.join(map(str.ljust, line, widths)).rstrip() for line in lines]
-    texts.insert(len(heads), "─" * _width(lines))
+    texts.insert(len(lines) - len(rows), "─" * width)
     return "\n".join(texts)
-
-
-def _widths(lines):
-    return [max(map(len, column)) for column in zip(*lines, strict=True)]
-
-
-def _width(lines):
-    widths = _widths(lines)
-    return sum(widths) + len(GAP) * (len(widths) - 1)
-
-
-def _paragraph(names, units, row):
-    cells = [cell for cell in zip(names, row, units, strict=True) if cell[1]]
-    return _wrapped(", ".join(f"{name}: {text} {unit}".rstrip() for name, text, unit in cells))
 
 
 def _terminal():
@@ -145,11 +118,8 @@ def in_mm(value, unit, units):
     """A number, list or array in SI units, in mm, N, MPa and s if these are the ``units``."""
     if units != "mm" or unit not in MM or value is None:
         return value
-    return (
-        [of / _SIZES[MM[unit]] for of in value]
-        if isinstance(value, list)
-        else value / _SIZES[MM[unit]]
-    )
+    size = _SIZES[MM[unit]]
+    return [of / size for of in value] if isinstance(value, list) else value / size
 
 
 def read_unit(quantity, units):
@@ -172,15 +142,15 @@ def check_output(output, *suffixes, name="output"):
     """Raise ``ValueError`` before the work if a file cannot be written or has another suffix."""
     if output is None:
         return
+    wanted = ""
     if output.suffix not in suffixes:
-        raise ValueError(f"{flag(name)} must end in {' or '.join(suffixes)}, got {output}")
-    if output.is_dir():
-        raise ValueError(f"{flag(name)} must be a file, got the folder {output}")
-    is_writable = os.access(output.parent, os.W_OK | os.X_OK)
-    if not output.parent.is_dir() or not is_writable:
-        raise ValueError(
-            f"{flag(name)} must be in an existing folder with write permission, got {output}"
-        )
+        wanted = f"end in {' or '.join(suffixes)}, got"
+    elif output.is_dir():
+        wanted = "be a file, got the folder"
+    elif not output.parent.is_dir() or not os.access(output.parent, os.W_OK | os.X_OK):
+        wanted = "be in an existing folder with write permission, got"
+    if wanted:
+        raise ValueError(f"{flag(name)} must {wanted} {output}")
 
 
 @contextmanager
@@ -197,11 +167,6 @@ def drawn(path):
         yield figure.subplots(1, 2)
         with paths.whole(path) as temporary:
             figure.savefig(temporary, metadata=SAME_BYTES[path.suffix])
-
-
-def named_fields(choice):
-    """Attributes of a choice by name, without its function."""
-    return {name: value for name, value in vars(choice).items() if name != "simulate"}
 
 
 @contextmanager

@@ -102,24 +102,21 @@ _OF_SCENES = {
     ),
     "largest_slider_deviation": Quantity("Maximum of this distance at the output times", "m"),
     **_APPLICABILITY,
+    "agrees_until": Quantity(
+        "With --twice: time until which a run at a second tolerance agrees, for rigid links", "s"
+    ),
 }
 COLUMNS: dict[str, dict[str, Quantity]] = {
     "joints": _of_joints(False),
     "joints with dimensions": _of_joints(True),
     "scenes": _OF_SCENES,
-    "scenes run twice": _OF_SCENES
-    | {
-        "agrees_until": Quantity(
-            "Time until which a run at a second tolerance agrees; only for rigid links", "s"
-        )
-    },
 }
 """Results of a case by column, for each form of the cases."""
 
 
 def inputs(form: str) -> dict[str, Parameter]:
     """Parameters of the cases of a form by column."""
-    if form.startswith("scenes"):
+    if form == "scenes":
         return INPUTS["scenes"]
     other, own = (RATIOS, {"depth_star"}) if form != "joints" else (DIMENSIONS, {"depth", "force"})
     return {name: of for name, of in INPUTS["joints"].items() if name not in {*other, *own}}
@@ -171,7 +168,7 @@ def _with_unit(name, text):
     return name, text
 
 
-def form_of(kind: Kind, cases: list[Case], twice: bool, joint: Mapping[str, Any]) -> str:
+def form_of(kind: Kind, cases: list[Case], joint: Mapping[str, Any]) -> str:
     """Form of the cases, a key of `COLUMNS`.
 
     Raises ``ValueError`` for a column that is probably a misspelt parameter, that belongs to
@@ -181,10 +178,6 @@ def form_of(kind: Kind, cases: list[Case], twice: bool, joint: Mapping[str, Any]
     form: str = kind
     if kind == "joints" and not {*RATIOS} & {*columns, *joint}:
         form = "joints with dimensions"
-    if checks.flag("twice", twice):
-        if kind != "scenes":
-            raise ValueError(f"twice applies to scenes only, got {kind}; remove it")
-        form = "scenes run twice"
     if joint and kind == "scenes":
         raise ValueError("joint applies to joints only, got scenes; remove it")
     for column in columns:
@@ -237,102 +230,39 @@ def values_of(form: str, case: Case, joint: Mapping[str, Any]) -> dict[str, Any]
     return merged(joint, values) if form.startswith("joints") else values
 
 
-def prepared(form: str, values: dict[str, Any]) -> tuple[str, Any]:
-    """Key and function of a case, from its values.
+def bodies_of(form: str, values: dict[str, Any]) -> str:
+    """What a case shares with others that are best solved after it: its elastic bodies.
 
-    The function returns the results of the case by column. Cases with the same key share elastic
-    bodies: one process solves several of them. Raises ``ValueError`` for values that do not suit
-    each other.
+    Raises ``ValueError`` for values that do not suit each other.
     """
-    if form.startswith("joints"):
-        return _joint(dict(values))
-    return _scene(dict(values), form == "scenes run twice")
+    if form == "scenes":
+        scene, options = _scene_of(values)
+        ready(scene, **options)
+        return ""
+    joint, *_ = _joint_of(values)
+    return repr((joint.ball_body, joint.socket_body))
 
 
-def _joint(values):
-    asked = {name: values.pop(name) for name in LOADS if name in values}
-    if len(asked) > 1:
-        raise ValueError(f"{' and '.join(asked)} must not both be given; remove one of them")
-    tilt = values.pop("tilt", None)
-    joint = joint_of(values, off_axis=tilt is not None)
-    tilt = joint.default_tilt if tilt is None else tilt
-
-    def solved():
-        if asked:
-            solution = joint.solve(**asked, tilt=tilt, stresses=joint.has_dimensions)
-        else:
-            solution = joint.curve(tilt=tilt, stresses=joint.has_dimensions)
-        names = quantities(joint.has_dimensions)
-        found = {_RENAMED.get(name, name): getattr(solution, name) for name in names}
-        factors = [factor for factor in solution.yield_factor.values() if factor is not None]
-        found["yield_factor"] = np.min(factors, axis=0) if factors else None
-        found["applicability"] = [limits.in_short(each) for each in solution.limits]
-        found["warnings"] = " ".join(joint.warnings)
-        return found | _power(joint, solution.direction_deg)
-
-    return repr((joint.ball_body, joint.socket_body)), solved
-
-
-def _power(joint, tilt):
-    """Power law of a joint by column; empty if it cannot be solved over the range of the fit."""
-    try:
-        fit = (joint.power_law if joint.has_dimensions else joint.power_fit)(tilt=tilt)._asdict()
-    except (ValueError, StudyError):
-        fit = dict.fromkeys(PowerFit._fields)
-    return {f"power_{name}": value for name, value in fit.items()}
-
-
-def _scene(values, twice):
-    scene = Scene(**{name: values.pop(name) for name in described(Scene) if name in values})
-    socket = {name: values.pop(name) for name in SOCKET if name in values}
-    values["law"] = of_name(scene, values.get("law"), **socket)
-    run, again = ready(scene, **values), partial(simulate, scene, **values)
-
-    def simulated():
-        response = run()
-        if not response.complete:
-            raise KeyboardInterrupt
-        angle, crank, coupler = response.crank_angle, scene.crank_length, scene.coupler_length
-        ideal = crank * np.cos(angle) + np.sqrt(coupler**2 - (crank * np.sin(angle)) ** 2)
-        deviation = np.abs(response.slider_position - ideal)
-        try:
-            agreement = second_run(response, again) if twice else None
-        except StudyError as error:
-            raise StudyError(f"the run at a second tolerance failed: {error}") from None
-        return {
-            **{name: getattr(response, name) for name in parameters.quantities(Response)},
-            "delivered_restitution": response.delivered_restitution,
-            "mean_slider_deviation": deviation.mean(),
-            "largest_slider_deviation": deviation.max(),
-            "applicability": limits.in_short(exceeded_limits(scene, response)),
-            "agrees_until": None if agreement is None else agreement.until,
-        }
-
-    return repr((scene, values)), simulated
-
-
-def solve(form: str, several: list[dict[str, Any]]) -> list[list[list[str]]]:
-    """Rows of results of each case: cells with 9 significant digits.
-
-    A case that fails has one row with the reason.
-    """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", checks.UnitWarning)  # the table has the sentences
-        return [_rows(form, values) for values in several]
-
-
-def _rows(form, values):
+def solve(form: str, values: dict[str, Any], twice: bool = False) -> list[list[str]]:
+    """Rows of results of a case: cells with 9 significant digits, and the reason of a failure."""
     columns = COLUMNS[form]
     try:
-        results = prepared(form, values)[1]()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", checks.UnitWarning)  # the table has the sentences
+            results = _simulated(values, twice) if form == "scenes" else _solved(values)
         cells = [_cells(name, results[name]) for name in columns]
     except Exception as error:  # written to the table, and counted: the other cases go on
         known = isinstance(error, ValueError | StudyError)
         reason = str(error) if known else f"{type(error).__name__}: {error}"
-        return [[""] * len(columns) + [" ".join(reason.split())]]
+        return [failed(form, reason)]
     count = max(map(len, cells))
     full = [column * count if len(column) == 1 else column for column in cells]
     return [[*row, ""] for row in zip(*full, strict=True)]
+
+
+def failed(form: str, reason: str) -> list[str]:
+    """Row of a case without results."""
+    return [""] * len(COLUMNS[form]) + [" ".join(reason.split())]
 
 
 def _cells(name, values):
@@ -341,6 +271,69 @@ def _cells(name, values):
     if isinstance(values, str | list):
         return np.atleast_1d(values).tolist()
     return [f"{value:.9g}" for value in np.atleast_1d(checks.number(name, values))]
+
+
+def _joint_of(values):
+    """Joint of a case, its depths or forces, and its tilt."""
+    loads = {name: of for name, of in values.items() if name in LOADS}
+    if len(loads) > 1:
+        raise ValueError(f"{' and '.join(loads)} must not both be given; remove one of them")
+    others = {name: of for name, of in values.items() if name not in (*LOADS, "tilt")}
+    joint = joint_of(others, off_axis="tilt" in values)
+    return joint, loads, values.get("tilt", joint.default_tilt)
+
+
+def _solved(values):
+    joint, loads, tilt = _joint_of(values)
+    solve = joint.solve if loads else joint.curve
+    solution = solve(**loads, tilt=tilt, stresses=joint.has_dimensions)
+    factors = [factor for factor in solution.yield_factor.values() if factor is not None]
+    try:
+        fit = joint.power_law if joint.has_dimensions else joint.power_fit
+        power = fit(tilt=solution.direction_deg)._asdict()
+    except (ValueError, StudyError):  # it cannot be solved over the range of the fit
+        power = dict.fromkeys(PowerFit._fields)
+    return {
+        **{
+            _RENAMED.get(name, name): getattr(solution, name)
+            for name in quantities(joint.has_dimensions)
+        },
+        "yield_factor": np.min(factors, axis=0) if factors else None,
+        **{f"power_{name}": value for name, value in power.items()},
+        "applicability": [limits.in_short(each) for each in solution.limits],
+        "warnings": " ".join(joint.warnings),
+    }
+
+
+def _scene_of(values):
+    """Scene of a case, and the arguments of its simulation."""
+    own = {*described(Scene), *SOCKET}
+    scene = Scene(**{name: values[name] for name in described(Scene) if name in values})
+    socket = {name: values[name] for name in SOCKET if name in values}
+    law = of_name(scene, values.get("law"), **socket)
+    return scene, {name: of for name, of in values.items() if name not in own} | {"law": law}
+
+
+def _simulated(values, twice):
+    scene, options = _scene_of(values)
+    response = simulate(scene, **options)
+    if not response.complete:
+        raise KeyboardInterrupt
+    angle, crank, coupler = response.crank_angle, scene.crank_length, scene.coupler_length
+    ideal = crank * np.cos(angle) + np.sqrt(coupler**2 - (crank * np.sin(angle)) ** 2)
+    deviation = np.abs(response.slider_position - ideal)
+    try:
+        agreement = twice and second_run(response, partial(simulate, scene, **options))
+    except StudyError as error:
+        raise StudyError(f"the run at a second tolerance failed: {error}") from None
+    return {
+        **{name: getattr(response, name) for name in parameters.quantities(Response)},
+        "delivered_restitution": response.delivered_restitution,
+        "mean_slider_deviation": deviation.mean(),
+        "largest_slider_deviation": deviation.max(),
+        "applicability": limits.in_short(exceeded_limits(scene, response)),
+        "agrees_until": agreement.until if agreement else None,
+    }
 
 
 def random_cases(count: int, ranges: Mapping[str, str], seed: int = 0) -> list[Case]:

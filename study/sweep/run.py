@@ -13,9 +13,7 @@ import signal
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Mapping
 from contextlib import closing, nullcontext, suppress
-from functools import partial
 from importlib.metadata import version
-from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,10 +26,9 @@ from study.joint.options import load as load_joint
 from study.joint.options import values_of as values_of_joint
 from study.parameters import Quantity
 from study.sweep import cases as of_cases
-from study.sweep.cases import COLUMNS, ERROR, NAME, Case, Kind
+from study.sweep.cases import COLUMNS, ERROR, NAME, Kind
 
 ANSWERS_WITHIN = 30.0  # s, of a Dask scheduler
-_TASK = 16  # most cases that a process gets at once
 _PACKAGES = ("numpy", "scipy", "numba", "scikit-fem")
 Rows = list[list[str]]
 
@@ -128,138 +125,113 @@ def run_study(
     checks.choice("kind", kind, ("joints", "scenes"))
     if jobs is not None:
         checks.whole("jobs", jobs, least=1)
+    if checks.flag("twice", twice) and kind != "scenes":
+        raise ValueError(f"twice applies to scenes only, got {kind}; remove it")
     cases, output = Path(cases) if isinstance(cases, str) else cases, Path(output)
     if isinstance(cases, Path) and cases.resolve() == output.resolve():
         raise ValueError(f"output must be another file than the cases, got {output}")
     given = of_cases.load(cases)
-    saved = _saved(joint)
-    form = of_cases.form_of(kind, given, twice, saved)
+    saved: dict[str, Any] = {}
+    if joint is not None:
+        saved = values_of_joint(joint) if isinstance(joint, Joint) else load_joint(Path(joint))
+    form = of_cases.form_of(kind, given, saved)
     names = [case.get(NAME, str(row)) for row, case in enumerate(given, 1)]
+    keys = _keys(form, given, saved, twice)
+    rows, tasks = _checked(form, given, saved, keys)
     part = output.with_name(f"{output.name}.part")
-    keys = _keys(form, given, saved)
-    finished = _finished(part, {*keys})
-    tasks, failed = _tasks(form, given, saved, keys, finished)
+    rows |= _finished(part, {*keys})
+    tasks = [(key, values) for key, values in tasks if key not in rows]
     output.parent.mkdir(parents=True, exist_ok=True)
     times = Counter(keys)  # a case may be given several times
-    done = sum(times[key] for key in finished)
-    bad = sum(times[key] for key, (_, reason) in finished.items() if reason)
+    done = sum(times[key] for key in rows)
+    bad = sum(times[key] for key in rows if rows[key][0][-1])
 
     def report():
         if progress is not None:
             progress(done, len(keys), bad)
 
     try:
-        with part.open("a+b") as file:
+        with part.open("a", encoding="utf-8") as file:
             report()
-            with closing(_solved(form, tasks, jobs, dask_address)) as solved:
-                for results in chain([failed], solved):
-                    for key, rows in results.items():
-                        finished[key] = file.seek(0, 2), rows[0][-1]
-                        file.write(json.dumps([key, rows]).encode() + b"\n")
-                        file.flush()
-                        done += times[key]
-                        bad += times[key] * bool(rows[0][-1])
-                        report()
-            count = _write(output, form, given, names, map(partial(_rows, file, finished), keys))
+            with closing(_solved(form, tasks, twice, jobs, dask_address)) as solved:
+                for key, found in solved:
+                    rows[key] = found
+                    file.write(json.dumps([key, found]) + "\n")
+                    file.flush()
+                    done, bad = done + times[key], bad + times[key] * bool(found[0][-1])
+                    report()
+        _write(output, form, given, names, [rows[key] for key in keys])
     except OSError as error:
-        kept = f"{len(finished)} of {len(keys)} cases are kept"
+        kept = f"{len(rows)} of {len(keys)} cases are kept"
         why = f"{error.strerror or error}; {kept}, and the same command continues from there"
         raise OSError(error.errno, why, str(output)) from None
     finally:
-        if not finished:
-            part.unlink(missing_ok=True)  # nothing to go on with
-    part.unlink()
-    reasons = {name: finished[key][1] for name, key in zip(names, keys, strict=True)}
+        if part.is_file() and not part.stat().st_size:
+            part.unlink()  # nothing to go on with
+    part.unlink(missing_ok=True)
+    reasons = {name: rows[key][0][-1] for name, key in zip(names, keys, strict=True)}
     failures = {name: reason for name, reason in reasons.items() if reason}
-    return Swept(len(given), count, COLUMNS[form], failures, _own(form, given))
+    columns = dict.fromkeys(name for case in given for name in case)
+    own = [name for name in columns if name not in (NAME, *of_cases.inputs(form))]
+    return Swept(len(given), sum(len(rows[key]) for key in keys), COLUMNS[form], failures, own)
 
 
-def _saved(joint):
-    """Values of a saved joint by name; none without one."""
-    if joint is None:
-        return {}
-    return values_of_joint(joint) if isinstance(joint, Joint) else load_joint(Path(joint))
-
-
-def _own(form, cases):
-    """Columns that are not parameters of the cases; they are copied to the table."""
-    columns = dict.fromkeys(name for case in cases for name in case)
-    return [name for name in columns if name not in (NAME, *of_cases.inputs(form))]
-
-
-def _keys(form, cases, saved):
+def _keys(form, cases, saved, twice):
     """Key of each case: its values, the library, and the packages that decide a result."""
     packages = ("", "contact", "joint", "mechanism", "sweep")
     library = paths.sources(*packages, suffixes=(".py", ".csv", ".json", ".toml"))
-    code = paths.digest(library, saved, *(version(package) for package in _PACKAGES))
+    code = paths.digest(library, saved, twice, *(version(package) for package in _PACKAGES))
     known = of_cases.inputs(form)
     values = (sorted(cell for cell in case.items() if cell[0] in known) for case in cases)
     return [paths.digest([], code, form, of_case) for of_case in values]
 
 
-def _finished(part: Path, keys: set[str]) -> dict[str, tuple[int, str]]:
-    """Place in a part file, and reason of a failure, of each case by key.
+def _checked(form, cases, saved, keys):
+    """Rows of invalid cases by key, and keys and values of the others, sorted by their bodies.
 
-    Memory has no rows of results. Damaged lines and other cases are left out.
+    Raises ``ValueError`` if no case is valid.
     """
-    finished: dict[str, tuple[int, str]] = {}
-    if not part.is_file():
-        return finished
-    with part.open("r+b") as file:
-        place, line = 0, b"\n"
-        for line in file:
-            with suppress(ValueError, TypeError, LookupError):  # cut by the end of a process
-                key, rows = json.loads(line)
-                if key in keys:
-                    finished[key] = place, rows[0][-1]
-            place += len(line)
-        if not line.endswith(b"\n"):
+    failed, valid, reasons = {}, {}, []
+    for row, (key, case) in enumerate(zip(keys, cases, strict=True), 1):
+        try:
+            values = of_cases.values_of(form, case, saved)
+            valid[key] = of_cases.bodies_of(form, values), values
+        except ValueError as error:
+            reasons.append(f"row {row}: {error}")
+            failed[key] = [of_cases.failed(form, str(error))]
+    if not valid:
+        raise ValueError(reasons[0])
+    tasks = [(bodies, key, values) for key, (bodies, values) in valid.items()]
+    return failed, [(key, values) for _, key, values in sorted(tasks, key=lambda task: task[0])]
+
+
+def _finished(part: Path, keys: set[str]) -> dict[str, Rows]:
+    """Rows of finished cases by key, without damaged lines of a part file and other cases."""
+    finished: dict[str, Rows] = {}
+    text = part.read_bytes() if part.is_file() else b""
+    for line in text.splitlines():
+        with suppress(ValueError, TypeError):  # cut by the end of a process
+            key, rows = json.loads(line)
+            if key in keys:
+                finished[key] = rows
+    if text and not text.endswith(b"\n"):
+        with part.open("ab") as file:
             file.write(b"\n")
     return finished
 
 
-def _rows(file, finished, key):
-    """Rows of a finished case."""
-    file.seek(finished[key][0])
-    return json.loads(file.readline())[1]
-
-
-def _tasks(form, cases, saved, keys, finished):
-    """Tasks for a process, values by key that share elastic bodies; and rows of invalid cases.
-
-    Raises ``ValueError`` if no case is valid.
-    """
-    groups: dict[str, dict[str, Any]] = {}
-    failed: dict[str, Rows] = {}
-    valid, reasons = 0, []
-    for row, (key, case) in enumerate(zip(keys, cases, strict=True), 1):
-        try:
-            values = of_cases.values_of(form, case, saved)
-            bodies, _ = of_cases.prepared(form, values)
-            valid += 1
-        except ValueError as error:
-            reasons.append(f"row {row}: {error}")
-            failed[key] = [[""] * len(COLUMNS[form]) + [" ".join(str(error).split())]]
-            continue
-        if key not in finished:
-            groups.setdefault(bodies, {})[key] = values
-    if not valid:
-        raise ValueError(reasons[0])
-    tasks = []
-    for group in groups.values():
-        items = [*group.items()]
-        tasks += [dict(items[k : k + _TASK]) for k in range(0, len(items), _TASK)]
-    return tasks, {key: rows for key, rows in failed.items() if key not in finished}
-
-
 def _solved(
-    form: str, tasks: list[dict[str, Any]], jobs: int | None, dask_address: str | None
-) -> Generator[dict[str, Rows]]:
-    """Rows of cases by key, as they are finished."""
+    form: str,
+    tasks: list[tuple[str, dict[str, Any]]],
+    twice: bool,
+    jobs: int | None,
+    dask_address: str | None,
+) -> Generator[tuple[str, Rows]]:
+    """Keys and rows of cases, as they are finished."""
     count = min(jobs or joblib.cpu_count(), len(tasks))
     if dask_address is None and count < 2:  # here, without the start of a process
-        for key, values in (item for task in tasks for item in task.items()):
-            yield {key: of_cases.solve(form, [values])[0]}
+        for task in tasks:
+            yield _solve(form, *task, twice)
         return
     client, backend = nullcontext(), {"backend": "loky", "initializer": _leave_interrupts}
     if dask_address is not None:
@@ -267,8 +239,10 @@ def _solved(
     with client, joblib.parallel_config(**backend):
         parallel = joblib.Parallel(-1 if dask_address else count, return_as="generator_unordered")
         try:
-            with closing(parallel(joblib.delayed(_task)(form, task) for task in tasks)) as results:
-                yield from results
+            with closing(
+                parallel(joblib.delayed(_solve)(form, *of, twice) for of in tasks)
+            ) as all_:
+                yield from all_
         except joblib.externals.loky.process_executor.TerminatedWorkerError as error:
             raise StudyError(
                 "a worker process ended, perhaps because memory was short; use fewer --jobs; "
@@ -276,8 +250,8 @@ def _solved(
             ) from error
 
 
-def _task(form, task):
-    return dict(zip(task, of_cases.solve(form, [*task.values()]), strict=True))
+def _solve(form, key, values, twice):
+    return key, of_cases.solve(form, values, twice)
 
 
 def _leave_interrupts():
@@ -286,37 +260,33 @@ def _leave_interrupts():
 
 
 def _write(output, form, cases, names, rows_of_cases):
-    """Write the table, and return the number of its rows."""
+    """Write the table: parameters in SI units, and texts that no spreadsheet takes for formulas."""
     columns = dict.fromkeys(name for case in cases for name in case)
     given = [name for name in columns if name not in (NAME, *COLUMNS[form])]
-    count = 0
+    known = of_cases.inputs(form)
+
+    def cell(case, column):
+        text, about = case.get(column, ""), known.get(column)
+        with suppress(ValueError):
+            if text and about and about.unit:
+                return about.written(about.read(column, text))
+        return text
+
     with paths.whole(output) as temporary, temporary.open("w", encoding="utf-8", newline="") as to:
         table = csv.writer(to, lineterminator="\n")
         table.writerow([NAME, *given, *COLUMNS[form], ERROR])
         for name, case, rows in zip(names, cases, rows_of_cases, strict=True):
-            before = [_plain(cell) for cell in (name, *(_written(form, case, n) for n in given))]
+            before = [_plain(text) for text in (name, *(cell(case, column) for column in given))]
             table.writerows([*before, *row] for row in rows)
-            count += len(rows)
-    return count
-
-
-def _written(form: str, case: Case, name: str) -> str:
-    """Cell of a parameter: a number in SI units, else the text that was given."""
-    about, text = of_cases.inputs(form).get(name), case.get(name, "")
-    try:
-        return about.written(about.read(name, text)) if about and about.unit and text else text
-    except ValueError:
-        return text
 
 
 def _plain(text):
     """A text that no spreadsheet takes for a formula: after an apostrophe, unless a number."""
-    if not text.startswith(checks.FORMULA):
-        return text
-    try:
-        float(text)
-    except ValueError:
-        return f"'{text}"
+    if text.startswith(checks.FORMULA):
+        try:
+            float(text)
+        except ValueError:
+            return f"'{text}"
     return text
 
 

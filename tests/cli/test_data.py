@@ -40,11 +40,11 @@ def test_cases_are_csv_where_piped_and_fit_a_terminal(run, on_a_terminal):
 
 
 def test_cases_are_a_table_on_a_wide_terminal(run, on_a_terminal, monkeypatch):
-    monkeypatch.setattr(output, "_terminal", lambda: 200)
+    monkeypatch.setattr(output, "_terminal", lambda: 400)
     lines = on_a_terminal("data", "show")
     cases = dataset.summary(dataset.load())
     assert lines[0].startswith(f"{len(cases)} cases.")
-    assert max(map(len, lines)) <= 200
+    assert max(map(len, lines)) <= 400
     assert [line.split()[0] for line in lines[-len(cases) :]] == list(cases.case)
     assert "poisson" in lines[2]
 

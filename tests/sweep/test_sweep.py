@@ -63,7 +63,7 @@ def test_random_cases_give_the_same_bytes_with_one_process_and_two(tmp_path, kin
     assert list(table.case.unique()) == list(range(1, 13))
     assert list(table) == ["case", *ranges, *COLUMNS[kind], "error"]
     empty = table.columns[table.isna().all()]
-    assert set(empty) == {"error", *(OFF_AXIS if kind == "joints" else ())}
+    assert set(empty) == {"error", *(OFF_AXIS if kind == "joints" else ["agrees_until"])}
     assert table.drop(columns=empty).notna().all(axis=None)
 
 
@@ -129,10 +129,10 @@ def test_scenes_run_twice_say_until_when_they_can_be_trusted(tmp_path):
     wild = {"restitution": 1.0, "friction": 0.0}
     given = [{"duration": 0.01}, wild, {"joint": "ideal"}, {"model": "beams", "duration": 1e-4}]
     once = swept(given, "scenes", tmp_path / "table.csv")[1]
-    found, table = swept(given, "scenes", tmp_path / "table.csv", twice=True)
-    assert found.columns == COLUMNS["scenes run twice"]
-    run = partial(simulate, Scene(**wild))
-    agreement = compare.second_run(run(), run)
+    assert once.pop("agrees_until").isna().all()
+    table = swept(given, "scenes", tmp_path / "table.csv", twice=True)[1]
+    again = partial(simulate, Scene(**wild))
+    agreement = compare.second_run(again(), again)
     assert 0.001 < agreement.until < 0.1
     expected = [0.01, agreement.until, np.nan, np.nan]
     assert table.agrees_until.to_list() == pytest.approx(expected, nan_ok=True)
@@ -215,17 +215,8 @@ def test_a_case_that_fails_is_a_row_with_its_reason(tmp_path, monkeypatch):
         raise KeyError("lost\nit")
 
     monkeypatch.setattr(Joint, "solve", broken)
-    ((row,),) = cases.solve("joints", [{"r2_star": 50.0, "depth_star": (0.1,)}])
+    (row,) = cases.solve("joints", {"r2_star": 50.0, "depth_star": (0.1,)})
     assert row[-1] == "KeyError: 'lost\\nit'"
-
-
-def test_a_case_that_fails_before_the_work_keeps_no_other_waiting(tmp_path, monkeypatch):
-    given, calls, solve = [{"restitution": 2}, *random_cases(3, SCENES)], [], cases.solve
-    monkeypatch.setattr(cases, "solve", lambda *words: calls.append(1) or solve(*words))
-    assert stopped(given, tmp_path / "table.csv", 2) == 0
-    assert len(calls) == 1
-    assert len((tmp_path / "table.csv.part").read_text().splitlines()) == 2
-    assert stopped(given, tmp_path / "table.csv", 9) == 2
 
 
 @pytest.mark.slow
@@ -257,9 +248,9 @@ def test_the_table_of_the_examples_can_be_solved(tmp_path):
     text = (paths.ROOT / "examples/README.md").read_text(encoding="utf-8")
     (tmp_path / "cases.csv").write_text(re.search(r"```text\n(case,.*?)```", text, re.DOTALL)[1])
     given = cases.load(tmp_path / "cases.csv")
-    form = cases.form_of("joints", given, False, {})
+    form = cases.form_of("joints", given, {})
     for case in given:
-        cases.prepared(form, cases.values_of(form, case, {}))  # raises if it is impossible
+        cases.bodies_of(form, cases.values_of(form, case, {}))  # raises if it is impossible
 
 
 def test_units_catalogues_and_a_saved_joint(run, tmp_path):
@@ -322,18 +313,6 @@ def test_a_column_that_may_be_meant_as_another_is_refused(column, message):
         cases.check_own(form, column)
     for other in ("part", "socket_mass", "wall_2", "bolt", "id", "lot", "force_note"):
         cases.check_own(form, other)
-
-
-def test_a_process_gets_cases_that_share_bodies_and_others_alone():
-    """A process keeps its results together, so that slow ones would be lost if it is stopped."""
-    for kind, ranges, sizes in (
-        ("joints", {"r2_star": "20:2000", "poisson": "0.28,0.3"}, [16, 2, 16, 6]),
-        ("scenes", {"restitution": "0.2:0.95", "model": "particles"}, 40 * [1]),
-    ):
-        keys = [*map(str, range(40))]
-        tasks, _ = run._tasks(kind, random_cases(40, ranges, seed=1), {}, keys, {})
-        assert sorted(map(len, tasks)) == sorted(sizes)
-        assert sorted((key for task in tasks for key in task), key=int) == keys
 
 
 def test_on_a_dask_cluster(tmp_path):
@@ -454,10 +433,10 @@ def test_a_file_with_a_failing_case_by_the_command_line(command, tmp_path, monke
 def test_an_interrupted_study_says_what_is_kept(command, tmp_path, monkeypatch):
     text, real = "r2_star,depth_star\n50,0.1\n60,0.1\n70,0.1\n", cases.solve
 
-    def solve(form, given):
-        if given[0]["r2_star"] == 70:
+    def solve(form, values, twice):
+        if values["r2_star"] == 70:
             raise KeyboardInterrupt
-        return real(form, given)
+        return real(form, values, twice)
 
     with monkeypatch.context() as patched:
         patched.setattr(cases, "solve", solve)
