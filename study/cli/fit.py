@@ -184,18 +184,27 @@ def read_curve(path, heads, units):
     table = read_table(path)
     if not table.rows:
         raise ValueError(f"{path} must have a line of column names and a row for each point")
-    values, found = [], {}
-    for what, head in heads.items():
-        column = _column(table.names, what, head)
+    values, found = [], []
+    for what, unit in SI.items():
+        column = _column(table.names, what, heads[what])
         cells = [row[column] for row in table.rows]
-        found[what] = _unit(table.names[column], cells, what, units[what])
-        values.append(_numbers(cells, what, found[what]))
-    if (found["depth"] == NO_UNIT) != (found["force"] == NO_UNIT):
+        found.append(_unit(table.names[column], cells, what, units[what]))
+        scale = 0 if found[-1] == NO_UNIT else checks.exponent_of(found[-1], unit)
+        for k, text in enumerate(cells, 1):
+            name = f"{what} in row {k}"
+            if found[-1] != NO_UNIT and re.search("[0-9.] *[a-zA-Z]+$", text):
+                cells[k - 1] = checks.read(name, text, unit=unit)
+            else:
+                cells[k - 1] = checks.read(name, text) * 10.0**scale
+            if not np.isfinite(cells[k - 1]):
+                raise ValueError(f"{name} must be a finite number, got {text}; remove the row")
+        values.append(np.array(cells))
+    if NO_UNIT in found and found != [NO_UNIT, NO_UNIT]:
         raise ValueError(
             "depth and force must either both have units or both be normalised (unit none), got "
-            f"the units {found['depth']} and {found['force']}"
+            f"the units {' and '.join(found)}"
         )
-    return *values, found["depth"] != NO_UNIT
+    return *values, NO_UNIT not in found
 
 
 def _column(names, what, head):
@@ -208,13 +217,12 @@ def _column(names, what, head):
     ]
     if len(found) == 1:
         return found[0]
-    option, listed = f"--{what}-column", ", ".join(names)
-    if not found:
-        raise ValueError(
-            f"no column is named {wanted or what}; select one of {listed} with {option}"
-        )
-    several = ", ".join(names[k] for k in found)
-    raise ValueError(f"several columns may be the {what}: {several}; select one with {option}")
+    if found:
+        several = ", ".join(names[k] for k in found)
+        why = f"several columns may be the {what}: {several}; select one"
+    else:
+        why = f"no column is named {wanted or what}; select one of {', '.join(names)}"
+    raise ValueError(f"{why} with --{what}-column")
 
 
 def _unit(head, cells, what, given):
@@ -235,20 +243,6 @@ def _unit(head, cells, what, given):
         f"{examples}, or none; write it in the column's name, for example {what} [{examples}], "
         f"{got}"
     )
-
-
-def _numbers(cells, what, unit):
-    values = []
-    scale = 0 if unit == NO_UNIT else checks.exponent_of(unit, SI[what])
-    for k, text in enumerate(cells, 1):
-        name = f"{what} in row {k}"
-        if unit != NO_UNIT and text[-1:].isalpha() and text.lower() not in ("nan", "inf"):
-            values.append(checks.read(name, text, unit=SI[what]))
-        else:
-            values.append(checks.read(name, text) * 10.0**scale)
-        if not np.isfinite(values[-1]):
-            raise ValueError(f"{name} must be a finite number, got {text}; remove the row")
-    return np.array(values)
 
 
 def _values(found):

@@ -7,8 +7,7 @@ from typing import get_args
 
 from study import compiled
 from study.checks import StudyError
-from study.choose import choose_model
-from study.choose.model import QUANTITIES
+from study.choose.model import QUANTITIES, choose_model
 from study.cli import options as cli
 from study.cli.output import check_output, show, table_of, working
 from study.contact import LAWS, SOCKET_RATIO

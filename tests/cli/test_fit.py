@@ -96,14 +96,6 @@ def test_constants_of_the_user_are_compared_with_the_elastic_solution(run):
     assert "differs from the elastic solution" in run("fit", *SIZES, *words)[1]
     with_curve = json.loads(run("fit", MADE, *SIZES, *words, "--fit", "offset", "--json")[1])
     assert with_curve["tried"]["depths"] == with_curve["power"]["depths"]
-    for bad, message in (
-        (("--try-power", "1e9"), "--try-power must be two numbers separated by a comma"),
-        (("--try-power", "1e9,-1", *SIZES), "exponent of --try-power must be > 0, got -1"),
-        (("--try-power", "1e9,1.5"), "--try-power must be given with a joint with dimensions"),
-        ((), "FILE or --try-power must be given"),
-    ):
-        status, _, err = run("fit", *bad)
-        assert (status, message in err) == (2, True)
 
 
 def test_a_curve_in_clearances(run, written, tmp_path):
@@ -139,10 +131,3 @@ def test_bad_files(run, tmp_path, text):
     status, out, err = run("fit", path, *SIZES)
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert BAD[text] in err
-
-
-def test_bad_options(run, tmp_path):
-    status, _, err = run("fit", tmp_path / "none.csv")
-    assert (status, "FILE must be a CSV file" in err) == (2, True)
-    status, _, err = run("fit", MADE, "--r2-star", 200)
-    assert (status, "must be given because the curve has units" in err) == (2, True)

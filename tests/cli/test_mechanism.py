@@ -113,29 +113,6 @@ def test_a_second_run_that_ends_early_loses_nothing(run, tmp_path, monkeypatch, 
     assert "second tolerance" not in run("simulate", "--duration", "0.01", "--once")[1]
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--scene", "friction"], "--scene must be KEY=VALUE"),
-        (["--elements", "2,2", "--model", "auto"], "--elements does not apply to model auto"),
-        (["--law", "hertz", "--wall", "5e-3"], "wall does not apply to the law hertz; remove it"),
-        (["--law", "winkler", "--option", "n=2"], "with KEY one of coefficient, got 'n=2'"),
-        (["--law", "winkler", "--option", "coefficient"], "must be KEY=VALUE with KEY one of c"),
-        (["--option", "n=2"], "one of nothing, as this law has no numbers to choose, got 'n=2'"),
-        (["--law", "steuermann", "--option", "n=0"], "n must be >= 1 and <= 50, got 0"),
-        (["--law", "power", "--option", "exponent=2"], "coefficient and exponent of the law power"),
-        (
-            ["--law", "winkler", "--option", "coefficient=3", "--wall", "5e-3"],
-            "--wall does not apply to a law with its own numbers (--option); remove it",
-        ),
-    ],
-)
-def test_what_does_not_fit_is_refused(run, words, message):
-    status, out, err = run("simulate", *words)
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert message in err
-
-
 def test_simulate_auto_tells_what_it_chose(run):
     words = ["--model", "auto", "--tolerance", 0.001, "--duration", 0.05]
     status, out, err = run("simulate", *words, "--json")

@@ -90,61 +90,6 @@ def test_the_program_lists_every_command_with_its_own_first_sentence(run):
     assert all(f" {name} {text}" in listed for name, (_, text) in COMMANDS.items())
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (
-            ["law", "hertz", "--r2-star", "0.5", "--depth-star", "1"],
-            "--r2-star must be > 1, got 0.5",
-        ),
-        (["law", "hertz", "--r2-star", "200"], "--depth-star must be given"),
-        (
-            ["law", "hertz", "--r2-star", "2_00", "--depth-star", "1"],
-            "--r2-star must be a number, got '2_00'",
-        ),
-        (["joint", "--r2star", "9", "--depth-star", "1"], "No such option '--r2star'"),
-        (["run", "-p", "r2_star=100"], "-p must be given with a NAME, for example: study run"),
-        (["walk"], "No such command 'walk'"),
-        (["run", "fig10", "-p", "r2_star=210"], "must be one of 20, 40, 60, 80, 100, 120, 140, 16"),
-    ],
-)
-def test_wrong_use_is_one_line_and_status_2(run, words, message):
-    status, out, err = run(*words)
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert message in err
-
-
-@pytest.mark.parametrize(
-    ("words", "near"),
-    [
-        (["simulate", "--scene", "clearence=1e-5"], "clearance"),
-        (["run", "fig10", "-p", "r2star=100"], "r2_star"),
-        (["law", "hooke", "--r2-star", 200, "--depth-star", 0.1], None),
-    ],
-)
-def test_a_wrong_name_is_answered_by_the_nearest_one(run, words, near):
-    status, out, err = run(*words)
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert err.endswith(f": did you mean {near}?\n") == bool(near)
-    assert ("did you mean" in err) == bool(near)
-
-
-@pytest.mark.parametrize(
-    ("name", "near"),
-    [
-        ("Fig.14", "fig14"),
-        ("fig9", "fig09"),
-        ("Figure 14", "fig14"),
-        ("fig99", None),
-        ("something-else-altogether", None),
-    ],
-)
-def test_an_unknown_result_is_answered_by_the_nearest_one(run, name, near):
-    status, out, err = run("run", name)
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert err.endswith(f"got {name!r}: did you mean {near}?\n" if near else f"got {name!r}\n")
-
-
 def test_list_is_csv_where_piped_and_by_notebook_on_a_terminal(run, on_a_terminal):
     status, out, err = run("list")
     assert (status, err) == (0, "")
