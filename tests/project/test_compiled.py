@@ -27,8 +27,9 @@ def run(cache):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("damage", [lambda b: b[: len(b) // 2], lambda b: b"junk", lambda b: b""])
-@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+@pytest.mark.parametrize(
+    ("suffix", "damage"), [(".nbi", lambda b: b"junk"), (".nbc", lambda b: b[: len(b) // 2])]
+)
 def test_a_damaged_cache_is_compiled_again(tmp_path, suffix, damage):
     silent, first = run(tmp_path)
     assert silent == ""
