@@ -50,7 +50,8 @@ The crank-slider with a law by name, a joint with dimensions, or a function as i
 12
 >>> mine = simulate(law=lambda depth, r2_star: 300 * depth**1.5, duration=0.002)
 >>> own = simulate(Scene(socket_radius=12.5e-3, clearance=40e-6), law=bronze, duration=0.002)
->>> least = choose.choose_model(paper_scene(), tolerance=0.001)
+>>> from study.choose.model import choose_model
+>>> least = choose_model(paper_scene(), tolerance=0.001)
 >>> print(least.model, least.joint)
 rigid clearance
 """
