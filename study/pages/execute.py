@@ -12,9 +12,6 @@ from study import checks, paths, threads
 from study.pages.catalogue import Notebook
 
 _COMMENT = re.compile(r"(.*?)\s*(?:\[([^][]*)\])?")  # meaning and values allowed
-_RETURNED = re.compile(
-    r"\[|Text\(|<\w*(matplotlib|Axes|Container)|\(array\("
-)  # by a call for a plot
 _OTHER_NUMBER = re.compile(r"\d_\d|\b0[xob]", re.IGNORECASE)  # Python's own: 1_00, 0x64
 RADII = "a radius of the dataset"
 """Values allowed for a normalised socket radius whose curves are read from the dataset."""
@@ -177,9 +174,16 @@ def execute(
                 shutdown_kernel="immediate",  # its results are written
                 extra_arguments=["--log-level=50"],  # or it prints that it is interrupted then
             )
-            _refuse_edited(notebook, before)
-            _refuse_returned(notebook, copy)
-            _refuse_other_files(notebook, {path.name for path in made.iterdir()})
+            saved, wanted = {path.name for path in made.iterdir()}, set(notebook.files())
+            for path, stamp in _stamps(notebook).items():
+                if before.get(path) != stamp:  # the results may be of two versions of a file
+                    edited = f"{paths.shown(path)} was edited while it ran"
+                    raise NotebookError(f"{notebook.name}: {edited}; run it again")
+            if missing := ", ".join(sorted(wanted - saved)):
+                raise NotebookError(f"{notebook.name} did not save {missing}")
+            if extra := ", ".join(sorted(saved - wanted)):
+                unnamed = "which notebooks/catalogue.toml does not name"
+                raise NotebookError(f"{notebook.name} saved {extra}, {unnamed}")
         except papermill.PapermillExecutionError as error:
             where = f"{notebook.name}, cell In[{error.exec_count}]"
             seen = f"the cells that were run are in {paths.shown(failed)}"
@@ -201,32 +205,3 @@ def _stamps(notebook):
     data = (path for suffix in ("csv", "json") for path in paths.DATA.rglob(f"*.{suffix}"))
     files = (notebook.path, *paths.STUDY.rglob("*.py"), *data)
     return {path: path.stat().st_mtime_ns for path in files}
-
-
-def _refuse_edited(notebook, before):
-    """Refuse results that may be of two versions of a file."""
-    for path, stamp in _stamps(notebook).items():
-        if before.get(path) != stamp:
-            edited = f"{paths.shown(path)} was edited while it ran"
-            raise NotebookError(f"{notebook.name}: {edited}; run it again")
-
-
-def _refuse_other_files(notebook, made):
-    """Refuse results that are missing or not in the catalogue."""
-    wanted = set(notebook.files())
-    if missing := ", ".join(sorted(wanted - made)):
-        raise NotebookError(f"{notebook.name} did not save {missing}")
-    if extra := ", ".join(sorted(made - wanted)):
-        raise NotebookError(
-            f"{notebook.name} saved {extra}, which notebooks/catalogue.toml does not name"
-        )
-
-
-def _refuse_returned(notebook, executed):
-    """Refuse an executed notebook that shows what a call for a plot returns."""
-    for cell in json.loads(executed.read_text(encoding="utf-8"))["cells"]:
-        for data in (output.get("data", {}) for output in cell.get("outputs", ())):
-            text = "".join(data["text/plain"]) if [*data] == ["text/plain"] else ""
-            if _RETURNED.match(text):
-                where = f"{notebook.name}, cell In[{cell['execution_count']}]"
-                raise NotebookError(f"{where} shows {checks.shown(text)}; end its last line with ;")

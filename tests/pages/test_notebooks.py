@@ -8,7 +8,6 @@ from collections import Counter
 
 import nbformat
 import pytest
-from nbformat import v4
 
 from study import paths
 from study.pages import catalogue, execute
@@ -125,17 +124,6 @@ def test_settings_reach_the_notebooks_that_have_them():
 
 
 @pytest.mark.parametrize(
-    ("settings", "folder"),
-    [
-        ({"r2_star": 100.05, "kinematics": "small"}, "kinematics=small,r2_star=100.05"),
-        ({"laws": ["hertz", "a/b:c"]}, "laws=hertz,abc"),
-    ],
-)
-def test_settings_name_a_folder_that_every_system_takes(settings, folder):
-    assert execute.folder_with(settings) == paths.BUILD / "with" / folder
-
-
-@pytest.mark.parametrize(
     ("setting", "message"),
     [
         ("r2star=100", "parameter must be one of kinematics, largest_depth, r2_star, shallow, got"),
@@ -154,27 +142,3 @@ def test_wrong_settings_stop_before_anything_runs(setting, message):
 def test_a_notebook_comes_after_those_it_reads_from():
     made = {name for nb in catalogue.CATALOGUE for name in nb.results}
     assert all(set(nb.reads) <= made - set(nb.results) for nb in catalogue.CATALOGUE)
-
-
-@pytest.mark.parametrize(
-    ("shown", "refused"),
-    [
-        ({"text/plain": "<matplotlib.lines.Line2D at 0x7f>"}, True),
-        ({"text/plain": "<BarContainer object of 3 artists>"}, True),
-        ({"text/plain": "depth_star    0.5\nName: 3, dtype: float64"}, False),
-        ({"text/plain": "<IPython.core.display.Markdown object>", "text/markdown": "Yes."}, False),
-        ({"text/plain": "[1 rows x 2 columns]", "text/html": "<table></table>"}, False),
-    ],
-)
-def test_what_a_call_for_a_plot_returns_is_refused(shown, refused, tmp_path):
-    notebook, executed = catalogue.CATALOGUE[0], tmp_path / "executed.ipynb"
-    output = v4.new_output("execute_result", shown, execution_count=3)
-    cells = [v4.new_markdown_cell("# Why?"), v4.new_code_cell("axes.plot([])")]
-    cells[1] |= {"outputs": [output], "execution_count": 3}
-    nbformat.write(v4.new_notebook(cells=cells), executed)
-    if not refused:
-        execute._refuse_returned(notebook, executed)
-        return
-    wanted = re.escape(f"{notebook.name}, cell In[3] shows {shown['text/plain']!r}")
-    with pytest.raises(execute.NotebookError, match=wanted):
-        execute._refuse_returned(notebook, executed)

@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 
 import pytest
 import typst
@@ -14,7 +13,6 @@ from study.joint import reference_joint
 from study.pages import typeset
 
 TEXT = typeset.SOURCE.read_text(encoding="utf-8")
-TEXT_ROOT = paths.ROOT
 SUPPLEMENT = paths.PAPER / "supplement.typ"
 BOTH = TEXT + SUPPLEMENT.read_text(encoding="utf-8")
 
@@ -95,21 +93,6 @@ def test_what_is_missing_stops_the_paper(tmp_path, monkeypatch, old, new):
     with pytest.raises(StudyError, match=r"^paper/(paper|look|results|numbers)\.typ, line \d+: "):
         typeset.typeset(source, tmp_path / "paper.pdf")
     assert not (tmp_path / "paper.pdf").exists()
-
-
-def test_a_missing_number_stops_the_paper(tmp_path, monkeypatch):
-    source, pdf = copy(tmp_path, monkeypatch, "", ""), tmp_path / "paper.pdf"
-    typeset.typeset(source, pdf)
-    whole = pdf.read_bytes()
-    figures = source.parents[1] / "figures"
-    figures.unlink()  # a link
-    shutil.copytree(TEXT_ROOT / "figures", figures)
-    table = figures / "table2.csv"
-    lines = table.read_text(encoding="utf-8").splitlines(keepends=True)
-    table.write_text("".join(line for line in lines if not line.startswith("hertz,RMSE")))
-    with pytest.raises(StudyError, match=r"^paper/.*figures/table2.csv has no row with "):
-        typeset.typeset(source, pdf)
-    assert pdf.read_bytes() == whole
 
 
 def test_the_references_asked_of_such_a_paper_are_cited():

@@ -99,17 +99,6 @@ def test_laws_joints_simulations_and_exports_work(installed):
     assert not (installed / "site/build").exists()
 
 
-COMPILES = "from study.mechanism import angles; print(angles.norm(3.0, 4.0))"
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems' folders have other names")
-def test_compiled_code_is_kept_in_the_users_cache_folder(installed, tmp_path):
-    done = run(installed, "-c", COMPILES, XDG_CACHE_HOME=str(tmp_path))
-    assert done.returncode == 0, done.stderr
-    assert list(tmp_path.glob("spherical-clearance-joint-study/compiled/*/mechanism_*/*.nbi"))
-    assert not list((installed / "site").rglob("*.nbi"))
-
-
 def not_in_the_base():
     """Names of all installed packages that a base install does not bring."""
     project = tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -170,11 +159,3 @@ def test_a_command_of_the_study_says_in_a_base_install_what_to_install(installed
             needs = ".* requires a checkout of the project, .*\n"
         assert (status, out) == (1, ""), command
         assert re.fullmatch(f"study: {needs}", err), err
-
-
-def test_what_needs_a_checkout_says_so_in_one_line(installed):
-    commands = [*STUDY, *PROJECT]
-    done = several(installed, commands)
-    for command, (status, out, err) in zip(commands, done, strict=True):
-        assert (status, out) == (1, ""), command
-        assert re.fullmatch("study: .* requires a checkout of the project, .*\n", err), command
