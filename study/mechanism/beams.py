@@ -22,7 +22,6 @@ from study.mechanism import stepping
 from study.mechanism.angles import direction, norm, sine_cosine
 from study.mechanism.frame import straight_links
 from study.mechanism.scene import Body, Scene
-from study.mechanism.slide import slide
 from study.mechanism.stepping import JointOutput
 
 SPECTRAL_RADIUS = 0.8
@@ -232,10 +231,6 @@ def _forces(q, v, system, state, regime, p, law, force, matrix, tangent):
     for i in range(len(force)):
         force[i] = -system.load[i]
     energy = _internal(q, system.sections, system.unknowns, force, matrix, by_q)
-    of_slide = slide(p, q[ball.slider], v[ball.slider])
-    energy += of_slide.energy
-    force[ball.slider] -= of_slide.force
-    matrix[ball.slider, BAND] -= by_q * of_slide.by_position + by_v * of_slide.by_speed
     if system.ideal:
         return energy, NO_CONTACT
     contact, stiff, damp = _contact(q, v, ball, state.contact, state.approach, regime, p, law)
@@ -380,9 +375,6 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
             begun = True
         state.steps += 1
         state.time = state.steps * h
-        for of in (motion, new):
-            place, rate = of[PLACES, system.ball.slider], of[RATES, system.ball.slider]
-            state.lost_damping += 0.5 * h * slide(p, place, rate).loss
         if state.contact:
             if not depth <= p.clearance:
                 state.limit = p.clearance
@@ -430,16 +422,15 @@ def _write_output(row, state, motion, force, system, joint, strain, p):
         work += system.load[i] * q[i]
         for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
             kinetic += 0.5 * v[i] * system.mass[i, BAND + j - i] * v[j]
-    of_slide = slide(p, q[ball.slider], v[ball.slider])
     if system.ideal:
-        fx = p.m3 * _true_acceleration(motion, ball.x) - of_slide.force
+        fx = p.m3 * _true_acceleration(motion, ball.x)
         fy = -_reaction(ball.y, force, motion, system.mass)
         joint = JointOutput(0.0, 0.0, 0.0, norm(fx, fy), 0.0, fx, fy)
     row.crank_angle, row.crank_speed = q[CRANK], v[CRANK]
     row.crank_acceleration = _true_acceleration(motion, CRANK)
     row.driving_moment = p.moment + state.drive_moment
     row.slider_position, row.slider_velocity = q[ball.slider], v[ball.slider]
-    row.slider_acceleration = (joint.force_x + of_slide.force) / p.m3
+    row.slider_acceleration = joint.force_x / p.m3
     row.coupler_angle = direction(q[ball.y] - q[pin + 1], q[ball.x] - q[pin])
     row.coupler_speed = v[ball.turn]
     row.work, row.kinetic, row.elastic = work, kinetic, strain

@@ -9,11 +9,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from study.contact.forces import NODES, WEIGHTS
 from study.mechanism.response import OUTPUT
 from study.mechanism.rigid import Pose, loads, work_of_loads
 from study.mechanism.scene import Scene
-from study.mechanism.slide import slide
 from study.mechanism.stepping import Block, MechanismError, new_impacts
 
 BLOCKS = 100
@@ -37,28 +35,25 @@ def _drive(p, theta, omega):
     pose, phi1, phi2, x1, x2 = _kinematics(p, theta)
     st, ct, sp, cp = pose.st, pose.ct, pose.sp, pose.cp
     sd, cd = st * cp - ct * sp, ct * cp + st * sp
-    load, of_slide = loads(p, pose), slide(p, pose.slider, x1 * omega)
+    load = loads(p, pose)
     inertia = p.a11 + p.a22 * phi1**2 + 2 * p.a12 * cd * phi1 + p.m3 * x1**2
     half = p.a22 * phi1 * phi2 + p.a12 * (cd * phi2 - sd * (1 - phi1) * phi1) + p.m3 * x1 * x2
-    moment = load.drive + load.crank + load.coupler * phi1 + of_slide.force * x1 - half * omega**2
+    moment = load.drive + load.crank + load.coupler * phi1 - half * omega**2
     if p.steady:
         return 0.0 * theta, -moment
     return moment / inertia, load.drive + 0.0 * theta
 
 
-def _fill(rows, p, theta, omega, driven, lost):
-    """Fill rows of output, which have their times already.
-
-    ``driven`` is the drive's work, and ``lost`` the energy lost in the slide.
-    """
+def _fill(rows, p, theta, omega, driven):
+    """Fill rows of output, which have their times already; ``driven`` is the drive's work."""
     (pose, phi1, phi2, x1, x2), (alpha, moment) = _kinematics(p, theta), _drive(p, theta, omega)
     st, ct, sp, cp = pose.st, pose.ct, pose.sp, pose.cp
-    load, of_slide = loads(p, pose), slide(p, pose.slider, x1 * omega)
+    load = loads(p, pose)
     psi, beta = phi1 * omega, phi1 * alpha + phi2 * omega**2
     sd, cd = st * cp - ct * sp, ct * cp + st * sp
     pull = x1 * alpha + x2 * omega**2
     # on the slider; on the coupler the opposite, and fy from its moments
-    fx = p.m3 * pull - of_slide.force
+    fx = p.m3 * pull
     turning = p.a22 * beta + p.a12 * (cd * alpha - sd * omega**2) - load.coupler
     fy = -(turning - p.l2 * sp * fx) / (p.l2 * cp)
     kinetic = 0.5 * (p.a11 * omega**2 + p.a22 * psi**2 + p.m3 * (x1 * omega) ** 2)
@@ -68,7 +63,6 @@ def _fill(rows, p, theta, omega, driven, lost):
     rows["coupler_angle"], rows["coupler_speed"] = np.arctan2(sp, cp), psi
     rows["normal_force"], rows["force_x"], rows["force_y"] = np.hypot(fx, fy), fx, fy
     rows["kinetic"] = kinetic + p.a12 * cd * omega * psi
-    rows["elastic"], rows["lost_damping"] = of_slide.energy, lost
     rows["work"], rows["driving_moment"] = work_of_loads(p, pose, driven), moment
     ax = -p.l1 * (st * alpha + ct * omega**2) - 0.5 * p.l2 * (sp * beta + cp * psi**2)
     ay = p.l1 * (ct * alpha - st * omega**2) + 0.5 * p.l2 * (cp * beta - sp * psi**2)
@@ -97,30 +91,19 @@ def blocks(scene: Scene, times: NDArray[np.float64]) -> Iterator[Block]:
             return angle + speed * t, np.full(len(t), speed), y[0]
         return y[0], y[1], p.moment * y[0]
 
-    def lost_between(ends, solution):
-        """Energy lost in the slide between times, by Gauss's rule."""
-        step = np.diff(ends)[:, None]
-        places = ends[:-1, None] + step * NODES
-        theta, omega, _ = motion(places.ravel(), solution(places.ravel()))
-        pose, _, _, x1, _ = _kinematics(p, theta)
-        power = slide(p, pose.slider, x1 * omega).loss + 0.0 * theta
-        return (step * WEIGHTS * power.reshape(places.shape)).sum(axis=1)
-
     # of the drive
     fast = np.sqrt((abs(p.moment) + abs(p.g1) + abs(p.g2)) / p.a11) + 1 / times[-1]
     atol = 1e-15 * p.a11 * fast**2 if p.steady else (1e-15, 1e-15 * fast)
-    table, done, lost = np.zeros(len(times), OUTPUT), 0, 0.0
+    table, done = np.zeros(len(times), OUTPUT), 0
     table["time"] = times
     start, state = 0.0, (0.0,) if p.steady else (angle, speed)
     for block in np.array_split(times, min(BLOCKS, (len(times) + 1) // 2)):
         span = start, block[-1]
-        options = {"t_eval": block, "rtol": 3e-14, "atol": atol, "dense_output": True}
+        options = {"t_eval": block, "rtol": 3e-14, "atol": atol}
         solution = solve_ivp(slope, span, state, "DOP853", **options)
         if not solution.success:
             raise MechanismError(f"the time integration failed after {start:.9g} s")
-        losses = lost + np.cumsum(lost_between(np.append(start, block), solution.sol))
-        start, state, lost = block[-1], solution.y[:, -1], losses[-1]
-        theta, omega, driven = motion(block, solution.y)
-        _fill(table[done : done + len(block)], p, theta, omega, driven, losses)
+        start, state = block[-1], solution.y[:, -1]
+        _fill(table[done : done + len(block)], p, *motion(block, solution.y))
         done += len(block)
         yield table[:done], *new_impacts(0)

@@ -27,7 +27,6 @@ from study.mechanism import stepping
 from study.mechanism.angles import angle_of, direction, norm
 from study.mechanism.frame import Frame, straight_links
 from study.mechanism.scene import Scene
-from study.mechanism.slide import slide
 from study.mechanism.stepping import JointOutput
 
 Method = Literal["centred", "lagged", "unguarded"]
@@ -216,7 +215,7 @@ def _joint(ex, ey, depth, state, motion, system, workspace, p, law, h):
 
 
 @compiled
-def _write_output(row, state, motion, speed, pull, system, workspace, joint, energy, p, h):
+def _write_output(row, state, motion, speed, pull, system, workspace, joint, p, h):
     """Fill a row of output, after the step's rates and before its places."""
     m, w, pin, last = motion, workspace, system.pin, system.last
     turning, drive = workspace[MOMENT, FIXED] / system.bodies[ROTARY, FIXED], p.moment
@@ -243,7 +242,7 @@ def _write_output(row, state, motion, speed, pull, system, workspace, joint, ene
     row.slider_position, row.slider_velocity, row.slider_acceleration = state.slider, speed, pull
     row.coupler_angle = direction(m[Y, last] - m[Y, pin], m[X, last] - m[X, pin])
     row.coupler_speed = m[SPIN, last + 1] - change
-    row.work, row.kinetic, row.elastic = work, kinetic, stored + energy
+    row.work, row.kinetic, row.elastic = work, kinetic, stored
     row.lost_damping, row.lost_friction = state.lost_damping, state.lost_friction
     stepping.write_joint(row, joint)
 
@@ -261,11 +260,8 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
             between = h if state.steps > 0 else 0.0
             stepping.add_drive_work(state, -workspace[MOMENT, FIXED], m[SPIN, FIXED], between)
         event, largest = -1, False
-        of_slide = slide(p, state.slider, state.slider_speed)
-        energy = of_slide.energy
         if ideal:
-            workspace[FORCE_X, last] += of_slide.force
-            fx = p.m3 / bodies[MASS_X, last] * workspace[FORCE_X, last] - of_slide.force
+            fx = p.m3 / bodies[MASS_X, last] * workspace[FORCE_X, last]
             fy = workspace[FORCE_Y, last]
             joint = JointOutput(0.0, 0.0, 0.0, norm(fx, fy), 0.0, fx, fy)
             workspace[FORCE_Y, last] = 0.0
@@ -283,20 +279,19 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
                     state.limit = limit
                     return done, stepping.FAILED
                 largest = stepping.follow_impact(impacts, state, joint.normal, depth)
-        pull = (joint.force_x + of_slide.force) / p.m3  # the slider's acceleration
+        pull = joint.force_x / p.m3  # the slider's acceleration
         finite = _accelerate(m, bodies, workspace, p.steady > 0, h)
         state.slider_speed = m[U, last] if ideal else state.slider_speed + h * pull
         speed = state.slider_speed - 0.5 * h * pull
-        state.lost_damping += h * of_slide.loss
         if not (finite and abs(speed) < inf):
             state.limit = 2 / system.frequency
             return done, stepping.FAILED
         for which in (event, stepping.PEAK if largest else -1):
             if which >= 0:
                 row = stepping.event_row(events, state, which)
-                _write_output(row, state, m, speed, pull, system, workspace, joint, energy, p, h)
+                _write_output(row, state, m, speed, pull, system, workspace, joint, p, h)
         if state.steps % strides == 0:
-            _write_output(rows[done], state, m, speed, pull, system, workspace, joint, energy, p, h)
+            _write_output(rows[done], state, m, speed, pull, system, workspace, joint, p, h)
             done += 1
         for k in range(3):
             for i in range(bodies.shape[1]):

@@ -28,7 +28,6 @@ from study.contact.forces import (
 )
 from study.mechanism import stepping
 from study.mechanism.angles import angle_of, direction, norm, sine_cosine
-from study.mechanism.slide import slide
 from study.mechanism.stepping import JointOutput
 
 UNKNOWNS = 3
@@ -63,9 +62,9 @@ Motion = namedtuple("Motion", "accelerations powers joint moment coupler slider"
 """Motion and forces at a state (z, z', ...): accelerations z''; powers lost to damping and
 friction, and that of the drive; `JointMotion`; moment of the drive; `Coupler`; acceleration of the
 slider."""
-Parts = namedtuple("Parts", "pose cross coupling acceleration eccentricity forces speed slide")
+Parts = namedtuple("Parts", "pose cross coupling acceleration eccentricity forces speed")
 """What `derive` and `write_output` need of a motion; the acceleration is the eccentricity's, the
-speed the slider's, and `slide` the force on it."""
+speed the slider's."""
 Pose = namedtuple("Pose", "st ct sp cp slider")
 """Sines and cosines of the angles of crank and coupler, and the position of the slider."""
 Loads = namedtuple("Loads", "drive crank coupler fall")
@@ -155,7 +154,7 @@ def motion(y, contact, p, law):
     fx, fy = _on_ball(e, forces)
     pose = Pose(st, ct, sp, cp, l1 * ct + l2 * cp - e.x)
     speed = -l1 * st * omega - l2 * sp * psi - e.x_rate
-    load, of_slide = loads(p, pose), slide(p, pose.slider, speed)
+    load = loads(p, pose)
 
     # [A11 C; C A22] (theta'', phi'') = (q1, q2): crank and coupler as a double pendulum
     sd, cd = st * cp - ct * sp, ct * cp + st * sp
@@ -169,7 +168,7 @@ def motion(y, contact, p, law):
     if p.steady > 0:
         alpha, beta = 0.0, q2 / p.a22
         moment = coupling * beta - q1
-    slider = (of_slide.force - fx) * per_m3
+    slider = -fx * per_m3
     ax = -l1 * (st * alpha + ct * omega * omega) - l2 * (sp * beta + cp * psi * psi) - slider
     ay = l1 * (ct * alpha - st * omega * omega) + l2 * (cp * beta - sp * psi * psi)
     # accelerations of the joint's coordinates, in contact the second times r
@@ -179,12 +178,12 @@ def motion(y, contact, p, law):
         first, second = growth, e.nx * ay - e.ny * ax - 2 * e.rate * e.spin
     depth = y[FIRST] if closed else e.length - law.clearance
     normal_rate = forces.normal_by_depth * e.rate + forces.normal_by_rate * growth
-    lost = (forces.normal - forces.elastic) * e.rate + of_slide.loss, -forces.tangential * sliding
+    lost = (forces.normal - forces.elastic) * e.rate, -forces.tangential * sliding
     joint = JointMotion(depth, e.rate, sliding, forces.normal, forces.tangential, normal_rate)
     accelerations = alpha, first, second * (1 / e.length if closed else 1.0)
     powers, coupler = (*lost, moment * omega), Coupler(sp, cp, psi, beta)
     result = Motion(accelerations, powers, joint, moment, coupler, slider + 0.0)
-    return result, Parts(pose, cross, coupling, (ax, ay), e, forces, speed, of_slide)
+    return result, Parts(pose, cross, coupling, (ax, ay), e, forces, speed)
 
 
 @compiled
@@ -208,9 +207,6 @@ def derive(y, contact, p, state, parts, k):
         dsliding = de.length * e.spin + e.length * de.spin + p.r1 * dpsi
         dtangential, dfx, dfy = _on_ball_change(e, parts.forces, de, dsliding)
         load = loads_change(p, pose, dt, dp)
-        dslider = -l1 * st * dt - l2 * sp * dp - de.x
-        dspeed = -l1 * (ct * omega * dt + st * do) - l2 * (cp * psi * dp + sp * dpsi) - de.x_rate
-        dslide = parts.slide.by_position * dslider + parts.slide.by_speed * dspeed
         dcross, dcoupling = coupling * (dt - dp), -cross * (dt - dp)
         dq1 = (
             -dcross * psi * psi
@@ -234,7 +230,7 @@ def derive(y, contact, p, state, parts, k):
         dax = (
             -l1 * (st * dalpha + ct * (alpha * dt + 2 * omega * do) - st * omega * omega * dt)
             - l2 * (sp * dbeta + cp * (beta * dp + 2 * psi * dpsi) - sp * psi * psi * dp)
-            + (dfx - dslide) * per_mass
+            + dfx * per_mass
         )
         day = l1 * (ct * dalpha - st * (alpha * dt + 2 * omega * do) - ct * omega * omega * dt)
         day += l2 * (cp * dbeta - sp * (beta * dp + 2 * psi * dpsi) - cp * psi * psi * dp)
@@ -297,7 +293,7 @@ def write_output(row, y, state, parts, p):
     row.slider_acceleration = state.slider
     row.coupler_angle, row.coupler_speed = angle_of(coupler.sine, coupler.cosine), psi
     row.work, row.kinetic = work_of_loads(p, pose, y[DRIVEN]), kinetic
-    row.elastic = parts.slide.energy
+    row.elastic = 0.0  # that of the joint is added at the end
     row.lost_damping, row.lost_friction = y[LOST_DAMPING], y[LOST_FRICTION]
     normal, tangential = state.joint.normal, state.joint.tangential
     fx, fy = normal * e.nx + tangential * e.ny, normal * e.ny - tangential * e.nx

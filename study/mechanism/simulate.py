@@ -8,8 +8,6 @@ the simplest model that is accurate enough.
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
 from collections.abc import Callable
-from functools import partial
-from inspect import signature
 from math import sqrt
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -137,23 +135,6 @@ def simulate(
     >>> len(response.impacts), f"{response.impacts.peak_force.max():.0f} N"
     (2, '229 N')
     """
-    run = _checked(scene, model, joint, law, duration, outputs, tolerance, step, elements, method)
-    return run(progress)
-
-
-def ready(scene: Scene | None = None, **given: Any) -> Callable[..., Response]:
-    """`simulate` with checked arguments, as a function of ``progress`` that takes the steps.
-
-    Raises the errors that `simulate` raises before its first step.
-    """
-    call = signature(simulate).bind(scene, **given)
-    call.apply_defaults()
-    del call.arguments["progress"]
-    return _checked(**call.arguments)
-
-
-def _checked(scene, model, joint, law, duration, outputs, tolerance, step, elements, method):
-    """A simulation that is ready to run, as a function of ``progress``."""
     scene = Scene() if scene is None else checks.instance("scene", scene, Scene)
     model, joint = _taken("model", model), _taken("joint", joint)
     duration, outputs = _taken("duration", duration), _taken("outputs", outputs)
@@ -176,27 +157,25 @@ def _checked(scene, model, joint, law, duration, outputs, tolerance, step, eleme
     turned += sqrt(abs(scene.gravity) / scene.crank_length) * duration
     what = "angle by which the crank turns within the duration"
     checks.number(what, turned, "rad", most=MOST_TURNED)
+    if step is not None:
+        checks.number("step", step, "s", least=duration / MOST_STEPS)
     if gapless and isinstance(law, str) and law == LAW:
         law = "hertz"  # nothing touches: the range of the default law does not matter
     of_joint = law_in_scene.in_scene(scene, law)
     packed = of_joint.packed()
     times = duration * np.arange(outputs + 1) / outputs
-    pair = elements or ELEMENTS
-    if step is not None:
-        checks.number("step", step, "s", least=duration / MOST_STEPS)
+    pair, tolerance = elements or ELEMENTS, tolerance or TOLERANCE
     if model == "particles":
-        method = method or "centred"
-        blocks = particles.blocks(scene, packed, times, gapless, step, pair, method)
+        blocks = particles.blocks(scene, packed, times, gapless, step, pair, method or "centred")
     elif model == "beams":
         blocks = beams.blocks(scene, packed, times, gapless, step or BEAM_STEP, pair)
     elif gapless:
         blocks = ideal.blocks(scene, times)
     else:
-        tolerance = tolerance or TOLERANCE
         blocks = events.blocks(scene, packed, times, tolerance)
     told = (None if gapless else of_joint), scene.restitution, scene.delivered_restitution
     told += (None if flexible or gapless else tolerance,)
-    return partial(_gather, blocks, scene, packed, COLUMNS if flexible else ALL_COLUMNS, told)
+    return _gather(blocks, scene, packed, COLUMNS if flexible else ALL_COLUMNS, told, progress)
 
 
 def _taken(name, value):
@@ -204,7 +183,7 @@ def _taken(name, value):
     return None if value is None else described(simulate)[name].taken(name, value)
 
 
-def _gather(blocks, scene, law, columns, told, progress=None):
+def _gather(blocks, scene, law, columns, told, progress):
     """Run a model to its end or to an interruption; ``told`` are further fields of the response."""
     rows, complete, failed = None, True, None
     try:

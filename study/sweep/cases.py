@@ -27,7 +27,7 @@ from study.mechanism import Response, Scene
 from study.mechanism.compare import second_run
 from study.mechanism.law_in_scene import of_name
 from study.mechanism.response import exceeded_limits
-from study.mechanism.simulate import ready, simulate
+from study.mechanism.simulate import simulate
 from study.parameters import Parameter, Quantity, described
 from study.tables import read_table
 
@@ -236,8 +236,7 @@ def bodies_of(form: str, values: dict[str, Any]) -> str:
     Raises ``ValueError`` for values that do not suit each other.
     """
     if form == "scenes":
-        scene, options = _scene_of(values)
-        ready(scene, **options)
+        _scene_of(values)
         return ""
     joint, *_ = _joint_of(values)
     return repr((joint.ball_body, joint.socket_body))
