@@ -10,10 +10,11 @@ and its text at least `SMALLEST`: 9 pt * 6.61 / 8.4 = 7.08 pt, sub- and superscr
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from string import ascii_lowercase
 from typing import Any, cast
 
 import matplotlib as mpl
@@ -105,6 +106,42 @@ def new(
     mpl.rcParams.update(cast(Any, STYLE))
     figure = Figure(figsize=(columns * width, rows * height))
     return figure, figure.subplots(rows, columns, **options)
+
+
+def panels(*titles: str, columns: int = 0, **options: Any) -> tuple[Figure, list[Axes]]:
+    """Figure of `new` with a panel for each title, lettered (a), (b) and so on: it and its axes.
+
+    The panels are in rows of ``columns``, by default in one row.
+    """
+    columns = columns or len(titles)
+    figure, grid = new(columns, -(-len(titles) // columns), squeeze=False, **options)
+    axes = [*cast(Any, grid).flat]
+    for letter, panel, title in zip(ascii_lowercase, axes, titles, strict=False):
+        panel.set_title(f"({letter}) {title}")
+    return figure, axes
+
+
+def legend_above(figure: Figure, axes: Axes, columns: int = 3, **options: Any) -> None:
+    """Put the legend of one panel above all of them."""
+    entries = axes.get_legend_handles_labels()
+    figure.legend(*entries, loc="outside upper center", ncols=columns, **options)
+
+
+def ticks(axes: Axes, **places: Iterable[float] | Mapping[float, str]) -> None:
+    """Label an axis, ``x`` or ``y``, with plain numbers at some places, and nowhere else.
+
+    A mapping gives the labels of the places.
+    """
+    for name, at in places.items():
+        labels = at if isinstance(at, Mapping) else {place: f"{place:g}" for place in at}
+        axis = getattr(axes, f"{name}axis")
+        axis.set_ticks([*labels], [*labels.values()])
+        axis.set_ticks([], minor=True)
+
+
+def zero_line(axes: Axes, at: float = 0.0, **look: Any) -> None:
+    """Draw a thin horizontal line behind the curves: at zero, or at one for ratios."""
+    axes.axhline(at, **({"color": "0.5", "linewidth": 0.8, "zorder": 1} | look))
 
 
 def draw(axes: Axes, law: str, x: ArrayLike, y: ArrayLike, **options: Any) -> None:

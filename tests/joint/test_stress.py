@@ -278,22 +278,3 @@ def test_only_bodies_with_a_yield_stress_yield():
 def test_elements_yield_as_the_series_does():
     series, free = (first_yield(RATIOS(100, ball=steel(4e8), rim=of)) for of in ("mirror", "free"))
     assert free.depth_star == pytest.approx(series.depth_star, rel=0.01)
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda c: stress.stresses(c, "rod", 1, 0), "body must be one of ball, socket, got 'rod'"),
-        (lambda c: stress.stresses(c, "socket", 0.9, 0), "radius must be .*>= 1 and <= 1.298"),
-        (lambda c: stress.stresses(c, "ball", 0.9, 2), "angle must be >= 0 and <= 1.57.* rad"),
-        (lambda c: stress.stresses(replace(c, solver="linear"), "ball", 1, 0), "solver must be"),
-        (lambda _: first_yield(SMALL), "joint must have a yield_stress"),
-        (
-            lambda _: first_yield(RATIOS(200, ball=steel(1e9), ball_support="centre")),
-            "first yield requires .* got centre and outside",
-        ),
-    ],
-)
-def test_bad_input_is_one_clear_error(curve, call, message):
-    with pytest.raises(ValueError, match=message):
-        call(curve)
