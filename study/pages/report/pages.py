@@ -59,8 +59,10 @@ def read_claims() -> list[dict[str, Any]]:
 
 
 def modules() -> list[Path]:
-    """Files of the library that have a page."""
-    return sorted((paths.ROOT / "study").rglob("*.py"))
+    """Files of the library that have a page: all but the commands and these pages themselves."""
+    library = paths.ROOT / "study"
+    hidden = library / "cli", library / "pages"
+    return sorted(path for path in library.rglob("*.py") if not {*hidden} & {*path.parents})
 
 
 class _Sources:
