@@ -53,7 +53,7 @@ def test_examples_of_docstrings_print_what_they_show(module):
         ("study.mechanism", "Scene"),
         ("study.mechanism", "simulate"),
         ("study.choose", "choose"),
-        ("study.choose", "choose_model"),
+        ("study.choose.model", "choose_model"),
         ("study.choose", "fit_curve"),
         ("study.export", "export"),
         ("study.sweep", "run_study"),
