@@ -38,50 +38,39 @@ def run_notebooks(force, names=(), settings=(), jobs=None):
 
     Words after -- are passed to Snakemake, which runs the notebooks.
     """
-    from study.pages import catalogue
+    from study import dataset
+    from study.pages import catalogue, execute
+    from study.pages.workflow import MEMORY
+    from study.threads import check_memory
 
     more = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
     names = names[: len(names) - len(more)]
     selected = catalogue.select(names)
-    if settings:
-        if not names:  # or every notebook that has the parameter would run with it
-            raise ValueError(
-                f"-p must be given with a NAME, for example: study run fig10 -p {settings[0]}"
-            )
-        others = (("--force", force), ("--jobs", jobs is not None), ("words after --", more))
-        for option, is_given in others:
-            if is_given:
-                raise ValueError(f"{option} cannot be used together with -p; remove it")
-        _run_with(selected, settings)
-        return None
-    return _make(_files(selected), selected, jobs=jobs, force=force, more=more)
-
-
-def _files(notebooks):
-    """Every file that the jobs of notebooks make."""
-    made = [paths.RESULTS / name for notebook in notebooks for name in notebook.files()]
-    return [*made, *(notebook.executed for notebook in notebooks)]
-
-
-def _run_with(selected, settings):
-    """Run notebooks with other parameters."""
-    from study import dataset
-    from study.pages import execute
-    from study.pages.workflow import MEMORY
-    from study.threads import check_memory
-
+    if not settings:
+        return _make(_files(selected), selected, jobs=jobs, force=force, more=more)
+    if not names:  # or every notebook that has the parameter would run with it
+        raise ValueError(
+            f"-p must be given with a NAME, for example: study run fig10 -p {settings[0]}"
+        )
+    others = (("--force", force), ("--jobs", jobs is not None), ("words after --", more))
+    for option, is_given in others:
+        if is_given:
+            raise ValueError(f"{option} cannot be used together with -p; remove it")
     chosen = execute.check_parameters(selected, settings)
     check_memory(MEMORY, "a notebook")
     dataset.verify()
     for notebook in selected:
         folder = execute.folder_with(chosen[notebook.name])
         execute.execute(notebook, folder, folder / notebook.path.name, chosen[notebook.name])
-        _show_made(notebook, folder)
+        for result in notebook.results.values():
+            print(f"made  {paths.shown(folder / result.files[-1])}  {result.shows}")
+    return None
 
 
-def _show_made(notebook, folder):
-    for result in notebook.results.values():
-        print(f"made  {paths.shown(folder / result.files[-1])}  {result.shows}")
+def _files(notebooks):
+    """Every file that the jobs of notebooks make."""
+    made = [paths.RESULTS / name for notebook in notebooks for name in notebook.files()]
+    return [*made, *(notebook.executed for notebook in notebooks)]
 
 
 def _make(targets, selected, *told, **options):
@@ -194,32 +183,23 @@ def list_results(names=()):
     With a NAME, the parameters of its notebook are listed too, with their defaults and ranges.
     Without a NAME, the output is CSV if it does not go to a terminal.
     """
-    from study.pages import catalogue
+    from study.pages import catalogue, execute
 
     selected = catalogue.select(names)
-    if names or sys.stdout.isatty():
-        for notebook in selected:
-            shown = [name for name in notebook.results if name in names] or notebook.results
-            lines = [f"  {name}: {notebook.results[name].shows}" for name in shown]
-            say("\n".join([f"{notebook.name}:", *lines]))
-            if names:
-                _show_parameters(notebook)
+    if not names and not sys.stdout.isatty():
+        results = [result for notebook in selected for result in notebook.results.values()]
+        heads = ("name", "notebook", "shows")
+        show_table({head: [getattr(result, head) for result in results] for head in heads})
         return
-    results = [result for notebook in selected for result in notebook.results.values()]
-    heads = ("name", "notebook", "shows")
-    show_table({head: [getattr(result, head) for result in results] for head in heads})
-
-
-def _show_parameters(notebook):
-    from study.pages import execute
-
-    parameters = execute.parameters(notebook).items()
-    lines = [f"  {name}: {entry}: {entry.meaning}" for name, entry in parameters]
-    say(
-        "\n".join(
-            [f"Parameters (change one with: study run {notebook.name} -p NAME=VALUE):", *lines]
-        )
-    )
+    for notebook in selected:
+        shown = [name for name in notebook.results if name in names] or notebook.results
+        lines = [f"  {name}: {notebook.results[name].shows}" for name in shown]
+        say("\n".join([f"{notebook.name}:", *lines]))
+        if names:
+            entries = execute.parameters(notebook).items()
+            lines = [f"  {name}: {entry}: {entry.meaning}" for name, entry in entries]
+            change = f"Parameters (change one with: study run {notebook.name} -p NAME=VALUE):"
+            say("\n".join([change, *lines]))
 
 
 COMMANDS = {

@@ -3,13 +3,12 @@
 import json
 import shutil
 import sys
-from difflib import get_close_matches
 from itertools import takewhile
 from pathlib import Path
 
 import click
 
-from study import checks, paths
+from study import paths
 from study.cli import options as cli
 from study.cli.output import check_output, say, show_table, table_of, text_of, working
 
@@ -47,13 +46,12 @@ def _case_options():
 def show_data(**values):
     """Show a summary of the solved cases with the given values, or all depths of one case.
 
-    If no case has a given number, the nearest number is used, and a message says so. On a terminal,
-    columns with the same value in all rows are stated above the table. The output is CSV if it does
-    not go to a terminal.
+    On a terminal, columns with the same value in all rows are stated above the table. The output is
+    CSV if it does not go to a terminal.
     """
     from study import dataset
 
-    cases, case = _nearest(values) if values else dataset.load(), "case" in values
+    cases, case = dataset.load(**values), "case" in values
     rows = cases.loc[:, "depth_star":] if case else dataset.summary(cases)
     sentence = f"{len(rows)} {'depths' if case else 'cases'}."
     if sys.stdout.isatty() and len(rows) > 1:
@@ -64,34 +62,6 @@ def show_data(**values):
         sentence += f" All have: {', '.join(told)}." if told else ""
         rows = rows.drop(columns=same)
     show_table(rows.to_dict("list"), sentence)
-
-
-def _nearest(values):
-    """Cases that have the given words, and the given numbers or the nearest to them."""
-    from study import dataset
-
-    every, words = dataset.load(), {k: v for k, v in values.items() if isinstance(v, str)}
-    if "case" in words:
-        _check_case(words["case"], every.case.unique(), "show")
-    cases = dataset.load(**words)
-    for column in (column for column in values if column not in words):
-        limits = {"least": every[column].min(), "most": every[column].max()}
-        found = []
-        for number in checks.number(column, values[column], **limits):
-            found.append(cases[column][(cases[column] - number).abs().idxmin()])
-            if found[-1] != number:
-                nearest = f"the nearest value, {found[-1]:.9g}, is shown instead"
-                print(f"study: no case has {column} = {number:.9g}; {nearest}", file=sys.stderr)
-        cases = cases[cases[column].isin(found)]
-    return cases
-
-
-def _check_case(case, known, listing):
-    if case not in known:
-        near = " or ".join(get_close_matches(case, known, 3))
-        hint = f": did you mean {near}?" if near else ""
-        names = f"a name that study data {listing} lists"
-        raise ValueError(f"--case must be {names}, got {case!r}{hint}")
 
 
 @cli.command("data materials", {"Options": []}, examples=["data materials"])

@@ -125,7 +125,8 @@ def fit_own_curve(
             raise ValueError("FILE or --try-power must be given")
         with working("Solving the joint"):
             tried = own_curve.try_power(joint, *power)
-        show(_tried_values(tried, joint), as_json, _tried(tried))
+        values = tried._asdict() | {"best": tried.best._asdict(), "warnings": [*joint.warnings]}
+        show(values, as_json, _tried(tried))
         return
     heads = {"depth": depth_column, "force": force_column}
     depth, force, has_units = read_curve(curve, heads, {"depth": depth_unit, "force": force_unit})
@@ -143,10 +144,17 @@ def fit_own_curve(
         tried = power and own_curve.try_power(joint, *power, ends)
     if plot is not None:
         _draw(found, plot, has_units)
-    values = _values(found) | {"warnings": [*joint.warnings] if joint else []}
+    values = {
+        "points": len(found.depth),
+        "laws": [{n: v for n, v in vars(of).items() if n != "force"} for of in found.laws],
+        "power": found.power._asdict(),
+        "left_out": found.left_out,
+        "notes": list(found.notes),
+        "warnings": [*joint.warnings] if joint else [],
+    }
     parts = [*_parts(found, has_units, fit)]
     if tried:
-        values["tried"] = _tried_values(tried, joint)
+        values["tried"] = tried._asdict() | {"best": tried.best._asdict()}
         parts.append(_tried(tried))
     show(values, as_json, *parts)
 
@@ -170,10 +178,6 @@ def _tried(tried):
         f"power law there is within {percent(best.error)}: n = {best.exponent:.5g} and k = "
         f"{best.coefficient:.5g} N/m^n = {best.coefficient_mm:.5g} N/mm^n."
     )
-
-
-def _tried_values(tried, joint):
-    return tried._asdict() | {"best": tried.best._asdict(), "warnings": [*joint.warnings]}
 
 
 def read_curve(path, heads, units):
@@ -243,18 +247,6 @@ def _unit(head, cells, what, given):
         f"{examples}, or none; write it in the column's name, for example {what} [{examples}], "
         f"{got}"
     )
-
-
-def _values(found):
-    """One JSON object of a fit."""
-    laws = [{n: v for n, v in vars(of).items() if n != "force"} for of in found.laws]
-    return {
-        "points": len(found.depth),
-        "laws": laws,
-        "power": found.power._asdict(),
-        "left_out": found.left_out,
-        "notes": list(found.notes),
-    }
 
 
 def _parts(found, has_units, fit):

@@ -6,6 +6,7 @@ The curves are in ``data/force_curves.csv``, with one row for each case and dept
 """
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 from io import StringIO
 from os.path import relpath
 from pathlib import Path
@@ -45,6 +46,10 @@ LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, LOOKS)
 """Files of numbers in the folders of the modules that read them."""
 
 
+MANY = 30
+"""Values of a column that a message lists; of more, it lists the nearest."""
+
+
 class DatasetError(checks.StudyError):
     """The dataset is missing or damaged; the message names file and remedy."""
 
@@ -65,8 +70,11 @@ def load(**filters: Any) -> pd.DataFrame:
         unknown = set(values) - set(curves[column])
         if unknown or left.empty:
             held = (curves if unknown else frame)[column].unique()
-            names = [f"{v:g}" if isinstance(v, float) else str(v) for v in held[:30]]
-            known = ", ".join(names + ["..."] * (len(held) > 30))
+            if len(held) > MANY and curves[column].dtype == float:
+                held = sorted(held, key=lambda value: abs(value - values[0]))[:6]
+            elif len(held) > MANY:
+                held = get_close_matches(str(values[0]), held, 3) or held[:MANY]
+            known = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in held)
             got = ", ".join(map(str, unknown or values))
             raise ValueError(f"{column} must be one of {known}, got {got}")
         frame = left

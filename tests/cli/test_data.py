@@ -49,18 +49,6 @@ def test_cases_are_a_table_on_a_wide_terminal(run, on_a_terminal, monkeypatch):
     assert "poisson" in lines[2]
 
 
-def test_of_a_number_that_no_case_has_the_nearest_is_shown(run):
-    there = ("data", "show", "--group", "paper", "--socket-ratio", 1.298)
-    status, out, err = run(*there)
-    assert (status, err) == (0, "")
-    expected = dataset.load(group="paper", socket_ratio=1.298)
-    assert set(expected.case) == set(pd.read_csv(StringIO(out)).case)
-    status, shown, err = run(*there[:-1], 1.3)
-    assert (status, shown, err.count("\n")) == (0, out, 1)
-    assert "socket_ratio = 1.3" in err
-    assert "1.298" in err
-
-
 def test_cases_are_chosen_by_every_column(run):
     first, columns = dataset.load(case="hip-4mm-linear-100").iloc[0], []
     for column in dataset.load().loc[:, :"solver"]:

@@ -312,7 +312,7 @@ def random_contacts(seed, count):
 
 def test_stated_errors_cover_the_difference_to_twice_the_resolution():
     """For force and peak pressure; 300 such contacts give the frequency that is published."""
-    for joint, depth, tilt in random_contacts(5, 6):
+    for joint, depth, tilt in random_contacts(5, 4):
         try:
             coarse, fine = (pressed(joint, depth, tilt, n) for n in (32, 64))
         except UnresolvedError:

@@ -158,6 +158,7 @@ def test_a_file_that_is_edited_during_its_run_is_run_again(project, tmp_path):
 
 
 def test_damaged_results_are_named_with_the_remedy(project):
+    assert study(project, "run").returncode == 0
     table, picture = project / "build/results/curve.csv", project / "figures/curve.png"
     table.write_text("junk")
     picture.write_bytes(picture.read_bytes()[:60])
