@@ -173,8 +173,12 @@ def simulate(
         blocks = ideal.blocks(scene, times)
     else:
         blocks = events.blocks(scene, packed, times, tolerance)
-    told = (None if gapless else of_joint), scene.restitution, scene.delivered_restitution
-    told += (None if flexible or gapless else tolerance,)
+    told = (
+        None if gapless else of_joint,
+        scene.restitution,
+        scene.delivered_restitution,
+        None if flexible or gapless else tolerance,
+    )
     return _gather(blocks, scene, packed, COLUMNS if flexible else ALL_COLUMNS, told, progress)
 
 

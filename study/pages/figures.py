@@ -141,7 +141,8 @@ def ticks(axes: Axes, **places: Iterable[float] | Mapping[float, str]) -> None:
 
 def zero_line(axes: Axes, at: float = 0.0, **look: Any) -> None:
     """Draw a thin horizontal line behind the curves: at zero, or at one for ratios."""
-    axes.axhline(at, **({"color": "0.5", "linewidth": 0.8, "zorder": 1} | look))
+    usual: dict[str, Any] = {"color": "0.5", "linewidth": 0.8, "zorder": 1}
+    axes.axhline(at, **(usual | look))
 
 
 def draw(axes: Axes, law: str, x: ArrayLike, y: ArrayLike, **options: Any) -> None:
