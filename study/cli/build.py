@@ -38,10 +38,7 @@ def run_notebooks(force, names=(), settings=(), jobs=None):
 
     Words after -- are passed to Snakemake, which runs the notebooks.
     """
-    from study import dataset
-    from study.pages import catalogue, execute
-    from study.pages.workflow import MEMORY
-    from study.threads import check_memory
+    from study.pages import catalogue
 
     more = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
     names = names[: len(names) - len(more)]
@@ -56,6 +53,11 @@ def run_notebooks(force, names=(), settings=(), jobs=None):
     for option, is_given in others:
         if is_given:
             raise ValueError(f"{option} cannot be used together with -p; remove it")
+    from study import dataset
+    from study.pages import execute
+    from study.pages.workflow import MEMORY
+    from study.threads import check_memory
+
     chosen = execute.check_parameters(selected, settings)
     check_memory(MEMORY, "a notebook")
     dataset.verify()
