@@ -11,6 +11,7 @@ from __future__ import annotations  # so that help() shows names and not what th
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -242,16 +243,13 @@ def first_crossing(
     return first if first and first.depth_star <= deepest else None
 
 
+@lru_cache(maxsize=8)
 def over_depth(joint: Joint, deepest: float = 1.0) -> dict[str, StressOverDepth]:
     """Largest von Mises stress in each body from small depths to ``deepest`` or somewhat beyond.
 
     Depths are those of `study.joint.Joint.curve`.
     """
-    return _over_depth(joint, max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2)))
-
-
-@lru_cache(maxsize=8)
-def _over_depth(joint, deepest):
+    deepest = max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2))
     curve = joint.curve(deepest, stresses=True)
     return {
         body: StressOverDepth(curve.depth_star, curve.force_star, of.von_mises, np.array(of.place))
@@ -324,10 +322,7 @@ def _legendre(angles, count):
     cosine, sine = np.cos(angles), np.sin(angles)
     n, off_axis = 2 * np.arange(count)[:, None], sine > 0
     every_order = legvander(cosine, 2 * count - 2).T
-    value, order_below = (
-        every_order[::2],
-        np.roll(every_order, 1, axis=0)[::2],
-    )  # n = 0 has no slope
+    value, order_below = every_order[::2], np.roll(every_order, 1, axis=0)[::2]
     slope, cotangent = np.zeros_like(value), np.zeros_like(sine)
     np.divide(n * (cosine * value - order_below), sine, out=slope, where=off_axis)
     np.divide(cosine, sine, out=cotangent, where=off_axis)
@@ -336,17 +331,11 @@ def _legendre(angles, count):
     return np.array([value, slope, bend])
 
 
-@lru_cache(maxsize=2)
-def _searched(count):
-    """Polar angles of the points searched, and the Legendre functions there."""
-    angles = graded(np.pi / 2, _ANGLE_SCALE, _ANGLES)
-    return angles, _legendre(angles, count)
-
-
 def _of_series(curve):
     """Bodies, and their largest von Mises stresses with radii and angles, of shape (k,)."""
     ball, socket = _coefficients(curve)
-    angles, table = _searched(len(ball))
+    angles = graded(np.pi / 2, _ANGLE_SCALE, _ANGLES)
+    table = _legendre(angles, len(ball))
     for body, solid in _solids(curve.joint, len(ball)).items():
         radii = 1 - graded(0.999, _DEPTH_SCALE, _RADII)
         if body != "ball":
@@ -367,27 +356,22 @@ def _of_elements(curve):
 
     nodes = 3 if curve.solver == "linear" else 6
     joint, edge, resolution = curve.joint, curve.joint.opening.reach, len(curve.angle_deg) - 1
-    if not isinstance(joint.ball_support, CentrePoint):
-        ball, lowest = modes.meshed(joint.ball_body, resolution, nodes), joint.ball_support.lowest
-        corners = joint.ball_body.corners
-        yield "ball", _largest_at_nodes(ball, corners, lowest, curve.pressure_star, edge)
-    socket = modes.meshed(joint.socket_body, resolution, nodes)
-    corners = joint.socket_body.corners
-    pressure, inner = _on_socket(curve), 1.0
-    for name, outer in zip([*joint.materials][1:], joint.socket_body.layers[0], strict=True):
-        yield name, _largest_at_nodes(socket, corners, HEIGHT, pressure, edge, inner, outer)
-        inner = outer
-
-
-def _largest_at_nodes(body, corners, lowest, pressure, edge, *layer):
-    r, z = body.mesh.doflocs
-    radius, angle = np.hypot(r, z), np.arctan2(r, z)
-    stress = von_mises(body.nodal_stresses(pressure, *layer))
-    searched = far_from(corners, r, z) & (z > lowest)
-    if edge < np.pi / 2:
-        searched &= angle < edge - HEIGHT
-    at = np.where(searched, stress, 0).argmax(axis=1)
-    return stress[np.arange(len(at)), at], radius[at], angle[at]
+    of_socket, ratios = _on_socket(curve), joint.socket_body.layers[0]
+    sought = [(joint.ball_body, curve.pressure_star, joint.ball_support.lowest, 0.0, np.inf)]
+    for inner, outer in pairwise([1.0, *ratios]):
+        sought.append((joint.socket_body, of_socket, HEIGHT, inner, outer))
+    for name, (solid, pressure, lowest, *layer) in zip(joint.materials, sought, strict=True):
+        if name == "ball" and isinstance(joint.ball_support, CentrePoint):
+            continue
+        body = modes.meshed(solid, resolution, nodes)
+        r, z = body.mesh.doflocs
+        radius, angle = np.hypot(r, z), np.arctan2(r, z)
+        searched = far_from(solid.corners, r, z) & (z > lowest)
+        if edge < np.pi / 2:
+            searched &= angle < edge - HEIGHT
+        stress = np.where(searched, von_mises(body.nodal_stresses(pressure, *layer)), 0)
+        at = stress.argmax(axis=1)
+        yield name, (stress.max(axis=1), radius[at], angle[at])
 
 
 def far_from(corners: Floats, r: Floats, z: Floats) -> NDArray[np.bool_]:
@@ -417,53 +401,47 @@ def largest_off_axis(
     axis, negative on the other side of it, and the ``error`` is the relative difference between
     the stresses on both grids.
     """
-    joint, by_body = solution.joint, {}
-    of_grids = list(zip(*solved, strict=True))
-    for body in joint.materials:
-        fine, coarse = (_largest(body, *grid) for grid in zip(grids, of_grids, strict=True))
-        stress, radius, angle, place = zip(*fine, strict=True)
+    by_body = {}
+    for body in solution.joint.materials:
+        fine, coarse = (
+            [_largest_at(body, grid, of) for of in contacts]
+            for grid, contacts in zip(grids, zip(*solved, strict=True), strict=True)
+        )
+        stress, radius, angle, place = (np.array(of) for of in zip(*fine, strict=True))
+        error = np.abs([of_coarse for of_coarse, *_ in coarse] / stress - 1)
+        over_peak = stress / solution.peak_pressure_star
         by_body[body] = LargestStress(
-            von_mises=np.array(stress),
-            over_peak=stress / solution.peak_pressure_star,
-            radius=np.array(radius),
-            angle=np.array(angle),
-            place=place,
-            error=np.abs([of_coarse[0] for of_coarse in coarse] / np.array(stress) - 1),
+            stress, over_peak, radius, angle, tuple(place.tolist()), error
         )
     return by_body
 
 
-def _largest(body, contacts, solved):
-    """Stress, radius, polar angle and place in one body, for each contact on one grid."""
+def _largest_at(body, contacts, contact):
+    """Stress, radius, polar angle and place of the largest stress in one body."""
     joint, is_ball = contacts.joint, body == "ball"
     surface = contacts.ball if is_ball else contacts.socket
     r, z = surface.places
-    radius = np.hypot(r, z)
-    names = np.full(len(r), "below the surface", dtype=object)
-    names[np.abs(radius - 1) < _ON] = "at the surface"
+    radius, support = np.hypot(r, z), joint.ball_support
+    held, outside = np.zeros((2, len(r)), bool)
     if is_ball:
-        if isinstance(joint.ball_support, Core | Bore):
-            of_held = r if isinstance(joint.ball_support, Bore) else radius
-            held = np.abs(of_held - joint.ball_support.radius) < _ON
-            names[held] = f"at the {joint.ball_support.word}"
-        pressures = [of.of_ball for of in solved]
-        searched = far_from(joint.ball_body.corners, r, z) & (z > joint.ball_support.lowest)
+        pressure, corners = contact.of_ball, joint.ball_body.corners
+        inside = z > support.lowest
+        if isinstance(support, Core | Bore):
+            held = np.abs((r if isinstance(support, Bore) else radius) - support.radius) < _ON
     else:
-        pressures = [of.pressure for of in solved]
+        pressure, corners = contact.pressure, joint.socket_body.corners
         layer, ratios = [*joint.materials].index(body) - 1, joint.socket_body.layers[0]
-        names[radius > ratios[-1] - _ON] = "outside"
         inside = np.searchsorted(ratios + _ON, radius) == layer
-        searched = far_from(joint.socket_body.corners, r, z) & inside
-    at = np.flatnonzero(searched)
-    found = []
-    for pressure in pressures:
-        stress = von_mises(surface.stresses(pressure, _AROUND, at))
-        place, around = np.unravel_index(stress.argmax(), stress.shape)
-        where = at[place]
-        side = 1 if _AROUND[around] <= np.pi / 2 else -1
-        angle = side * np.arctan2(r[where], z[where])
-        found.append((stress.max(), radius[where], angle, names[where]))
-    return found
+        outside = radius > ratios[-1] - _ON
+    at = np.flatnonzero(far_from(corners, r, z) & inside)
+    stress = von_mises(surface.stresses(pressure, _AROUND, at))
+    where, around = np.unravel_index(stress.argmax(), stress.shape)
+    where = at[where]
+    place = "at the surface" if abs(radius[where] - 1) < _ON else "below the surface"
+    place = "outside" if outside[where] else place
+    place = f"at the {support.word}" if held[where] else place
+    side = 1 if _AROUND[around] <= np.pi / 2 else -1
+    return stress.max(), radius[where], side * np.arctan2(r[where], z[where]), place
 
 
 def von_mises(stress: Sequence[Floats]) -> Floats:
