@@ -331,11 +331,17 @@ def _legendre(angles, count):
     return np.array([value, slope, bend])
 
 
+@lru_cache(maxsize=2)
+def _searched(count):
+    """Polar angles of the points searched, and the Legendre functions there."""
+    angles = graded(np.pi / 2, _ANGLE_SCALE, _ANGLES)
+    return angles, _legendre(angles, count)
+
+
 def _of_series(curve):
     """Bodies, and their largest von Mises stresses with radii and angles, of shape (k,)."""
     ball, socket = _coefficients(curve)
-    angles = graded(np.pi / 2, _ANGLE_SCALE, _ANGLES)
-    table = _legendre(angles, len(ball))
+    angles, table = _searched(len(ball))
     for body, solid in _solids(curve.joint, len(ball)).items():
         radii = 1 - graded(0.999, _DEPTH_SCALE, _RADII)
         if body != "ball":
