@@ -34,7 +34,7 @@ def definitions(name):
     return SimpleNamespace(**found)
 
 
-form = definitions("25-a-closed-form")
+form = definitions("25-formulas-with-few-constants")
 
 
 def random_joints(count, shares, seed):
