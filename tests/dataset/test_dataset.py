@@ -64,7 +64,7 @@ def test_filters_select_rows():
         dataset.load(radius=1)
 
 
-@pytest.mark.parametrize("sample", [4, pytest.param(40, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("sample", [4, pytest.param(20, marks=pytest.mark.slow)])
 def test_a_sample_solved_again_agrees(sample):
     names, found = zip(*check.check(sample, seed=sample, jobs=1), strict=True)
     assert names == ("hashes", "description", "cases", "solved again")
