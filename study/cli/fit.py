@@ -196,7 +196,7 @@ def read_curve(path, heads, units):
         scale = 0 if found[-1] == NO_UNIT else checks.exponent_of(found[-1], unit)
         for k, text in enumerate(cells, 1):
             name = f"{what} in row {k}"
-            if found[-1] != NO_UNIT and re.search("[0-9.] *[a-zA-Z]+$", text):
+            if found[-1] != NO_UNIT and re.search(r"[0-9.] *[^\W\d_]+$", text):
                 cells[k - 1] = checks.read(name, text, unit=unit)
             else:
                 cells[k - 1] = checks.read(name, text) * 10.0**scale

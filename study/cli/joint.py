@@ -320,7 +320,9 @@ def _cheapest(joint, deepest, tolerance, words):
     if joint.has_dimensions:
         depths = [joint.clearance * depth for depth in ends]
         of_range = "{:g} to {:g} um".format(*(digits(depth / READ["um"]) for depth in depths))
-    line = f"study export --law {law} --format c {words}"
+    if law == "tabulated":
+        law = "tabulated, the table of the elastic solution of this joint"
+    line = f"study export --law {choice.law.name} --format c {words}"
     if ends[1] > joint.default_depth:
         line += f" --depth-star {ends[1]:.9g}"
     text = (
@@ -328,7 +330,7 @@ def _cheapest(joint, deepest, tolerance, words):
         f"from {of_range} is {law}. Its relative error is at most {percent(choice.error_bound)}."
         f"\nCommand that exports it for another program:\n{line}"
     )
-    values = {"law": law, "law_error_bound": choice.error_bound, "law_depths": depths}
+    values = {"law": choice.law.name, "law_error_bound": choice.error_bound, "law_depths": depths}
     return values | {"law_errors": choice.errors, "export": line}, text
 
 

@@ -178,7 +178,7 @@ def choose_law(as_json, tolerance, yield_stress=None, tilt=None, **options):
             f"--depth-star {deepest:.9g}"
         )
         if not joint.has_pole:
-            show_across(as_json, joint, deepest, tilt, tolerance, table)
+            _show_across(as_json, joint, deepest, tilt, tolerance, table)
             return
         off_axis = tilt is not None and choose.axial_law_suffices(joint, deepest, tilt, tolerance)
         left = tolerance - (off_axis.direction_error if off_axis else 0)
@@ -261,7 +261,7 @@ def _depths(joint, ends):
     return text
 
 
-def show_across(as_json, joint, deepest, tilt, tolerance, line):
+def _show_across(as_json, joint, deepest, tilt, tolerance, line):
     """Show the fitted power law and the table for a joint that has no law along its axis."""
     ends, clearance = (USUAL_RANGE[0], max(USUAL_RANGE[1], deepest)), joint.clearance
     fit = joint.power_law((ends[0] * clearance, ends[1] * clearance), tilt)

@@ -8,6 +8,7 @@ The curves are in ``data/force_curves.csv``, with one row for each case and dept
 from collections.abc import Iterable
 from difflib import get_close_matches
 from io import StringIO
+from numbers import Real
 from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -47,7 +48,7 @@ LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, LOOKS)
 
 
 MANY = 30
-"""Values of a column that a message lists; of more, it lists the nearest."""
+"""Values of a column that a message lists; of more, it lists only the nearest."""
 
 
 class DatasetError(checks.StudyError):
@@ -67,18 +68,26 @@ def load(**filters: Any) -> pd.DataFrame:
         checks.choice("column", column, tuple(curves.columns))
         values = [wanted] if np.isscalar(wanted) else list(wanted)
         left = frame[frame[column].isin(values)]
-        unknown = set(values) - set(curves[column])
+        unknown = [value for value in values if value not in set(curves[column])]
         if unknown or left.empty:
-            held = (curves if unknown else frame)[column].unique()
-            if len(held) > MANY and curves[column].dtype == float:
-                held = sorted(held, key=lambda value: abs(value - values[0]))[:6]
-            elif len(held) > MANY:
-                held = get_close_matches(str(values[0]), held, 3) or held[:MANY]
-            known = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in held)
-            got = ", ".join(map(str, unknown or values))
-            raise ValueError(f"{column} must be one of {known}, got {got}")
+            wrong = (unknown or values)[0]
+            raise ValueError(_allowed(column, (curves if unknown else frame)[column], wrong))
         frame = left
     return frame.reset_index(drop=True)
+
+
+def _allowed(column, values, wrong):
+    """The message for a value that a column does not have."""
+    known = values.unique()
+    which = "one of"
+    if len(known) > MANY:
+        if values.dtype == float and isinstance(wrong, Real) and np.isfinite(wrong):
+            known = sorted(known, key=lambda value: abs(value - wrong))[:6]
+        else:
+            known = get_close_matches(str(wrong), map(str, known), 3) or known[:6]
+        which = "a value of the dataset (study data show lists them), such as"
+    known = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in known)
+    return f"{column} must be {which} {known}, got {wrong}"
 
 
 def paper_curves(

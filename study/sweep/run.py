@@ -241,8 +241,8 @@ def _solved(
         try:
             with closing(
                 parallel(joblib.delayed(_solve)(form, *of, twice) for of in tasks)
-            ) as all_:
-                yield from all_
+            ) as results:
+                yield from results
         except joblib.externals.loky.process_executor.TerminatedWorkerError as error:
             raise StudyError(
                 "a worker process ended, perhaps because memory was short; use fewer --jobs; "

@@ -77,6 +77,7 @@ def test_decimal_commas_and_units_in_cells(run, tmp_path):
             *(f"{d!r};{f / 1e3!r}" for d, f in pairs),
         ],
         ["depth\tforce", *(f"{d!r}um\t{f!r} N" for d, f in pairs)],
+        ["depth\tforce", *(f"{d!r} µm\t{f!r}N" for d, f in pairs)],
     ]
     for lines in tables:
         path.write_text("\n".join(lines).replace(".", ","), encoding="utf-8")

@@ -60,6 +60,10 @@ def test_filters_select_rows():
     assert list(rows.index) == list(range(80))
     with pytest.raises(ValueError, match="ball_support must be one of guided, got clamped"):
         dataset.load(group="liner", ball_support="clamped")
+    with pytest.raises(ValueError, match=r"r2_star must be a value .* such as 20, .*, got 7\.0"):
+        dataset.load(r2_star=[200, 7.0])
+    with pytest.raises(ValueError, match=r"r2_star must be a value .*, got x"):
+        dataset.load(r2_star="x")
     with pytest.raises(ValueError, match="column must be one of group.*got 'radius'"):
         dataset.load(radius=1)
 

@@ -6,7 +6,6 @@ import re
 import numpy as np
 import pytest
 
-from study.checks import RangeError
 from study.cli.options import flag
 from study.cli.program import PROGRAM
 from study.contact import Material
@@ -155,6 +154,5 @@ def test_numpys_numbers_are_stored_as_pythons(kind):
     ],
 )
 def test_a_wrong_text_is_one_error(name, text, message):
-    with pytest.raises(ValueError, match=re.escape(message)) as raised:
+    with pytest.raises(ValueError, match=re.escape(message)):
         Joint.from_ratios(**{name: text})
-    assert isinstance(raised.value, RangeError) or "," in message
