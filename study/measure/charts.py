@@ -48,7 +48,7 @@ SOLVERS: dict[str, tuple[Solver, tuple[int, ...]]] = {
 """Method -> solver and resolutions; the times of the chart are relative to the first of these."""
 STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7)
 LONGEST_STEPS = {"velocity Verlet": 1e-6, "RK4": 1e-6}
-"""Maximum steps in s; with longer ones the penetration depth becomes too large (notebook 17)."""
+"""Maximum steps in s; with longer ones the penetration depth becomes too large (notebook 19)."""
 TOLERANCES = (1e-8, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)  # of the study's stepper
 
 
