@@ -154,13 +154,15 @@ def draw(axes: Axes, law: str, x: ArrayLike, y: ArrayLike, **options: Any) -> No
     axes.plot(as_saved(x), as_saved(y), **(style | options))
 
 
-def draw_model(axes: Axes, model: str, time: ArrayLike, values: ArrayLike) -> None:
+def draw_model(axes: Axes, model: str, time: ArrayLike, values: ArrayLike, **options: Any) -> None:
     """Draw a model's quantity over time in s, `as_saved`, the rigid one broad and behind."""
     look = MODEL_LOOKS[model]
     style = {"color": look.color, "linewidth": 0.9, "linestyle": look.line}
     if model == "rigid":
         style |= {"color": "0.75", "linewidth": 3.5}
-    axes.plot(as_saved(1e3 * np.asarray(time)), as_saved(values), label=look.label, **style)
+    axes.plot(
+        as_saved(1e3 * np.asarray(time)), as_saved(values), label=look.label, **(style | options)
+    )
     axes.set_xlabel("time (ms)")
 
 

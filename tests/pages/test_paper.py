@@ -1,6 +1,7 @@
 """Paper and supplement: every number read, nothing missing, the same bytes."""
 
 import json
+import pkgutil
 import re
 
 import pytest
@@ -101,3 +102,10 @@ def test_the_references_asked_of_such_a_paper_are_cited():
     assert len(keys) >= 16
     for key in keys:
         assert f"@{key}" in BOTH, key
+
+
+def test_the_index_of_equations_names_code_that_exists():
+    named = re.findall(r"`(study\.[\w.]+)`", SUPPLEMENT.read_text(encoding="utf-8"))
+    assert "study.contact.Hertz" in named
+    for name in named:
+        assert pkgutil.resolve_name(name)
