@@ -6,7 +6,7 @@
   are relative to a fine series.
 - ``steppers``: 0.3 s of the paper's mechanism with clearance; errors are relative to the method of
   this study with a very small tolerance.
-- ``flexible``: flexible links; errors are relative to particles on a fine mesh.
+- ``flexible``: flexible links; errors are relative to the mean of both models on a finer mesh.
 
 A new method needs its run in `solvers` or `steppers`, and its style in ``study/pages/looks.csv``.
 Other programs are timed by ``tests/benchmarks`` of the checkout, in the same process and in turn
@@ -58,7 +58,7 @@ def methods() -> dict[str, list[str]]:
         "laws": [*LAWS, "solver"],
         "solvers": [*SOLVERS],
         "steppers": [OURS, *explicit.SCHEMES],
-        "flexible": [*flexible.MODELS],
+        "flexible": [*flexible.MODELS, flexible.REFERENCE],
     }
 
 
