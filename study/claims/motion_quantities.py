@@ -1,7 +1,7 @@
 """Numbers with which the paper's statements on Figs. 17 to 21 are compared, from two responses.
 
-They have the names in the column ``row`` of ``data/published/claims.csv``. Numbers that compare two
-models of the links are left out (`study.mechanism.compare.motion_nrms`).
+Numbers that compare two models of the links are left out
+(`study.mechanism.compare.motion_nrms`).
 """
 
 import numpy as np
@@ -69,7 +69,7 @@ def motion_quantities(
         x, y = touch["eccentricity_x"], touch["eccentricity_y"]
         below = float(-100 * y / np.hypot(x, y))
     return {
-        "time for which the slider is ahead": ahead[0],
+        "time for which the slider's position is ahead": ahead[0],
         "time for which the slider's velocity is ahead": ahead[1],
         "time for which the slider's acceleration is ahead": ahead[2],
         "acceleration, difference of clearance and ideal joint": difference,
