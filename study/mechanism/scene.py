@@ -36,8 +36,8 @@ def _inertia_of(body: Body) -> Any:
         f"Moment of inertia of the {body} about its centre",
         "kg m^2",
         least=0,
-        otherwise="that of a uniform rod",
-        source="assumed, uniform rod about its centre, m L^2/12",
+        otherwise="that of a thin uniform rod",
+        source="assumed, thin uniform rod about its centre, m L^2/12",
     )
 
 
