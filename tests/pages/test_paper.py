@@ -32,7 +32,7 @@ def test_no_result_is_typed():
     """Typed are set-ups, such as a depth of 0.5, and the bounds that a question names."""
     text = re.sub(r'"[^"]*"|`[^`]*`|//.*|(?:doi|preprints.org|width:) \S+', "", BOTH)
     typed = set(re.findall(r"(?<![\w.])(\d+(?:\.\d+)?) %", text))
-    assert typed == {"0.1", "1", "5", "10", "30"}
+    assert typed == {"0.1", "1", "5", "10", "50"}
     typed = set(re.findall(r"(?<![\w.])\d+\.\d{3,}", text))
     assert typed == {"0.025", "0.005", "0.001", "0.4999", "0.393"}  # set-ups, a height
 
