@@ -74,6 +74,7 @@ def test_how_accurate_the_stiffness_is():
         inside = table[table.depth_star.between(*ends)]
         error = 100 * (inside[f"slope_{law}"] / inside.slope_elastic_solution - 1).abs().max()
         assert 0.9 * percent < error <= percent
+        assert 100 * inside.error_estimate.max() < percent / 3
 
 
 def test_how_far_others_are():
