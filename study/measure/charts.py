@@ -124,9 +124,9 @@ def laws(repeats: int, names: Sequence[str]) -> pd.DataFrame:
         error = law(CURVE_DEPTHS, 200.0) / exact - 1
         rows.append(timing.row("laws", name, "", times / depths.size, error, **columns))
     setting = f"six-node triangles, resolution {RESOLUTION['quadratic']}"
-    columns = timing.spread("setup", bodies) | {"called": PYTHON}
+    of_bodies = timing.spread("setup", bodies) | {"called": PYTHON}
     error = REFERENCE.solve(depth_star=CURVE_DEPTHS).force_star / exact - 1
-    rows.append(timing.row("laws", "solver", setting, solving, error, **columns))
+    rows.append(timing.row("laws", "solver", setting, solving, error, **of_bodies))
     return timing.table(rows)
 
 
@@ -184,7 +184,7 @@ def steppers(compile_times: bool = True) -> Iterator[Run]:
         seconds["explicit"] = timing.compile_time(call)
     _ours(1e-2)  # compiles
     for tolerance in TOLERANCES:
-        columns = {"compile_time": seconds[OURS], "evaluations": _evaluations(tolerance)}
+        columns = {"compile_time": seconds[OURS], "evaluations": evaluations(tolerance)}
         run = partial(_ours, tolerance)
         yield stepper(OURS, f"tolerance {tolerance:.2g}", run, **columns)
     law = explicit.packed(SCENE, "hertz")
@@ -217,7 +217,7 @@ def _ours(tolerance):
     return simulate(SCENE, law="hertz", **options).slider_acceleration[1:]
 
 
-def _evaluations(tolerance):
+def evaluations(tolerance):
     """Evaluations of the equations of motion by this study's time integration, without outputs."""
     law, times = explicit.packed(SCENE, "hertz"), np.array([0.0, DURATION])
     state, loop = events.stepper(SCENE, law, DURATION, tolerance)

@@ -43,9 +43,7 @@ def version_of(package: str) -> str:
 def counted(method: str, setting: str, motion: Callable, **columns: str) -> Run:
     """A row of a function that returns the slider's acceleration and a number of evaluations."""
     _, evaluations = motion()
-    return charts.stepper(
-        method, setting, lambda: motion()[0], evaluations=evaluations, **columns
-    )
+    return charts.stepper(method, setting, lambda: motion()[0], evaluations=evaluations, **columns)
 
 
 def steppers() -> Iterator[Run]:

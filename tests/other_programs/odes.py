@@ -26,7 +26,8 @@ def slider_acceleration(
 ) -> tuple[NDArray[np.float64], int]:
     """Slider's acceleration at equally spaced times after the start, in m/s^2.
 
-    The second value is the number of evaluations of the equations of motion for steps. The method CVODE is SUNDIALS' through scikit-sundae, any other one SciPy's; the law is a record
+    The second value is the number of evaluations of the equations of motion, without outputs. The
+    method CVODE is SUNDIALS' through scikit-sundae, any other one SciPy's; the law is a record
     (`study.contact.DimensionalLaw.packed`), the duration in s. Raises `study.checks.StudyError` if
     the integrator fails.
     """
