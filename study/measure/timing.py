@@ -155,19 +155,15 @@ def machine() -> str:
     return f"{model}, {os.cpu_count()} cores, {python}, Numba {version('numba')}"
 
 
-def pareto_front(rows: pd.DataFrame, error: str = "rms_error", cost: str = "time") -> pd.DataFrame:
-    """Rows of a chart for which no other row has both a smaller error and a lower cost, by cost."""
-    ordered = rows.dropna(subset=[cost, error]).sort_values([cost, error])
-    return ordered[ordered[error] < ordered[error].cummin().shift(fill_value=np.inf)]
-
-
 def time_at(rows: pd.DataFrame, errors: ArrayLike, cost: str = "time") -> NDArray[np.float64]:
     """Time in s, or another cost, that a method needs for given errors, from its rows in a chart.
 
-    Logarithms are interpolated along the `pareto_front`. NaN for an error below that of every row.
+    Logarithms are interpolated between the rows for which no other row has both a smaller error and
+    a lower cost. NaN for an error below that of every row.
     """
-    front = pareto_front(rows, cost=cost)[::-1]  # errors ascend
-    known = np.log(front[["rms_error", cost]].to_numpy()).T
+    ordered = rows.sort_values([cost, "rms_error"])
+    front = ordered[ordered.rms_error < ordered.rms_error.cummin().shift(fill_value=np.inf)]
+    known = np.log(front[["rms_error", cost]].to_numpy()[::-1]).T  # errors ascend
     return np.exp(np.interp(np.log(errors), known[0], known[1], left=np.nan))
 
 
