@@ -1,11 +1,12 @@
 """The four charts of `study measure`: laws, solvers, steppers and flexible links, timed.
 
-- ``laws``: a call of each law in a compiled loop; errors are relative to the elastic solution of
-  the reference joint.
+- ``laws``: a call of each law in a compiled loop, and making the law for a joint; errors are
+  relative to the elastic solution of the reference joint.
 - ``solvers``: a whole curve of 20 depths for a ball on a guided plate, including the bodies; errors
   are relative to a fine series.
-- ``steppers``: 0.3 s of the paper's mechanism with clearance; errors are relative to the method of
-  this study with a very small tolerance.
+- ``steppers``: 0.3 s of the paper's mechanism with clearance, and how often each method evaluates
+  the equations of motion; errors are relative to the method of this study with a very small
+  tolerance.
 - ``flexible``: flexible links; errors are relative to the mean of both models on a finer mesh.
 
 A new method needs its run in `solvers` or `steppers`, and its style in ``study/pages/looks.csv``.
@@ -22,13 +23,13 @@ import pandas as pd
 
 from study import checks
 from study.compiled import compiled
-from study.contact import LAWS, DimensionalLaw
+from study.contact import LAWS, DimensionalLaw, stiffening
 from study.contact.forces import elastic_force
-from study.joint import Joint, Solver, kinematics, modes, reference_joint, series
+from study.joint import Joint, Solver, kinematics, modes, reference_joint, series, table
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
 from study.measure import explicit, flexible, timing
 from study.measure.timing import OURS, PYTHON, Run
-from study.mechanism import paper_scene, simulate
+from study.mechanism import events, paper_scene, simulate, stepping
 from study.mechanism.compare import normalised_rms
 
 Chart = Literal["laws", "solvers", "steppers", "flexible"]
@@ -37,7 +38,7 @@ SIZES = {"ball_radius": 9.95e-3, "socket_radius": 10e-3, "composite_modulus": 1.
 REFERENCE = reference_joint()  # of the laws
 FINEST = 224  # elements along the surface of the curve that the laws are compared with
 FREE = Joint.from_ratios(200, 1.3)  # of the solvers: the Legendre series is exact for it
-LAW_DEPTHS = np.linspace(0.025, 1, 40)
+SOLVED = "power", "tabulated"  # laws that need the elastic solution of a joint
 CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
 SCENE, DURATION, OUTPUTS = paper_scene(), 0.3, 3000
 SOLVERS: dict[str, tuple[Solver, tuple[int, ...]]] = {
@@ -99,32 +100,47 @@ def timed(
 
 
 def laws(repeats: int, names: Sequence[str]) -> pd.DataFrame:
-    """Time and error of some laws and of the elastic solution; Hertz's law is first."""
-    exact = REFERENCE.solve(depth_star=LAW_DEPTHS, resolution=FINEST).force_star
+    """Time and error of some laws and of the elastic solution; Hertz's law is first.
+
+    ``setup`` is the time to make the law of a joint. The elastic solution is timed for one depth,
+    and its ``setup`` is the time of the bodies, which `SOLVED` laws need as well.
+    """
+    exact = REFERENCE.solve(depth_star=CURVE_DEPTHS, resolution=FINEST).force_star
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
     prepare = "from study.measure.charts import add_law; depths = np.ones(2) * 1e-6"
     seconds = timing.compile_time("add_law(law, depths)", prepare)
     add_law(DimensionalLaw("hertz", **SIZES).packed(), depths[:2])  # compiled here, not counted
-    rows = []
+    first, _ = timing.timed(partial(_first_force, bodies_too=True), repeats)
+    solving, _ = timing.timed(_first_force, repeats)
+    bodies, rows = first - np.median(solving), []
     for name, kind in LAWS.items():
         if name not in ("hertz", *names):
             continue
-        law = kind.of(REFERENCE)
+        making, law = timing.timed(partial(_made, kind), repeats)
         packed = DimensionalLaw(law, **SIZES).packed()
         times, _ = timing.timed(partial(add_law, packed, depths), repeats)
-        elements, _ = timing.timed(partial(law, depths / 5e-5, 200.0), repeats)
-        columns = {"vectorised": np.median(elements), "compile_time": seconds}
-        error = law(LAW_DEPTHS, 200.0) / exact - 1
+        setup = making + (np.median(bodies) if name in SOLVED else 0)
+        columns = timing.spread("setup", setup) | {"compile_time": seconds}
+        error = law(CURVE_DEPTHS, 200.0) / exact - 1
         rows.append(timing.row("laws", name, "", times / depths.size, error, **columns))
-    times, curve = timing.timed(partial(REFERENCE.solve, depth_star=LAW_DEPTHS), repeats)
-    times /= LAW_DEPTHS.size
     setting = f"six-node triangles, resolution {RESOLUTION['quadratic']}"
-    by_solver = {"vectorised": np.median(times) * depths.size, "called": PYTHON}
-    error = curve.force_star / exact - 1
-    rows.append(timing.row("laws", "solver", setting, times, error, **by_solver))
-    frame = timing.table(rows)
-    frame["vectorised"] /= frame["vectorised"].iloc[0]
-    return frame
+    of_bodies = timing.spread("setup", bodies) | {"called": PYTHON}
+    error = REFERENCE.solve(depth_star=CURVE_DEPTHS).force_star / exact - 1
+    rows.append(timing.row("laws", "solver", setting, solving, error, **of_bodies))
+    return timing.table(rows)
+
+
+def _first_force(bodies_too=False):
+    if bodies_too:
+        _forget_bodies()
+    return REFERENCE.solve(depth_star=0.25)
+
+
+def _made(kind):
+    """A law of the reference joint, whose bodies may be known, but not the law."""
+    table.checked.cache_clear()
+    stiffening._in_r2_star.cache_clear()
+    return kind.of(REFERENCE)
 
 
 def solvers() -> Iterator[Run]:
@@ -149,10 +165,14 @@ def _finest_curve():
 
 def _curve(name, n):
     """Forces of this study's solution, with new bodies at this resolution and at half of it."""
+    _forget_bodies()
+    return FREE.solve(depth_star=CURVE_DEPTHS, resolution=n, solver=name).force_star
+
+
+def _forget_bodies():
     made = modes.meshed, modes.compliance, series.compliance, series.hat_coefficients
     for function in (*made, kinematics._pairs):
         function.cache_clear()
-    return FREE.solve(depth_star=CURVE_DEPTHS, resolution=n, solver=name).force_star
 
 
 def steppers(compile_times: bool = True) -> Iterator[Run]:
@@ -164,15 +184,18 @@ def steppers(compile_times: bool = True) -> Iterator[Run]:
         seconds["explicit"] = timing.compile_time(call)
     _ours(1e-2)  # compiles
     for tolerance in TOLERANCES:
+        columns = {"compile_time": seconds[OURS], "evaluations": evaluations(tolerance)}
         run = partial(_ours, tolerance)
-        yield stepper(OURS, f"tolerance {tolerance:.2g}", run, compile_time=seconds[OURS])
+        yield stepper(OURS, f"tolerance {tolerance:.2g}", run, **columns)
     law = explicit.packed(SCENE, "hertz")
     explicit.integrate(SCENE, law, 1e-5, 1, 1e-6, "RK4")  # compiles
-    for scheme in explicit.SCHEMES:
+    for scheme, stages in zip(explicit.SCHEMES, explicit.STAGES, strict=True):
         for step in STEPS:
             if step <= LONGEST_STEPS.get(scheme, STEPS[0]):
+                columns = {"evaluations": stages * round(DURATION / step)}
+                columns |= {"compile_time": seconds["explicit"]}
                 run = partial(_explicit, law, step, scheme)
-                yield stepper(scheme, f"step {step:g} s", run, compile_time=seconds["explicit"])
+                yield stepper(scheme, f"step {step:g} s", run, **columns)
 
 
 def stepper(method: str, setting: str, call: timing.Call, **columns: str | float) -> Run:
@@ -192,6 +215,16 @@ def _finest_motion():
 def _ours(tolerance):
     options = {"duration": DURATION, "outputs": OUTPUTS, "tolerance": tolerance}
     return simulate(SCENE, law="hertz", **options).slider_acceleration[1:]
+
+
+def evaluations(tolerance):
+    """Evaluations of the equations of motion by this study's time integration, without outputs."""
+    law, times = explicit.packed(SCENE, "hertz"), np.array([0.0, DURATION])
+    state, loop = events.stepper(SCENE, law, DURATION, tolerance)
+    for _ in stepping.advance_in_blocks(loop, times, state, f"it failed at {tolerance:g}"):
+        pass
+    work = loop.args[1]
+    return int(work.evaluations)
 
 
 def _explicit(law, step, scheme):

@@ -21,6 +21,8 @@ from study.mechanism.stepping import MechanismError, divide
 
 SCHEMES = ("symplectic Euler", "velocity Verlet", "RK4")
 EULER, VERLET, RK4 = range(len(SCHEMES))
+STAGES = 1, 2, 4
+"""Evaluations of the equations of motion in a step of each scheme."""
 THETA, EX, EY, OMEGA, EX_RATE, EY_RATE = range(6)
 """Places in a state: the crank's angle and the eccentricity, and their rates."""
 FIRST, SECOND, THIRD = range(3)  # stages of a step

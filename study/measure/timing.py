@@ -112,7 +112,6 @@ def row(
     **columns: Any,
 ) -> dict[str, Any]:
     """A row of a chart, with all columns of ``data/published/speed.csv``; others may be given."""
-    low, middle, high = np.quantile(times, [0.25, 0.5, 0.75])
     return {
         "chart": chart,
         "program": "ours",
@@ -120,17 +119,22 @@ def row(
         "method": method,
         "called": COMPILED,
         "setting": setting,
-        "time": middle,
-        "time_low": low,
-        "time_high": high,
+        **spread("time", times),
         "repeats": len(times),
         "relative": 1.0,
-        "vectorised": 0.0,
+        **spread("setup", np.zeros(1)),
+        "evaluations": 0,
         "largest_error": float(np.abs(error).max()),
         "rms_error": float(np.sqrt(np.mean(error**2))),
         "compile_time": 0.0,
         "machine": machine(),
     } | columns
+
+
+def spread(name: str, times: NDArray[np.float64]) -> dict[str, float]:
+    """Median and quartiles of times, as the columns ``name``, ``name_low`` and ``name_high``."""
+    low, middle, high = np.quantile(times, [0.25, 0.5, 0.75])
+    return {name: middle, f"{name}_low": low, f"{name}_high": high}
 
 
 def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
@@ -151,19 +155,15 @@ def machine() -> str:
     return f"{model}, {os.cpu_count()} cores, {python}, Numba {version('numba')}"
 
 
-def pareto_front(rows: pd.DataFrame, error: str = "rms_error", cost: str = "time") -> pd.DataFrame:
-    """Rows of a chart for which no other row has both a smaller error and a lower cost, by cost."""
-    ordered = rows.dropna(subset=[cost, error]).sort_values([cost, error])
-    return ordered[ordered[error] < ordered[error].cummin().shift(fill_value=np.inf)]
+def time_at(rows: pd.DataFrame, errors: ArrayLike, cost: str = "time") -> NDArray[np.float64]:
+    """Time in s, or another cost, that a method needs for given errors, from its rows in a chart.
 
-
-def time_at(rows: pd.DataFrame, errors: ArrayLike) -> NDArray[np.float64]:
-    """Time in s that a method needs for given errors, from its rows in a chart.
-
-    Logarithms are interpolated along the `pareto_front`. NaN for an error below that of every row.
+    Logarithms are interpolated between the rows for which no other row has both a smaller error and
+    a lower cost. NaN for an error below that of every row.
     """
-    front = pareto_front(rows)[::-1]  # errors ascend
-    known = np.log(front[["rms_error", "time"]].to_numpy()).T
+    ordered = rows.sort_values([cost, "rms_error"])
+    front = ordered[ordered.rms_error < ordered.rms_error.cummin().shift(fill_value=np.inf)]
+    known = np.log(front[["rms_error", cost]].to_numpy()[::-1]).T  # errors ascend
     return np.exp(np.interp(np.log(errors), known[0], known[1], left=np.nan))
 
 

@@ -67,6 +67,7 @@ def _collocate(work, h, contact, p, law):
     before = inf
     collocation.factorise(work, h)
     for _ in range(ITERATIONS):
+        work.evaluations += STAGES
         for i in range(STAGES):
             collocation.stage(i, work, h)
             motion, _ = rigid.motion(work.trial, contact, p, law)
@@ -155,6 +156,7 @@ def _end_step(work, h, contact, p, law):
     event = NO_EVENT
     for attempt in range(3):
         collocation.finish(work, h)
+        work.evaluations += 1
         motion, parts = rigid.motion(work.y, contact, p, law)
         locating.mark(STAGES - 1, motion.joint, work)
         if attempt == 0:
@@ -305,6 +307,7 @@ def stepper(
         ("marks", MARK, (STAGES,)),
         ("most", float),
         ("idle", np.int64),
+        ("evaluations", np.int64),  # of `rigid.motion`
     ]
     (work,) = np.zeros(1, [*collocation.fields(UNKNOWNS), *own]).view(np.recarray)
     work.y[THETA], work.y[OMEGA] = scene.initial_crank_angle, scene.starting_speed

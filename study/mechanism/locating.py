@@ -53,6 +53,7 @@ def event_value(event, contact, joint, p):
 def evaluate(work, h, x, contact, p, law):
     """Motion and its parts at the share ``x`` of a step, where ``trial`` is the state."""
     inside(work, h, x)
+    work.evaluations += 1
     return motion(work.trial, contact, p, law)
 
 

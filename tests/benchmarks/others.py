@@ -1,6 +1,6 @@
 """Runs of other programs for the speed charts; what is not installed is left out."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from itertools import product
@@ -40,8 +40,17 @@ def version_of(package: str) -> str:
         return ""
 
 
+def counted(method: str, setting: str, motion: Callable, **columns: str) -> Run:
+    """A row of a function that returns the slider's acceleration and a number of evaluations."""
+    _, evaluations = motion()
+    return charts.stepper(method, setting, lambda: motion()[0], evaluations=evaluations, **columns)
+
+
 def steppers() -> Iterator[Run]:
-    """CVODE as a compiled C program, integrators called from Python, and Exudyn."""
+    """CVODE as a compiled C program, integrators called from Python, and Exudyn.
+
+    The evaluations of Exudyn are not counted.
+    """
     law = explicit.packed(charts.SCENE, "hertz")
     span = charts.SCENE, law, charts.DURATION, charts.OUTPUTS
     if found := cvode.version():
@@ -51,7 +60,7 @@ def steppers() -> Iterator[Run]:
             tolerance = 10 ** -(n / 2)
             call = partial(cvode.slider_acceleration, *span, tolerance, coordinates)
             method = f"CVODE in C, {coordinates} coordinates"
-            yield charts.stepper(method, f"tolerance {tolerance:.2g}", call, **columns)
+            yield counted(method, f"tolerance {tolerance:.2g}", call, **columns)
     odes.slider_acceleration("LSODA", *span[:2], 1e-3, 1, 1e-3)  # compiles what is called by it
     for method, smallest in SMALLEST.items():
         program = "SciPy" if method in odes.SCIPY else "scikit-sundae"
@@ -59,7 +68,7 @@ def steppers() -> Iterator[Run]:
             columns = {"program": program, "version": found, "called": PYTHON}
             for tolerance in (10.0**-n for n in range(4, smallest + 1)):
                 call = partial(odes.slider_acceleration, method, *span, tolerance)
-                yield charts.stepper(method, f"tolerance {tolerance:.2g}", call, **columns)
+                yield counted(method, f"tolerance {tolerance:.2g}", call, **columns)
     if found := version_of("exudyn"):
         columns = {"program": "Exudyn", "version": found, "called": COMPILED}
         for step in STEPS:

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from study import dataset
 from study.measure import charts, timing
 from study.mechanism import MechanismError
 
@@ -58,3 +59,9 @@ def test_a_stepper_that_fails_is_not_dropped_from_its_chart():
     run = charts.stepper("RK4", "step 4e-06 s", too_deep)
     with pytest.raises(MechanismError, match="too deep"):
         timing.chart("steppers", [run], 1)
+
+
+def test_stored_evaluations_are_those_of_this_code():
+    rows = dataset.measured("steppers").set_index(["method", "setting"])
+    stored = rows.evaluations[timing.OURS, "tolerance 1e-08"]
+    assert charts.evaluations(1e-8) == pytest.approx(stored, rel=0.01)

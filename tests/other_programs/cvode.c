@@ -12,14 +12,15 @@
 #include <sunmatrix/sunmatrix_dense.h>
 
 typedef struct { /* as study.mechanism.scene.Constants */
-    double l1, l2, a11, a22, a12, m3, moment, g1, g2, gravity, r1, clearance, damping, friction;
-    double v0, v1, steady, j1, own_g1, m2, i2, crank_r1;
+    double l1, l2, a11, a22, a12, m2, m3, moment, g1, g2, gravity, r1, clearance, damping;
+    double friction, v0, v1, steady;
 } Constants;
 
 typedef struct {
     const Constants *p;
     double scale, approach; /* Hertz's law: N at a depth of one clearance; approach speed */
     int contact, polar;     /* do the surfaces touch, and has contact its own coordinates */
+    int evaluations;        /* calls of `motion` by CVODE */
 } Piece;
 
 /* Accelerations z'' at y = (z, z'), the slider's last; their derivatives to y unless jac is NULL. */
@@ -131,6 +132,7 @@ static int slopes(double t, N_Vector y, N_Vector out, void *piece)
 {
     const double *now = N_VGetArrayPointer(y);
     double *rates = N_VGetArrayPointer(out), f[4];
+    ((Piece *)piece)->evaluations++;
     motion(piece, now, f, NULL);
     for (int i = 0; i < 3; i++) rates[i] = now[3 + i], rates[3 + i] = f[i];
     return 0;
@@ -140,6 +142,7 @@ static int jacobian(double t, N_Vector y, N_Vector rates, SUNMatrix out, void *p
                     N_Vector unused1, N_Vector unused2, N_Vector unused3)
 {
     double f[4], jac[3][6];
+    ((Piece *)piece)->evaluations++;
     motion(piece, N_VGetArrayPointer(y), f, jac);
     for (int i = 0; i < 3; i++) {
         SM_ELEMENT_D(out, i, 3 + i) = 1; /* CVODE has set the others to 0 */
@@ -174,8 +177,9 @@ static void turn(Piece *s, double *y)
     s->contact = !s->contact;
 }
 
-/* Slider's acceleration at equal times after t = 0; returns the number of impacts, or CVODE's
- * error, which is negative. `tolerances` are absolute, of y in flight and then in contact.
+/* Slider's acceleration at equal times after t = 0, and then the number of evaluations; returns the
+ * number of impacts, or CVODE's error, which is negative. `tolerances` are absolute, of y in flight
+ * and then in contact.
  */
 int run(const double *constants, double scale, const double *start, int polar, double duration,
         int outputs, double relative, const double *tolerances, double newton, int order,
@@ -188,7 +192,7 @@ int run(const double *constants, double scale, const double *start, int polar, d
     SUNMatrix matrix = SUNDenseMatrix(6, 6, context);
     SUNLinearSolver solver = SUNLinSol_Dense(y, matrix, context);
     double *now = N_VGetArrayPointer(y), t = 0, f[4];
-    Piece piece = {(const Constants *)constants, scale, INFINITY, 0, polar};
+    Piece piece = {(const Constants *)constants, scale, INFINITY, 0, polar, 0};
     for (int i = 0; i < 6; i++) now[i] = start[i];
     void *cvode = CVodeCreate(CV_BDF, context);
     CVodeInit(cvode, slopes, 0, y);
@@ -224,6 +228,7 @@ int run(const double *constants, double scale, const double *start, int polar, d
             turn(&piece, now);
         }
     }
+    found[outputs] = piece.evaluations;
     CVodeFree(&cvode);
     SUNLinSolFree(solver);
     SUNMatDestroy(matrix);

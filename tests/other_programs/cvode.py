@@ -72,9 +72,10 @@ def slider_acceleration(
     outputs: int,
     tolerance: float,
     coordinates: Coordinates = "contact",
-) -> NDArray[np.float64]:
+) -> tuple[NDArray[np.float64], int]:
     """Slider's acceleration at equally spaced times after the start, in m/s^2.
 
+    The second value is the number of evaluations of the equations of motion or their derivatives.
     The law is a record of Hertz's (`study.contact.DimensionalLaw.packed`), the duration in s. The
     coordinates are those of contact: ``Cartesian`` as in flight, or ``contact`` for depth and
     direction. Raises `study.checks.StudyError` if gcc or SUNDIALS is missing, or CVODE fails.
@@ -83,9 +84,9 @@ def slider_acceleration(
         raise ValueError(f"law must be Hertz's, packed, got shape {law.shape_index}")
     start, scales = explicit.start_of(scene), np.array(SCALES[coordinates])
     how: list[Any] = [duration, outputs, RELATIVE * tolerance, tolerance * scales, NEWTON, ORDER]
-    constants, acceleration = np.array(scene.constants()), np.empty(outputs)
+    constants, found = np.array(scene.constants()), np.empty(outputs + 1)
     run = _library()
-    status = run(constants, law.scale, start, coordinates == "contact", *how, acceleration)
+    status = run(constants, law.scale, start, coordinates == "contact", *how, found)
     if status < 0:
         raise checks.StudyError(f"CVODE failed with status {status} (cvode.h) at {tolerance:g}")
-    return acceleration
+    return found[:-1], int(found[-1])

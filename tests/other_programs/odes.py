@@ -23,21 +23,24 @@ DISARMED = 1e-9  # s after a start, in which the gap is rounding only
 
 def slider_acceleration(
     method: str, scene: Scene, law: np.record, duration: float, outputs: int, rtol: float
-) -> NDArray[np.float64]:
+) -> tuple[NDArray[np.float64], int]:
     """Slider's acceleration at equally spaced times after the start, in m/s^2.
 
-    The method CVODE is SUNDIALS' through scikit-sundae, any other one SciPy's; the law is a record
+    The second value is the number of evaluations of the equations of motion, without outputs. The
+    method CVODE is SUNDIALS' through scikit-sundae, any other one SciPy's; the law is a record
     (`study.contact.DimensionalLaw.packed`), the duration in s. Raises `study.checks.StudyError` if
     the integrator fails.
     """
     integrate = _sundials if method == "CVODE" else _scipy
     times = duration * np.arange(1, outputs + 1) / outputs
     p, y, t, approach, pulls = scene.constants(), explicit.start_of(scene), 0.0, 0.0, []
-    work, out = np.zeros(6), np.zeros(3)
+    work, out, evaluations = np.zeros(6), np.zeros(3), 0
     while True:
         contact, speed = approach > 0, approach or inf
 
         def slopes(y, rates, contact=contact, speed=speed):
+            nonlocal evaluations
+            evaluations += 1
             rates[:3] = y[3:]
             explicit.acceleration(y, contact, speed, p, law, work, out)
             rates[3:] = out
@@ -50,7 +53,7 @@ def slider_acceleration(
         states, end = integrate(method, slopes, gap, contact, t, y, times[t < times], rtol)
         pulls += [explicit.acceleration(z, contact, speed, p, law, work, out) for z in states]
         if end is None:
-            return np.array(pulls)
+            return np.array(pulls), evaluations
         t, y = end
         n = y[1:3] / np.hypot(y[1], y[2])
         approach = 0.0 if contact else float(y[4:] @ n)

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 import study
-from study import contact, paths
+from study import contact, dataset, paths
 from study.joint import Joint
 from study.pages import catalogue
 
@@ -66,6 +66,8 @@ def test_which_law_is_right():
 def test_how_accurate_the_stiffness_is():
     table = kept("trend")
     stiffened, low, high = claimed(r"its stiffness dP/dδ is within (\S+) % .*? from (\S+) to (\d)")
+    curve = dataset.paper_curves("linear", r2_star=200.0)
+    assert 100 * curve.error_estimate[curve.depth_star >= low].max() < stiffened / 3
     (power,) = claimed(r"its stiffness within (\S+) %")
     for law, percent, ends in (
         ("stiffened_hertz", stiffened, (low, high)),
