@@ -11,15 +11,16 @@ uncertainty of the reference.
 from collections.abc import Iterator
 from functools import cache, partial
 from itertools import product
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from study.measure.timing import Call, Run
-from study.mechanism import Scene, paper_scene, simulate
+from study.mechanism import Scene, beams, paper_scene, particles
 from study.mechanism.compare import normalised_rms
 from study.mechanism.frame import Frame
+from study.mechanism.law_in_scene import in_scene
 
 Joint = Literal["ideal joint", "first impact"]
 Model = Literal["particles", "beams"]
@@ -36,6 +37,7 @@ because the rotary inertia of a single one is too large."""
 STEPS = {"ideal joint": (1e-3, 2e-4, 5e-5, 1e-5), "first impact": (1e-5, 4e-6, 1e-6, 2.5e-7)}
 """Steps of the implicit methods, in s."""
 SHARES = (0.95, 0.5)  # fractions of the limit of the explicit step
+MOST_CALLS = 101  # of a run: 100 that are timed, and one before
 REFINED = 4  # how much finer mesh and implicit step of the reference are than the finest compared
 
 
@@ -50,11 +52,11 @@ def runs() -> Iterator[Run]:
                 limit = longest_step(joint, elements)
                 steps = tuple(share * limit for share in SHARES if n > 1)
             for step in steps:
-                call = partial(simulated, model, joint, elements, step)
+                call = prepared(model, joint, elements, step)
                 yield run(model, joint, elements, step, call)
     for joint in DURATIONS:
         elements, step = finest(joint)
-        call = partial(simulated, "beams", joint, elements, step)
+        call = prepared("beams", joint, elements, step)
         yield run(REFERENCE, joint, elements, step, call)
 
 
@@ -80,12 +82,37 @@ def simulated(
     model: Model, joint: Joint, elements: Elements, step: float, scene: Scene = SCENE
 ) -> NDArray[np.float64]:
     """Positions of the slider in m, or time in s and maximum force in N of the first impact."""
-    options: dict[str, Any] = {"law": "hertz", "model": model, "elements": elements, "step": step}
-    if joint == "ideal joint":
-        options |= {"joint": "ideal", "duration": DURATIONS[joint], "outputs": OUTPUTS}
-        return simulate(scene, **options).slider_position[1:]
-    first = simulate(scene, duration=DURATIONS[joint], outputs=2, **options).impacts.iloc[0]
-    return first[["time", "peak_force"]].to_numpy(dtype=float)
+    return prepared(model, joint, elements, step, scene, calls=1)()
+
+
+def prepared(
+    model: Model,
+    joint: Joint,
+    elements: Elements,
+    step: float,
+    scene: Scene = SCENE,
+    calls: int = MOST_CALLS,
+) -> Call:
+    """A function that returns the result of `simulated`, and can be called several times.
+
+    Masses and stiffnesses are assembled here, so that only the time integration is timed: in a
+    short run they would take most of the time.
+    """
+    law, ideal = in_scene(scene, "hertz").packed(), joint == "ideal joint"
+    times = np.linspace(0, DURATIONS[joint], (OUTPUTS if ideal else 2) + 1)
+    assemble = partial(beams.blocks, scene, law, times, ideal, step, elements)
+    if model == "particles":
+        assemble = partial(particles.blocks, scene, law, times, ideal, step, elements, "centred")
+    ready = [assemble() for _ in range(calls)]
+
+    def integrate():
+        for rows, impacts, _ in ready.pop():  # noqa: B007
+            pass
+        if ideal:
+            return rows["slider_position"][1:].copy()
+        return np.array([impacts["time"][0], impacts["peak_force"][0]])
+
+    return integrate
 
 
 def longest_step(joint: Joint, elements: Elements, scene: Scene = SCENE) -> float:
