@@ -1,5 +1,7 @@
 """Flexible links in the chart of times: their limits, and Exudyn's cables where it is installed."""
 
+from itertools import islice
+
 import numpy as np
 import pytest
 from benchmarks import others
@@ -39,8 +41,7 @@ def test_the_first_impact_comes_to_that_of_a_fine_mesh(method):
 def test_the_rows_of_the_chart_name_joint_mesh_and_step(monkeypatch):
     exact = flexible.simulated("particles", "ideal joint", (4, 8), 1e-6)
     monkeypatch.setattr(flexible, "reference", lambda joint, scene: exact)  # saves a minute
-    runs = [run for run in flexible.runs() if run.setting.startswith("ideal joint, 2 and 4")]
-    frame = timing.chart("flexible", [run for run in runs if run.method == "particles"], 1)
+    frame = timing.chart("flexible", list(islice(flexible.runs(), 2)), 1)
     assert frame.setting[0].startswith("ideal joint, 2 and 4 elements, step 4.1")
     assert set(frame.chart) == {"flexible"}
     assert frame.rms_error[0] < 1e-6
