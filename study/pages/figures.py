@@ -13,6 +13,7 @@ import os
 from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 from string import ascii_lowercase
 from typing import Any, cast
@@ -24,7 +25,9 @@ from cycler import cycler
 from IPython.display import Image, display
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.path import Path as MplPath
 from matplotlib.text import Text
+from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike, NDArray
 from pandas.io.formats.style import Styler
 
@@ -35,6 +38,10 @@ WIDEST = 8.4
 """Largest width of a figure, in inches."""
 SMALLEST = 9.0
 """Smallest size of its text, in points."""
+TOUCHING = 1.0
+"""Overlap of the rectangles of two texts that is allowed, in points: letters do not fill them."""
+OVERLAP = "Overlapping texts"
+"""Key of the image's metadata with the texts that overlap more."""
 DIGITS = 9  # of a number in a saved table
 
 STYLE = {
@@ -172,6 +179,8 @@ def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
     A job of the workflow collects both in ``build/results``. In a notebook that is run in another
     way, they are written to a folder in ``build/scratch``, which is said once.
 
+    The texts that overlap are named in the metadata of the image, where a test looks for them.
+
     Raises ``ValueError`` if a text is smaller than `SMALLEST`, or a number is not finite.
     """
     least = min(figure.findobj(Text), key=Text.get_fontsize)
@@ -181,8 +190,56 @@ def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
     with _style:
         save_table(numbers, name)
         with paths.whole(path) as temporary:
-            figure.savefig(temporary, metadata={"Software": None})
+            pairs = "; ".join(f"{a!r} and {b!r}" for a, b in overlapping_texts(figure))
+            note = {OVERLAP: pairs} if pairs else {}
+            figure.savefig(temporary, metadata={"Software": None} | note)
     display(Image(path, width=round(72 * figure.get_figwidth())))
+
+
+def overlapping_texts(figure: Figure) -> list[tuple[str, str]]:
+    """Pairs of texts in a figure whose rectangles overlap by more than `TOUCHING`.
+
+    Examples
+    --------
+    >>> with mpl.rc_context({"axes.grid": False}):
+    ...     figure = Figure()
+    ...     _ = figure.text(0.5, 0.5, "force"), figure.text(0.52, 0.5, "depth")
+    >>> overlapping_texts(figure)
+    [('force', 'depth')]
+    """
+    figure.draw_without_rendering()
+    # Matplotlib keeps labels of ticks beyond the ends of an axis, which it does not draw.
+    beyond = {
+        label
+        for axes in figure.axes
+        for axis in (axes.xaxis, axes.yaxis)
+        for tick in [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+        if not min(axis.get_view_interval()) <= tick.get_loc() <= max(axis.get_view_interval())
+        for label in (tick.label1, tick.label2)
+    }
+    texts = [
+        text
+        for text in figure.findobj(Text)
+        if text.get_visible() and text.get_text().strip() and text not in beyond
+    ]
+    outlines = [_outline(text, figure.dpi / 72 * TOUCHING) for text in texts]
+    return [
+        (a.get_text(), b.get_text())
+        for (a, first), (b, second) in combinations(zip(texts, outlines, strict=True), 2)
+        if first.intersects_path(second)
+    ]
+
+
+def _outline(text, margin):
+    """Rectangle around a text in pixels, rotated as it is, and smaller by a margin on each side."""
+    box, angle = Text.get_window_extent(text), text.get_rotation()  # upright box around it
+    text.set_rotation(0)
+    size = Text.get_window_extent(text)
+    text.set_rotation(angle)
+    shrunk = np.maximum([size.width - 2 * margin, size.height - 2 * margin], 0.1)
+    centre = [(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2]
+    place = Affine2D().translate(-0.5, -0.5).scale(*shrunk).rotate_deg(angle).translate(*centre)
+    return MplPath.unit_rectangle().transformed(place)
 
 
 def _folder(name):

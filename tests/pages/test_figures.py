@@ -4,7 +4,9 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.image import imread
+from PIL import Image
 
 from study import paths
 from study.contact import SOCKET_RATIO, HyperbolicWinkler, Winkler
@@ -161,3 +163,35 @@ def test_numbers_for_statements_have_a_row_for_each_reading(monkeypatch, tmp_pat
     ]
     with pytest.raises(ValueError, match="all numbers of numbers must be finite"):
         figures.save_numbers("numbers", {"1": {"ratio": np.nan}})
+
+
+def test_no_texts_overlap_in_any_figure():
+    images = sorted(paths.FIGURES.glob("*.png"))
+    assert images
+    overlaps = {i.stem: Image.open(i).info.get(figures.OVERLAP) for i in images}
+    assert {name: texts for name, texts in overlaps.items() if texts} == {}
+
+
+@pytest.mark.parametrize(
+    ("place", "angle", "found"),
+    [
+        ((0.5, 0.5), 0, True),
+        ((0.5, 0.6), 0, False),  # above the other text
+        ((0.5, 0.6), 90, False),
+        ((0.45, 0.45), 30, True),
+        ((0.55, 0.53), 30, False),  # the upright box around the slanted text would overlap
+    ],
+)
+def test_overlapping_texts_are_found(place, angle, found):
+    figure = Figure(figsize=(5, 5))
+    figure.text(0.5, 0.5, "penetration depth")
+    figure.text(*place, "contact force", rotation=angle)
+    assert bool(figures.overlapping_texts(figure)) == found
+
+
+def test_labels_of_ticks_that_are_not_drawn_do_not_count():
+    figure = Figure()
+    axes = figure.add_subplot(xticks=[0, 1, 1.001], xlim=(0, 1))
+    assert figures.overlapping_texts(figure) == []
+    axes.set_xlim(0, 1.001)
+    assert len(figures.overlapping_texts(figure)) == 1
