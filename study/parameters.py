@@ -1,15 +1,13 @@
 """Parameters that are described once: meaning, unit, range, default, and how a text is read.
 
 A field of a dataclass, or a parameter of a function, has a `Parameter`. From it come the check of a
-value, the options of the command line (`study.cli.options`), the columns of a parameter study
-(`study.sweep.cases`) and the parameter tables of docstrings.
+value, the options of the command line (`study.cli.options`) and the columns of a parameter study
+(`study.sweep.cases`).
 """
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from inspect import signature
-from textwrap import dedent, wrap
 from typing import Any, TypeVar
 
 from study import checks
@@ -138,11 +136,11 @@ _LIMITS = ("above", "least", "below", "most")
 
 
 def describe(**parameters: Parameter) -> Callable[[T], T]:
-    """Decorate a function with the descriptions of its parameters, which its docstring gets too."""
+    """Decorate a function with the descriptions of its parameters."""
 
     def decorate(function: T) -> T:
         vars(function)["described"] = parameters
-        return documented(function)
+        return function
 
     return decorate
 
@@ -183,26 +181,6 @@ def default_of(owner: Any, name: str) -> str:
     default = defaults(owner).get(name)
     about = described(owner)[name]
     return about.otherwise or ("" if default in (None, ()) else about.written(default))
-
-
-_SECTION = re.compile(r"^(Returns|Raises|Examples)\n", re.MULTILINE)
-
-
-def documented(owner: T) -> T:
-    """Add the parameters of a dataclass or function to its docstring, in numpydoc's form."""
-    lines = ["Attributes" if is_dataclass(owner) else "Parameters", "----------"]
-    for name, about in described(owner).items():
-        default = default_of(owner, name)
-        unit, default = about.unit and f"in {about.unit}", default and f"default {default}"
-        notes = "; ".join(filter(None, (unit, about.range, default)))
-        text = f"{about.meaning} ({notes})." if notes else f"{about.meaning}."
-        lines += [name, *(f"    {line}" for line in wrap(text, 92))]
-    document = dedent(f"    {owner.__doc__}").strip()
-    found = _SECTION.search(document)
-    end = found.start() if found else len(document)
-    parts = document[:end].rstrip(), "\n".join(lines), document[end:]
-    owner.__doc__ = "\n\n".join(part for part in parts if part)
-    return owner
 
 
 READ = {"um": 1e-6, "mm^2": 1e-6, "MPa": 1e6, "N/um": 1e6, "%": 0.01}

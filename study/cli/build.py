@@ -142,7 +142,7 @@ def accept_results(names):
 
 @cli.command("paper", {"Options": [cli.JOBS]}, examples=["paper"], keeps=True)
 def typeset_paper(jobs=None):
-    """Bring the article and its supplement up to date, with the results that they show.
+    """Typeset the article and its supplement, after an update of the results that they show.
 
     The files are build/paper.pdf and build/supplement.pdf.
     """
@@ -162,7 +162,7 @@ def typeset_paper(jobs=None):
     keeps=True,
 )
 def write_report(names=(), jobs=None):
-    """Bring everything up to date: figures, tables, the article and the report.
+    """Update everything that is outdated: figures, tables, the article and the report.
 
     Figures and tables are in build/results/, the article is build/paper.pdf, and the report is a
     web site that begins with build/report/index.html. The results are compared with those in

@@ -121,6 +121,7 @@ def solve_joint(as_json, law, units="SI", **options):
     materials by name) and give --force or --depth, or without dimensions by --r2-star and give
     --depth-star. Each result has the estimated error of its force. Numbers with a unit are in SI
     units, or have their unit, such as 12.5mm, 40um, 3kN or 110GPa.
+    The reference joint of the study is --r2-star 200 --ball-support clamped --rim free.
 
     A joint with dimensions is answered with the fastest contact law within --tolerance, the
     command that exports it, and a fitted power law F = k d^n. Stresses of a joint without

@@ -97,7 +97,9 @@ def simulate_mechanism(as_json, once, scene=(), option=(), output=None, **option
     """Simulate a crank-slider with a clearance joint: the final state and every impact.
 
     Numbers with a unit are in SI units, or have their unit, such as 100um. By default the mechanism
-    is that of Yao et al., section 4.3, with rigid links.
+    has the dimensions, masses and drive of Yao et al., section 4.3, and rigid links. Contact law
+    and damping are those of this study; for theirs, give --law hyperbolic_winkler --scene
+    damping=lankarani-nikravesh.
 
     With --model auto, rigid links and links of particles are run, and the simplest model is used
     whose --quantity differs from that of a finer one by at most --tolerance. This is the RMS

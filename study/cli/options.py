@@ -215,7 +215,7 @@ class Command(click.Command):
         """
         names = {of.name: of.opts[0] for of in self.params if isinstance(of, click.Option)}
         known = "|".join(sorted(map(re.escape, names), key=len, reverse=True))
-        begin = rf"^(.* of )?({known})((, | and )({known}))*(?= (must|does|do|is for)\b)"
+        begin = rf"^(.* of )?({known})((, | and | or )({known}))*(?= (must|does|do|is for)\b)"
         several = "|".join(name for name in names if "_" in name) or "^$"
         for place in (begin, rf"\b({several})\b(?!=)"):
             text = re.sub(

@@ -544,7 +544,7 @@ LAWS: dict[str, type[Law]] = {
     law.name: law
     for law in (Hertz, Steuermann, Liu, Winkler, HyperbolicWinkler, Power, StiffenedHertz, Table)
 }
-"""Class of every law that has a name, by it."""
+"""Class of each named law, by its name."""
 CLOSED_FORM = tuple(name for name in LAWS if name != Table.name)
 """Laws that need no elastic solution."""
 if TYPE_CHECKING:

@@ -20,13 +20,21 @@ from study.parameters import parameter
 MATERIALS = Path(__file__).with_name("materials.csv")
 
 
-@parameters.documented
 @dataclass(frozen=True)
 class Material:
     """An isotropic, linear elastic material.
 
     The yield stress is used to predict yield (`study.joint.first_yield`). Forces do not depend on
     it, and materials that differ only in their yield stress compare as equal.
+
+    Parameters
+    ----------
+    youngs_modulus : float, default 2e11
+        Young's modulus in Pa.
+    poisson : float, default 0.3
+        Poisson's ratio, > -1 and < 0.5.
+    yield_stress : float, optional
+        Yield stress in Pa.
 
     Examples
     --------

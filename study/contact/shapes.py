@@ -11,31 +11,31 @@ import numpy as np
 
 
 def hertz(ds, constants):
-    """Of Hertz's law: ds^(3/2)."""
+    """Shape of Hertz's law: ds^(3/2)."""
     s = np.sqrt(ds)
     return ds * s, 1.5 * s
 
 
 def winkler(ds, constants):
-    """Of Winkler's law: ds^2."""
+    """Shape of Winkler's law: ds^2."""
     return ds * ds, 2 * ds
 
 
 def power(ds, constants):
-    """Of the power law, and of Steuermann's profiles: ds^n, where n is the only constant."""
+    """Shape of the power law, and of Steuermann's profiles: ds^n, where n is the only constant."""
     value = ds ** constants[0]
     return value, constants[0] * value / ds
 
 
 def chord(ds, constants):
-    """Of Steuermann's law: ds sin(eps), cos(eps) = 1/(1 + ds)."""
+    """Shape of Steuermann's law: ds sin(eps), cos(eps) = 1/(1 + ds)."""
     root = np.sqrt(ds * (2 + ds))
     sine = root / (1 + ds)
     return ds * sine, sine + ds / (root * (1 + ds) ** 2)
 
 
 def liu(ds, constants):
-    """Of Liu's law: ds sin(eps) sin(eps/2), cos(eps) = 1/(1 + ds)."""
+    """Shape of Liu's law: ds sin(eps) sin(eps/2), cos(eps) = 1/(1 + ds)."""
     share = ds / (1 + ds)
     value = ds * share * np.sqrt(1 - share / 2)  # the whole never overflows on the way
     return value, value * (2 / ds + 0.5 / (2 + ds) - 1.5 / (1 + ds))
@@ -69,8 +69,9 @@ the sphere, w(t) = sin(t), or of a flat disc with the arc as its radius, w(t) = 
 
 
 def stiffened(ds, constants):
-    """Hertz's times S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s), s = sqrt(ds); from c9 to c1.
+    """Shape of stiffened Hertz: ds^(3/2) S, S = 1 + c1 u + ... + c9 u^9; constants from c9 to c1.
 
+    u = s/(1 + s) with s = sqrt(ds).
     Powers are summed in pairs, and pairs of pairs (Estrin): faster than one after the other.
     """
     root = np.sqrt(ds)

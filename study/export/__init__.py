@@ -134,8 +134,8 @@ def export(
         check_name(name, form)
     if not checks.instance("joint", joint, Joint).has_dimensions:
         checks.choice("format of a joint without dimensions", form, DIMENSIONLESS)
-    if form == "mujoco":
-        checks.choice("law in format mujoco", law, ["tabulated"])
+    if form == "mujoco" and law != "tabulated":
+        raise ValueError(f"law must be tabulated for the format mujoco, got {law!r}")
     if points is not None:
         checks.choice("format with points", form, ["csv"])
         checks.whole("points", points, least=3, most=10**6)
@@ -144,8 +144,8 @@ def export(
         if not joint.has_dimensions:
             raise ValueError("units do not apply to a joint without dimensions; remove them")
     tilt = joint.default_tilt if tilt is None else tilt
-    if tilt is not None:
-        checks.choice("law for a displacement off the axis", law, ["tabulated", "power"])
+    if tilt is not None and law not in ("tabulated", "power"):
+        raise ValueError(f"law must be tabulated or power off the axis, got {law!r}")
     try:
         content = _Content(law, joint, depth_star, tilt, FIRST if form == "mujoco" else SHALLOWEST)
     except checks.RangeError as error:  # of a curve, whose maximum depth has another name
@@ -155,7 +155,7 @@ def export(
     exponent = content.law.exponent_of_depth
     if form == "adams" and exponent is None:
         raise ValueError(
-            f"law in format adams must be a power k depth^n, such as power or hertz, got {law}"
+            f"law must be a power k depth^n for the format adams, such as power or hertz, got {law}"
         )
     if form == "csv":
         return _csv(content, name, points or ROWS + 1)

@@ -212,7 +212,7 @@ def settings(joint: Joint, solver: Solver | None, resolution: int | None) -> tup
             raise ValueError(
                 "solver must be quadratic or linear for this joint, because the series requires "
                 "ball_support guided, rim mirror and a hemispherical socket held at its whole "
-                f"outside, got {', '.join(map(str, joint.supports.values()))}"
+                f"outside, got {', '.join(f'{n} {v}' for n, v in joint.supports.items())}"
             )
     else:
         from study.joint import meridian

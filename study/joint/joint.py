@@ -124,19 +124,54 @@ def _of_material(default: str, body: str) -> Any:
     )
 
 
-@parameters.documented
 @dataclass(frozen=True)
 class Joint:
     """A spherical clearance joint, in SI units.
 
-    Materials and supports may be given as objects or as texts. `from_ratios` makes the same object
-    from ratios. `solve` gives the elastic solution at given depths or under given forces, `curve`
-    the force-depth curve, `law` a contact law, and `power_law` the coefficients of F = k d^n.
-    Raises ``ValueError`` for a value outside its range.
+    `solve` gives the elastic solution at given depths or under given forces, `curve` the
+    force-depth curve, `law` a contact law, and `power_law` the constants of F = k d^n.
+    `from_ratios` makes a joint without dimensions from ratios.
 
-    The socket radius must be 10 to 1e9 times the clearance. Young's moduli may differ by a factor
-    of at most 1e9. The minimum thickness of a layer is 0.0001 times its inner radius, or 0.02 times
-    for finite elements. E* is that of the ball and the innermost layer.
+    Parameters
+    ----------
+    socket_radius : float
+        Inner radius of the socket in m; 10 to 1e9 times the clearance.
+    clearance : float
+        Radius of the socket less that of the ball, in m.
+    wall : float
+        Wall thickness of the socket, including its liners, in m. Each layer is at least 0.0001
+        times its inner radius thick, or 0.02 times for finite elements.
+    ball, socket : Material or str, default "bearing steel" and "steel"
+        A name that ``study data materials`` lists, or Young's modulus, Poisson's ratio and,
+        optionally, yield stress, as in "210GPa,0.3,500MPa". Moduli differ by a factor of at most
+        1e9. The composite modulus E* is that of the ball and the innermost layer.
+    liner : tuple of Liner or str, default ()
+        Liners of the socket from the inside out, each with its thickness and material, as in
+        "0.5mm,PTFE"; in a text they are separated by semicolons.
+    ball_support : BallSupport or str, default "guided"
+        How the ball is held and moved. Half a ball is moved by a plate at its equatorial plane, on
+        which it slides ("guided") or to which it is clamped ("clamped"), or at its centre point
+        ("centre"). A whole ball is held by a rigid core ("core:0.2" times its radius) or by a
+        rigid neck ("neck:30" deg from the top), and a ball with a bore by a rigid pin
+        ("pin:6mm,16mm" or, in ratios, "bore:0.5,45").
+    rim : {"mirror", "free"}, optional
+        Edge of the socket: in a mirror plane, or free of traction. By default a mirror for half a
+        ball in a hemispherical socket that is held on its whole outside and loaded along the axis,
+        else free.
+    kinematics : {"linear", "small"}, default "linear"
+        Which points of the two surfaces are paired: those that lie opposite each other after the
+        ball has moved, or those at equal polar angles. The two differ by terms of order 1/R2*.
+    opening : Opening, float or str, default 90
+        Polar angle of the rim from the pole in deg, 30 to 170; or those of both rims of a ring,
+        "55:125".
+    socket_support : SocketSupport or str, default "outside"
+        Where the socket is held rigidly: on its whole outside, at the face of its rim ("rim"), or
+        on a sector of its outside ("sector:0,30" between these polar angles in deg).
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range.
 
     Examples
     --------
@@ -264,11 +299,31 @@ class Joint:
         socket: Material | None = None,
         **supports: Any,
     ) -> Joint:
-        """A joint described by ratios, as in tables and in the paper: R2 is 1 m.
+        """Joint described by ratios: R2 is 1 m, and Young's modulus of the ball 2e11 Pa.
 
-        Young's modulus of the ball is 2e11 Pa. A ``ball`` or ``socket`` of another `Material`
-        replaces the ratios of the materials, and layers replace the ``socket_ratio`` and the
-        material of the socket. The ``supports`` are the further arguments of `Joint`.
+        Parameters
+        ----------
+        r2_star : float, default 200
+            Radius of the socket divided by the clearance, 10 to 1e9.
+        socket_ratio : float, default 1.298
+            Outer radius of the socket divided by its inner radius.
+        modulus_ratio : float, default 1
+            Young's modulus of the socket divided by that of the ball, 1e-9 to 1e9.
+        poisson, socket_poisson : float, default 0.3
+            Poisson's ratios of ball and socket; the socket's is that of the ball if not given.
+        layers : tuple of Layer or str, default ()
+            Layers of the socket from the inside out, instead of its ratio and material: each with
+            its outer radius divided by R2, its Young's modulus divided by that of the ball, and
+            its Poisson's ratio, as in "1.1,0.01,0.4;1.5,1,0.3".
+        ball, socket : Material, optional
+            Materials that replace the ratios of the materials.
+        **supports
+            The arguments of `Joint` from ``ball_support`` on.
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range, or does not apply to a socket with layers.
 
         Examples
         --------
@@ -325,7 +380,10 @@ class Joint:
         checks.number("clearance", clearance, "m", least=(1 - 1e-9) * radius / LARGEST_R2_STAR)
         checks.number("wall", self.wall, "m", **limits)
         inside = sum(liner.thickness for liner in self.liner)
-        checks.number("wall (which includes the liners)", self.wall, "m", above=inside)
+        if self.wall <= inside:
+            raise checks.RangeError(
+                f"wall must be > {inside:g} m, the thickness of its liners, got {self.wall:g} m"
+            )
         if isinstance(self.ball_support, Pin):
             if not self.has_dimensions:
                 raise checks.RangeError(

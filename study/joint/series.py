@@ -76,7 +76,7 @@ def compliance(body: Ball | Socket, resolution: int = RESOLUTION["series"]) -> C
 
 
 def ball(orders: ArrayLike, poisson: float) -> Solid:
-    """A solid ball, of which only the two regular `modes` are felt."""
+    """A solid ball, in which only the two regular `modes` occur."""
     n, nu = np.asarray(orders, dtype=float), poisson
     pressure = np.array([[-(1 + nu)], [0.0]])  # radial stress over 2 G, and shear
     surface = modes(n, nu, 1.0)[2:, :2].transpose(2, 0, 1)

@@ -1,4 +1,4 @@
-"""Finite elements, the paper's comparison: geometrically exact beams, stepped implicitly.
+"""Links of beams, integrated implicitly: geometrically exact beam elements.
 
 Elements are Reissner's plane beam with two nodes and one integration point. Places and rotations
 are interpolated linearly in the fixed frame, so that the consistent mass is constant and rigid

@@ -1,4 +1,4 @@
-"""The finite particle method, the paper's own: flexible links as particles that follow Newton.
+"""Links of particles, integrated explicitly: the finite particle method, as Yao et al. use it.
 
 Each particle has a mass and, per link, a rotary inertia; plane frame elements between them
 give internal forces, found after the element's rigid motion is taken off (vector form

@@ -53,16 +53,53 @@ def _material_of(body: str) -> Any:
     )
 
 
-@parameters.documented
 @dataclass(frozen=True)
 class Scene:
     """Mechanism parameters of a planar crank-slider, in SI units.
 
     The slide lies along +x and passes through the axis of the crank. The clearance joint is between
     coupler and slider: the ball is at the end of the coupler, and the socket is in the slider,
-    which does not rotate. At t = 0 the ball is at rest relative to its socket. By default the
-    mechanism is at rest then, and both links lie on +x.
-    Raises ``ValueError`` for a value outside its range.
+    which does not rotate. The ball is at rest relative to its socket at t = 0. The defaults are
+    those of Yao et al., and for what they do not state those of this study.
+
+    Parameters
+    ----------
+    crank_length, coupler_length : float, default 0.05 and 0.12
+        Lengths of the links in m.
+    crank_mass, coupler_mass, slider_mass : float, default 0.3, 0.21 and 0.14
+        Masses in kg.
+    clearance, socket_radius : float, default 5e-5 and 0.01
+        Clearance and radius of the socket in m.
+    youngs_modulus, poisson : float, default 207e9 and 0.3
+        Young's modulus in Pa and Poisson's ratio of ball, socket and links.
+    restitution, friction : float, default 0.5 and 0.05
+        Coefficients of restitution and of friction in the joint.
+    slow_speed, full_speed : float, default 1e-4 and 0.01
+        Sliding speeds in m/s, below which there is no friction and above which it is full.
+    driving_moment : float, default 0.5
+        Moment on the crank in N m.
+    crank_inertia, coupler_inertia : float, optional
+        Moments of inertia about the centres of the links in kg m^2; thin rods by default.
+    ball, socket : Material or str, optional
+        Materials of ball and socket, if they are not those of the links.
+    link_modulus, density : float, optional
+        Young's modulus in Pa and density in kg/m^3 of flexible links, whose sections are squares.
+    damping : {"exact", "lankarani-nikravesh", "hunt-crossley", "flores"}, default "exact"
+        Model of the damping factor. With "exact" an impact has the given coefficient of
+        restitution; Yao et al. use "lankarani-nikravesh".
+    gravity : float, default 0
+        Acceleration along -y in m/s^2.
+    initial_eccentricity : tuple of two floats, default (0, 0)
+        Vector from the centre of the socket to that of the ball at t = 0, in m.
+    initial_crank_angle, initial_crank_speed : float, default 0
+        Angle from +x in rad and speed in rad/s of the crank at t = 0.
+    crank_speed : float, optional
+        Constant speed of the crank in rad/s, instead of driving_moment and initial_crank_speed.
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range.
 
     Examples
     --------

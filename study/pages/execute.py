@@ -76,7 +76,7 @@ def check_parameters(notebooks: list[Notebook], settings: list[str]) -> dict[str
         owners = [name for name, entries in known.items() if key in entries]
         if not owners:
             keys = ", ".join(sorted({key for entries in known.values() for key in entries}))
-            raise ValueError(f"parameter must be one of {keys}, got {key!r}")
+            raise ValueError(f"-p must be KEY=VALUE with KEY one of {keys}, got {key!r}")
         try:
             value = text if _OTHER_NUMBER.search(text) else ast.literal_eval(text)
         except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -104,7 +104,7 @@ def _as_default(key, value, default):
 
 
 def check_range(key: str, value: Any, allowed: str) -> None:
-    """Refuse a value, or one of a list, that is not allowed."""
+    """Raise ``ValueError`` for a value, or one of a list, that is not allowed."""
     low, to, high = allowed.partition(" to ")
     for item in value if isinstance(value, list | tuple) else [value]:
         if to:

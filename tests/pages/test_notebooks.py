@@ -126,7 +126,10 @@ def test_settings_reach_the_notebooks_that_have_them():
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ("r2star=100", "parameter must be one of kinematics, largest_depth, r2_star, shallow, got"),
+        (
+            "r2star=100",
+            "-p must be KEY=VALUE with KEY one of kinematics, largest_depth, r2_star, shallow, got",
+        ),
         ("r2_star=many", "parameter r2_star must be of type float, got 'many'"),
         ("r2_star", "-p must be KEY=VALUE, got 'r2_star'"),
         ("r2_star=5", "parameter r2_star must be one of 20, 40, 60, 80, 100, 120, 140, 16"),

@@ -190,7 +190,7 @@ def test_other_parameters_have_their_own_folder(project):
     assert (folder / "01-curve.ipynb").is_file()
     for words, message in (
         (["curve", "-p", "scale=1000"], "parameter scale must be >= 0.5 and <= 200, got 1000"),
-        (["curve", "-p", "skale=1"], "parameter must be one of scale, got 'skale'"),
+        (["curve", "-p", "skale=1"], "-p must be KEY=VALUE with KEY one of scale, got 'skale'"),
         (["-p", "scale=2"], "-p must be given with a NAME"),
         (["curve", "-p", "scale=2", "--force"], "--force cannot be used together with -p"),
     ):

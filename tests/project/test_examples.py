@@ -11,6 +11,10 @@ from importlib import import_module
 import pytest
 
 from study import paths
+from study.contact import Material
+from study.joint import Joint
+from study.mechanism import Scene
+from study.parameters import described
 
 EXAMPLES = paths.ROOT / "examples"
 EXPECTED = {
@@ -87,3 +91,10 @@ def test_an_example_prints_its_number(name, tmp_path):
     (found,) = re.findall(pattern, done.stdout, re.MULTILINE)
     assert float(found) == pytest.approx(number, abs=off)
     assert plot.exists() == (name == "tolerance_of_the_clearance")
+
+
+@pytest.mark.parametrize("owner", [Joint, Joint.from_ratios, Scene, Material])
+def test_docstrings_have_every_parameter_with_its_type(owner):
+    section = re.search(r"Parameters\n *-+\n(.*?)\n\n", owner.__doc__, re.DOTALL)[1]
+    names = re.findall(r"^ *(\w+(?:, \w+)*) : \w", section, re.MULTILINE)
+    assert {name for line in names for name in line.split(", ")} >= described(owner).keys()
