@@ -43,6 +43,19 @@ def test_overlap_is_as_deep_as_the_depth():
     assert (np.hypot(*parts["overlap"]) >= 1 - 2e-6).all()
 
 
+@pytest.mark.parametrize("depth", [0.1, 0.25, 0.5])
+def test_pressure_ends_steeply_and_adds_up_to_the_force(depth):
+    radius, pressure = panel("fig03", "b")[f"elastic_solution, depth_star {depth:g}"]
+    slope = np.diff(pressure) / np.diff(radius)
+    assert pressure[-1] == 0
+    assert slope[-1] == slope.min() < 5 * slope[-10]
+    r2_star = DRAWN["r2_star"]
+    scale = r2_star * (1 - 1 / r2_star) ** 2  # the pressure acts on the surface of the ball
+    total = scale * np.trapezoid(2 * np.pi * radius * pressure, radius)
+    force = pd.read_csv(paths.FIGURES / "trend.csv").set_index("depth_star").elastic_solution
+    assert total == pytest.approx(force[depth], rel=0.002)
+
+
 def test_arrows_of_the_flat_foundation_add_up_to_winkler():
     x, share = panel("fig04", "a")["pressure"]
     coefficient = Winkler()(1.0, R2_STAR)  # pi R/h, with R = R1 R2/dR
@@ -81,6 +94,19 @@ def test_supports_are_drawn_at_first_contact_and_moved_by_the_depth():
     assert parts["plane"][1] == pytest.approx([-clearance] * 2, abs=2e-6)
     moved = parts["plane"][1] - parts["plane moved"][1]
     assert moved == pytest.approx([drawn["sketched_depth"] * clearance] * 2, abs=2e-6)
+
+
+def test_overview_has_the_reference_joint_and_its_force_in_kilonewtons():
+    rows = pd.read_csv(paths.FIGURES / "overview.csv").groupby(["panel", "series"])
+    parts = {name: points[["x", "y"]].to_numpy().T for name, points in rows}
+    socket, ball = np.hypot(*parts["a", "socket"]), parts["a", "ball"]
+    assert (socket.min(), socket.max()) == pytest.approx((1, SOCKET_RATIO), abs=2e-6)
+    assert ball[1].min() == pytest.approx(-1, abs=2e-6)
+    assert np.ptp(ball, axis=1) == pytest.approx([2 * np.ptp(ball[1]), 1 + ball[1].max()])
+    depth, force = parts["b", "elastic_solution"]
+    normalised = pd.read_csv(paths.FIGURES / "trend.csv").elastic_solution
+    assert depth.max() == 50  # um
+    assert force == pytest.approx(normalised * 200e6 / (2 * 0.91) * 50e-6**2, rel=1e-6)
 
 
 def test_a_figure_leaves_the_settings_of_the_session(tmp_path, monkeypatch):
