@@ -11,7 +11,7 @@ from study.dataset import fitting
 
 RATIOS = (1.15, 1.2, 1.25, 1.3, 1.36, 1.45)
 FREE = {"ball_support": "guided", "rim": "mirror"}  # solved by the series, in milliseconds
-SET_UP = ("drive", "kinematics", "area", "sampling")
+SET_UP = ("ball_support", "kinematics", "area", "sampling")
 NAMES = ["sampling", "area", "factor", "kinematics"]
 DISC, SPHERE = "hyperbolic_winkler", "hyperbolic_winkler_sphere"
 
@@ -237,9 +237,9 @@ def test_rivals_fail():
         "clamped": table2.scan(RATIOS, resolution=64),
         "guided": table2.scan(RATIOS, **FREE),
     }
-    scans = pd.concat([rows.assign(drive=drive) for drive, rows in scans.items()])
+    scans = pd.concat([rows.assign(ball_support=support) for support, rows in scans.items()])
     table = table2.ranked(published, scans)
-    table = table[table.sampling == table2.USUAL].set_index(["drive", "area", "factor"])
+    table = table[table.sampling == table2.USUAL].set_index(["ball_support", "area", "factor"])
     assert table.best_ratio["clamped", "flat", "1"] == pytest.approx(1.298, abs=0.002)
     assert table.misfit["clamped", "flat", "1"] < 0.004
     for rival, percent in (
@@ -265,7 +265,7 @@ def test_with_ratio_and_factor_free_two_samples_stay_below_one_percent():
     table = pd.read_csv(paths.FIGURES / "freed.csv")
     good = table[table.misfit_percent < 1]
     assert set(good.sampling + good["factor19/18"]) == {"21, from 01", "20, from 019/18"}
-    assert (good[["drive", "kinematics", "area"]] == ["clamped", "linear", "flat"]).all(axis=None)
+    assert (good[["ball_support", "kinematics", "area"]] == ["clamped", "linear", "flat"]).all(axis=None)
     free = good.merge(pd.read_csv(paths.FIGURES / "candidates.csv"), "left", on=[*SET_UP])
     assert (free.misfit_percent <= 100 * free.misfit).all()
 
