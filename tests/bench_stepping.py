@@ -1,6 +1,6 @@
 """Speed of the steppers: run with ``make bench``. Nothing fails for being slow.
 
-At equal accuracy, beside other programs: ``make speed``, drawn in notebook 16.
+At equal accuracy, beside other programs: ``make speed``, drawn in notebook 20.
 """
 
 import subprocess
