@@ -96,5 +96,5 @@ def test_an_example_prints_its_number(name, tmp_path):
 @pytest.mark.parametrize("owner", [Joint, Joint.from_ratios, Scene, Material])
 def test_docstrings_have_every_parameter_with_its_type(owner):
     section = re.search(r"Parameters\n *-+\n(.*?)\n\n", owner.__doc__, re.DOTALL)[1]
-    names = re.findall(r"^ *(\w+(?:, \w+)*) : \w", section, re.MULTILINE)
+    names = re.findall(r"^ *(\w+(?:, \w+)*) : [\w{]", section, re.MULTILINE)
     assert {name for line in names for name in line.split(", ")} >= described(owner).keys()
