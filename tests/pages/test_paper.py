@@ -47,6 +47,15 @@ def test_the_worked_example_is_that_of_the_law():
         assert worked[name] == pytest.approx(law(0.25, derivative=derivative), rel=1e-5)
 
 
+def test_bounds_are_rounded_outwards():
+    numbers = "rounded-up(4.517), rounded-up(9.96), rounded-up(0.18), rounded-up(0.0734, count: 1)"
+    text = f'#import "/paper/numbers.typ": *\n#metadata(({numbers}, rounded-down(0.671))) <bounds>'
+    (bounds,) = json.loads(
+        typst.query(text.encode(), "<bounds>", field="value", **typeset.options())
+    )
+    assert bounds == ["4.6", "10", "0.18", "0.08", "0.67"]
+
+
 def test_sources_have_title_and_authors():
     entries = (paths.PAPER / "references.yml").read_text(encoding="utf-8")
     for entry in re.split(r"\n(?=\w)", entries.strip()):
