@@ -197,7 +197,7 @@ class Scene:
         "rad/s",
         least=-1e6,
         most=1e6,
-        source="given by the paper: from rest",
+        source="assumed, from rest",
     )
     crank_speed: float | None = parameter(
         None,
