@@ -255,7 +255,7 @@ def test_statements_are_counted_once_by_kind(built):
     for page in ("index.html", "evidence.html", "statements.html"):
         text = " ".join(re.sub("<[^>]+>", "", (built / page).read_text("utf-8")).split())
         assert counted in text
-        assert "statements that are not counted: assumptions that the paper only implies (1 repr" in text
+        assert "not counted: assumptions that the paper only implies (1 reproduced)." in text
 
 
 def test_every_claim_is_shown_and_escaped(built, pages):
