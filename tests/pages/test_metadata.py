@@ -10,6 +10,7 @@ import yaml
 
 from study import paths
 from study.checks import StudyError
+from study.dataset import compare
 from study.pages import catalogue
 from study.pages.catalogue import results
 
@@ -25,6 +26,12 @@ def test_what_is_expected_is_one_number_of_the_accepted_result(name):
 def test_an_expected_number_that_is_not_there_is_an_error(text):
     with pytest.raises(StudyError, match=r"catalogue\.toml: table4 must .*, got '" + text):
         replace(RESULTS["table4"], expect=text).expected()
+
+
+def test_reproducing_names_the_tolerances():
+    text = (paths.ROOT / "REPRODUCING.md").read_text(encoding="utf-8")
+    within = [float(number) for number in re.findall(r"within (1e-\d+|0\.\d+)\b(?! %)", text)]
+    assert within[:2] == [compare.TOLERANCE, compare.CHAOTIC_TOLERANCE]
 
 
 GRAPH = json.loads(metadata.CRATE.read_text(encoding="utf-8"))["@graph"]

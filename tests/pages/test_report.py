@@ -1,4 +1,4 @@
-"""The report: complete, closed in itself, the same every time, and alive in a browser."""
+"""The report: complete, without links to the network, reproducible, and working in a browser."""
 
 import base64
 import csv
