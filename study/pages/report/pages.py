@@ -104,8 +104,8 @@ class _Sources:
         for claim in claims:
             title = f"{claim['claim']}: {claim['statement']}"
             self._place(title, "claim", "statements", claim["anchor"])
-        for page in ("figures.md", "results.md"):
-            self._page(page)
+        self._page("figures.md")
+        self._page("results.md", claims=claims)
         for result in self._results:
             compared = [claim for claim in claims if result.name in claim["shown_by"]]
             page, kind = f"figures/{result.name}", "figure" if result.is_figure else "table"
