@@ -1,4 +1,4 @@
-"""Force, stiffness and pressure over the depth of a joint of one's own."""
+"""Force, stiffness and pressure of your own joint over the penetration depth."""
 
 from study.joint import Joint
 

@@ -1,7 +1,7 @@
 """Find the law that fits a force-depth curve best, and the clearance of its joint.
 
-The curve in `fit_your_curve.csv` was computed, and not measured: a joint with a clearance of 44 um,
-with noise of 40 N, and a depth sensor that reads 1.5 um at first touch. The drawing says 40 um.
+The curve in `fit_your_curve.csv` was computed for a joint with a clearance of 44 um, with noise of
+40 N and a depth sensor that reads 1.5 um at first touch. The clearance on the drawing is 40 um.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""How much softer a joint gets by a liner of PTFE in its socket of steel."""
+"""How much a PTFE liner in a steel socket reduces the stiffness of a joint."""
 
 from dataclasses import replace
 

@@ -3,7 +3,7 @@
 `ClearanceJoint` is a law of this study as Exudyn's user function, with Eqs. 30-33 of Yao et al. in
 three dimensions. Let e point from the socket's centre to the ball's, with n = e/abs(e). The depth
 is d = abs(e) - dR and its rate d' = n . e'. The normal force on the ball is -N n with
-N = P(d) (1 + D d'/d0'), where d0' is the rate at the start of this contact. The sliding velocity v
+N = P(d) (1 + D d'/v0), where v0 is the rate at the start of this contact. The sliding velocity v
 is that of the ball's surface at R1 n. Friction on the ball is T = -mu c(abs(v)) N v/abs(v), with
 the moment R1 n x T.
 """
@@ -56,8 +56,8 @@ class ClearanceJoint:
         normal = self.law.force(depth) * (1 + self.factor * rate / self.approach)
         sliding = speed - rate * n + self.law.ball_radius * np.cross(turn, n)
         size = float(np.linalg.norm(sliding))
-        share, _ = friction_factor(size, friction_regime(size, *SPEEDS), *SPEEDS)
-        tangential = -self.friction * max(normal, 0.0) * share * sliding / (size or 1.0)
+        fraction, _ = friction_factor(size, friction_regime(size, *SPEEDS), *SPEEDS)
+        tangential = -self.friction * max(normal, 0.0) * fraction * sliding / (size or 1.0)
         torque = self.law.ball_radius * np.cross(n, tangential)
         return tangential - normal * n, torque, depth, normal
 

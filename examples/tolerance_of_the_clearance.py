@@ -1,4 +1,4 @@
-"""How far 100 joints with random clearances within a tolerance differ: depth under one force.
+"""Depth under one force of 100 joints with random clearances within a tolerance.
 
 The first argument is the file for the plot.
 """

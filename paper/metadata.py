@@ -1,14 +1,12 @@
-"""Metadata of the study, from catalogue and citation: REPRODUCING.md, RO-Crate, Zenodo's file.
+"""Metadata of the study, from catalogue and citation: RO-Crate and Zenodo's file.
 
-``python paper/metadata.py`` writes all three. Nothing is run: the seconds of a notebook are those
-of its executed copy, else those that REPRODUCING.md has already.
+``python paper/metadata.py`` writes both.
 """
 
 import json
 import re
 import sys
 import tomllib
-from collections.abc import Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -17,19 +15,16 @@ from rocrate.rocrate import ROCrate
 
 from study import paths
 from study.checks import StudyError
-from study.dataset import compare
-from study.pages.catalogue import CATALOGUE, Result, results
+from study.pages.catalogue import CATALOGUE, results
 
-REPRODUCING = paths.ROOT / "REPRODUCING.md"
-TEMPLATE = Path(__file__).with_name("reproducing.md")
 CRATE = paths.ROOT / "ro-crate-metadata.json"
 ZENODO = paths.ROOT / ".zenodo.json"
 MIT, CC_BY = "https://spdx.org/licenses/MIT", "https://spdx.org/licenses/CC-BY-4.0"
 PYTHON = "https://www.python.org/"
 FILES = {
     "README.md": "what was found, and how to use it",
-    "REPRODUCING.md": "every result with its notebook and the number to expect",
-    "CONTRIBUTING.md": "map of the code, and how to add to it",
+    "REPRODUCING.md": "how to rebuild every result, and how sure we are of each part",
+    "CONTRIBUTING.md": "where things are, and how to add something",
     "CHANGELOG.md": "what changed from version to version",
     "CITATION.cff": "how to cite this study",
     "LICENSE": "licence of the code",
@@ -45,7 +40,7 @@ FILES = {
     "paper/results.typ": "the results that both name, read from files",
     "paper/references.yml": "the literature that both cite",
     "data/LICENSE": "licence of data, figures and article",
-    "data/README.md": "every file of data, its columns and its source",
+    "data/README.md": "every file of data and its source",
     "data/datapackage.json": "Frictionless data package: columns and units of the data",
     "data/SHA256SUMS": "hash of every file of numbers",
     "data/build.py": "makes the generated files of data, as the Snakefile asks",
@@ -53,7 +48,7 @@ FILES = {
 """What is in the crate besides data, notebooks and results: file -> what it is."""
 FOLDERS = {
     "study": "the Python package: the library and the study",
-    "examples": "five short programs that use it",
+    "examples": "short programs that use it",
     "tests": "tests of all of it",
 }
 _FORMATS = {
@@ -67,82 +62,6 @@ _FORMATS = {
     ".yml": "application/yaml",
 }
 _DATA = re.compile(r"^\| `([\w/]+\.(?:csv|json))` \| (.+?) \| (.+?) \|$", re.MULTILINE)
-_SECONDS = re.compile(r"^\| \[(\d\d-[\w-]+)\]\(.+\) \| (\d+) \|$", re.MULTILINE)
-
-
-def reproducing(seconds: Mapping[str, int]) -> str:
-    """Text of ``REPRODUCING.md``, with the seconds that each notebook takes.
-
-    Raises
-    ------
-    study.checks.StudyError
-        If an expected number of the catalogue does not name one row of its result.
-    """
-    paths.require_checkout(paths.NOTEBOOKS)
-    every_result = results()
-    chaotic = [f"`{result.name}`" for result in every_result if result.name in compare.CHAOTIC]
-    return TEMPLATE.read_text(encoding="utf-8").format(
-        tolerance=f"{compare.TOLERANCE:g}".replace("e-0", "e-"),
-        chaotic_tolerance=f"{compare.CHAOTIC_TOLERANCE:g}",
-        chaotic=f"{', '.join(chaotic[:-1])} and {chaotic[-1]}",
-        of_the_paper=_table(
-            ("paper", "name", "what it shows", "notebook", "expected"),
-            [(result.label, *_row(result)) for result in every_result if result.place < (2,)],
-        ),
-        further=_table(
-            ("name", "what it shows", "notebook", "expected"),
-            [_row(result) for result in every_result if result.place >= (2,)],
-        ),
-        notebooks=_table(
-            ("notebook", "seconds"),
-            [(f"[{n.name}](notebooks/{n.path.name})", str(seconds[n.name])) for n in CATALOGUE],
-        ),
-    )
-
-
-def kept_seconds() -> dict[str, int]:
-    """Seconds of each notebook that ``REPRODUCING.md`` has; none without that file."""
-    text = REPRODUCING.read_text(encoding="utf-8") if REPRODUCING.is_file() else ""
-    return {name: int(seconds) for name, seconds in _SECONDS.findall(text)}
-
-
-def measured_seconds() -> dict[str, int]:
-    """Seconds of each notebook whose executed copy is there, as papermill measured them.
-
-    A notebook that failed is left out.
-    """
-    seconds = {}
-    for notebook in CATALOGUE:
-        if notebook.executed.is_file():
-            content = json.loads(notebook.executed.read_text(encoding="utf-8"))
-            run = content["metadata"]["papermill"]
-            if not run["exception"]:
-                seconds[notebook.name] = round(run["duration"])
-    return seconds
-
-
-def expected(result: Result) -> str:
-    """What to expect of a result: the number that the catalogue names, or the number of rows.
-
-    Raises
-    ------
-    study.checks.StudyError
-        If the catalogue does not name a number in one row of the result.
-    """
-    head, *lines = result.rows()
-    rows = [dict(zip(head, line, strict=True)) for line in lines]
-    if not result.expect:
-        return f"{len(rows)} rows"
-    column, _, where = result.expect.partition(" at ")
-    try:
-        keys = dict(text.split(" = ") for text in re.split(r", (?=\w+ = )", where))
-        (row,) = (row for row in rows if keys.items() <= row.items())
-        return f"`{column}` = {float(row[column]):.4g} at {where}"
-    except (KeyError, ValueError):
-        raise StudyError(
-            f"catalogue.toml: {result.name} must be expected by a column and the keys of one "
-            f"row of figures/{result.files[0]}, got {result.expect!r}"
-        ) from None
 
 
 def crate() -> str:
@@ -199,26 +118,9 @@ def zenodo() -> str:
 
 def main() -> None:
     """Write the files."""
-    seconds = kept_seconds() | measured_seconds()
-    if missing := ", ".join(n.name for n in CATALOGUE if n.name not in seconds):
-        raise StudyError(f"no time is known of {missing}: `study run` it first")
-    written = (REPRODUCING, reproducing(seconds)), (CRATE, crate()), (ZENODO, zenodo())
-    for file, text in written:
+    for file, text in ((CRATE, crate()), (ZENODO, zenodo())):
         with paths.whole(file) as temporary:
             temporary.write_text(text, encoding="utf-8")
-
-
-def _row(result):
-    """Name, caption, number of the notebook and expected number of a result."""
-    number = result.notebook.partition("-")[0]
-    return f"`{result.name}`", result.shows, number, expected(result)
-
-
-def _table(head, rows):
-    """Markdown of a table."""
-    cells = [[cell.replace("*", r"\*").replace("|", r"\|") for cell in row] for row in rows]
-    first, *rest = (f"| {' | '.join(row)} |" for row in (head, *cells))
-    return "\n".join([first, f"|{'---|' * len(head)}", *rest])
 
 
 def _cited():

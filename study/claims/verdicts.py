@@ -1,10 +1,10 @@
 """Verdicts on the paper's statements, from numbers in the results of this study.
 
-``data/published/claims.csv`` has the statements, in our own words; ``data/README.md`` describes its
-columns. Each row names the result, the row and the column of the number with which the statement is
-compared, the expected number, and its tolerance. Where the paper leaves something open, there is a
-number for each reading that can be quoted from its text or that fills in missing data. Where it
-states no bound, this study chose one, and half and twice this bound are applied too.
+``data/published/claims.csv`` has the statements, in our own words; ``data/datapackage.json``
+describes its columns. Each row names the result, the row and the column of the number with which
+the statement is compared, the expected number, and its tolerance. Where the paper leaves something
+open, there is a number for each reading that can be quoted from its text or that fills in missing
+data. Where it states no bound, this study chose one, and half and twice this bound are applied too.
 """
 
 from collections.abc import Sequence

@@ -135,15 +135,12 @@ def reference_forces() -> pd.DataFrame:
 
 
 def others() -> pd.DataFrame:
-    """Published numbers of balls in sockets, with their joints: see ``data/README.md``."""
+    """Published numbers of balls in sockets, with their joints."""
     return read(OTHERS, dtype={"unit": str})
 
 
 def measured(chart: str | None = None) -> pd.DataFrame:
-    """Measured times and errors, of all charts of `study.measure.charts` or of one.
-
-    ``data/README.md`` describes their columns.
-    """
+    """Measured times and errors, of all charts of `study.measure.charts` or of one."""
     frame = read(SPEED, dtype={"version": str, "setting": str}).fillna({"setting": ""})
     if chart is None:
         return frame

@@ -70,6 +70,26 @@ class Result:
         with path.open(encoding="utf-8", newline="") as file:
             return list(csv.reader(file))
 
+    def expected(self) -> str:
+        """The number to compare, as ``column = value at key = value, ...``, or the number of rows.
+
+        Raises `study.checks.StudyError` if ``expect`` does not name a number in one row.
+        """
+        head, *lines = self.rows()
+        rows = [dict(zip(head, line, strict=True)) for line in lines]
+        if not self.expect:
+            return f"{len(rows)} rows"
+        column, _, where = self.expect.partition(" at ")
+        try:
+            keys = dict(text.split(" = ") for text in re.split(r", (?=\w+ = )", where))
+            (row,) = (row for row in rows if keys.items() <= row.items())
+            return f"{column} = {float(row[column]):.4g} at {where}"
+        except (KeyError, ValueError):
+            raise StudyError(
+                f"catalogue.toml: {self.name} must be expected by a column and the keys of one "
+                f"row of figures/{self.files[0]}, got {self.expect!r}"
+            ) from None
+
 
 @dataclass(frozen=True)
 class Notebook:

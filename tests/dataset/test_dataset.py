@@ -101,6 +101,8 @@ def test_columns_have_units_and_meaning():
     assert [f["name"] for f in fields] == list(dataset.load().columns)
     assert all(f["description"] for f in fields)
     assert all(("unit" in f) == (f["type"] == "number") for f in fields)
+    others = [of for r in package["resources"] if "schema" in r for of in r["schema"]["fields"]]
+    assert all(of["description"] for of in others)
     text = (paths.DATA / "README.md").read_text()
     for field in fields:
         assert f"`{field['name']}`" in text

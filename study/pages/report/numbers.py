@@ -32,7 +32,7 @@ def curves() -> dict:
     """Cases, laws and their looks, as ``dataset.js`` takes them, with 5 digits.
 
     ``depths`` are lists of depths, of which a case names one by its number; ``undefined`` says
-    why a law does not apply. The power law is fitted to the case's own forces in its usual range.
+    why a law does not apply. The power law is fitted to the case's forces in its default range.
     """
     frames = dict(iter(dataset.load().sort_values("depth_star").groupby("case")))
     depths: dict[Any, int] = {}

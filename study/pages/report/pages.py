@@ -27,10 +27,10 @@ VERDICTS = {"contradicted": "✗", "undecided": "?", "reproduced": "✓"}
 """Verdict -> sign, as colour alone must not distinguish verdicts."""
 GROUPS = {
     "implied only": "Assumptions that the paper only implies",
-    "used to identify": "Used to infer the reference joint, or following from it",
-    "trivially satisfied": "Trivially satisfied",
+    "used to identify": "Statements used to infer the reference joint, or following from it",
+    "trivially satisfied": "Statements that nearly any result would satisfy",
 }
-"""Kinds of claims that neither support nor contradict the paper, as headings."""
+"""Kinds of claims that are not counted as statements of the paper, as headings."""
 _LINK = re.compile(r"(!?)\[([^]]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|[µnm]?[ms]|[GM]?Pa|N)(?!\w))")
 """Space between a number and its unit, at which no line may break."""
@@ -76,7 +76,7 @@ class _Sources:
             loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True
         )
         self._templates.globals |= {"results": self._results, "verdicts": VERDICTS}
-        self._templates.globals |= {"parameters": parameters}
+        self._templates.globals |= {"parameters": parameters, "notebooks": CATALOGUE}
         self._macros = self._templates.get_template("macros.html").module
         self._modules = {}
         for path in modules():
@@ -105,16 +105,17 @@ class _Sources:
             title = f"{claim['claim']}: {claim['statement']}"
             self._place(title, "claim", "statements", claim["anchor"])
         self._page("figures.md")
+        self._page("results.md", claims=claims)
         for result in self._results:
-            judged = [claim for claim in claims if result.name in claim["shown_by"]]
+            compared = [claim for claim in claims if result.name in claim["shown_by"]]
             page, kind = f"figures/{result.name}", "figure" if result.is_figure else "table"
             (notebook,) = (nb for nb in CATALOGUE if nb.name == result.notebook)
-            shown = {"result": result, "claims": judged, "notebook": notebook}
+            shown = {"result": result, "claims": compared, "notebook": notebook}
             self._page("figure.md", f"{page}.md", **shown)
             self._place(f"{result.label}: {result.shows}", kind, page, make_id(result.label))
             for name in result.files:
                 paths.copy(paths.read_result(name), self._pages / "figures" / name)
-        self._page("notebooks.md", notebooks=CATALOGUE)
+        self._page("notebooks.md")
         for notebook in CATALOGUE:
             self._notebook(notebook)
         for name in DOCUMENTS:

@@ -1,4 +1,4 @@
-// Force-depth curves of the dataset's cases, and the laws. The hash of the address is the view.
+// Force-depth curves of the cases of the dataset, and the laws. The hash of the URL stores the view.
 "use strict";
 (() => {
   const { parameters, looks, depths, cases } = window.STUDY_DATA;
@@ -15,9 +15,9 @@
   // The case with a wanted value that agrees with the current one in most other settings.
   function nearest(key, value) {
     const now = current(), others = keys.filter((other) => other !== key && other !== "group");
-    const apart = (item) => others.reduce((sum, other) => sum + (item[other] === now[other] ? 0 : 1 +
+    const distance = (item) => others.reduce((sum, other) => sum + (item[other] === now[other] ? 0 : 1 +
       (NUMERIC.has(other) ? Math.abs(Math.log((+item[other] + 0.1) / (+now[other] + 0.1))) || 0 : 3)), 0);
-    return cases.filter((item) => item[key] === value).reduce((best, item) => (apart(item) < apart(best) ? item : best));
+    return cases.filter((item) => item[key] === value).reduce((best, item) => (distance(item) < distance(best) ? item : best));
   }
 
   function fill() {
@@ -58,18 +58,18 @@
       yaxis: { ...axis, type: state.y, domain: [0.48, 1], title: { text: "contact force P* = P/(E* ΔR²)" }, exponentformat: "power" },
       yaxis2: { ...axis, domain: [0, 0.42], title: { text: "relative error of the law, %" } },
     }, { responsive: true, displayModeBar: false });
-    const told = [["Case", item.name], ["Solver", item.solver],
-      ["Half-angle of the contact at the maximum depth", `${item.half_angle} degrees`],
+    const facts = [["Case", item.name], ["Elastic solution", item.solver],
+      ["Contact half-angle at the maximum depth", `${item.half_angle} degrees`],
       ["Estimated error of the force", `at most ${+item.error.toPrecision(3)} %`],
-      ...laws.filter((law) => item.undefined[law]).map((law) => [`${looks[law].label} is not defined here`, item.undefined[law]])];
-    document.getElementById("case").replaceChildren(...told.flatMap((pair) => pair.map((text, k) => {
+      ...laws.filter((law) => item.undefined[law]).map((law) => [`${looks[law].label} is not valid here`, item.undefined[law]])];
+    document.getElementById("case").replaceChildren(...facts.flatMap((pair) => pair.map((text, k) => {
       const element = document.createElement(k ? "dd" : "dt");
       element.textContent = text;
       return element;
     })));
   }
 
-  function open() {  // the view of the address
+  function open() {  // the view that the URL describes
     const given = new URLSearchParams(location.hash.slice(1)), asked = given.get("case");
     const known = cases.some((item) => item.name === asked);
     if (known) state.case = asked;

@@ -1,4 +1,4 @@
-// The page of a joint of one's own: its form, its address, results, plot and texts to copy.
+// The page "Your own joint": form, results, plot and texts to copy. The hash of the URL stores the input.
 "use strict";
 (() => {
   const { law: lawOf, general, read, number } = window.STIFFENED_HERTZ;
@@ -32,7 +32,7 @@
     return known(body) ? fields[body].value : names.map((name) => si(name)).join();
   }
 
-  function showMaterial(body) {  // another one begins with the numbers of the last
+  function showMaterial(body) {  // another material begins with the numbers of the last
     numbersOf(body).forEach((name, k) => {
       const value = known(body)?.[["youngs_modulus", "poisson", "yield_stress"][k]], unit = UNITS[name.split("_").at(-1)] ?? 1;
       if (known(body)) fields[name].value = value && rounded(value / unit);
@@ -67,12 +67,12 @@
       found = { law, depth, force: law.force(depth), from, to, power: law.power(from, to), command };
       show(found);
     } catch (error) {
-      const outside = error.message.includes("stiffened_hertz") ? `. The law is not for it; this solves the joint: ${command}` : "";
+      const outside = error.message.includes("stiffened_hertz") ? `. The law stiffened_hertz is not valid for this joint; this command solves it: ${command}` : "";
       const name = error.message.split(" ")[0], field = fields[FIELDS[name]]?.parentElement.firstChild.textContent.trim();
       const means = MEANS[name] ? ` (${MEANS[name]})` : "";
       [message, found] = [(field ? `${field}: ` : "") + error.message + means + outside, {}];
     }
-    form.querySelector(".refused").textContent = message;
+    form.querySelector(".message").textContent = message;
     form.classList.toggle("without", Boolean(message));
   }
 
@@ -82,24 +82,24 @@
       result("depth", depth, `, or ${few(depth / law.clearance)} clearances`),
       result("force", force),
       result("stiffness", law.stiffness(depth)),
-      ["Error of the force, relative to elastic solutions for small displacements", `at most ${few(judged.validation, 2)} % on random joints, ${few(judged.ends, 2)} % at the ends of the law's ranges`],
+      ["Error of the force, relative to elastic solutions for small displacements", `at most ${few(judged.validation, 2)} % on random joints, ${few(judged.ends, 2)} % at the ends of its ranges of validity`],
       [`Power law F = k dⁿ of stiffened_hertz, from ${from} to ${to} clearances`, `n = ${general(n)}, k = ${general(k)} N/mⁿ = ${perMm} N/mmⁿ`],
-      ["Largest error of the power law", `${few(100 * error, 2)} %`],
+      ["Maximum relative error of the power law", `${few(100 * error, 2)} %`],
     ]);
     const sentences = [
       "The bodies are elastic and smooth, without friction. The load is along the axis.",
       "The outside of the socket is held rigidly.",
-      Math.abs(off) < 1 ? `Hertz's law is valid within ${few(Math.abs(off), 2)} %.` : `Hertz's law gives a force that is ${few(Math.abs(off), 2)} % too ${off < 0 ? "small" : "large"}.`,
+      Math.abs(off) < 1 ? `Hertz's law agrees with it within ${few(Math.abs(off), 2)} %.` : `The force of Hertz's law is ${few(Math.abs(off), 2)} % too ${off < 0 ? "small" : "large"} at this depth.`,
       "The command study joint, below, also computes contact pressure, stresses and the factor to yield.",
-      "The socket has no liner. For a joint with a liner use study joint with --liner.",
-      depth < 20 * ROUGHNESS ? `A roughness of ${ROUGHNESS / MICRO} µm (RMS) is not small beside the depth.` : "",
+      "The socket has no liner. For a joint with a liner, use study joint with --liner.",
+      depth < 20 * ROUGHNESS ? `A roughness of ${ROUGHNESS / MICRO} µm (RMS) is not small compared with the depth.` : "",
     ];
     part("applies").replaceChildren(...sentences.filter(Boolean).map((text) => html("li", {}, text)));
     list("texts", [
-      ["To solve the joint, with stresses", command],
-      ["The law for another program", command.replace("joint", "export --law stiffened_hertz --format c").replace(/ --(force|depth) .*/, "")],
-      ["The power law for Adams, in N and mm, with markers at the centres", `-IMPACT(-DM(ball, socket), -VR(ball, socket), -${nine(1000 * law.clearance)}, ${perMm}, ${general(n)}, 0, ${nine(1000 * law.clearance)})`],
-      ["The power law for Modelica, in N and m", `f = if d > 0 then ${general(k)}*d^${general(n)} else 0;`],
+      ["Command that solves the joint, with stresses", command],
+      ["Command that exports the law for another program", command.replace("joint", "export --law stiffened_hertz --format c").replace(/ --(force|depth) .*/, "")],
+      ["Power law for Adams, in N and mm, with markers at the centres", `-IMPACT(-DM(ball, socket), -VR(ball, socket), -${nine(1000 * law.clearance)}, ${perMm}, ${general(n)}, 0, ${nine(1000 * law.clearance)})`],
+      ["Power law for Modelica, in N and m", `f = if d > 0 then ${general(k)}*d^${general(n)} else 0;`],
     ], true);
     plot();
   }
@@ -124,7 +124,7 @@
     { responsive: true, displayModeBar: false });
   }
 
-  function open() {  // the joint of the address
+  function open() {  // the joint that the URL describes
     form.reset();
     for (const [name, value] of new URLSearchParams(location.hash.slice(1))) if (fields[name]) fields[name].value = value;
     BODIES.forEach(showMaterial);
@@ -135,7 +135,7 @@
     if (BODIES.includes(target.name)) showMaterial(target.name);
     if (target.name === "given" && found.law) fields.value.value = few(target.value === "depth" ? found.depth / MICRO : found.force, 6);
     draw();
-    clearTimeout(saving);  // browsers allow few changes of the address in a short time
+    clearTimeout(saving);  // browsers allow few changes of the URL in a short time
     saving = setTimeout(() => history.replaceState(null, "", "#" + new URLSearchParams(new FormData(form))), 200);
   });
   form.addEventListener("submit", (event) => event.preventDefault());
