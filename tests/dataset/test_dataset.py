@@ -171,9 +171,9 @@ def test_what_others_printed_names_its_source_and_a_whole_joint():
     by_doi = rows.source.str.startswith("10.")  # its title or authors were not seen
     assert set(rows.source[~by_doi]) <= set(re.findall(r"^(\w+):$", entries, re.MULTILINE))
     assert not any(f"doi: {doi}" in entries for doi in rows.source[by_doi])
-    assert set(rows.role) == {"stated", "assumed", "beside", "result", "unread"}
-    assert rows.least.isna().equals(rows.role == "unread")
-    assert not (rows.least > rows.most).any()
+    assert set(rows.role) == {"stated", "assumed", "second joint", "result", "unread"}
+    assert rows.minimum.isna().equals(rows.role == "unread")
+    assert not (rows.minimum > rows.maximum).any()
     results = rows[rows.role == "result"]
     assert (results.rounding > 0).all()
     assert results.read.notna().all()
