@@ -50,7 +50,8 @@ class Material:
         parameters.take(self)
 
     def __str__(self):
-        return f"{self.youngs_modulus:.9g},{self.poisson:.9g}"
+        numbers = self.youngs_modulus, self.poisson, self.yield_stress
+        return ",".join(f"{number:.9g}" for number in numbers if number is not None)
 
 
 def in_words(of: Material) -> str:

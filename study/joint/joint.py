@@ -575,9 +575,6 @@ class Joint:
         for name, value in given.items():
             if value is None or value == default.get(name, ...):
                 continue
-            if isinstance(value, Material):
-                numbers = value.youngs_modulus, value.poisson, value.yield_stress
-                value = ",".join(f"{number:.9g}" for number in numbers if number is not None)
             is_number = isinstance(value, float)
             of = about.get(name, about["rim"])
             written[name] = float(f"{value:.9g}") if is_number else of.written(value)
