@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from study import contact
 from study.joint import Joint, Layer, Material, first_yield, reference_joint, stress
+from study.joint.options import joint_of, values_of
 
 BRONZE = Joint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
 CUP = Joint(16e-3, 0.1e-3, 8e-3, Material(230e9, 0.3), Material(0.8e9, 0.46))
@@ -285,3 +286,13 @@ def test_a_rod_end_on_its_pin_is_solved_across_it():
         rod_end.solve(force=1e12)
     with pytest.raises(ValueError, match="law must be the table .* off the axis, got hertz"):
         rod_end.law("hertz")
+
+
+def test_a_joint_of_its_values_has_the_same_yield_stresses():
+    sizes = {"socket_radius": 12.5e-3, "clearance": 40e-6, "wall": 6e-3}
+    made = Joint(**sizes, ball="CoCr", liner="0.5mm,POM", socket="bronze")
+    again = joint_of(values_of(made))
+    assert again == made
+    yields = [material.yield_stress for material in again.materials.values()]
+    assert yields == [material.yield_stress for material in made.materials.values()]
+    assert None not in yields

@@ -41,7 +41,10 @@ WRONG = [
         "clearance must be <= 0.001 m, a tenth of the radius of the socket, got 0.0011 m; such",
     ),
     (lambda: sized(liner=("PTFE",)), "liner must be a thickness and a material"),
-    (lambda: sized(liner=("3e-3,PTFE",)), "wall must be > 0.003 m, the thickness of its liners, got 0.003 m"),
+    (
+        lambda: sized(liner=("3e-3,PTFE",)),
+        "wall must be > 0.003 m, the thickness of its liners, got 0.003 m",
+    ),
     (lambda: sized(socket="210,0.3"), "socket"),
     (lambda: sized(kinematics="finite"), "kinematics must be one of small, linear"),
     (lambda: sized(opening=120, ball_support="clamped"), "opening with ball_support clamped"),

@@ -182,8 +182,8 @@ def test_force_and_pressure_of_a_rod_end_are_those_of_calculix(
     r2_star, how = joint
     found = Joint.from_ratios(r2_star, **how).solve(depth_star=depth)  # a ring's tilt is 90 deg
     assert found.reaches_rim == reaches_rim
-    assert found.force_star == pytest.approx(force, rel=3e-3)  # 0.02 to 0.21 %
-    assert found.peak_pressure_star == pytest.approx(pressure, rel=0.015)  # 0.1 to 1.1 %
+    assert found.force_star == pytest.approx(force, rel=3e-3)  # 0.03 to 0.215 %
+    assert found.peak_pressure_star == pytest.approx(pressure, rel=0.01)  # at most 0.69 %
     assert abs(found.transverse_star) < 1e-9 * force
 
 
