@@ -235,6 +235,14 @@ def read_several(name: str, text: str, units: Sequence[str]) -> tuple[float, ...
     return tuple(read(name, part, unit=unit) for part, unit in zip(parts, units, strict=True))
 
 
+def percent(error: float) -> str:
+    """Return a relative error in percent as text: two digits, rounded upwards as a bound is."""
+    if not error > 0:
+        return "0 %"
+    step = 10.0 ** (math.floor(math.log10(100 * error)) - 1)
+    return f"{math.ceil(100 * error / step * (1 - 1e-12)) * step:.2g} %"
+
+
 def shown(value: object) -> str:
     """A value for an error message: one line, not too long."""
     try:

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from study import checks
+from study.checks import percent
 from study.cli import options as cli
 from study.cli.output import (
     SAME_BYTES,
     check_output,
     digits,
     drawn,
-    percent,
     show,
     table_of,
     working,

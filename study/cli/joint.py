@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from study import checks
+from study.checks import percent
 from study.cli import options as cli
 from study.cli.output import (
     SAME_BYTES,
@@ -12,7 +13,6 @@ from study.cli.output import (
     digits,
     drawn,
     in_mm,
-    percent,
     read_unit,
     show,
     working,
@@ -303,7 +303,7 @@ def _laws(solution, tolerance, words, is_range):
         f"{power.coefficient_mm:.5g} N/mm^n."
     )
     if not is_range:
-        sentence += " To fit another range, give --depth twice, for its minimum and its maximum."
+        sentence += " To fit another range, give its ends by --depth twice instead of the load."
     return values, [text, sentence]
 
 
@@ -328,7 +328,8 @@ def _cheapest(joint, deepest, tolerance, words):
         line += f" --depth-star {ends[1]:.9g}"
     text = (
         f"The fastest contact law within {percent(tolerance)} of the elastic solution at depths "
-        f"from {of_range} is {law}. Its relative error is at most {percent(choice.error_bound)}."
+        f"from {of_range} is {law}. Its relative error, with that of the solution, is at most "
+        f"{percent(choice.error_bound)}."
         f"\nCommand that exports it for another program:\n{line}"
     )
     values = {"law": choice.law.name, "law_error_bound": choice.error_bound, "law_depths": depths}

@@ -133,11 +133,6 @@ def digits(value, count=4):
     return None if value is None else float(f"{value:.{count}g}")
 
 
-def percent(error):
-    """A relative error as text, in percent."""
-    return f"{100 * error:.2g} %"
-
-
 def check_output(output, *suffixes, name="output"):
     """Raise ``ValueError`` before the work if a file cannot be written or has another suffix."""
     if output is None:

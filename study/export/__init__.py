@@ -28,6 +28,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import linprog
 
 from study import checks
+from study.checks import percent
 from study.contact import LAWS, Law, Table, shapes
 from study.contact.laws import AnyLaw, find
 from study.contact.power_fit import DEPTHS, USUAL_RANGE
@@ -229,9 +230,9 @@ class _Content:
         """Lines on joint, range and error; a given ``error`` is that of a fit to the table."""
         if error is None and self.law is not self.exact:
             error = self.error
-        text = f"that of the elastic solution, about {_percent(self.error_of_joint)}."
+        text = f"that of the elastic solution, about {percent(self.error_of_joint)}."
         if error is not None:
-            text = f"at most {_percent(error)} relative to the elastic solution, plus {text}"
+            text = f"at most {percent(error)} relative to the elastic solution, plus {text}"
         joint = self.joint
         modulus = f", E* = {joint.composite_modulus:.9g} Pa" if joint.has_dimensions else ""
         return [
@@ -278,7 +279,7 @@ def _change(joint, deepest, tilt):
     ends = min(tilt, *solved), max(tilt, *solved)
     return (
         f"; between {ends[0]:g} and {ends[1]:g} deg the force at the maximum depth changes by up "
-        f"to {_percent(force)} and the stiffness by up to {_percent(stiffness)}"
+        f"to {percent(force)} and the stiffness by up to {percent(stiffness)}"
     )
 
 
@@ -438,16 +439,10 @@ def _csv(content, name, count):
     lines = [
         f"Contact force of one spherical clearance joint: {name or content.law.name}. {_SOURCE}",
         *content.in_words(),
-        f"Between rows, linear interpolation over depth adds an error of up to {_percent(linear)}.",
-        f"With a cubic spline (not-a-knot) this error is at most {_percent(spline)}.",
+        f"Between rows, linear interpolation over depth adds an error of up to {percent(linear)}.",
+        f"With a cubic spline (not-a-knot) this error is at most {percent(spline)}.",
         *(f"{head} in {unit}" for head, unit in zip(heads, content.units, strict=True)),
     ]
     columns = content.unit_of_depth * depth, force, stiffness
     rows = (",".join(f"{x:.12g}" for x in row) for row in zip(*columns, strict=True))
     return "\n".join([*(f"# {line}" for line in lines), ",".join(heads), *rows, ""])
-
-
-def _percent(error):
-    """An error with two digits, rounded up."""
-    step = 10.0 ** (np.floor(np.log10(100 * error)) - 1) if error > 0 else 1.0
-    return f"{np.ceil(100 * error / step) * step:.2g} %"

@@ -80,8 +80,8 @@ def limits(
         )
     elif to_rim < NEAR_RIM:
         found["rim"] = (
-            f"The contact ends {to_rim:.2g} deg from the rim of the socket, and depends on the "
-            "shape of the edge there."
+            f"The contact ends {to_rim:.2g} deg from a rim of the socket or the edge of the ball's "
+            "face, and depends on the shape of the edge there."
         )
     wall = joint.socket_ratio - 1
     if joint.is_held_all_round and wall < radians(half_angle_deg):

@@ -205,6 +205,13 @@ class Pin(BallSupport):
         """The bore of a ball of a radius in m."""
         checks.number("width of the ball", self.width, "m", below=2 * ball_radius)
         face = float(np.degrees(np.arccos(self.width / 2 / ball_radius)))
+        largest = np.sqrt(ball_radius**2 - self.width**2 / 4) - WALL * ball_radius
+        if self.radius > largest:
+            raise checks.RangeError(
+                f"radius of the pin must be <= {largest:.4g} m in a ball with a radius of "
+                f"{ball_radius:.4g} m and a width of {self.width:g} m, got {self.radius:g} m; give "
+                "a thinner pin or a narrower ball"
+            )
         return Bore(self.radius / ball_radius, face)
 
 
