@@ -11,9 +11,9 @@ rod_end = Joint(
     wall=4e-3,  # m, of the ring
     socket="bronze",
     opening="55:125",  # deg, polar angles of both rims from the axis of the bore
-    ball_support="pin:5e-3,9e-3",  # m, radius of the pin and width of the ball
+    ball_support="pin:4e-3,12e-3",  # m, radius of the pin and width of the ball
 )
 solution = rod_end.solve(force=5000)  # N, across the bore by default
 power = rod_end.power_law()  # k and n across the bore
 print(f"depth {1e6 * solution.depth[0]:.3f} um, peak {1e-6 * solution.peak_pressure[0]:.1f} MPa")
-print(f"k = {power.coefficient:.4g} N/m^n, n = {power.exponent:.4f}, within {power.error:.1%}")
+print(f"k = {power.coefficient:.4g} N/m^n, n = {power.exponent:.4f}, within {power.error:.2%}")

@@ -119,13 +119,13 @@ def solve_joint(as_json, law, units="SI", **options):
 
     Describe the joint either with its dimensions (--socket-radius, --clearance, --wall and
     materials by name) and give --force or --depth, or without dimensions by --r2-star and give
-    --depth-star. Each result has the estimated error of its force. Numbers with a unit are in SI
-    units, or have their unit, such as 12.5mm, 40um, 3kN or 110GPa.
-    The reference joint of the study is --r2-star 200 --ball-support clamped --rim free.
+    --depth-star. A number may have its unit, such as 12.5mm, 40um, 3kN or 110GPa, and is in SI
+    units without one. Each result has the estimated error of its force. The reference joint of the
+    study is --r2-star 200 --ball-support clamped --rim free.
 
-    A joint with dimensions is answered with the fastest contact law within --tolerance, the
-    command that exports it, and a fitted power law F = k d^n. Stresses of a joint without
-    dimensions are in units of E* dR/R2, and their radius is relative to the surface of the body.
+    For a joint with dimensions, the fastest contact law within --tolerance, the command that
+    exports it, and a fitted power law F = k d^n are printed as well; for a load off the axis only
+    with --law. Stresses of a joint without dimensions are in units of E* dR/R2.
 
     With --tilt, and always for a ring or a ball with a bore, the ball is pressed off the axis.
     Force and stiffness are then the components along the displacement; the transverse ones are

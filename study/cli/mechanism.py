@@ -96,10 +96,10 @@ _OF = {of.name: of for of in cli.options_of(simulate, *described(simulate)) if o
 def simulate_mechanism(as_json, once, scene=(), option=(), output=None, **options):
     """Simulate a crank-slider with a clearance joint: the final state and every impact.
 
-    Numbers with a unit are in SI units, or have their unit, such as 100um. By default the mechanism
-    has the dimensions, masses and drive of Yao et al., section 4.3, and rigid links. Contact law
-    and damping are those of this study; for theirs, give --law hyperbolic_winkler --scene
-    damping=lankarani-nikravesh.
+    A number may have its unit, such as 100um, and is in SI units without one. By default the
+    mechanism has the dimensions, masses and drive of Yao et al., section 4.3, and rigid links.
+    Contact law and damping are those of this study; for theirs, give --law hyperbolic_winkler
+    --scene damping=lankarani-nikravesh.
 
     With --model auto, rigid links and links of particles are run, and the simplest model is used
     whose --quantity differs from that of a finer one by at most --tolerance. This is the RMS
