@@ -109,6 +109,22 @@ def printed_errors():
     return [(options.split(), float(percent)) for options, percent in rows]
 
 
+def test_the_power_law_of_random_joints():
+    (percent,) = claimed(r"within (\S+) % in the worst of 100 joints")
+    worst = kept("power_errors", "depth_star", "ratio").worst_percent[0.5, 10]
+    assert percent - 0.1 < worst <= percent
+
+
+def test_large_displacements():
+    claim = claimed(
+        r"reduce the force at a depth of half a clearance by (\S+) %, and at 10 .*? (\S+) %"
+    )
+    forces = pd.read_csv(paths.DATA / "published/large_displacements.csv")
+    forces = forces[(forces.joint == "reference") & (forces.depth_star == 0.5)].set_index("r2_star")
+    decrease = 100 * (1 - forces.force_large / forces.force_small)
+    assert decrease[[20, 10]].to_numpy() == pytest.approx(claim, abs=0.05)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("options", "percent"), printed_errors())
 def test_the_force_errors_of_other_joints(run, options, percent):
