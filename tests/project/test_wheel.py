@@ -141,6 +141,7 @@ TEXTS = [
 def test_a_base_install_has_what_laws_joints_simulations_exports_and_sweeps_need(installed):
     done = several(installed, [*BASE, *TEXTS], not_in_the_base())
     for command, (status, out, err) in zip([*BASE, *TEXTS], done, strict=True):
+        err = re.sub(r"\d+ of \d+ cases, 0 failed\n", "", err)  # progress on a slow machine
         assert (status, err) == (0, ""), command
         assert json.loads(out) if command in BASE else out
         assert json.loads(out)["law"] if SIZES[0] in command else True
