@@ -240,7 +240,7 @@ def percent(error: float) -> str:
     if not error > 0:
         return "0 %"
     step = 10.0 ** (math.floor(math.log10(100 * error)) - 1)
-    return f"{math.ceil(100 * error / step * (1 - 1e-12)) * step:.2g} %"
+    return f"{math.ceil(100 * error / step * (1 - 1e-12)) * step:g} %"
 
 
 def shown(value: object) -> str:

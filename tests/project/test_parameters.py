@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 
+from study import checks
 from study.cli.options import flag
 from study.cli.program import PROGRAM
 from study.contact import Material
@@ -156,3 +157,18 @@ def test_numpys_numbers_are_stored_as_pythons(kind):
 def test_a_wrong_text_is_one_error(name, text, message):
     with pytest.raises(ValueError, match=re.escape(message)):
         Joint.from_ratios(**{name: text})
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (0.01044, "1.1 %"),
+        (0.01, "1 %"),
+        (0.0996, "10 %"),
+        (0.000131, "0.014 %"),
+        (1.203, "130 %"),
+        (0, "0 %"),
+    ],
+)
+def test_errors_in_percent_are_rounded_upwards(error, text):
+    assert checks.percent(error) == text
