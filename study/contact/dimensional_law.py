@@ -137,10 +137,10 @@ class DimensionalLaw:
         return self.composite_modulus * self.clearance ** (2 - derivative)
 
     def _evaluated(self, depth, derivative):
-        depths = np.asarray(checks.depth("depth", depth, "m"))
+        depths = np.asarray(checks.number("depth", depth, "m"))
         most = self.deepest * (1 + LIMIT_MARGIN) if self.deepest < inf else None
         checks.number(f"depth of {self.name}", depths, "m", most=most)
-        depth_star = np.asarray(checks.depth("depth divided by clearance", depths / self.clearance))
+        depth_star = depths / self.clearance
         scale, shape, constants = self.parts
         result, touches = np.zeros(depths.shape), depth_star > 0
         result[touches] = scale * shape(depth_star[touches], constants)[derivative]

@@ -147,7 +147,7 @@ class Law:
             If a value is outside its range.
         """
         most = None if self.deepest is None else self.deepest * (1 + LIMIT_MARGIN)
-        depth = np.asarray(checks.depth("depth_star", depth_star))
+        depth = np.asarray(checks.number("depth_star", depth_star))
         checks.number(f"depth_star of {self.name}", depth, most=most)
         given: Any = self.r2_star if r2_star is None else r2_star
         depth, r2 = np.broadcast_arrays(depth, checks.number("r2_star", given, above=1))
