@@ -134,7 +134,7 @@ def instance(name: str, value: Any, kind: type[T]) -> T:
     return value
 
 
-PREFIXES = {"": 0, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}  # noqa: RUF001
+PREFIXES = {"": 0, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
 """SI prefix -> power of ten; micro is a letter u, a sign of its own, or the Greek letter."""
 _WITH_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)", re.ASCII)
 

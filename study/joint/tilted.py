@@ -39,7 +39,6 @@ SHALLOWEST = 0.05
 """Minimum depth_star of a curve or a table: elements hardly resolve shallower contacts."""
 DEPTHS = 9
 """Depths of a curve."""
-MOTIONS = "spin", "tilt", "turn"
 _STEPS, _TOLERANCE = 60, 1e-7  # of the search for a displacement; of the force that is asked for
 _NEARLY = 1e-3  # the same on the coarser grid
 _DEEPEST = 1.0  # depth_star of the largest first guess, and at which ball's nodes face the rim
@@ -202,11 +201,11 @@ def _solution(grids, found, stresses):
         peak_angle_deg=np.array([f.peak_angle for f in fine]),
         contact_from_deg=low,
         contact_to_deg=high,
+        friction_radius_star=np.array([f.friction_radius for f in fine]),
         error_estimate=np.array([_force_error(*s, f) for s, f in zip(solved, force, strict=True)]),
         reaches_rim=cut,
         angle_deg=fine[0].profile[0],
         pressure_star=np.array([f.profile[1] for f in fine]),
-        off_axis_friction=dict(zip(MOTIONS, np.array([f.friction for f in fine]).T, strict=True)),
     )
     if not stresses:
         return solution
@@ -267,7 +266,7 @@ class GridContact:
     ripple: float
     edges: tuple[float, float]
     reaches_rim: bool
-    friction: Floats
+    friction_radius: float
     profile: tuple[Floats, Floats]
     pressure: Floats
     of_ball: Floats
@@ -419,7 +418,7 @@ class Contacts:
             ripple=ripple,
             edges=_edges(signed, pressure[in_plane], grid, ends),
             reaches_rim=reaches_rim,
-            friction=self._friction(gap.normal, axes.T @ force, weighted, pressure),
+            friction_radius=self._friction(gap.normal, axes.T @ force, weighted, pressure),
             profile=(self.signed_angle[plane], np.maximum(every[plane], 0)),
             pressure=every,
             of_ball=of_ball,
@@ -456,14 +455,11 @@ class Contacts:
         return peak, angle, (near @ pressure)[at_edge].max(initial=0), ripple
 
     def _friction(self, normal, force, weighted, pressure):
-        """Friction radii in R2, by `MOTIONS` (`study.joint.Solution.friction_radius`)."""
-        size, radius = np.linalg.norm(force), 1.0
-        if self.joint.acts_on_ball:
-            radius = self.joint.radius_ratio
-        load = force / size
-        axes = np.array([load, [0, 1, 0], np.cross(load, [0, 1, 0])])
-        sliding = np.sqrt(np.maximum(1 - (normal @ axes.T) ** 2, 0))
-        return radius * (weighted @ sliding).T @ pressure / size
+        """Friction radius in R2 (`study.joint.Solution.friction_radius_star`)."""
+        size = np.linalg.norm(force)
+        radius = self.joint.radius_ratio if self.joint.acts_on_ball else 1.0
+        sliding = np.sqrt(np.maximum(1 - (normal @ force / size) ** 2, 0))
+        return radius * (weighted @ sliding) @ pressure / size
 
     def _check_held_edges(self, ball_end):
         """Refuse a contact where the held end of half a ball meets the held rim of a socket.
