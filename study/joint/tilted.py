@@ -15,9 +15,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse import csr_array, vstack
 
 from study import checks
 from study.contact import largest_depth
@@ -277,14 +276,16 @@ class _Gap(NamedTuple):
 
     axes: Floats  # along the displacement and across it, (2, 3)
     centre: Floats  # of the ball, off that of the socket
-    weighted: csr_array  # hats times areas, (nodes, points)
+    weighted: scipy.sparse.csr_array  # hats times areas, (nodes, points)
     size: Floats  # areas of the hats that the ball faces
-    mass: csr_array
+    mass: scipy.sparse.csr_array
     gap: Floats  # at the nodes
     normal: Floats  # along which pressure acts, (points, 3)
     closing: Floats  # derivative of the gap by a displacement, (points, 3)
     acted_on: Floats  # area on which the force acts, over the socket's
-    moved: csr_array  # products of the socket's hats with the ball's hats that they face
+    moved: (
+        scipy.sparse.csr_array
+    )  # products of the socket's hats with the ball's hats that they face
 
 
 class Contacts:
@@ -346,7 +347,7 @@ class Contacts:
             raise checks.RangeError(
                 f"depth_star must keep the ball's neck or back out of the opening, got {depth:g}"
             )
-        weighted = csr_array((hats * (area * met)[:, None]).T)
+        weighted = scipy.sparse.csr_array((hats * (area * met)[:, None]).T)
         return _Gap(
             axes,
             centre,
@@ -378,7 +379,11 @@ class Contacts:
             touching[nodes[active]] = 1
             beside = gap.mass @ touching > 0
             if not (beside & ~wanted).any():
-                factor = cho_factor(matrix[np.ix_(active, active)]) if active.any() else None
+                factor = (
+                    scipy.linalg.cho_factor(matrix[np.ix_(active, active)])
+                    if active.any()
+                    else None
+                )
                 return nodes[active], pressure[active], factor
             wanted, guess = wanted | (gap.mass @ (gap.mass @ beside) > 0), touching > 0
         return np.zeros(0, int), np.zeros(0), None
@@ -389,7 +394,7 @@ class Contacts:
         loads = weighted @ (gap.normal @ axes.T)
         force, by_pressure = (
             loads.T @ pressure,
-            cho_solve(factor, weighted @ (gap.closing @ axes.T)),
+            scipy.linalg.cho_solve(factor, weighted @ (gap.closing @ axes.T)),
         )
         rims = [grid.ring[-1]] if grid.pole == 0 else [0, grid.ring[-1]]
         low, high = self._ends(gap.centre, grid.phi[nodes])
@@ -521,7 +526,7 @@ class Contacts:
         # lumped; what they do not see acts as on a half-space
         columns = np.unique(moved.indices)
         moved = moved[:, columns]
-        spread = moved @ csr_array(np.diag(1 / self.ball.areas[columns]))
+        spread = moved @ scipy.sparse.csr_array(np.diag(1 / self.ball.areas[columns]))
         unseen = (mass - spread @ moved.T).toarray()
         local = self._half_space(self.joint.ball, nodes)
         seen = spread @ (spread @ self.ball.matrix(columns)).T
@@ -566,7 +571,7 @@ class Contacts:
             return whole
         part = ~kept & (area > 0)
         of_part = theta[part], phi[part]
-        hats = csr_array(vstack([self.hats[kept], grid.values(*of_part)]))
+        hats = scipy.sparse.csr_array(scipy.sparse.vstack([self.hats[kept], grid.values(*of_part)]))
         normal = np.vstack([self.normal[kept], unit_vectors(*of_part)])
         return hats, normal, np.append(self.area[kept], area[part])
 
