@@ -30,8 +30,7 @@ class DimensionalLaw:
     Parameters
     ----------
     law
-        Key of `study.contact.LAWS`, a law itself, such as ``Steuermann(n=2)``, or a function
-        (`study.contact.Sampled`).
+        Key of `study.contact.LAWS`, or a law itself, such as ``Steuermann(n=2)``.
     ball_radius, socket_radius
         Radii in m; the ball is smaller than the socket.
     composite_modulus

@@ -86,7 +86,7 @@ def export(
     Parameters
     ----------
     law
-        Name of a law, a law itself, or a function, as of `study.joint.Joint.law`.
+        Name of a law, or a law itself, as of `study.joint.Joint.law`.
     form
         A function (``c``, ``matlab`` for MATLAB and Octave, or ``modelica``, with a component), a
         table of the force over the depth (``csv``), or an element of a program: the hollow sphere

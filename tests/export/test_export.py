@@ -12,7 +12,7 @@ from helpers import programs
 from helpers.programs import needs_compiler, needs_octave
 from scipy.interpolate import CubicSpline
 
-from study.contact import LAWS, Sampled, Steuermann
+from study.contact import LAWS, Steuermann, Table
 from study.contact.power_fit import USUAL_RANGE
 from study.export import DIMENSIONLESS, SUFFIXES, export
 from study.joint import Joint, Layer, Material
@@ -20,6 +20,7 @@ from study.joint import Joint, Layer, Material
 BRONZE = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 PLAIN, LESS = Joint.from_ratios(200), Joint.from_ratios(75, 1.4)
 BENDING = Joint(10e-3, 1e-4, 0.3e-3, socket_support="rim")
+MINE = np.linspace(0.01, 1.4, 200) ** 2  # depths of a table of the user
 SUITED = {"adams": "power", "mujoco": "tabulated"}
 """Format -> a law that it has; others have all."""
 
@@ -97,7 +98,7 @@ def test_two_joints_in_one_file_in_c(tmp_path):
 
 @needs_compiler
 @pytest.mark.parametrize(
-    "law", [Steuermann(3, "profile"), Sampled(lambda ds, r2: r2 * ds**1.6, deepest=2.0)]
+    "law", [Steuermann(3, "profile"), Table.of_values(MINE, 300 * MINE**1.6, BRONZE.r2_star)]
 )
 def test_a_law_with_its_own_numbers(tmp_path, law):
     share = np.random.default_rng(2).uniform(0.01, 1, 200)
