@@ -474,7 +474,7 @@ class Table(Law):
         >>> depth = np.linspace(0.01, 1, 100) ** 2
         >>> law = Table.of_values(depth, 300 * depth**1.6, r2_star=200)
         >>> print(f"{law(0.3):.3f}, by the function {300 * 0.3**1.6:.3f}")
-        43.702, by the function 43.702
+        43.703, by the function 43.703
         """
         depth, force = _in_order(depth_star, force_star)
         r2_star = checks.number("r2_star", r2_star, above=1, scalar=True)
