@@ -283,7 +283,7 @@ def test_two_joints_for_exudyn_share_no_name(law):
     ],
 )
 def test_a_word_of_the_language_is_no_name(run, form, name):
-    words = ["export", "--law", "power", "--format", form, "--socket-radius", 12.5e-3]
+    words = ["export", "power", form, "--socket-radius", 12.5e-3]
     words += ["--clearance", 40e-6, "--wall", 6e-3, "--name", name]
     status, out, err = run(*words)
     assert (status, out, err.count("\n")) == (2, "", 1)
@@ -291,7 +291,7 @@ def test_a_word_of_the_language_is_no_name(run, form, name):
 
 
 def test_a_function_of_matlab_has_the_name_of_its_file(run, tmp_path):
-    words = ["export", "--law", "tabulated", "--format", "matlab", "--r2-star", 100]
+    words = ["export", "tabulated", "matlab", "--r2-star", 100]
     assert run(*words, "--output", tmp_path / "hip.m")[0] == 0
     assert re.search(r"^function .* = hip\(", (tmp_path / "hip.m").read_text())
     status, _, err = run(*words, "--output", tmp_path / "hip.m", "--name", "knee")
