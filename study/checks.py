@@ -88,7 +88,7 @@ def number(
         worst, of = float(array[~good].flat[0]), f" {unit}" if unit else ""
         kind = RangeError if math.isfinite(worst) else ValueError
         wanted = " and ".join(texts if kind is RangeError else ["finite", *texts])
-        raise kind(f"{name} must be {wanted}{of}, got {worst:g}{of}")
+        raise kind(f"{name} must be {wanted}{of if texts else ''}, got {worst:g}{of}")
     return float(array) if array.ndim == 0 else array
 
 

@@ -15,7 +15,7 @@ if __name__ == "__main__":
     store.verify()  # before minutes of timing
     for chart in chosen or charts.CHARTS:
         others = list(OTHERS[chart]()) if chart in OTHERS else []
-        frame = charts.timed(chart, 5, charts.methods()[chart], others)
+        frame = charts.timed(chart, others)
         store.keep_measured(frame)
         programs = ", ".join(frame.program.unique())
         print(f"timed {chart} of {programs} on {frame.machine.iloc[0]}", flush=True)

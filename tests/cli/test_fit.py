@@ -8,9 +8,7 @@ from study.cli.fit import curve_of
 DEPTH, FORCE = np.linspace(1e-6, 20e-6, 9), np.linspace(100, 30000, 9)
 HEADS = {
     "depth [mm],force [kN]": ("{:.6f},{:.6f}", 1e3, 1e-3),
-    "Depth (µm),Force_N": ("{:.6f},{:.6f}", 1e6, 1),
-    "DEPTH_UM,note,FORCE_KN": ("{:.6f},seen,{:.6f}", 1e6, 1e-3),
-    "depth/m,force": ("{!r},{!r}", 1, 1),
+    "depth (µm),note,force": ("{:.6f},seen,{:.6f}", 1e6, 1),
     "depth,force": ("{:.6f} µm,{:.6f}kN", 1e6, 1e-3),
 }
 
@@ -30,13 +28,13 @@ def test_units_are_read_from_heads_or_cells(tmp_path, head, has_commas):
 
 
 BAD = {
-    "s,force N\n1,2": "CURVE must have one column of depths and one of forces, such as",
-    "depth inch,force N\n1,2": "got depth inch, force N",
-    "depth um,depth mm,force N\n1,1,2": "got depth um, depth mm, force N",
-    "depth um,force_star\n1,2": "got depth um, force_star",
-    "depth um,force N\n1,2\n2,": "force N in row 2 must be a number, got ''",
-    "depth um,force N\n1um,2": "depth um in row 1 must be a number, got '1um'",
-    "depth um,force N\n1,nan": "force N in row 1 must be finite, got nan",
+    "s,force [N]\n1,2": "CURVE must have the columns depth and force, such as depth [um] and",
+    "depth [inch],force\n1,2": "the unit of depth must be m with or without a prefix, got inch",
+    "depth [um],depth [mm],force\n1,1,2": "each column must have a different name",
+    "depth,force_star\n1,2": "got depth, force_star",
+    "depth,force\n1,2\n2,": "force in row 2 must be a number in N",
+    "depth [um],force\n1um,2": "row 1: depth must be a number without a unit",
+    "depth,force\n1,nan": "force in row 1 must be finite, got nan",
 }
 
 
