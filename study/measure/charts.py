@@ -21,7 +21,6 @@ from typing import Literal, get_args
 import numpy as np
 import pandas as pd
 
-from study import checks
 from study.compiled import compiled
 from study.contact import LAWS, DimensionalLaw, stiffening
 from study.contact.forces import elastic_force
