@@ -97,15 +97,17 @@ def totals(table: Numbers, reading: Reading = USUAL) -> tuple[Numbers, Numbers]:
 def amplitudes(table: Numbers, reading: Reading = USUAL) -> tuple[Numbers, Numbers]:
     """Amplitudes of the two fitted laws from kappa, and from the RMSE; each of shape (2, 257).
 
-    With forces that are too small on average, and with sum y^2 = S + (sum y)^2/n,
+    With sum y^2 = S + (sum y)^2/n, and the sign for which the two amplitudes are nearer,
 
-        c sum f = sum y - sqrt((1 - kappa) S/g),    c^2 sum f^2 = sum y^2 - n RMSE^2.
+        c sum f = sum y +- sqrt((1 - kappa) S/g),    c^2 sum f^2 = sum y^2 - n RMSE^2.
     """
     laws, (total, about_mean) = laws_at(*reading[:2])[2:], totals(table, reading)
     missing, rmse = table[:, 2:]
     squares = about_mean + total**2 / laws.shape[1] - laws.shape[1] * rmse**2
-    by_kappa = (total - np.sqrt(missing * about_mean / reading.factor)) / laws.sum(axis=1)[:, None]
-    return by_kappa, np.sqrt(squares / (laws**2).sum(axis=1)[:, None])
+    by_rmse = np.sqrt(squares / (laws**2).sum(axis=1)[:, None])
+    error = np.sqrt(missing * about_mean / reading.factor)
+    low, high = (total + np.array([-error, error])) / laws.sum(axis=1)[:, None]
+    return np.where(abs(low - by_rmse) < abs(high - by_rmse), low, high), by_rmse
 
 
 def sums(sampling: str, force: Numbers) -> dict[str, float]:
