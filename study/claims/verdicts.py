@@ -62,7 +62,7 @@ def readings(evidence: str, row: str, column: str) -> dict[str, float]:
     if numbers.empty or not np.isfinite(numbers).all():
         raise checks.StudyError(
             f"{paths.shown(path)} must have finite numbers in the column {column} of the quantity "
-            f"{row!r}; make it with: study run {evidence} --force"
+            f"{row!r}; make it with: study run {evidence}"
         )
     return dict(zip(rows.get("reading", ["this study"] * len(rows)), numbers, strict=True))
 

@@ -175,7 +175,7 @@ def test_a_changed_claim_changes_its_verdict(change, claim, column, value, verdi
             "numbers_00.csv must have finite numbers in the column value of the quanti",
         ),
         ("column", "ours", "numbers_00.csv must have finite numbers in the column ours of the qua"),
-        ("column", "reading", "make it with: study run numbers_00 --force"),
+        ("column", "reading", "make it with: study run numbers_00"),
     ],
 )
 def test_a_wrong_claim_is_one_clear_error(change, column, value, message):

@@ -181,6 +181,5 @@ def test_the_reference_joint_explains_table_2_and_its_rivals_do_not():
     table = table2.ranked(published, scans[scans.sampling == "21, from 0"])
     table = table[table.factor == "1"].set_index(["ball_support", "area"])
     assert table.ratio["clamped", "flat"] == pytest.approx(1.298, abs=0.002)
-    assert table.misfit["clamped", "flat"] < 0.004
-    rivals = [("guided", "sphere"), ("clamped", "sphere"), ("guided", "flat")]
-    assert 100 * table.misfit[rivals].to_numpy() == pytest.approx([7.8, 10.6, 12.6], abs=0.2)
+    rivals = [("guided", "sphere"), ("clamped", "sphere"), ("guided", "flat"), ("clamped", "flat")]
+    assert 100 * table.misfit[rivals].to_numpy() == pytest.approx([7.8, 10.6, 12.6, 0.3], abs=0.2)
