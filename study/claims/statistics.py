@@ -1,9 +1,7 @@
 """Measures of agreement between a law and the elastic solution, as the paper defines them.
 
-The first argument of each function is the reference, that is the elastic solution, and the second
-one the prediction of a law. Both are lists of the same length, with two or more values. The
-coefficient of determination by the usual definition is `determination`; the coefficient that is
-printed in Table 2 of the paper is `kappa_as_printed`.
+The first argument of each function is the elastic solution, and the second one the prediction of a
+law at the same depths, two or more. `determination` is the coefficient by the usual definition.
 """
 
 import numpy as np
@@ -12,18 +10,15 @@ from numpy.typing import ArrayLike
 from study.contact.power_fit import adjusted, determination, rmse
 
 AS_PRINTED = {"size": 20, "predictors": 1}
-"""Numbers of values and of predictors in the adjusted coefficients: their factor is 19/18 in all
-five rows of the paper's Table 2. The 21st depth is zero, where every law has no error; it seems not
-to be counted."""
+"""Numbers of values and of predictors in the adjusted coefficients of Table 2, whose factor is
+19/18: the 21st depth, zero, seems not to be counted."""
 
 
 def kappa_as_printed(reference: ArrayLike, prediction: ArrayLike) -> float:
     """Coefficient of Table 2 and Fig. 14 of the paper: 1 - (sum of differences)^2/SST.
 
-    The paper calls it multicorrelation coefficient. SST is the sum of squared differences of the
-    reference from its mean. The sum of differences is squared instead of its terms (identified,
-    notebook 13). The result depends only on the number of values and the mean difference; errors of
-    opposite sign cancel.
+    SST is the sum of squared differences of the reference from its mean. The sum of differences is
+    squared instead of its terms (identified, notebook 13), so that errors of opposite sign cancel.
     """
     reference = np.asarray(reference)
     squares = np.sum((reference - reference.mean()) ** 2)

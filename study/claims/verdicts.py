@@ -28,46 +28,23 @@ follow from what was used), or nearly any result would satisfy them."""
 CLAIMS = paths.DATA / "published/claims.csv"
 
 
-class ClaimError(checks.StudyError):
-    """A statement cannot be checked; the message names it and what is missing."""
-
-
 def load() -> pd.DataFrame:
     """Load the statements, without verdicts: a table of text.
 
     Its column ``bounds`` has pairs of numbers from ``expected`` and ``tolerance``: one pair, or two
-    if this study chose the bound. Raises `ClaimError` if a row cannot be evaluated, and
-    `study.dataset.DatasetError` if the file is missing or damaged.
+    if this study chose the bound. Raises `study.dataset.DatasetError` if the file is missing or
+    damaged, and `study.checks.StudyError` if a bound is no number.
     """
-    claims = store.read(CLAIMS, keep_default_na=False, dtype=str)
-    published, bounds = store.published(), []
-    for row in claims.itertuples():
-        try:
-            checks.choice(f"kind of {row.claim}", row.kind, KINDS)
-            checks.choice(f"relation of {row.claim}", row.relation, RELATIONS)
-            bounds.append(_bounds(row, published))
-        except ValueError as error:
-            raise ClaimError(str(error)) from None
+    claims, published = store.read(CLAIMS, keep_default_na=False, dtype=str), store.published()
+    bounds = []
+    with checks.intact(paths.shown(CLAIMS)):
+        for row in claims.itertuples():
+            key = tuple(row.expected.split("/"))  # of a number that the paper prints
+            numbers = [published[key]] if len(key) == 3 else row.expected.split(" to ")
+            pairs = product(numbers, row.tolerance.split(" to "))
+            bounds.append([(float(number), float(tolerance)) for number, tolerance in pairs])
     shown = [" to ".join(dict.fromkeys(f"{number:g}" for number, _ in pairs)) for pairs in bounds]
     return claims.assign(expected=shown, bounds=bounds)
-
-
-def _bounds(claim, published):
-    """Pairs of an expected number and a tolerance in percent of it."""
-    expected, key = claim.expected, tuple(claim.expected.split("/"))
-    if len(key) == 3:
-        if key not in published.index:
-            lacking = "which is not in data/published/tables.csv"
-            raise ValueError(f"claim {claim.claim} expects {expected}, {lacking}")
-        expected = str(published[key])
-    numbers = []
-    for name, text in ("expected", expected), ("tolerance", claim.tolerance):
-        what = f"{name} of {claim.claim}"
-        numbers.append([checks.read(what, part) for part in text.split(" to ")])
-        checks.number(what, numbers[-1], least=0 if name == "tolerance" else None)
-    if 0 in numbers[0]:
-        raise ValueError(f"expected of {claim.claim} must not be 0: tolerances are relative")
-    return list(product(*numbers))
 
 
 def readings(evidence: str, row: str, column: str) -> dict[str, float]:
@@ -76,23 +53,18 @@ def readings(evidence: str, row: str, column: str) -> dict[str, float]:
     A reading is, for example, one of the models, materials or durations that the statement allows.
     The numbers are in ``column`` of the result ``evidence`` (`study.paths.read_result`), in those
     rows whose ``quantity`` is ``row``; its column ``reading``, if there is one, names them. Raises
-    `ClaimError` if the result, row or column is missing, or if a number is not finite.
+    `study.checks.StudyError` if there are none, or if one is not finite.
     """
-    path, remake = paths.read_result(f"{evidence}.csv"), f"study run {evidence} --force"
-    if not path.is_file():
-        raise ClaimError(f"{paths.shown(path)} is missing; make it with: {remake}")
-    table = pd.read_csv(path)
-    for name in ("quantity", column):
-        if name not in table:
-            raise ClaimError(f"{path.name} has no column {name!r}; make it again: {remake}")
-    rows = table[table.quantity == row]
-    if rows.empty:
-        raise ClaimError(f"{path.name} has no quantity {row!r}; make it again: {remake}")
-    names = rows.get("reading", ["this study"] * len(rows))
-    numbers = pd.to_numeric(rows[column], errors="coerce")
-    if not np.isfinite(numbers).all():
-        raise ClaimError(f"{column} of {row!r} in {path.name} must be finite numbers")
-    return dict(zip(names, numbers, strict=True))
+    path = paths.read_result(f"{evidence}.csv")
+    table = pd.read_csv(path) if path.is_file() else pd.DataFrame({"quantity": []})
+    rows = table[table["quantity"] == row]
+    numbers = pd.to_numeric(rows.get(column, pd.Series(dtype=float)), errors="coerce")
+    if numbers.empty or not np.isfinite(numbers).all():
+        raise checks.StudyError(
+            f"{paths.shown(path)} must have finite numbers in the column {column} of the quantity "
+            f"{row!r}; make it with: study run {evidence}"
+        )
+    return dict(zip(rows.get("reading", ["this study"] * len(rows)), numbers, strict=True))
 
 
 def judge() -> pd.DataFrame:
@@ -100,14 +72,11 @@ def judge() -> pd.DataFrame:
 
     The table is that of `load` without ``row``, ``column`` and ``assumes``, and with ``found``
     (readings with their numbers, as text), ``lowest``, ``highest``, ``verdict`` and ``depends_on``.
-    Raises the errors of `load` and `readings`, with the name of the claim.
+    Raises the errors of `load` and `readings`.
     """
     claims, results = load(), []
     for claim in claims.itertuples():
-        try:
-            numbers = readings(claim.evidence, claim.row, claim.column)
-        except ClaimError as error:
-            raise ClaimError(f"claim {claim.claim}: {error}") from None
+        numbers = readings(claim.evidence, claim.row, claim.column)
         values = list(numbers.values())
         held = holds(values, claim.relation, claim.bounds)
         results.append(

@@ -1,0 +1,59 @@
+"""Notebooks with other parameters give their results, or say in one sentence what they need."""
+
+import os
+
+import pytest
+
+from study import paths
+from study.checks import StudyError
+from study.pages import build, catalogue
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture
+def execute(tmp_path, monkeypatch):
+    """Execute a notebook, given by its number, with some parameters, from accepted results."""
+    # a copy, because the execution changes the environment
+    monkeypatch.setattr(os, "environ", os.environ | {paths.READ_VARIABLE: str(paths.FIGURES)})
+
+    def run(number, **given):
+        (notebook,) = (n for n in catalogue.CATALOGUE if n.name.startswith(number))
+        build.execute(notebook, tmp_path, tmp_path / "executed.ipynb", given)
+        return {name for name in notebook.files() if (tmp_path / name).stat().st_size}, notebook
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("number", "given"),
+    [
+        ("00", {"depths": [0.5]}),
+        ("05", {"radii": [300], "levels": []}),
+        ("12", {"resolutions": [32, 64], "ratios": [2], "poissons": [0]}),
+        ("21", {"parts": ["Table 2"]}),
+    ],
+)
+def test_one_value_of_a_list_gives_results(execute, number, given):
+    made, notebook = execute(number, **given)
+    assert made == set(notebook.files())
+
+
+@pytest.mark.parametrize(
+    ("number", "given", "message"),
+    [
+        ("00", {"depths": []}, "ValueError: depths must be a list of one value or more, got []"),
+        ("05", {"radii": []}, "ValueError: radii must be a list of one value or more, got []"),
+        ("05", {"radii": [25]}, "ValueError: r2_star must be a value of the dataset"),
+        ("12", {"resolutions": [64]}, "resolutions must be a list of 2 values or more, got [64]"),
+        ("17", {"resolution": 100}, "ValueError: resolution must be a multiple of 32, got 100"),
+        ("21", {"parts": ["nope"]}, "RangeError: parts must be one of force and depth, crank-"),
+        ("22", {"resolution": 100}, "ValueError: resolution must be a multiple of 32, got 100"),
+        ("31", {"rod_end_force": -5}, "rod_end_force must be >= 250 and <= 20000 N, got -5 N"),
+    ],
+)
+def test_a_wrong_parameter_is_one_sentence(execute, number, given, message):
+    with pytest.raises(StudyError) as error:
+        execute(number, **given)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
