@@ -41,14 +41,17 @@ DIGITS = {
 """Columns with fewer digits, in which a difference of one unit of the last digit is allowed."""
 
 
-def differs(kept: Path | StringIO, made: Path | StringIO, name: str) -> str | None:
-    """Where two CSV tables of a name differ by more than their tolerance, or None.
+def differs(kept: Path | StringIO, made: Path | StringIO, name: str) -> str:
+    """Where two CSV tables of a name differ by more than their tolerance, or no text.
 
     If rows have changed places, they are matched by the columns that contain words.
     """
-    old, new = (pd.read_csv(table, dtype=str, keep_default_na=False) for table in (kept, made))
+    try:
+        old, new = (pd.read_csv(table, dtype=str, keep_default_na=False) for table in (kept, made))
+    except ValueError:  # of pandas, for a file that is no table
+        return "which cannot be compared, because it or the accepted table is damaged"
     if list(old) != list(new):
-        return f"columns: accepted {', '.join(old)}; now {', '.join(new)}"
+        return f"columns: {_changed(list(old), list(new))}"
     if len(old) != len(new):
         return f"rows: accepted {len(old)}, now {len(new)}"
     words = [c for c in old if _numbers(old[c]).isna().all() and _numbers(new[c]).isna().all()]
@@ -56,11 +59,19 @@ def differs(kept: Path | StringIO, made: Path | StringIO, name: str) -> str | No
         old, new = (table.sort_values(words, kind="stable") for table in (old, new))
     excess = np.array([_excess(old[column], new[column], name, column) for column in old])
     if not (excess > 1).any():
-        return None
+        return ""
     row, column = np.argwhere(excess.T > 1)[0]
     place = f"row {old.index[row] + 2}, column {old.columns[column]}"
     numbers = f"accepted {old.iloc[row, column]}, now {new.iloc[row, column]}"
     return f"{place}: {numbers} ({np.count_nonzero(excess > 1)} in all)"
+
+
+def _changed(old, new):
+    """Names that were added to a list or removed from it, or that there are the same ones."""
+    added, removed = ([n for n in a if n not in b] for a, b in ((new, old), (old, new)))
+    changes = {"added": added, "removed": removed}
+    found = [f"{how} {', '.join(names)}" for how, names in changes.items() if names]
+    return "; ".join(found) or "in another order"
 
 
 def _numbers(column):
