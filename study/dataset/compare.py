@@ -49,7 +49,7 @@ def differs(kept: Path | StringIO, made: Path | StringIO, name: str) -> str:
     try:
         old, new = (pd.read_csv(table, dtype=str, keep_default_na=False) for table in (kept, made))
     except ValueError:  # of pandas, for a file that is no table
-        return "which cannot be compared, because it or the accepted table is damaged"
+        return "which cannot be compared: it or the accepted table (git restores it) is damaged"
     if list(old) != list(new):
         return f"columns: {_changed(list(old), list(new))}"
     if len(old) != len(new):
