@@ -25,9 +25,6 @@ RESULTS = BUILD / "results"
 IS_CHECKOUT = (ROOT / "pyproject.toml").is_file()  # else installed, without these folders
 CACHE = BUILD if IS_CHECKOUT else platformdirs.user_cache_path("spherical-clearance-joint-study")
 """Folder of what is compiled, which may be deleted."""
-_TEXTS = ("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "CHANGELOG.md")
-DOCUMENTS = (*(ROOT / name for name in _TEXTS), DATA / "README.md", ROOT / "examples/README.md")
-"""Texts that the report shows with the results."""
 
 # Folders that a job of the workflow hands to its notebook: where it writes its results, and where
 # it reads those of other notebooks
@@ -103,21 +100,6 @@ def copy(source: Path, target: Path) -> None:
     """Copy a file, to another file system as well, whole or not at all."""
     with whole(target) as temporary:
         shutil.copyfile(source, temporary)
-
-
-@contextmanager
-def locked(path: Path, wait: bool) -> Iterator[None]:
-    """Hold the lock of a file, which ends with this process, however that ends.
-
-    Raises ``BlockingIOError`` if another process holds it and this one does not wait.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("a") as file:
-        if os.name == "posix":
-            import fcntl
-
-            fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-        yield
 
 
 @contextmanager

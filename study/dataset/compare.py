@@ -41,8 +41,8 @@ DIGITS = {
 """Columns with fewer digits, in which a difference of one unit of the last digit is allowed."""
 
 
-def differs(kept: Path | StringIO, made: Path | StringIO, name: str) -> str:
-    """Where two CSV tables of a name differ by more than their tolerance, or no text.
+def differs(kept: Path | StringIO, made: Path | StringIO, name: str) -> str | None:
+    """Where two CSV tables of a name differ by more than their tolerance, or None.
 
     If rows have changed places, they are matched by the columns that contain words.
     """
@@ -59,7 +59,7 @@ def differs(kept: Path | StringIO, made: Path | StringIO, name: str) -> str:
         old, new = (table.sort_values(words, kind="stable") for table in (old, new))
     excess = np.array([_excess(old[column], new[column], name, column) for column in old])
     if not (excess > 1).any():
-        return ""
+        return None
     row, column = np.argwhere(excess.T > 1)[0]
     place = f"row {old.index[row] + 2}, column {old.columns[column]}"
     numbers = f"accepted {old.iloc[row, column]}, now {new.iloc[row, column]}"

@@ -206,7 +206,10 @@ def verify(some: Iterable[Path] | None = None) -> None:
 
 def write_hashes(changed: Iterable[Path]) -> None:
     """Renew the hashes of some files in ``SHA256SUMS``, and leave out files that are gone."""
-    with paths.locked(paths.BUILD / "hashes", wait=True):  # several jobs write tables
+    from filelock import FileLock  # late: who reads the dataset needs none
+
+    paths.BUILD.mkdir(exist_ok=True)
+    with FileLock(paths.BUILD / "hashes.lock"):  # several jobs write tables
         stated = _stated_hashes() | {path: paths.sha256(path) for path in changed}
         lines = [
             f"{sha}  {Path(relpath(path, paths.DATA)).as_posix()}\n"

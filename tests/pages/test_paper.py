@@ -5,13 +5,13 @@ import pkgutil
 import re
 
 import pytest
+import typeset
 import typst
 
 from study import paths
 from study.checks import StudyError
 from study.contact import StiffenedHertz
 from study.joint import reference_joint
-from study.pages import build
 
 SOURCE = paths.PAPER / "paper.typ"
 TEXT = SOURCE.read_text(encoding="utf-8")
@@ -22,8 +22,8 @@ BOTH = TEXT + SUPPLEMENT.read_text(encoding="utf-8")
 @pytest.mark.parametrize("source", [SOURCE, SUPPLEMENT], ids=lambda path: path.stem)
 def test_it_is_typeset_twice_to_the_same_bytes(tmp_path, source):
     first, second = tmp_path / "first.pdf", tmp_path / "second.pdf"
-    build.typeset(source, first)
-    build.typeset(source, second)
+    typeset.typeset(source, first)
+    typeset.typeset(source, second)
     assert first.read_bytes() == second.read_bytes()
     assert first.read_bytes().startswith(b"%PDF")
     assert str(paths.ROOT).encode() not in first.read_bytes()
@@ -40,7 +40,7 @@ def test_no_result_is_typed():
 
 def test_the_worked_example_is_that_of_the_law():
     """The article evaluates its printed coefficients; their rounding changes the last digits."""
-    (worked,) = json.loads(typst.query(SOURCE, "<worked>", field="value", **build.typst_options()))
+    (worked,) = json.loads(typst.query(SOURCE, "<worked>", field="value", **typeset.options()))
     law = StiffenedHertz.of(reference_joint(200))
     for name, derivative in (("force", False), ("slope", True)):
         assert worked[name] == pytest.approx(law(0.25, derivative=derivative), rel=1e-5)
@@ -50,7 +50,7 @@ def test_bounds_are_rounded_outwards():
     numbers = "rounded-up(4.517), rounded-up(9.96), rounded-up(0.18), rounded-up(0.0734, count: 1)"
     text = f'#import "/paper/numbers.typ": *\n#metadata(({numbers}, rounded-down(0.671))) <bounds>'
     (bounds,) = json.loads(
-        typst.query(text.encode(), "<bounds>", field="value", **build.typst_options())
+        typst.query(text.encode(), "<bounds>", field="value", **typeset.options())
     )
     assert bounds == ["4.6", "10", "0.18", "0.08", "0.67"]
 
@@ -99,8 +99,8 @@ def copy(tmp_path, monkeypatch, old, new):
 )
 def test_what_is_missing_stops_the_paper(tmp_path, monkeypatch, old, new):
     source = copy(tmp_path, monkeypatch, old, new)
-    with pytest.raises(StudyError, match=r"^paper/(paper|look|results|numbers)\.typ, line \d+: "):
-        build.typeset(source, tmp_path / "paper.pdf")
+    with pytest.raises(StudyError, match=r"(paper|look|results|numbers)\.typ:\d+:"):
+        typeset.typeset(source, tmp_path / "paper.pdf")
     assert not (tmp_path / "paper.pdf").exists()
 
 

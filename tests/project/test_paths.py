@@ -51,11 +51,3 @@ def test_what_killed_processes_left_is_removed_and_nothing_else(tmp_path, monkey
         path.mkdir()
     paths.remove_abandoned()
     assert sorted(tmp_path.iterdir()) == sorted(others)
-
-
-def test_a_lock_ends_with_its_process(tmp_path):
-    lock = tmp_path / "running"
-    with paths.locked(lock, wait=False), pytest.raises(BlockingIOError):
-        paths.locked(lock, wait=False).__enter__()
-    with paths.locked(lock, wait=False):
-        pass
