@@ -30,18 +30,18 @@ def folders(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("accepted", "made", "expected"),
     [
-        ("force\n1\n", "force\n1\n", {}),
-        ("force\n1\n", "force\n1.0000005\n", {FIGURE: ""}),
-        ("force\n1\n", "force\n1.1\n", {FIGURE: CHANGED}),
-        ("", "force\n1\n", {FIGURE: DAMAGED}),
-        (None, "force\n1\n", {FIGURE: "which was not accepted before"}),
+        ("force\n1\n", "force\n1\n", ("identical", "")),
+        ("force\n1\n", "force\n1.0000005\n", ("agree", "")),
+        ("force\n1\n", "force\n1.1\n", ("differ", CHANGED)),
+        ("", "force\n1\n", ("differ", DAMAGED)),
+        (None, "force\n1\n", ("differ", "which was not accepted before")),
     ],
 )
 def test_made_results_are_identical_agree_or_differ(folders, accepted, made, expected):
     if accepted is not None:
         (paths.FIGURES / "fig.csv").write_text(accepted)
     (paths.RESULTS / "fig.csv").write_text(made)
-    assert build.differences([FIGURE]) == expected
+    assert build.compared(FIGURE) == expected
 
 
 def compared(old, new, name="t"):
