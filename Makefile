@@ -49,7 +49,7 @@ help:
 	@echo "make lab         set up, open the notebooks in JupyterLab"
 	@echo "make data        set up, solve all cases of the dataset again (some minutes on two cores)"
 	@echo "make bench       set up, measure the speed of solver, steppers and studies"
-	@echo "make speed       set up, time the charts of speed with the other programs found here"
+	@echo "make speed       set up, time the charts of speed, also of other programs found here"
 	@echo "make lock        renew requirements.lock (needs uv)"
 	@echo "make clean       remove .venv, build/ and all caches"
 
@@ -57,13 +57,13 @@ setup: $(READY)
 	@echo "Ready: $(BIN)/study --help"
 
 reproduce: $(READY)
-	@$(BIN)/study report
+	@$(BIN)/study run
 
 test: $(READY)
-	@$(PYTEST) -m "not slow"
+	@$(PYTEST)
 
 test-all: $(READY)
-	@$(PYTEST)
+	@$(PYTEST) -m ""
 
 check: $(READY)
 	@$(BIN)/ruff check --no-cache .

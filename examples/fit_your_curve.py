@@ -15,10 +15,11 @@ table = np.loadtxt(Path(__file__).with_suffix(".csv"), delimiter=",", skiprows=1
 depth, force = 1e-6 * table[:, 0], table[:, 1]  # m, N
 drawn = Joint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")  # m
 
-fit = fit_curve(depth, force, drawn, fit=("clearance", "offset"))
-for law in fit.laws:
+laws = fit_curve(depth, force, drawn, fit=["clearance", "offset"])
+for law in laws.dropna(subset="rmse").itertuples():
     print(f"{law.law}: RMSE {law.rmse:.0f} N, R2 {law.determination:.5f}")
 
-solved = next(law for law in fit.laws if law.law == "tabulated")
-for name, value in solved.parameters.items():
-    print(f"{name}: {1e6 * value:.2f} um, standard error {1e6 * solved.standard_errors[name]:.2f}")
+solved = laws[laws.law == "tabulated"].iloc[0]
+for name in ("clearance", "offset"):
+    error = solved[f"{name}_error"]
+    print(f"{name}: {1e6 * solved[name]:.2f} um, standard error {1e6 * error:.2f} um")

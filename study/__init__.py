@@ -9,6 +9,7 @@ Examples
 --------
 A joint with dimensions, in SI units:
 
+>>> import numpy as np
 >>> from study.joint import Joint
 >>> bronze = Joint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
 >>> print(f"{bronze.solve(force=3000).depth[0]:.4g} m")
@@ -19,7 +20,8 @@ A joint with dimensions, in SI units:
 
 A joint made from ratios, with normalised depths d/dR and forces P/(E* dR^2):
 
->>> from study import choose, contact
+>>> from study import contact
+>>> from study.choose import compare_laws, compare_models
 >>> from study.joint import Layer, Material, first_yield, reference_joint
 >>> joint = Joint.from_ratios(r2_star=75, socket=Material(7e10, 0.33))
 >>> solution = joint.solve(depth_star=[0.1, 0.5])
@@ -28,8 +30,8 @@ A joint made from ratios, with normalised depths d/dR and forces P/(E* dR^2):
 >>> liner, housing = Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material(2e11, 0.3))
 >>> lined = Joint.from_ratios(r2_star=80, layers=(liner, housing)).solve(depth_star=[0.1, 0.5])
 >>> first = first_yield(Joint.from_ratios(r2_star=50, ball=Material(yield_stress=5e8)), 0.3)
->>> choice = choose.choose(Joint.from_ratios(75, socket_ratio=1.4), 0.5, tolerance=0.02)
->>> print(choice.law.name)
+>>> laws = compare_laws(Joint.from_ratios(75, socket_ratio=1.4), deepest=0.5)
+>>> print(laws[laws.error_bound <= 0.02].law.iloc[0])  # the cheapest one
 stiffened_hertz
 >>> print(f"{contact.StiffenedHertz.of(reference_joint(200))(0.3):.2f}")
 88.26
@@ -43,15 +45,16 @@ A table of the elastic solution of one joint, and the cached curves of the datas
 >>> len(dataset.load(r2_star=200, kinematics="linear"))
 1432
 
-The crank-slider with a law by name, a joint with dimensions, or a function as its law:
+The crank-slider with a law by name, a joint with dimensions, or values of a function as its law:
 
 >>> from study.mechanism import Scene, paper_scene, simulate
 >>> len(simulate(Scene(restitution=0.9), law="hyperbolic_winkler", duration=0.02).impacts)
 12
->>> mine = simulate(law=lambda depth, r2_star: 300 * depth**1.5, duration=0.002)
+>>> depth = np.linspace(0.01, 1, 100) ** 2
+>>> mine = contact.Table.of_values(depth, 300 * depth**1.5, r2_star=200)
+>>> response = simulate(law=mine, duration=0.002)
 >>> own = simulate(Scene(socket_radius=12.5e-3, clearance=40e-6), law=bronze, duration=0.002)
->>> from study.choose.model import choose_model
->>> least = choose_model(paper_scene(), tolerance=0.001)
->>> print(least.model, least.joint)
+>>> models = compare_models(paper_scene())
+>>> print(*models[models.position_error <= 0.001].iloc[0][["model", "joint"]])  # the simplest one
 rigid clearance
 """

@@ -16,17 +16,9 @@ from numpy.typing import ArrayLike
 
 T = TypeVar("T")
 
-LARGEST, SMALLEST = 1e40, 1e-40
-"""Maximum magnitude of a number, and minimum of one that must be > 0. The force of a law in SI
-units is a product of six such numbers and a clearance of 1e-16 radii, which neither overflows nor
-underflows."""
-
 SOFTEST = 1e5
 """Minimum Young's modulus of a body with dimensions, in Pa: that of soft rubber. Every modulus in
 GPa is a smaller number, and so is every one in MPa except that of diamond."""
-
-FORMULA = tuple("=+-@\t\r")
-"""Signs with which a spreadsheet's formula begins."""
 
 
 class StudyError(RuntimeError):
@@ -71,49 +63,33 @@ def number(
     ValueError
         If any element is not a finite number, or is masked.
     RangeError
-        If any is outside the limits, larger than `LARGEST`, or, if > 0, below `SMALLEST`.
+        If any is outside the limits.
     """
-    array = _floats(name, value, scalar)
-    signs = {">": above, ">=": least, "<": below, "<=": most}
-    limits = {sign: limit for sign, limit in signs.items() if limit is not None}
-    good = np.abs(array) <= LARGEST
-    if above == 0:
-        good &= array >= SMALLEST
-    for sign, limit in limits.items():
-        good &= _WITHIN[sign](array, limit)
-    if not good.all():
-        raise _refusal(name, float(array[~good].flat[0]), unit, limits)
-    return float(array) if array.ndim == 0 else array
-
-
-_WITHIN = {">": np.greater, ">=": np.greater_equal, "<": np.less, "<=": np.less_equal}
-
-
-def _floats(name, value, scalar):
-    """A value as an array of floats, if it is a number, or several unless ``scalar``."""
     try:
         array = np.asarray(value)
     except (ValueError, TypeError):  # lists of different lengths
         array = np.array(None)
-    masked = isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value)
-    if array.dtype.kind not in "iuf" or (scalar and array.ndim) or masked:
+    if array.dtype.kind not in "iuf" or (scalar and array.ndim) or np.ma.is_masked(value):
         wanted = "one number" if scalar else "a number"
         raise ValueError(f"{name} must be {wanted}, got {shown(value)}")
-    return array.astype(float)
-
-
-def _refusal(name, worst, unit, limits):
-    """Error of a number that is not finite, or not within the limits, by their signs."""
-    unit = f" {unit}" if unit else ""
-    texts = [f"{sign} {limit:g}" for sign, limit in limits.items()]
-    if not math.isfinite(worst):
-        wanted = " and ".join(["finite", *texts])
-        return ValueError(f"{name} must be {wanted}{unit}, got {worst:g}{unit}")
-    if abs(worst) > LARGEST and not limits.keys() & ({"<", "<="} if worst > 0 else {">", ">="}):
-        texts.append(f"<= {LARGEST:g} in magnitude")
-    elif limits.get(">") == 0 and 0 < worst < SMALLEST:
-        texts[0] = f">= {SMALLEST:g}"
-    return RangeError(f"{name} must be {' and '.join(texts)}{unit}, got {worst:g}{unit}")
+    array = array.astype(float)
+    limits = (
+        (">", above, np.greater),
+        (">=", least, np.greater_equal),
+        ("<", below, np.less),
+        ("<=", most, np.less_equal),
+    )
+    good, texts = np.isfinite(array), []
+    for sign, limit, within in limits:
+        if limit is not None:
+            good &= within(array, limit)
+            texts.append(f"{sign} {limit:g}")
+    if not good.all():
+        worst, of = float(array[~good].flat[0]), f" {unit}" if unit else ""
+        kind = RangeError if math.isfinite(worst) else ValueError
+        wanted = " and ".join(texts if kind is RangeError else ["finite", *texts])
+        raise kind(f"{name} must be {wanted}{of if texts else ''}, got {worst:g}{of}")
+    return float(array) if array.ndim == 0 else array
 
 
 def whole(name: str, value: Any, *, least: int, most: int | None = None) -> int:
@@ -144,27 +120,10 @@ def youngs_modulus(name: str, value: Any) -> float:
         raise RangeError(f"{error}: did you mean {meant}?") from None
 
 
-def depth(name: str, value: ArrayLike, unit: str = "") -> Any:
-    """Return penetration depths, of any sign: `number`, but none from 0 to `SMALLEST`."""
-    depths = number(name, value, unit)
-    tiny = np.atleast_1d(depths)
-    tiny = tiny[(tiny > 0) & (tiny < SMALLEST)]
-    if tiny.size:
-        number(name, tiny, unit, least=SMALLEST)
-    return depths
-
-
 def choice(name: str, value: Any, allowed: Collection[str]) -> Any:
     """Return ``value`` if it is one of the names ``allowed``, or raise `RangeError`."""
     if not isinstance(value, str) or value not in allowed:
         raise RangeError(f"{name} must be one of {', '.join(allowed)}, got {shown(value)}")
-    return value
-
-
-def flag(name: str, value: Any) -> Any:
-    """Return ``value`` if it is True or False, or raise ``ValueError``."""
-    if value is not True and value is not False and not isinstance(value, np.bool_):
-        raise ValueError(f"{name} must be True or False, got {shown(value)}")
     return value
 
 
@@ -175,8 +134,8 @@ def instance(name: str, value: Any, kind: type[T]) -> T:
     return value
 
 
-PREFIXES = {"": 0, "n": -9, "u": -6, "µ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
-"""SI prefix -> power of ten."""
+PREFIXES = {"": 0, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
+"""SI prefix -> power of ten; micro is a letter u, a sign of its own, or the Greek letter."""
 _WITH_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)", re.ASCII)
 
 
@@ -245,8 +204,5 @@ def percent(error: float) -> str:
 
 def shown(value: object) -> str:
     """A value for an error message: one line, not too long."""
-    try:
-        text = " ".join(repr(value).split())
-    except ValueError:  # a whole number of thousands of digits
-        text = f"one of type {type(value).__name__}"
+    text = " ".join(repr(value).split())
     return text if len(text) <= 70 else f"{text[:67]}..."

@@ -3,7 +3,6 @@
 import hashlib
 import os
 import shutil
-import socket
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -29,7 +28,6 @@ CACHE = BUILD if IS_CHECKOUT else platformdirs.user_cache_path("spherical-cleara
 # Folders that a job of the workflow hands to its notebook: where it writes its results, and where
 # it reads those of other notebooks
 WRITE_VARIABLE, READ_VARIABLE = "STUDY_RESULTS", "STUDY_READS"
-_PART = f".part-{socket.gethostname()}-"  # ignored by git
 
 
 def require_checkout(folder: Path) -> None:
@@ -76,28 +74,19 @@ def digest(files: Iterable[Path], *more: object) -> str:
 def whole(path: Path) -> Iterator[Path]:
     """Give a temporary file in the folder of ``path``, which becomes ``path`` only on success.
 
-    A link is followed. The file keeps its mode, or gets that of new files. An ``OSError`` names
-    ``path``.
+    An ``OSError``, such as that of a full disk, names ``path``.
     """
-    path = Path(os.path.realpath(path))
-    umask = os.umask(0)  # it can only be read by setting it
-    os.umask(umask)
     try:
-        mode = path.stat().st_mode & 0o777 if path.is_file() else 0o666 & ~umask
         path.parent.mkdir(parents=True, exist_ok=True)
         with scratch(path.parent) as folder:
             yield (temporary := folder / path.name)
-            temporary.chmod(mode)
             temporary.replace(path)
     except OSError as error:
-        names = (error.filename, error.filename2)
-        if names == (None, None) or any(_PART in str(name) for name in names):
-            raise OSError(error.errno, error.strerror, str(path)) from None  # the user's path
-        raise
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from None
 
 
 def copy(source: Path, target: Path) -> None:
-    """Copy a file, to another file system as well, whole or not at all."""
+    """Copy a file, whole or not at all."""
     with whole(target) as temporary:
         shutil.copyfile(source, temporary)
 
@@ -105,21 +94,7 @@ def copy(source: Path, target: Path) -> None:
 @contextmanager
 def scratch(parent: Path | None = None) -> Iterator[Path]:
     """Give a temporary folder, in ``parent`` or where the system has them, gone at the end."""
-    prefix = f"{_PART}{os.getpid()}-"
-    with tempfile.TemporaryDirectory(None, prefix, parent, ignore_cleanup_errors=True) as name:
+    with tempfile.TemporaryDirectory(
+        prefix=".part-", dir=parent, ignore_cleanup_errors=True
+    ) as name:  # ignored by git
         yield Path(name)
-
-
-def remove_abandoned() -> None:
-    """Remove the temporary folders of processes of this machine that were killed."""
-    temporary = Path(tempfile.gettempdir()).glob(f"{_PART}*")
-    ours = (STUDY, DATA, FIGURES, BUILD)
-    for path in [*temporary, *(path for folder in ours for path in folder.rglob(f"{_PART}*"))]:
-        process = path.name.removeprefix(_PART).split("-")[0]
-        if process.isdecimal():
-            try:
-                os.kill(int(process), 0)  # asks only if it lives
-            except ProcessLookupError:
-                shutil.rmtree(path, ignore_errors=True)
-            except PermissionError:
-                pass  # it lives, and belongs to another user

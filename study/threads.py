@@ -4,12 +4,9 @@ The matrices are small: several threads wait for each other longer than they com
 as long if other processes are busy. A user's own code outside is not limited.
 """
 
-import os
 from collections.abc import Callable
 from functools import cache, wraps
 from typing import ParamSpec, TypeVar
-
-from study.checks import StudyError
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -35,20 +32,3 @@ def _controller():
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()  # finding the libraries takes a millisecond, limiting 0.02
-
-
-def check_memory(needed: int, what: str) -> None:
-    """Refuse a limit of memory in KiB under which a process dies, or waits for ever.
-
-    It waits where OpenBLAS (until 0.3.30) gets no memory: it asks for it again and again.
-    """
-    if os.name != "posix":
-        return
-    import resource
-
-    allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if allowed != resource.RLIM_INFINITY and allowed < needed * 1024:
-        raise StudyError(
-            f"there is not enough memory for {what}: ulimit -v must be >= {needed} KiB, got "
-            f"{allowed // 1024} KiB"
-        )

@@ -34,14 +34,13 @@ def pytest_collection_modifyitems(items):
 
 
 @pytest.fixture
-def run(monkeypatch, capsys):
+def run(capsys):
     """Run a command: status, standard output and error."""
     from study import cli
 
     def run(*words):
-        monkeypatch.setattr("sys.argv", ["study", *map(str, words)])
         with pytest.raises(SystemExit) as stop:
-            cli.main()
+            cli.main([*map(str, words)], prog_name="study")
         out, err = capsys.readouterr()
         return stop.value.code, out, err
 

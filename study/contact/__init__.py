@@ -12,7 +12,6 @@ from study.contact.laws import (
     LawName,
     Liu,
     Power,
-    Sampled,
     Steuermann,
     StiffenedHertz,
     Table,

@@ -30,8 +30,7 @@ class DimensionalLaw:
     Parameters
     ----------
     law
-        Key of `study.contact.LAWS`, a law itself, such as ``Steuermann(n=2)``, or a function
-        (`study.contact.Sampled`).
+        Key of `study.contact.LAWS`, or a law itself, such as ``Steuermann(n=2)``.
     ball_radius, socket_radius
         Radii in m; the ball is smaller than the socket.
     composite_modulus
@@ -137,10 +136,10 @@ class DimensionalLaw:
         return self.composite_modulus * self.clearance ** (2 - derivative)
 
     def _evaluated(self, depth, derivative):
-        depths = np.asarray(checks.depth("depth", depth, "m"))
+        depths = np.asarray(checks.number("depth", depth, "m"))
         most = self.deepest * (1 + LIMIT_MARGIN) if self.deepest < inf else None
         checks.number(f"depth of {self.name}", depths, "m", most=most)
-        depth_star = np.asarray(checks.depth("depth divided by clearance", depths / self.clearance))
+        depth_star = depths / self.clearance
         scale, shape, constants = self.parts
         result, touches = np.zeros(depths.shape), depth_star > 0
         result[touches] = scale * shape(depth_star[touches], constants)[derivative]

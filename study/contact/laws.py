@@ -57,7 +57,7 @@ class Law:
     Attributes
     ----------
     name
-        Key of `LAWS`, or the name of the function from which the law was made.
+        Key of `LAWS`.
     evidence
         How sure the formula is.
     deepest
@@ -147,7 +147,7 @@ class Law:
             If a value is outside its range.
         """
         most = None if self.deepest is None else self.deepest * (1 + LIMIT_MARGIN)
-        depth = np.asarray(checks.depth("depth_star", depth_star))
+        depth = np.asarray(checks.number("depth_star", depth_star))
         checks.number(f"depth_star of {self.name}", depth, most=most)
         given: Any = self.r2_star if r2_star is None else r2_star
         depth, r2 = np.broadcast_arrays(depth, checks.number("r2_star", given, above=1))
@@ -403,7 +403,7 @@ class Table(Law):
 
     The stiffening S = P*/P*(Hertz) of a force-depth curve is interpolated by a spline that is
     monotone where the curve is, from S = 1 at ds = 0 (`study.contact.tables`). It is continuously
-    differentiable and needs only one square root.
+    differentiable and needs only one square root. `of_values` makes a table of a Python function.
 
     Attributes
     ----------
@@ -449,91 +449,64 @@ class Table(Law):
         the elastic solution from a depth of 0.001 on. The default resolution of 320 leaves noise of
         3e-4 in the curve at depths below 0.005.
         """
-        order = np.argsort(curve.depth_star)
-        order = order[curve.depth_star[order] > 0]
-        depth, force = curve.depth_star[order], curve.force_star[order]
-        if len(depth) < 4 or (np.diff(depth) <= 0).any():
-            raise ValueError(f"curve must have >= 4 different depths > 0, got {len(depth)}")
-        if depth[0] > 0.1 * depth[-1]:
-            raise ValueError(
-                "the minimum depth of curve must be <= a tenth of the maximum depth, because the "
-                f"law is not reliable below it, got {depth[0]:g} and {depth[-1]:g}"
-            )
-        if (np.diff(force, prepend=0) <= 0).any():
-            raise ValueError(
-                "the force of curve must increase with depth, but it decreases somewhere"
-            )
-        joint = curve.joint
+        joint, (depth, force) = curve.joint, _in_order(curve.depth_star, curve.force_star)
         r2_star = float(joint.r2_star)
         constants = tables.of_points(np.sqrt(depth), force / Hertz()(depth, r2_star))
         return cls(r2_star, float(depth[-1]), constants, joint, curve)
+
+    @classmethod
+    def of_values(cls, depth_star: ArrayLike, force_star: ArrayLike, r2_star: float) -> Table:
+        """Table of the values of a Python function, or of other forces at some depths.
+
+        The table is exact for ds, ds^1.5 and ds^2, and smooth: it rounds kinks.
+
+        Parameters
+        ----------
+        depth_star, force_star
+            Normalised depths and forces, shape (n,), with at least 4 different depths > 0, of which
+            the minimum is at most a tenth of the maximum. The force increases with depth; else
+            ``ValueError``.
+        r2_star
+            R2* of the joint of the law.
+
+        Examples
+        --------
+        >>> depth = np.linspace(0.01, 1, 100) ** 2
+        >>> law = Table.of_values(depth, 300 * depth**1.6, r2_star=200)
+        >>> print(f"{law(0.3):.3f}, by the function {300 * 0.3**1.6:.3f}")
+        43.703, by the function 43.703
+        """
+        depth, force = _in_order(depth_star, force_star)
+        r2_star = checks.number("r2_star", r2_star, above=1, scalar=True)
+        constants = tables.of_secants(np.sqrt(depth), force / depth / hertz_factor(r2_star))
+        return cls(r2_star, float(depth[-1]), constants)
 
     def parts(self, r2_star: Any) -> Parts:  # noqa: D102
         return Parts(hertz_factor(r2_star), shapes.table, self.constants)
 
 
-@dataclass(frozen=True, eq=False)
-class Sampled(Law):
-    """Law from a Python function, as a table that compiled code can read.
-
-    The table is within 1e-6 of a smooth force. It rounds kinks, where its error may be up to 1 %,
-    and begins at a millionth of the maximum force. There is one for each R2*, and therefore a call
-    accepts one R2* only. Functions that accept a law also accept
-    such a function, and sample it up to one clearance.
-
-    Attributes
-    ----------
-    function
-        Function of two numbers (``depth_star``, ``r2_star``) that returns the normalised force
-        P/(E* dR^2), which must be 0 at depth 0 and increase, without jumps or stops. The law has
-        the name of the function.
-    deepest
-        Maximum depth_star of the law, up to which the function is sampled.
-
-    Raises
-    ------
-    ValueError
-        When the law is first used, if the force is not a finite number, is not 0 at depth 0, does
-        not increase with depth, or jumps.
-
-    Examples
-    --------
-    >>> law = Sampled(lambda depth_star, r2_star: 1.5 * r2_star * depth_star**1.6)
-    >>> print(f"{law(0.3, 200):.2f}")
-    43.70
-    """
-
-    function: Callable[[float, float], float]
-    deepest: float = 1.0  # type: ignore[assignment]
-
-    evidence = "user's"
-
-    def __post_init__(self) -> None:
-        if not callable(self.function) or isinstance(self.function, type):
-            shown = checks.shown(self.function)
-            raise ValueError(f"law must be a name or a function, got {shown}")
-        checks.number("deepest", self.deepest, above=0, most=tables.DEEPEST, scalar=True)
-
-    @property
-    def name(self) -> str:  # type: ignore[override]
-        """Name of the function."""
-        return getattr(self.function, "__name__", type(self.function).__name__)
-
-    def __repr__(self) -> str:
-        return f"Sampled({self.name}, deepest={self.deepest!r})"
-
-    def parts(self, r2_star: Any) -> Parts:  # noqa: D102
-        given = np.unique(r2_star)
-        if given.size > 1:
-            raise ValueError(
-                f"r2_star of law {self.name} must be one number, got {checks.shown(given)}"
-            )
-        return Parts(1.0, shapes.table, _table(self, float(given[0])))
-
-
-@lru_cache(maxsize=16)
-def _table(law, r2_star):
-    return tables.of_function(law.function, law.name, r2_star, law.deepest)
+def _in_order(depth_star, force_star):
+    """Depths > 0 and forces for a table, in order of the depth."""
+    depth, force = np.broadcast_arrays(
+        checks.number("depth_star", depth_star), checks.number("force_star", force_star)
+    )
+    order = np.argsort(depth)
+    order = order[depth[order] > 0]
+    depth, force = depth[order], force[order]
+    if len(depth) < 4 or (np.diff(depth) <= 0).any():
+        raise ValueError(f"depth_star must be >= 4 different depths > 0, got {len(depth)}")
+    if depth[0] > 0.1 * depth[-1]:
+        raise ValueError(
+            "the minimum depth_star must be <= a tenth of the maximum, because a table is not "
+            f"reliable below it, got {depth[0]:g} and {depth[-1]:g}"
+        )
+    falls = np.diff(force, prepend=0) <= 0
+    if falls.any():
+        raise ValueError(
+            "force_star must be > 0 and increase with depth_star, but it does not at depth_star "
+            f"{depth[falls][0]:g}"
+        )
+    return depth, force
 
 
 PAPER_LAWS = ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler")
@@ -551,21 +524,25 @@ if TYPE_CHECKING:
     LawName = str
 else:
     LawName = Literal[tuple(LAWS)]
-AnyLaw = str | type[Law] | Law | Callable[[float, float], float]
-"""Key of `LAWS`, a law or its class, or a function of one depth_star and one r2_star."""
+AnyLaw = str | type[Law] | Law
+"""Key of `LAWS`, or a law or its class."""
 
 
 def find(law: AnyLaw, joint: Any = None) -> Law:
-    """Law by its name or class, a law itself, or one `Sampled` from a function.
+    """Law by its name or class, or a law itself.
 
     With a ``joint``, a name or a class stands for the law `Law.of` this joint; without one, for the
-    law with its default numbers. Raises ``ValueError`` if there is no such law.
+    law with its default numbers. Raises ``ValueError`` if there is no such law. The law of a Python
+    function is a table of its values, `Table.of_values`.
     """
     if isinstance(law, Law):
         return law
     kind: Any = LAWS[checks.choice("law", law, LAWS)] if isinstance(law, str) else law
     if not (isinstance(kind, type) and issubclass(kind, Law)):
-        return Sampled(kind)
+        raise ValueError(
+            f"law must be a name or a law, got {checks.shown(law)}; make the law of a function "
+            "from its values with Table.of_values(depth_star, force_star, r2_star)"
+        )
     if joint is not None:
         return kind.of(joint)
     if kind.needs_joint:

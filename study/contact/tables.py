@@ -4,26 +4,16 @@ They hold the secant stiffness F = P*/(scale ds), for which Hertz's law is linea
 power of the depth is smooth. SciPy is imported late: most laws need no table.
 """
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from study import checks
 from study.contact import shapes
 
 Floats = NDArray[np.float64]
-STEPS, STEPS_OF_FUNCTION = 256, 1024
-"""Intervals per unit of s in the table of a curve, and of a function."""
+STEPS = 256
+"""Intervals per unit of s."""
 FEWEST = 64
 """Minimum number of intervals."""
-DEEPEST = 200.0
-"""Largest depth_star of a function's table."""
-TOLERANCE, FLOOR = 0.01, 1e-6
-"""Largest error of a function's table between its knots, relative to the force there, or to the
-force at the largest depth where this allows more: kinks are rounded. A smooth function is followed
-within 1e-6."""
 _NEWTON = 30  # steps of Newton's method, which converges from above
 
 
@@ -71,57 +61,32 @@ def of_points(root: Floats, factor: Floats) -> Floats:
     for _ in range(_NEWTON):
         y = y - (c * below * y**3 + y**2 - 1) / (3 * c * below * y**2 + 2 * y)
     root, factor = np.append(below, root), np.append(y**3, factor)
-    slopes, steps = monotone_slopes(root, factor), np.diff(root)
-    knots = _knots(root[-1], STEPS)
-    k = np.clip(np.searchsorted(root, knots, "right") - 1, 0, len(root) - 2)
-    left, right = slopes[k] * steps[k], slopes[k + 1] * steps[k]
-    value, slope = shapes.cubic((knots - root[k]) / steps[k], factor[k], left, factor[k + 1], right)
-    return _constants(knots, knots * value, value + knots * slope / steps[k])
+    knots, value, slope, step = _at_knots(root, factor)
+    return _constants(knots, knots * value, value + knots * slope / step)
 
 
-def of_function(function: Callable[..., Any], name: str, r2_star: float, deepest: float) -> Floats:
-    """Constants of `shapes.table` of a function of one depth_star and one r2_star.
+def of_secants(root: Floats, secant: Floats) -> Floats:
+    """Constants of `shapes.table` from the secant stiffness F at some s > 0, at least three.
 
-    Raises
-    ------
-    ValueError
-        For a force that is not a finite number, is not 0 at depth 0, or does not increase with
-        depth, and for one that its table does not follow within `TOLERANCE`.
+    Between the points, F is interpolated by a monotone cubic spline, from the value at s = 0 of a
+    parabola through the first three points, but not less than 0.
     """
-    knots = _knots(np.sqrt(deepest), STEPS_OF_FUNCTION)
-    root = np.linspace(0, knots[-1], 4 * len(knots) - 3)  # the knots, and three places between two
-    depth = root * root
-    force = np.empty_like(depth)
-    for k, ds in enumerate(depth.tolist()):
-        value, at = np.asarray(function(ds, r2_star)), f"at depth_star {ds:.6g}"
-        value = value.item() if value.size == 1 else value
-        force[k] = checks.number(f"force_star of law {name} {at}", value, scalar=True)
-    if abs(force[0]) > 1e-12 * abs(force[-1]):
-        raise ValueError(f"force_star of law {name} must be 0 at depth_star 0, got {force[0]:g}")
-    force[0] = 0.0
-    falls = np.flatnonzero(np.diff(force) <= 0)
-    if falls.size:
-        (ds1, ds2), (p1, p2) = depth[falls[0] :][:2], force[falls[0] :][:2]
-        raise ValueError(
-            f"force_star of law {name} must increase with depth_star, got {p1:.9g} at {ds1:.6g} "
-            f"and {p2:.9g} at {ds2:.6g}"
-        )
-    secant = np.append(0.0, force[4::4] / depth[4::4])
-    secant[0] = max(0.0, secant[1:4] @ (3, -3, 1))  # a parabola through the next three
-    constants = _constants(knots, secant, monotone_slopes(knots, secant))
-    table, slope = shapes.table(depth[1:], constants)
-    allowed = np.maximum(TOLERANCE * force[1:], FLOOR * force[-1])
-    wrong = (np.abs(table - force[1:]) > allowed) | (slope <= 0)
-    if wrong.any():
-        raise ValueError(
-            f"law {name} must be smooth, because it is tabulated: no table is within "
-            f"{TOLERANCE:g} of its force at depth_star {depth[1:][wrong][0]:.4g}"
-        )
-    return constants
+    first = max(0.0, float(np.polyval(np.polyfit(root[:3], secant[:3], 2), 0.0)))
+    knots, value, slope, step = _at_knots(np.append(0.0, root), np.append(first, secant))
+    return _constants(knots, value, slope / step)
 
 
-def _knots(last, steps):
-    return np.linspace(0, last, max(FEWEST, int(np.ceil(steps * last))) + 1)
+def _at_knots(x, y):
+    """Equally spaced knots from 0, and there a monotone cubic spline.
+
+    These are its values, its slopes in units of the interval of ``x``, and the lengths of these.
+    """
+    slopes, steps = monotone_slopes(x, y), np.diff(x)
+    knots = np.linspace(0, x[-1], max(FEWEST, int(np.ceil(STEPS * x[-1]))) + 1)
+    k = np.clip(np.searchsorted(x, knots, "right") - 1, 0, len(x) - 2)
+    left, right = slopes[k] * steps[k], slopes[k + 1] * steps[k]
+    value, slope = shapes.cubic((knots - x[k]) / steps[k], y[k], left, y[k + 1], right)
+    return knots, value, slope, steps[k]
 
 
 def _constants(knots, secant, slope):

@@ -2,17 +2,14 @@
 
 ``data/solutions/cases.json`` names the joint and the other arguments of each stored solution, and
 each kind has a file of results in the same folder. Stored and solved results are the same numbers,
-because arguments and results are rounded to 9 significant digits. A solution that takes a notebook
-longer than `LONG` is noted in ``build/asked``; ``study data build`` stores it.
+because arguments and results are rounded to 9 significant digits. `store_cases` adds a case to the
+list, and ``study data build`` solves it.
 """
 
 import hashlib
 import json
-import os
 from collections.abc import Iterable
-from contextlib import suppress
 from functools import cache
-from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,8 +23,6 @@ from study.joint.stress import StressOverDepth, over_depth
 from study.joint.tilted import RESOLUTION
 
 Floats = NDArray[np.float64]
-LONG = 1.0  # s of processor time
-ASKED = paths.BUILD / "asked"
 _AXIAL = ("depth_star", "force_star", "contact_half_angle_deg", "peak_pressure_star")
 COLUMNS: dict[str, tuple[str, ...]] = {
     "axial": (*_AXIAL, "error_estimate"),
@@ -166,33 +161,12 @@ def store_cases(every: Iterable[Case]) -> None:
     store.write_hashes([store.CASES])
 
 
-def adopt_asked() -> int:
-    """Add the cases that notebooks asked for to the list; return how many are new."""
-    known, notes = {case.name: case for case in cases()}, sorted(ASKED.glob("*.json"))
-    new = {}
-    for path in notes:
-        with suppress(ValueError, TypeError):  # a damaged note is made again by its notebook
-            case = Case(**json.loads(path.read_text(encoding="utf-8")))
-            if case.name not in known:
-                new[case.name] = case
-    if new:
-        store_cases([*known.values(), *new.values()])
-    for path in notes:
-        path.unlink()
-    return len(new)
-
-
 def _rows(kind, joint, arguments):
     """Results of a case, stored or solved now."""
     case = case_of(kind, joint, arguments)
     if case.name in (stored := _stored(kind)):
         return stored[case.name]
-    start = process_time()
-    rows = solve(case)
-    if process_time() - start > LONG and paths.READ_VARIABLE in os.environ:  # in the workflow
-        with suppress(OSError), paths.whole(ASKED / f"{case.name}.json") as temporary:
-            temporary.write_text(json.dumps(case._asdict()))
-    return rows
+    return solve(case)
 
 
 @cache

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+from filelock import FileLock
 
 from study import checks, contact, paths
 from study.contact.laws import COEFFICIENTS
@@ -206,8 +207,6 @@ def verify(some: Iterable[Path] | None = None) -> None:
 
 def write_hashes(changed: Iterable[Path]) -> None:
     """Renew the hashes of some files in ``SHA256SUMS``, and leave out files that are gone."""
-    from filelock import FileLock  # late: who reads the dataset needs none
-
     paths.BUILD.mkdir(exist_ok=True)
     with FileLock(paths.BUILD / "hashes.lock"):  # several jobs write tables
         stated = _stated_hashes() | {path: paths.sha256(path) for path in changed}

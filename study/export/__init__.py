@@ -23,9 +23,8 @@ from string import Template
 from typing import Any, Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.optimize import linprog
 
 from study import checks
 from study.checks import percent
@@ -87,7 +86,7 @@ def export(
     Parameters
     ----------
     law
-        Name of a law, a law itself, or a function, as of `study.joint.Joint.law`.
+        Name of a law, or a law itself, as of `study.joint.Joint.law`.
     form
         A function (``c``, ``matlab`` for MATLAB and Octave, or ``modelica``, with a component), a
         table of the force over the depth (``csv``), or an element of a program: the hollow sphere
@@ -419,7 +418,9 @@ def _cubics(content, knots):
     limits = np.append(ones, -ones)
     free = (None, None)  # but no pull where contact begins
     signs = [(0, None), (0, None), *[free] * (columns.shape[1] - 2), (0, None)]
-    found = linprog([*[0] * columns.shape[1], 1], np.vstack([upper, lower]), limits, bounds=signs)
+    found = scipy.optimize.linprog(
+        [*[0] * columns.shape[1], 1], np.vstack([upper, lower]), limits, bounds=signs
+    )
     return found.x[:-1].reshape(-1, 3), float(found.x[-1])
 
 
@@ -432,7 +433,7 @@ def _csv(content, name, count):
     between = between[between >= content.least]
     exact = content.at(between)[0]
     linear = np.abs(np.interp(between, depth, force) / exact - 1).max()
-    spline = np.abs(CubicSpline(depth, force)(between) / exact - 1).max()
+    spline = np.abs(scipy.interpolate.CubicSpline(depth, force)(between) / exact - 1).max()
     heads = ("depth", "force", "stiffness")
     if not content.joint.has_dimensions:
         heads = tuple(f"{head}_star" for head in heads)

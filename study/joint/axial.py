@@ -118,6 +118,9 @@ def depths_and_forces(
 def _solution(joint, solver, resolution, depths, found, stresses):
     force, slope, edge, error, pressure, of_peak = found
     angles = surface_angles(resolution, joint.opening.reach)
+    hats = HatFunctions(angles)
+    torque, along = (pressure @ hats.integrate(of) for of in (np.sin, np.cos))
+    radius = joint.radius_ratio if joint.acts_on_ball else 1.0
     solution = Solution(
         joint=joint,
         solver=solver,
@@ -129,6 +132,7 @@ def _solution(joint, solver, resolution, depths, found, stresses):
         contact_area_star=_area(joint, angles, edge, pressure),
         peak_pressure_star=pressure.max(axis=1),
         peak_error=np.array(of_peak),
+        friction_radius_star=radius * torque / along,
         error_estimate=error,
         angle_deg=np.degrees(angles),
         pressure_star=pressure,

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from study.checks import StudyError
 from study.threads import one_thread
@@ -29,7 +29,7 @@ def factorised(factorise: Callable, matrix: NDArray[np.float64]) -> Any:
     """Cholesky factor by one of SciPy's functions, or a `ComplementarityError`."""
     try:
         return factorise(matrix, check_finite=False)
-    except LinAlgError:
+    except scipy.linalg.LinAlgError:
         raise ComplementarityError(
             "the contact problem cannot be solved because its matrix is not positive definite, "
             "which happens if the socket is much softer than the ball"
@@ -66,8 +66,8 @@ def solve(
     for _ in range(max_pivots or 20 * size + 100):
         p = np.zeros(size)
         if active.any():
-            block = factorised(cho_factor, matrix[np.ix_(active, active)])
-            p[active] = cho_solve(block, -vector[active], check_finite=False)
+            block = factorised(scipy.linalg.cho_factor, matrix[np.ix_(active, active)])
+            p[active] = scipy.linalg.cho_solve(block, -vector[active], check_finite=False)
         w = vector + matrix[:, active] @ p[active]
         wrong = np.where(active, p < -TOLERANCE * np.abs(p).max(initial=0.0), w < -zero)
         count = int(np.count_nonzero(wrong))

@@ -5,14 +5,15 @@ Contact needs no more of a body than its `Compliance`, and this depends on no mo
 radius, and the Young's modulus of the ball or of the innermost layer is the unit.
 """
 
+from __future__ import annotations  # SciPy's packages are loaded when they are used
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
-from scipy.sparse import csr_array
 
 from study.joint.supports import (
     HEMISPHERE,
@@ -150,10 +151,12 @@ class Compliance:
         """The flexibility in terms of the hats' values, not of their integrals; shape (n, n)."""
         mass = HatFunctions(self.angles).mass()
         bands = np.array([np.append(0, np.diag(mass, 1)), np.diag(mass)])
-        return solveh_banded(bands, solveh_banded(bands, self.flexibility).T)
+        return scipy.linalg.solveh_banded(
+            bands, scipy.linalg.solveh_banded(bands, self.flexibility).T
+        )
 
     @cached_property
-    def coarser(self) -> "Compliance":
+    def coarser(self) -> Compliance:
         """The same body under the hats of every second node, which are sums of its hats."""
         angles = self.angles[::2]
         sums = HatFunctions(angles).values(self.angles).T
@@ -189,14 +192,14 @@ class HatFunctions:
         beside = (self._area * left * right).sum(1)
         return np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
 
-    def values(self, theta: NDArray[np.float64]) -> csr_array:
+    def values(self, theta: NDArray[np.float64]) -> scipy.sparse.csr_array:
         """Value of every hat at every angle of ``theta``, sparse, shape (len(theta), n)."""
         element = np.clip(np.searchsorted(self.angles, theta) - 1, 0, len(self.angles) - 2)
         right = (theta - self.angles[element]) / np.diff(self.angles)[element]
         values, columns = np.stack([1 - right, right], 1), np.stack([element, element + 1], 1)
         rows = 2 * np.arange(len(theta) + 1)
         shape = len(theta), len(self.angles)
-        return csr_array((values.ravel(), columns.ravel(), rows), shape=shape)
+        return scipy.sparse.csr_array((values.ravel(), columns.ravel(), rows), shape=shape)
 
     @staticmethod
     def _to_nodes(left, right):

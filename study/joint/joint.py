@@ -748,10 +748,9 @@ class Joint:
         Parameters
         ----------
         law
-            Name of a law, a law itself, or a function (`study.contact.Sampled`). By default it is
-            the `table` of the elastic solution of this joint. ``stiffened_hertz`` is looked up for
-            the joint and ``power`` fitted to it; the coefficients of the other laws are those of
-            the reference joint of the study.
+            Name of a law, or a law itself. By default it is the `table` of the elastic solution of
+            this joint. ``stiffened_hertz`` is looked up for the joint and ``power`` fitted to it;
+            the coefficients of the other laws are those of the reference joint of the study.
         tilt
             Angle in deg between displacement and axis. The law is then the table of the force along
             a displacement in this direction.

@@ -11,8 +11,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
 
 from study import checks
 from study.joint.compliance import Compliance, HatFunctions, surface_angles
@@ -110,7 +110,7 @@ def _pairs(r2_star, depth, resolution, last):
     of_seen = seen.T @ (seen * weights)
     within = np.array([np.append(0, of_seen.diagonal(1)), of_seen.diagonal()])
     within[1, within[1] == 0] = 1.0  # beyond the last point faced
-    unseen = r1 * hats.mass() - moved @ solveh_banded(within, moved.T.toarray())
+    unseen = r1 * hats.mass() - moved @ scipy.linalg.solveh_banded(within, moved.T.toarray())
 
     def beyond(phi):
         along, side = r1 + e * np.cos(phi), np.sin(phi) ** 2

@@ -6,7 +6,7 @@ supports of the joint. It gives numbers beyond these limits too, and the sentenc
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import radians
 from typing import TYPE_CHECKING
 
@@ -27,8 +27,6 @@ ROUGHNESS = 0.1e-6
 SMOOTH = 20.0
 """Depth over roughness from which on a contact is smooth: Johnson, Contact Mechanics, sec. 13.5,
 has roughness times radius over contact radius squared below 0.05, which is roughness over depth."""
-FRICTION = 0.01
-"""Fraction of the force that friction may carry without a warning."""
 SOFT = 1e6
 """In Pa: a Young's modulus below it is that of rubber, or was meant in MPa."""
 LARGE = 1.0
@@ -96,14 +94,6 @@ def limits(
             f"roughness of {ROUGHNESS:g} m. Rough surfaces are softer than the solution."
         )
     return found
-
-
-def friction_limit(share: float) -> Limits:
-    """The limit of friction, from the fraction of the force that friction may carry."""
-    if share <= FRICTION:
-        return {}
-    text = f"Friction may carry {100 * share:.2g} % of the force, but the solution neglects it."
-    return {"friction": text}
 
 
 def modulus_limit(moduli: Mapping[str, float]) -> Limits:
@@ -182,15 +172,3 @@ def of_solution(solution: Solution) -> tuple[Limits, ...]:
 def in_short(found: Limits) -> str:
     """Keys of the exceeded limits as one text, for a column of a table."""
     return "; ".join(found) or INSIDE
-
-
-def worst(several: Sequence[Limits]) -> list[str]:
-    """A sentence for each limit that any of several contacts exceeds, given in order of depth.
-
-    The sentence is that of the deepest contact, except for roughness, where it is that of the
-    shallowest.
-    """
-    merged: Limits = {}
-    for found in several:
-        merged |= {k: text for k, text in found.items() if k != "roughness" or k not in merged}
-    return list(merged.values())

@@ -16,9 +16,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 from numpy.polynomial.polynomial import polyder, polyval
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
 
 from study.contact import hertz_factor
 from study.joint import complementarity
@@ -106,7 +106,9 @@ class NestedContacts:
             *profiles, self._factors, np.swapaxes(self._gaps, 0, 1), strict=True
         ):
             solved, inside = polyval(depth, gaps), factor[:count, :count]
-            pressure[:count] = solve_triangular(inside, -solved[:count], lower=True, trans=1)
+            pressure[:count] = scipy.linalg.solve_triangular(
+                inside, -solved[:count], lower=True, trans=1
+            )
             gap[count:] = factor[count:, count:] @ solved[count:]
         place = depth / self._deepest
         pressure, gap = (polyval(place, self._polynomial(values)) for values in profiles)
@@ -202,9 +204,11 @@ def pivoted(
 
 def _factorised(matrix, right, size):
     """Lower Cholesky factor of a matrix's leading part, and rows (m, n) solved with it."""
-    factorise = partial(cholesky, lower=True)
+    factorise = partial(scipy.linalg.cholesky, lower=True)
     lower = complementarity.factorised(factorise, matrix[:size, :size])
-    return lower, solve_triangular(lower, right[:, :size].T, lower=True, check_finite=False).T
+    return lower, scipy.linalg.solve_triangular(
+        lower, right[:, :size].T, lower=True, check_finite=False
+    ).T
 
 
 def _smaller_root(const, linear, square):

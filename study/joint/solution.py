@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from study import checks, parameters
+from study import parameters
 from study.joint import limits
-from study.joint.compliance import HatFunctions
 from study.parameters import Quantity, derived, stored
 
 if TYPE_CHECKING:
@@ -56,6 +55,12 @@ class Solution:
     peak_error
         The same of the maximum pressure. Where an edge cuts the contact, the pressure there grows
         with the resolution, and the error is that to be expected at twice the resolution.
+    friction_radius_star
+        The ball slides over its whole contact, under the pressure of the frictionless joint, while
+        it rotates about the load. A place of the contact at the unit vector n from the ball's
+        centre slides along w x n, where w is the direction of the load, so that the torque is mu
+        times the integral of p R abs(w x n) dA (this study). For a small contact of the radius a it
+        is 3 pi a/16, that of Hertz's pressure.
     reaches_rim
         Whether the contact is cut by a rim, or by the edge of a ball's face.
     angle_deg, pressure_star
@@ -101,11 +106,15 @@ class Solution:
     contact_to_deg: Floats | None = stored(
         "Signed polar angle where the contact ends", "deg", default=None
     )
+    friction_radius_star: Floats | None = stored(
+        "Friction torque of a rotation about the load, divided by the coefficient of friction, the "
+        "force and R2",
+        default=None,
+    )
     error_estimate: Floats = stored("Numerical error of the force, relative to it", read="%")
     reaches_rim: NDArray[np.bool_] | None = None
     angle_deg: Floats = field(default=_NOT_STORED, repr=False)
     pressure_star: Floats = field(default=_NOT_STORED, repr=False)
-    off_axis_friction: dict[str, Floats] | None = field(default=None, repr=False)
     stress: dict[str, LargestStress] = field(default=_NOT_STORED, repr=False)
 
     @derived("Penetration depth", "m", "um")
@@ -135,6 +144,15 @@ class Solution:
     @derived("Maximum contact pressure", "Pa", "MPa")
     def peak_pressure(self) -> Floats:  # noqa: D102
         return self.joint.pressure_unit * self.peak_pressure_star
+
+    @derived(
+        "Friction torque of a rotation about the load, divided by the coefficient of friction and "
+        "the force",
+        "m",
+        "mm",
+    )
+    def friction_radius(self) -> Floats | None:  # noqa: D102
+        return _scaled(self.joint.socket_radius, self.friction_radius_star)
 
     @derived("Error of small displacements, estimated, relative to the force", read="%")
     def formulation_error(self) -> Floats:  # noqa: D102
@@ -195,47 +213,6 @@ class Solution:
     def limits(self) -> tuple[limits.Limits, ...]:
         """Model limits that each contact exceeds, as sentences (`study.joint.limits`)."""
         return limits.of_solution(self)
-
-    @property
-    def friction_radius(self) -> dict[str, Floats]:
-        """Friction radii in m: friction torque divided by the coefficient of friction and force.
-
-        The ball slides over its whole contact, under the pressure of the frictionless joint, while
-        it rotates about the load (``spin``) or about an axis across it (``tilt``). Off the axis,
-        ``tilt`` is about the normal of the plane of load and axis, and ``turn`` about the axis in
-        this plane across the force. A place of the contact is at n R from the ball's centre and
-        slides along w x n, where w is the unit vector of the axis through this centre. The torque
-        along w is mu times the integral of p R abs(w x n) dA (this study). R is the radius of the
-        surface on whose areas the force acts. Hertz's pressure on a small radius a gives 3 pi a/16
-        (``spin``) and R (``tilt``). Depths are > 0.
-        """
-        radii, size = self.off_axis_friction, self.joint.socket_radius
-        if radii is None:
-            from scipy.special import ellipe  # late: for this alone
-
-            hats = HatFunctions(np.radians(self.angle_deg))
-            # of abs(w x n), or of its mean over the azimuth
-            tilt = hats.integrate(lambda angle: 2 / np.pi * ellipe(np.sin(angle) ** 2))
-            of_motion = {"spin": hats.integrate(np.sin), "tilt": tilt}
-            along = self.pressure_star @ hats.integrate(np.cos)
-            radius = self.joint.radius_ratio if self.joint.acts_on_ball else 1.0
-            radii = {k: radius * (self.pressure_star @ of) / along for k, of in of_motion.items()}
-        return {motion: size * radius for motion, radius in radii.items()}
-
-    def friction_torque(self, friction: float) -> dict[str, Floats]:
-        """Friction torques in N m by the rotations of `friction_radius`; ``friction`` >= 0."""
-        mu = checks.number("friction", friction, least=0, scalar=True)
-        return {motion: mu * self.force * r for motion, r in self.friction_radius.items()}
-
-    def wear_depth(self, coefficient: float, path: float) -> Floats:
-        """Archard's wear depth h = k p s in m at ``angle_deg``, shape (k, n).
-
-        The ``coefficient`` k >= 0 in m^2/N is the worn volume of a body divided by force and
-        sliding distance (Archard, J. Appl. Phys. 24 (1953) 981-988), and ``path`` the sliding
-        distance s >= 0 in m. The pressure p is assumed not to change: the wear must be small.
-        """
-        k = checks.number("wear coefficient", coefficient, "m^2/N", least=0, scalar=True)
-        return k * checks.number("path", path, "m", least=0, scalar=True) * self.pressure
 
 
 def quantities(dimensions: bool) -> dict[str, Quantity]:

@@ -15,9 +15,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse import csr_array, vstack
 
 from study import checks
 from study.contact import largest_depth
@@ -39,7 +38,6 @@ SHALLOWEST = 0.05
 """Minimum depth_star of a curve or a table: elements hardly resolve shallower contacts."""
 DEPTHS = 9
 """Depths of a curve."""
-MOTIONS = "spin", "tilt", "turn"
 _STEPS, _TOLERANCE = 60, 1e-7  # of the search for a displacement; of the force that is asked for
 _NEARLY = 1e-3  # the same on the coarser grid
 _DEEPEST = 1.0  # depth_star of the largest first guess, and at which ball's nodes face the rim
@@ -202,11 +200,11 @@ def _solution(grids, found, stresses):
         peak_angle_deg=np.array([f.peak_angle for f in fine]),
         contact_from_deg=low,
         contact_to_deg=high,
+        friction_radius_star=np.array([f.friction_radius for f in fine]),
         error_estimate=np.array([_force_error(*s, f) for s, f in zip(solved, force, strict=True)]),
         reaches_rim=cut,
         angle_deg=fine[0].profile[0],
         pressure_star=np.array([f.profile[1] for f in fine]),
-        off_axis_friction=dict(zip(MOTIONS, np.array([f.friction for f in fine]).T, strict=True)),
     )
     if not stresses:
         return solution
@@ -267,7 +265,7 @@ class GridContact:
     ripple: float
     edges: tuple[float, float]
     reaches_rim: bool
-    friction: Floats
+    friction_radius: float
     profile: tuple[Floats, Floats]
     pressure: Floats
     of_ball: Floats
@@ -278,14 +276,16 @@ class _Gap(NamedTuple):
 
     axes: Floats  # along the displacement and across it, (2, 3)
     centre: Floats  # of the ball, off that of the socket
-    weighted: csr_array  # hats times areas, (nodes, points)
+    weighted: scipy.sparse.csr_array  # hats times areas, (nodes, points)
     size: Floats  # areas of the hats that the ball faces
-    mass: csr_array
+    mass: scipy.sparse.csr_array
     gap: Floats  # at the nodes
     normal: Floats  # along which pressure acts, (points, 3)
     closing: Floats  # derivative of the gap by a displacement, (points, 3)
     acted_on: Floats  # area on which the force acts, over the socket's
-    moved: csr_array  # products of the socket's hats with the ball's hats that they face
+    moved: (
+        scipy.sparse.csr_array
+    )  # products of the socket's hats with the ball's hats that they face
 
 
 class Contacts:
@@ -347,7 +347,7 @@ class Contacts:
             raise checks.RangeError(
                 f"depth_star must keep the ball's neck or back out of the opening, got {depth:g}"
             )
-        weighted = csr_array((hats * (area * met)[:, None]).T)
+        weighted = scipy.sparse.csr_array((hats * (area * met)[:, None]).T)
         return _Gap(
             axes,
             centre,
@@ -379,7 +379,11 @@ class Contacts:
             touching[nodes[active]] = 1
             beside = gap.mass @ touching > 0
             if not (beside & ~wanted).any():
-                factor = cho_factor(matrix[np.ix_(active, active)]) if active.any() else None
+                factor = (
+                    scipy.linalg.cho_factor(matrix[np.ix_(active, active)])
+                    if active.any()
+                    else None
+                )
                 return nodes[active], pressure[active], factor
             wanted, guess = wanted | (gap.mass @ (gap.mass @ beside) > 0), touching > 0
         return np.zeros(0, int), np.zeros(0), None
@@ -390,7 +394,7 @@ class Contacts:
         loads = weighted @ (gap.normal @ axes.T)
         force, by_pressure = (
             loads.T @ pressure,
-            cho_solve(factor, weighted @ (gap.closing @ axes.T)),
+            scipy.linalg.cho_solve(factor, weighted @ (gap.closing @ axes.T)),
         )
         rims = [grid.ring[-1]] if grid.pole == 0 else [0, grid.ring[-1]]
         low, high = self._ends(gap.centre, grid.phi[nodes])
@@ -419,7 +423,7 @@ class Contacts:
             ripple=ripple,
             edges=_edges(signed, pressure[in_plane], grid, ends),
             reaches_rim=reaches_rim,
-            friction=self._friction(gap.normal, axes.T @ force, weighted, pressure),
+            friction_radius=self._friction(gap.normal, axes.T @ force, weighted, pressure),
             profile=(self.signed_angle[plane], np.maximum(every[plane], 0)),
             pressure=every,
             of_ball=of_ball,
@@ -456,14 +460,11 @@ class Contacts:
         return peak, angle, (near @ pressure)[at_edge].max(initial=0), ripple
 
     def _friction(self, normal, force, weighted, pressure):
-        """Friction radii in R2, by `MOTIONS` (`study.joint.Solution.friction_radius`)."""
-        size, radius = np.linalg.norm(force), 1.0
-        if self.joint.acts_on_ball:
-            radius = self.joint.radius_ratio
-        load = force / size
-        axes = np.array([load, [0, 1, 0], np.cross(load, [0, 1, 0])])
-        sliding = np.sqrt(np.maximum(1 - (normal @ axes.T) ** 2, 0))
-        return radius * (weighted @ sliding).T @ pressure / size
+        """Friction radius in R2 (`study.joint.Solution.friction_radius_star`)."""
+        size = np.linalg.norm(force)
+        radius = self.joint.radius_ratio if self.joint.acts_on_ball else 1.0
+        sliding = np.sqrt(np.maximum(1 - (normal @ force / size) ** 2, 0))
+        return radius * (weighted @ sliding) @ pressure / size
 
     def _check_held_edges(self, ball_end):
         """Refuse a contact where the held end of half a ball meets the held rim of a socket.
@@ -525,7 +526,7 @@ class Contacts:
         # lumped; what they do not see acts as on a half-space
         columns = np.unique(moved.indices)
         moved = moved[:, columns]
-        spread = moved @ csr_array(np.diag(1 / self.ball.areas[columns]))
+        spread = moved @ scipy.sparse.csr_array(np.diag(1 / self.ball.areas[columns]))
         unseen = (mass - spread @ moved.T).toarray()
         local = self._half_space(self.joint.ball, nodes)
         seen = spread @ (spread @ self.ball.matrix(columns)).T
@@ -570,7 +571,7 @@ class Contacts:
             return whole
         part = ~kept & (area > 0)
         of_part = theta[part], phi[part]
-        hats = csr_array(vstack([self.hats[kept], grid.values(*of_part)]))
+        hats = scipy.sparse.csr_array(scipy.sparse.vstack([self.hats[kept], grid.values(*of_part)]))
         normal = np.vstack([self.normal[kept], unit_vectors(*of_part)])
         return hats, normal, np.append(self.area[kept], area[part])
 

@@ -21,7 +21,6 @@ from typing import Literal, get_args
 import numpy as np
 import pandas as pd
 
-from study import checks
 from study.compiled import compiled
 from study.contact import LAWS, DimensionalLaw, stiffening
 from study.contact.forces import elastic_force
@@ -53,74 +52,35 @@ LONGEST_STEPS = {"velocity Verlet": 1e-6, "RK4": 1e-6}
 TOLERANCES = (1e-8, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)  # of the study's stepper
 
 
-def methods() -> dict[str, list[str]]:
-    """Names of the methods of this study in each chart."""
-    return {
-        "laws": [*LAWS, "solver"],
-        "solvers": [*SOLVERS],
-        "steppers": [OURS, *explicit.SCHEMES],
-        "flexible": [*flexible.MODELS, flexible.REFERENCE],
-    }
+def timed(chart: Chart, others: Sequence[Run] = (), repeats: int = 5) -> pd.DataFrame:
+    """Rows of a chart, timed on this machine, with those of the runs of other programs.
 
-
-def measure(
-    chart: list[Chart] | None = None, repeats: int = 5, method: list[str] | None = None
-) -> Iterator[pd.DataFrame]:
-    """Time one chart after the other on this machine.
-
-    Parameters
-    ----------
-    chart
-        Charts to time; by default all, or those that have the given methods.
-    repeats
-        Number of timed calls, after one call that is not counted. For laws it is three times as
-        large.
-    method
-        Laws or methods to time, by their names; by default all. The first method of the chart is
-        timed with them, because times are relative to it.
+    Each call is timed some times, three times as often for laws, after one that is not counted.
     """
-    wanted = [checks.choice("chart", name, CHARTS) for name in chart or CHARTS]
-    known = [name for of in wanted for name in methods()[of]]
-    names = [checks.choice("method", name, tuple(known)) for name in method or known]
-    repeats = checks.whole("repeats", repeats, least=1)
-    return (timed(of, repeats, names) for of in wanted if set(names) & set(methods()[of]))
-
-
-def timed(
-    chart: Chart, repeats: int, names: Sequence[str], others: Sequence[Run] = ()
-) -> pd.DataFrame:
-    """Rows of some methods of a chart, and of the runs of other programs."""
     if chart == "laws":
-        frame = laws(3 * repeats, names)
-    else:
-        runs = list({"solvers": solvers, "steppers": steppers, "flexible": flexible.runs}[chart]())
-        some = [runs[0], *(run for run in runs[1:] if run.method in names), *others]
-        frame = timing.chart(chart, some, repeats)
-    return frame[frame.method.isin(names) | (frame.program != "ours")].reset_index(drop=True)
+        return laws(3 * repeats)
+    runs = {"solvers": solvers, "steppers": steppers, "flexible": flexible.runs}[chart]()
+    return timing.chart(chart, [*runs, *others], repeats)
 
 
-def laws(repeats: int, names: Sequence[str]) -> pd.DataFrame:
-    """Time and error of some laws and of the elastic solution; Hertz's law is first.
+def laws(repeats: int) -> pd.DataFrame:
+    """Time and error of the laws and of the elastic solution; Hertz's law is first.
 
     ``setup`` is the time to make the law of a joint. The elastic solution is timed for one depth,
     and its ``setup`` is the time of the bodies, which `SOLVED` laws need as well.
     """
     exact = REFERENCE.solve(depth_star=CURVE_DEPTHS, resolution=FINEST).force_star
     depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
-    prepare = "from study.measure.charts import add_law; depths = np.ones(2) * 1e-6"
-    seconds = timing.compile_time("add_law(law, depths)", prepare)
     add_law(DimensionalLaw("hertz", **SIZES).packed(), depths[:2])  # compiled here, not counted
     first, _ = timing.timed(partial(_first_force, bodies_too=True), repeats)
     solving, _ = timing.timed(_first_force, repeats)
     bodies, rows = first - np.median(solving), []
     for name, kind in LAWS.items():
-        if name not in ("hertz", *names):
-            continue
         making, law = timing.timed(partial(_made, kind), repeats)
         packed = DimensionalLaw(law, **SIZES).packed()
         times, _ = timing.timed(partial(add_law, packed, depths), repeats)
         setup = making + (np.median(bodies) if name in SOLVED else 0)
-        columns = timing.spread("setup", setup) | {"compile_time": seconds}
+        columns = timing.spread("setup", setup)
         error = law(CURVE_DEPTHS, 200.0) / exact - 1
         rows.append(timing.row("laws", name, "", times / depths.size, error, **columns))
     setting = f"six-node triangles, resolution {RESOLUTION['quadratic']}"
@@ -175,27 +135,19 @@ def _forget_bodies():
         function.cache_clear()
 
 
-def steppers(compile_times: bool = True) -> Iterator[Run]:
+def steppers() -> Iterator[Run]:
     """Time integration by this study, with its default first, and by explicit schemes."""
-    seconds = {OURS: 0.0, "explicit": 0.0}
-    if compile_times:
-        seconds[OURS] = timing.compile_time("simulate(law='hertz', duration=1e-5, outputs=1)")
-        call = "explicit.integrate(Scene(), law, 1e-5, 1, 1e-6, 'RK4')"
-        seconds["explicit"] = timing.compile_time(call)
     _ours(1e-2)  # compiles
     for tolerance in TOLERANCES:
-        columns = {"compile_time": seconds[OURS], "evaluations": evaluations(tolerance)}
-        run = partial(_ours, tolerance)
-        yield stepper(OURS, f"tolerance {tolerance:.2g}", run, **columns)
+        run, count = partial(_ours, tolerance), evaluations(tolerance)
+        yield stepper(OURS, f"tolerance {tolerance:.2g}", run, evaluations=count)
     law = explicit.packed(SCENE, "hertz")
     explicit.integrate(SCENE, law, 1e-5, 1, 1e-6, "RK4")  # compiles
     for scheme, stages in zip(explicit.SCHEMES, explicit.STAGES, strict=True):
         for step in STEPS:
             if step <= LONGEST_STEPS.get(scheme, STEPS[0]):
-                columns = {"evaluations": stages * round(DURATION / step)}
-                columns |= {"compile_time": seconds["explicit"]}
-                run = partial(_explicit, law, step, scheme)
-                yield stepper(scheme, f"step {step:g} s", run, **columns)
+                run, count = partial(_explicit, law, step, scheme), round(DURATION / step)
+                yield stepper(scheme, f"step {step:g} s", run, evaluations=stages * count)
 
 
 def stepper(method: str, setting: str, call: timing.Call, **columns: str | float) -> Run:

@@ -1,15 +1,12 @@
 """Timing of calls on one thread, charts of their times and errors, and how these are read.
 
 Times depend on the machine: those drawn are kept in ``data/published/speed.csv``, which
-`study measure` renews.
+``make speed`` renews.
 """
 
 import os
 import platform
 import re
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable, Sequence
 from functools import cache
 from importlib.metadata import version
@@ -30,21 +27,6 @@ OURS = "collocation, events"
 ERRORS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
 """Errors of the slider's acceleration at which methods of time integration are compared."""
 ENOUGH = 2.0  # total time in s of the calls of a function after which it is not called again
-_COMPILING = """
-import pathlib, sys, time
-import numpy as np
-from study import paths
-paths.BUILD = paths.CACHE = pathlib.Path(sys.argv[1])
-from study.measure import explicit
-from study.mechanism import Scene, simulate
-law = explicit.packed(Scene(), "hertz")
-{prepare}
-start = time.perf_counter()
-{call}
-middle = time.perf_counter()
-{call}
-print(middle - start - (time.perf_counter() - middle))
-"""
 
 
 class Run(NamedTuple):
@@ -83,15 +65,6 @@ def timed_by_turns(
     return list(zip(counted, results, strict=True))
 
 
-def compile_time(call: str, prepare: str = "") -> float:
-    """Additional time in s of a compiled call in a new process with an empty cache."""
-    code = _COMPILING.format(call=call, prepare=prepare)
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-c", code, folder]
-        done = subprocess.run(command, capture_output=True, check=True, text=True)
-    return float(done.stdout)
-
-
 def chart(name: str, runs: Sequence[Run], repeats: int) -> pd.DataFrame:
     """Rows of a chart whose runs are timed in turn; times are also relative to the first run."""
     measured = timed_by_turns([run.call for run in runs], repeats)
@@ -126,7 +99,6 @@ def row(
         "evaluations": 0,
         "largest_error": float(np.abs(error).max()),
         "rms_error": float(np.sqrt(np.mean(error**2))),
-        "compile_time": 0.0,
         "machine": machine(),
     } | columns
 

@@ -4,16 +4,14 @@ Rows at equally spaced times are used to compare simulations. Because impacts ar
 intervals between these times, each impact adds rows at its start, its maximum force and its end.
 """
 
-import csv
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from study import checks, paths
+from study import checks
 from study.contact import SOCKET_RATIO, DimensionalLaw
 from study.parameters import Quantity, derived
 
@@ -148,15 +146,10 @@ class Response:
         """
         import pandas as pd
 
-        rows, kinds = self._in_order_of_time()
-        return pd.DataFrame(rows).assign(event=kinds)
-
-    def _in_order_of_time(self):
-        """Rows of events and of equally spaced times, and the kind of each."""
         rows = np.concatenate([self.event_rows, self.rows])
         kinds = np.array(self.event_kinds + ("",) * len(self.rows), dtype=object)
         order = np.argsort(rows["time"], kind="stable")
-        return rows[order], kinds[order]
+        return pd.DataFrame(rows[order]).assign(event=kinds[order])
 
     @cached_property
     def impacts(self) -> "pd.DataFrame":
@@ -202,15 +195,6 @@ class Response:
         rest = self.work - energies[:, 1:].sum(axis=1)
         largest = float(np.abs(energies).max())
         return 0.0 if largest <= AT_REST else float(np.abs(rest - rest[0]).max()) / largest
-
-    def save(self, path: Path) -> None:
-        """Write the `motion` to a CSV file, completely or not at all; pandas is not needed."""
-        with paths.whole(path) as temporary, open(temporary, "w", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow([*self.columns, "event"])
-            for row, kind in zip(*self._in_order_of_time(), strict=True):
-                numbers = ("" if np.isnan(number) else f"{number:.12g}" for number in row)
-                writer.writerow([*numbers, kind])
 
 
 def exceeded_limits(

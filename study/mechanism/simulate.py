@@ -1,8 +1,8 @@
 """The function `simulate`, which runs every model of the crank-slider, with checked arguments.
 
 The three models have rigid links, links of particles (the finite particle method of Yao et al.), or
-links of beam elements, each with a clearance joint or an ideal joint. `study.choose.model` chooses
-the simplest model that is accurate enough.
+links of beam elements, each with a clearance joint or an ideal joint. `study.choose.compare_models`
+compares them.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
@@ -52,10 +52,10 @@ computing for rigid links. A crank far too short or light for its drive does not
     ),
     law=Parameter(
         "Contact law: its name, or tabulated for a table of the joint's elastic solution. In "
-        "Python it may also be a law such as ``Steuermann(n=2)``, a function of (``depth_star``, "
-        "``r2_star``) that returns force_star (`study.contact.Sampled`), a law in SI units, or a "
-        "`study.joint.Joint`; the last two must have the dimensions of the scene's joint, and its "
-        "materials unless the scene has the default ones",
+        "Python it may also be a law such as ``Steuermann(n=2)``, a table of the values of a "
+        "function (`study.contact.Table.of_values`), a law in SI units, or a `study.joint.Joint`; "
+        "the last two must have the dimensions of the scene's joint, and its materials unless the "
+        "scene has the default ones",
         kind=str,
     ),
     duration=Parameter("Simulated time", "s", {"above": 0, "most": 1000000000.0}),

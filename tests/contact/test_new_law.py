@@ -1,7 +1,12 @@
 """The recipe "add a law": one more law in a copy of the project is in every command."""
 
+import subprocess
+import sys
+
 import pytest
 from helpers.project import copy_project, study
+
+from study.contact import Hertz
 
 pytestmark = pytest.mark.slow
 SHAPE = '''def stiffer(ds, constants):
@@ -53,11 +58,13 @@ def test_a_new_law_is_in_every_command(tmp_path):
             assert text.count(old) == 1
             text = text.replace(old, new)
         (root / name).write_text(text, encoding="utf-8")
-    joint = ("--r2-star", "200")
     for words in (
-        ("law", "stiffer", *joint, "--depth-star", "0.1", "--b", "0.2", "--json"),
-        ("simulate", "--law", "stiffer", "--option", "b=0.2", "--duration", "0.003", "--json"),
-        ("export", "--law", "stiffer", "--option", "b=0.2", "--format", "c", *joint),
+        "simulate --law stiffer --duration 0.003",
+        "export stiffer c --r2-star 200",
+        "laws --r2-star 200",
     ):
-        done = study(root, *words)
+        done = study(root, *words.split())
         assert done.returncode == 0, done.stderr
+    code = "from study.contact import LAWS; print(LAWS['stiffer'](0.2)(0.1, 200))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True)
+    assert float(done.stdout) == pytest.approx(Hertz()(0.1, 200) * 1.02)

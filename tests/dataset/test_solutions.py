@@ -1,9 +1,8 @@
-"""Stored solutions: found by their joint, solved if not stored, and then noted if that is long."""
+"""Stored solutions: found by their joint, solved if not stored."""
 
 import numpy as np
 import pytest
 
-from study import paths
 from study.contact import Material
 from study.dataset import solutions, store
 from study.joint import Joint, reference_joint, stress
@@ -69,26 +68,6 @@ def test_a_joint_with_dimensions_is_read_as_it_was_written():
     assert solutions.case_of("loaded", again, {}) == case
     assert again.layers == joint.layers
     assert again.ball_support.radius == pytest.approx(joint.ball_support.radius, rel=1e-8)
-
-
-def test_a_long_solution_that_the_workflow_asks_for_is_noted_and_adopted(tmp_path, monkeypatch):
-    monkeypatch.setattr(solutions, "ASKED", tmp_path)
-    monkeypatch.setattr(solutions, "LONG", 0.0)
-    joint = Joint.from_ratios(66.6, 1.5)
-    solutions.curve(joint, [0.1])
-    assert list(tmp_path.iterdir()) == []  # not in the workflow
-    monkeypatch.setenv(paths.READ_VARIABLE, str(tmp_path))
-    solutions.curve(joint, [0.1])
-    case = solutions.case_of(
-        "axial", joint, {"depth_star": [0.1], "resolution": None, "solver": None}
-    )
-    assert [path.stem for path in tmp_path.iterdir()] == [case.name]
-    written = []
-    monkeypatch.setattr(solutions, "store_cases", written.extend)
-    assert solutions.adopt_asked() == 1
-    assert written[-1] == case
-    assert written[:-1] == solutions.cases()
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_list_of_cases_is_written_as_it_was(tmp_path, monkeypatch):

@@ -12,7 +12,7 @@ from helpers import programs
 from helpers.programs import needs_compiler, needs_octave
 from scipy.interpolate import CubicSpline
 
-from study.contact import LAWS, Sampled, Steuermann
+from study.contact import LAWS, Steuermann, Table
 from study.contact.power_fit import USUAL_RANGE
 from study.export import DIMENSIONLESS, SUFFIXES, export
 from study.joint import Joint, Layer, Material
@@ -20,6 +20,7 @@ from study.joint import Joint, Layer, Material
 BRONZE = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 PLAIN, LESS = Joint.from_ratios(200), Joint.from_ratios(75, 1.4)
 BENDING = Joint(10e-3, 1e-4, 0.3e-3, socket_support="rim")
+MINE = np.linspace(0.01, 1.4, 200) ** 2  # depths of a table of the user
 SUITED = {"adams": "power", "mujoco": "tabulated"}
 """Format -> a law that it has; others have all."""
 
@@ -97,7 +98,7 @@ def test_two_joints_in_one_file_in_c(tmp_path):
 
 @needs_compiler
 @pytest.mark.parametrize(
-    "law", [Steuermann(3, "profile"), Sampled(lambda ds, r2: r2 * ds**1.6, deepest=2.0)]
+    "law", [Steuermann(3, "profile"), Table.of_values(MINE, 300 * MINE**1.6, BRONZE.r2_star)]
 )
 def test_a_law_with_its_own_numbers(tmp_path, law):
     share = np.random.default_rng(2).uniform(0.01, 1, 200)
@@ -282,7 +283,7 @@ def test_two_joints_for_exudyn_share_no_name(law):
     ],
 )
 def test_a_word_of_the_language_is_no_name(run, form, name):
-    words = ["export", "--law", "power", "--format", form, "--socket-radius", 12.5e-3]
+    words = ["export", "power", form, "--socket-radius", 12.5e-3]
     words += ["--clearance", 40e-6, "--wall", 6e-3, "--name", name]
     status, out, err = run(*words)
     assert (status, out, err.count("\n")) == (2, "", 1)
@@ -290,7 +291,7 @@ def test_a_word_of_the_language_is_no_name(run, form, name):
 
 
 def test_a_function_of_matlab_has_the_name_of_its_file(run, tmp_path):
-    words = ["export", "--law", "tabulated", "--format", "matlab", "--r2-star", 100]
+    words = ["export", "tabulated", "matlab", "--r2-star", 100]
     assert run(*words, "--output", tmp_path / "hip.m")[0] == 0
     assert re.search(r"^function .* = hip\(", (tmp_path / "hip.m").read_text())
     status, _, err = run(*words, "--output", tmp_path / "hip.m", "--name", "knee")

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from study import contact
 from study.joint import Joint, Layer, Material, first_yield, reference_joint, stress
-from study.joint.options import joint_of, values_of
 
 BRONZE = Joint(12.5e-3, 40e-6, 6e-3, "steel", "bronze")
 CUP = Joint(16e-3, 0.1e-3, 8e-3, Material(230e9, 0.3), Material(0.8e9, 0.46))
@@ -280,19 +279,9 @@ def test_a_rod_end_on_its_pin_is_solved_across_it():
     power = rod_end.power_law()
     assert power.depths == pytest.approx((0.05 * 25e-6, 0.5 * 25e-6))
     assert power.error < 0.06
-    assert set(solution.friction_radius) == {"spin", "tilt", "turn"}
+    assert 0 < solution.friction_radius[0] < 8e-3
     assert all(0 <= of.error[0] < 0.05 for of in solution.stress.values())
     with pytest.raises(ValueError, match="force must be one .* got .* N at a tilt of 90"):
         rod_end.solve(force=1e12)
     with pytest.raises(ValueError, match="law must be the table .* off the axis, got hertz"):
         rod_end.law("hertz")
-
-
-def test_a_joint_of_its_values_has_the_same_yield_stresses():
-    sizes = {"socket_radius": 12.5e-3, "clearance": 40e-6, "wall": 6e-3}
-    made = Joint(**sizes, ball="CoCr", liner="0.5mm,POM", socket="bronze")
-    again = joint_of(values_of(made))
-    assert again == made
-    yields = [material.yield_stress for material in again.materials.values()]
-    assert yields == [material.yield_stress for material in made.materials.values()]
-    assert None not in yields

@@ -176,6 +176,7 @@ def test_damaged_files_are_made_again_and_never_accepted(project):
     (build / "supplement.pdf").write_bytes(b"")
     (build / "report/index.html").write_bytes(b"")
     os.utime(build / "results/total.csv", (2e9, 2e9))
+    (build / "results/.part-0").mkdir()  # which a killed job leaves
     done = study(project, "run", "curve", "law", "--accept")
     assert (ran(done), "accepted" in done.stdout) == ([CURVE, LAW], False)
     assert (build / "results/curve.png").read_bytes() == good

@@ -29,7 +29,7 @@ EXPECTED = {
 """Where the number is in the text, the number, and how far off it may be."""
 
 
-PACKAGES = ("contact", "joint", "mechanism", "choose", "dataset", "export", "sweep")
+PACKAGES = ("contact", "joint", "mechanism", "choose", "dataset", "export", "cases")
 WITH_EXAMPLES = [
     ".".join(path.relative_to(paths.ROOT).with_suffix("").parts).removesuffix(".__init__")
     for package in PACKAGES
@@ -56,11 +56,11 @@ def test_examples_of_docstrings_print_what_they_show(module):
         ("study.contact", "Material"),
         ("study.mechanism", "Scene"),
         ("study.mechanism", "simulate"),
-        ("study.choose", "choose"),
-        ("study.choose.model", "choose_model"),
+        ("study.choose", "compare_laws"),
+        ("study.choose", "compare_models"),
         ("study.choose", "fit_curve"),
         ("study.export", "export"),
-        ("study.sweep", "run_study"),
+        ("study.cases.run", "solve"),
     ],
 )
 def test_what_users_call_first_has_an_example_and_short_types(owner, name):

@@ -9,11 +9,10 @@ HEAVY = {"numba", "pandas", "skfem", "matplotlib"}
 
 
 LIST = """
-import contextlib, io, sys
+import contextlib, io
 from study import cli
-sys.argv = ["study", "list"]
-with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.TextIOWrapper(io.BytesIO())):
-    cli.main()
+with contextlib.redirect_stdout(io.TextIOWrapper(io.BytesIO())):
+    cli.main(["list"], standalone_mode=False)
 """
 
 

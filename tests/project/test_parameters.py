@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from study import checks
-from study.cli.options import flag
-from study.cli.program import PROGRAM
+from study.cases.joints import JOINTS
+from study.cases.scenes import SCENES
+from study.cli import main
 from study.contact import Material
 from study.joint import Joint, Layer, Liner
 from study.joint.supports import Core, Neck, Sector
 from study.mechanism import Scene
 from study.mechanism.simulate import simulate
 from study.parameters import defaults, described
-from study.sweep.cases import inputs
 
 RATIOS = Joint.from_ratios
 OWNERS = (Joint, Scene, Material, Liner, Core, Neck, Sector, RATIOS, simulate)
@@ -37,17 +37,13 @@ GIVEN = {
     Sector: {"first": 0.0, "last": 30.0},
 }
 """What an object needs."""
-COMMANDS = {
-    RATIOS: ("joint", "choose", "export"),
-    Joint: ("joint", "export"),
-    simulate: ("simulate",),
-}
-COLUMNS = {
-    RATIOS: "joints",
-    Joint: "joints with dimensions",
-    Scene: "scenes",
-    simulate: "scenes",
-}
+COMMANDS = [
+    (RATIOS, "joint", JOINTS),
+    (Joint, "export", JOINTS),
+    (Scene, "simulate", SCENES),
+    (simulate, "simulate", SCENES),
+]
+"""Owner of parameters, a command that has them as options, and the cases that have them."""
 OF_PYTHON = {"scene", "progress"}
 """Arguments of `simulate` that have no text."""
 OTHERS = {
@@ -87,7 +83,7 @@ def test_a_default_is_allowed_and_a_text_reads_back_to_its_value(owner, name, ab
             continue
         taken = about.taken(name, value)
         assert about.taken(name, taken) == taken
-        assert about.taken(name, about.read(name, about.written(taken))) == taken
+        assert about.taken(name, about.written(taken)) == taken
 
 
 @every_parameter
@@ -106,34 +102,13 @@ def test_a_value_outside_or_of_a_wrong_type_is_one_error_that_names_it(owner, na
         assert "\n" not in str(raised.value)
 
 
-@pytest.mark.parametrize(
-    ("owner", "word"), [(owner, word) for owner, words in COMMANDS.items() for word in words]
-)
-def test_every_parameter_is_an_option_that_takes_its_text(owner, word):
-    command = PROGRAM.get_command(None, word)
-    for option in command.params:
-        option.required = False
-    chosen, words = {}, []
+@pytest.mark.parametrize(("owner", "word", "kind"), COMMANDS)
+def test_every_parameter_is_an_option_and_a_column(owner, word, kind):
+    options = {option.name for option in main.get_command(None, word).params}
     for name, about in described(owner).items():
-        value = a_value(owner, name, about)
-        if name in OF_PYTHON or about.kind is Layer or value is None:
-            continue
-        chosen[name], text = value, about.written(value)
-        texts = text.split(";") if about.several == ";" else [text]
-        words += [f"{flag(name)}={one}" for one in texts]
-    found = command.make_context("study", words).params
-    assert len(chosen) > 3
-    for name, value in chosen.items():
-        about, typed = described(owner)[name], found[name]
-        read = about.read(name, typed) if about.several == "," else typed
-        assert about.taken(name, read) == value, name
-
-
-@pytest.mark.parametrize("owner", COLUMNS)
-def test_every_parameter_is_a_column(owner):
-    columns = inputs(COLUMNS[owner])
-    for name, about in described(owner).items():
-        assert name in OF_PYTHON or columns[RENAMED.get(name, name)] is about
+        if name not in OF_PYTHON:
+            assert kind.parameters[RENAMED.get(name, name)] is about
+            assert RENAMED.get(name, name) in options
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.longdouble, np.int64, np.array])

@@ -5,6 +5,7 @@ compares every result that it makes with the accepted one.
 """
 
 import doctest
+import json
 import re
 
 import numpy as np
@@ -12,7 +13,7 @@ import pandas as pd
 import pytest
 
 import study
-from study import contact, paths
+from study import checks, contact, paths
 from study.pages import catalogue
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
@@ -93,13 +94,13 @@ def test_where_things_are():
         assert (paths.ROOT / path).exists(), path
 
 
-def test_the_command_prints_what_is_shown(run):
+def test_the_command_prints_what_is_shown(run, monkeypatch):
     at = re.search(r"^study (joint .*)$", README, re.MULTILINE)
-    printed = run(*at[1].split())[1].splitlines()
-    shown = re.search(r"```text\n(.*?)```", README[at.end() :], re.DOTALL)[1].splitlines()
-    printed = "\n".join(line for line in printed if not line.startswith("─"))
-    for part in "\n".join(shown).split("\n...\n"):  # in README, some lines are left out
-        assert part in printed
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    _, out, err = run(*at[1].split())
+    shown = re.search(r"```text\n(.*?)\n```", README[at.end() :], re.DOTALL)[1]
+    for part in shown.split("\n...\n"):  # in README, some lines are left out
+        assert part in f"{out}{err}"
 
 
 def printed_errors():
@@ -129,12 +130,13 @@ def test_large_displacements():
 @pytest.mark.parametrize(("options", "percent"), printed_errors())
 def test_the_force_errors_of_other_joints(run, options, percent):
     (base,) = re.findall(r"^study (joint .*)$", README, re.MULTILINE)
-    printed = run(*base.split(), *options, "--law")[1]
-    heads, _, values = (line.split() for line in printed.splitlines()[:4] if "─" not in line)
-    assert float(values[heads.index("force_error")]) == pytest.approx(percent, rel=0.02)
+    (row,) = json.loads(run(*base.split(), *options, "--json")[1])
+    assert checks.percent(row["force_error"]) == f"{percent:g} %"
     if "--ring-width" in options:
         (power,) = claimed(r"for Adams `power`, within (\S+) %")
-        assert f"Fitted power law F = k d^n, within {power:g} % at" in printed
+        words = [word for word in base.split() if word not in ("joint", "--force", "3kN")]
+        text = run("export", "power", "c", *words, *options)[1]
+        assert f"{power:g} %" in text
 
 
 def test_the_example_runs():

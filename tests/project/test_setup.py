@@ -3,7 +3,6 @@
 import os
 import shutil
 import subprocess
-import sys
 
 import pytest
 
@@ -72,20 +71,6 @@ def test_a_copy_is_set_up_anew(folder, tmp_path):
     assert [is_made(folder), is_made(folder)] == [True, False]
     shutil.copytree(folder, copy, copy_function=shutil.copy2)
     assert [is_made(copy), is_made(copy), is_made(folder)] == [True, False, False]
-
-
-def test_the_program_of_a_copy_does_not_build_the_original(tmp_path):
-    copy = tmp_path / "a copy, é"
-    program, module = copy / ".venv/bin/study", copy / "study/paths.py"
-    for path in (program, module):
-        path.parent.mkdir(parents=True)
-    module.touch()
-    program.write_text("from study.cli import main\n\nmain()\n")
-    command = [sys.executable, program, "list"]
-    environment = os.environ | {"PYTHONPATH": str(paths.ROOT), "PYTHONUTF8": "1"}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
-    assert f"{copy} is a copy whose environment belongs to {paths.ROOT};" in done.stderr
 
 
 def test_a_clone_that_converts_line_ends_has_the_data_as_they_are(tmp_path):
