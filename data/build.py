@@ -19,7 +19,7 @@ import pandas as pd
 from study import paths
 from study.contact import stiffening
 from study.dataset import design, fitting, solutions, stiffening_fit, store
-from study.pages.workflow import be_job
+from study.pages.build import be_job
 
 SOLUTIONS_AT_ONCE = 24
 

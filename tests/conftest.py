@@ -14,8 +14,8 @@ settings.register_profile("study", deadline=None, derandomize=True, database=Non
 settings.load_profile("study")
 threadpool_limits(1)  # matrices are small: more threads wait for each other more than they do
 
-LONGEST = ("test_report", "test_workflow", "test_processors")
-LONGEST += ("test_axial", "test_calculix", "test_joint", "test_tilted", "test_joint_page")
+LONGEST = ("test_workflow", "test_processors")
+LONGEST += ("test_axial", "test_calculix", "test_joint", "test_tilted")
 
 
 def pytest_sessionstart(session):

@@ -46,9 +46,12 @@ def differs(kept: Path | StringIO, made: Path | StringIO, name: str) -> str | No
 
     If rows have changed places, they are matched by the columns that contain words.
     """
-    old, new = (pd.read_csv(table, dtype=str, keep_default_na=False) for table in (kept, made))
+    try:
+        old, new = (pd.read_csv(table, dtype=str, keep_default_na=False) for table in (kept, made))
+    except ValueError:  # of pandas, for a file that is no table
+        return "which cannot be compared: it or the accepted table (git restores it) is damaged"
     if list(old) != list(new):
-        return f"columns: accepted {', '.join(old)}; now {', '.join(new)}"
+        return f"columns: {_changed(list(old), list(new))}"
     if len(old) != len(new):
         return f"rows: accepted {len(old)}, now {len(new)}"
     words = [c for c in old if _numbers(old[c]).isna().all() and _numbers(new[c]).isna().all()]
@@ -61,6 +64,14 @@ def differs(kept: Path | StringIO, made: Path | StringIO, name: str) -> str | No
     place = f"row {old.index[row] + 2}, column {old.columns[column]}"
     numbers = f"accepted {old.iloc[row, column]}, now {new.iloc[row, column]}"
     return f"{place}: {numbers} ({np.count_nonzero(excess > 1)} in all)"
+
+
+def _changed(old, new):
+    """Names that were added to a list or removed from it, or that there are the same ones."""
+    added, removed = ([n for n in a if n not in b] for a, b in ((new, old), (old, new)))
+    changes = {"added": added, "removed": removed}
+    found = [f"{how} {', '.join(names)}" for how, names in changes.items() if names]
+    return "; ".join(found) or "in another order"
 
 
 def _numbers(column):

@@ -1,4 +1,4 @@
-"""A copy of the project with three small notebooks, and ``study`` run in it as a user does."""
+"""A small copy of the project: three notebooks, an article of one line, and ``study`` run in it."""
 
 import os
 import shutil
@@ -11,47 +11,42 @@ from numba.core.caching import UserProvidedCacheLocator
 
 from study import compiled, paths
 
-CURVE, LAW, TOTAL = NAMES = ("01-curve", "02-law", "03-total")
+CURVE, LAW, TOTAL = NAMES = ("01-curve", "02-law", "21-statements-of-the-paper")
 CATALOGUE = """
 [01-curve.curve]
 shows = "force over depth"
 tells = "The force grows faster than the depth."
+expect = "force at case = b"
 [01-curve.numbers]
 shows = "what is drawn"
 [02-law.law]
 shows = "Hertz's law at three depths"
-[03-total]
+[21-statements-of-the-paper]
 reads = ["numbers"]
-[03-total.total]
+[21-statements-of-the-paper.total]
 shows = "the sum of the numbers"
 """
 CELLS = {
-    CURVE: (
-        "scale = 1.0  # factor to the force [0.5 to 200]",
-        "import pandas as pd\n"
-        "from study.pages import figures\n"
-        'table = pd.DataFrame({"case": ["a", "b"], "force": [1.0 * scale, 5.0 * scale]})\n'
-        "figure, axes = figures.new(width=2, height=2)\n"
-        'axes.plot(table.force)\naxes.set_ylabel("force")\n'
-        'figures.save(figure, "curve", table)\n'
-        'figures.save_table(table, "numbers")',
-    ),
-    LAW: (
-        "r2_star = 200.0  # socket radius R2* [20 to 10000]",
-        "import pandas as pd\n"
-        "from study.contact import Hertz\n"
-        "from study.pages import figures\n"
-        "depths = [0.1, 0.2, 0.5]\n"
-        'figures.save_table(pd.DataFrame({"force": Hertz()(depths, r2_star)}), "law")',
-    ),
-    TOTAL: (
-        "factor = 1.0  # to the total [1 to 9]",
-        "import pandas as pd\n"
-        "from study import paths\n"
-        "from study.pages import figures\n"
-        'total = factor * pd.read_csv(paths.read_result("numbers.csv")).force.sum()\n'
-        'figures.save_table(pd.DataFrame({"total": [total]}), "total")',
-    ),
+    CURVE: """scale = 1.0  # factor to the force
+import pandas as pd
+from study.pages import figures
+table = pd.DataFrame({"case": ["a", "b"], "force": [1.0 * scale, 5.0 * scale]})
+figure, axes = figures.new(width=2, height=2)
+axes.plot(table.force)
+figures.save(figure, "curve", table)
+figures.save_table(table, "numbers")""",
+    LAW: """r2_star = 200.0  # socket radius R2*
+import pandas as pd
+from study.contact import Hertz
+from study.pages import figures
+depths = [0.1, 0.2, 0.5]
+figures.save_table(pd.DataFrame({"force": Hertz()(depths, r2_star)}), "law")""",
+    TOTAL: """factor = 1.0  # to the total
+import pandas as pd
+from study import paths
+from study.pages import figures
+total = factor * pd.read_csv(paths.read_result("numbers.csv")).force.sum()
+figures.save_table(pd.DataFrame({"total": [total]}), "total")""",
 }
 
 
@@ -76,17 +71,27 @@ def share_compiled(root, cache):
 
 
 def stub_project(root):
-    """Copy the project, with the three notebooks and no results instead of its own."""
+    """Copy the project, with three notebooks, short documents and no results instead of its own."""
     copy_project(root)
-    for path in (*(root / "figures").iterdir(), *(root / "notebooks").glob("*.ipynb")):
+    documents = [*root.glob("*.md"), *root.rglob("data/README.md"), root / "examples/README.md"]
+    for path in (*root.glob("figures/*"), *root.glob("notebooks/*.ipynb"), *documents):
         path.unlink()
+    for path in documents:
+        path.write_text("# A document\n")
+    (root / "README.md").write_text(
+        "# The study\n\nSee [the law](notebooks/02-law.ipynb), [the code](study/contact/laws.py), "
+        "[all notebooks](notebooks/) and [the data](data/README.md).\n\n![Force](figures/curve.png)"
+    )
+    for name in ("paper", "supplement"):
+        (root / f"paper/{name}.typ").write_text(
+            '#csv(sys.inputs.results + "/total.csv").at(1).at(0)'
+        )
     (root / "notebooks/catalogue.toml").write_text(CATALOGUE)
-    claims = root / "data/published/claims.csv"  # the results that they name are not made here
-    claims.write_text(claims.read_text().splitlines(keepends=True)[0])
-    assert study(root, "data", "accept", str(claims)).returncode == 0
-    for name, (settings, code) in CELLS.items():
-        cells = [v4.new_code_cell(settings, metadata={"tags": ["parameters"]}, id="settings")]
-        cells.append(v4.new_code_cell(code, id="code"))
+    for name, source in CELLS.items():
+        settings, code = source.split("\n", 1)
+        cells = [v4.new_markdown_cell(f"# Notebook {name}", id="title")]
+        cells += [v4.new_code_cell(settings, metadata={"tags": ["parameters"]}, id="settings")]
+        cells += [v4.new_code_cell(code, id="code")]
         metadata = {"kernelspec": {"name": "python3", "language": "python", "display_name": "P"}}
         notebook = v4.new_notebook(cells=cells, metadata=metadata)
         nbformat.write(notebook, root / f"notebooks/{name}.ipynb")
@@ -97,8 +102,8 @@ def edit(root, name, old, new):
     """Change the code of a notebook."""
     path = root / f"notebooks/{name}.ipynb"
     notebook = nbformat.read(path, as_version=4)
-    assert old in notebook.cells[1].source
-    notebook.cells[1].source = notebook.cells[1].source.replace(old, new, 1)
+    assert old in notebook.cells[2].source
+    notebook.cells[2].source = notebook.cells[2].source.replace(old, new, 1)
     nbformat.write(notebook, path)
 
 

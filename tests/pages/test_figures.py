@@ -1,5 +1,7 @@
 """The saved drawings are to scale, their arrows add up to the laws' forces; style and saving."""
 
+from ast import literal_eval
+
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
@@ -10,10 +12,10 @@ from PIL import Image
 
 from study import paths
 from study.contact import SOCKET_RATIO, HyperbolicWinkler, Winkler
-from study.pages import catalogue, drawings, execute, figures
+from study.pages import build, catalogue, drawings, figures
 
 (NOTEBOOK,) = catalogue.select(["fig01"])
-DRAWN = {name: p.default for name, p in execute.parameters(NOTEBOOK).items()}
+DRAWN = {name: literal_eval(value) for name, (value, _) in build.parameters(NOTEBOOK).items()}
 R2_STAR, DEPTH_STAR = DRAWN["drawn_r2_star"], DRAWN["depth_star"]
 
 
@@ -85,7 +87,7 @@ def test_vertical_arrows_are_components_of_the_radial_ones(letter, depth):
 
 def test_supports_are_drawn_at_first_contact_and_moved_by_the_depth():
     (notebook,) = catalogue.select(["supports"])
-    drawn = {name: p.default for name, p in execute.parameters(notebook).items()}
+    drawn = {name: literal_eval(value) for name, (value, _) in build.parameters(notebook).items()}
     parts, clearance = panel("supports", "a"), 1 / drawn["sketched_r2_star"]
     socket = np.hypot(*parts["socket"])
     assert (socket.min(), socket.max()) == pytest.approx((1, drawn["socket_ratio"]), abs=2e-6)

@@ -5,20 +5,21 @@ import pkgutil
 import re
 
 import pytest
+import typeset
 import typst
 
 from study import paths
 from study.checks import StudyError
 from study.contact import StiffenedHertz
 from study.joint import reference_joint
-from study.pages import typeset
 
-TEXT = typeset.SOURCE.read_text(encoding="utf-8")
+SOURCE = paths.PAPER / "paper.typ"
+TEXT = SOURCE.read_text(encoding="utf-8")
 SUPPLEMENT = paths.PAPER / "supplement.typ"
 BOTH = TEXT + SUPPLEMENT.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("source", [typeset.SOURCE, SUPPLEMENT], ids=lambda path: path.stem)
+@pytest.mark.parametrize("source", [SOURCE, SUPPLEMENT], ids=lambda path: path.stem)
 def test_it_is_typeset_twice_to_the_same_bytes(tmp_path, source):
     first, second = tmp_path / "first.pdf", tmp_path / "second.pdf"
     typeset.typeset(source, first)
@@ -39,9 +40,7 @@ def test_no_result_is_typed():
 
 def test_the_worked_example_is_that_of_the_law():
     """The article evaluates its printed coefficients; their rounding changes the last digits."""
-    (worked,) = json.loads(
-        typst.query(typeset.SOURCE, "<worked>", field="value", **typeset.options())
-    )
+    (worked,) = json.loads(typst.query(SOURCE, "<worked>", field="value", **typeset.options()))
     law = StiffenedHertz.of(reference_joint(200))
     for name, derivative in (("force", False), ("slope", True)):
         assert worked[name] == pytest.approx(law(0.25, derivative=derivative), rel=1e-5)
@@ -83,7 +82,7 @@ def copy(tmp_path, monkeypatch, old, new):
     assert old in TEXT
     for path in paths.PAPER.glob("*.*"):
         text = path.read_text(encoding="utf-8")
-        text = text.replace(old, new) if path == typeset.SOURCE else text
+        text = text.replace(old, new) if path == SOURCE else text
         (root / "paper" / path.name).write_text(text, encoding="utf-8")
     monkeypatch.setattr(paths, "ROOT", root)
     monkeypatch.setattr(paths, "FIGURES", root / "figures")
@@ -100,7 +99,7 @@ def copy(tmp_path, monkeypatch, old, new):
 )
 def test_what_is_missing_stops_the_paper(tmp_path, monkeypatch, old, new):
     source = copy(tmp_path, monkeypatch, old, new)
-    with pytest.raises(StudyError, match=r"^paper/(paper|look|results|numbers)\.typ, line \d+: "):
+    with pytest.raises(StudyError, match=r"(paper|look|results|numbers)\.typ:\d+:"):
         typeset.typeset(source, tmp_path / "paper.pdf")
     assert not (tmp_path / "paper.pdf").exists()
 

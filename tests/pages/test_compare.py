@@ -1,4 +1,4 @@
-"""Results that were made, compared with the accepted ones: identical, agreeing or different."""
+"""Tables that were made, compared with those of the same name, and results with accepted ones."""
 
 from io import StringIO
 
@@ -9,69 +9,39 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study import paths
-from study.checks import StudyError
 from study.dataset.compare import differs
-from study.pages import accepted, figures
+from study.pages import build
 from study.pages.catalogue import Result
 
 FIGURE = Result("fig", "00-mine", shows="a figure", tells="It grows.")
-TABLE = pd.DataFrame({"case": ["a", "b", "c"], "force": [1.0, 5.0, 25.0]})
+CHANGED = "row 2, column force: accepted 1, now 1.1 (1 in all)"
+DAMAGED = "which cannot be compared: it or the accepted table (git restores it) is damaged"
 
 
 @pytest.fixture
-def make(tmp_path, monkeypatch):
-    """Make the figure as a notebook does, and compare it with the accepted one."""
-    monkeypatch.setattr(paths, "ROOT", tmp_path)
+def folders(tmp_path, monkeypatch):
+    """Folders of the accepted and of the made results."""
     monkeypatch.setattr(paths, "FIGURES", tmp_path / "figures")
-    monkeypatch.setattr(paths, "RESULTS", tmp_path / "build/results")
-    monkeypatch.setenv(paths.WRITE_VARIABLE, str(tmp_path / "build/results"))
-
-    def make(table, label="force"):
-        figure, axes = figures.new(width=2, height=2)
-        axes.plot(table.force)
-        axes.set_ylabel(label)
-        figures.save(figure, "fig", table)
-        (comparison,) = accepted.compare([FIGURE])
-        return comparison
-
-    return make
+    monkeypatch.setattr(paths, "RESULTS", tmp_path / "results")
+    for folder in (paths.FIGURES, paths.RESULTS):
+        folder.mkdir()
 
 
-def test_states_of_a_result_and_what_is_copied(make):
-    first = make(TABLE)
-    assert (first.state, first.where) == (
-        "differs",
-        "build/results/fig.csv: it was not accepted before",
-    )
-    assert accepted.accept([FIGURE]) == ["fig.csv", "fig.png"]
-    same = make(TABLE)
-    assert (same.state, same.drawn_differently) == ("identical", False)
-    drawn = make(TABLE, label="Force")
-    assert (drawn.state, drawn.drawn_differently) == ("identical", True)
-    assert make(TABLE.assign(force=TABLE.force * (1 + 5e-7))).state == "agrees"
-    assert make(TABLE.assign(force=TABLE.force * (1 + 1.5e-6))).state == "differs"
-    before = {path: path.read_bytes() for path in paths.FIGURES.iterdir()}
-    other = make(TABLE.assign(force=TABLE.force * 1.004))
-    assert other.where == (
-        "build/results/fig.csv, row 2, column force: accepted 1, now 1.004 (3 in all)"
-    )
-    assert {path: path.read_bytes() for path in paths.FIGURES.iterdir()} == before
-    assert accepted.summary([first, same, drawn, other]) == (
-        "4 results: 2 identical, 0 agree, 2 differ"
-    )
-    assert accepted.accept([FIGURE]) == ["fig.csv", "fig.png"]
-
-
-def test_what_was_not_made_or_is_damaged_is_named(make):
-    with pytest.raises(
-        StudyError, match=r"results/fig.csv is missing; make it with: study run fig"
-    ):
-        accepted.accept([FIGURE])
-    make(TABLE)
-    accepted.accept([FIGURE])
-    (paths.FIGURES / "fig.csv").write_bytes(b"")
-    (damaged,) = accepted.compare([FIGURE])
-    assert (damaged.state, "figures/fig.csv" in damaged.where) == ("differs", True)
+@pytest.mark.parametrize(
+    ("accepted", "made", "expected"),
+    [
+        ("force\n1\n", "force\n1\n", ("identical", "")),
+        ("force\n1\n", "force\n1.0000005\n", ("agree", "")),
+        ("force\n1\n", "force\n1.1\n", ("differ", CHANGED)),
+        ("", "force\n1\n", ("differ", DAMAGED)),
+        (None, "force\n1\n", ("differ", "which was not accepted before")),
+    ],
+)
+def test_made_results_are_identical_agree_or_differ(folders, accepted, made, expected):
+    if accepted is not None:
+        (paths.FIGURES / "fig.csv").write_text(accepted)
+    (paths.RESULTS / "fig.csv").write_text(made)
+    assert build.compared(FIGURE) == expected
 
 
 def compared(old, new, name="t"):
@@ -83,7 +53,8 @@ def compared(old, new, name="t"):
 @pytest.mark.parametrize(
     ("old", "new", "text"),
     [
-        ({"a": [1.0]}, {"b": [1.0]}, "columns: accepted a; now b"),
+        ({"a": [1.0]}, {"b": [1.0]}, "columns: added b; removed a"),
+        ({"a": [1], "b": [1]}, {"b": [1], "a": [1]}, "columns: in another order"),
         ({"a": [1.0]}, {"a": [1.0, 2.0]}, "rows: accepted 1, now 2"),
         ({"a": ["x", "y"]}, {"a": ["x", "z"]}, "row 3, column a: accepted y, now z (1 in all)"),
         ({"a": [7]}, {"a": [8]}, "row 2, column a: accepted 7, now 8 (1 in all)"),
