@@ -294,9 +294,6 @@ def test_a_function_of_matlab_has_the_name_of_its_file(run, tmp_path):
     words = ["export", "tabulated", "matlab", "--r2-star", 100]
     assert run(*words, "--output", tmp_path / "hip.m")[0] == 0
     assert re.search(r"^function .* = hip\(", (tmp_path / "hip.m").read_text())
-    status, _, err = run(*words, "--output", tmp_path / "hip.m", "--name", "knee")
-    assert (status, err.count("\n")) == (2, 1)
-    assert "name of the function in hip.m must be one of hip, got 'knee'" in err
     status, _, err = run(*words, "--output", tmp_path / "power.m")
     assert (status, err.count("\n")) == (2, 1)
     assert "got 'power'" in err
