@@ -22,6 +22,7 @@ pytestmark = pytest.mark.slow
 RESULTS = ["curve.csv", "curve.png", "law.csv", "numbers.csv", "total.csv"]
 SLOW = "import time, pathlib; pathlib.Path(BEGUN).touch(); time.sleep(60)\n"
 LAWS = "study/contact/laws.py"
+LINK = re.compile(r'(?:href|src)="([^"#]+)(?:#[^"]*)?"')
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +66,50 @@ def last(done):
 
 def append(path, text="\nCHANGED = True\n"):
     path.write_text(path.read_text() + text)
+
+
+def test_the_pages_of_the_report_have_their_links_and_no_path_of_this_machine(project):
+    report = project / "build/report"
+    pages = {page.relative_to(report).as_posix(): page for page in report.rglob("*.html")}
+    assert {"index.html", "results.html", "README.html", "data/README.html", "search.html"} <= {
+        *pages,
+        *(f"notebooks/{name}.html" for name in NAMES),
+    }
+    assert {"api/study.contact.html", "api/study.joint.html"} <= pages.keys()
+    assert not [name for name in pages if re.match(r"api/study\.(cli|pages)", name)]
+    for name, page in pages.items():
+        text = page.read_text()
+        assert str(project) not in text, name
+        for link in {*LINK.findall(text)}:
+            if not re.match(r"https?:|mailto:|data:", link):
+                assert (page.parent / unquote(link).partition("?")[0]).exists(), (name, link)
+    gallery = pages["results.html"].read_text()
+    for shown in ("force over depth", "The force grows faster", "force = 5 at case = b", "3 rows"):
+        assert shown in gallery
+    assert "notebooks/02-law.html" in pages["README.html"].read_text()
+    assert "_images/curve.png" in gallery
+    assert 'id="study.contact.laws.Hertz"' in pages["api/study.contact.html"].read_text()
+
+
+def test_damaged_files_are_made_again_and_never_accepted(project):
+    build = project / "build"
+    good = (build / "results/curve.png").read_bytes()
+    (build / "results/curve.png").write_bytes(b"")
+    (build / "results/law.csv").write_text("force\n")
+    (build / "paper.pdf").unlink()
+    (build / "supplement.pdf").write_bytes(b"")
+    (build / "report/index.html").write_bytes(b"")
+    os.utime(build / "results/total.csv", (2e9, 2e9))
+    (build / "results/.part-0").mkdir()  # which a killed job leaves
+    done = study(project, "run", "curve", "law", "--accept")
+    assert (ran(done), "accepted" in done.stdout) == ([CURVE, LAW], False)
+    assert (build / "results/curve.png").read_bytes() == good
+    done = study(project, "run")
+    assert ran(done) == sorted([TOTAL, "article", "report"])
+    assert last(done) == (0, "4 results: 4 identical, 0 agree, 0 differ")
+    assert (build / "paper.pdf").read_bytes().startswith(b"%PDF")
+    assert (build / "supplement.pdf").read_bytes().startswith(b"%PDF")
+    assert "</html>" in (build / "report/index.html").read_text()
 
 
 def test_a_new_time_or_a_change_of_the_surface_is_no_change(project):
@@ -166,28 +211,6 @@ def test_an_interrupted_run_ends_at_once_and_keeps_what_is_finished(project, tmp
     assert not (project / "build/notebooks/01-curve.ipynb").exists()
 
 
-def test_damaged_files_are_made_again_and_never_accepted(project):
-    study(project, "run")
-    build = project / "build"
-    good = (build / "results/curve.png").read_bytes()
-    (build / "results/curve.png").write_bytes(b"")
-    (build / "results/law.csv").write_text("force\n")
-    (build / "paper.pdf").unlink()
-    (build / "supplement.pdf").write_bytes(b"")
-    (build / "report/index.html").write_bytes(b"")
-    os.utime(build / "results/total.csv", (2e9, 2e9))
-    (build / "results/.part-0").mkdir()  # which a killed job leaves
-    done = study(project, "run", "curve", "law", "--accept")
-    assert (ran(done), "accepted" in done.stdout) == ([CURVE, LAW], False)
-    assert (build / "results/curve.png").read_bytes() == good
-    done = study(project, "run")
-    assert ran(done) == sorted([TOTAL, "article", "report"])
-    assert last(done) == (0, "4 results: 4 identical, 0 agree, 0 differ")
-    assert (build / "paper.pdf").read_bytes().startswith(b"%PDF")
-    assert (build / "supplement.pdf").read_bytes().startswith(b"%PDF")
-    assert "</html>" in (build / "report/index.html").read_text()
-
-
 def test_a_picture_that_is_drawn_differently_is_named(project):
     picture = project / "figures/curve.png"
     picture.write_bytes(picture.read_bytes()[:60])
@@ -247,33 +270,6 @@ def test_a_notebook_outside_the_workflow_writes_to_a_folder_for_experiments(proj
     assert json.dumps(json.loads(output.read_text())).count(said) == 1
     assert (project / "build/scratch/01/numbers.csv").read_text() == "case,force\na,3\nb,15\n"
     assert {path: path.read_bytes() for path in (project / "figures").iterdir()} == before
-
-
-LINK = re.compile(r'(?:href|src)="([^"#]+)(?:#[^"]*)?"')
-
-
-def test_the_pages_of_the_report_have_their_links_and_no_path_of_this_machine(project):
-    study(project, "run")
-    report = project / "build/report"
-    pages = {page.relative_to(report).as_posix(): page for page in report.rglob("*.html")}
-    assert {"index.html", "results.html", "README.html", "data/README.html", "search.html"} <= {
-        *pages,
-        *(f"notebooks/{name}.html" for name in NAMES),
-    }
-    assert {"api/study.contact.html", "api/study.joint.html"} <= pages.keys()
-    assert not [name for name in pages if re.match(r"api/study\.(cli|pages)", name)]
-    for name, page in pages.items():
-        text = page.read_text()
-        assert str(project) not in text, name
-        for link in {*LINK.findall(text)}:
-            if not re.match(r"https?:|mailto:|data:", link):
-                assert (page.parent / unquote(link).partition("?")[0]).exists(), (name, link)
-    gallery = pages["results.html"].read_text()
-    for shown in ("force over depth", "The force grows faster", "force = 5 at case = b", "3 rows"):
-        assert shown in gallery
-    assert "notebooks/02-law.html" in pages["README.html"].read_text()
-    assert "_images/curve.png" in gallery
-    assert 'id="study.contact.laws.Hertz"' in pages["api/study.contact.html"].read_text()
 
 
 def test_jobs_can_be_submitted_by_a_command(tmp_path):
