@@ -2,7 +2,8 @@
 
 ``python data/build.py part TABLE PART FILE`` solves one part of a table and writes it to a file.
 ``python data/build.py table TABLE FILE ...`` joins such files and the stored rows of other cases,
-and writes the table, unless it agrees with the stored one.
+and writes the table, unless it agrees with the stored one. ``python data/build.py hash FILE ...``
+renews the hashes of files that were edited by hand.
 """
 
 import json
@@ -161,7 +162,10 @@ TABLES = {
 
 
 def main(action: str, name: str, *words: str) -> None:
-    """Solve a part of a table, or write a table from the files of its parts."""
+    """Solve a part of a table, write a table from the files of its parts, or renew hashes."""
+    if action == "hash":
+        store.write_hashes(Path(file).resolve() for file in (name, *words))
+        return
     table = TABLES[name]
     if action == "part":
         part, file = words

@@ -6,9 +6,7 @@ The curves are in ``data/force_curves.csv``, with one row for each case and dept
 """
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 from io import StringIO
-from numbers import Real
 from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -49,7 +47,7 @@ LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, LOOKS)
 
 
 MANY = 30
-"""Values of a column that a message lists; of more, it lists only the nearest."""
+"""Maximum number of values of a column that a message lists."""
 
 
 class DatasetError(checks.StudyError):
@@ -79,16 +77,11 @@ def load(**filters: Any) -> pd.DataFrame:
 
 def _allowed(column, values, wrong):
     """The message for a value that a column does not have."""
-    known = values.unique()
-    which = "one of"
-    if len(known) > MANY:
-        if values.dtype == float and isinstance(wrong, Real) and np.isfinite(wrong):
-            known = sorted(known, key=lambda value: abs(value - wrong))[:6]
-        else:
-            known = get_close_matches(str(wrong), map(str, known), 3) or known[:6]
-        which = "a value of the dataset (study data show lists them), such as"
-    known = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in known)
-    return f"{column} must be {which} {known}, got {wrong}"
+    known = [f"{value:g}" if isinstance(value, float) else value for value in values.unique()]
+    wanted = (
+        f"one of {', '.join(known)}" if len(known) <= MANY else "one that study data show lists"
+    )
+    return f"{column} must be {wanted}, got {wrong}"
 
 
 def paper_curves(
@@ -150,26 +143,16 @@ def measured(chart: str | None = None) -> pd.DataFrame:
 
 
 def keep_measured(frame: pd.DataFrame) -> None:
-    """Write `renewed` times to ``data/published/speed.csv``, and the hash of this file."""
+    """Write times that replace the stored ones of the same charts and programs, and the hash."""
+    stored = measured()
+    timed = {*zip(frame.chart, frame.program, strict=True)}
+    pairs = zip(stored.chart, stored.program, strict=True)
+    rows = pd.concat([frame, stored[[pair not in timed for pair in pairs]]])
+    charts = [*dict.fromkeys([*stored.chart, *frame.chart])]
+    rows = rows.sort_values("chart", key=lambda of: of.map(charts.index), kind="stable")
     with paths.whole(SPEED) as temporary:
-        renewed(frame).to_csv(temporary, index=False, lineterminator="\n", float_format="%.4g")
+        rows.to_csv(temporary, index=False, lineterminator="\n", float_format="%.4g")
     write_hashes([SPEED])
-
-
-def renewed(frame: pd.DataFrame) -> pd.DataFrame:
-    """New rows in the places of the stored rows of the same chart, program and method.
-
-    A new method comes at the end of its chart, and all other rows are those that are stored.
-    """
-    stored, by = measured(), ["chart", "program", "method"]
-    places: dict[Any, float] = {row.chart: row.Index + 0.5 for row in stored.itertuples()}
-    for row in stored.iloc[::-1].itertuples():
-        places[row.chart, row.program, row.method] = row.Index
-    keys = [tuple(row) for row in frame[by].to_numpy()]
-    others = stored[[tuple(row) not in keys for row in stored[by].to_numpy()]]
-    order = [places.get(key, places.get(key[0], np.inf)) for key in keys] + [*others.index]
-    rows = pd.concat([frame, others], ignore_index=True)
-    return rows.iloc[np.argsort(order, kind="stable")].reset_index(drop=True)
 
 
 def read(path: Path, **options: Any) -> pd.DataFrame:
@@ -190,18 +173,12 @@ def verify(some: Iterable[Path] | None = None) -> None:
     stated = _stated_hashes()
     for path in sorted({*stated, *files()}) if some is None else some:
         name, hashes = paths.shown(path), paths.shown(HASHES)
-        restore = f"restore both with: git checkout -- {name} {hashes}"
-        if not path.is_file():
-            raise DatasetError(f"{name} is missing; restore it with: git checkout -- {name}")
-        if path not in stated:
+        if not path.is_file() or path not in stated or paths.sha256(path) != stated[path]:
+            state = "is not the file" if path.is_file() else "is missing, or not the file"
             raise DatasetError(
-                f"{hashes} does not name {name}; restore it with: git checkout -- "
-                f"{hashes}. If you added the file, accept it with: study data accept {name}"
-            )
-        if paths.sha256(path) != stated[path]:
-            raise DatasetError(
-                f"{name} is not the file whose SHA-256 hash is in {hashes}; {restore}. If you "
-                f"edited it, accept it with: study data accept {name}"
+                f"{name} {state} whose SHA-256 hash is in {hashes}; restore both with: git checkout "
+                f"-- {name} {hashes}. If you edited it, renew its hash with: python data/build.py "
+                f"hash {name}"
             )
 
 

@@ -134,39 +134,24 @@ class Joint:
 
     Parameters
     ----------
-    socket_radius : float
-        Inner radius of the socket in m; 10 to 1e9 times the clearance.
-    clearance : float
-        Radius of the socket less that of the ball, in m.
-    wall : float
-        Wall thickness of the socket, including its liners, in m. Each layer is at least 0.0001
-        times its inner radius thick, or 0.02 times for finite elements.
+    socket_radius, clearance, wall : float
+        Inner radius of the socket, that radius less the radius of the ball, and wall thickness of
+        the socket including its liners, in m.
     ball, socket : Material or str, default "bearing steel" and "steel"
-        A name that ``study data materials`` lists, or Young's modulus, Poisson's ratio and,
-        optionally, yield stress, as in "210GPa,0.3,500MPa". Moduli differ by a factor of at most
-        1e9. The composite modulus E* is that of the ball and the innermost layer.
+        A name, or Young's modulus, Poisson's ratio and yield stress, as in "210GPa,0.3,500MPa".
     liner : tuple of Liner or str, default ()
-        Liners of the socket from the inside out, each with its thickness and material, as in
-        "0.5mm,PTFE"; in a text they are separated by semicolons.
+        Liners from the inside out, as in "0.5mm,PTFE", separated by semicolons in a text.
     ball_support : BallSupport or str, default "guided"
-        How the ball is held and moved. Half a ball is moved by a plate at its equatorial plane, on
-        which it slides ("guided") or to which it is clamped ("clamped"), or at its centre point
-        ("centre"). A whole ball is held by a rigid core ("core:0.2" times its radius) or by a
-        rigid neck ("neck:30" deg from the top), and a ball with a bore by a rigid pin
-        ("pin:6mm,16mm" or, in ratios, "bore:0.5,45").
+        Half a ball on a plate: "guided", "clamped" or "centre". A whole ball: "core:0.2" (over its
+        radius), "neck:30" (deg), "pin:6mm,16mm" (radius, width of the ball) or "bore:0.5,45".
     rim : {"mirror", "free"}, optional
-        Edge of the socket: in a mirror plane, or free of traction. By default a mirror for half a
-        ball in a hemispherical socket that is held on its whole outside and loaded along the axis,
-        else free.
+        Edge of the socket. By default "mirror" for half a ball in a hemisphere, else "free".
     kinematics : {"linear", "small"}, default "linear"
-        Which points of the two surfaces are paired: those that lie opposite each other after the
-        ball has moved, or those at equal polar angles. The two differ by terms of order 1/R2*.
+        Points of the surfaces that are paired: after the ball has moved, or at equal polar angles.
     opening : Opening, float or str, default 90
-        Polar angle of the rim from the pole in deg, 30 to 170; or those of both rims of a ring,
-        "55:125".
+        Polar angle of the rim in deg, 30 to 170; or those of both rims of a ring, "55:125".
     socket_support : SocketSupport or str, default "outside"
-        Where the socket is held rigidly: on its whole outside, at the face of its rim ("rim"), or
-        on a sector of its outside ("sector:0,30" between these polar angles in deg).
+        Where the socket is held: "outside", "rim", or "sector:0,30" (polar angles in deg).
 
     Raises
     ------
@@ -304,17 +289,13 @@ class Joint:
         Parameters
         ----------
         r2_star : float, default 200
-            Radius of the socket divided by the clearance, 10 to 1e9.
-        socket_ratio : float, default 1.298
-            Outer radius of the socket divided by its inner radius.
-        modulus_ratio : float, default 1
-            Young's modulus of the socket divided by that of the ball, 1e-9 to 1e9.
+            Radius of the socket divided by the clearance.
+        socket_ratio, modulus_ratio : float, default 1.298 and 1
+            Outer over inner radius of the socket, and its Young's modulus over that of the ball.
         poisson, socket_poisson : float, default 0.3
             Poisson's ratios of ball and socket; the socket's is that of the ball if not given.
         layers : tuple of Layer or str, default ()
-            Layers of the socket from the inside out, instead of its ratio and material: each with
-            its outer radius divided by R2, its Young's modulus divided by that of the ball, and
-            its Poisson's ratio, as in "1.1,0.01,0.4;1.5,1,0.3".
+            Layers of the socket instead of its ratios, as in "1.1,0.01,0.4;1.5,1,0.3".
         ball, socket : Material, optional
             Materials that replace the ratios of the materials.
         **supports

@@ -50,8 +50,11 @@ WRONG = [
     ("simulate --elements 2 --model beams", "elements must be 2 values separated by ','"),
     ("simulate examples/fit_your_curve.csv --table motion", "table must be summary for a FILE"),
     ("models --law hooke --duration 1ms", "law must be one of"),
-    ("data show --r2-star 7", "(study data show lists them), such as 20, 20.1, "),
-    ("data show --case papr-small-200", "such as paper-small-200, paper-small-20"),
+    ("data show --r2-star 7", "r2_star must be one that study data show lists, got 7.0"),
+    (
+        "data show --case papr-small-200",
+        "case must be one that study data show lists, got papr-small-200",
+    ),
     ("data check --sample 0", "sample must be >= 1, got 0"),
     ("run -p r2_star=100", "-p must be given with a NAME"),
     ("run fig10 -p size=1", "must be one of"),

@@ -117,12 +117,12 @@ def test_measured_times_are_kept_with_their_hash(copy):
     store.keep_measured(laws)
     assert set(dataset.measured("laws").machine) == {"another"}
     pd.testing.assert_frame_equal(dataset.measured("steppers"), before)
-    own = frame[(frame.chart == "steppers") & (frame.method == "RK4")].iloc[:1]
+    own = frame[(frame.chart == "steppers") & (frame.program == "ours")].iloc[:1]
     store.keep_measured(own)
     after = dataset.measured("steppers")
-    assert (after.method == "RK4").sum() == 1
-    others = before[before.method != "RK4"].reset_index(drop=True)
-    pd.testing.assert_frame_equal(after[after.method != "RK4"].reset_index(drop=True), others)
+    assert (after.program == "ours").sum() == 1
+    others = before[before.program != "ours"].reset_index(drop=True)
+    pd.testing.assert_frame_equal(after[after.program != "ours"].reset_index(drop=True), others)
     store.verify()
 
 
