@@ -1,6 +1,6 @@
 """Speed of the solver and the laws: run with ``make bench``. Nothing fails for being slow.
 
-Compiled laws, as the steppers call them: ``study measure --chart laws``.
+Compiled laws, as the steppers call them: ``make speed``.
 """
 
 import numpy as np

@@ -176,9 +176,9 @@ def verify(some: Iterable[Path] | None = None) -> None:
         if not path.is_file() or path not in stated or paths.sha256(path) != stated[path]:
             state = "is not the file" if path.is_file() else "is missing, or not the file"
             raise DatasetError(
-                f"{name} {state} whose SHA-256 hash is in {hashes}; restore both with: git checkout "
-                f"-- {name} {hashes}. If you edited it, renew its hash with: python data/build.py "
-                f"hash {name}"
+                f"{name} {state} whose SHA-256 hash is in {hashes}; restore both with: git "
+                f"checkout -- {name} {hashes}. If you edited it, renew its hash with: python "
+                f"data/build.py hash {name}"
             )
 
 

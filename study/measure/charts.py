@@ -1,4 +1,4 @@
-"""The four charts of `study measure`: laws, solvers, steppers and flexible links, timed.
+"""The four charts of ``make speed``: laws, solvers, steppers and flexible links, timed.
 
 - ``laws``: a call of each law in a compiled loop, and making the law for a joint; errors are
   relative to the elastic solution of the reference joint.

@@ -64,42 +64,33 @@ def in_scene(scene: Scene, law: Any) -> DimensionalLaw:
         if law.joint is not None:
             ball, socket = scene.materials
             ratio = socket.youngs_modulus / ball.youngs_modulus
-            for name, value, expected in (
-                ("modulus_ratio", law.joint.modulus_ratio, ratio),
-                ("poisson", law.joint.ball.poisson, ball.poisson),
-                ("socket_poisson", law.joint.innermost.poisson, socket.poisson),
-            ):
-                if not isclose(value, expected, rel_tol=SAME):
-                    raise checks.RangeError(
-                        f"{name} of law {law.name} must be {expected:.9g}, that of the scene's "
-                        f"materials, got {value:.9g}"
-                    )
+            _check_same("modulus_ratio", law.joint.modulus_ratio, ratio)
+            _check_same("poisson", law.joint.ball.poisson, ball.poisson)
+            _check_same("socket_poisson", law.joint.innermost.poisson, socket.poisson)
         law = DimensionalLaw(
             law,
             ball_radius=scene.ball_radius,
             socket_radius=scene.socket_radius,
             composite_modulus=scene.composite_modulus,
         )
-    sizes = (scene.socket_radius, law.socket_radius), (scene.clearance, law.clearance)
-    if not all(isclose(*pair, rel_tol=SAME) for pair in sizes):
-        wanted = f"socket_radius={law.socket_radius:.9g}, clearance={law.clearance:.9g}"
-        raise checks.RangeError(
-            "law must have the socket radius and the clearance of the scene; use "
-            f"Scene({wanted}), or another law"
-        )
-    modulus = law.composite_modulus
-    if not isclose(modulus, scene.composite_modulus, rel_tol=SAME):
-        # a liner has a modulus of its own, and a scene without materials takes those of the law
-        bodies = [] if law.joint is None else [law.joint.ball, law.joint.socket]
-        if scene.materials not in (Scene().materials, tuple(bodies)):
-            own = f"{scene.composite_modulus:.9g} Pa, that of the scene's materials"
-            raise checks.RangeError(
-                f"composite modulus E* of law must be {own}, got {modulus:.9g} Pa; use the same "
-                "materials, or do not give the materials of the scene"
-            )
+    _check_same("socket radius in m", law.socket_radius, scene.socket_radius)
+    _check_same("clearance in m", law.clearance, scene.clearance)
+    # a liner has a modulus of its own, and a scene without materials takes those of the law
+    bodies = () if law.joint is None else (law.joint.ball, law.joint.socket)
+    if scene.materials not in (Scene().materials, bodies):
+        _check_same("composite modulus E* in Pa", law.composite_modulus, scene.composite_modulus)
     if law.deepest < law.clearance * (1 - LIMIT_MARGIN):
         raise checks.RangeError(
             "law must be valid up to a depth of one clearance, but the law "
             f"{law.name} is valid up to {law.deepest:.4g} m"
         )
     return law
+
+
+def _check_same(name, value, expected):
+    """Raise `RangeError` if a size or a material of a law is not that of the mechanism."""
+    if not isclose(value, expected, rel_tol=SAME):
+        raise checks.RangeError(
+            f"{name} of the law must be {expected:.9g}, that of the mechanism, got {value:.9g}; "
+            "change the mechanism, or use another law"
+        )

@@ -16,7 +16,7 @@ from study.contact.materials import read_material
 from study.parameters import parameter
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 Body = Literal["crank", "coupler"]
 PAPER_DAMPING: Damping = "lankarani-nikravesh"
@@ -318,31 +318,6 @@ class Scene:
             v1=self.full_speed,
             steady=float(self.crank_speed is not None),
         )
-
-    def parameters(self) -> "pd.DataFrame":
-        """Every parameter: where the paper states it, or what this study assumes instead.
-
-        Columns are parameter, value (as text), unit, table and source. What the scene does not have
-        is left out, such as a second clearance joint.
-        """
-        import pandas as pd
-
-        values = dict(vars(self))
-        values["crank_inertia"], values["coupler_inertia"] = self.inertias
-        values["link_modulus"] = self.link_modulus or self.youngs_modulus
-        values["initial_eccentricity"] = hypot(*self.initial_eccentricity)
-        if self.crank_speed is not None:
-            values["driving_moment"] = values["initial_crank_speed"] = None
-        rows = []
-        for name, about in parameters.described(Scene).items():
-            if (value := values[name]) is None:  # what the scene does not have
-                continue
-            unit, source = about.unit or ("" if about.choices else "1"), about.source
-            if name == "damping" and value != Scene.damping:
-                source = "given by the paper, Eq. 31" if value == PAPER_DAMPING else "chosen here"
-            where = (source, "given by the paper") if "Table" in source else ("-", source)
-            rows.append((name.replace("_", " "), about.written(value), unit, *where))
-        return pd.DataFrame(rows, columns=["parameter", "value", "unit", "table", "source"])
 
     def replace(self, **changes: Any) -> "Scene":
         """Copy with some attributes changed."""

@@ -56,7 +56,7 @@ WRONG = [
         "case must be one that study data show lists, got papr-small-200",
     ),
     ("data check --sample 0", "sample must be >= 1, got 0"),
-    ("run -p r2_star=100", "-p must be given with a NAME"),
+    ("run -p r2_star=100", "-p and --accept must be given with a NAME"),
     ("run fig10 -p size=1", "must be one of"),
     ("list fig1", "NAME must be"),
     ("walk", "No such command 'walk'"),

@@ -28,13 +28,6 @@ def test_materials_are_those_of_all_bodies_or_a_bodys_own():
     assert MIXED.link("crank") == PAPER.link("crank")
 
 
-def test_parameters_name_a_material_only_where_one_was_given():
-    usual = PAPER.parameters().parameter
-    assert not usual.isin(["ball", "socket"]).any()
-    row = MIXED.parameters().set_index("parameter").loc["socket"]
-    assert (row.value, row.unit, row.table) == ("1.1e+11,0.34", "Pa, 1", "-")
-
-
 @pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
 @pytest.mark.parametrize("name", ["stiffened_hertz", "tabulated"])
 def test_a_name_stands_for_the_law_of_the_scenes_joint(name, model):

@@ -72,12 +72,15 @@ INPUTS = [
         "crank turns within the duration must be <= 1e+06 rad, got 4.47214e+06 rad",
     ),
     # laws of other joints and materials
-    (lambda: with_law(ball_radius=9e-3), "Scene(socket_radius=0.01, clearance=0.001)"),
-    (lambda: with_law(modulus=1e11), "composite modulus E* of law must be 8.04"),
-    (with_table, "modulus_ratio of law tabulated must be 0.531400966, that of the scene's"),
+    (
+        lambda: with_law(ball_radius=9e-3),
+        "clearance in m of the law must be 5e-05, that of the mechanism, got 0.001",
+    ),
+    (lambda: with_law(modulus=1e11), "composite modulus E* in Pa of the law must be 8.04"),
+    (with_table, "modulus_ratio of the law must be 0.531400966, that of the mechanism"),
     (
         lambda: with_table(ball=STEEL, socket=replace(BRONZE, poisson=0.3)),
-        "socket_poisson of law tabulated must be 0.34, that of the scene's materials, got 0.3",
+        "socket_poisson of the law must be 0.34, that of the mechanism, got 0.3",
     ),
     (
         lambda: with_table(Scene(socket_radius=20e-3)),

@@ -1,6 +1,6 @@
 """README's numbers are those of the accepted results, its commands and examples run.
 
-Accepted results are files: that they are also what the study computes is for `study report`, which
+Accepted results are files: that they are also what the study computes is for `study run`, which
 compares every result that it makes with the accepted one.
 """
 
