@@ -98,7 +98,9 @@ def normalised_rms(reference: ArrayLike, values: ArrayLike) -> float:
     """
     reference, values = np.asarray(reference), np.asarray(values)
     if not np.ptp(reference) > 0:
-        raise checks.RangeError(f"reference must change with time, got only {reference[0]:g}")
+        raise checks.RangeError(
+            f"the motion must change with time, got only {reference[0]:g}; take a longer duration"
+        )
     change = np.mean((reference - reference[0]) ** 2)
     return float(np.sqrt(np.mean((values - reference) ** 2) / change))
 

@@ -187,5 +187,5 @@ def test_a_wrong_claim_is_one_clear_error(change, column, value, message):
 
 def test_a_damaged_file_of_claims_is_named(monkeypatch, tmp_path):
     monkeypatch.setattr(verdicts, "CLAIMS", tmp_path / "claims.csv")
-    with pytest.raises(dataset.DatasetError, match=r"claims\.csv is missing; restore it with: git"):
+    with pytest.raises(dataset.DatasetError, match=r"claims\.csv is missing, or not the file"):
         verdicts.load()

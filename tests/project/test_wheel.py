@@ -126,7 +126,7 @@ BASE = [
     "laws --r2-star 200 --depth-star 0.3",
     "export tabulated csv --r2-star 150",
     "simulate --duration 1e-3 --joint ideal",
-    "models --duration 1e-3",
+    "models --duration 5e-3",
     "data materials",
 ]
 NOT_IN_BASE = {
