@@ -28,6 +28,7 @@ WRONG = [
     (f"joint {SIZES} --force 1 --tilt 999", "tilt must be >= 0 and <= 170 deg, got 999 deg"),
     (f"joint {SIZES} --force 1 --plot x.jpg", "plot must end in .png, .svg, .pdf, got x.jpg"),
     ("joint --r2-star 50 --depth-star 0.1 --plot x.png", "plot requires a joint with dimensions"),
+    (f"joint {SIZES} --plot x.png", "plot requires a joint with dimensions, and force, depth"),
     ("joint --r2-star 50 --output no/x.csv", "output must be in an existing folder with write"),
     ("joint --r2-star 50 --output /dev/null", "output must be a file, got /dev/null"),
     ("joint nothing.csv", "'nothing.csv' does not exist"),

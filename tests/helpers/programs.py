@@ -10,9 +10,6 @@ from other_programs import calculix
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 OCTAVE = shutil.which("octave-cli") or shutil.which("octave")
 needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler found")
-CHROMIUM = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-)
 needs_octave = pytest.mark.skipif(OCTAVE is None, reason="GNU Octave is not installed")
 needs_calculix = pytest.mark.skipif(calculix.version() is None, reason="ccx is not installed")
 
